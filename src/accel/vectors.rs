@@ -78,63 +78,96 @@ fn store_last(from: &Block, to: &mut [f64], begin: usize) {
 
 /// Vectors by component, for loops over many of them.
 #[derive(Debug, Default, Clone)]
-pub(crate) struct Columns([Vec<f64>; 3]);
+pub(crate) struct Columns {
+    count: usize,
+    /// Whole blocks: after the last vector come numbers without meaning.
+    columns: [Vec<f64>; 3],
+}
 
 impl Columns {
     /// How many vectors.
     #[inline(always)]
     pub fn len(&self) -> usize {
-        self.0[0].len()
+        self.count
     }
 
     /// Makes room for `count` vectors; what they are is to be written.
     pub fn resize(&mut self, count: usize) {
-        for column in &mut self.0 {
-            column.resize(count, 0.0);
+        self.count = count;
+        let room = count.next_multiple_of(BLOCK);
+        if self.columns[0].len() < room {
+            for column in &mut self.columns {
+                column.resize(room, 0.0);
+            }
         }
     }
 
     /// Forgets all vectors.
     pub fn clear(&mut self) {
-        self.0.iter_mut().for_each(Vec::clear);
+        self.count = 0;
     }
 
     /// Adds one more.
     #[inline(always)]
     pub fn push(&mut self, v: DVec3) {
-        let [x, y, z] = &mut self.0;
-        x.push(v.x);
-        y.push(v.y);
-        z.push(v.z);
+        let at = self.count;
+        self.count += 1;
+        if at >= self.columns[0].len() {
+            self.resize(at + 1);
+        }
+        self.set(at, v);
     }
 
     /// Vector `k`.
     #[inline(always)]
     pub fn get(&self, k: usize) -> DVec3 {
-        let [x, y, z] = &self.0;
+        let [x, y, z] = &self.columns;
         DVec3::new(x[k], y[k], z[k])
     }
 
     /// Writes vector `k`.
     #[inline(always)]
     pub fn set(&mut self, k: usize, v: DVec3) {
-        let [x, y, z] = &mut self.0;
+        let [x, y, z] = &mut self.columns;
         [x[k], y[k], z[k]] = v.to_array();
     }
 
-    /// The vectors from `begin` on.
+    /// The vectors from `begin` on, which is where a block begins.
+    #[inline(always)]
+    pub fn block(&self, begin: usize) -> VectorsRef<'_> {
+        const NONE: &Block = &[0.0; BLOCK];
+        VectorsRef(self.columns.each_ref().map(|column| {
+            let from = column.get(begin..).unwrap_or_default();
+            from.first_chunk().unwrap_or(NONE)
+        }))
+    }
+
+    /// A copy of the vectors from `begin` on.
     #[inline(always)]
     pub fn load(&self, begin: usize) -> Vectors {
-        let [x, y, z] = &self.0;
-        Vectors([load(x, begin), load(y, begin), load(z, begin)])
+        let VectorsRef([x, y, z]) = self.block(begin);
+        Vectors([*x, *y, *z])
     }
 
     /// Overwrites those from `begin` on.
     #[inline(always)]
     pub fn store(&mut self, from: &Vectors, begin: usize) {
-        for (from, to) in from.0.iter().zip(&mut self.0) {
+        for (from, to) in from.0.iter().zip(&mut self.columns) {
             store(from, to, begin);
         }
+    }
+}
+
+/// A block of vectors by component, where they lie.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct VectorsRef<'a>([&'a Block; 3]);
+
+impl VectorsRef<'_> {
+    /// Vector `k`.
+    #[inline(always)]
+    pub fn get(&self, k: usize) -> DVec3 {
+        let [x, y, z] = &self.0;
+        DVec3::new(x[k], y[k], z[k])
     }
 }
 

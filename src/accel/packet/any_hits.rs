@@ -9,20 +9,30 @@
 //! 2⁻³⁶(1 + τ) ((K4) of [`block`](super::block)): both far below r τ + a with r = 2⁻²⁰ and a = 2⁻²⁴. The ends in the block
 //! are moved outward by that, so that what is beyond them in f32 certainly doesn't block. Moved inward by 4 r τ + 4 a,
 //! they are certainly inside the true ends: what is between them in f32 certainly does.
+//!
+//! **(A2) One end.** Segments to a lamp or a pinhole end in one point, but for roundings. They are traced from it as rays that share
+//! their origin, without moments, which halves the work per triangle. An end o + s d, computed with two roundings, is off by less than
+//! 2⁻⁵²(|o|∞ + |end|∞). With the extent of the ends and as much again for the middle between them, each line passes within
+//! ρ = extent + 2⁻⁵¹(|o|∞ + |end|∞) of that. To take it through the middle is to move corners by ρ: it is added to η of
+//! [`setup`](super::setup). It also moves τ by 4 ρ at most ((K2) of [`block`](super::block)) and boxes by ρ; where it is no more than
+//! 2⁻⁴⁸(1 + |end|∞) in tree space, both are far below (A1) and (B3) of [`beam`](super::beam). Otherwise rays have their own origins.
+
+use std::marker::PhantomData;
 
 use glam::DVec3;
 
 use super::beam::Beam;
 use super::block::{Block, RAYS};
-use super::ray_set::{RaySet, Segments};
+use super::ray_set::{RaySet, Segments, SegmentsToPoint};
 use super::setup::{LeafTriangles, PacketTriangle};
 use super::simd::{Simd, Task, load_vectors};
 use super::traverse::{BlockQuery, Outcome, StackEntry, traverse};
 use crate::accel::bvh::Bvh;
-use crate::accel::float::{greater, lesser, power_of_two};
+use crate::accel::float::{greater, lesser, norm1, power_of_two};
 use crate::accel::rays::Segment;
 use crate::accel::single::{AnyHit, ScaledRay};
 use crate::accel::tally::{Tally, Work};
+use crate::accel::tree_space::TreeSpace;
 
 /// r of (A1).
 const RELATIVE: f64 = power_of_two(-20);
@@ -46,18 +56,36 @@ impl<T: Tally> Task for AnyHits<'_, T> {
 
     #[inline(always)]
     fn run<K: Simd>(self, k: K) -> Outcome {
+        match Way::of(self.segments, &self.block.order, &self.bvh.space) {
+            Way::ToPoint(rays) => self.trace(k, rays),
+            Way::FromStart => self.trace_from(k, false),
+            Way::FromEnd => self.trace_from(k, true),
+        }
+    }
+}
+
+impl<T: Tally> AnyHits<'_, T> {
+    #[inline(always)]
+    fn trace_from<K: Simd>(self, k: K, reversed: bool) -> Outcome {
+        let segments = self.segments;
+        self.trace(k, Segments { segments, reversed })
+    }
+
+    /// Traces the segments as `rays`.
+    #[inline(always)]
+    fn trace<K: Simd, R: RaySet>(self, k: K, rays: R) -> Outcome {
         let (bvh, block) = (self.bvh, self.block);
-        let rays = directed(self.segments, &block.order);
         let Some(bounds) = block.load(k, bvh, rays) else {
             return Outcome::Incoherent;
         };
-        let Some(limit) = set_limits(block, rays) else {
+        let Some(limit) = set_limits(block, self.segments, rays.is_reversed()) else {
             return Outcome::Incoherent;
         };
         let beam = Beam::new(k.children(), &bounds);
         let mut query = AnyQuery {
             bvh,
-            rays,
+            segments: self.segments,
+            rays: PhantomData::<R>,
             blocked: self.blocked,
             open: u64::MAX >> (RAYS - block.count),
             limit,
@@ -69,28 +97,46 @@ impl<T: Tally> Task for AnyHits<'_, T> {
     }
 }
 
-/// The segments from where they are nearer to one another: their starts, or their ends.
-#[inline(always)]
-fn directed<'a>(segments: &'a [Segment], order: &[u32; RAYS]) -> Segments<'a> {
-    let forward = Segments {
-        segments,
-        reversed: false,
-    };
-    let backward = Segments {
-        segments,
-        reversed: true,
-    };
-    let (mut starts, mut ends) = (Extent::NONE, Extent::NONE);
-    for &ray in order {
-        starts.add(forward.start(ray as usize));
-        ends.add(backward.start(ray as usize));
-    }
-    let (starts, ends) = (starts.size(), ends.size());
-    // Not where ends are at infinity, or not numbers.
-    if ends >= 0.0 && ends < starts {
-        backward
-    } else {
-        forward
+/// How the segments of a block are traced.
+enum Way<'a> {
+    FromStart,
+    FromEnd,
+    /// From the point in which all end.
+    ToPoint(SegmentsToPoint<'a>),
+}
+
+impl<'a> Way<'a> {
+    /// From where the segments in `order` are nearer to one another: their starts, or their ends.
+    #[inline(always)]
+    fn of(segments: &'a [Segment], order: &[u32; RAYS], space: &TreeSpace) -> Way<'a> {
+        let (mut starts, mut ends) = (Extent::NONE, Extent::NONE);
+        // NaN, if any end is infinite or not a number: ∞·0 and NaN·0.
+        let mut broken = DVec3::ZERO;
+        for &ray in order {
+            let Segment { ray, s_max, .. } = &segments[ray as usize];
+            let end = ray.origin + ray.direction * *s_max;
+            starts.add(ray.origin);
+            ends.add(end);
+            broken += end * 0.0;
+        }
+        let (apart, extent) = (starts.size(), ends.size());
+        if !(extent < apart && broken == DVec3::ZERO) {
+            return Way::FromStart;
+        }
+        // ρ of (A2), metres.
+        let reach = starts.greatest() + ends.greatest();
+        let error = extent + power_of_two(-51) * reach;
+        let end = ends.lo * 0.5 + ends.hi * 0.5;
+        let size = 1.0 + space.map(end).abs().max_element();
+        match error * space.scale <= power_of_two(-48) * size {
+            true => Way::ToPoint(SegmentsToPoint {
+                segments,
+                end,
+                error,
+                farthest: starts.farthest_from(end),
+            }),
+            false => Way::FromEnd,
+        }
     }
 }
 
@@ -116,16 +162,28 @@ impl Extent {
     fn size(&self) -> f64 {
         (self.hi - self.lo).max_element()
     }
+
+    /// |x|∞ of its points at most.
+    #[inline(always)]
+    fn greatest(&self) -> f64 {
+        self.lo.abs().max(self.hi.abs()).max_element()
+    }
+
+    /// How far any of its points is from `point` at most, in sum over the axes.
+    #[inline(always)]
+    fn farthest_from(&self, point: DVec3) -> f64 {
+        norm1((self.lo - point).abs().max((self.hi - point).abs()))
+    }
 }
 
 /// Sets between which τ each ray of the block is of interest, a little more than between its ends (A1), and
 /// returns the greatest; none where ends are not numbers or before the start.
 #[inline(always)]
-fn set_limits(block: &mut Block, rays: Segments) -> Option<f32> {
+fn set_limits(block: &mut Block, segments: &[Segment], reversed: bool) -> Option<f32> {
     let (mut limit, mut broken) = (0.0, false);
     for (lane, &ray) in block.order.iter().enumerate() {
-        let Segment { ray, s_max, .. } = &rays.segments[ray as usize];
-        let (from, to) = if rays.reversed {
+        let Segment { ray, s_max, .. } = &segments[ray as usize];
+        let (from, to) = if reversed {
             (0.0, s_max - ray.s_min)
         } else {
             (ray.s_min, *s_max)
@@ -143,9 +201,11 @@ fn set_limits(block: &mut Block, rays: Segments) -> Option<f32> {
     (!broken).then_some(limit as f32)
 }
 
-struct AnyQuery<'a, T> {
+struct AnyQuery<'a, R, T> {
     bvh: &'a Bvh,
-    rays: Segments<'a>,
+    segments: &'a [Segment],
+    /// As what they are traced.
+    rays: PhantomData<R>,
     blocked: &'a mut [bool],
     /// Rays that nothing blocks so far, as bits.
     open: u64,
@@ -154,8 +214,8 @@ struct AnyQuery<'a, T> {
     tally: &'a mut T,
 }
 
-impl<'a, K: Simd, T: Tally> BlockQuery<K> for AnyQuery<'a, T> {
-    type Rays = Segments<'a>;
+impl<K: Simd, R: RaySet, T: Tally> BlockQuery<K> for AnyQuery<'_, R, T> {
+    type Rays = R;
     type Tally = T;
     const CERTIFIED: bool = true;
 
@@ -179,7 +239,7 @@ impl<'a, K: Simd, T: Tally> BlockQuery<K> for AnyQuery<'a, T> {
     }
 }
 
-impl<'a, T: Tally> AnyQuery<'a, T> {
+impl<R: RaySet, T: Tally> AnyQuery<'_, R, T> {
     /// Tests triangle `at`, whose σ is certain.
     #[inline(always)]
     fn intersect_certain<K: Simd>(
@@ -189,17 +249,17 @@ impl<'a, T: Tally> AnyQuery<'a, T> {
         at: usize,
         slot: u32,
     ) {
-        let triangle = PacketTriangle::new::<Segments<'a>>(k, triangles, at);
+        let triangle = PacketTriangle::new::<R>(k, triangles, at);
         let mut first = 0;
         while first < RAYS {
             let open = self.open_from::<K>(first);
             if open != 0 {
                 let d = load_vectors(k, &self.block.directions, first);
-                let edge_functions = triangle.edge_functions::<Segments<'a>>(&d, self.block, first);
+                let edge_functions = triangle.edge_functions::<R>(&d, self.block, first);
                 let [u, v, w] = edge_functions;
                 let inside = k.not_negative(u, v, w) & open;
                 if inside != 0 {
-                    let volume = triangle.volume::<Segments<'a>>(self.block, first);
+                    let volume = triangle.volume::<R>(self.block, first);
                     let numbers = (edge_functions, triangle.determinant(&d), volume);
                     self.block_rays(k, &triangle, slot, (first, inside), numbers);
                 }
@@ -217,7 +277,7 @@ impl<'a, T: Tally> AnyQuery<'a, T> {
         at: usize,
         slot: u32,
     ) {
-        let triangle = PacketTriangle::new::<Segments<'a>>(k, triangles, at);
+        let triangle = PacketTriangle::new::<R>(k, triangles, at);
         let (tag, front) = (self.bvh.tags[slot as usize], triangles.front >> at & 1 != 0);
         let shown = if tag.shows(front) { u32::MAX } else { 0 };
         let other_shown = if tag.shows(!front) { u32::MAX } else { 0 };
@@ -226,14 +286,14 @@ impl<'a, T: Tally> AnyQuery<'a, T> {
             let open = self.open_from::<K>(first);
             if open != 0 {
                 let d = load_vectors(k, &self.block.directions, first);
-                let seen = triangle.edge_functions::<Segments<'a>>(&d, self.block, first);
+                let seen = triangle.edge_functions::<R>(&d, self.block, first);
                 let other = triangle.of_other_side(&seen);
                 let [u, v, w] = seen;
                 let inside = k.not_negative(u, v, w) & shown & open;
                 let other_inside =
                     k.not_negative(other[0], other[1], other[2]) & other_shown & open;
                 if inside | other_inside != 0 {
-                    let volume = triangle.volume::<Segments<'a>>(self.block, first);
+                    let volume = triangle.volume::<R>(self.block, first);
                     let unsure = triangle.volume_slack(volume);
                     let ahead = k.le(unsure, volume);
                     let behind = k.le(unsure, k.sub(k.splat(0.0), volume));
@@ -310,7 +370,7 @@ impl<'a, T: Tally> AnyQuery<'a, T> {
     fn decide(&mut self, lane: usize, slot: u32, certain: bool) {
         let tag = self.bvh.tags[slot as usize];
         let ray = self.block.order[lane] as usize;
-        let segment = &self.rays.segments[ray];
+        let segment = &self.segments[ray];
         if [segment.skip, segment.end].contains(&Some(tag.id())) {
             return;
         }

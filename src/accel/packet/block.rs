@@ -85,6 +85,8 @@ pub(super) struct BlockBounds {
     pub max_moment: f32,
     /// No ray's origin is farther from the point, in sum over the axes: F.
     pub max_distance: f32,
+    /// How far from the point lines pass at most that are taken through it.
+    pub origin_error: f32,
     /// Whether rays are traced from their ends.
     pub reversed: bool,
 }
@@ -139,10 +141,11 @@ impl Block {
             max_direction: greatest(&directions) * ABOVE,
             max_moment: 0.0,
             max_distance: 0.0,
+            origin_error: 0.0,
             reversed: rays.is_reversed(),
         };
         match rays.shared_origin() {
-            Some(origin) => bounds.point = space.map(origin),
+            Some(origin) => share_origin(origin, space, rays, &mut bounds)?,
             None => self.load_origins(k, space, rays, unit, &mut bounds)?,
         }
         Some(bounds)
@@ -385,6 +388,22 @@ impl Block {
         let limit = far * (1.0 + power_of_two(-21) as f32) + power_of_two(-26) as f32;
         if limit < f32::MAX { limit } else { f32::MAX }
     }
+}
+
+/// Notes where all rays start; none if that, or where they start as given, is too far.
+#[inline(always)]
+fn share_origin<R: RaySet>(
+    origin: DVec3,
+    space: &TreeSpace,
+    rays: R,
+    bounds: &mut BlockBounds,
+) -> Option<()> {
+    bounds.point = space.map(origin);
+    let farthest = rays.farthest_origin() * space.scale;
+    bounds.max_distance = farthest as f32 * ABOVE;
+    bounds.origin_error = (rays.origin_error() * space.scale) as f32 * ABOVE;
+    // As the origins of (K2); also for NaN.
+    (!is_far(bounds.point) && farthest <= 4.0 * FAR).then_some(())
 }
 
 /// An f32 above a parameter: (K4).

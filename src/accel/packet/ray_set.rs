@@ -15,6 +15,16 @@ pub(super) trait RaySet: Copy {
     fn shared_origin(self) -> Option<DVec3> {
         None
     }
+    /// How far from the shared start rays pass at most, metres: (A2) of [`any_hits`](super::any_hits).
+    #[inline(always)]
+    fn origin_error(self) -> f64 {
+        0.0
+    }
+    /// How far from the shared start rays start as given, metres, in sum over the axes.
+    #[inline(always)]
+    fn farthest_origin(self) -> f64 {
+        0.0
+    }
     /// Whether rays are traced from their ends.
     #[inline(always)]
     fn is_reversed(&self) -> bool {
@@ -83,6 +93,17 @@ pub(super) struct OwnOrigins<'a> {
 pub(super) struct Segments<'a> {
     pub segments: &'a [Segment],
     pub reversed: bool,
+}
+
+/// Segments that end in one point, from there.
+#[derive(Clone, Copy)]
+pub(super) struct SegmentsToPoint<'a> {
+    pub segments: &'a [Segment],
+    /// The point, and how far from it they pass at most, metres.
+    pub end: DVec3,
+    pub error: f64,
+    /// How far from it they start at most, metres, in sum over the axes.
+    pub farthest: f64,
 }
 
 impl RaySet for SharedOrigin<'_> {
@@ -176,6 +197,56 @@ impl RaySet for Segments<'_> {
         } else {
             ray.origin
         }
+    }
+
+    #[inline(always)]
+    fn origin(self, ray: usize) -> DVec3 {
+        self.segments[ray].ray.origin
+    }
+}
+
+impl RaySet for SegmentsToPoint<'_> {
+    const OWN_ORIGINS: bool = false;
+
+    #[inline(always)]
+    fn shared_origin(self) -> Option<DVec3> {
+        Some(self.end)
+    }
+
+    #[inline(always)]
+    fn origin_error(self) -> f64 {
+        self.error
+    }
+
+    #[inline(always)]
+    fn farthest_origin(self) -> f64 {
+        self.farthest
+    }
+
+    #[inline(always)]
+    fn is_reversed(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn leaves(self) -> bool {
+        true
+    }
+
+    /// Its id, in place of the slot.
+    #[inline(always)]
+    fn left(self, ray: usize) -> u32 {
+        self.segments[ray].skip.unwrap_or(NO_SLOT)
+    }
+
+    #[inline(always)]
+    fn direction(self, ray: usize) -> DVec3 {
+        -self.segments[ray].ray.direction
+    }
+
+    #[inline(always)]
+    fn start(self, _: usize) -> DVec3 {
+        self.end
     }
 
     #[inline(always)]

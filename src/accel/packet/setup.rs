@@ -124,7 +124,8 @@ impl<K: Simd> TriangleSetup<K> {
             spread: bounds.offsets[0] + bounds.offsets[1] + bounds.offsets[2],
             max_direction: bounds.max_direction,
             max_moment: bounds.max_moment,
-            blur: ((1.0 + bounds.point.abs().max_element()) * power_of_two(-50)) as f32,
+            blur: ((1.0 + bounds.point.abs().max_element()) * power_of_two(-50)) as f32
+                + bounds.origin_error,
             max_distance: bounds.max_distance,
             back: if bounds.reversed { u32::MAX } else { 0 },
         }

@@ -58,13 +58,11 @@ impl CaptureLookups {
         self.plain = [false; BATCH];
     }
 
-    /// By point, the radiance and the sum of the taps' weights; none where it is not all of it in the data.
+    /// The radiance of point `at` of the batch and the sum of its taps' weights; none where it is not all of it in the data.
     #[inline(always)]
-    pub fn answers(&self) -> impl Iterator<Item = Option<([f64; 3], f64)>> + '_ {
-        (0..self.count).map(|at| {
-            let [r, g, b, _] = self.radiance[at];
-            self.plain[at].then_some(([r, g, b], self.held[at]))
-        })
+    pub fn answer(&self, at: usize) -> Option<([f64; 3], f64)> {
+        let [r, g, b, _] = self.radiance[at];
+        self.plain[at].then_some(([r, g, b], self.held[at]))
     }
 }
 

@@ -9,7 +9,9 @@ use glam::DVec3;
 use super::capture::{Aim, Capture, NOTHING, SurfacePoint};
 use super::places::{BATCH, integer, neighbours};
 use super::texture::{Located, TimeTexture};
-use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, Vectors, dispatch, store};
+use crate::accel::vectors::{
+    BLOCK, Block, Columns, VectorLoop, Vectors, VectorsRef, dispatch, store,
+};
 use crate::camera::{AnyProjection, Projection};
 use crate::scene::model::Reconstruction;
 
@@ -25,7 +27,8 @@ pub struct CapturePoints {
     pub(super) delays: [Vec<f64>; 4],
     /// The other points, ascending.
     others: Vec<(u32, Located)>,
-    block: Box<LocatedBlock>,
+    /// Room for one block, once it was needed.
+    block: Option<Box<LocatedBlock>>,
 }
 
 impl CapturePoints {
@@ -71,11 +74,10 @@ impl CapturePoints {
         for column in columns.into_iter().flatten() {
             column.resize(room, 0.0);
         }
+        let seen = &mut **self.block.get_or_insert_default();
         let mut begin = 0;
         while begin < count {
-            let seen = &mut *self.block;
-            let (positions, normals) = (positions.load(begin), normals.load(begin));
-            let block = (&positions, &normals);
+            let block = (positions.block(begin), normals.block(begin));
             // The usual projection has a loop compiled for it; the others share one.
             match capture.projection() {
                 AnyProjection::Perspective(film) => {
@@ -167,8 +169,8 @@ struct Locate<'a, P> {
     texture: &'a TimeTexture,
     capture: &'a Capture,
     film: &'a P,
-    positions: &'a Vectors,
-    normals: &'a Vectors,
+    positions: VectorsRef<'a>,
+    normals: VectorsRef<'a>,
     to: &'a mut LocatedBlock,
 }
 
@@ -177,7 +179,7 @@ impl<'a, P> Locate<'a, P> {
         texture: &'a TimeTexture,
         capture: &'a Capture,
         film: &'a P,
-        (positions, normals): (&'a Vectors, &'a Vectors),
+        (positions, normals): (VectorsRef<'a>, VectorsRef<'a>),
         to: &'a mut LocatedBlock,
     ) -> Self {
         Locate {
@@ -223,8 +225,8 @@ impl LocatedBlock {
         &mut self,
         capture: &Capture,
         film: &P,
-        positions: &Vectors,
-        normals: &Vectors,
+        positions: VectorsRef,
+        normals: VectorsRef,
     ) {
         // Into arrays of its own: of those the compiler knows that nothing which is read lies in them.
         let (mut x, mut y) = ([0.0; BLOCK], [0.0; BLOCK]);

@@ -394,19 +394,47 @@ impl TimeTexture {
                 let when = |texel| self.timeline.moment(t + capture.delay_of(texel));
                 self.sample_means(capture, (*place, *all), taps, when, near)
             }
-            Spot::Seen(place, ..) | Spot::Sharp(place, ..) | Spot::Unseen(place) => {
-                self.fill(self.outside.occluded, Coverage::OCCLUDED, || {
+            Spot::Seen(place, ..)
+            | Spot::Sharp(place, ..)
+            | Spot::Unseen(place)
+            | Spot::Beside(place) => {
+                let (fill, coverage) = self.absence(located);
+                self.fill(fill, coverage, || {
                     self.sample_anything(capture, *place, t, near)
                 })
             }
-            Spot::Beside(place) => {
-                self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, || {
-                    self.sample_anything(capture, *place, t, near)
-                })
+            Spot::Behind => {
+                let (fill, coverage) = self.absence(located);
+                self.fill(fill, coverage, Sampled::default)
             }
-            Spot::Behind => self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, || {
-                Sampled::default()
-            }),
+        }
+    }
+
+    /// What stands in for a point that was located where the capture has no data of it, if no data are read for that. `occluded`
+    /// is as in [`TimeTexture::sample_located`].
+    #[inline]
+    pub fn without_data(&self, located: &Located, occluded: bool) -> Option<Sampled> {
+        let (fill, coverage) = match located.is_seen() && !occluded {
+            true => return None,
+            false => self.absence(located),
+        };
+        (fill != Fill::Hold).then(|| self.fill(fill, coverage, Sampled::default))
+    }
+
+    /// The same for a point that pixels have seen and something occludes.
+    #[inline]
+    pub fn occluded(&self) -> Option<Sampled> {
+        let fill = self.outside.occluded;
+        (fill != Fill::Hold).then(|| self.fill(fill, Coverage::OCCLUDED, Sampled::default))
+    }
+
+    /// Why the capture has no data of a point, and what stands in for it. A point that is seen is occluded.
+    fn absence(&self, located: &Located) -> (Fill, Coverage) {
+        match &located.0 {
+            Spot::Seen(..) | Spot::Sharp(..) | Spot::Unseen(_) => {
+                (self.outside.occluded, Coverage::OCCLUDED)
+            }
+            Spot::Beside(_) | Spot::Behind => (self.outside.off_texture, Coverage::OFF_TEXTURE),
         }
     }
 
@@ -537,7 +565,7 @@ impl TimeTexture {
     }
 
     /// A place without data: `hold` reads the nearest, whose times may be missing too and are filled.
-    #[cold]
+    #[inline]
     fn fill(&self, fill: Fill, coverage: Coverage, hold: impl FnOnce() -> Sampled) -> Sampled {
         let sampled = match fill {
             Fill::Black => Sampled::default(),

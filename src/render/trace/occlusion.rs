@@ -252,8 +252,8 @@ impl VectorLoop for Starts<'_> {
         let ball = self.ball;
         let mut begin = 0;
         while begin < self.starts.len() {
-            let (eyes, from) = (self.eyes.load(begin), self.from.load(begin));
-            let directions = self.directions.load(begin);
+            let (eyes, from) = (self.eyes.block(begin), self.from.block(begin));
+            let directions = self.directions.block(begin);
             let mut starts = [0.0; BLOCK];
             for (k, start) in starts.iter_mut().enumerate() {
                 let (from, d) = (from.get(k), directions.get(k));
@@ -311,7 +311,7 @@ impl VectorLoop for StartsTowards<'_> {
     fn run(self) {
         let mut begin = 0;
         while begin < self.starts.len() {
-            let from = self.points.positions.load(begin);
+            let from = self.points.positions.block(begin);
             let eyes = self.points.load_eyes(begin);
             let mut starts = [0.0; BLOCK];
             for (k, start) in starts.iter_mut().enumerate() {

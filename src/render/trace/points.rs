@@ -220,7 +220,7 @@ impl VectorLoop for Normals<'_> {
     fn run(self) {
         let mut begin = 0;
         while begin < self.sides.len() {
-            let [e1, e2] = [self.edges[0].load(begin), self.edges[1].load(begin)];
+            let [e1, e2] = [self.edges[0].block(begin), self.edges[1].block(begin)];
             let sides = load(self.sides, begin);
             let mut normals = Vectors::ZERO;
             for (k, side) in sides.iter().enumerate() {

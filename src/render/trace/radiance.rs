@@ -274,20 +274,33 @@ fn project(
     run.times(clock, 0, &mut emitted.times[..count]);
     emitted.radiance.resize(count, [0.0; 3]);
     emitted.rest.clear();
+    let all = std::mem::take(&mut emitted.seen);
+    let mut others = all.others().iter().peekable();
     let mut begin = 0;
     while begin < count {
         let batch = BATCH.min(count - begin);
         let (times, blocked) = (&emitted.times[..], &emitted.answers[..]);
         let lookups = &mut emitted.captured;
-        let points = (&emitted.seen, begin, batch);
+        let points = (&all, begin, batch);
         match singly {
             true => lookups.clear(batch),
             false => texture.sample_taps(points, (times, blocked), lookups),
         }
-        for (at, answer) in lookups.answers().enumerate() {
-            let at = begin + at;
-            let Some((radiance, held)) = answer else {
-                emitted.rest.push(at as u32);
+        for k in 0..batch {
+            let at = begin + k;
+            let Some((radiance, held)) = emitted.captured.answer(k) else {
+                // Of some it is known that there are no data, and what stands in for them.
+                let other = others.next_if(|(other, _)| *other as usize == at);
+                let is_blocked = emitted.answers[at];
+                let stand_in = match other {
+                    Some((_, located)) => texture.without_data(located, is_blocked),
+                    None if is_blocked => texture.occluded(),
+                    None => None,
+                };
+                match stand_in {
+                    Some(sampled) => emitted.put(at, Emission::stored(sampled)),
+                    None => emitted.rest.push(at as u32),
+                }
                 continue;
             };
             emitted.radiance[at] = radiance;
@@ -310,6 +323,7 @@ fn project(
         begin += batch;
     }
     if emitted.rest.is_empty() {
+        emitted.seen = all;
         return;
     }
 
@@ -317,7 +331,6 @@ fn project(
     let read = Cell::new(0);
     let near = std::mem::take(&mut emitted.near);
     let rest = std::mem::take(&mut emitted.rest);
-    let all = std::mem::take(&mut emitted.seen);
     let mut others = all.others().iter().peekable();
     texture.look_up_each(&near, rest.len(), |n| {
         let at = rest[n] as usize;

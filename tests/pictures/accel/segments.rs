@@ -74,6 +74,36 @@ fn shadows_of_a_lamp_are_those_of_single_rays_at_all_scales() {
 }
 
 #[test]
+fn shadows_of_lamps_on_edges_and_corners_and_far_from_the_origin_are_those_of_single_rays() {
+    let mut random = Random(69);
+    let (mut blocked, mut all) = (0, 0);
+    for distance in [0.0, 1.0, 1e3, 1e6, 1e12] {
+        let place = DVec3::new(1.0, -0.7, 0.4) * distance;
+        let mesh = random.soup(200, place, 1.0, 0.4);
+        let bvh = build(&mesh);
+        for (k, &[a, b, c]) in mesh.iter().enumerate().take(60) {
+            // In a corner, on an edge, in the plane beside the triangle, just before it.
+            let lamp = match k % 4 {
+                0 => a,
+                1 => a.midpoint(b),
+                2 => a + (b - a) * 1.5 + (c - a) * 0.5,
+                _ => (a + b + c) / 3.0 + (b - a).cross(c - a).normalize() * 1e-9,
+            };
+            let segments: Vec<Segment> = (0..128)
+                .map(|_| place + random.vector())
+                .map(|from| segment(from, lamp - from, 1.0, None))
+                .collect();
+            all += segments.len();
+            blocked += compare(&bvh, &segments);
+        }
+    }
+    assert!(
+        blocked > 10_000 && all - blocked > 1_000,
+        "{blocked} of {all}"
+    );
+}
+
+#[test]
 fn shadows_on_a_closed_mesh_are_those_of_single_rays() {
     let mut random = Random(62);
     let mesh = scaled(&sphere(5), 1.0, DVec3::new(0.3, 0.2, 0.1));

@@ -81,7 +81,7 @@ rendered as a single panel. Set display.white, or --white, to give all panels th
 pub const DIAGRAM: &str = "\
 Examples:
   nullray diagram twin-paradox.toml -o twins.svg -o twins.pdf -o twins.png -o twins.tex
-  nullray diagram twin-paradox.toml --set \"diagram.event.T.at=[5,4]\" --dark
+  nullray diagram length-contraction.toml --set diagram.frame.0.velocity=0.8 --dark
   nullray diagram scene.toml --frame camera
   nullray diagram twin-paradox.toml --boost-to out -o twins.apng
   nullray diagram twin-paradox.toml --boost-to out -o - | ffmpeg -i - -pix_fmt yuv420p twins.mp4

@@ -133,7 +133,7 @@ fn motion(
         let n = heading(motion.direction, right)?;
         let velocity = velocity("--flyby", beta, n)?;
         let subject = subject(scene, request)?;
-        let distance = distance(motion, scene, subject, velocity.gamma())?;
+        let distance = distance(motion, scene, subject, 2.0 * velocity.gamma())?;
         let way = subject.map(|point| point - scene.camera.origin.x);
         let middle = way.map_or(0.0, |way| straight_ahead(way, n, velocity));
         let shot = |k| {
@@ -149,7 +149,8 @@ fn motion(
             Some(_) => None,
             None => subject(scene, request)?,
         };
-        let a = (greatest.gamma() - 1.0) / distance(motion, scene, subject, 1.0)?;
+        // Not all the way, so that what it looks at stays in view.
+        let a = (greatest.gamma() - 1.0) / distance(motion, scene, subject, 0.9)?;
         let rapidity = greatest.rapidity().length();
         let shot = |k| {
             let w = part(k) * rapidity;
@@ -236,12 +237,12 @@ fn straight_ahead(way: DVec3, n: DVec3, velocity: Velocity) -> f64 {
     along + velocity.gamma() * (beta * way.length() - along)
 }
 
-/// How far the camera goes, metres: what is said, or `stretch` times twice the distance from its eye to the `subject`.
+/// How far the camera goes, metres: what is said, or `times` the distance from its eye to the `subject`.
 fn distance(
     motion: &MotionArguments,
     scene: &Scene,
     subject: Option<DVec3>,
-    stretch: f64,
+    times: f64,
 ) -> Result<f64> {
     if let Some(distance) = motion.distance {
         let metres = distance.metres(scene.speed_of_light);
@@ -254,7 +255,7 @@ fn distance(
             )),
         };
     }
-    subject.map(|point| 2.0 * stretch * point.distance(scene.camera.origin.x)).ok_or_else(|| {
+    subject.map(|point| times * point.distance(scene.camera.origin.x)).ok_or_else(|| {
         let what = "the scene does not say what its camera looks at (camera.look_at), and has no surface away from it: it is not known how far to go";
         refused("--distance", what, "give the distance, like --distance \"6 m\"")
     })

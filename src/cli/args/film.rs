@@ -80,7 +80,7 @@ pub struct MotionArguments {
     /// Where the camera moves to: x, y, z, -x, -y, -z or a vector like 1,0,-1. Default: to its right for --flyby, else ahead.
     #[arg(long, value_name = "DIRECTION", value_parser = values::heading, allow_hyphen_values = true, conflicts_with = "light")]
     pub direction: Option<Heading>,
-    /// How far the camera goes, with its unit: "6 m". Default: twice the distance to the point that it looks at, times γ for --flyby.
+    /// How far the camera goes, with its unit: "6 m". Default: nine tenths of the way to the point that it looks at; for --flyby twice the distance, times γ.
     #[arg(long, value_name = "LENGTH", conflicts_with_all = ["light", "speeds"])]
     pub distance: Option<Time>,
     /// The camera's time of the first picture of --light. Default: when light comes into view.

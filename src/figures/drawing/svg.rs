@@ -105,7 +105,7 @@ impl Svg {
                 Mark::Line { path, line } => self.line(path, line),
                 Mark::Clip { path, marks } => self.clip(path, marks)?,
                 Mark::Image { image, rect } => self.image(image, rect)?,
-                Mark::Text { text, .. } if self.as_text => self.words(text),
+                Mark::Text { text, .. } if self.as_text => self.words(text)?,
                 Mark::Text { says, marks, .. } => self.says(says, marks)?,
             }
         }
@@ -182,7 +182,7 @@ impl Svg {
         Ok(())
     }
 
-    fn words(&mut self, text: &Text) {
+    fn words(&mut self, text: &Text) -> Result<()> {
         // SVG places text by its baseline.
         let [_, down] = text.anchor.offset(0.0, text.size);
         let anchor = match text.anchor.x {
@@ -196,9 +196,12 @@ impl Svg {
         self.attribute("y", &number(text.at[1] + down));
         self.attribute(
             "font-family",
-            "'Libertinus Serif', 'Linux Libertine O', 'Times New Roman', serif",
+            "'Libertinus Serif', 'Linux Libertine O', 'Times New Roman', 'Liberation Serif', 'DejaVu Serif Condensed', serif",
         );
         self.attribute("font-size", &number(text.size));
+        // Of other fonts, which may be wider, the text keeps its room.
+        self.attribute("textLength", &number(text.text.width(text.size)?));
+        self.attribute("lengthAdjust", "spacingAndGlyphs");
         self.attribute("text-anchor", anchor);
         if text.angle != 0.0 {
             let turn = number(-text.angle.to_degrees());
@@ -230,6 +233,7 @@ impl Svg {
             self.text.push_str(&format!(">{}</tspan>", escaped(words)));
         }
         self.text.push_str("</text>\n");
+        Ok(())
     }
 
     fn colour(&mut self, attribute: &str, colour: Colour) {

@@ -1,7 +1,7 @@
 //! TikZ: a picture for LaTeX whose text is set by LaTeX, in the fonts of the document around it.
 //!
 //! Lengths are in big points (bp, 1/72 inch), y downwards as on the page; a file is one `tikzpicture` to be read by
-//! `\input`, in a document with `\usepackage{tikz}`.
+//! `\input`, in a document with `\usepackage{tikz}`. Some letters (ą, đ, þ, „) need `\usepackage[T1]{fontenc}` with pdfTeX.
 
 use super::marks::{Line, Mark, marks};
 use super::{AnchorX, Cap, Colour, Drawing, Join, Path, Text};
@@ -20,6 +20,7 @@ pub fn write(drawing: &Drawing) -> Result<String> {
             text.push_str(&format!("% {}\n", line.replace(char::is_control, " ")));
         }
     }
+    text.push_str("% for \\input, after \\usepackage[T1]{fontenc} and \\usepackage{tikz}\n");
     text.push_str("\\begin{tikzpicture}[x=1bp, y=-1bp, inner sep=0pt, outer sep=0pt]\n");
     let page = Rect {
         min: [0.0; 2],

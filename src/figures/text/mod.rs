@@ -8,6 +8,7 @@ mod markup;
 mod outline;
 pub mod rich;
 mod setter;
+mod tex;
 
 pub use outline::{Outline, Rect, Segment, bounds};
 pub use rich::RichText;

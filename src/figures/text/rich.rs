@@ -15,9 +15,10 @@
 //!
 //! Scripts are set at 0.7 of the size, 0.18 em down or 0.33 em up, and have no scripts of their own.
 
-use super::markup::{Level, Run, parse, signs};
+use super::markup::{Level, Run, parse};
 use super::outline::{Outline, Rect, bounds};
 use super::setter::{Setter, Style};
+use super::tex;
 use crate::error::Result;
 
 /// The size of scripts, in that of their line.
@@ -90,7 +91,7 @@ impl RichText {
     pub(crate) fn tex(&self) -> String {
         let mut all = String::new();
         for run in &self.runs {
-            let words: String = run.text.chars().map(tex_of).collect();
+            let words: String = tex::words(&run.text);
             let styled = match run.style {
                 Style::Upright => words,
                 Style::Italic => format!("\\textit{{{words}}}"),
@@ -163,31 +164,6 @@ impl RichText {
             max: [0.0; 2],
         };
         Ok(bounds(&self.outline(size)?.segments).unwrap_or(nothing))
-    }
-}
-
-/// A character for LaTeX.
-fn tex_of(c: char) -> String {
-    let named = signs().find(|(_, sign)| *sign == c);
-    match (c, named) {
-        ('′', _) => "$'$".into(),
-        ('″', _) => "$''$".into(),
-        ('²', _) => "$^2$".into(),
-        ('³', _) => "$^3$".into(),
-        ('−', _) => "$-$".into(),
-        ('°', _) => "$^\\circ$".into(),
-        ('√', _) => "$\\surd$".into(),
-        ('ο', _) => "$o$".into(),
-        ('≤', _) => "$\\leq$".into(),
-        ('≥', _) => "$\\geq$".into(),
-        ('≠', _) => "$\\neq$".into(),
-        (_, Some((name, _))) => format!("$\\{name}$"),
-        ('#' | '$' | '%' | '&' | '_' | '{' | '}', _) => format!("\\{c}"),
-        ('\\', _) => "\\textbackslash{}".into(),
-        ('^', _) => "\\textasciicircum{}".into(),
-        ('~', _) => "\\textasciitilde{}".into(),
-        ('’', _) => "'".into(),
-        _ => c.to_string(),
     }
 }
 

@@ -416,6 +416,25 @@ fn films() -> Vec<(String, Diagram)> {
 }
 
 #[test]
+fn labels_of_crowded_scenes_are_on_the_page() {
+    // Long names at many lines: some have to stand on lines, whose colour shows what is meant, but none is cut off.
+    for count in [12, 18, 25] {
+        let mut scene = String::from("[camera]\neye = [0, 0, 0]\nlook_at = [0, 0, -1]\n");
+        for k in 0..count {
+            let [beta, x] = [37, 53].map(|step| f64::from(k * step % 19) / 10.0 - 0.9);
+            scene += &format!(
+                "[[object]]\nname = \"object number {k} with a long name\"\nshape = {{ sphere = {{ radius = 0.2 }} }}\n\
+                 velocity = {{ beta = [{beta}, 0, 0] }}\norigin = {{ position = [{}, 0, -5], time = \"0 m\" }}\n",
+                5.0 * x
+            );
+        }
+        let drawing = drawn(&parsed(&scene).unwrap());
+        let beyond = Page::of(&drawing).beyond(&drawing);
+        assert!(beyond.is_empty(), "{count}: {beyond:?}");
+    }
+}
+
+#[test]
 fn labels_of_moving_classics_are_steady_and_on_no_label_no_title_and_no_line() {
     let films = films();
     assert!(films.len() >= 20, "{}", films.len());

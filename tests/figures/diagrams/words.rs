@@ -1,7 +1,7 @@
 //! Words, colours and quantities of diagrams; text as text.
 
 use nullray::figures::diagram;
-use nullray::figures::drawing::{pdf, svg, tikz};
+use nullray::figures::drawing::{Item, pdf, svg, tikz};
 use nullray::scene::Overrides;
 
 use super::{event, laid_out, near, panel, parsed};
@@ -30,6 +30,75 @@ fn keys_in_a_title_follow_what_is_set() {
     assert_eq!(title(MOVING, &[]), "β = 0.6, a_b");
     let set = [("diagram.frame.\"S'\".velocity", "-0.25")];
     assert_eq!(title(MOVING, &set), "β = −0.25, a_b");
+}
+
+#[test]
+fn speeds_of_frames_in_a_title_are_those_that_velocities_make() {
+    let frames = "title = \"{frame.S''.velocity} and {frame.S'.velocity} make {frame.S''.speed}\"\n\
+                  frame = [{ name = \"S'\", velocity = 0.5 }, { name = \"S''\", velocity = 0.5, relative_to = \"S'\" }]\n";
+    assert_eq!(title(frames, &[]), "0.5 and 0.5 make 0.8");
+    // (0.8 − 0.5)/(1 − 0.4)
+    let set = [
+        ("diagram.frame.0.velocity", "0.8"),
+        ("diagram.frame.1.velocity", "-0.5"),
+    ];
+    assert_eq!(title(frames, &set), "−0.5 and 0.8 make 0.5");
+}
+
+#[test]
+fn titles_of_the_classics_name_the_speed_that_is_set() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/diagrams");
+    for (file, key) in [
+        ("boost", "frame.0"),
+        ("doppler-k-calculus", "worldline.Bob"),
+        ("ladder-paradox", "frame.0"),
+        ("length-contraction", "frame.0"),
+        ("light-clock", "frame.0"),
+        ("simultaneity", "frame.0"),
+        ("time-dilation", "frame.0"),
+        ("twin-paradox", "frame.out"),
+        ("velocity-addition", "frame.0"),
+    ] {
+        let set = (format!("diagram.{key}.velocity"), "0.37".to_string());
+        let overrides = Overrides {
+            set: vec![set],
+            ..Overrides::default()
+        };
+        let model = diagram::load(&folder.join(format!("{file}.toml")), &overrides).unwrap();
+        let title = diagram::draw(&diagram::layout(&model), &model.style)
+            .unwrap()
+            .title;
+        // The one number there, but for the other speeds of velocity addition.
+        let numbers = title.split(' ').filter(|word| word.starts_with("0."));
+        let numbers: Vec<&str> = numbers.collect();
+        assert!(numbers.contains(&"0.37"), "{file}: {title}");
+        assert!(
+            numbers.len() == 1 || file == "velocity-addition",
+            "{file}: {title}"
+        );
+    }
+}
+
+#[test]
+fn the_note_on_projected_light_fits_onto_narrow_pages() {
+    let scene = "[camera]\neye = [0, 0, 0]\nlook_at = [0, 0, -1]\nvelocity = { beta = [0, 0, -0.5] }\n\
+                 [[object]]\nname = \"ball\"\nshape = { sphere = { radius = 0.1 } }\norigin = { position = [3, 0, -4], time = \"0 m\" }\n";
+    let mut model = parsed(scene).unwrap();
+    for width in [340.0, 150.0, 80.0] {
+        model.style.width = Some(width);
+        let drawing = diagram::draw(&diagram::layout(&model), &model.style).unwrap();
+        let notes = drawing.items.iter().filter_map(|item| match item {
+            Item::Text(said) if said.text.text().contains("its projection") => Some(said),
+            _ => None,
+        });
+        let notes: Vec<_> = notes.collect();
+        assert_eq!(notes.len(), 1, "{width}");
+        let bounds = notes[0].bounds().unwrap();
+        assert!(
+            bounds.min[0] > 2.0 && bounds.max[0] < width - 2.0,
+            "{width}: {bounds:?}"
+        );
+    }
 }
 
 #[test]
@@ -125,6 +194,8 @@ fn text_may_be_text_in_svg_and_is_in_tikz() {
     assert!(text.contains(">Alice</tspan></text>"), "{text}");
     assert!(text.contains("font-style=\"italic\">γ</tspan>") && text.contains("&amp; more"));
     assert!(text.len() < outlines.len() / 2);
+    // Other fonts are fitted to the room that there is for ours.
+    assert!(text.contains("textLength=\"") && text.contains("lengthAdjust=\"spacingAndGlyphs\""));
     // Of a PDF: fonts with a table back to characters, in place of outlines.
     let (outlines, text) = (
         pdf::write(&drawing).unwrap(),

@@ -1,13 +1,15 @@
 //! What programs of others make of our files, where these programs are there.
 //!
 //! librsvg (`rsvg-convert`) and Poppler (`pdftoppm`) rasterize by methods of their own: edges may differ by
-//! their anti-aliasing, and nothing else may.
+//! their anti-aliasing, and nothing else may. LaTeX (`pdflatex`) sets text in its own fonts, so that drawings are compared
+//! without theirs, and all characters are only set.
 
 use crate::common::png::decode;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use nullray::figures::drawing::{Drawing, pdf, png, svg};
+use nullray::figures::drawing::{Drawing, Item, pdf, png, svg, tikz};
+use nullray::figures::text::RichText;
 
 use super::samples;
 
@@ -101,5 +103,101 @@ fn poppler_shows_what_our_png_files_of_diagrams_show() {
             &drawing,
             &folder.path().join("a.png"),
         );
+    }
+}
+
+/// The same, but for words.
+fn wordless(items: Vec<Item>) -> Vec<Item> {
+    let kept = items.into_iter().filter_map(|item| match item {
+        Item::Text(_) => None,
+        Item::Clip { path, items } => Some(Item::Clip {
+            path,
+            items: wordless(items),
+        }),
+        other => Some(other),
+    });
+    kept.collect()
+}
+
+/// A document of one page for each picture, which is as large as that.
+fn document(preamble: &str, pictures: &[String]) -> String {
+    let page = |picture: &String| {
+        format!(
+            "\\setbox0=\\hbox{{%\n{picture}\\unskip}}\n\\pdfpagewidth=\\wd0 \\pdfpageheight=\\dimexpr\\ht0+\\dp0\\relax\n\\shipout\\box0\n"
+        )
+    };
+    let pages: String = pictures.iter().map(page).collect();
+    let head = "\\documentclass{article}\n\\usepackage{tikz}\n\\pdfhorigin=0pt \\pdfvorigin=0pt \\tracinglostchars=2 ";
+    format!("{head}{preamble}\n\\begin{{document}}\n{pages}\\end{{document}}\n")
+}
+
+/// Compiles a document in `folder`; the log.
+fn latex(folder: &Path, document: &str, options: &[&str]) -> String {
+    std::fs::write(folder.join("a.tex"), document).unwrap();
+    let mut command = Command::new("pdflatex");
+    command.current_dir(folder).args(options);
+    let output = command
+        .args(["-interaction=nonstopmode", "-halt-on-error", "a.tex"])
+        .output()
+        .unwrap();
+    let log = std::fs::read(folder.join("a.log")).unwrap();
+    let log = String::from_utf8_lossy(&log).into_owned();
+    let end = log.find("\n!").unwrap_or(0);
+    assert!(output.status.success(), "{}", &log[end..]);
+    log
+}
+
+#[test]
+fn latex_draws_what_our_png_files_show() {
+    if !is_there("pdflatex") || !is_there("pdftoppm") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let drawings = samples::classics().into_iter().map(|(name, drawing)| {
+        let items = wordless(drawing.items);
+        (name, Drawing { items, ..drawing })
+    });
+    let drawings: Vec<(String, Drawing)> = drawings.collect();
+    let pictures = drawings.iter().map(|(_, drawing)| tikz::write(drawing));
+    let pictures: Vec<String> = pictures.map(Result::unwrap).collect();
+    latex(folder.path(), &document("", &pictures), &[]);
+    let resolution = (72.0 * SCALE).to_string();
+    let mut command = Command::new("pdftoppm");
+    command.current_dir(folder.path()).args(["-png", "-r"]);
+    run(command.args([&resolution, "a.pdf", "page"]));
+    for (i, (name, drawing)) in drawings.iter().enumerate() {
+        let page = folder.path().join(format!("page-{:02}.png", i + 1));
+        compare(&format!("{name}.tex"), drawing, &page);
+    }
+}
+
+#[test]
+fn latex_sets_all_characters_of_our_fonts() {
+    if !is_there("pdflatex") {
+        return;
+    }
+    let planes = (0x20..0x2fff).filter_map(char::from_u32);
+    let ours = planes.filter(|c| RichText::plain(&c.to_string()).is_ok());
+    // Characters one by one, as some would join their neighbours.
+    let words: Vec<String> = ours.map(|c| c.to_string()).collect();
+    assert!(words.len() > 400, "{}", words.len());
+    let items = words.iter().map(|word| Item::Text(samples::plain(word)));
+    let drawing = samples::page("All", items.collect());
+    let page = document(
+        "\\usepackage[T1]{fontenc}",
+        &[tikz::write(&drawing).unwrap()],
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let log = latex(folder.path(), &page, &["-draftmode"]);
+    assert!(!log.contains("Missing character"), "{log}");
+    // What the old encoding has in other places, and what would join.
+    let said = |word: &str| tikz::write(&samples::page("", vec![Item::Text(samples::plain(word))]));
+    for (word, tex) in [
+        ("a<b>c|d", "{a$<$b$>$c$|$d};"),
+        ("\"--`", "{''-{}-\\textasciigrave{}};"),
+        ("x₁² ħ ⁻⁹", "{x$_1$$^2$ $\\hbar$ $^-$$^9$};"),
+    ] {
+        let found = said(word).unwrap();
+        assert!(found.contains(tex), "{word}: {found}");
     }
 }

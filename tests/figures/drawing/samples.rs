@@ -25,6 +25,11 @@ pub fn text(markup: &str, at: [f64; 2], size: f64) -> Text {
     Text::new(RichText::parse(markup).unwrap(), at, size)
 }
 
+/// Words as they stand.
+pub fn plain(words: &str) -> Text {
+    Text::new(RichText::plain(words).unwrap(), [10.0, 30.0], 10.0)
+}
+
 /// Every sample, by name.
 pub fn all() -> Vec<(&'static str, Drawing)> {
     vec![

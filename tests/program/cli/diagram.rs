@@ -286,8 +286,10 @@ fn every_scene_of_the_repository_has_a_diagram() {
 #[test]
 fn the_examples_of_help_run_as_they_are_printed() {
     let folder = Folder::new();
-    let classic = repository("scenes/diagrams/twin-paradox.toml");
-    std::fs::copy(classic, folder.path("twin-paradox.toml")).unwrap();
+    for classic in ["twin-paradox.toml", "length-contraction.toml"] {
+        let file = repository(&format!("scenes/diagrams/{classic}"));
+        std::fs::copy(file, folder.path(classic)).unwrap();
+    }
     folder.write(
         "scene.toml",
         r#"

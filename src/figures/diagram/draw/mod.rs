@@ -23,6 +23,8 @@ use theme::Theme;
 
 /// Around labels, where a line that moves is interrupted, points.
 const GAP: f64 = 1.5;
+/// Between titles and labels beside them, points.
+const BESIDE: f64 = 16.0;
 
 /// Draws a layout.
 ///
@@ -41,7 +43,7 @@ pub(crate) fn draw_next(layout: &Layout, style: &Style, habits: &mut Habits) -> 
     let mut ground = Ground::new(page.width, page.height, theme.background);
     for item in &items {
         if let Item::Text(text) = item {
-            ground.words(text.bounds()?);
+            ground.words(beside(text.bounds()?));
         }
     }
     let mut requests = Vec::new();
@@ -75,6 +77,14 @@ pub(crate) fn draw_next(layout: &Layout, style: &Style, habits: &mut Habits) -> 
     })
 }
 
+/// With room left and right, so that no label reads as the next word of a title.
+fn beside(rect: Rect) -> Rect {
+    Rect {
+        min: [rect.min[0] - BESIDE, rect.min[1]],
+        max: [rect.max[0] + BESIDE, rect.max[1]],
+    }
+}
+
 /// The boxes of labels.
 fn boxes(labels: &[Item]) -> Result<Vec<Rect>> {
     let texts = labels.iter().filter_map(|item| match item {
@@ -91,13 +101,16 @@ fn note(layout: &Layout, theme: &Theme, page: &Page) -> Result<Option<Item>> {
     }
     let words = RichText::plain("dashed light leaves the plane of the diagram: its projection")?;
     let at = [0.5 * page.width, page.height - 0.6 * theme.size];
+    // Smaller where the page is too narrow for it.
+    let room = (page.width - theme.size) / words.width(1.0)?;
+    let size = room.min(0.8 * theme.size);
     Ok(Some(Item::Text(Text {
         anchor: Anchor {
             x: AnchorX::Middle,
             y: AnchorY::Baseline,
         },
         colour: theme.light,
-        ..Text::new(words, at, 0.8 * theme.size)
+        ..Text::new(words, at, size)
     })))
 }
 

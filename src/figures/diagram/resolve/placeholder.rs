@@ -1,7 +1,8 @@
 //! Keys within words: `{frame.S'.velocity}` stands for the value that this key of `[diagram]` has, after `--set`.
 //!
 //! An entry of a list goes by its name, or by its number from 0, as in `--set`. Braces of subscripts and superscripts,
-//! and those without a dot, group as ever.
+//! and those without a dot, group as ever. `{frame.S''.speed}` is what the velocities of a frame and of those that it is relative to
+//! make in the world: their rapidities, artanh β, add.
 
 use std::str::FromStr;
 
@@ -12,6 +13,9 @@ use crate::figures::diagram::layout::number;
 use crate::figures::text::rich::escaped;
 use crate::scene::{At, Context};
 use crate::spacetime::units::quoted;
+
+/// How many frames may be relative to each other for their speed.
+const MOST: u32 = 100;
 
 /// `text` with the values of its keys; it comes from `at`.
 pub(super) fn filled<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String> {
@@ -53,10 +57,12 @@ fn key(text: &str) -> Option<&str> {
 /// Markup of the value of `key` in `[diagram]`.
 fn value<T>(cx: &Context, at: &At<T>, key: &str) -> Result<String> {
     let document = DocumentMut::from_str(&cx.report.text).unwrap_or_default();
-    let mut found = document.get("diagram").map(Node::Item);
-    for part in key.split('.') {
-        found = found.and_then(|node| node.entry(part));
+    let speed = key.strip_suffix(".speed");
+    let speed = speed.and_then(|frame| rapidity(&document, frame.strip_prefix("frame.")?, MOST));
+    if let Some(rapidity) = speed {
+        return Ok(signed(&number(libm::tanh(rapidity))));
     }
+    let found = entry(&document, key);
     let value = match &found {
         Some(Node::Item(item)) => item.as_value(),
         Some(Node::Value(value)) => Some(*value),
@@ -74,6 +80,34 @@ fn value<T>(cx: &Context, at: &At<T>, key: &str) -> Result<String> {
             let help = "name a key as --set does without \"diagram.\", like {frame.S'.velocity}";
             Err(cx.refuse(at, what, help))
         }
+    }
+}
+
+fn entry<'d>(document: &'d DocumentMut, key: &str) -> Option<Node<'d>> {
+    let mut found = document.get("diagram").map(Node::Item);
+    for part in key.split('.') {
+        found = found.and_then(|node| node.entry(part));
+    }
+    found
+}
+
+/// The rapidity of a frame in the world; none where a velocity is no number, and after `most` frames.
+fn rapidity(document: &DocumentMut, frame: &str, most: u32) -> Option<f64> {
+    let key = |key: &str| entry(document, &format!("frame.{frame}.{key}"));
+    let beta = match key("velocity")? {
+        Node::Item(item) => item.as_float(),
+        Node::Value(value) => value.as_float(),
+        Node::Table(_) => None,
+    };
+    let own = libm::atanh(beta?);
+    let name = key("relative_to").and_then(|node| match node {
+        Node::Item(item) => item.as_str().map(str::to_owned),
+        Node::Value(value) => value.as_str().map(str::to_owned),
+        Node::Table(_) => None,
+    });
+    match name.as_deref() {
+        None | Some("world") => Some(own),
+        Some(other) => Some(own + rapidity(document, other, most.checked_sub(1)?)?),
     }
 }
 

@@ -4,7 +4,7 @@ use super::geometry::{Grid, around, is_inside, part_within, touch, widened};
 use crate::figures::drawing::Colour;
 use crate::figures::text::Rect;
 
-const OUTSIDE: f64 = 300.0;
+const OUTSIDE: f64 = 700.0;
 const ON_DOT: f64 = 60.0;
 const ON_LINE: f64 = 32.0;
 /// On the near or the far side of a cone.

@@ -14,7 +14,7 @@ use crate::watch;
 /// When it ends.
 #[derive(Clone, Copy)]
 pub enum Until {
-    /// After so many inputs of each target.
+    /// After so many inputs of each target, a tenth as many pictures.
     Inputs(u64),
     /// After so long, shared among the targets.
     Time(Duration),
@@ -93,6 +93,8 @@ pub fn run(
         let count = pool.len();
         loop {
             let done = match until {
+                // A picture takes as long as thousands of files.
+                Until::Inputs(most) if target.name == "picture" => 10 * inputs >= most,
                 Until::Inputs(most) => inputs >= most,
                 Until::Time(all) => begin.elapsed() >= all / chosen.len() as u32,
             };

@@ -128,7 +128,7 @@ fn scenes_made_of_the_schema_are_read_or_refused() {
 #[test]
 fn most_whole_scenes_are_rendered_without_a_panic() {
     let mut maker = schema::Maker::new(2);
-    let (count, mut planned) = (200, 0);
+    let (count, mut planned) = (100, 0);
     let picture = TARGETS.iter().find(|target| target.name == "picture");
     for k in 0..count {
         let text = maker.whole_scene();

@@ -590,8 +590,10 @@ impl Maker {
                         table.insert(name.clone(), new);
                     }
                     _ => {
-                        if let Some(inner) = table.get_mut(&key) {
-                            self.change_within(inner, &properties[key.as_str()], depth + 1);
+                        // Of two kinds of tables the other may have been picked.
+                        let inner = table.get_mut(&key);
+                        if let (Some(inner), Some(of)) = (inner, properties.get(&key)) {
+                            self.change_within(inner, of, depth + 1);
                         }
                     }
                 }

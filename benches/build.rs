@@ -99,7 +99,7 @@ impl Numbers {
 type Make = fn(usize, usize, &mut Numbers) -> [DVec3; 3];
 
 /// Triangles on which builders of trees have been seen to be slow; random ones come first.
-const FAMILIES: [(&str, Make); 8] = [
+const FAMILIES: [(&str, Make); 10] = [
     ("random", |_, count, numbers| {
         small(numbers.point(), (count as f64).cbrt().recip())
     }),
@@ -130,6 +130,17 @@ const FAMILIES: [(&str, Make); 8] = [
         0 => [DVec3::ZERO, DVec3::X, DVec3::new(0.5, 1.0, 1.0)],
         _ => small(numbers.point(), 1e-9),
     }),
+    ("concentric, on a floor", |i, count, _| match i {
+        0 => [DVec3::X * -99.0, DVec3::X * 99.0, DVec3::Z * 99.0],
+        _ => [DVec3::X, DVec3::Y, -DVec3::ONE].map(|corner| corner * i as f64 / count as f64),
+    }),
+    (
+        "coincident, among random ones",
+        |i, count, numbers| match i % 4 {
+            0 => small(DVec3::splat(0.5), 0.02),
+            _ => small(numbers.point(), (count as f64).cbrt().recip()),
+        },
+    ),
     ("needles", |_, _, numbers| {
         [numbers.point(), numbers.point(), numbers.point()]
     }),

@@ -4,16 +4,29 @@
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
+use nullray::accel::Precision;
+use nullray::approximate::raster::{self, Method};
 use nullray::figures::diagram;
+use nullray::figures::drawing::svg;
+use nullray::figures::isochrones::{self, IsochroneOptions};
+use nullray::figures::overlay::{self, Overlay, Parts};
 use nullray::figures::text::RichText;
 use nullray::io::budget::Budget;
 use nullray::io::cube::{self, Bricks, Held, Wanted};
 use nullray::io::gltf::{self, Want};
-use nullray::io::image::{Texture, exr, hdr, png};
+use nullray::io::image::{Layers, RgbImage, Texture, exr, hdr, png};
 use nullray::io::{colmap, npy, spectrum};
-use nullray::render::aov;
-use nullray::scene::model::BadVertices;
-use nullray::scene::{self, Overrides};
+use nullray::render::aov::{self, Aov};
+use nullray::render::bake::{self, Bins, Coordinates, Surface};
+use nullray::render::film::Film;
+use nullray::render::metadata::metadata;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
+use nullray::render::render;
+use nullray::render::tonemap::tonemap;
+use nullray::scene::model::{BadVertices, Scene};
+use nullray::scene::{self, Overrides, SceneFile};
 use nullray::validate::compare::{Encoding, Picture, Tolerance};
 
 /// A target: its name, which is that of its folder of the corpus, and the extension of its files.
@@ -23,7 +36,7 @@ pub struct Target {
     pub run: fn(&[u8]),
 }
 
-pub const TARGETS: [Target; 18] = [
+pub const TARGETS: [Target; 19] = [
     Target {
         name: "cube_npy",
         extension: "npy",
@@ -73,6 +86,11 @@ pub const TARGETS: [Target; 18] = [
         name: "scene",
         extension: "toml",
         run: scene,
+    },
+    Target {
+        name: "picture",
+        extension: "toml",
+        run: picture,
     },
     Target {
         name: "diagram",
@@ -277,6 +295,131 @@ fn scene(bytes: &[u8]) {
     }
 }
 
+/// What pictures of a few pixels may take, bytes.
+const MEMORY_OF_PICTURE: u64 = 256 << 20;
+
+/// A scene, planned, prepared and rendered in a few pixels: by the ray tracer, and by another way of which the text decides, if it can be.
+fn picture(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    let overrides = Overrides {
+        size: Some([6, 4]),
+        samples_per_pixel: Some(1),
+        ..Overrides::default()
+    };
+    let file = SceneFile::of_text(&text, "fuzzed.toml", Path::new("scenes"));
+    let hash = bytes.iter().fold(17u64, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3)
+    });
+    if text.contains("diagram") {
+        diagram(bytes);
+    }
+    let checked = file.scene(&overrides).and_then(|scene| {
+        pictures_of(&scene, hash)?;
+        for panel in scene.panels.iter().take(2) {
+            pictures_of(&file.panel(&scene, panel, &overrides)?, hash)?;
+        }
+        Ok(())
+    });
+    if let Err(error) = checked {
+        check_report(&error);
+    }
+}
+
+/// Ways to a picture beside the ray tracer.
+const METHODS: [&str; 6] = [
+    "raster:none",
+    "raster:uniform=0.5",
+    "raster:adaptive=0.5",
+    "raster:none,attributes=vertex",
+    "warp:cube=8",
+    "warp:panorama=16x8,lookup=nearest",
+];
+
+fn pictures_of(scene: &Scene, hash: u64) -> nullray::Result<()> {
+    let one_in = |n: u64, bits: u32| (hash >> bits).is_multiple_of(n);
+    let request = Request {
+        aovs: match one_in(2, 8) {
+            true => Aov::ALL.to_vec(),
+            false => vec![Aov::EventCt, Aov::Object],
+        },
+        pixel_centers: scene.camera.shutter.is_none() && one_in(4, 12),
+        precision: match one_in(4, 16) {
+            true => Precision::Fast,
+            false => Precision::Certified,
+        },
+        memory_limit: MEMORY_OF_PICTURE,
+        ..Request::default()
+    };
+    let plan = Plan::new(scene, &request)?;
+    let _ = plan.to_string();
+    let mut prepared = Prepared::new(scene, &plan, &Silent)?;
+    let film = render(&prepared, &Silent)?;
+    let [width, height] = film.size();
+    if one_in(8, 20) {
+        // The same bits on other numbers of threads.
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build();
+        let again = pool.map(|pool| pool.install(|| render(&prepared, &Silent)));
+        if let Ok(again) = again {
+            let bits = |film: &Film| -> Vec<u64> {
+                let all = film.radiance().iter().flatten();
+                all.map(|x| x.to_bits()).collect()
+            };
+            assert!(bits(&film) == bits(&again?), "other bits on three threads");
+        }
+    }
+    let shown = tonemap(film.radiance(), scene.exposure);
+    let words = metadata(scene, &film);
+    drop(Layers::new(
+        width,
+        height,
+        film.channels(&request.aovs),
+        words,
+    ));
+    if let Some(ct) = film.aov(Aov::EventCt) {
+        let _ = isochrones::draw(width, height, ct, &IsochroneOptions::default());
+    }
+    let _ = isochrones::draw_radiance(width, height, film.radiance(), "β", None);
+    if one_in(3, 24) && Overlay::check(scene).is_ok() && shown.is_ok() {
+        let parts = Parts::default();
+        let seen = overlay::apparent(&mut prepared, parts, &Silent)?;
+        let there = overlay::instantaneous(scene, &mut prepared, &Silent)?;
+        let traced = Overlay::trace(scene, Some(&seen), Some(&there), parts, None)?;
+        let image = RgbImage {
+            width,
+            height,
+            rgb: vec![0; 3 * width as usize * height as usize],
+        };
+        let _ = traced
+            .drawing(&scene.name, image)
+            .and_then(|page| svg::write(&page));
+    }
+    if one_in(3, 28) {
+        let bins = Bins {
+            start: 0.0,
+            width: 0.5,
+            count: 8,
+        };
+        let _ = bake::camera_cube(scene, &prepared, &bins, None, &Silent);
+        let surface = Surface {
+            object: 0,
+            coordinates: match one_in(2, 32) {
+                true => Coordinates::Set(0),
+                false => Coordinates::Atlas,
+            },
+            size: [24, 24],
+        };
+        let _ = bake::surface_cube(scene, &prepared, &surface, &bins, None, &Silent);
+    }
+    drop(prepared);
+    let method = METHODS[(hash >> 36) as usize % METHODS.len()];
+    let Ok(method) = method.parse::<Method>() else {
+        return Ok(());
+    };
+    let plan = method.plan(scene, &request)?;
+    let prepared = Prepared::new(scene, &plan, &Silent)?;
+    raster::render(&prepared, &method, &Silent).map(drop)
+}
+
 fn check_report(error: &nullray::Error) {
     let report = error.report(false);
     let is_harmful = |c: char| c.is_control() && c != '\n';
@@ -342,8 +485,6 @@ fn spectrum(bytes: &[u8]) {
 
 /// Everything on a command line that has a grammar of its own.
 fn texts(bytes: &[u8]) {
-    use nullray::approximate::raster::Method;
-    use nullray::figures::overlay::Parts;
     use nullray::spacetime::units::{Acceleration, Angle, Length, Percentage, Speed, Time};
     let text = &*String::from_utf8_lossy(bytes);
     let _ = aov::parse(text);

@@ -97,10 +97,14 @@ struct Effort {
     reinserted: f32,
 }
 
-/// Better places for nodes are looked for where a ray that meets the root meets one node in so many at most: a search
-/// sees as many, and where boxes are much the same no place is better. (Random small triangles: one in 50 of 5,000 and one
-/// in 1,200 of 10⁶; boxes one in the other: one in 2.)
+/// Better places for nodes are looked for where a ray that meets the root meets one node in so many at most: where boxes are much the same
+/// no place is better. (Random small triangles: one in 50 of 5,000 and one in 1,200 of 10⁶; boxes one in the other: one in 2.)
 const OVERLAPPING: f64 = 16.0;
+/// Such boxes may be a small part of the whole, beside a floor: of a search for a place, too, so many nodes at most are seen on average.
+/// Of rooms and statues it sees about 300, by the time that the presets take.
+const LONGEST_SEARCH: usize = 1000;
+/// How many searches are counted for that.
+const SEARCHES: usize = 64;
 /// Of so few triangles they are looked for in any case.
 const FEW: usize = 256;
 
@@ -208,10 +212,16 @@ fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], space: &TreeSpace, preset: 
         reinserted,
     } = preset.effort();
     let mut tree = cluster(leaves, radius, narrow);
-    let searchable = ids.len() <= FEW || nodes_met(&tree) * OVERLAPPING <= ids.len() as f64;
+    let searchable = is_searchable(&mut tree, ids.len(), reinserted);
     let reinserted = if searchable { reinserted } else { 0.0 };
     ReinsertionOptimizer::default().run(&mut tree, reinserted, None);
     tree
+}
+
+/// Whether better places are looked for, for the part `reinserted` of the nodes.
+fn is_searchable(tree: &mut Bvh2, triangles: usize, reinserted: f32) -> bool {
+    triangles <= FEW
+        || nodes_met(tree) * OVERLAPPING <= triangles as f64 && searches_are_short(tree, reinserted)
 }
 
 /// How many nodes a random line meets that meets the root: the sum of their areas over the root's.
@@ -219,4 +229,99 @@ fn nodes_met(tree: &Bvh2) -> f64 {
     let area = |node: &Bvh2Node| f64::from(node.aabb().half_area());
     let all: f64 = tree.nodes.iter().map(area).sum();
     all / tree.nodes.first().map_or(1.0, area)
+}
+
+/// Whether [`LONGEST_SEARCH`] holds for the part `reinserted` of the nodes, as obvhs takes them: of the first twice as many.
+fn searches_are_short(tree: &mut Bvh2, reinserted: f32) -> bool {
+    tree.init_parents_if_uninit();
+    let nodes = tree.nodes.len();
+    let taken = ((2.0 * reinserted * nodes as f32) as usize).clamp(1, nodes - 1);
+    let most = SEARCHES * LONGEST_SEARCH;
+    let mut seen = 0;
+    for k in 0..SEARCHES {
+        seen += nodes_seen(tree, 1 + k * (taken - 1) / SEARCHES, most - seen);
+        if seen >= most {
+            return false;
+        }
+    }
+    true
+}
+
+/// How many nodes the search for a better place of `node` sees, or `most`: the search of obvhs (`find_reinsertion`), which has no end of its own,
+/// up the tree and from there down to wherever the sum of areas may still become less.
+fn nodes_seen(tree: &Bvh2, node: usize, most: usize) -> usize {
+    let area = |node: usize| tree.nodes[node].aabb().half_area();
+    let bounds = tree.nodes[node].aabb();
+    let own = area(node);
+    let parent = tree.parents[node] as usize;
+    let (mut pivot, mut sibling) = (parent, Bvh2Node::get_sibling_id(node));
+    let mut pivot_bounds = *tree.nodes[sibling].aabb();
+    let (mut gained, mut best, mut seen) = (area(parent), 0f32, 0);
+    let mut stack = Vec::new();
+    loop {
+        stack.push((gained, sibling));
+        while let Some((gained, at)) = stack.pop() {
+            seen += 1;
+            if seen >= most {
+                return most;
+            }
+            if gained - own <= best {
+                continue;
+            }
+            let there = &tree.nodes[at];
+            let inserted = gained - there.aabb().union(bounds).half_area();
+            best = best.max(inserted);
+            if !there.is_leaf() {
+                let below = inserted + area(at);
+                let child = there.first_index as usize;
+                stack.extend([(below, child), (below, child + 1)]);
+            }
+        }
+        if pivot != parent {
+            pivot_bounds = pivot_bounds.union(tree.nodes[sibling].aabb());
+            gained += area(pivot) - pivot_bounds.half_area();
+        }
+        if pivot == 0 {
+            return seen;
+        }
+        sibling = Bvh2Node::get_sibling_id(pivot);
+        pivot = tree.parents[pivot] as usize;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether better places are looked for among so many triangles.
+    fn is_searched(count: usize, triangle: impl Fn(usize) -> [DVec3; 3]) -> bool {
+        let triangles: Vec<_> = (0..count).map(triangle).collect();
+        let ids: Vec<u32> = (0..count as u32).collect();
+        let (lo, hi) = bounds(&triangles, &ids).unwrap();
+        let space = TreeSpace::new(lo, hi);
+        let leaf = |(index, corners): (usize, &[DVec3; 3])| {
+            let (lo, hi) = space.bounds(corners);
+            Bvh2Node::new(Aabb::new(lo.into(), hi.into()), 1, index as u32)
+        };
+        let leaves = triangles.iter().enumerate().map(leaf).collect();
+        is_searchable(&mut cluster(leaves, 14, 3), count, 0.1)
+    }
+
+    #[test]
+    fn better_places_are_looked_for_unless_much_of_the_tree_is_seen_each_time() {
+        let place = |i: usize| {
+            let part = |k: usize| (i * k % 10_007) as f64 / 10_007.0;
+            DVec3::new(part(1237), part(5591), part(8861))
+        };
+        let small = |place: DVec3| [DVec3::ZERO, DVec3::X, DVec3::ONE].map(|p| place + 0.02 * p);
+        let floor = [DVec3::X * -99.0, DVec3::X * 99.0, DVec3::Z * 99.0];
+        let nested = |i: usize| [DVec3::X, DVec3::Y, -DVec3::ONE].map(|p| p * i as f64);
+        assert!(is_searched(30_000, |i| small(place(i))));
+        assert!(!is_searched(30_000, nested));
+        // A large triangle does not hide them.
+        assert!(!is_searched(200_000, |i| match i {
+            0 => floor.map(|p| p * 200_000.0),
+            _ => nested(i),
+        }));
+    }
 }

@@ -20,7 +20,7 @@ use super::film::in_pool;
 use super::names::{named_after, suffixed};
 use super::output::{Identity, Inputs, Outputs, extension};
 use super::progress::Bar;
-use super::{inputs, interrupt, memory, print, say, warn};
+use super::{inputs, interrupt, print, say, warn};
 
 /// What is baked into one file.
 struct Job {
@@ -56,11 +56,13 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
         },
         memory_limit: limit,
         beside: largest.unwrap_or(0),
-        program: memory::PROGRAM,
         // As many paths as so many pictures have.
         pictures: jobs.iter().map(|job| pixels(size(job))).sum::<u64>() / pixels(scene.camera.size)
             + 1,
-        ..arguments.scene.changes.request()
+        ..arguments
+            .scene
+            .changes
+            .request(arguments.work.threads.count)
     };
     let plan = Plan::new(&scene, &request)?;
     choose_coordinates(arguments, &plan, &mut jobs)?;

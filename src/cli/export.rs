@@ -8,7 +8,7 @@ use nullray::validate::export::{self, Cubes, ExportOptions, Exported};
 use super::args::{CubesArgument, ExportArguments};
 use super::failure::refused;
 use super::progress::Bar;
-use super::{film, inputs, interrupt, print, warn};
+use super::{film, inputs, interrupt, memory, print, warn};
 
 pub fn run(arguments: &ExportArguments) -> Result<()> {
     let scene = arguments.scene.load()?;
@@ -21,6 +21,7 @@ pub fn run(arguments: &ExportArguments) -> Result<()> {
         vectors: arguments.vectors,
         overwrite: arguments.overwrite,
         memory_limit: arguments.scene.changes.memory.bytes(),
+        program: memory::program(arguments.work.threads.count),
     };
     let plan = export::plan(&scene, &options)?;
     check(arguments, &scene, &plan)?;

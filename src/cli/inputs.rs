@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use nullray::io::cube::{is_sequence, pictures};
-use nullray::io::files;
+use nullray::io::{colmap, files};
 use nullray::render::plan::Plan;
 use nullray::scene::model::{Scene, SourceKind};
 
@@ -26,7 +26,12 @@ pub fn of(scene: &Scene, plan: &Plan) -> Vec<PathBuf> {
         Some(file.path.clone())
     });
     let sky = scene.sky.iter().flat_map(|sky| sky.files().cloned());
+    let read = scene.read.iter().flat_map(|path| match path.is_dir() {
+        true => colmap::files(path),
+        false => vec![path.clone()],
+    });
     let named = cubes
+        .chain(read)
         .chain(meshes)
         .chain(coordinates)
         .chain(sky)

@@ -5,9 +5,12 @@ use std::fs;
 /// Where the machine does not say how much it has.
 const USUAL: u64 = 16 << 30;
 
-/// What the program takes itself, bytes: its code, tables of colours, stacks. Measured: 29 to 34 MiB with 1 to 128 threads, and in lit
-/// scenes half a MiB more for each thread.
-pub const PROGRAM: u64 = 36 << 20;
+/// What the program takes itself, bytes: its code and tables of colours, and of each thread its stack, rays and room of the allocator.
+/// Measured: 34 MiB, and a third of a MiB for each thread, half of one in lit scenes.
+pub fn program(threads: Option<u16>) -> u64 {
+    let threads = threads.map_or_else(rayon::current_num_threads, usize::from);
+    (36 << 20) + ((threads as u64) << 19)
+}
 
 /// What was said, or three quarters of what the machine has left for new programs, or the container.
 pub fn limit(said: Option<u64>) -> u64 {

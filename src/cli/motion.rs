@@ -60,7 +60,10 @@ pub fn run(mut arguments: FilmArguments) -> Result<()> {
         arguments.changes.memory.bytes(),
     )?;
     let scene = file.scene(&overrides)?;
-    let plan = Plan::new(&scene, &arguments.changes.request())?;
+    let plan = Plan::new(
+        &scene,
+        &arguments.changes.request(arguments.work.threads.count),
+    )?;
     reel::check(&arguments.output, &inputs::of(&scene, &plan))?;
     let takes = takes(&arguments, &scene)?;
     in_pool(arguments.work.threads.count, || {
@@ -80,7 +83,7 @@ struct Take {
 /// The takes of a film, the moving one first.
 fn takes(arguments: &FilmArguments, scene: &Scene) -> Result<Vec<Take>> {
     let pictures = arguments.pictures;
-    let request = arguments.changes.request();
+    let request = arguments.changes.request(arguments.work.threads.count);
     let Some(motion) = motion(&arguments.motion, scene, pictures, &request)? else {
         return match arguments.motion.light {
             true => Ok(vec![light(arguments, scene)?]),
@@ -340,7 +343,10 @@ fn passing(arguments: &FilmArguments, scene: &Scene) -> Result<[f64; 2]> {
     let [width, height] = scene.camera.size;
     let step = width.max(height).div_ceil(64);
     small.camera.size = [width.div_ceil(step), height.div_ceil(step)];
-    let plan = Plan::new(&small, &arguments.changes.request())?;
+    let plan = Plan::new(
+        &small,
+        &arguments.changes.request(arguments.work.threads.count),
+    )?;
     let mut prepared = Prepared::new(&small, &plan, &Silent)?;
     let seen = survey::seen_times(&prepared);
     let times = seen
@@ -358,7 +364,7 @@ fn passing(arguments: &FilmArguments, scene: &Scene) -> Result<[f64; 2]> {
 fn film(arguments: &FilmArguments, file: &SceneFile, scene: &Scene, takes: &[Take]) -> Result<()> {
     let count = u64::from(arguments.pictures);
     let folder = Folder::of(&arguments.output)?;
-    let request = arguments.changes.request();
+    let request = arguments.changes.request(arguments.work.threads.count);
     // Pictures of all takes go into the folder first: what is there already is not rendered again.
     for take in takes {
         let outputs = Outputs {

@@ -55,7 +55,10 @@ pub fn run(arguments: &PageArguments) -> Result<()> {
 
 /// Refuses to write over what the page is made of.
 fn check(arguments: &PageArguments, scene: &Scene, option: &str, path: &Path) -> Result<()> {
-    let plan = Plan::new(scene, &arguments.changes.request())?;
+    let plan = Plan::new(
+        scene,
+        &arguments.changes.request(arguments.work.threads.count),
+    )?;
     let read = inputs::of(scene, &plan);
     let overwritten = "this is a file that the page is made of: it would be overwritten";
     Names::new(&read, overwritten, " page").check(option, path)
@@ -86,7 +89,7 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
         file,
         scene,
         frames: &frames,
-        request: &arguments.changes.request(),
+        request: &arguments.changes.request(arguments.work.threads.count),
         outputs: &outputs,
     };
     frames::run(&job, None)?;

@@ -37,7 +37,7 @@ pub fn run(arguments: &PlanArguments) -> Result<()> {
     let request = Request {
         aovs,
         beside,
-        ..arguments.scene.changes.request()
+        ..arguments.scene.changes.request(None)
     };
     let mut plan = arguments.method.method.plan(&scene, &request)?;
     let method = &arguments.method.method;

@@ -238,7 +238,7 @@ fn exposed(file: SceneFile, path: &Path, text: String, changes: &Changes) -> Res
     {
         return Ok(file);
     }
-    match exposure::of_surfaces(&file.scene(&overrides)?, &changes.request())? {
+    match exposure::of_surfaces(&file.scene(&overrides)?, &changes.request(None))? {
         None => Ok(file),
         Some(white) => {
             let text = text + &format!("\n[display]\nwhite = {white:?}\n");
@@ -290,7 +290,7 @@ fn request(arguments: &RenderArguments, outputs: &Outputs, scene: &Scene) -> Req
     Request {
         aovs: outputs.needs(scene),
         beside: outputs.beside(scene.camera.size),
-        ..arguments.changes.request()
+        ..arguments.changes.request(arguments.work.threads.count)
     }
 }
 
@@ -313,7 +313,10 @@ fn all_panels(
     let chosen = panels::chosen(whole, &arguments.panel)?;
     let mut scenes = panels::load_all(file, whole, &arguments.changes.overrides())?;
     if arguments.exposure.is_same(false) {
-        panels::same_exposure(&mut scenes, &arguments.changes.request())?;
+        panels::same_exposure(
+            &mut scenes,
+            &arguments.changes.request(arguments.work.threads.count),
+        )?;
     }
     // With one panel and a name for it there is nothing to be told apart.
     let exact = arguments.panel.len() == 1 && !arguments.output.is_empty();

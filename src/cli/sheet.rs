@@ -166,7 +166,10 @@ fn parts(
     }
     let mut scenes = panels::load_all(file, whole, &arguments.changes.overrides())?;
     if arguments.exposure.is_same(false) {
-        panels::same_exposure(&mut scenes, &arguments.changes.request())?;
+        panels::same_exposure(
+            &mut scenes,
+            &arguments.changes.request(arguments.work.threads.count),
+        )?;
     }
     let part = |(panel, scene): (&Panel, Scene)| {
         let file = suffixed(beside, &panel.name);
@@ -183,7 +186,7 @@ fn part(scene: Scene, panel: &Panel, arguments: &SheetArguments, file: PathBuf) 
     };
     let request = Request {
         aovs: outputs.needs(&scene),
-        ..arguments.changes.request()
+        ..arguments.changes.request(arguments.work.threads.count)
     };
     let images = match arguments.keep_panels {
         true => outputs.images.clone(),

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use nullray::figures::drawing;
 use nullray::render::metadata;
+use nullray::render::plan::Plan;
 use nullray::scene::model::Scene;
 use nullray::validate::study::{self, Study, StudyOptions};
 use nullray::{Error, Result};
@@ -16,15 +17,20 @@ use super::film::in_pool;
 use super::names::named_after;
 use super::output::{encoded, extension};
 use super::progress::Bar;
-use super::{interrupt, say};
+use super::{inputs, interrupt, memory, say};
 
 /// Pixels of a point in a .png.
 const SCALE: f64 = 2.0;
 
 /// Measures, prints the table, and writes it as the outputs' extensions say.
 pub fn run(arguments: &StudyArguments) -> Result<()> {
-    let outputs = outputs(arguments)?;
     let scene = arguments.scene.load()?;
+    let request = arguments
+        .scene
+        .changes
+        .request(arguments.work.threads.count);
+    let read = inputs::of(&scene, &Plan::new(&scene, &request)?);
+    let outputs = outputs(arguments, &read)?;
     let options = StudyOptions {
         methods: arguments.methods.0.clone(),
         samples: arguments.samples.0.clone(),
@@ -32,6 +38,7 @@ pub fn run(arguments: &StudyArguments) -> Result<()> {
         budget: Duration::from_secs_f64(arguments.budget),
         reference_samples: arguments.reference_spp,
         memory_limit: arguments.scene.changes.memory.bytes(),
+        program: memory::program(arguments.work.threads.count),
     };
     let quiet = arguments.work.quiet.on;
     let study = in_pool(arguments.work.threads.count, || {
@@ -53,14 +60,14 @@ pub fn run(arguments: &StudyArguments) -> Result<()> {
 }
 
 /// Where to write; refused before anything is measured.
-fn outputs(arguments: &StudyArguments) -> Result<Vec<PathBuf>> {
+fn outputs(arguments: &StudyArguments, read: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let path = arguments.scene.path();
     if arguments.output.is_empty() {
         let endings = ["-study.csv", "-study.json", "-study.svg"];
         return Ok(endings.map(|ending| named_after(path, ending)).into());
     }
-    let overwritten = "this is the scene that is studied: it would be overwritten";
-    let mut names = Names::new(path, overwritten, "");
+    let overwritten = "this is a file that the scene is made of: it would be overwritten";
+    let mut names = Names::new(read, overwritten, "");
     for output in &arguments.output {
         let option = format!("-o {}", output.display());
         if !["csv", "json", "svg", "pdf", "png"].contains(&extension(output).as_str()) {

@@ -14,7 +14,10 @@ pub fn run(arguments: &TessellationArguments) -> Result<()> {
     let scene = arguments.scene.load()?;
     let request = Request {
         pixel_centers: true,
-        ..arguments.scene.changes.request()
+        ..arguments
+            .scene
+            .changes
+            .request(arguments.work.threads.count)
     };
     let plan = Plan::new(&scene, &request)?;
     Method::Raster(Raster::new(Tessellation::None)).check(&plan)?;

@@ -88,7 +88,7 @@ pub fn vector(text: &str) -> Result<DVec3, String> {
 /// Columns and rows of a grid.
 pub fn grid(text: &str) -> Result<[u32; 2], String> {
     match size(text)? {
-        [columns, rows] if columns * rows <= 400 => Ok([columns, rows]),
+        [columns, rows] if columns.saturating_mul(rows) <= 400 => Ok([columns, rows]),
         _ => Err("more than 400 pixels; write columns and rows like 4x3".into()),
     }
 }

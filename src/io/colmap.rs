@@ -83,6 +83,12 @@ pub fn pose(folder: &Path, image: &str) -> Result<ColmapPose> {
     })
 }
 
+/// The files of a reconstruction in `folder` that [`pose`] reads.
+pub fn files(folder: &Path) -> Vec<PathBuf> {
+    let found = ["images", "cameras"].map(|name| file(folder, name));
+    found.into_iter().flatten().map(|(path, _)| path).collect()
+}
+
 /// The file of this name, and whether it is a binary one.
 fn file(folder: &Path, name: &str) -> Result<(PathBuf, bool)> {
     let [binary, text] = ["bin", "txt"].map(|end| folder.join(name).with_extension(end));

@@ -13,6 +13,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
+use crate::error::Error;
+
 const PREFIX: &str = ".nullray-";
 const SUFFIX: &str = ".part";
 
@@ -33,6 +35,25 @@ pub(crate) struct Temporary {
     kept: bool,
     /// Of a directory, which has to stay locked; a file is locked by whoever writes it.
     _lock: Option<File>,
+}
+
+/// The error of a file in a directory under its `temporary` name, as one of the file that it would have become.
+pub(crate) fn in_target(error: Error, temporary: &Path, target: &Path) -> Error {
+    match error {
+        Error::Io {
+            path,
+            action,
+            source,
+        } => Error::Io {
+            path: match path.strip_prefix(temporary) {
+                Ok(name) => target.join(name),
+                Err(_) => path,
+            },
+            action,
+            source,
+        },
+        error => error,
+    }
 }
 
 impl Temporary {

@@ -3,7 +3,7 @@
 //! A chart is a connected part of the surface whose normals are within 45° of one axis, seen along it: texels are stretched by
 //! 1/cos 45° at most. It grows from the first triangle that no chart has yet, over edges that triangles share, in the order of the triangles.
 //! Such a part may still cover itself (a spiral ramp does): of two triangles that cover one place, the later is
-//! given back, and becomes part of another chart. Charts are turned to lie in the smallest rectangle, and stand on shelves, the highest
+//! given back, and becomes part of another chart; whether it does is looked at each time that the chart has doubled. Charts are turned to lie in the smallest rectangle, and stand on shelves, the highest
 //! first, at the largest scale, the same for all, at which they fit (bisection). Between two charts there are two columns or rows of
 //! texels, so that bilinear lookups at the border of a chart, which reach one texel beyond, never read another one's.
 //!
@@ -87,33 +87,39 @@ fn charts(triangles: &[[DVec3; 3]]) -> Vec<Chart> {
         let Some(axis) = normals[seed as usize].filter(|_| !taken[seed as usize]) else {
             continue;
         };
+        let (x, y) = axis.any_orthonormal_pair();
+        let on_plane = |t: u32| triangles[t as usize].map(|p| DVec2::new(p.dot(x), p.dot(y)));
         taken[seed as usize] = true;
-        let mut members = vec![seed];
-        let mut next = 0;
-        while let Some(&triangle) = members.get(next) {
-            next += 1;
-            for &other in neighbours.of_triangle(triangle) {
+        let (mut members, mut flat) = (vec![seed], vec![on_plane(seed)]);
+        let (mut next, mut checked) = (0, 1);
+        let mut given_back = Vec::new();
+        while next < members.len() {
+            for &other in neighbours.of_triangle(members[next]) {
                 let along = normals[other as usize].map_or(0.0, |n| n.dot(axis));
                 if !taken[other as usize] && along >= STEEPEST {
                     taken[other as usize] = true;
                     members.push(other);
+                    flat.push(on_plane(other));
                 }
             }
-        }
-        let (x, y) = axis.any_orthonormal_pair();
-        let on_plane = |t: &u32| triangles[*t as usize].map(|p| DVec2::new(p.dot(x), p.dot(y)));
-        let mut flat: Vec<_> = members.iter().map(on_plane).collect();
-        let covering = covering(&flat);
-        if covering.contains(&true) {
-            let given_back = members.iter().zip(&covering).filter(|(_, covers)| **covers);
-            for (triangle, _) in given_back {
-                taken[*triangle as usize] = false;
-                seeds.push_back(*triangle);
+            next += 1;
+            // Whenever it has doubled, so that it does not grow over all that lies on it: of many copies of a mesh each chart would try all.
+            let is_last = next == members.len() && checked < members.len();
+            if members.len() >= 2 * checked || is_last {
+                let covering = covering(&flat);
+                let covers = |k: &usize| covering[*k];
+                given_back.extend((0..members.len()).filter(covers).map(|k| members[k]));
+                next -= (0..next).filter(covers).count();
+                let mut covers = covering.iter();
+                members.retain(|_| !covers.next().unwrap_or(&false));
+                let mut covers = covering.iter();
+                flat.retain(|_| !covers.next().unwrap_or(&false));
+                checked = members.len();
             }
-            let mut covers = covering.iter();
-            members.retain(|_| !covers.next().unwrap_or(&false));
-            let mut covers = covering.iter();
-            flat.retain(|_| !covers.next().unwrap_or(&false));
+        }
+        for triangle in given_back {
+            taken[triangle as usize] = false;
+            seeds.push_back(triangle);
         }
         charts.push(Chart::laid(members, flat));
     }
@@ -434,6 +440,19 @@ mod tests {
         assert!(charts.iter().all(|chart| is_apart(&chart.flat)));
         let members: usize = charts.iter().map(|chart| chart.triangles.len()).sum();
         assert_eq!(members, spiral().len());
+    }
+
+    #[test]
+    fn many_copies_of_one_surface_become_a_chart_each_soon() {
+        let begin = std::time::Instant::now();
+        let square = triangles(Shape::Plane { size: [1.0, 1.0] });
+        let copies = 20_000;
+        let surface: Vec<_> = (0..copies).flat_map(|_| square.clone()).collect();
+        assert_eq!(charts(&surface).len(), copies);
+        let surface = vec![square[0]; copies];
+        assert_eq!(charts(&surface).len(), copies);
+        let seconds = begin.elapsed().as_secs();
+        assert!(seconds < 20, "{seconds} s");
     }
 
     /// Lengths on the texture over lengths on the surface are those of the scale, or cos 45° of it where it is steepest.

@@ -1,7 +1,7 @@
 //! What a scene names outside its text, gathered before it is resolved: resolving opens nothing.
 
 use std::cell::RefCell;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::hash::Hash;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -133,6 +133,8 @@ pub(super) struct Inputs {
     pub reach: Option<PathBuf>,
     /// Meshes and cubes in memory.
     pub memory: Memory,
+    /// Files, and folders of COLMAP, that were read for poses, ways, tables and numbers.
+    pub read: BTreeSet<PathBuf>,
     /// By place in the text: why the file that is named there cannot be used.
     problems: HashMap<usize, String>,
     /// By place in the text: the pose that the glTF camera named there has.
@@ -158,6 +160,10 @@ impl Inputs {
         }
     }
 
+    fn note(&mut self, file: &At<String>) {
+        self.read.insert(self.base.join(&file.value));
+    }
+
     /// The file named at `file` cannot be used.
     pub fn add_problem(&mut self, file: &At<String>, problem: String) {
         self.problems.insert(file.span.start, problem);
@@ -165,11 +171,13 @@ impl Inputs {
 
     /// The glTF camera in the file named at `file` has this pose, or cannot be read.
     pub fn add_pose(&mut self, file: &At<String>, pose: Result<Pose>) {
+        self.note(file);
         self.poses.get_mut().insert(file.span.start, pose);
     }
 
     /// The node of the glTF file named at `file` goes this way, or cannot be read.
     pub fn add_track(&mut self, file: &At<String>, track: Result<Track>) {
+        self.note(file);
         self.tracks.get_mut().insert(file.span.start, track);
     }
 
@@ -185,6 +193,7 @@ impl Inputs {
 
     /// The table of a spectrum in the file named at `file` has these rows, or cannot be read.
     pub fn add_table(&mut self, file: &At<String>, rows: Result<Vec<[f64; 2]>>) {
+        self.note(file);
         self.tables.get_mut().insert(file.span.start, rows);
     }
 
@@ -200,6 +209,7 @@ impl Inputs {
 
     /// The file named at `file` holds these numbers, or cannot be read.
     pub fn add_numbers(&mut self, file: &At<String>, numbers: Result<Vec<f64>>) {
+        self.note(file);
         self.numbers.get_mut().insert(file.span.start, numbers);
     }
 

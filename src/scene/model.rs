@@ -48,6 +48,8 @@ pub struct Scene {
     pub text: String,
     /// The folder within which glTF files may refer to other files, besides their own; none where they may anywhere.
     pub folder: Option<PathBuf>,
+    /// Files, and folders of COLMAP, of which this was made beside the text: those of spectra, edges of bins, poses and ways.
+    pub read: Vec<PathBuf>,
     /// Speed of light of this scene, metres per second: only for converting seconds at the edges.
     pub speed_of_light: f64,
     /// Refractive index η ≥ 1 of the world-static medium; affects the delay only.

@@ -189,6 +189,29 @@ fn an_output_that_is_a_link_to_nothing_is_refused_before_anything_is_rendered() 
     );
 }
 
+#[test]
+fn a_study_overwrites_no_file_of_its_scene() {
+    let folder = Folder::new();
+    let lamp = "spectrum = { table = \"lamp.csv\" }\n[radiance]\nquantity = \"rgb\"\n";
+    folder.write("a.toml", format!("{SCENE}{lamp}"));
+    folder.write("lamp.csv", "400,1\n700,1\n");
+    let text = folder.fail(&["study", "a.toml", "-o", "lamp.csv"]);
+    assert!(text.contains("overwritten"), "{text}");
+    assert_eq!(folder.files(&["a.toml"])["lamp.csv"], b"400,1\n700,1\n");
+}
+
+#[test]
+fn words_and_grids_that_no_page_has_room_for_are_refused_at_once() {
+    let folder = Folder::new();
+    folder.write("a.toml", SCENE);
+    let words = "a".repeat(100_000);
+    let text = folder.fail(&["render", "a.toml", "-o", "a.png", "--caption", &words]);
+    assert!(text.contains("100000 characters"), "{text}");
+    // A product of 2³².
+    let text = folder.fail(&["page", "a.toml", "-o", "page", "--grid", "65536x65536"]);
+    assert!(text.contains("more than 400 pixels"), "{text}");
+}
+
 /// A triangle whose buffer is the file at `uri`.
 fn triangle(uri: &str) -> String {
     format!(

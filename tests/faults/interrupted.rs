@@ -102,9 +102,14 @@ fn killed_at_random(input: (&str, Vec<u8>), arguments: &[&str], seed: u64) {
         folder
     };
     let reference = begun();
-    let begin = Instant::now();
     reference.succeed(arguments);
-    let whole = begin.elapsed();
+    // Beside other work the first of several may take much longer than the others.
+    let time = |_| {
+        let (folder, begin) = (begun(), Instant::now());
+        folder.succeed(arguments);
+        begin.elapsed()
+    };
+    let whole = (0..3).map(time).min().unwrap_or_default();
     let expected = reference.files(&[]);
     let (mut numbers, mut at_work) = (Numbers(seed), 0);
     for _ in 0..instants() {
@@ -186,6 +191,37 @@ fn a_scene_that_is_edited_during_its_sequence_is_rendered_as_it_was_and_that_is_
     // Begun again, nothing of the old geometry is taken for the new.
     folder.succeed(&sequence);
     assert!(folder.files(&["a.toml"]) == after);
+}
+
+#[test]
+fn a_table_that_is_edited_during_a_sequence_is_taken_as_it_was_and_that_is_said() {
+    let scene = SCENE.replace("[48, 32]", "[320, 240]")
+        + "spectrum = { table = \"lamp.csv\" }\n[radiance]\nquantity = \"rgb\"\n";
+    let sequence = [
+        "render",
+        "a.toml",
+        "--frames",
+        "0..8",
+        "--interval",
+        "1 cm",
+        "-o",
+        "f-##.png",
+        "--spp",
+        "9",
+    ];
+    let [before, after] = ["400,1\n700,1\n", "400,1\n500,0\n"];
+    let reference = Folder::new();
+    reference.write("a.toml", &scene).write("lamp.csv", before);
+    reference.succeed(&sequence);
+    let folder = Folder::new();
+    folder.write("a.toml", &scene).write("lamp.csv", before);
+    let child = started(&folder, &sequence);
+    folder.write("lamp.csv", after);
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success());
+    assert!(folder.files(&["lamp.csv"]) == reference.files(&["lamp.csv"]));
+    let text = said(&output);
+    assert!(text.contains("lamp.csv has changed since"), "{text}");
 }
 
 #[test]

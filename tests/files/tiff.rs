@@ -111,3 +111,67 @@ fn a_stack_has_all_of_its_pictures_and_a_preview_is_none() {
     let steady = cube::load(&data("preview.tif"), Wanted::default()).unwrap();
     assert_eq!(steady.shape, [5, 6, 1, 1]);
 }
+
+/// A little-endian TIFF of these directories, each at its place with entries of tag, type, count and value, and the next one's place.
+fn directories(all: &[(u32, &[[u32; 4]], u32)], length: usize) -> Vec<u8> {
+    let mut file = vec![0; length];
+    file[..8].copy_from_slice(b"II\x2a\0\x08\0\0\0");
+    for (at, entries, next) in all {
+        let mut bytes = (entries.len() as u16).to_le_bytes().to_vec();
+        for [tag, kind, count, value] in *entries {
+            bytes.extend((*tag as u16).to_le_bytes());
+            bytes.extend((*kind as u16).to_le_bytes());
+            bytes.extend(count.to_le_bytes());
+            bytes.extend(value.to_le_bytes());
+        }
+        bytes.extend(next.to_le_bytes());
+        file[*at as usize..][..bytes.len()].copy_from_slice(&bytes);
+    }
+    file
+}
+
+#[test]
+fn text_in_place_of_numbers_is_refused_before_the_decoder_prints_a_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.tif");
+    let size = [[256, 3, 1, 4], [257, 3, 1, 4]];
+    // More text than a decoder may have: in the first picture, and in the second.
+    let offsets = [273, 2, 0x7fff_ffff, 8];
+    for second in [false, true] {
+        let first: Vec<[u32; 4]> = size
+            .into_iter()
+            .chain((!second).then_some(offsets))
+            .collect();
+        let next = [size[0], size[1], offsets];
+        let bytes = directories(&[(8, &first, 100), (100, &next, 0)], 300);
+        std::fs::write(&path, bytes).unwrap();
+        let picture = usize::from(second);
+        for error in [
+            tiff::count(&path).unwrap_err(),
+            tiff::read(&path, picture, &Budget::new(1 << 24)).unwrap_err(),
+        ] {
+            let expected = format!("tag 273 of picture {picture} holds text in place of numbers");
+            assert!(error.to_string().contains(&expected), "{error}");
+        }
+    }
+}
+
+#[test]
+fn directories_that_overlap_are_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.tif");
+    // Every place holds the number of a directory of 16,448 entries, of which the last leads to a place four bytes on.
+    let mut bytes = vec![0x40; 1 << 20];
+    bytes[..8].copy_from_slice(b"II\x2a\0\x08\0\0\0");
+    let entries = 0x4040;
+    for k in 0..60_000u32 {
+        let at = 8 + 4 * k;
+        let end = (at + 2 + 12 * entries) as usize;
+        bytes[end..end + 4].copy_from_slice(&(at + 4).to_le_bytes());
+    }
+    std::fs::write(&path, bytes).unwrap();
+    let begin = std::time::Instant::now();
+    let error = tiff::read(&path, 59_999, &Budget::new(1 << 24)).unwrap_err();
+    assert!(error.to_string().contains("they overlap"), "{error}");
+    assert!(begin.elapsed() < std::time::Duration::from_secs(5));
+}

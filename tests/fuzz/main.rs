@@ -7,6 +7,7 @@
 mod counting;
 mod farm;
 mod mutate;
+mod scenes;
 mod schema;
 #[path = "../../fuzz/src/targets.rs"]
 mod targets;
@@ -16,6 +17,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use nullray::figures::diagram;
+use nullray::render::plan::{Plan, Request};
 use nullray::scene::Overrides;
 use targets::{TARGETS, Target};
 
@@ -30,7 +32,7 @@ fn seeds(target: &Target) -> Vec<(PathBuf, Vec<u8>)> {
         }
         "cube_hdf5" => &["tests/data/hdf5"],
         "frame_tiff" => &["tests/data/tiff"],
-        "scene" => &["scenes", "scenes/effects", "scenes/cube"],
+        "scene" | "picture" => &["scenes", "scenes/effects", "scenes/cube"],
         "diagram" => &["scenes/diagrams"],
         _ => &[],
     };
@@ -120,6 +122,27 @@ fn scenes_made_of_the_schema_are_read_or_refused() {
     // Those that are read show that what is made is not refused by its first key.
     println!("of {count}: {diagrams} diagrams are read");
     assert!(diagrams > count / 20, "{diagrams} of {count}");
+}
+
+/// Most whole scenes can be rendered: what is changed in them lies deep, and the farm does not stop at the first key.
+#[test]
+fn most_whole_scenes_are_rendered_without_a_panic() {
+    let mut maker = schema::Maker::new(2);
+    let (count, mut planned) = (100, 0);
+    let picture = TARGETS.iter().find(|target| target.name == "picture");
+    for k in 0..count {
+        let text = maker.whole_scene();
+        let outcome = std::panic::catch_unwind(|| (picture.unwrap().run)(text.as_bytes()));
+        assert!(outcome.is_ok(), "whole scene {k}:\n{text}");
+        let overrides = Overrides {
+            size: Some([6, 4]),
+            ..Overrides::default()
+        };
+        let scene = nullray::scene::parse(&text, "whole", Path::new("scenes"), &overrides);
+        planned += u32::from(scene.is_ok_and(|s| Plan::new(&s, &Request::default()).is_ok()));
+    }
+    println!("of {count}: {planned} can be rendered");
+    assert!(planned > 2 * count / 5, "{planned} of {count}");
 }
 
 /// `NULLRAY_FUZZ_SECONDS`, `NULLRAY_FUZZ_SEED`, `NULLRAY_FUZZ_TARGETS` say for how long, from which number, and which.

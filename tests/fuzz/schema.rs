@@ -10,8 +10,8 @@ const DEEPEST: usize = 7;
 
 /// Makes scenes of the schema of scene files, diagrams included.
 pub struct Maker {
-    schema: Value,
-    numbers: Numbers,
+    pub schema: Value,
+    pub numbers: Numbers,
 }
 
 impl Maker {
@@ -42,11 +42,11 @@ impl Maker {
         lines.collect()
     }
 
-    fn one_in(&mut self, n: usize) -> bool {
+    pub fn one_in(&mut self, n: usize) -> bool {
         self.numbers.below(n) == 0
     }
 
-    fn pick(&mut self, all: &[Value]) -> Value {
+    pub fn pick(&mut self, all: &[Value]) -> Value {
         all[self.numbers.below(all.len())].clone()
     }
 
@@ -68,7 +68,7 @@ impl Maker {
         table
     }
 
-    fn value(&mut self, schema: &Value, depth: usize) -> Value {
+    pub fn value(&mut self, schema: &Value, depth: usize) -> Value {
         if let Some(name) = schema["$ref"].as_str().and_then(|r| r.rsplit('/').next()) {
             let of = self.schema["$defs"][name].clone();
             return self.value(&of, depth);
@@ -111,7 +111,7 @@ impl Maker {
         }
     }
 
-    fn number(&mut self) -> f64 {
+    pub fn number(&mut self) -> f64 {
         let rare = [1e-300, 1e300, -0.0, 1e16, 1e-9, 0.999_999_999_999];
         match self.numbers.below(12) {
             0 => rare[self.numbers.below(rare.len())],
@@ -148,12 +148,12 @@ impl Maker {
 }
 
 /// The value in TOML, tables in one line.
-fn toml(value: &Value) -> String {
+pub fn toml(value: &Value) -> String {
     match value {
         Value::Object(table) => {
             let entries = table
                 .iter()
-                .map(|(key, value)| format!("{key} = {}", toml(value)));
+                .map(|(key, value)| format!("{key:?} = {}", toml(value)));
             format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
         }
         Value::Array(all) => format!("[{}]", all.iter().map(toml).collect::<Vec<_>>().join(", ")),

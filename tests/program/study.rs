@@ -241,3 +241,16 @@ fn a_study_that_is_stopped_ends() {
     let stopped = study(&parsed(SCENE), &options("trace"), &AtomicBool::new(true));
     assert!(matches!(stopped, Err(Error::Cancelled)));
 }
+
+#[test]
+fn a_study_that_does_not_fit_beside_the_program_is_refused_before_it_begins() {
+    let options = |program| StudyOptions {
+        memory_limit: 256 << 20,
+        program,
+        budget: Duration::ZERO,
+        ..options("trace")
+    };
+    assert!(study(&parsed(SCENE), &options(0), &Silent).is_ok());
+    let error = study(&parsed(SCENE), &options(220 << 20), &Silent).unwrap_err();
+    assert!(error.to_string().contains("more than the limit"), "{error}");
+}

@@ -119,14 +119,14 @@ impl Changes {
         }
     }
 
-    /// What is asked of a scene beyond its file.
-    pub fn request(&self) -> Request {
+    /// What is asked of a scene beyond its file, of so many threads.
+    pub fn request(&self, threads: Option<u16>) -> Request {
         Request {
             aovs: Vec::new(),
             pixel_centers: self.pixel_centers,
             memory_limit: self.memory.bytes(),
             precision: self.precision,
-            program: memory::PROGRAM,
+            program: memory::program(threads),
             ..Request::default()
         }
     }

@@ -19,7 +19,7 @@ use super::markup::{Level, Run, parse};
 use super::outline::{Outline, Rect, bounds};
 use super::setter::{Setter, Style};
 use super::tex;
-use crate::error::Result;
+use crate::error::{Error, Result};
 
 /// The size of scripts, in that of their line.
 const SCRIPT: f64 = 0.7;
@@ -27,6 +27,9 @@ const SCRIPT: f64 = 0.7;
 const RAISE: f64 = 0.33;
 /// How far a subscript's baseline is lowered, em of the line.
 const LOWER: f64 = 0.18;
+
+/// The most characters of a line: more than any page has room for.
+const LONGEST: usize = 2000;
 
 /// A line of text whose characters the font has: runs of one style and one level each.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -67,6 +70,22 @@ impl RichText {
     }
 
     fn of(runs: Vec<Run>) -> Result<RichText> {
+        let count: usize = runs.iter().map(|run| run.text.chars().count()).sum();
+        if count > LONGEST {
+            let start: String = runs
+                .iter()
+                .flat_map(|run| run.text.chars())
+                .take(20)
+                .collect();
+            let what =
+                format!("{count} characters in one line of text, and at most {LONGEST} are set");
+            return Err(Error::invalid(
+                format!("text \"{start}…\""),
+                "",
+                what,
+                "write less",
+            ));
+        }
         let text = RichText { runs };
         text.outline(1.0)?;
         Ok(text)

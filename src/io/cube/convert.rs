@@ -27,7 +27,7 @@ use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::image::{self, Channel, Layers, Samples as Pixels, npz};
 use crate::io::npy::Dtype;
-use crate::io::temporary::Temporary;
+use crate::io::temporary::{Temporary, in_target};
 
 /// What becomes of a cube on its way.
 #[derive(Debug, Clone)]
@@ -429,7 +429,8 @@ impl<'a> Work<'a> {
                         Vec::new(),
                     )?;
                     let name = format!("{number:0digits$}.exr");
-                    image::exr::write_with(&folder.path().join(name), &layers, &options)?;
+                    image::exr::write_with(&folder.path().join(name), &layers, &options)
+                        .map_err(|error| in_target(error, folder.path(), to))?;
                     number += 1;
                 }
                 Ok(())

@@ -1,7 +1,7 @@
 //! TIFF pictures, as cameras and scientific programs write them: grey or red, green and blue, of integers or floating-point
 //! numbers, in strips or tiles, without or with deflate, LZW or PackBits. The crate `tiff` reads them, within limits.
 
-use std::io::BufReader;
+use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use tiff::ColorType;
@@ -33,8 +33,10 @@ const MOST: usize = 1 << 16;
 /// The file cannot be read or is broken.
 pub fn count(path: &Path) -> Result<usize> {
     let broken = |error| broken(path, error);
-    let (reader, _) = open_regular(path)?;
-    let mut decoder = Decoder::new(BufReader::new(reader)).map_err(broken)?;
+    let (reader, length) = open_regular(path)?;
+    let mut reader = BufReader::new(reader);
+    check_directories(&mut reader, length, MOST, path)?;
+    let mut decoder = Decoder::new(reader).map_err(broken)?;
     let size = decoder.dimensions().map_err(broken)?;
     let mut count = 1;
     while decoder.more_images() {
@@ -54,6 +56,104 @@ pub fn count(path: &Path) -> Result<usize> {
         }
     }
     Ok(count)
+}
+
+/// Tags below this one are the format's own; the decoder reads no others.
+const OWN_TAGS: u16 = 700;
+/// Those that hold text: names, descriptions, makers, dates, inks, printers.
+const TEXTS: [u16; 11] = [269, 270, 271, 272, 285, 305, 306, 315, 316, 333, 337];
+/// The type of text.
+const TEXT: u16 = 2;
+
+/// Refuses what the decoder would not refuse well, in the directories of the pictures up to `last`: text in place of numbers, on
+/// which it prints a line, and directories that overlap, of which a small file can hold more than anyone waits for.
+///
+/// Other mistakes are left to the decoder.
+fn check_directories(
+    reader: &mut (impl Read + Seek),
+    length: u64,
+    last: usize,
+    path: &Path,
+) -> Result<()> {
+    let refuse = |what: String| {
+        let help = "copy the file again, or save it again";
+        Err(Error::invalid(path, "", what, help))
+    };
+    let read = (|| -> std::io::Result<Option<String>> {
+        let header: [u8; 8] = bytes(reader)?;
+        let is_big = matches!(header[2..4], [43, 0] | [0, 43]);
+        let numbers = Numbers {
+            is_little: header.starts_with(b"II"),
+        };
+        let width = if is_big { 8 } else { 4 };
+        let mut next = match is_big {
+            true => numbers.of(&bytes::<8>(reader)?),
+            false => numbers.of(&header[4..]),
+        };
+        let mut entries = 0u64;
+        for picture in 0..=last {
+            if next == 0 {
+                break;
+            }
+            reader.seek(SeekFrom::Start(next))?;
+            let count = match is_big {
+                true => numbers.of(&bytes::<8>(reader)?),
+                false => numbers.of(&bytes::<2>(reader)?),
+            };
+            entries = entries.saturating_add(count);
+            if entries.saturating_mul(4 + 2 * width) > length {
+                let what = format!(
+                    "the directories up to that of picture {picture} are longer than the file: they overlap, or it is cut off"
+                );
+                return Ok(Some(what));
+            }
+            for _ in 0..count {
+                let [tag, kind] =
+                    [bytes::<2>(reader)?, bytes::<2>(reader)?].map(|two| numbers.of(&two) as u16);
+                if kind == TEXT && tag < OWN_TAGS && !TEXTS.contains(&tag) {
+                    let what =
+                        format!("tag {tag} of picture {picture} holds text in place of numbers");
+                    return Ok(Some(what));
+                }
+                reader.seek_relative(2 * width as i64)?;
+            }
+            next = match is_big {
+                true => numbers.of(&bytes::<8>(reader)?),
+                false => numbers.of(&bytes::<4>(reader)?),
+            };
+        }
+        Ok(None)
+    })();
+    // The decoder begins where the reader is.
+    reader.rewind().map_err(Error::io(path, "cannot read"))?;
+    match read {
+        Ok(Some(what)) => refuse(what),
+        Err(error) if error.kind() != ErrorKind::UnexpectedEof => {
+            Err(Error::io(path, "cannot read")(error))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn bytes<const N: usize>(reader: &mut impl Read) -> std::io::Result<[u8; N]> {
+    let mut bytes = [0; N];
+    reader.read_exact(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Numbers in the file's order of bytes.
+struct Numbers {
+    is_little: bool,
+}
+
+impl Numbers {
+    fn of(&self, bytes: &[u8]) -> u64 {
+        let push = |number: u64, byte: &u8| number << 8 | u64::from(*byte);
+        match self.is_little {
+            true => bytes.iter().rev().fold(0, push),
+            false => bytes.iter().fold(0, push),
+        }
+    }
 }
 
 /// What is wrong with a file.
@@ -84,7 +184,9 @@ fn broken(path: &Path, error: tiff::TiffError) -> Error {
 pub fn read(path: &Path, number: usize, budget: &Budget) -> Result<Tiff> {
     let broken = |error| broken(path, error);
     let (reader, length) = open_regular(path)?;
-    let mut decoder = Decoder::new(BufReader::new(reader)).map_err(broken)?;
+    let mut reader = BufReader::new(reader);
+    check_directories(&mut reader, length, number, path)?;
+    let mut decoder = Decoder::new(reader).map_err(broken)?;
     if number > 0 {
         decoder.seek_to_image(number).map_err(broken)?;
     }

@@ -96,6 +96,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         text: cx.report.text.to_string(),
         name: cx.report.name.clone(),
         folder: cx.inputs.reach.clone(),
+        read: cx.inputs.read.iter().cloned().collect(),
     };
     // What only the whole scene can tell.
     refuse_two_backgrounds(&cx, file)?;

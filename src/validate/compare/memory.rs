@@ -40,6 +40,14 @@ pub fn working_memory(reference: &Picture, candidate: &Picture, options: &Compar
         .saturating_add(SEARCHED)
 }
 
+/// The same of two pictures of light alone, whose samples may be replaced; with the pictures.
+pub(crate) fn working_memory_of_light(pixels: u64) -> u64 {
+    const PICTURE: u64 = 3 * 4;
+    pixels
+        .saturating_mul(MEASURED + 2 * (PICTURE + 3 * PICTURE))
+        .saturating_add(SEARCHED)
+}
+
 fn bytes(layers: &Layers) -> u64 {
     let of = |samples: &Samples| match samples {
         Samples::F32(v) => 4 * v.len() as u64,

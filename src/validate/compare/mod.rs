@@ -48,6 +48,7 @@ pub use errors::{Errors, Histogram};
 pub use flip::Flip;
 pub use matching::Uncompared;
 pub use memory::working_memory;
+pub(crate) use memory::working_memory_of_light;
 pub use metrics::{Better, Breach, Found, METRICS, Metric, Tolerance, help};
 pub use options::{CompareOptions, NotFinite, Region};
 pub use picture::{Alpha, Encoding, Picture};

@@ -27,6 +27,7 @@ use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::io::gltf::{self, Want};
 use crate::io::image::{npz, write_atomically};
+use crate::io::temporary::in_target;
 use crate::render::metadata;
 use crate::render::plan::{Plan, Request};
 use crate::render::prepare::object_mesh;
@@ -60,6 +61,8 @@ pub struct ExportOptions {
     pub overwrite: bool,
     /// The most memory that the scene may take, bytes. Default: 16 GiB.
     pub memory_limit: u64,
+    /// What the program itself takes of that, bytes. Default: 0.
+    pub program: u64,
 }
 
 /// What becomes of stored cubes.
@@ -79,6 +82,7 @@ impl Default for ExportOptions {
             vectors: false,
             overwrite: false,
             memory_limit: Request::default().memory_limit,
+            program: 0,
         }
     }
 }
@@ -112,6 +116,7 @@ pub fn plan(scene: &Scene, options: &ExportOptions) -> Result<Plan> {
         pixel_centers: true,
         precision: Precision::Certified,
         memory_limit: options.memory_limit,
+        program: options.program,
         ..Request::default()
     };
     Plan::new(scene, &request)
@@ -152,25 +157,6 @@ pub fn export(
     let temporary = folder.path("");
     filled(folder, scene, &plan, options, progress)
         .map_err(|error| in_target(error, &temporary, target))
-}
-
-/// The error of a file in the directory under its temporary name, as one of the file that it would have become.
-fn in_target(error: Error, temporary: &Path, target: &Path) -> Error {
-    match error {
-        Error::Io {
-            path,
-            action,
-            source,
-        } => Error::Io {
-            path: match path.strip_prefix(temporary) {
-                Ok(name) => target.join(name),
-                Err(_) => path,
-            },
-            action,
-            source,
-        },
-        error => error,
-    }
 }
 
 /// Fills the directory, and gives it its name.

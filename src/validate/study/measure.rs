@@ -19,7 +19,7 @@ use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
 use crate::scene::model::Scene;
-use crate::validate::compare::Picture;
+use crate::validate::compare::{Picture, working_memory_of_light};
 
 /// The geometric errors of which verdicts are given, pixels.
 const ERRORS: [f64; 2] = [0.1, 0.01];
@@ -92,6 +92,7 @@ impl StudyOptions {
 fn plan(scene: &Scene, options: &StudyOptions) -> Result<Plan> {
     let request = Request {
         memory_limit: options.memory_limit,
+        program: options.program,
         ..Request::default()
     };
     if options.methods.is_empty() || options.samples.is_empty() || options.runs == 0 {
@@ -100,9 +101,11 @@ fn plan(scene: &Scene, options: &StudyOptions) -> Result<Plan> {
         return Err(Error::invalid(&scene.name, "study", what, help));
     }
     // Times of one picture are compared, whatever its trees took.
+    let [width, height] = scene.camera.size.map(u64::from);
+    let plan = Plan::new(scene, &request)?;
     Ok(Plan {
         trees: Preset::Balanced,
-        ..Plan::new(scene, &request)?
+        ..plan.holding(0, working_memory_of_light(width * height))?
     })
 }
 

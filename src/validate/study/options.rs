@@ -25,6 +25,8 @@ pub struct StudyOptions {
     pub reference_samples: u32,
     /// The most memory that the scene may take, bytes. Default: 16 GiB.
     pub memory_limit: u64,
+    /// What the program itself takes of that, bytes. Default: 0.
+    pub program: u64,
 }
 
 /// What is studied where nothing is said.
@@ -41,6 +43,7 @@ impl Default for StudyOptions {
             budget: Duration::from_secs(60),
             reference_samples: 1024,
             memory_limit: Request::default().memory_limit,
+            program: 0,
         }
     }
 }

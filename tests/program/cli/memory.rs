@@ -140,3 +140,45 @@ fn no_command_takes_more_than_its_limit() {
         );
     }
 }
+
+#[test]
+#[cfg_attr(
+    not(target_os = "linux"),
+    ignore = "Linux says what a process had at most"
+)]
+fn with_the_least_limit_that_is_accepted_a_command_takes_no_more() {
+    const SCENE: &str = "[camera]\neye = [0, 0, 4]\nlook_at = [0, 0, 0]\nvelocity = { beta = [0.5, 0, 0] }\n\
+        [[object]]\nshape = { box = { size = [1, 1, 1] } }\n";
+    const LIGHT: &str = "[[light]]\nposition = [0, 2, 2]\nintensity = 5\n[render]\nbounces = 2\n[radiance]\nquantity = \"rgb\"\n";
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: String| std::fs::write(folder.path().join(name), text).unwrap();
+    write("a.toml", SCENE.into());
+    write("lit.toml", format!("{SCENE}{LIGHT}"));
+    let study = "study a.toml --size 600x600 --methods trace --samples 1 --reference-spp 1 --budget 1 -o s.csv";
+    for command in [
+        "render a.toml --size 1000x1000 --spp 1 --half -o a.exr",
+        "render a.toml --size 300x200 --spp 1 --threads 200 -o a.npz",
+        "render lit.toml --size 300x200 --spp 1 --threads 96 -o a.npz",
+        "export a.toml --size 500x500 -o bundle --overwrite",
+        study,
+    ] {
+        let mut limit = 16;
+        let (output, peak) = loop {
+            let limit_text = format!("{limit}MiB");
+            let mut arguments: Vec<&str> = command.split(' ').collect();
+            arguments.extend(["-q", "--max-memory", &limit_text]);
+            let (output, peak) = run(folder.path(), &arguments);
+            if output.status.success() || limit > 2000 {
+                break (output, peak);
+            }
+            limit += 4;
+        };
+        assert!(output.status.success(), "{command}");
+        println!("{command}: {} of {limit} MiB", peak / MIB);
+        assert!(
+            peak <= limit * MIB,
+            "{command}: {} MiB, and the limit is {limit}",
+            peak / MIB
+        );
+    }
+}

@@ -266,12 +266,13 @@ impl VectorLoop for SetUp<'_> {
         for (at, function) in self.functions.iter_mut().enumerate().take(LOT) {
             // One by one: to map the arrays would copy all of them for each triangle.
             let mut of = NEVER;
-            for k in 0..3 {
-                for axis in 0..3 {
-                    of.edges[k][axis] = edges[k][axis][at];
+            for (to, from) in of.edges.iter_mut().zip(&edges) {
+                for (to, from) in to.iter_mut().zip(from) {
+                    *to = from[at];
                 }
-                of.depth[k] = depth[k][at] as f32;
-                of.exact[k] = depth[k][at];
+            }
+            for ((to, exact), from) in of.depth.iter_mut().zip(&mut of.exact).zip(&depth) {
+                (*to, *exact) = (from[at] as f32, from[at]);
             }
             of.slack = slack[at];
             *function = of;

@@ -140,6 +140,9 @@ fn luminance([r, g, b]: [f64; 3]) -> f64 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
+/// What is said of a curve, its numbers, and how it explains the light.
+type Explained = (String, Vec<(&'static str, f64)>, Told);
+
 /// So many pixels are asked for the free number.
 const ASKED: usize = 2048;
 /// Exposures that are asked about: factors on the median of light, and the ends of the range of their logarithms.
@@ -162,7 +165,7 @@ fn toned(case: &Case) -> Option<Found> {
     }
     let few: Vec<Lit> = lit.iter().copied().step_by(lit.len() / ASKED + 1).collect();
     let usual = middle(&lit) / 3f64.sqrt();
-    let mut best: Option<(String, Vec<(&'static str, f64)>, Told)> = None;
+    let mut best: Option<Explained> = None;
     for (name, curve) in CURVES {
         for encoded in [false, true] {
             let exposure = exposure(&few, curve, encoded) / usual;
@@ -272,7 +275,7 @@ impl Polygon {
 }
 
 /// Any curve, of channels or of luminance.
-fn any(lit: &[Lit]) -> Option<(String, Vec<(&'static str, f64)>, Told)> {
+fn any(lit: &[Lit]) -> Option<Explained> {
     let pairs = lit
         .iter()
         .flat_map(|(_, [r, c])| [0, 1, 2].map(|k| [r[k], c[k]]));

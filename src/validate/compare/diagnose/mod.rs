@@ -37,7 +37,7 @@
 //! | tone mapping | one curve, of each channel or of luminance, makes the candidate's light of the reference's (`curve`) |
 //! | motion, by light | the light is that of the scene without retardation, with another aberration, or with an object at rest or reversed; needs the scene, where no channel says so |
 //! | film, or aberration, by light | the pictures lie over each other after a shift, scales, or a boost (`registration`) |
-//! | size | the surfaces of an object are those of the reference times a factor (`size`); by light, where the scene is there |
+//! | size | the surfaces of an object are those of the reference times a factor (`size`) |
 //! | object elsewhere | by their events, points of an object are not on its surface, where nothing hides it; or they are in the frame of another velocity (`events`) |
 //! | object missing | the reference shows it, the candidate nowhere |
 //! | object misplaced | most of its points are not where they are seen, and others are; nothing else explains it |

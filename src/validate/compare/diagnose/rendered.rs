@@ -1,5 +1,5 @@
 //! Mistakes that are known by the light of the scene rendered with them: times of lookup, and where channels of places are
-//! missing, motions, retardation and sizes. They need the scene itself, whose light has to be the reference's.
+//! missing, motions and retardation. They need the scene itself, whose light has to be the reference's.
 //!
 //! A mistake of unknown size x, like a delay, is tried at a few sizes. From the nearest one, secants lead on: with the light L of
 //! two sizes a and b, and the candidate's light c,
@@ -8,7 +8,7 @@
 //! x = b + (b − a) (c − L(b))·(L(b) − L(a)) / |L(b) − L(a)|².
 //! ```
 
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 
 use super::super::known::{Change, is_all_in_its_text};
 use super::light::{Lit, NOTABLE, Told, evidence, lit, middle, told};
@@ -58,12 +58,8 @@ pub(super) fn changes(case: &Case) -> Option<Diagnosis> {
     });
     let of_times = of_some_size(case, &lit, &times(scene), |x| later(scene, x));
     let of_times = of_times.map(|(x, told)| (lookup(scene, x), told));
-    let mut found: Vec<(Mistake, Told)> = asked.chain(of_times).collect();
-    if found.is_empty() && !case.has_places() {
-        found.extend(sizes(case, scene, &lit));
-    }
-    let (mistake, told) =
-        (found.into_iter()).min_by(|a, b| a.1.tally.rest().total_cmp(&b.1.tally.rest()))?;
+    let found = asked.chain(of_times);
+    let (mistake, told) = found.min_by(|a, b| a.1.tally.rest().total_cmp(&b.1.tally.rest()))?;
     Some(Diagnosis {
         kind: mistake.kind,
         what: mistake.what,
@@ -270,36 +266,6 @@ fn lookup(scene: &Scene, delay: f64) -> Mistake {
         size,
         scene: scene.clone(),
     }
-}
-
-/// Sizes of objects that are tried, as parts that they are too large by.
-const SIZES: [f64; 2] = [0.05, -0.05];
-
-/// An object of another size.
-fn sizes(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<(Mistake, Told)> {
-    let of_object = |k: usize| {
-        let (x, told) = of_some_size(case, lit, &SIZES, |x| {
-            let mut larger = scene.clone();
-            let object = larger.objects.get_mut(k)?;
-            object.transform = DAffine3::from_scale(DVec3::splat(1.0 + x)) * object.transform;
-            Some(larger)
-        })?;
-        let what = format!(
-            "object {k} is {:.4} times as large as it should be ({:+.2} %): light alone says so",
-            1.0 + x,
-            100.0 * x
-        );
-        let mistake = Mistake {
-            kind: Kind::SizeWrong,
-            what,
-            size: ("factor", 1.0 + x),
-            scene: scene.clone(),
-        };
-        Some((mistake, told))
-    };
-    let all = 0..scene.objects.len().min(MOST_OBJECTS);
-    let found = all.filter_map(of_object);
-    found.min_by(|a, b| a.1.tally.rest().total_cmp(&b.1.tally.rest()))
 }
 
 /// The scene without retardation, with other aberrations, and with objects at rest or moving the opposite way.

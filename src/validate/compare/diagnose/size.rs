@@ -24,9 +24,6 @@ use crate::spacetime::Event;
 /// Sizes that differ by less than this part are right.
 const NOTABLE: f64 = 0.005;
 
-/// A size explains sides that are round far better than a displacement where it leaves less than this part of what that leaves.
-const FAR_LESS: f64 = 0.3;
-
 /// A side of a body: its normal, and the points that the two pictures show of it.
 struct Side {
     n: DVec3,
@@ -104,7 +101,8 @@ fn of_object(case: &Case, object: usize, [in_r, in_c]: &[Vec<usize>; 2]) -> Opti
     let by_t = sides
         .iter()
         .map(|side| [side.off().abs(), (side.off() - side.n.dot(t)).abs()]);
-    let is_size = tally.rest() <= FAR_LESS * Tally::of(by_t).rest() || boxes_say_so(&r, &c, k, t);
+    let is_displaced = Tally::of(by_t).explains(0.5 * NOTABLE * extent);
+    let is_size = !is_displaced || boxes_say_so(&r, &c, k, t);
     (explains && is_size).then(|| Diagnosis {
         kind: Kind::SizeWrong,
         what: format!(

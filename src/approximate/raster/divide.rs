@@ -224,37 +224,31 @@ impl<'a> BatchBuilder<'a> {
         let Divider {
             projection,
             frustum,
+            tessellation,
             ..
         } = *self.divider;
-        let points = self.level.iter().map(|part| {
-            let points = points(self.parts(part));
-            let places = part.corners.map(|index| self.vertex(index).c);
-            match points > 1.0 && !frustum.misses(projection, places) {
-                true => points,
-                false => 0.0,
-            }
-        });
-        FINER * points.sum::<f64>()
-    }
-
-    /// Into how many parts the edges of a triangle are to be cut in all.
-    fn parts(&self, part: &Part) -> [f64; 3] {
-        let ends = [(1, 2), (2, 0), (0, 1)];
-        let Divider { tessellation, .. } = *self.divider;
-        match tessellation {
-            Tessellation::None => [1.0; 3],
-            Tessellation::Uniform(length) => {
-                let places = part.corners.map(|index| self.place(index));
-                ends.map(|(a, b)| places[a].distance(places[b]) / length)
-            }
-            Tessellation::Adaptive(pixels) => {
-                let corners = part.corners.map(|index| self.vertex(index));
-                ends.map(|(a, b)| {
-                    let scale = corners[a].scale.max(corners[b].scale);
-                    (bend(corners[a].c, corners[b].c, scale) / pixels).sqrt()
-                })
+        if tessellation == Tessellation::None {
+            return 0.0;
+        }
+        let mut edges = Box::new(Edges::EMPTY);
+        let mut sum = 0.0;
+        for begin in (0..self.level.len()).step_by(LOT) {
+            let end = (begin + LOT).min(self.level.len());
+            self.measure(begin..end, &mut edges);
+            for at in begin..end {
+                let needed = edges.needed.each_ref().map(|needed| needed[at - begin]);
+                // Edges of one part each make less than a point.
+                if needed.iter().all(|needed| *needed <= 1.0) {
+                    continue;
+                }
+                let points = points(needed);
+                let places = self.level[at].corners.map(|index| self.vertex(index).c);
+                if points > 1.0 && !frustum.misses(projection, places) {
+                    sum += points;
+                }
             }
         }
+        FINER * sum
     }
 
     fn is_unfinished(&self) -> bool {
@@ -309,7 +303,7 @@ impl<'a> BatchBuilder<'a> {
             self.measure(begin..end, &mut edges);
             for at in begin..end {
                 let part = self.level[at];
-                let parts = edges.parts.map(|parts| parts[at - begin]);
+                let parts = edges.parts.each_ref().map(|parts| parts[at - begin]);
                 // Not for NaN either.
                 match parts.iter().any(|parts| *parts > 1.0) {
                     false => self.keep(part),
@@ -320,7 +314,7 @@ impl<'a> BatchBuilder<'a> {
         }
     }
 
-    /// Finds into how many parts the edges opposite to each corner are to be cut.
+    /// Finds into how many parts the edges opposite to each corner are to be cut, in all and in this level.
     fn measure(&self, range: std::ops::Range<usize>, edges: &mut Edges) {
         match self.divider.tessellation {
             Tessellation::None => {}
@@ -329,8 +323,10 @@ impl<'a> BatchBuilder<'a> {
                 for (at, part) in self.level[range].iter().enumerate() {
                     let [a, b, c] = part.corners.map(|index| self.place(index));
                     let ends = [(b, c), (c, a), (a, b)];
-                    for (parts, (a, b)) in edges.parts.iter_mut().zip(ends) {
-                        parts[at] = (a.distance(b) / length * SAME).ceil();
+                    for (edge, (a, b)) in ends.into_iter().enumerate() {
+                        let needed = a.distance(b) / length;
+                        edges.needed[edge][at] = needed;
+                        edges.parts[edge][at] = (needed * SAME).ceil();
                     }
                 }
             }
@@ -485,7 +481,8 @@ struct Edges {
     c: [[[f64; LOT]; 3]; 3],
     /// By corner, |c| |Δ/δ|.
     scale: [[f64; LOT]; 3],
-    /// Into how many parts the edges opposite to each corner are to be cut.
+    /// How many parts the edges opposite to each corner need in all, and into how many they are cut now.
+    needed: [[f64; LOT]; 3],
     parts: [[f64; LOT]; 3],
 }
 
@@ -493,6 +490,7 @@ impl Edges {
     const EMPTY: Edges = Edges {
         c: [[[0.0; LOT]; 3]; 3],
         scale: [[0.0; LOT]; 3],
+        needed: [[0.0; LOT]; 3],
         parts: [[0.0; LOT]; 3],
     };
 }
@@ -506,15 +504,22 @@ struct Bend<'a> {
 impl VectorLoop for Bend<'_> {
     #[inline(always)]
     fn run(self) {
-        let Edges { c, scale, parts } = self.edges;
-        for (edge, parts) in parts.iter_mut().enumerate() {
+        let Edges {
+            c,
+            scale,
+            needed,
+            parts,
+        } = self.edges;
+        for (edge, (needed, parts)) in needed.iter_mut().zip(parts).enumerate() {
             let (from, to) = ((edge + 1) % 3, (edge + 2) % 3);
             for at in 0..LOT {
                 let a = DVec3::new(c[from][0][at], c[from][1][at], c[from][2][at]);
                 let b = DVec3::new(c[to][0][at], c[to][1][at], c[to][2][at]);
                 let error = bend(a, b, scale[from][at].max(scale[to][at]));
                 // n of the head: above 3 the bound is only good enough to halve the edge.
-                let count = (error / self.pixels).sqrt().ceil();
+                let root = (error / self.pixels).sqrt();
+                let count = root.ceil();
+                needed[at] = root;
                 parts[at] = if count > 3.0 { 2.0 } else { count };
             }
         }

@@ -158,7 +158,8 @@ impl Fragments {
         let fragment = surface.and_then(|surface| {
             let p = DVec3::new(x, y, 1.0);
             let scale = 1.0 / surface.sum.dot(p);
-            let c = DVec3::from_array(surface.c.map(|c| c.dot(p) * scale));
+            let [cx, cy, cz] = &surface.c;
+            let c = DVec3::new(cx.dot(p) * scale, cy.dot(p) * scale, cz.dot(p) * scale);
             // None at the camera's own place.
             let is_seen = c.is_finite() && c != DVec3::ZERO;
             is_seen.then_some((surface, p * scale, c))

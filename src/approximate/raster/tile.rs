@@ -264,13 +264,18 @@ impl VectorLoop for SetUp<'_> {
             slack[at] = if is_seen { bound as f32 } else { 0.0 };
         }
         for (at, function) in self.functions.iter_mut().enumerate().take(LOT) {
-            let exact = [depth[0][at], depth[1][at], depth[2][at]];
-            *function = Functions {
-                edges: edges.map(|e| [e[0][at], e[1][at], e[2][at]]),
-                depth: exact.map(|d| d as f32),
-                slack: slack[at],
-                exact,
-            };
+            // One by one: to map the arrays would copy all of them for each triangle.
+            let mut of = NEVER;
+            for (to, from) in of.edges.iter_mut().zip(&edges) {
+                for (to, from) in to.iter_mut().zip(from) {
+                    *to = from[at];
+                }
+            }
+            for ((to, exact), from) in of.depth.iter_mut().zip(&mut of.exact).zip(&depth) {
+                (*to, *exact) = (from[at] as f32, from[at]);
+            }
+            of.slack = slack[at];
+            *function = of;
         }
     }
 }

@@ -7,7 +7,7 @@ use super::diagnose::{self, Diagnosis};
 use super::errors::{Errors, Sums};
 use super::flip::{self, Flip};
 use super::geometry::Field;
-use super::known::KnownScene;
+use super::known::{self, KnownScene};
 use super::matching::{self, Uncompared};
 use super::options::{CompareOptions, Region};
 use super::picture::{Encoding, Picture, Plane, RADIANCE, is_auxiliary, is_light};
@@ -110,7 +110,7 @@ pub fn compare(
     // Geometry: where the points that each pixel shows lie on their objects, and how far apart they are.
     let pair = [reference, candidate];
     let points = pair.map(|picture| Points::new(&picture.layers));
-    let known = known(reference, &points[0], options)?;
+    let known = known_of(reference, &points[0], options)?;
     let mut notes = matched.notes.clone();
     let field = Field::new(&points, known.as_ref());
     if let Some(Field::Search(_)) = &field {
@@ -119,6 +119,10 @@ pub fn compare(
     let (surface, geometric_map) =
         surface::compare([r, c], &points, field.as_ref(), region, options.bin_width);
     // What would explain the difference.
+    let own_scene = match options.scene {
+        Some(_) => None,
+        None => known::scene_of_picture(reference),
+    };
     let case = diagnose::Case {
         pair,
         points,
@@ -126,7 +130,7 @@ pub fn compare(
         bin_width: options.bin_width,
         known: known.as_ref(),
         field: field.as_ref(),
-        scene: options.scene.as_deref(),
+        scene: options.scene.as_deref().or(own_scene.as_ref()),
     };
     Ok(Comparison {
         size: [r.width, r.height],
@@ -145,7 +149,7 @@ pub fn compare(
 
 /// The scene of the reference: the one that is given, or that of its metadata where the reference's points are seen
 /// where this says.
-fn known(
+fn known_of(
     reference: &Picture,
     points: &Points,
     options: &CompareOptions,

@@ -11,12 +11,16 @@
 //! differences, and right beyond silhouettes, too. It is taken relative to π(X) of the reference's own point X, so
 //! that pictures of other samples than pixel centres are compared with what they show.
 
+use std::path::Path;
+
 use glam::{DVec2, DVec3};
 
 use super::picture::Picture;
 use super::points::Points;
 use crate::camera::{AnyProjection, Projection, Shot};
-use crate::scene::model::{CameraModel, Effects, Equations, Scene};
+use crate::scene::model::{
+    CameraModel, CubeData, Effects, Equations, Geometry, Object, Scene, Source, SourceKind,
+};
 use crate::scene::{self, CameraMotion, Overrides};
 use crate::spacetime::{
     self, Boost, Direction, Displacement, Event, InertialFrame, Rest, Velocity, World,
@@ -55,6 +59,60 @@ pub(super) enum Change {
     Swapped(usize, usize),
 }
 
+/// The scene that a picture says it shows.
+struct Described<'a> {
+    text: &'a str,
+    name: &'a str,
+    base: &'a Path,
+    overrides: Overrides,
+}
+
+impl<'a> Described<'a> {
+    fn by(picture: &'a Picture) -> Option<Described<'a>> {
+        let name = picture.metadata("scene").unwrap_or("scene");
+        Some(Described {
+            text: picture.metadata("scene_text")?,
+            name,
+            base: scene::base(name.as_ref()),
+            overrides: Overrides {
+                size: Some([picture.layers.width, picture.layers.height]),
+                ..Overrides::default()
+            },
+        })
+    }
+}
+
+/// The whole scene that the metadata of a picture describes; none where it needs files, which may be others by now, or light that is
+/// reflected more than once, which may take long.
+pub(super) fn scene_of_picture(picture: &Picture) -> Option<Scene> {
+    let Described {
+        text,
+        name,
+        base,
+        overrides,
+    } = Described::by(picture)?;
+    let mut scene = scene::parse(text, name, base, &overrides).ok()?;
+    if let Some(time) = picture.metadata("camera_time") {
+        scene.camera.time = time.parse().ok()?;
+    }
+    (scene.bounces == 0 && is_all_in_its_text(&scene)).then_some(scene)
+}
+
+/// Whether a scene needs no files.
+pub(super) fn is_all_in_its_text(scene: &Scene) -> bool {
+    let is_shape = |object: &Object| {
+        matches!(object.geometry, Geometry::Shape { .. }) && object.texture_coordinates.is_none()
+    };
+    let is_file = |source: &Source| match &source.kind {
+        SourceKind::Cube(cube) => matches!(cube.data, CubeData::File(_)),
+        SourceKind::Pulse(_) => false,
+    };
+    let sky = scene.sky.as_ref();
+    scene.objects.iter().all(is_shape)
+        && !scene.sources.iter().any(is_file)
+        && sky.is_none_or(|sky| sky.files().next().is_none())
+}
+
 impl KnownScene {
     /// What `scene` says; none for cameras whose rays leave events of their own (a sensor, a shutter, stereo, or
     /// `model = "paper2015"` in motion).
@@ -70,13 +128,12 @@ impl KnownScene {
     /// What the scene's text in the metadata of a picture says; none where there is no such text, or it names a camera
     /// in a file that is not there.
     pub(super) fn of_picture(picture: &Picture) -> Option<KnownScene> {
-        let name = picture.metadata("scene").unwrap_or("scene");
-        let overrides = Overrides {
-            size: Some([picture.layers.width, picture.layers.height]),
-            ..Overrides::default()
-        };
-        let base = scene::base(name.as_ref());
-        let text = picture.metadata("scene_text")?;
+        let Described {
+            text,
+            name,
+            base,
+            overrides,
+        } = Described::by(picture)?;
         let motions = scene::kinematics(text, name, base, &overrides).ok()?;
         let CameraMotion { mut model, .. } = motions.camera?;
         // A frame of a sequence has a time of its own.
@@ -148,6 +205,22 @@ impl KnownScene {
     pub(super) fn since_shot(&self, ct: f64, x: DVec3) -> [DVec3; 2] {
         let way = Displacement::new(ct - self.event.ct, x - self.event.x);
         [way.x, self.camera.frame_from_world().displacement(way).x]
+    }
+
+    /// The way of light that comes from the world's distance `s` along `d`, in the camera's frame.
+    pub(super) fn own_way(&self, s: f64, d: DVec3) -> DVec3 {
+        let way = Displacement::new(-self.index * s, s * d);
+        self.camera.frame_from_world().displacement(way).x
+    }
+
+    /// Refractive index of the medium; 0 where light takes no time.
+    pub(super) fn index(&self) -> f64 {
+        self.index
+    }
+
+    /// The world's time of the shot.
+    pub(super) fn shot_time(&self) -> f64 {
+        self.event.ct
     }
 
     /// The look direction of the camera's frame for one of the world.

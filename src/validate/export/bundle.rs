@@ -35,6 +35,8 @@ pub struct Bundle {
     pub objects: Vec<ObjectEntry>,
     /// Time-resolved radiance of surfaces.
     pub sources: Vec<SourceEntry>,
+    /// Lights without extent, as far as they are described.
+    pub lamps: Vec<LampEntry>,
     /// The channels of the reference, and the auxiliary ones that a candidate may have.
     pub channels: Vec<ChannelEntry>,
     /// The reference pictures; null where they were left out.
@@ -71,6 +73,11 @@ pub struct SceneEntry {
     pub background: [f64; 3],
     /// What the radiance of base colours measures.
     pub base_colour: Radiometry,
+    /// Whether lamps, or other lights, light its surfaces: base colours are then no radiance, but what is reflected.
+    pub is_lit: bool,
+    /// What the radiance of the reference depends on and the bundle does not describe, as sentences; empty where it describes all of it.
+    /// Events, W and all other channels do not depend on it.
+    pub undescribed: Vec<&'static str>,
     /// What stands in for data that a cube does not have.
     pub outside: Outside,
     /// Samples per pixel of the scene's own pictures; the reference here has one, at the pixel's centre.
@@ -221,7 +228,7 @@ pub struct PartEntry {
     pub double_sided: bool,
     /// The sets of texture coordinates that it has. Lower sets that are missing here hold zeros in the GLB file.
     pub uv_sets: Vec<usize>,
-    /// What gives it radiance: "base_colour", one "cube", or "pulses" that fall on the base colour.
+    /// What gives it radiance: "base_colour", one "cube", or "pulses" (and `lamps`) that fall on the base colour.
     pub radiance: &'static str,
     /// Which sources, by their places in `sources`.
     pub sources: Vec<usize>,
@@ -361,6 +368,52 @@ pub struct PulseEntry {
     pub intensity: [f64; 3],
     /// Whether other surfaces shadow it.
     pub shadows: bool,
+}
+
+/// A light without extent: a point, a cone from a point, or parallel light.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+pub struct LampEntry {
+    /// Its name in the scene.
+    pub name: String,
+    /// Where it shines to: "point", "spot" or "parallel".
+    pub beam: &'static str,
+    /// Unit vector of its own frame, whose axes are the world's, boosted without rotation: the axis of the cone, or the way that
+    /// parallel light goes; null for a point.
+    pub axis: Option<[f64; 3]>,
+    /// Of a cone, the angles from the axis within which it has all of its intensity, and beyond which none, radians.
+    pub cone: Option<[f64; 2]>,
+    /// By channel, in its own frame: power per solid angle; of parallel light, power per area across it.
+    pub intensity: [f64; 3],
+    /// Factor on the intensity by its proper time.
+    pub emission: EmissionEntry,
+    /// O: where it is when its clock shows 0, in the world.
+    pub origin: FourVector,
+    /// Its velocity in the world.
+    pub velocity: VelocityEntry,
+    /// M: takes displacements of its frame to the world.
+    pub world_from_lamp: Matrix,
+    /// Whether surfaces shadow it.
+    pub shadows: bool,
+}
+
+/// How bright a lamp is at its proper time τ.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+pub struct EmissionEntry {
+    /// "steady": 1; "gaussian": exp(−½ ((τ − centre)/σ)²); "train": such pulses at centre + k period, for k from 0 to count − 1, or for
+    /// all whole k where `count` is null; "table": linear between its rows, 0 outside.
+    pub kind: &'static str,
+    /// Of the pulse, or of the first one.
+    pub centre: Option<f64>,
+    /// σ.
+    pub sigma: Option<f64>,
+    /// From pulse to pulse.
+    pub period: Option<f64>,
+    /// How many pulses.
+    pub count: Option<u32>,
+    /// Rows of τ and factor.
+    pub table: Option<Vec<[f64; 2]>>,
 }
 
 /// A channel.

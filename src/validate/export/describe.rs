@@ -17,8 +17,12 @@ use crate::render::prepare::scaling;
 use crate::scene::model::{Mapping, Object, ProjectionKind, Pulse, Scene, Sensor};
 use crate::spacetime::{Boost, Displacement, Event, Frame, Quantity, Velocity, World};
 
-/// What holds for all of `scene`, whose text is in `text`.
-pub(super) fn scene(scene: &Scene, text: &'static str) -> SceneEntry {
+/// What holds for all of `scene`, whose text is in `text`, and of whose light `undescribed` is not in the bundle.
+pub(super) fn scene(
+    scene: &Scene,
+    text: &'static str,
+    undescribed: Vec<&'static str>,
+) -> SceneEntry {
     SceneEntry {
         name: scene.name.clone(),
         text,
@@ -34,6 +38,8 @@ pub(super) fn scene(scene: &Scene, text: &'static str) -> SceneEntry {
         back_faces: scene.back_faces,
         background: scene.background,
         base_colour: radiometry(scene, scene.quantity),
+        is_lit: scene.is_lit(),
+        undescribed,
         outside: scene.outside,
         samples_per_pixel: scene.samples_per_pixel,
     }
@@ -222,7 +228,7 @@ fn missing(aov: Aov) -> Option<&'static str> {
     }
 }
 
-fn velocity(velocity: Velocity) -> VelocityEntry {
+pub(super) fn velocity(velocity: Velocity) -> VelocityEntry {
     VelocityEntry {
         rapidity: velocity.rapidity().to_array(),
         beta: velocity.beta().to_array(),
@@ -231,7 +237,7 @@ fn velocity(velocity: Velocity) -> VelocityEntry {
 }
 
 /// The columns are what becomes of the unit vectors.
-fn matrix<F: Frame>(boost: &Boost<World, F>) -> Matrix {
+pub(super) fn matrix<F: Frame>(boost: &Boost<World, F>) -> Matrix {
     let unit = |i: usize| {
         let mut e = [0.0; 4];
         e[i] = 1.0;
@@ -243,7 +249,7 @@ fn matrix<F: Frame>(boost: &Boost<World, F>) -> Matrix {
     std::array::from_fn(|row| std::array::from_fn(|column| columns[column][row]))
 }
 
-fn four(event: Event<World>) -> FourVector {
+pub(super) fn four(event: Event<World>) -> FourVector {
     [event.ct, event.x.x, event.x.y, event.x.z]
 }
 

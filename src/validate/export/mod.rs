@@ -10,6 +10,7 @@
 mod bundle;
 mod describe;
 mod folder;
+mod lights;
 mod reference;
 mod sources;
 mod vectors;
@@ -96,16 +97,6 @@ pub struct Exported {
     pub warnings: Vec<String>,
 }
 
-/// Bundles describe base colours, cubes and pulses.
-fn refuse_lights(scene: &Scene) -> Result<()> {
-    if scene.lights.is_empty() && scene.sky.is_none() {
-        return Ok(());
-    }
-    let what = "bundles do not describe [[light]] and [sky] yet";
-    let help = "leave them out of the scene: a pulse of a [[source]] is exported";
-    Err(Error::unsupported(&scene.name, "", what, help))
-}
-
 /// What [`export`] will do; for progress.
 ///
 /// # Errors
@@ -151,7 +142,6 @@ pub fn export(
             "leave [camera.stereo] out, and export each eye by its own `eye`",
         ));
     }
-    refuse_lights(scene)?;
     let plan = plan(scene, options)?;
     let folder = Folder::create(target, options.overwrite)?;
     let temporary = folder.path("");
@@ -181,7 +171,7 @@ fn filled(
     }
     // Geometry goes first: the description refers to its files, and test vectors are of the vertices as they were written.
     let seen = options.vectors.then_some((&shot, &camera));
-    let (objects, tested) = objects(scene, seen, &mut files, &mut warnings, progress)?;
+    let (objects, tested, is_matte) = objects(scene, seen, &mut files, &mut warnings, progress)?;
     if options.vectors {
         let vectors = Vectors {
             format: VECTORS_FORMAT,
@@ -207,10 +197,11 @@ fn filled(
         format: FORMAT,
         version: VERSION,
         software: format!("nullray {}", env!("CARGO_PKG_VERSION")),
-        scene: describe::scene(scene, TEXT),
+        scene: describe::scene(scene, TEXT, lights::undescribed(scene, is_matte)),
         camera,
         objects,
         sources,
+        lamps: lights::lamps(scene),
         channels: describe::channels(&rendered),
         reference,
         vectors: options.vectors.then_some(VECTORS),
@@ -221,16 +212,17 @@ fn filled(
     Ok(Exported { bundle, warnings })
 }
 
+/// Writes the objects: how they are described, the test vectors of each, and whether all of them are matte.
 fn objects(
     scene: &Scene,
     seen: Option<(&Camera, &CameraEntry)>,
     files: &mut Files,
     warnings: &mut Vec<String>,
     progress: &dyn Progress,
-) -> Result<(Vec<ObjectEntry>, Vec<ObjectVectors>)> {
+) -> Result<(Vec<ObjectEntry>, Vec<ObjectVectors>, bool)> {
     files.folder.subfolder("geometry")?;
     let mut entries = Vec::with_capacity(scene.objects.len());
-    let mut tested = Vec::new();
+    let (mut tested, mut is_matte) = (Vec::new(), true);
     for (index, object) in scene.objects.iter().enumerate() {
         stop_if_cancelled(progress)?;
         let all = Want {
@@ -240,6 +232,7 @@ fn objects(
             bad_vertices: object.bad_vertices,
         };
         let (mesh, images) = object_mesh(object, all, warnings)?;
+        is_matte &= mesh.materials.iter().all(lights::is_matte);
         let runs = gltf::glb::runs(&mesh);
         let bytes = gltf::glb::write(&object.name, &mesh, &runs, &images, |_| true)
             .map_err(|what| unfit(scene, &object.name, what))?;
@@ -264,7 +257,7 @@ fn objects(
         }
         entries.push(entry);
     }
-    Ok((entries, tested))
+    Ok((entries, tested, is_matte))
 }
 
 fn unfit(scene: &Scene, object: &str, what: &str) -> Error {

@@ -3,6 +3,7 @@
 mod arrays;
 mod browser;
 mod by_light;
+mod light_and_sizes;
 mod metrics;
 mod other_frames;
 mod pictures;

@@ -2,6 +2,7 @@
 
 mod apparent;
 mod contents;
+mod lamps;
 mod reader;
 mod snippets;
 mod targets;

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::super::picture::Plane;
 use super::super::points::place;
 use super::motion::camera_velocity;
-use super::{Case, Diagnosis, Kind, Tally, frames, median, time};
+use super::{Case, Diagnosis, Kind, Tally, frames, median, normals, time};
 use crate::render::aov::Aov;
 use crate::scene::model::SPEED_OF_LIGHT;
 
@@ -118,6 +118,7 @@ pub(super) fn coordinates(case: &Case) -> Vec<Diagnosis> {
     }
     if found.is_empty() {
         found.extend(frames::frames(case));
+        found.extend(normals::normals(case));
     }
     found
 }

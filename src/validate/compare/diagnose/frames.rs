@@ -19,13 +19,17 @@ pub(super) fn frames(case: &Case) -> Vec<Diagnosis> {
     found
 }
 
-const VIEW: &str = "coordinates along the camera's own axes (right, up, backwards)";
+const WORLD: &str = "the world's";
+pub(super) const VIEW: &str = "coordinates along the camera's own axes (right, up, backwards)";
 
-type Hypothesis<'a> = (&'static str, Box<dyn Fn(usize) -> Option<DVec3> + 'a>);
+/// In whose coordinates, and a pixel's vector in them.
+pub(super) type Hypothesis<'a> = (&'static str, Box<dyn Fn(usize) -> Option<DVec3> + 'a>);
 
-/// The hypothesis that explains the candidate's vectors best, if one explains most of their error.
-fn best(
-    name: &str,
+/// The hypothesis that explains the candidate's vectors best, if one explains most of their error, of which `notable` of their
+/// usual length is notable.
+pub(super) fn best(
+    [name, right]: [&str; 2],
+    notable: f64,
     pixels: &[usize],
     [r, c]: [[Plane; 3]; 2],
     hypotheses: Vec<Hypothesis>,
@@ -37,7 +41,7 @@ fn best(
             let c = place(&c, i);
             Some([(c - place(&r, i)).length(), (c - of(i)?).length()])
         }));
-        tally.explains(NOTABLE * scale).then_some((words, tally))
+        tally.explains(notable * scale).then_some((words, tally))
     });
     let (words, tally) = tallies.reduce(|a, b| match b.1.is_better_than(&a.1) {
         true => b,
@@ -45,7 +49,7 @@ fn best(
     })?;
     Some(Diagnosis {
         kind: Kind::FrameWrong,
-        what: format!("{name} is in {words}, and should be in the world's"),
+        what: format!("{name} is in {words}, and should be in {right}"),
         evidence: vec![
             ("vectors differ from the reference by (rms)", tally.error()),
             ("and from the hypothesis by (rms)", tally.rest()),
@@ -70,7 +74,13 @@ fn event(case: &Case) -> Option<Diagnosis> {
         hypotheses.push((words, Box::new(move |i| Some(seen(i)[1]))));
         hypotheses.push((VIEW, Box::new(move |i| Some(known.view(seen(i)[1])))));
     }
-    best("event", &case.pixels(), [r, c], hypotheses)
+    best(
+        ["event", WORLD],
+        NOTABLE,
+        &case.pixels(),
+        [r, c],
+        hypotheses,
+    )
 }
 
 fn direction(case: &Case) -> Option<Diagnosis> {
@@ -78,7 +88,8 @@ fn direction(case: &Case) -> Option<Diagnosis> {
     let (r, c, known) = (r?, c?, case.known?);
     let view = move |i: usize| Some(known.view(known.own_look(place(&r, i))?));
     let pixels: Vec<usize> = case.region.pixels(case.points[0].size()).collect();
-    best("direction", &pixels, [r, c], vec![(VIEW, Box::new(view))])
+    let hypotheses: Vec<Hypothesis> = vec![(VIEW, Box::new(view))];
+    best(["direction", WORLD], NOTABLE, &pixels, [r, c], hypotheses)
 }
 
 /// Times of the opposite sign.

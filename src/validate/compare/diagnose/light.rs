@@ -42,6 +42,11 @@ const CLIPPED: f64 = 1e-6;
 
 /// Pixels of surfaces with light, which the candidate does not clip.
 pub(super) fn lit(case: &Case) -> Option<Vec<Lit>> {
+    lit_above(case, 0.0)
+}
+
+/// The same with light of the candidate down to `least`.
+pub(super) fn lit_above(case: &Case, least: f64) -> Option<Vec<Lit>> {
     let [r, c] = case
         .pair
         .map(|picture| Plane::group(&picture.layers, RADIANCE));
@@ -51,7 +56,8 @@ pub(super) fn lit(case: &Case) -> Option<Vec<Lit>> {
         .into_iter()
         .map(|i| (i, [&r, &c].map(|p| p.map(|p| p.at(i)))));
     let is_lit = |(_, [r, c]): &Lit| {
-        let finite = r.iter().chain(c).all(|v| v.is_finite() && *v >= 0.0);
+        let is_light = |v: &f64, least: f64| v.is_finite() && *v >= least;
+        let finite = r.iter().all(|v| is_light(v, 0.0)) && c.iter().all(|v| is_light(v, least));
         let clipped = c.iter().any(|v| (v - 1.0).abs() < CLIPPED) && r != c;
         finite && r.iter().sum::<f64>() > 0.0 && !clipped
     };
@@ -59,7 +65,7 @@ pub(super) fn lit(case: &Case) -> Option<Vec<Lit>> {
     (lit.len() >= FEWEST).then_some(lit)
 }
 
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(super) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     let square: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
     square.sqrt()
 }
@@ -74,7 +80,7 @@ const EXACT: f64 = 1e-9;
 const LEFT: f64 = 0.5;
 
 /// The median of the reference's light.
-fn middle(lit: &[Lit]) -> f64 {
+pub(super) fn middle(lit: &[Lit]) -> f64 {
     let sizes = lit.iter().map(|(_, [r, _])| distance(*r, [0.0; 3]));
     median(sizes.collect()).unwrap_or(0.0)
 }
@@ -92,8 +98,13 @@ pub(super) struct Told {
 impl Told {
     /// Whether it explains most of an error that is not one of edges alone.
     pub fn explains(&self) -> bool {
+        self.explains_from(NOTABLE)
+    }
+
+    /// The same of an error of at least `notable`.
+    pub fn explains_from(&self, notable: f64) -> bool {
         let enough = self.tally.distances.len() as f64 >= FEWEST_WRONG * self.pixels as f64;
-        (enough || self.left <= EXACT) && self.left <= LEFT && self.tally.explains(NOTABLE)
+        (enough || self.left <= EXACT) && self.left <= LEFT && self.tally.explains(notable)
     }
 }
 
@@ -122,7 +133,7 @@ pub(super) fn told(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Told
 }
 
 /// What a hypothesis with a free factor may leave: noise of a hundredth, and not what light and W have in common by chance.
-const LEFT_BESIDE_A_FACTOR: f64 = 0.003;
+pub(super) const LEFT_BESIDE_A_FACTOR: f64 = 0.003;
 
 /// The factor on the sum of the channels that most pixels agree on.
 fn factor(lit: &[Lit], of: impl Fn([f64; 3]) -> [f64; 3]) -> Option<f64> {

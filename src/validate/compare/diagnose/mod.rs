@@ -16,6 +16,8 @@
 //! | axes exchanged | x, y, z of events, normals, directions are others of these, or their opposites |
 //! | directions reversed | d is −d |
 //! | frame wrong | events are those of the objects' or the camera's frame, or relative to the shot; directions have the camera's axes |
+//! | normals of another frame | normals are those of the contracted or of the apparent body, or along the camera's axes, or of the file (`normals`) |
+//! | depth for distance | the distance is the depth along the axis, or one over it, or the way in the camera's frame; times are delayed by it (`depth`) |
 //! | sign opposite | times are −t |
 //! | units | lengths, or times, are multiplied by one factor: mm, cm, km, s, ns |
 //! | texture coordinates flipped | v is 1 − v; u is 1 − u; u and v exchanged |
@@ -25,14 +27,17 @@
 //! | W of another camera | W is that of a camera at rest, or that moves the opposite way |
 //! | W by a factor | W is multiplied by γ of the camera or the object, or by 1/γ, or by another factor |
 //! | emission time shifted | the time differs by a constant |
-//! | time lookup shifted | the light is that of the scene with its cubes half a bin, or one, earlier or later; needs the scene |
+//! | time lookup shifted | the light is that of the scene with its cubes, pulses and flashes earlier or later; needs the scene |
 //! | colours exchanged | R, G, B are others of these |
 //! | gamma | light is encoded once more than it should be, or once less |
 //! | exponent of W wrong | ln(c/r) = a + k ln W, with a = 0 or k a whole number |
 //! | codes for light | the candidate's light is whole numbers |
 //! | exposure | light is multiplied by one factor |
+//! | offset | one number is added to all light (`curve`) |
+//! | tone mapping | one curve, of each channel or of luminance, makes the candidate's light of the reference's (`curve`) |
 //! | motion, by light | the light is that of the scene without retardation, with another aberration, or with an object at rest or reversed; needs the scene, where no channel says so |
 //! | film, or aberration, by light | the pictures lie over each other after a shift, scales, or a boost (`registration`) |
+//! | size | the surfaces of an object are those of the reference times a factor (`size`) |
 //! | object elsewhere | by their events, points of an object are not on its surface, where nothing hides it; or they are in the frame of another velocity (`events`) |
 //! | object missing | the reference shows it, the candidate nowhere |
 //! | object misplaced | most of its points are not where they are seen, and others are; nothing else explains it |
@@ -42,14 +47,18 @@
 //! brightness, places) is not diagnosed again.
 
 mod channels;
+mod curve;
+mod depth;
 mod events;
 mod film;
 mod frames;
 mod light;
 mod motion;
+mod normals;
 mod part;
 mod registration;
 mod rendered;
+mod size;
 mod time;
 
 use serde::Serialize;
@@ -141,6 +150,14 @@ pub enum Kind {
     ExponentWrong,
     /// Light is multiplied by a factor.
     Exposure,
+    /// A number is added to light.
+    Offset,
+    /// Light went through a curve for displays.
+    ToneMapped,
+    /// Depths stand where distances should, or delay light.
+    DepthForDistance,
+    /// An object is larger or smaller than it should be.
+    SizeWrong,
     /// One triangle is displaced.
     TriangleDisplaced,
     /// One object is displaced.
@@ -192,7 +209,7 @@ pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
 
 /// What explains the errors of pixels.
 fn causes(case: &Case) -> Vec<Diagnosis> {
-    let causes: [fn(&Case) -> Vec<Diagnosis>; 9] = [
+    let causes: [fn(&Case) -> Vec<Diagnosis>; 11] = [
         |case| film::turned(case).into_iter().collect(),
         |case| channels::identities(case).into_iter().collect(),
         channels::coordinates,
@@ -201,6 +218,8 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
         motion::velocities,
         motion::changes,
         |case| film::scaled(case).into_iter().collect(),
+        depth::depths,
+        size::wrong,
         events::elsewhere,
     ];
     if let Some(found) = causes
@@ -215,7 +234,7 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
     found.extend(frames::weights(case));
     found.extend(channels::ratio(case));
     found.extend(time::instant(case).or_else(|| time::shifted(case)));
-    let by_light = light::light(case);
+    let by_light = curve::instead_of(case, light::light(case));
     // Another velocity changes light much as another exponent does, and the scene tells them apart.
     let is_settled = by_light
         .as_ref()

@@ -17,7 +17,9 @@
 //! Pictures of single samples cannot be interpolated to what other samples would see, so that no hypothesis explains
 //! all of the error. It has to explain most of it, and at most places: of 8 × 8 tiles, it has to halve the squared
 //! error E of those that have most of Σ E^(1/4). That root lets places with little contrast count for nearly as much as others, so
-//! that a part that moves alone does not pass: what stands still would have to move, too.
+//! that a part that moves alone does not pass: what stands still would have to move, too. And sharp edges of the reference, which
+//! such a film moves by several pixels, may not still be where they were: they are where light alone has changed, as of a pulse that
+//! spreads.
 
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
@@ -26,7 +28,7 @@ use super::super::known::Change;
 use super::super::picture::{Plane, RADIANCE};
 use super::film::{self, Film};
 use super::motion::describe_aberration_by_light;
-use super::{Case, Diagnosis, median};
+use super::{Case, Diagnosis, Kind, median};
 
 /// What a shift, and a scale, may leave of the squared error: single samples at edges leave up to a half of that of half a pixel.
 const LEFT_BY_SHIFT: f64 = 0.5;
@@ -54,6 +56,8 @@ const COARSE: usize = 24;
 const FINEST: usize = 500_000;
 /// Scales from which the search starts, on the coarsest pictures.
 const STARTS: [f64; 5] = [0.75, 0.87, 1.0, 1.15, 1.33];
+/// Films are found down to this scale, and up to one over it: 9 to 16, and a little.
+const SMALLEST: f64 = 0.55;
 /// Steps on each level.
 const STEPS: usize = 10;
 
@@ -75,6 +79,10 @@ pub(super) fn found(case: &Case) -> Option<(Diagnosis, f64)> {
         .map(|model| model.fit(&levels))
         .collect();
     fits.extend(films.into_iter().flatten());
+    fits.retain(|fit| match &fit.cause {
+        Cause::Film(film) => !levels.edges_stay(|p| film.of(p)),
+        Cause::Boost(_) => true,
+    });
     let least = fits.iter().map(|fit| fit.left).reduce(f64::min)?;
     let best = fits.into_iter().find(|fit| fit.left <= SIMPLER * least)?;
     let left = best.left;
@@ -145,7 +153,15 @@ impl Fit {
         ];
         match &self.cause {
             Cause::Boost(change) => describe_aberration_by_light(case, *change, evidence),
-            Cause::Film(film) => film::describe(case, film, film::BY_LIGHT, evidence),
+            Cause::Film(film) => {
+                let mut found = film::describe(case, film, film::BY_LIGHT, evidence);
+                // Light that spreads in time may look much like another scale, where nothing is known of the scene.
+                let is_scale = matches!(found.kind, Kind::Aspect | Kind::FieldOfView);
+                if is_scale && case.known.is_none() && case.scene.is_none() {
+                    found.what += " (by light alone: where a pulse spreads, another time looks alike; --scene tells)";
+                }
+                found
+            }
         }
     }
 }
@@ -219,6 +235,16 @@ impl Light {
             .filter_map(|i| Some(displacement(self.place(i))?.length_squared()));
         let (count, sum) = squares.fold((0.0, 0.0), |(n, sum), d| (n + 1.0, sum + d));
         libm::sqrt(sum / f64::max(count, 1.0))
+    }
+
+    /// How much the light changes to the next pixel on the right and below; none at the last.
+    fn contrast(&self, i: usize) -> Option<f64> {
+        let (x, y) = (i % self.width, i / self.width);
+        (x + 1 < self.width && y + 1 < self.height).then(|| {
+            let next = [i + 1, i + self.width].map(|j| self.colours[j]);
+            let changes = next.map(|next| square(difference(next, self.colours[i])).sqrt());
+            changes[0].max(changes[1])
+        })
     }
 
     /// Means of squares of four pixels.
@@ -331,6 +357,37 @@ impl Levels {
     }
 }
 
+/// The part of the pixels that have the sharpest edges, and by how many pixels a film moves those that are asked.
+const SHARPEST: f64 = 0.02;
+const FAR: f64 = 2.5;
+/// An edge has stayed where the candidate has this part of its contrast, and edges stay where this part of them has, of so many.
+const CONTRAST: f64 = 0.3;
+const STAYS: f64 = 0.5;
+const FEWEST_EDGES: usize = 24;
+
+impl Levels {
+    /// Whether edges of the reference that a film with `place` (pixels of the pictures) moves far are where they were.
+    fn edges_stay(&self, place: impl Fn(DVec2) -> DVec2) -> bool {
+        let [r, c] = &self.pairs[0];
+        let mut edges: Vec<(usize, f64)> = (0..r.colours.len())
+            .filter_map(|i| Some((i, r.contrast(i)?)))
+            .collect();
+        edges.sort_by(|a, b| b.1.total_cmp(&a.1));
+        edges.truncate((SHARPEST * edges.len() as f64) as usize);
+        // The reference's edge at q is where place(p) = q: about as far from q as place(q) is.
+        edges.retain(|(i, _)| {
+            let p = self.scale * r.place(*i);
+            (place(p) - p).length() > FAR * self.scale
+        });
+        let stays = |(i, contrast): &&(usize, f64)| {
+            c.contrast(*i)
+                .is_some_and(|found| found >= CONTRAST * contrast)
+        };
+        let stay = edges.iter().filter(stays).count();
+        edges.len() >= FEWEST_EDGES && stay as f64 >= STAYS * edges.len() as f64
+    }
+}
+
 /// Which numbers of a film are free: the directions of steps, in (a, k), and where the search starts.
 struct Model {
     directions: &'static [[DVec2; 2]],
@@ -402,7 +459,7 @@ impl Model {
             let step = self.step(&shown, &wanted, &inside, &film)?;
             film.a += step[0];
             film.k += step[1];
-            let is_sane = film.k.min_element() > 0.3 && film.k.max_element() < 3.0;
+            let is_sane = film.k.min_element() > SMALLEST && film.k.max_element() * SMALLEST < 1.0;
             is_sane.then_some(())?;
             if step[0].abs().max((half * step[1]).abs()).max_element() < 1e-3 {
                 break;

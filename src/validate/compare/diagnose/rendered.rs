@@ -1,27 +1,35 @@
 //! Mistakes that are known by the light of the scene rendered with them: times of lookup, and where channels of places are
-//! missing, motions and retardation. They need the scene itself.
+//! missing, motions and retardation. They need the scene itself, whose light has to be the reference's.
+//!
+//! A mistake of unknown size x, like a delay, is tried at a few sizes. From the nearest one, secants lead on: with the light L of
+//! two sizes a and b, and the candidate's light c,
+//!
+//! ```text
+//! x = b + (b − a) (c − L(b))·(L(b) − L(a)) / |L(b) − L(a)|².
+//! ```
 
 use glam::DVec3;
 
-use super::super::known::Change;
-use super::light::{Lit, NOTABLE, evidence, lit, told};
+use super::super::known::{Change, is_all_in_its_text};
+use super::light::{Lit, NOTABLE, Told, evidence, lit, middle, told};
 use super::time::words_for_bins;
-use super::{Case, Diagnosis, Kind, Tally};
+use super::{Case, Diagnosis, Kind, median};
 use crate::render::plan::{Plan, Request};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Silent;
 use crate::render::render;
-use crate::scene::model::{Motion, Scene, Source, SourceKind};
+use crate::scene::model::{EmissionProfile, LightKind, Motion, Scene, SourceKind};
 use crate::spacetime::Velocity;
 
-/// Shifts of the time of lookup that are asked about, bins.
-const SHIFTS: [f64; 4] = [0.5, -0.5, 1.0, -1.0];
 /// No more moving objects are asked about.
 const MOST_OBJECTS: usize = 8;
 /// How far away what is left out goes, metres.
 const FAR: f64 = 1e7;
-/// Samples per pixel at most: edges alone have more.
+/// Samples per pixel at most, and rays of a picture: edges alone need more.
 const MOST_SAMPLES: u32 = 16;
+const MOST_RAYS: usize = 4_000_000;
+/// The most memory for a scene without files, which may be that of any picture's metadata.
+const MEMORY: u64 = 1 << 30;
 
 /// A scene with a mistake, and what is said of it.
 struct Mistake {
@@ -35,67 +43,229 @@ struct Mistake {
 pub(super) fn changes(case: &Case) -> Option<Diagnosis> {
     let scene = case.scene?;
     let lit = lit(case)?;
-    if told(&lit, |_, r| r).tally.error() <= NOTABLE {
+    if told(&lit, |_, r| r).tally.error() <= NOTABLE || !is_that_of(case, scene, &lit) {
         return None;
     }
-    let mut mistakes = lookups(scene);
+    let mut mistakes = Vec::new();
     if !case.has_places() {
         // Before other mistakes that leave an object out of view.
         mistakes.extend(absences(scene));
         mistakes.extend(motions(scene));
     }
-    let tallies = mistakes.into_iter().filter_map(|mistake| {
-        let tally = of_scene(case, &mistake.scene, &lit)?;
-        tally.explains(NOTABLE).then_some((mistake, tally))
+    let asked = mistakes.into_iter().filter_map(|mistake| {
+        let told = light_of(case, &mistake.scene, &lit)?.told(&lit);
+        told.tally.explains(NOTABLE).then_some((mistake, told))
     });
-    let (mistake, tally) = tallies.min_by(|a, b| a.1.rest().total_cmp(&b.1.rest()))?;
+    let of_times = of_some_size(case, &lit, &times(scene), |x| later(scene, x));
+    let of_times = of_times.map(|(x, told)| (lookup(scene, x), told));
+    let found = asked.chain(of_times);
+    let (mistake, told) = found.min_by(|a, b| a.1.tally.rest().total_cmp(&b.1.tally.rest()))?;
     Some(Diagnosis {
         kind: mistake.kind,
         what: mistake.what,
-        evidence: [mistake.size].into_iter().chain(evidence(&tally)).collect(),
+        evidence: [mistake.size]
+            .into_iter()
+            .chain(evidence(&told.tally))
+            .collect(),
     })
 }
 
-/// How far the candidate is from the light of a scene.
-fn of_scene(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<Tally> {
+/// The light of a scene, by pixel.
+struct Light(Vec<[f64; 3]>);
+
+impl Light {
+    fn told(&self, lit: &[Lit]) -> Told {
+        told(lit, |i, _| self.0[i])
+    }
+}
+
+/// The light of a scene in the candidate's pixels.
+fn light_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<Light> {
     let mut scene = scene.clone();
-    scene.samples_per_pixel = scene.samples_per_pixel.min(MOST_SAMPLES);
-    let request = Request {
+    let [width, height] = case.points[0].size();
+    let most = (MOST_RAYS / (width * height).max(1)).clamp(1, MOST_SAMPLES as usize);
+    scene.samples_per_pixel = scene.samples_per_pixel.min(most as u32);
+    let mut request = Request {
         pixel_centers: case.pair[0].metadata("pixel_centers") == Some("true"),
         ..Request::default()
     };
+    if is_all_in_its_text(&scene) {
+        request.memory_limit = MEMORY;
+    }
     let plan = Plan::new(&scene, &request).ok()?;
     let film = render(&Prepared::new(&scene, &plan, &Silent).ok()?, &Silent).ok()?;
-    let light = film.radiance();
-    let [width, height] = case.points[0].size();
-    (light.len() == width * height).then_some(())?;
-    Some(told(lit, |i, _| light[i]).tally)
+    let light = film.radiance().to_vec();
+    let last = lit.iter().map(|(i, _)| *i).max()?;
+    (light.len() == width * height && last < light.len()).then_some(Light(light))
 }
 
-/// The scene with its cubes at shifted times.
-fn lookups(scene: &Scene) -> Vec<Mistake> {
-    let is_cube = |source: &Source| matches!(source.kind, SourceKind::Cube(_));
-    if !scene.sources.iter().any(is_cube) {
-        return Vec::new();
+/// Of a scene that is the reference's, half of the pixels have its light up to this part, whatever their samples.
+const SAME_LIGHT: f64 = 0.05;
+
+fn is_that_of(case: &Case, scene: &Scene, lit: &[Lit]) -> bool {
+    let Some(Light(light)) = light_of(case, scene, lit) else {
+        return false;
+    };
+    let sum = |light: &[f64; 3]| light.iter().sum::<f64>();
+    let off = lit
+        .iter()
+        .map(|(i, [r, _])| (sum(&light[*i]) / sum(r) - 1.0).abs());
+    median(off.collect()).is_some_and(|off| off <= SAME_LIGHT)
+}
+
+/// Steps from the size that is nearest of those that are tried.
+const STEPS: usize = 6;
+/// What a mistake whose size was searched may leave of the squared error.
+const LEFT_BY_SIZE: f64 = 0.1;
+/// Sizes are found to this part of the smallest that is tried.
+const FINE: f64 = 1e-3;
+
+/// What the first step from the sizes that are tried has to leave no more of, for others to be worth while.
+const PROMISING: f64 = 0.9;
+
+/// Adds a size with its light, and keeps the two that are nearest to the candidate's.
+fn keep_nearest(found: &mut Vec<(f64, Light, Told)>, next: (f64, Light, Told)) {
+    found.push(next);
+    found.sort_by(|a, b| a.2.left.total_cmp(&b.2.left));
+    found.truncate(2);
+}
+
+/// The size of a mistake that explains the candidate, if one does: `tried` are the sizes that are asked first, beside none at all.
+fn of_some_size(
+    case: &Case,
+    lit: &[Lit],
+    tried: &[f64],
+    scene: impl Fn(f64) -> Option<Scene>,
+) -> Option<(f64, Told)> {
+    let smallest = tried.iter().map(|x| x.abs()).reduce(f64::min)?;
+    let middle = middle(lit);
+    let compressed = |light: [f64; 3]| DVec3::from(light.map(|v| v / (v.abs() + middle)));
+    let light = |x: f64| -> Option<(f64, Light, Told)> {
+        let light = light_of(case, &scene(x)?, lit)?;
+        let told = light.told(lit);
+        Some((x, light, told))
+    };
+    // The two nearest are enough.
+    let mut found = vec![light(0.0)?];
+    for x in tried {
+        keep_nearest(&mut found, light(*x)?);
     }
-    let shifted = |bins: f64| {
-        let mut shifted = scene.clone();
-        for source in &mut shifted.sources {
-            if let SourceKind::Cube(cube) = &mut source.kind {
-                // Data that start later are looked up earlier.
-                cube.bins = cube.bins.shifted(-bins * cube.bins.width());
-            }
+    for step in 0..STEPS {
+        let [(b, at_b, _), (a, at_a, _)] = &found[..] else {
+            return None;
+        };
+        let (mut above, mut below) = (0.0, 0.0);
+        for (i, [_, c]) in lit {
+            let [c, at_a, at_b] = [*c, at_a.0[*i], at_b.0[*i]].map(compressed);
+            above += (c - at_b).dot(at_b - at_a);
+            below += (at_b - at_a).length_squared();
         }
-        let late = if bins > 0.0 { "late" } else { "early" };
-        let amount = words_for_bins(bins.abs());
-        Mistake {
-            kind: Kind::LookupShifted,
-            what: format!("light is looked up {amount} too {late} in the cubes"),
-            size: ("shift (bins)", bins),
-            scene: shifted,
+        let way = (b - a) * above / below;
+        if !way.is_finite() || way.abs() < FINE * smallest {
+            break;
+        }
+        // No farther than what was tried tells.
+        let x = b + way.clamp(-(b - a).abs(), (b - a).abs());
+        let next = light(x)?;
+        keep_nearest(&mut found, next);
+        if step == 0 && found[0].2.left > PROMISING {
+            return None;
+        }
+    }
+    let (x, _, told) = found.into_iter().next()?;
+    (told.explains() && told.left <= LEFT_BY_SIZE && x != 0.0).then_some((x, told))
+}
+
+/// Delays that are tried, in parts of the shortest time in which light changes.
+const DELAYS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
+
+/// The delays that are asked about: none where nothing changes in time.
+fn times(scene: &Scene) -> Vec<f64> {
+    let of_source = |kind: &SourceKind| match kind {
+        SourceKind::Cube(cube) => cube.bins.width(),
+        SourceKind::Pulse(pulse) => pulse.sigma,
+    };
+    let of_profile = |profile: &EmissionProfile| match profile {
+        EmissionProfile::Steady => None,
+        EmissionProfile::Gaussian { sigma, .. } | EmissionProfile::Train { sigma, .. } => {
+            Some(*sigma)
+        }
+        EmissionProfile::Table(table) => {
+            let steps = table.windows(2).map(|pair| pair[1][0] - pair[0][0]);
+            steps.filter(|step| *step > 0.0).reduce(f64::min)
         }
     };
-    SHIFTS.into_iter().map(shifted).collect()
+    let of_light = |kind: &LightKind| match kind {
+        LightKind::Lamp(lamp) => of_profile(&lamp.emission),
+        LightKind::Area { emission, .. } => of_profile(emission),
+    };
+    let sources = scene.sources.iter().map(|source| of_source(&source.kind));
+    let lights = scene
+        .lights
+        .iter()
+        .filter_map(|light| of_light(&light.kind));
+    let Some(shortest) = sources.chain(lights).reduce(f64::min) else {
+        return Vec::new();
+    };
+    let both = DELAYS.into_iter().flat_map(|part| [part, -part]);
+    both.map(|part| part * shortest).collect()
+}
+
+/// The scene with the light of all its sources looked up `delay` too late: what starts earlier is looked up later.
+fn later(scene: &Scene, delay: f64) -> Option<Scene> {
+    let profile = |profile: &mut EmissionProfile| match profile {
+        EmissionProfile::Steady => {}
+        EmissionProfile::Gaussian { centre, .. } | EmissionProfile::Train { centre, .. } => {
+            *centre -= delay;
+        }
+        EmissionProfile::Table(table) => table.iter_mut().for_each(|row| row[0] -= delay),
+    };
+    let mut shifted = scene.clone();
+    for source in &mut shifted.sources {
+        match &mut source.kind {
+            SourceKind::Cube(cube) => cube.bins = cube.bins.shifted(-delay),
+            SourceKind::Pulse(pulse) => pulse.origin.ct -= delay,
+        }
+    }
+    for light in &mut shifted.lights {
+        match &mut light.kind {
+            LightKind::Lamp(lamp) => profile(&mut lamp.emission),
+            LightKind::Area { emission, .. } => profile(emission),
+        }
+    }
+    Some(shifted)
+}
+
+/// What is said of a delay.
+fn lookup(scene: &Scene, delay: f64) -> Mistake {
+    let late = if delay > 0.0 { "late" } else { "early" };
+    let widths = scene
+        .sources
+        .iter()
+        .filter_map(|source| match &source.kind {
+            SourceKind::Cube(cube) => Some(cube.bins.width()),
+            SourceKind::Pulse(_) => None,
+        });
+    let (what, size) = match widths.reduce(f64::min) {
+        Some(width) => (
+            format!(
+                "light is looked up {} too {late} in the cubes: {:.4} m",
+                words_for_bins((delay / width).abs()),
+                delay.abs()
+            ),
+            ("shift (bins)", delay / width),
+        ),
+        None => (
+            format!("pulses are looked up {:.4} m too {late}", delay.abs()),
+            ("shift (m)", delay),
+        ),
+    };
+    Mistake {
+        kind: Kind::LookupShifted,
+        what,
+        size,
+        scene: scene.clone(),
+    }
 }
 
 /// The scene without retardation, with other aberrations, and with objects at rest or moving the opposite way.

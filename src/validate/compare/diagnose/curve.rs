@@ -1,0 +1,313 @@
+//! Light to which a number was added, or that went through a curve: tone mapping.
+//!
+//! A curve T makes the candidate's light c of the reference's r, channel by channel, c = T(r), or by luminance Y alone, c = r S(Y).
+//! The usual ones have one free number, the exposure before them; any other is fitted as a polygon over ln r. What is fitted has to
+//! leave next to nothing, and the light has to have enough different values.
+
+use super::light::{
+    LEFT_BESIDE_A_FACTOR, Lit, NOTABLE, Told, distance, evidence, lit, lit_above, middle, told,
+};
+use super::{Case, Diagnosis, Kind, median};
+use crate::colour::srgb_encode;
+
+/// A diagnosis of the light, and what it leaves of the squared error.
+type Found = (Diagnosis, f64);
+
+/// A curve takes the place of what was found where it leaves less than this part of what that leaves.
+const FAR_LESS: f64 = 0.1;
+
+/// What `found` is of the light's mistakes, or a curve that explains it far better.
+pub(super) fn instead_of(case: &Case, found: Option<Found>) -> Option<Found> {
+    if found.as_ref().is_some_and(|(_, left)| *left <= 1e-6) {
+        return found;
+    }
+    let by_curve = offset(case).or_else(|| toned(case));
+    match (by_curve, found) {
+        (Some(curve), Some(found)) if curve.1 > FAR_LESS * found.1 => Some(found),
+        (Some(curve), _) => Some(curve),
+        (None, found) => found,
+    }
+}
+
+/// Values of light that differ by this factor are different ones, and this many pixels have to have each.
+const LEVEL: f64 = 1.1;
+const FEWEST_AT_LEVEL: usize = 3;
+/// How many values there have to be for an added number, for a curve with one free number, and for any curve.
+const LEVELS_FOR_OFFSET: usize = 5;
+const LEVELS_FOR_EXPOSURE: usize = 8;
+const LEVELS_FOR_CURVE: usize = 16;
+
+/// Added numbers are notable from this part of the light on: rounding to half precision makes a tenth of it.
+const NOTABLE_OFFSET: f64 = 0.003;
+
+/// What an added number may leave of the squared error: a hundredth of noise, where it is a tenth of the light.
+const LEFT_BY_OFFSET: f64 = 0.02;
+
+/// How many different values the reference's light has.
+fn levels(lit: &[Lit]) -> usize {
+    let mut counts = std::collections::BTreeMap::<i64, usize>::new();
+    for v in lit.iter().flat_map(|(_, [r, _])| *r).filter(|v| *v > 0.0) {
+        let level = (libm::log(v) / libm::log(LEVEL)).floor() as i64;
+        *counts.entry(level).or_default() += 1;
+    }
+    counts
+        .values()
+        .filter(|count| **count >= FEWEST_AT_LEVEL)
+        .count()
+}
+
+/// Light to which one number is added.
+fn offset(case: &Case) -> Option<Found> {
+    // Light that was taken away may leave less than none.
+    let lit = lit_above(case, f64::NEG_INFINITY)?;
+    let cut = |c: &[f64; 3]| c.contains(&0.0);
+    let lit: Vec<Lit> = lit.into_iter().filter(|(_, [_, c])| !cut(c)).collect();
+    (levels(&lit) >= LEVELS_FOR_OFFSET).then_some(())?;
+    let added = lit
+        .iter()
+        .flat_map(|(_, [r, c])| [0, 1, 2].map(|k| c[k] - r[k]));
+    let added = median(added.collect())?;
+    let told = told(&lit, |_, r| r.map(|v| v + added));
+    (told.explains_from(NOTABLE_OFFSET) && told.left <= LEFT_BY_OFFSET).then(|| {
+        let usual = middle(&lit) / 3f64.sqrt();
+        let what = format!(
+            "light has {added:+.6} added to it, everywhere alike: {:+.2} % of the reference's median",
+            100.0 * added / usual
+        );
+        let evidence = [("added", added)].into_iter().chain(evidence(&told.tally));
+        let diagnosis = Diagnosis {
+            kind: Kind::Offset,
+            what,
+            evidence: evidence.collect(),
+        };
+        (diagnosis, told.left)
+    })
+}
+
+/// A curve for displays.
+#[derive(Clone, Copy)]
+enum Curve {
+    /// Of each channel.
+    Channel(fn(f64) -> f64),
+    /// A factor by luminance.
+    Luminance(fn(f64) -> f64),
+}
+
+/// The usual ones.
+const CURVES: [(&str, Curve); 5] = [
+    ("Reinhard's, v/(1 + v)", Curve::Channel(|v| v / (1.0 + v))),
+    (
+        "Reinhard's by luminance, v/(1 + Y)",
+        Curve::Luminance(|y| 1.0 / (1.0 + y)),
+    ),
+    ("1 − exp(−v)", Curve::Channel(|v| -libm::expm1(-v))),
+    ("the ACES fit of Narkowicz", Curve::Channel(aces)),
+    ("Hable's, with white at 11.2", Curve::Channel(hable)),
+];
+
+/// K. Narkowicz, "ACES filmic tone mapping curve", 2016.
+fn aces(v: f64) -> f64 {
+    (v * (2.51 * v + 0.03) / (v * (2.43 * v + 0.59) + 0.14)).clamp(0.0, 1.0)
+}
+
+/// J. Hable, "Filmic tonemapping operators", 2010.
+fn hable(v: f64) -> f64 {
+    let curve =
+        |v: f64| (v * (0.15 * v + 0.05) + 0.004) / (v * (0.15 * v + 0.5) + 0.06) - 0.02 / 0.3;
+    curve(v) / curve(11.2)
+}
+
+impl Curve {
+    /// What it makes of light `exposure` times as bright, encoded for a display if `encoded`.
+    fn of(self, light: [f64; 3], exposure: f64, encoded: bool) -> [f64; 3] {
+        let light = light.map(|v| exposure * v);
+        let shown = match self {
+            Curve::Channel(curve) => light.map(curve),
+            Curve::Luminance(factor) => {
+                let factor = factor(luminance(light));
+                light.map(|v| factor * v)
+            }
+        };
+        match encoded {
+            true => shown.map(srgb_encode),
+            false => shown,
+        }
+    }
+}
+
+/// Of linear light with the primaries of sRGB.
+fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// What is said of a curve, its numbers, and how it explains the light.
+type Explained = (String, Vec<(&'static str, f64)>, Told);
+
+/// So many pixels are asked for the free number.
+const ASKED: usize = 2048;
+/// Exposures that are asked about: factors on the median of light, and the ends of the range of their logarithms.
+const EXPOSURES: usize = 33;
+const RANGE: f64 = 7.0;
+
+/// Light that went through a curve.
+fn toned(case: &Case) -> Option<Found> {
+    let lit = lit(case)?;
+    // Values that a display cuts say nothing of the curve.
+    let cut = |c: &[f64; 3]| c.contains(&0.0) || c.iter().any(|v| *v >= 1.0 - 1e-6);
+    let range = lit.iter().flat_map(|(_, [_, c])| *c).fold(0.0, f64::max);
+    let lit: Vec<Lit> = match range <= 1.0 {
+        true => lit.into_iter().filter(|(_, [_, c])| !cut(c)).collect(),
+        false => lit,
+    };
+    let levels = levels(&lit);
+    if levels < LEVELS_FOR_EXPOSURE || told(&lit, |_, r| r).tally.error() <= NOTABLE {
+        return None;
+    }
+    let few: Vec<Lit> = lit.iter().copied().step_by(lit.len() / ASKED + 1).collect();
+    let usual = middle(&lit) / 3f64.sqrt();
+    let mut best: Option<Explained> = None;
+    for (name, curve) in CURVES {
+        for encoded in [false, true] {
+            let exposure = exposure(&few, curve, encoded) / usual;
+            let told = told(&lit, |_, r| curve.of(r, exposure, encoded));
+            if best
+                .as_ref()
+                .is_none_or(|(.., found)| told.left < found.left)
+            {
+                let encoded = if encoded {
+                    ", encoded for a display"
+                } else {
+                    ""
+                };
+                let words = format!(
+                    "light is tone-mapped by {name}{encoded}, of {exposure:.4} times the reference's light"
+                );
+                best = Some((words, vec![("exposure", exposure)], told));
+            }
+        }
+    }
+    let is_one = |told: &Told| told.explains() && told.left <= LEFT_BESIDE_A_FACTOR;
+    let best = best.filter(|(.., told)| is_one(told));
+    // Any curve has more freedom: it is asked last.
+    let found = best.or_else(|| {
+        (levels >= LEVELS_FOR_CURVE).then_some(())?;
+        any(&lit).filter(|(.., told)| is_one(told))
+    });
+    let (what, sizes, told) = found?;
+    let diagnosis = Diagnosis {
+        kind: Kind::ToneMapped,
+        what,
+        evidence: sizes.into_iter().chain(evidence(&told.tally)).collect(),
+    };
+    Some((diagnosis, told.left))
+}
+
+/// The exposure, on light in parts of its median, with which a curve leaves least: by trial, then by halving steps.
+fn exposure(lit: &[Lit], curve: Curve, encoded: bool) -> f64 {
+    let usual = middle(lit) / 3f64.sqrt();
+    let left = |log: f64| {
+        let factor = libm::exp(log) / usual;
+        let squares = lit.iter().map(|(_, [r, c])| {
+            let d = distance(curve.of(*r, factor, encoded), *c);
+            d * d
+        });
+        squares.sum::<f64>()
+    };
+    let mut step = 2.0 * RANGE / (EXPOSURES - 1) as f64;
+    let tried = (0..EXPOSURES).map(|k| -RANGE + k as f64 * step);
+    let least = tried.min_by(|a, b| left(*a).total_cmp(&left(*b)));
+    let mut log = least.unwrap_or(0.0);
+    for _ in 0..24 {
+        step *= 0.5;
+        let around = [log - step, log, log + step];
+        let least = around
+            .into_iter()
+            .min_by(|a, b| left(*a).total_cmp(&left(*b)));
+        log = least.unwrap_or(log);
+    }
+    libm::exp(log)
+}
+
+/// Corners of a polygon over ln r, per factor of e.
+const CORNERS: f64 = 8.0;
+
+/// A polygon over the logarithm of light, by medians.
+struct Polygon {
+    corners: Vec<[f64; 2]>,
+}
+
+impl Polygon {
+    fn of(pairs: &[[f64; 2]]) -> Option<Polygon> {
+        let mut parts = std::collections::BTreeMap::<i64, Vec<[f64; 2]>>::new();
+        for [x, y] in pairs.iter().filter(|[x, _]| *x > 0.0) {
+            let x = libm::log(*x);
+            parts
+                .entry((CORNERS * x).floor() as i64)
+                .or_default()
+                .push([x, *y]);
+        }
+        let parts = parts
+            .into_values()
+            .filter(|part| part.len() >= FEWEST_AT_LEVEL);
+        let corners = parts.filter_map(|part| {
+            let middle = |k: usize| median(part.iter().map(|p| p[k]).collect());
+            Some([middle(0)?, middle(1)?])
+        });
+        let corners: Vec<[f64; 2]> = corners.collect();
+        (corners.len() >= 2).then_some(Polygon { corners })
+    }
+
+    /// Along its edges, and on beyond the last ones.
+    fn at(&self, v: f64) -> f64 {
+        let x = libm::log(v.max(f64::MIN_POSITIVE));
+        let next = self.corners.partition_point(|corner| corner[0] < x);
+        let next = next.clamp(1, self.corners.len() - 1);
+        let [[x0, y0], [x1, y1]] = [self.corners[next - 1], self.corners[next]];
+        y0 + (y1 - y0) * (x - x0) / (x1 - x0)
+    }
+
+    /// Whether it never falls.
+    fn rises(&self) -> bool {
+        self.corners
+            .windows(2)
+            .all(|pair| pair[1][1] >= pair[0][1] - NOTABLE * pair[0][1].abs())
+    }
+}
+
+/// Any curve, of channels or of luminance.
+fn any(lit: &[Lit]) -> Option<Explained> {
+    let pairs = lit
+        .iter()
+        .flat_map(|(_, [r, c])| [0, 1, 2].map(|k| [r[k], c[k]]));
+    let of_channels = Polygon::of(&pairs.collect::<Vec<_>>()).filter(Polygon::rises);
+    let sum = |light: &[f64; 3]| luminance(*light);
+    let pairs = lit.iter().map(|(_, [r, c])| [sum(r), sum(c)]);
+    let of_luminance = Polygon::of(&pairs.collect::<Vec<_>>()).filter(Polygon::rises);
+    let by_channels = of_channels.map(|curve| {
+        let told = told(lit, |_, r| r.map(|v| curve.at(v)));
+        ("each channel", curve, told)
+    });
+    let by_luminance = of_luminance.map(|curve| {
+        let told = told(lit, |_, r| {
+            let y = luminance(r);
+            r.map(|v| v * curve.at(y) / y)
+        });
+        ("luminance", curve, told)
+    });
+    let both = by_channels.into_iter().chain(by_luminance);
+    let (of, curve, told) = both.min_by(|a, b| a.2.left.total_cmp(&b.2.left))?;
+    // At the usual light, and at the brightest tenth.
+    let mut values: Vec<f64> = lit.iter().map(|(_, [r, _])| luminance(*r)).collect();
+    values.sort_by(f64::total_cmp);
+    let [usual, bright] =
+        [0.5, 0.9].map(|part| values[(part * (values.len() - 1) as f64) as usize]);
+    let [at_usual, at_bright] = [usual, bright].map(|v| curve.at(v));
+    let words = format!(
+        "light went through one curve, of {of}, as of tone mapping or another gamma: {usual:.4} became {at_usual:.4}, {bright:.4} became {at_bright:.4}"
+    );
+    let sizes = vec![
+        ("factor at the median of light", at_usual / usual),
+        ("factor at the brightest tenth", at_bright / bright),
+    ];
+    Some((words, sizes, told))
+}

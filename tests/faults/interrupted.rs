@@ -154,34 +154,36 @@ fn a_killed_conversion_is_there_whole_or_not_at_all() {
     }
 }
 
+/// Eight frames, slow enough for a file of theirs to be edited meanwhile.
+const SLOW_SEQUENCE: [&str; 10] = [
+    "render",
+    "a.toml",
+    "--frames",
+    "0..8",
+    "--interval",
+    "1 cm",
+    "-o",
+    "f-##.png",
+    "--spp",
+    "9",
+];
+
 #[test]
 fn a_scene_that_is_edited_during_its_sequence_is_rendered_as_it_was_and_that_is_said() {
     // Slow enough to be edited while it is rendered.
     let scene = SCENE.replace("[48, 32]", "[320, 240]");
     let edited = scene.replace("size = [1, 1, 1]", "size = [1, 2, 1]");
-    let sequence = [
-        "render",
-        "a.toml",
-        "--frames",
-        "0..8",
-        "--interval",
-        "1 cm",
-        "-o",
-        "f-##.png",
-        "--spp",
-        "9",
-    ];
     let reference = |text: &str| {
         let folder = Folder::new();
         folder.write("a.toml", text);
-        folder.succeed(&sequence);
+        folder.succeed(&SLOW_SEQUENCE);
         folder.files(&["a.toml"])
     };
     let (before, after) = (reference(&scene), reference(&edited));
     assert!(before != after);
     let folder = Folder::new();
     folder.write("a.toml", &scene);
-    let child = started(&folder, &sequence);
+    let child = started(&folder, &SLOW_SEQUENCE);
     folder.write("a.toml", &edited);
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success());
@@ -189,7 +191,7 @@ fn a_scene_that_is_edited_during_its_sequence_is_rendered_as_it_was_and_that_is_
     let text = said(&output);
     assert!(text.contains("a.toml has changed since"), "{text}");
     // Begun again, nothing of the old geometry is taken for the new.
-    folder.succeed(&sequence);
+    folder.succeed(&SLOW_SEQUENCE);
     assert!(folder.files(&["a.toml"]) == after);
 }
 
@@ -197,25 +199,13 @@ fn a_scene_that_is_edited_during_its_sequence_is_rendered_as_it_was_and_that_is_
 fn a_table_that_is_edited_during_a_sequence_is_taken_as_it_was_and_that_is_said() {
     let scene = SCENE.replace("[48, 32]", "[320, 240]")
         + "spectrum = { table = \"lamp.csv\" }\n[radiance]\nquantity = \"rgb\"\n";
-    let sequence = [
-        "render",
-        "a.toml",
-        "--frames",
-        "0..8",
-        "--interval",
-        "1 cm",
-        "-o",
-        "f-##.png",
-        "--spp",
-        "9",
-    ];
     let [before, after] = ["400,1\n700,1\n", "400,1\n500,0\n"];
     let reference = Folder::new();
     reference.write("a.toml", &scene).write("lamp.csv", before);
-    reference.succeed(&sequence);
+    reference.succeed(&SLOW_SEQUENCE);
     let folder = Folder::new();
     folder.write("a.toml", &scene).write("lamp.csv", before);
-    let child = started(&folder, &sequence);
+    let child = started(&folder, &SLOW_SEQUENCE);
     folder.write("lamp.csv", after);
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success());

@@ -30,29 +30,71 @@ const TOLERANCE: f64 = 1e-15;
 /// Cells of world time, with the proper time at which each begins.
 #[derive(Debug, Clone)]
 pub(super) struct Clock {
-    /// Ends of the cells: world time and proper time.
-    ends: Vec<[f64; 2]>,
+    /// Ends of the cells, ascending.
+    ends: Vec<End>,
     /// So many ends at most, while cells are made.
     most: usize,
 }
 
+/// Where a cell begins, and the one before it ends.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    /// World time.
+    ct: f64,
+    /// The span of the curve that the cell is in, and where in it the cell begins: counted from the node before, a rate keeps
+    /// its digits however late it is.
+    span: usize,
+    from: f64,
+    /// What the clock shows there.
+    proper_time: f64,
+}
+
 impl Clock {
-    /// The clock that shows 0 at the first of `nodes` (ascending world times, between which `rate` is
-    /// smooth), and runs at `rate` = dτ/dct.
-    pub fn new(nodes: &[f64], rate: impl Fn(f64) -> f64) -> Self {
+    /// The clock that shows 0 at the first of `nodes` (ascending world times) and runs at the rate dτ/dct, which is smooth in
+    /// each span between two of them: `rate` gets the span and the world time since its beginning.
+    pub fn new(nodes: &[f64], rate: impl Fn(usize, f64) -> f64) -> Self {
+        let first = End {
+            ct: nodes[0],
+            span: 0,
+            from: 0.0,
+            proper_time: 0.0,
+        };
         let mut clock = Clock {
-            ends: vec![[nodes[0], 0.0]],
+            ends: vec![first],
             most: 0,
         };
-        for (index, span) in nodes.windows(2).enumerate() {
-            let whole = gauss(&rate, span[0], span[1]);
-            clock.most = CELLS * (index + CELLS);
-            clock.add([span[0], span[1]], whole, HALVINGS, &rate);
+        for (span, ends) in nodes.windows(2).enumerate() {
+            let rate = |s| rate(span, s);
+            let length = ends[1] - ends[0];
+            clock.most = CELLS * (span + CELLS);
+            clock.add(
+                ends[0],
+                [0.0, length],
+                gauss(&rate, 0.0, length),
+                HALVINGS,
+                &rate,
+            );
+            // What follows begins in the next span.
+            let last = clock.ends.len() - 1;
+            clock.ends[last] = End {
+                ct: ends[1],
+                span: span + 1,
+                from: 0.0,
+                ..clock.ends[last]
+            };
         }
         clock
     }
 
-    fn add(&mut self, [from, to]: [f64; 2], whole: f64, halvings: u32, rate: &impl Fn(f64) -> f64) {
+    /// Adds the cells of `from` to `to`, counted from the node at the world time `node`; the last end is that of `from`.
+    fn add(
+        &mut self,
+        node: f64,
+        [from, to]: [f64; 2],
+        whole: f64,
+        halvings: u32,
+        rate: &impl Fn(f64) -> f64,
+    ) {
         let middle = 0.5 * (from + to);
         let halves = [gauss(rate, from, middle), gauss(rate, middle, to)];
         let apart = (halves[0] + halves[1] - whole).abs();
@@ -60,44 +102,52 @@ impl Clock {
         // A rate r is known to eps/r (head of this file), and so are the halves and the whole.
         let noise = 4.0 * f64::EPSILON * width * (width / whole);
         let is_exact = apart <= TOLERANCE * whole + noise;
-        let is_short = halvings == 0 || middle <= from || middle >= to;
+        // World times within a cell must differ from those of its ends.
+        let is_short = halvings == 0 || node + middle <= node + from || node + middle >= node + to;
         if is_exact || is_short || self.ends.len() >= self.most {
-            let before = self.ends[self.ends.len() - 1][1];
-            self.ends.push([to, before + whole]);
+            let before = self.ends[self.ends.len() - 1];
+            self.ends.push(End {
+                ct: node + to,
+                from: to,
+                proper_time: before.proper_time + whole,
+                ..before
+            });
             return;
         }
-        self.add([from, middle], halves[0], halvings - 1, rate);
-        self.add([middle, to], halves[1], halvings - 1, rate);
+        self.add(node, [from, middle], halves[0], halvings - 1, rate);
+        self.add(node, [middle, to], halves[1], halvings - 1, rate);
     }
 
     /// The proper time at the last node.
     pub fn end(&self) -> f64 {
-        self.ends[self.ends.len() - 1][1]
+        self.ends[self.ends.len() - 1].proper_time
     }
 
     /// The proper time at world time `ct`.
-    pub fn proper_time(&self, ct: f64, rate: impl Fn(f64) -> f64) -> f64 {
-        let [begin, proper_time] = self.ends[self.cell(|end| end[0] <= ct)];
-        proper_time + gauss(&rate, begin, ct)
+    pub fn proper_time(&self, ct: f64, rate: impl Fn(usize, f64) -> f64) -> f64 {
+        let begin = self.ends[self.cell(|end| end.ct <= ct)];
+        let rate = |s| rate(begin.span, s);
+        begin.proper_time + gauss(&rate, begin.from, begin.from + (ct - begin.ct))
     }
 
     /// The world time at which the clock shows `proper_time`.
-    pub fn world_time(&self, proper_time: f64, rate: impl Fn(f64) -> f64) -> f64 {
-        let cell = self.cell(|end| end[1] <= proper_time);
-        let ([begin, shown], [end, last]) = (self.ends[cell], self.ends[cell + 1]);
-        let (whole, elapsed) = (end - begin, proper_time - shown);
+    pub fn world_time(&self, proper_time: f64, rate: impl Fn(usize, f64) -> f64) -> f64 {
+        let cell = self.cell(|end| end.proper_time <= proper_time);
+        let (begin, end) = (self.ends[cell], self.ends[cell + 1]);
+        let rate = |s| rate(begin.span, s);
+        let (whole, elapsed) = (end.ct - begin.ct, proper_time - begin.proper_time);
         // As if the clock ran evenly within the cell.
-        let start = whole * elapsed / (last - shown);
+        let start = whole * elapsed / (end.proper_time - begin.proper_time);
         let ct = root::decreasing([0.0, whole], start, |s| Sample {
-            value: elapsed - gauss(&rate, begin, begin + s),
-            slope: -rate(begin + s),
+            value: elapsed - gauss(&rate, begin.from, begin.from + s),
+            slope: -rate(begin.from + s),
             noise: f64::EPSILON * elapsed,
         });
-        begin + ct
+        begin.ct + ct
     }
 
     /// The cell that holds what `before` tells from the ends of cells; the later one at an end.
-    fn cell(&self, before: impl Fn(&[f64; 2]) -> bool) -> usize {
+    fn cell(&self, before: impl Fn(&End) -> bool) -> usize {
         self.ends[1..self.ends.len() - 1].partition_point(before)
     }
 }

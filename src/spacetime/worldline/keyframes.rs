@@ -44,7 +44,7 @@ impl Keyframes {
         }
         check_ascending(events.iter().map(|e| e.ct))?;
         let series = curve(events)?;
-        let clock = Clock::new(&series.parameters, |ct| rate(&series, ct));
+        let clock = Clock::new(&series.parameters, |span, s| rate(&series, span, s));
         Ok(Keyframes { series, clock })
     }
 
@@ -53,7 +53,9 @@ impl Keyframes {
     }
 
     pub fn state(&self, proper_time: f64) -> Option<State> {
-        let ct = self.clock.world_time(proper_time, |ct| self.rate(ct));
+        let ct = self
+            .clock
+            .world_time(proper_time, |span, s| rate(&self.series, span, s));
         let (event, tangent) = self.series.at(ct);
         let (v, w) = (tangent.x, self.series.second(ct));
         let speed = v.length();
@@ -78,18 +80,16 @@ impl Keyframes {
     }
 
     fn crossing(&self, reference: Event<World>, found: Found) -> Crossing {
-        let proper_time = self.clock.proper_time(found.parameter, |ct| self.rate(ct));
+        let proper_time = self
+            .clock
+            .proper_time(found.parameter, |span, s| rate(&self.series, span, s));
         let elapsed = Elapsed::known(proper_time, 0.0);
         Crossing::new(reference, found.displacement, elapsed)
     }
-
-    fn rate(&self, ct: f64) -> f64 {
-        rate(&self.series, ct)
-    }
 }
 
-/// dτ/dct = √(1 − |v|²).
-fn rate(series: &Series, ct: f64) -> f64 {
-    let speed = series.at(ct).1.x.length();
+/// dτ/dct = √(1 − |v|²) at the world time `s` after the beginning of a span.
+fn rate(series: &Series, span: usize, s: f64) -> f64 {
+    let speed = series.tangent(span, s).x.length();
     ((1.0 - speed) * (1.0 + speed)).sqrt()
 }

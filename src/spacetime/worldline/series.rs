@@ -76,6 +76,11 @@ impl Series {
         (self.events[centre] + way.moved, way.tangent)
     }
 
+    /// The tangent (x, y, z, ct) on a piece, `s` after its beginning.
+    pub fn tangent(&self, piece: usize, s: f64) -> Displacement<World> {
+        self.way(piece, self.parameters[piece], s).tangent
+    }
+
     /// The second derivative of the position at a parameter.
     pub fn second(&self, parameter: f64) -> DVec3 {
         let piece = self.pieces[self.piece(parameter)];

@@ -44,6 +44,31 @@ fn the_curve_passes_through_its_events_from_proper_time_zero_on() {
 }
 
 #[test]
+fn the_clock_of_a_line_is_the_same_however_late_the_line_begins() {
+    // Times and places whose sums with 2⁴⁰ are exact.
+    let keys = |begin: f64| -> Vec<Event<World>> {
+        let key = |(ct, x, y): (f64, f64, f64)| Event::new(begin + ct, DVec3::new(x, y, 0.5));
+        [
+            (0.0, 0.0, 0.0),
+            (2.0, 0.75, 0.125),
+            (3.0, 0.5, 0.25),
+            (5.0, 1.0, -0.25),
+        ]
+        .map(key)
+        .to_vec()
+    };
+    let end = |begin: f64| {
+        let line = WorldLine::keyframes(&keys(begin)).unwrap();
+        (
+            line.span()[1],
+            WorldLine::polyline(&keys(begin)).unwrap().span()[1],
+        )
+    };
+    assert!(end(0.0).0 < 4.9);
+    assert_eq!(end(0.0), end(2f64.powi(40)));
+}
+
+#[test]
 fn velocity_and_acceleration_are_continuous_at_the_events_and_the_latter_ends_at_zero() {
     let line = turn();
     for key in &keys()[1..4] {

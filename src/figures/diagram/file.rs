@@ -511,10 +511,10 @@ pub(super) struct Text {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
-    expecting = "a table like { boost_to = \"S'\", frames = 49 }"
+    expecting = "a table like { boost_to = \"S'\", frames = 72 }"
 )]
 pub(super) struct Animation {
-    /// How many pictures, 2 to 10000. Default: 49.
+    /// How many pictures, 2 to 10000. Default: 72.
     pub frames: Option<At<u32>>,
     /// Pictures per second of an animated file, above 0. Default: 24.
     pub fps: Option<At<Number>>,

@@ -1,7 +1,7 @@
 //! A series of pictures of one diagram, all with the same limits, their labels staying where they can.
 
 use super::draw::{Habits, draw_next};
-use super::layout::{Limits, Panel, around, layout, limits};
+use super::layout::{Limits, Panel, around, contents, layout, limits};
 use crate::error::Result;
 use crate::figures::diagram::model::{Animation, Diagram, Spot};
 use crate::figures::drawing::Drawing;
@@ -99,14 +99,20 @@ fn fix_limits(diagram: &mut Diagram, frames: u32) {
         ct: wider(a.ct, b.ct),
         y: wider(a.y, b.y),
     });
-    // Events stay on the page, also where its limits are given.
+    // Events, and all that the first picture shows, stay on the page, also where its limits are given.
+    let shown = shown(&diagram.picture(0));
     let looked_at = (0..=LOOKED_AT).map(|i| last * i / LOOKED_AT);
-    let events: Vec<[f64; 2]> = looked_at
-        .flat_map(|k| marked(&diagram.picture(k)))
-        .collect();
+    let points = looked_at.flat_map(|k| {
+        let picture = diagram.picture(k);
+        let mut points = marked(&picture);
+        let all = of_view(&picture).into_iter().zip(&shown);
+        points.extend(all.filter_map(|(point, is_shown)| is_shown.then_some(point)));
+        points
+    });
+    let points: Vec<[f64; 2]> = points.collect();
     let range = |i: usize| {
         let ends = [f64::INFINITY, f64::NEG_INFINITY];
-        let [from, to] = events
+        let [from, to] = points
             .iter()
             .fold(ends, |[a, b], e| [a.min(e[i]), b.max(e[i])]);
         let air = 0.05 * (to - from).max(0.0);
@@ -121,6 +127,25 @@ fn fix_limits(diagram: &mut Diagram, frames: u32) {
             diagram.y.get_or_insert(metres(y));
         }
     }
+}
+
+/// Where the contents of a picture are in its view, ct and x, metres.
+fn of_view(picture: &Diagram) -> Vec<[f64; 2]> {
+    let metres = picture.unit.metres;
+    let view = picture.views.first();
+    let points = view.map_or(Vec::new(), |index| contents(picture, *index));
+    let points = points.iter().map(|p| [p.ct * metres, p.x * metres]);
+    points.collect()
+}
+
+/// Which of its contents a picture shows within its limits.
+fn shown(picture: &Diagram) -> Vec<bool> {
+    let Some(index) = picture.views.first() else {
+        return Vec::new();
+    };
+    let limits = limits(picture, *index);
+    let points = contents(picture, *index).into_iter();
+    points.map(|point| limits.contains(point)).collect()
 }
 
 /// Where the events with dots are in the view of a picture, ct and x, metres.

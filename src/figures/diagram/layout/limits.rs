@@ -87,7 +87,7 @@ fn at_least(range: [f64; 2], extent: f64) -> [f64; 2] {
 }
 
 /// The points that a view is to show.
-fn contents(view: &View) -> Vec<Point> {
+pub(super) fn contents(view: &View) -> Vec<Point> {
     let d = view.diagram;
     let mut events: Vec<_> = d.events.iter().map(|mark| mark.at).collect();
     let segments = d.signals.iter().chain(&d.intervals).chain(&d.arrows);

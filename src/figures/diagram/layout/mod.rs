@@ -30,6 +30,11 @@ pub(crate) fn limits(diagram: &Diagram, index: usize) -> Limits {
     limits::of(&View::new(diagram, index))
 }
 
+/// Where what a view is to show is in the coordinates of its frame `index`, in the same order for all frames.
+pub(crate) fn contents(diagram: &Diagram, index: usize) -> Vec<Point> {
+    limits::contents(&View::new(diagram, index))
+}
+
 fn panel(diagram: &Diagram, index: usize) -> Panel {
     let view = View::new(diagram, index);
     let limits = limits::of(&view);

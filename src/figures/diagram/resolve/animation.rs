@@ -9,7 +9,7 @@ use crate::scene::At;
 
 /// The most pictures.
 const MOST: u32 = 10_000;
-const DEFAULT_FRAMES: u32 = 49;
+const DEFAULT_FRAMES: u32 = 72;
 const DEFAULT_FPS: f64 = 24.0;
 
 /// The animation of a diagram that is drawn in `views`.

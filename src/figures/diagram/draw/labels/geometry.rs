@@ -28,6 +28,14 @@ pub(super) fn distance(a: Rect, b: Rect) -> f64 {
     }
 }
 
+/// Whether one of two pieces of text follows the other on one line, or as an index above or below it, with no more than `space` between
+/// them.
+pub(super) fn is_next_word(a: Rect, b: Rect, space: f64) -> bool {
+    let gap = (a.min[0] - b.max[0]).max(b.min[0] - a.max[0]);
+    let beside = a.max[1].min(b.max[1]) - a.min[1].max(b.min[1]);
+    gap >= 0.0 && gap < space && beside > 0.0
+}
+
 /// Whether two rectangles overlap or touch.
 pub(super) fn touch(a: Rect, b: Rect) -> bool {
     (0..2).all(|i| a.min[i] <= b.max[i] && b.min[i] <= a.max[i])
@@ -264,6 +272,14 @@ mod tests {
     fn rectangles_are_apart_by_their_nearest_points() {
         assert_eq!(distance(UNIT, moved(UNIT, [0.5, 0.5])), 0.0);
         assert_eq!(distance(UNIT, moved(UNIT, [4.0, 5.0])), 5.0);
+    }
+
+    #[test]
+    fn words_follow_each_other_on_a_line_or_as_indices_and_not_from_line_to_line() {
+        let follows = |by: [f64; 2]| is_next_word(UNIT, moved(UNIT, by), 2.0);
+        assert!(follows([2.5, 0.0]) && follows([-2.5, 0.4]));
+        assert!(follows([1.5, -0.9]));
+        assert!(!follows([3.5, 0.0]) && !follows([2.0, 1.1]) && !follows([0.0, 1.5]));
     }
 
     #[test]

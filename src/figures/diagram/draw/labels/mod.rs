@@ -31,6 +31,10 @@ const ON_LABEL: f64 = 1000.0;
 /// Of a label at no distance; none at [`CLEAR`] points.
 const NEAR_LABEL: f64 = 9.0;
 const CLEAR: f64 = 8.0;
+/// Of a label of the same colour beside this one, at the same height: the two are read as one.
+const NEXT_WORD: f64 = 30.0;
+/// How near it is then, points.
+const WORD_SPACE: f64 = 7.0;
 /// Of the next point, of the next direction, and of a point of distance.
 const NEXT_ANCHOR: f64 = 0.9;
 const NEXT_DIRECTION: f64 = 0.6;
@@ -317,7 +321,8 @@ fn leave_out(labels: &mut [Label], places: &mut Places, ground: &Ground) {
 }
 
 /// Takes away, for a moment, what clocks read and what may be left out where it is on a line, on another label or off the page,
-/// and any label that is on another on its way. What passes by gives way first, then what is less important.
+/// and any label that is on another on its way, or on a line on its way to where there is none. What passes by gives way first, then
+/// what is less important.
 fn give_way(labels: &mut [Label], ground: &Ground) {
     let mut places: Vec<Option<Rect>> = labels.iter().map(Label::place).collect();
     let mut grid = Grid::new(CELL);
@@ -351,7 +356,11 @@ fn give_way(labels: &mut [Label], ground: &Ground) {
             others.any(|[from, to]| own.is_crossed(from, to))
         };
         let is_bad = || ground.is_struck(own) || !ground.holds(own) || led_over();
-        if is_covered || leads || may && is_bad() {
+        let goes_over_a_line = || {
+            let there = label.rect().filter(|_| is_late);
+            there.is_some_and(|there| ground.is_struck(own) && !ground.is_struck(there))
+        };
+        if is_covered || leads || may && is_bad() || goes_over_a_line() {
             labels[i].chosen = None;
             places[i] = None;
         }
@@ -377,16 +386,26 @@ impl Candidate {
         }
         // What is farther than CLEAR costs nothing.
         let near = places.labels.near(widened(airy, CLEAR)).into_iter();
-        for other in near.filter_map(|k| labels.get(k)?.rect()) {
-            cost += match distance(airy, other) {
+        let near = near.filter_map(|k| labels.get(k));
+        for (other, rect) in near.filter_map(|label| Some((label, label.rect()?))) {
+            cost += match distance(airy, rect) {
                 0.0 => ON_LABEL,
                 apart => NEAR_LABEL * (1.0 - apart / CLEAR).max(0.0),
             };
+            if self.colour() == Some(other.request.colour)
+                && geometry::is_next_word(self.rect, rect, WORD_SPACE)
+            {
+                cost += NEXT_WORD;
+            }
             if cost >= least {
                 return None;
             }
         }
         Some(cost)
+    }
+
+    fn colour(&self) -> Option<Colour> {
+        Some(self.texts.first()?.colour)
     }
 
     /// The line that leads to it, where it is far from what it names.

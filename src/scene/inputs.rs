@@ -135,8 +135,12 @@ pub(super) struct Inputs {
     pub memory: Memory,
     /// Files, and folders of COLMAP, that were read for poses, ways, tables and numbers.
     pub read: BTreeSet<PathBuf>,
+    /// What to do about files that are not there, as the scene says.
+    pub if_missing: Option<String>,
     /// By place in the text: why the file that is named there cannot be used.
     problems: HashMap<usize, String>,
+    /// Places in the text where files are named that are not there.
+    missing: HashSet<usize>,
     /// By place in the text: the pose that the glTF camera named there has.
     poses: RefCell<HashMap<usize, Result<Pose>>>,
     /// By place in the text: the way of the node of the glTF file named there.
@@ -167,6 +171,18 @@ impl Inputs {
     /// The file named at `file` cannot be used.
     pub fn add_problem(&mut self, file: &At<String>, problem: String) {
         self.problems.insert(file.span.start, problem);
+    }
+
+    /// There is no file named at `file`, for this reason.
+    pub fn add_missing(&mut self, file: &At<String>, problem: String) {
+        self.missing.insert(file.span.start);
+        self.add_problem(file, problem);
+    }
+
+    /// What the scene says to do about the file named at `file`, if it is not there.
+    pub fn remedy(&self, file: &At<String>) -> Option<&str> {
+        let said = self.if_missing.as_deref();
+        said.filter(|_| self.missing.contains(&file.span.start))
     }
 
     /// The glTF camera in the file named at `file` has this pose, or cannot be read.

@@ -203,8 +203,9 @@ fn look_for_cube(inputs: &mut Inputs, seen: &Seen, cube: &file::Cube) {
     let array = cube.array.as_ref().map(|at| at.value.as_str());
     let times = || seen.times(&path, array, || cube::times(&path, array));
     if cube::is_sequence(&path) {
+        // All of them, or some.
         if let Err(error) = cube::pictures(&path) {
-            inputs.add_problem(name, error.to_string());
+            inputs.add_missing(name, error.to_string());
         }
         return;
     }
@@ -291,7 +292,13 @@ fn look_for(inputs: &mut Inputs, seen: &Seen, name: &At<String>) {
         Err(error) if error.kind() == ErrorKind::InvalidInput && path.exists() => {
             inputs.add_problem(name, error.to_string());
         }
-        Err(error) => inputs.add_problem(name, format!("cannot find this file: {error}")),
+        Err(error) => {
+            let problem = format!("cannot find this file: {error}");
+            match error.kind() {
+                ErrorKind::NotFound => inputs.add_missing(name, problem),
+                _ => inputs.add_problem(name, problem),
+            }
+        }
     }
 }
 

@@ -16,6 +16,7 @@
 //! |---|---|
 //! | `speed_of_light` | a key at the top: with what speed seconds become metres |
 //! | `model` | a key at the top: special relativity, or the equations of Jarabo et al. 2015 |
+//! | `if_missing` | a key at the top: what to do where a file that the scene names is not there |
 //! | `[medium]` | refractive index of what light travels through |
 //! | `[camera]` | pose, field of view, image size, velocity, time of the shot (required) |
 //! | `[camera.motion]` | acceleration, keyframes or a circle |

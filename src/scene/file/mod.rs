@@ -55,6 +55,8 @@ pub(in crate::scene) struct Scene<D = AnyTable> {
     /// Default: "exact".
     #[serde(default)]
     pub model: At<Equations>,
+    /// What to do where a file that the scene names is not there, like the command that makes it: words that the error then says.
+    pub if_missing: Option<At<String>>,
     /// What light travels through.
     #[serde(default)]
     pub medium: Medium,

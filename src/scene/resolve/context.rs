@@ -273,7 +273,15 @@ impl Context {
             false => base.display().to_string(),
         };
         let help = format!("paths are relative to the scene file, that is to {folder}");
-        Err(self.refuse(file, problem, help))
+        Err(self.refuse(file, problem, self.remedy(file, help)))
+    }
+
+    /// What to do about the file that is named at `file`: what the scene says where it is not there, and `otherwise`.
+    pub fn remedy(&self, file: &At<String>, otherwise: String) -> String {
+        match self.inputs.remedy(file) {
+            Some(said) => format!("the scene says: {said}\n{otherwise}"),
+            None => otherwise,
+        }
     }
 
     /// The pose of the camera in a glTF file.

@@ -37,7 +37,8 @@ pub(crate) use object::refuse_duplicates;
 
 /// The scene that `file`, read from the report's text, means; with what was found of that which it names.
 pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Result<Scene> {
-    let cx = Context::new(report, inputs, &file.speed_of_light)?;
+    let mut cx = Context::new(report, inputs, &file.speed_of_light)?;
+    cx.inputs.if_missing = cx.optional_text(&file.if_missing, "what to do")?;
     let medium_index = settings::medium_index(&cx, &file.medium)?;
     let said = file
         .camera

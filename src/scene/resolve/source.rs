@@ -389,7 +389,7 @@ fn cube_path(cx: &Context, file: &At<String>) -> Result<PathBuf> {
     // A folder or a pattern has no extension by which its format could be told.
     if is_sequence(&path) {
         return match cx.inputs.problem(file) {
-            Some(problem) => Err(cx.refuse(file, problem, SEQUENCE)),
+            Some(problem) => Err(cx.refuse(file, problem, cx.remedy(file, SEQUENCE.into()))),
             None => Ok(path),
         };
     }

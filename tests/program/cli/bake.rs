@@ -37,6 +37,67 @@ fn assert_as_bright(folder: &Folder, a: &str, b: &str) {
 }
 
 #[test]
+fn a_scene_says_how_to_make_a_file_that_is_not_there() {
+    let folder = Folder::empty();
+    let scene = |first: &str| {
+        format!(
+            "{first}{FLASH}[[source]]\ncube = {{ file = \"light.npz\", bin_width = \"1 m\" }}\n"
+        )
+    };
+    let remedy = "if_missing = \"nullray bake lit.toml -o light.npz\"\n";
+    folder.write("a.toml", scene(remedy));
+    folder.write("b.toml", scene(""));
+    let [a, b] = ["a.toml", "b.toml"].map(|name| folder.run(&["render", name]));
+    for run in [&a, &b] {
+        assert_eq!(run.code, 2);
+        assert!(run.message().contains("cannot find this file"));
+        assert!(run.message().contains("paths are relative"));
+    }
+    let said = "the scene says: nullray bake lit.toml -o light.npz";
+    assert!(a.message().contains(said), "{}", a.message());
+    assert!(!b.message().contains("the scene says"), "{}", b.message());
+    // Files that are there and are no cubes have other remedies.
+    folder.write("light.npz", "no archive");
+    let run = folder.run(&["render", "a.toml"]);
+    assert!(run.code == 2 && !run.message().contains("the scene says"));
+    // Pictures of a sequence, too.
+    for pictures in ["frames/{i:03d}.exr", "frame-%04d.exr"] {
+        folder.write(
+            "a.toml",
+            scene(remedy).replace("light.npz\", b", &format!("{pictures}\", b")),
+        );
+        let run = folder.run(&["render", "a.toml"]);
+        assert_eq!(run.code, 2);
+        assert!(run.message().contains(said), "{}", run.message());
+    }
+    // Words that say nothing are refused.
+    folder.write("a.toml", scene("if_missing = \" \"\n"));
+    let run = folder.run(&["render", "a.toml"]);
+    assert!(run.code == 2 && run.message().contains("what to do is empty"));
+}
+
+#[test]
+fn baked_scenes_say_how_their_light_is_baked() {
+    let folder = Folder::empty();
+    for name in ["rabbit", "dragon", "tomatoes"] {
+        let text = |file: &str| {
+            let path = super::repository(&format!("scenes/baked/{file}.toml"));
+            std::fs::read_to_string(path).unwrap()
+        };
+        // The command at the head of the scene that is baked.
+        let lit = text(&format!("{name}-lit"));
+        let mut lines = lit.lines();
+        let command = lines.find_map(|line| line.strip_prefix("#   ")).unwrap();
+        let start = format!("nullray bake scenes/baked/{name}-lit.toml ");
+        assert!(command.starts_with(&start), "{command}");
+        folder.write("scene.toml", text(name));
+        let run = folder.run(&["render", "scene.toml"]);
+        assert_eq!(run.code, 2, "{name}");
+        assert!(run.message().contains(command), "{}", run.message());
+    }
+}
+
+#[test]
 fn what_bake_prints_reads_what_it_has_written() {
     for (options, file) in [
         (["--camera", "--spp=16"], "cube.npy"),

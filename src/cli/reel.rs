@@ -5,7 +5,7 @@
 //! beside it.
 
 use std::fs::{self, File, TryLockError};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use nullray::figures::drawing::png::Raster;
@@ -23,6 +23,9 @@ use super::{inputs, interrupt, memory, say};
 
 /// The name of a film that goes to standard output.
 const PIPE: &str = "-";
+
+/// What it is called in errors.
+const STDOUT: &str = "standard output";
 
 /// What a film is written as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -108,7 +111,7 @@ impl Folder {
         let Some(film) = films.iter().find(|path| !is_pipe(path)) else {
             let made = tempfile::tempdir();
             return made.map(Folder::Passing).map_err(Error::io(
-                "standard output",
+                STDOUT,
                 "no folder can be made for the pictures of the film",
             ));
         };
@@ -213,11 +216,19 @@ pub fn even(picture: RgbImage) -> RgbImage {
     RgbImage { width, height, rgb }
 }
 
-/// Has `write` write a film to a file, or to standard output.
+/// Has `write` write a film to a file, or to standard output, where a closed pipe ("| head") is the end and no error.
 pub fn pipe_or_save(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
-    match is_pipe(path) {
-        true => write(&mut BufWriter::new(io::stdout().lock())),
-        false => write_atomically(path, |file| write(file)),
+    if !is_pipe(path) {
+        return write_atomically(path, |file| write(file));
+    }
+    let mut out = BufWriter::new(io::stdout().lock());
+    match write(&mut out).and_then(|()| out.flush().map_err(Error::io(STDOUT, "cannot write"))) {
+        Err(Error::Io { source, .. }) if source.kind() == ErrorKind::BrokenPipe => {
+            // Whoever read has enough; nothing of what is left is for anyone.
+            drop(out.into_parts());
+            Ok(())
+        }
+        done => done,
     }
 }
 

@@ -506,6 +506,68 @@ fn panels_have_the_values_of_the_captions() {
     assert!(checked > 100, "{checked}");
 }
 
+/// What the captions of the paper say: all values, or the first and the last where they give these alone.
+const PAPER: [(&str, &str, &[f64]); 16] = [
+    ("figure-03.toml", "[diagram]", &[0.2]),
+    (
+        "figure-04.toml",
+        "aberration-towards-",
+        &[0.0, 0.3, 0.6, 0.9, 0.99],
+    ),
+    (
+        "figure-04.toml",
+        "aberration-away-",
+        &[0.0, 0.3, 0.6, 0.9, 0.99],
+    ),
+    (
+        "figure-04.toml",
+        "doppler-towards-",
+        &[0.0, 0.15, 0.25, 0.35, 0.5, 0.55],
+    ),
+    (
+        "figure-04.toml",
+        "searchlight-towards-",
+        &[0.0, 0.2, 0.3, 0.4, 0.5],
+    ),
+    ("figure-05.toml", "cube-camera-", &[0.0, 0.77]),
+    ("figure-05.toml", "cube-world-", &[0.0, 0.77]),
+    ("figure-05.toml", "bunny-camera-", &[0.2, 0.9]),
+    ("figure-05.toml", "bunny-world-", &[0.2, 0.9]),
+    ("figure-06.toml", "caption-", &[0.0, 0.9]),
+    ("figure-07.toml", "constant-", &[0.0, 0.99]),
+    ("figure-07.toml", "alike-", &[0.0, 0.99]),
+    ("figure-09.toml", "[diagram]", &[0.0, 0.9]),
+    ("figure-10.toml", "[diagram]", &[0.0, 0.4, 0.8, 0.99]),
+    (
+        "figure-11.toml",
+        "aberration-",
+        &[0.0, 0.25, 0.5, 0.75, 0.99],
+    ),
+    (
+        "figure-11.toml",
+        "aberrated-",
+        &[0.0, 0.25, 0.5, 0.75, 0.99],
+    ),
+];
+
+#[test]
+fn the_page_lists_the_values_of_the_paper_s_captions() {
+    let rows = captions();
+    for (file, prefix, values) in PAPER {
+        let row = rows.iter().find(|row| row[0] == file && row[1] == prefix);
+        let row = row.unwrap_or_else(|| panic!("{file} {prefix}"));
+        let listed: Vec<f64> = row[3].split(", ").map(|v| v.parse().unwrap()).collect();
+        match values {
+            [first, last] => {
+                let ends = [listed[0], listed[listed.len() - 1]];
+                assert_eq!(ends, [*first, *last], "{file} {prefix}");
+                assert!(listed.len() >= 5 && listed.is_sorted(), "{file} {prefix}");
+            }
+            all => assert_eq!(listed, *all, "{file} {prefix}"),
+        }
+    }
+}
+
 #[test]
 fn each_figure_has_one_white_and_panels_of_one_size() {
     for path in figures() {

@@ -1,4 +1,8 @@
-//! One exposure for several pictures: a percentile over small previews of them all.
+//! One exposure for several pictures.
+//!
+//! That of panels is a percentile over small previews of them all. That of a film is a percentile over previews of its middle third, since
+//! a few very bright pictures at its ends, as where a camera has become fast, would leave all others black; but no less than a
+//! hundredth of that of all its pictures, so that none is more than so far beyond white where the middle is dark.
 
 use glam::DVec3;
 use nullray::Result;
@@ -15,20 +19,53 @@ use super::interrupt;
 
 /// The most columns and rows of a preview.
 const PREVIEW: u32 = 128;
+/// How far beyond white the brightest of all pictures may be for the sake of those in the middle.
+const MOST_BEYOND: f64 = 100.0;
 
-/// The radiance that is white in all pictures of `scenes`; none where the scenes say it themselves.
+/// The radiance that is white in all panels; none where the scenes say it themselves.
 ///
 /// The percentile is that of the first scene.
-pub fn common(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
-    let Some(Exposure::Percentile(percentile)) = scenes.first().map(|scene| scene.exposure) else {
+pub fn of_panels(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
+    let Some(exposure) = percentile(scenes) else {
         return Ok(None);
     };
-    let mut pixels = Vec::new();
-    for scene in scenes {
+    let previews = previews(scenes, request)?;
+    tonemap::white(&previews.concat(), exposure).map(Some)
+}
+
+/// The radiance that is white in all pictures of a film, of which `scenes` are some, in their order; none where the scenes say it
+/// themselves.
+///
+/// The percentile is that of the first scene.
+pub fn of_film(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
+    let Some(exposure) = percentile(scenes) else {
+        return Ok(None);
+    };
+    let mut previews = previews(scenes, request)?;
+    let all = tonemap::white(&previews.concat(), exposure)?;
+    let aside = previews.len() / 3;
+    let middle = previews.drain(aside..previews.len() - aside);
+    let middle: Vec<[f64; 3]> = middle.flatten().collect();
+    let is_lit = |pixel: &[f64; 3]| pixel.iter().any(|c| *c > 0.0 && c.is_finite());
+    Ok(Some(match middle.iter().any(is_lit) {
+        true => tonemap::white(&middle, exposure)?.max(all / MOST_BEYOND),
+        false => all,
+    }))
+}
+
+/// The percentile of the first scene, if it has one.
+fn percentile(scenes: &[Scene]) -> Option<Exposure> {
+    let first = scenes.first().map(|scene| scene.exposure);
+    first.filter(|exposure| matches!(exposure, Exposure::Percentile(_)))
+}
+
+/// The pixels of small pictures of all `scenes`.
+fn previews(scenes: &[Scene], request: &Request) -> Result<Vec<Vec<[f64; 3]>>> {
+    let pixels = |scene| {
         interrupt::check()?;
-        pixels.extend(preview(scene, request, Vec::new())?.radiance());
-    }
-    tonemap::white(&pixels, Exposure::Percentile(percentile)).map(Some)
+        Ok(preview(scene, request, Vec::new())?.radiance().to_vec())
+    };
+    scenes.iter().map(pixels).collect()
 }
 
 /// The radiance that is white where surfaces of `scene` are exposed for, whatever the sky is like: the 99th percentile of

@@ -54,8 +54,9 @@ Examples:
 
 An .apng plays in every browser. A .y4m is 8-bit YCbCr 4:4:4 by BT.709 in the limited range, for any encoder. The finished \
 pictures of a film are kept in FILE.frames until it is complete: to resume after an interruption, run the same command again. \
-All pictures share one exposure, except with --speeds, where each has its own; --white gives them one, and \
---set \"display.logarithmic=[1e-6,1e4]\" shows any speeds on one scale.
+All pictures share one exposure, except with --speeds, where each has its own. It is that of the film's middle third: the scene's \
+percentile over small previews, so that a few bright pictures at an end do not leave the others black. The scene's display.white holds for its own camera, with \
+--light; --white R sets that of any film, and --set \"display.logarithmic=[1e-6,1e4]\" shows any speeds on one scale.
 
 --time gives the moment at which --flyby passes the camera's position, and at which the others begin, as world time after camera.clock_zero.";
 
@@ -85,7 +86,7 @@ Examples:
   nullray diagram scene.toml --frame camera
   nullray diagram twin-paradox.toml --boost-to out -o twins.apng
   nullray diagram twin-paradox.toml --boost-to out -o - | ffmpeg -i - -pix_fmt yuv420p twins.mp4
-  nullray diagram twin-paradox.toml --boost-to out --frames 0..49 -o twins-####.svg
+  nullray diagram twin-paradox.toml --boost-to out --frames 0..72 -o twins-####.svg
   nullray diagram scene.toml --pixel 320,240 -o pixel.svg
   nullray diagram scene.toml --pixel 320,240 --dimensions 2+1 -o cone.pdf
 

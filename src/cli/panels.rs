@@ -75,7 +75,7 @@ pub fn load_all(file: &SceneFile, whole: &Scene, overrides: &Overrides) -> Resul
 
 /// Gives all panels one exposure, unless they say the radiance of white themselves.
 pub fn same_exposure(scenes: &mut [Scene], request: &Request) -> Result<()> {
-    if let Some(white) = exposure::common(scenes, request)? {
+    if let Some(white) = exposure::of_panels(scenes, request)? {
         let exposure = Exposure::White(white);
         scenes
             .iter_mut()

@@ -653,3 +653,10 @@ pub enum Exposure {
     /// Radiances of black and white, both above 0; between them by the logarithm.
     Logarithmic([f64; 2]),
 }
+
+impl Default for Exposure {
+    /// The 99th percentile.
+    fn default() -> Self {
+        Exposure::Percentile(99.0)
+    }
+}

@@ -119,6 +119,18 @@ impl Changes {
         }
     }
 
+    /// Whether the command line says what becomes white.
+    pub fn says_exposure(&self) -> bool {
+        let keys = [
+            "display",
+            "display.white",
+            "display.exposure",
+            "display.logarithmic",
+        ];
+        let is_set = |(key, _): &(String, String)| keys.contains(&key.as_str());
+        self.white.is_some() || self.exposure.is_some() || self.edits.set.iter().any(is_set)
+    }
+
     /// What is asked of a scene beyond its file, of so many threads.
     pub fn request(&self, threads: Option<u16>) -> Request {
         Request {
@@ -242,9 +254,9 @@ impl LineArguments {
 /// How several pictures are exposed.
 #[derive(Debug, Args)]
 pub struct ExposureArgument {
-    /// One exposure for all pictures, so that they can be compared and do not flicker: the scene's percentile over
-    /// small previews of them all. The default for frames, films and pages; parts of a series that are rendered apart
-    /// need --white.
+    /// One exposure for all pictures, so that they can be compared and do not flicker: the scene's percentile over small
+    /// previews, of all panels, or of the middle third of frames, films and pages. The default for these; parts of a series
+    /// that are rendered apart need --white.
     #[arg(long)]
     same_exposure: bool,
     /// An exposure of its own for each picture. The default for panels, and for films of --speeds.

@@ -175,6 +175,10 @@ impl Sequence<'_> {
         let mut scene = file.scene(&overrides)?;
         if let Some(shot) = frames.shot(number) {
             scene = shot.seen(&scene);
+            // The scene's own white is that of its own camera: at other speeds the light is another.
+            if matches!(scene.exposure, Exposure::White(_)) && !self.job.changes.says_exposure() {
+                scene.exposure = Exposure::default();
+            }
         }
         if let Some(white) = self.white {
             scene.exposure = Exposure::White(white);
@@ -193,7 +197,7 @@ impl Sequence<'_> {
         };
         let scenes = (0..measured).map(|k| self.scene_at(number(k)));
         let scenes = scenes.collect::<Result<Vec<_>>>()?;
-        self.white = exposure::common(&scenes, self.job.request)?;
+        self.white = exposure::of_film(&scenes, self.job.request)?;
         match self.white {
             Some(white) => self.say(&format!(
                 "one exposure for all frames: white is radiance {}\n",

@@ -12,9 +12,6 @@ use crate::scene::values::Numbers;
 use crate::spacetime::Event;
 use crate::spacetime::units::quoted;
 
-/// What `exposure` is unless the file says otherwise, per cent.
-const PERCENTILE: f64 = 99.0;
-
 pub(super) fn medium_index(cx: &Context, medium: &file::Medium) -> Result<f64> {
     let index = medium.index.value.0;
     if index >= 1.0 {
@@ -86,7 +83,7 @@ pub(super) fn exposure(cx: &Context, at: &At<file::Display>) -> Result<Exposure>
         return Ok(Exposure::White(cx.positive(white, "`white`")?));
     }
     let Some(percentile) = exposure else {
-        return Ok(Exposure::Percentile(PERCENTILE));
+        return Ok(Exposure::default());
     };
     let percent = percentile.value.percent();
     if percent > 0.0 && percent <= 100.0 {

@@ -263,6 +263,69 @@ fn diagrams_are_the_same_as_raw_video_and_as_animated_png() {
 }
 
 #[test]
+fn a_film_is_exposed_for_its_middle_and_not_for_the_scene_s_own_camera() {
+    let folder = Folder::new();
+    // A wall that fills the picture, of radiance 0.5, and a camera that falls towards it: at speed β ahead it is D⁴ times as bright, with
+    // D² = (1 + β)/(1 − β). At the ends of the film D⁴ is 1 and 1521, and at most 1521^(5/8) = 97 in its middle third.
+    folder.write(
+        "wall.toml",
+        "[camera]\neye = [0, 0, 30]\nlook_at = [0, 0, 0]\nsize = [24, 16]\nhfov = \"2 deg\"\n\
+         [display]\nwhite = 1e5\n[[object]]\ncolour = [0.5, 0.5, 0.5]\nshape = { plane = { size = [90, 90] } }\n\
+         transform = { rotate = { axis = [1, 0, 0], angle = \"90 deg\" } }\n",
+    );
+    let film = "film wall.toml --accelerate 0.95 --pictures 9 --no-captions -o a.apng";
+    let said = folder.ok(&film.split(' ').collect::<Vec<_>>());
+    let white = said.split("white is radiance ").nth(1).unwrap();
+    let white: f64 = white.lines().next().unwrap().parse().unwrap();
+    let expected = 0.5 * 1521f64.powf(5.0 / 8.0);
+    assert!((white / expected - 1.0).abs() < 0.01, "{white}, {expected}");
+    // 1/97 of white is the code 25, and the middle is as bright as 1521^(1/8) = 2.5 below it: 170.
+    let codes: Vec<u8> = apng(&folder.read("a.apng"))
+        .iter()
+        .map(|p| p.2[0])
+        .collect();
+    assert!(
+        codes[0].abs_diff(25) <= 2 && codes[4].abs_diff(170) <= 3,
+        "{codes:?}"
+    );
+    assert_eq!(codes[5..], [255; 4]);
+    // What the command line says holds.
+    for say in ["--white 2", "--set display.white=2"] {
+        let words = format!("{film} {say}");
+        let said = folder.ok(&words.split(' ').collect::<Vec<_>>());
+        assert!(!said.contains("white is radiance 48"), "{said}");
+        let code = apng(&folder.read("a.apng"))[0].2[0];
+        assert_eq!(code, 137, "{say}");
+    }
+}
+
+#[test]
+fn a_reader_that_has_read_enough_of_a_film_ends_it_without_an_error() {
+    use std::io::Read;
+    use std::process::Stdio;
+    let folder = Folder::new();
+    let twins = super::repository("scenes/diagrams/twin-paradox.toml");
+    let film = "film scene.toml --flyby 0.5 --pictures 60 --spp 1 -o -";
+    let film: Vec<_> = film.split(' ').collect();
+    let diagram = ["diagram", &twins, "--frames", "0..3", "-o", "-"];
+    for arguments in [&film[..], &diagram] {
+        let mut command = folder.command(arguments);
+        let mut run = command
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut start = [0; 1000];
+        // Dropped when it is read.
+        run.stdout.take().unwrap().read_exact(&mut start).unwrap();
+        assert!(start.starts_with(b"YUV4MPEG2"));
+        let done = run.wait_with_output().unwrap();
+        let said = String::from_utf8(done.stderr).unwrap();
+        assert_eq!((done.status.code(), said.as_str()), (Some(0), ""));
+    }
+}
+
+#[test]
 fn films_that_cannot_be_made_are_refused() {
     let folder = folder();
     let cases: &[(&str, &[&str])] = &[

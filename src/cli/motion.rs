@@ -337,7 +337,22 @@ fn light(arguments: &FilmArguments, scene: &Scene) -> Result<Take> {
     })
 }
 
-/// The camera times between which light of some source is in view, by a small picture.
+/// So many times as long as the light that is in view for the shortest time, light of others does not count: it shines on.
+const SHINING_ON: f64 = 10.0;
+
+/// The times from the first to the last of those ranges that are not far longer than the shortest.
+fn brief(ranges: &[[f64; 2]]) -> Option<[f64; 2]> {
+    let length = |[from, to]: &[f64; 2]| to - from;
+    let shortest = ranges.iter().map(length).reduce(f64::min)?;
+    let brief = ranges
+        .iter()
+        .filter(|range| length(range) <= SHINING_ON * shortest);
+    brief
+        .copied()
+        .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+}
+
+/// The camera times between which light of some source that does not shine on is in view, by a small picture.
 fn passing(arguments: &FilmArguments, scene: &Scene) -> Result<[f64; 2]> {
     let mut small = scene.clone();
     let [width, height] = scene.camera.size;
@@ -352,8 +367,8 @@ fn passing(arguments: &FilmArguments, scene: &Scene) -> Result<[f64; 2]> {
     let times = seen
         .iter()
         .filter_map(|times| survey::meeting_times(&small, &mut prepared, times));
-    let all = times.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
-    all.ok_or_else(|| {
+    let times: Vec<[f64; 2]> = times.collect();
+    brief(&times).ok_or_else(|| {
         let what = "no source of the scene says when its light is in view";
         let help = "give the camera's times, like --from \"0 m\" --to \"5 m\", or another motion: --flyby 0.9";
         refused("--light", what, help)
@@ -516,6 +531,14 @@ pub fn boosts(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_film_of_light_lasts_as_long_as_what_flashes_and_not_as_what_shines_on() {
+        assert_eq!(brief(&[]), None);
+        assert_eq!(brief(&[[4.0, 9.0], [0.0, 8.0]]), Some([0.0, 9.0]));
+        let flash_and_lamp = [[-390.0, 415.0], [6.0, 20.0], [10.0, 60.0]];
+        assert_eq!(brief(&flash_and_lamp), Some([6.0, 60.0]));
+    }
 
     #[test]
     fn what_a_passing_camera_looks_at_is_in_the_middle_of_its_film() {

@@ -83,7 +83,8 @@ pub struct MotionArguments {
     /// How far the camera goes, with its unit: "6 m". Default: nine tenths of the way to the point that it looks at; for --flyby twice the distance, times γ.
     #[arg(long, value_name = "LENGTH", conflicts_with_all = ["light", "speeds"])]
     pub distance: Option<Time>,
-    /// The camera's time of the first picture of --light. Default: when light comes into view.
+    /// The camera's time of the first picture of --light. Default: when light comes into view, until it has left; light that
+    /// shines on ten times as long as a flash does not count.
     #[arg(long, value_name = "TIME", requires = "to", conflicts_with_all = ["flyby", "accelerate", "speeds"], allow_hyphen_values = true)]
     pub from: Option<Time>,
     /// The camera's time of the last picture of --light.

@@ -26,6 +26,7 @@ use super::negative::Negative;
 use super::pages::Pages;
 use super::samples::Samples;
 use super::store::Store;
+use crate::accel::vectors::prefetch;
 use crate::error::{Error, Result};
 use crate::io::npy::Dtype;
 
@@ -429,33 +430,38 @@ impl Bricks {
         });
     }
 
-    /// The same of `count` samples from the `origin`-th of the cube on, all of one pixel, as they are counted by rows, columns, bins and
-    /// channels.
-    #[inline]
-    pub fn want_from(&self, held: &Held, origin: u64, count: usize, wanted: &mut Vec<u64>) {
-        if !self.dead.is_empty() {
-            let (pixel, bin) = self.place(origin);
-            return self.want(held, pixel, bin, count / self.shape[3], wanted);
+    /// Whether samples are not as bricks hold them, as some bins are mended.
+    pub fn is_mended(&self) -> bool {
+        !self.dead.is_empty()
+    }
+
+    /// Has `samples` be of the type in which lookups take them from here: that of bricks, or f64 where some are mended.
+    pub fn set_type(&self, samples: &mut Samples) {
+        let is_right = match (&*samples, &self.dtype) {
+            _ if self.is_mended() => matches!(samples, Samples::F64(_)),
+            (Samples::F16(_), Dtype::F16) | (Samples::F32(_), Dtype::F32) => true,
+            (Samples::F64(_), dtype) => !matches!(dtype, Dtype::F16 | Dtype::F32),
+            _ => false,
+        };
+        if !is_right {
+            *samples = match self.is_mended() {
+                true => Samples::F64(Vec::new()),
+                false => zeros(&self.dtype, 0),
+            };
         }
-        self.runs_from(origin, count, |brick, _, _| {
-            if held.get(self, brick).is_none() {
-                wanted.push(brick);
-            }
-        });
+    }
+
+    /// Notes the bricks of `count` samples from the `origin`-th of the cube on, all of one pixel, as they are counted by rows, columns,
+    /// bins and channels.
+    pub fn want_from(&self, held: &Held, origin: u64, count: usize, wanted: &mut Vec<u64>) {
+        let (pixel, bin) = self.place(origin);
+        self.want(held, pixel, bin, count / self.shape[3], wanted);
     }
 
     /// Fills `to` with samples from the `origin`-th of the cube on, which are all of one pixel.
-    #[inline]
     pub fn samples_from(&self, held: &mut Held, origin: u64, to: &mut [f64]) {
-        if !self.dead.is_empty() {
-            let (pixel, bin) = self.place(origin);
-            return self.samples(held, pixel, bin, to);
-        }
-        let mut at = 0;
-        self.runs_from(origin, to.len(), |brick, from, count| {
-            self.copy(held, brick, from, &mut to[at..at + count]);
-            at += count;
-        });
+        let (pixel, bin) = self.place(origin);
+        self.samples(held, pixel, bin, to);
     }
 
     /// The pixel and the bin of a sample.
@@ -463,6 +469,20 @@ impl Bricks {
         let [_, _, bins, channels] = self.shape;
         let bin = origin as usize / channels;
         (bin / bins, bin % bins)
+    }
+
+    /// The brick that all of `count` samples from the `origin`-th on lie in, and from where on; none where there are several, or where
+    /// samples are not in order.
+    #[inline(always)]
+    fn whole(&self, origin: u64, count: usize) -> Option<(u64, usize)> {
+        #[cfg_attr(
+            not(any(feature = "hdf5", feature = "zarr")),
+            allow(irrefutable_let_patterns)
+        )]
+        if let Form::Pages(pages) = &self.form {
+            return pages.whole(origin, count);
+        }
+        None
     }
 
     #[inline(always)]
@@ -516,21 +536,29 @@ impl Bricks {
     /// Samples of one brick, from its `from`-th on.
     #[inline]
     fn copy(&self, held: &mut Held, brick: u64, from: usize, to: &mut [f64]) {
-        if let Some(samples) = held.get(self, brick) {
-            return widen(samples, from, to);
+        match held.get(self, brick) {
+            Some(samples) => widen(samples, from, to),
+            None => widen(&self.not_at_hand(brick), from, to),
         }
+    }
+
+    /// The samples of a brick that is not at hand.
+    #[cold]
+    fn not_at_hand(&self, brick: u64) -> Arc<Samples> {
         if self.counts_only {
             self.note(brick);
-            return to.fill(0.0);
+            return self.zeros.clone();
         }
         let mut cache = self.cache.lock(self.form.group(brick));
         if let Some(samples) = cache.get(brick) {
-            return widen(&samples, from, to);
+            return samples;
         }
-        for samples in self.load(brick, 1) {
-            widen(&samples, from, to);
-            cache.insert(brick, samples);
+        let mut samples = self.zeros.clone();
+        for loaded in self.load(brick, 1) {
+            samples = loaded.clone();
+            cache.insert(brick, loaded);
         }
+        samples
     }
 
     /// Reads `count` bricks from the `first` on, none of which is there; the lock of their shard is held, so that nobody
@@ -601,6 +629,133 @@ impl Held {
             self.0.resize(AT_HAND, None);
         }
         self.0[Held::slot(of, brick)] = Some((of.number, brick, samples));
+    }
+}
+
+/// A number as bricks hold it.
+pub trait Stored: Copy {
+    /// 0.
+    const NONE: Self;
+    /// Samples of this type; none where they are of another.
+    fn of(samples: &Samples) -> &[Self];
+}
+
+impl Stored for f16 {
+    const NONE: f16 = f16::ZERO;
+
+    #[inline(always)]
+    fn of(samples: &Samples) -> &[f16] {
+        match samples {
+            Samples::F16(samples) => samples,
+            _ => &[],
+        }
+    }
+}
+
+impl Stored for f32 {
+    const NONE: f32 = 0.0;
+
+    #[inline(always)]
+    fn of(samples: &Samples) -> &[f32] {
+        match samples {
+            Samples::F32(samples) => samples,
+            _ => &[],
+        }
+    }
+}
+
+impl Stored for f64 {
+    const NONE: f64 = 0.0;
+
+    #[inline(always)]
+    fn of(samples: &Samples) -> &[f64] {
+        match samples {
+            Samples::F64(samples) => samples,
+            _ => &[],
+        }
+    }
+}
+
+/// Reads runs of samples as they are held. Runs of one row of taps often lie in the brick of the last one.
+pub struct Runs<'a, T> {
+    bricks: &'a Bricks,
+    held: &'a Held,
+    /// By row, the brick that was looked for last, and its samples; none if that is not at hand.
+    last: [(u64, Option<&'a [T]>); 2],
+}
+
+impl<'a, T: Stored> Runs<'a, T> {
+    /// Of bricks no bin of which is mended.
+    pub fn new(bricks: &'a Bricks, held: &'a Held) -> Self {
+        Runs {
+            bricks,
+            held,
+            last: [(u64::MAX, None); 2],
+        }
+    }
+
+    #[inline(always)]
+    fn brick(&mut self, row: usize, brick: u64) -> Option<&'a [T]> {
+        let last = &mut self.last[row];
+        if last.0 != brick {
+            *last = (brick, self.held.get(self.bricks, brick).map(T::of));
+        }
+        last.1
+    }
+
+    /// Asks for the `count` samples from the `origin`-th of the cube on, which are all of one pixel, and notes those of their bricks that are
+    /// not at hand.
+    #[inline(always)]
+    pub fn want(&mut self, row: usize, origin: u64, count: usize, wanted: &mut Vec<u64>) {
+        let bricks = self.bricks;
+        bricks.runs_from(origin, count, |brick, from, count| {
+            let before = self.last[row].0;
+            match self.brick(row, brick) {
+                Some(samples) => {
+                    prefetch(samples, from);
+                    prefetch(samples, from + count - 1);
+                }
+                None if before != brick => wanted.push(brick),
+                None => {}
+            }
+        });
+    }
+
+    /// Fills `to` with them.
+    #[inline(always)]
+    pub fn read(&mut self, row: usize, origin: u64, to: &mut [T]) {
+        // Almost all lie in one brick: such copies have a length that is known to the compiler.
+        if let Some((brick, from)) = self.bricks.whole(origin, to.len())
+            && let Some(samples) = self.brick(row, brick)
+        {
+            if let Some(samples) = samples.get(from..from + to.len()) {
+                to.copy_from_slice(samples);
+            }
+            return;
+        }
+        self.read_parts(row, origin, to);
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn read_parts(&mut self, row: usize, origin: u64, to: &mut [T]) {
+        let mut at = 0;
+        let bricks = self.bricks;
+        bricks.runs_from(origin, to.len(), |brick, from, count| {
+            let to = &mut to[at..at + count];
+            at += count;
+            let held;
+            let samples = match self.brick(row, brick) {
+                Some(samples) => samples,
+                None => {
+                    held = bricks.not_at_hand(brick);
+                    T::of(&held)
+                }
+            };
+            if let Some(samples) = samples.get(from..from + count) {
+                to.copy_from_slice(samples);
+            }
+        });
     }
 }
 

@@ -4,6 +4,7 @@
 //! grow unevenly while there is room; once there is none, one with more than its part makes way for one with less.
 
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -25,7 +26,7 @@ pub(super) struct Locked<'a, V> {
 
 #[derive(Debug)]
 struct Shard<V> {
-    places: HashMap<u64, usize>,
+    places: HashMap<u64, usize, BuildHasherDefault<KeyHasher>>,
     slots: Vec<Slot<V>>,
     /// The slot that is asked next to make way.
     hand: usize,
@@ -39,12 +40,34 @@ struct Slot<V> {
     used: bool,
 }
 
+/// A quick hash of a number, which nobody chooses so as to make it slow.
+#[derive(Debug, Default)]
+struct KeyHasher(u64);
+
+impl Hasher for KeyHasher {
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.write_u64(u64::from(*byte));
+        }
+    }
+
+    #[inline]
+    fn write_u64(&mut self, key: u64) {
+        let mixed = (self.0 ^ key).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        self.0 = mixed ^ (mixed >> 32);
+    }
+
+    fn finish(&self) -> u64 {
+        self.0
+    }
+}
+
 impl<V: Clone> Cache<V> {
     /// With room for so many values under so many locks.
     pub fn new(room: usize, shards: usize) -> Cache<V> {
         let shard = || {
             Mutex::new(Shard {
-                places: HashMap::new(),
+                places: HashMap::default(),
                 slots: Vec::new(),
                 hand: 0,
             })

@@ -41,6 +41,7 @@ use absent::zarr;
 
 pub use axes::{Axes, Axis};
 pub use bricks::{Bricks, BytesRead, Held, LEAST_ROOM, Peeked};
+pub(crate) use bricks::{Runs, Stored};
 pub use byte_order::{ByteOrder, Sign};
 pub use channels::{Channel, Channels};
 pub use convert::{Changes, Converted, convert};

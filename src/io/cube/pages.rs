@@ -191,6 +191,15 @@ impl Pages {
         }
     }
 
+    /// The brick that all of them lie in, and from where on; none where there are several, or where samples are in another order.
+    #[inline(always)]
+    pub fn whole(&self, first: u64, count: usize) -> Option<(u64, usize)> {
+        let at = first + self.skew;
+        let from = (at & (self.per_brick() - 1)) as usize;
+        let is_whole = self.is_in_order & (from + count <= self.per_brick() as usize);
+        is_whole.then_some((at >> self.per_brick, from))
+    }
+
     pub fn bricks(&self) -> u64 {
         (self.count + self.skew).div_ceil(self.per_brick())
     }

@@ -180,21 +180,10 @@ impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
         for at in 0..BATCH {
             held[at] = 0.0 + weights[0][at] + weights[1][at] + weights[2][at] + weights[3][at];
         }
-        let cube = match store {
-            CubeStore::Memory(cube) => cube,
+        let samples = match store {
+            CubeStore::Memory(cube) => &cube.samples,
             CubeStore::Disk(bricks) => {
-                from_disk.bring_together::<N>(bricks, (origins, plain), count);
-                let values = &from_disk.values[..];
-                let reads = TapReads {
-                    weights,
-                    origins,
-                    bins,
-                };
-                match bricks.shape()[3] {
-                    3 => read::<_, _, 3, N>(values, &reads, count, factor, radiance),
-                    _ => read::<_, _, 1, N>(values, &reads, count, factor, radiance),
-                }
-                return;
+                from_disk.bring_together::<N>(bricks, (origins, plain), count)
             }
         };
         let reads = TapReads {
@@ -202,7 +191,7 @@ impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
             origins,
             bins,
         };
-        match (&cube.samples, cube.shape[3]) {
+        match (samples, store.shape()[3]) {
             (Samples::F16(s), 3) => read::<_, _, 3, N>(s, &reads, count, factor, radiance),
             (Samples::F16(s), _) => read::<_, _, 1, N>(s, &reads, count, factor, radiance),
             (Samples::F32(s), 3) => read::<_, _, 3, N>(s, &reads, count, factor, radiance),

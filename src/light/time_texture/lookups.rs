@@ -13,7 +13,7 @@ use super::places::{BATCH, Cubic, CubicMeans, Filter, Linear, MOST_BINS, Nearest
 use super::texture::{Sampled, TimeTexture};
 use super::weights::bins_of;
 use crate::accel::vectors::{VectorLoop, dispatch};
-use crate::io::cube::{Bricks, CubeStore, Held, Samples};
+use crate::io::cube::{Bricks, CubeStore, Held, Runs, Samples, Stored};
 use crate::scene::model::TimeFilter;
 
 /// A batch of lookups: what is asked and, after [`TimeTexture::sample_each`], the answers.
@@ -34,12 +34,22 @@ pub struct Lookups {
 }
 
 /// What lookups from bricks need.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct FromDisk {
     held: Held,
     wanted: Vec<u64>,
     /// The samples of all taps, brought together.
-    pub values: Vec<f64>,
+    values: Samples,
+}
+
+impl Default for FromDisk {
+    fn default() -> Self {
+        FromDisk {
+            held: Held::default(),
+            wanted: Vec::new(),
+            values: Samples::F64(Vec::new()),
+        }
+    }
 }
 
 impl Default for Lookups {
@@ -155,19 +165,15 @@ impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
         );
         // The types of samples and the numbers of channels are told apart once for a batch.
         let factor = self.texture.factor();
-        let cube = match self.texture.cube() {
-            CubeStore::Memory(cube) => cube,
+        let store = self.texture.cube();
+        let samples = match store {
+            CubeStore::Memory(cube) => &cube.samples,
             CubeStore::Disk(bricks) => {
                 let Places { origins, plain, .. } = &mut *places;
-                from_disk.bring_together::<N>(bricks, (origins, plain), self.count);
-                let values = &from_disk.values[..];
-                return match bricks.shape()[3] {
-                    3 => read::<_, _, 3, N>(values, places, self.count, factor, radiance),
-                    _ => read::<_, _, 1, N>(values, places, self.count, factor, radiance),
-                };
+                from_disk.bring_together::<N>(bricks, (origins, plain), self.count)
             }
         };
-        match (&cube.samples, cube.shape[3]) {
+        match (samples, store.shape()[3]) {
             (Samples::F16(s), 3) => read::<_, _, 3, N>(s, places, self.count, factor, radiance),
             (Samples::F16(s), _) => read::<_, _, 1, N>(s, places, self.count, factor, radiance),
             (Samples::F32(s), 3) => read::<_, _, 3, N>(s, places, self.count, factor, radiance),
@@ -179,36 +185,93 @@ impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
 }
 
 impl FromDisk {
-    /// Reads the bricks of those of the first `count` lookups that are plain, each once; brings their samples together, and
-    /// has the origins of their taps tell where they are now.
+    /// Reads the bricks of those of the first `count` lookups that are plain, each once; brings their samples together, as they are
+    /// stored, and has the origins of their taps tell where they are now.
     pub fn bring_together<const N: usize>(
         &mut self,
         bricks: &Bricks,
         (origins, plain): (&mut [[u64; BATCH]; 4], &[bool; BATCH]),
         count: usize,
-    ) {
-        let each = N * bricks.shape()[3];
-        let plain = || (0..count).filter(|at| plain[*at]);
-        // All bricks of the batch are named first, so that each is read once.
-        for at in plain() {
-            for tap in origins.iter() {
-                bricks.want_from(&self.held, tap[at], each, &mut self.wanted);
+    ) -> &Samples {
+        bricks.set_type(&mut self.values);
+        let (held, wanted) = (&mut self.held, &mut self.wanted);
+        let taps = (&*origins, plain, count);
+        match (&mut self.values, bricks.shape()[3]) {
+            (Samples::F64(values), _) if bricks.is_mended() => {
+                collect_mended::<N>(bricks, taps, (held, wanted), values);
             }
-        }
-        bricks.bring(&mut self.held, &mut self.wanted);
-        // Then their samples are copied: four taps of N bins per lookup.
-        self.values.resize(count * 4 * each, 0.0);
-        for at in plain() {
-            for (tap, origins) in origins.iter().enumerate() {
-                let values = &mut self.values[(at * 4 + tap) * each..][..each];
-                bricks.samples_from(&mut self.held, origins[at], values);
-            }
+            (Samples::F16(to), 3) => collect::<_, 3, N>(bricks, taps, (held, wanted), to),
+            (Samples::F16(to), _) => collect::<_, 1, N>(bricks, taps, (held, wanted), to),
+            (Samples::F32(to), 3) => collect::<_, 3, N>(bricks, taps, (held, wanted), to),
+            (Samples::F32(to), _) => collect::<_, 1, N>(bricks, taps, (held, wanted), to),
+            (Samples::F64(to), 3) => collect::<_, 3, N>(bricks, taps, (held, wanted), to),
+            (Samples::F64(to), _) => collect::<_, 1, N>(bricks, taps, (held, wanted), to),
         }
         // Origins now count in the copies.
+        let each = N * bricks.shape()[3];
         for (tap, origins) in origins.iter_mut().enumerate() {
             for (at, origin) in origins[..count].iter_mut().enumerate() {
                 *origin = ((at * 4 + tap) * each) as u64;
             }
+        }
+        &self.values
+    }
+}
+
+/// The origins of taps, which lookups are plain, and how many there are.
+type Taps<'a> = (&'a [[u64; BATCH]; 4], &'a [bool; BATCH], usize);
+
+/// Copies the samples of plain lookups from bricks: four taps of N bins each.
+#[inline(never)]
+fn collect<T: Stored, const C: usize, const N: usize>(
+    bricks: &Bricks,
+    (origins, plain, count): Taps,
+    (held, wanted): (&mut Held, &mut Vec<u64>),
+    values: &mut Vec<T>,
+) {
+    // All bricks of the batch are named first, so that each is read once.
+    let mut runs = Runs::<T>::new(bricks, held);
+    for at in (0..count).filter(|at| plain[*at]) {
+        for (tap, origins) in origins.iter().enumerate() {
+            runs.want(tap / 2, origins[at], N * C, wanted);
+        }
+    }
+    if !wanted.is_empty() {
+        bricks.bring(held, wanted);
+    }
+    values.resize(count * 4 * N * C, T::NONE);
+    let mut runs = Runs::<T>::new(bricks, held);
+    for (at, values) in values.chunks_exact_mut(4 * N * C).enumerate() {
+        if !plain[at] {
+            continue;
+        }
+        for (tap, values) in values.chunks_exact_mut(N * C).enumerate() {
+            runs.read(tap / 2, origins[tap][at], values);
+        }
+    }
+}
+
+/// The same where some bins are mended.
+#[cold]
+fn collect_mended<const N: usize>(
+    bricks: &Bricks,
+    (origins, plain, count): Taps,
+    (held, wanted): (&mut Held, &mut Vec<u64>),
+    values: &mut Vec<f64>,
+) {
+    let each = N * bricks.shape()[3];
+    let plain = || (0..count).filter(|at| plain[*at]);
+    for at in plain() {
+        for tap in origins {
+            bricks.want_from(held, tap[at], each, wanted);
+        }
+    }
+    bricks.bring(held, wanted);
+    values.resize(count * 4 * each, 0.0);
+    for at in plain() {
+        for (tap, origins) in origins.iter().enumerate() {
+            let values = &mut values[(at * 4 + tap) * each..][..each];
+            bricks.samples_from(held, origins[at], values);
         }
     }
 }

@@ -50,5 +50,6 @@ pub use build::{ExpectedRays, Preset};
 pub use bvh::Bvh;
 pub(crate) use bvh::unit_normal;
 pub use packet::{Kernel, Method, Precision};
+pub(crate) use rays::Converging;
 pub use rays::{Facing, Hit, NO_SLOT, Origins, Ray, Segment};
 pub use tally::{Counts, NoTally, Tally, Work};

@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use super::vectors::Columns;
+
 /// A ray origin + s · direction, s > `s_min`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
@@ -45,6 +47,19 @@ pub struct Segment {
     pub end: Option<u32>,
 }
 
+/// What may stand between points and one place: segments that all end there, at s = 1, without the triangle that each leaves.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Converging<'a> {
+    /// Where they end, metres.
+    pub end: DVec3,
+    /// Where they start, metres.
+    pub from: &'a Columns,
+    /// Hits at these parameters or before don't count.
+    pub s_min: &'a [f64],
+    /// Ids of the triangles that they leave.
+    pub skip: &'a [u32],
+}
+
 /// Where a ray hits a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
@@ -69,6 +84,29 @@ pub enum Facing {
     TwoSided,
     /// The front only: rays pass through from behind.
     FrontOnly,
+}
+
+impl Converging<'_> {
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        self.from.len().min(self.s_min.len()).min(self.skip.len())
+    }
+
+    /// Segment `at`.
+    #[inline(always)]
+    pub(super) fn segment(&self, at: usize) -> Segment {
+        let from = self.from.get(at);
+        Segment {
+            ray: Ray {
+                origin: from,
+                direction: self.end - from,
+                s_min: self.s_min[at],
+            },
+            s_max: 1.0,
+            skip: Some(self.skip[at]),
+            end: None,
+        }
+    }
 }
 
 impl Origins<'_> {

@@ -132,6 +132,13 @@ impl Columns {
         [x[k], y[k], z[k]] = v.to_array();
     }
 
+    /// The coordinates of all vectors, axis by axis.
+    #[inline(always)]
+    pub fn axes(&self) -> [&[f64]; 3] {
+        let [x, y, z] = &self.columns;
+        [&x[..self.count], &y[..self.count], &z[..self.count]]
+    }
+
     /// The vectors from `begin` on, which is where a block begins.
     #[inline(always)]
     pub fn block(&self, begin: usize) -> VectorsRef<'_> {

@@ -17,22 +17,21 @@
 //! [`setup`](super::setup). It also moves τ by 4 ρ at most ((K2) of [`block`](super::block)) and boxes by ρ; where it is no more than
 //! 2⁻⁴⁸(1 + |end|∞) in tree space, both are far below (A1) and (B3) of [`beam`](super::beam). Otherwise rays have their own origins.
 
-use std::marker::PhantomData;
-
 use glam::DVec3;
 
 use super::beam::Beam;
 use super::block::{Block, RAYS};
-use super::ray_set::{RaySet, Segments, SegmentsToPoint};
+use super::ray_set::{Blockable, ColumnsToPoint, Segments, SegmentsToPoint};
 use super::setup::{LeafTriangles, PacketTriangle};
 use super::simd::{Simd, Task, load_vectors};
 use super::traverse::{BlockQuery, Outcome, StackEntry, traverse};
 use crate::accel::bvh::Bvh;
 use crate::accel::float::{greater, lesser, norm1, power_of_two};
-use crate::accel::rays::Segment;
+use crate::accel::rays::{Converging, Segment};
 use crate::accel::single::{AnyHit, ScaledRay};
 use crate::accel::tally::{Tally, Work};
 use crate::accel::tree_space::TreeSpace;
+use crate::accel::vectors::{VectorLoop, dispatch};
 
 /// r of (A1).
 const RELATIVE: f64 = power_of_two(-20);
@@ -41,9 +40,9 @@ const ABSOLUTE: f64 = power_of_two(-24);
 const MOST: f64 = f32::MAX as f64;
 
 /// Finds which of the segments in a block's order are blocked.
-pub(super) struct AnyHits<'a, T> {
+pub(super) struct AnyHits<'a, S, T> {
     pub bvh: &'a Bvh,
-    pub segments: &'a [Segment],
+    pub segments: S,
     pub blocked: &'a mut [bool],
     pub block: &'a mut Block,
     /// As many entries as can wait.
@@ -51,41 +50,81 @@ pub(super) struct AnyHits<'a, T> {
     pub tally: &'a mut T,
 }
 
-impl<T: Tally> Task for AnyHits<'_, T> {
-    type Output = Outcome;
+/// Segments, however they are kept.
+pub(super) trait SegmentSet: Copy {
+    /// Segment `at`.
+    fn segment(self, at: usize) -> Segment;
+
+    /// Traces those of a block.
+    fn trace<K: Simd, T: Tally>(k: K, task: AnyHits<Self, T>) -> Outcome;
+}
+
+impl SegmentSet for &[Segment] {
+    #[inline(always)]
+    fn segment(self, at: usize) -> Segment {
+        self[at]
+    }
 
     #[inline(always)]
-    fn run<K: Simd>(self, k: K) -> Outcome {
-        match Way::of(self.segments, &self.block.order, &self.bvh.space) {
-            Way::ToPoint(rays) => self.trace(k, rays),
-            Way::FromStart => self.trace_from(k, false),
-            Way::FromEnd => self.trace_from(k, true),
+    fn trace<K: Simd, T: Tally>(k: K, task: AnyHits<Self, T>) -> Outcome {
+        let segments = task.segments;
+        match Way::of(segments, &task.block.order, &task.bvh.space) {
+            Way::ToPoint(rays) => task.trace(k, rays),
+            Way::FromStart => task.trace(
+                k,
+                Segments {
+                    segments,
+                    reversed: false,
+                },
+            ),
+            Way::FromEnd => task.trace(
+                k,
+                Segments {
+                    segments,
+                    reversed: true,
+                },
+            ),
         }
     }
 }
 
-impl<T: Tally> AnyHits<'_, T> {
+impl SegmentSet for ColumnsToPoint<'_> {
     #[inline(always)]
-    fn trace_from<K: Simd>(self, k: K, reversed: bool) -> Outcome {
-        let segments = self.segments;
-        self.trace(k, Segments { segments, reversed })
+    fn segment(self, at: usize) -> Segment {
+        self.segments.segment(at)
     }
 
+    #[inline(always)]
+    fn trace<K: Simd, T: Tally>(k: K, task: AnyHits<Self, T>) -> Outcome {
+        let rays = task.segments;
+        task.trace(k, rays)
+    }
+}
+
+impl<S: SegmentSet, T: Tally> Task for AnyHits<'_, S, T> {
+    type Output = Outcome;
+
+    #[inline(always)]
+    fn run<K: Simd>(self, k: K) -> Outcome {
+        S::trace(k, self)
+    }
+}
+
+impl<S, T: Tally> AnyHits<'_, S, T> {
     /// Traces the segments as `rays`.
     #[inline(always)]
-    fn trace<K: Simd, R: RaySet>(self, k: K, rays: R) -> Outcome {
+    fn trace<K: Simd, R: Blockable>(self, k: K, rays: R) -> Outcome {
         let (bvh, block) = (self.bvh, self.block);
         let Some(bounds) = block.load(k, bvh, rays) else {
             return Outcome::Incoherent;
         };
-        let Some(limit) = set_limits(block, self.segments, rays.is_reversed()) else {
+        let Some(limit) = set_limits(k, block, rays) else {
             return Outcome::Incoherent;
         };
         let beam = Beam::new(k.children(), &bounds);
         let mut query = AnyQuery {
             bvh,
-            segments: self.segments,
-            rays: PhantomData::<R>,
+            rays,
             blocked: self.blocked,
             open: u64::MAX >> (RAYS - block.count),
             limit,
@@ -94,6 +133,62 @@ impl<T: Tally> AnyHits<'_, T> {
         };
         traverse(k, &bvh.wide, &beam, &bounds, self.stack, &mut query);
         Outcome::Traced
+    }
+}
+
+impl<'a> ColumnsToPoint<'a> {
+    /// Segments whose ends are known to be one; none where they are too far to be traced from there.
+    pub fn new(segments: Converging<'a>, space: &TreeSpace) -> Option<Self> {
+        let mut starts = Extent::NONE;
+        dispatch(Extents {
+            from: segments.from.axes(),
+            extent: &mut starts,
+        });
+        // ρ of (A2), metres: the ends have no extent.
+        let end = segments.end;
+        let error = power_of_two(-51) * (starts.greatest() + end.abs().max_element());
+        let size = 1.0 + space.map(end).abs().max_element();
+        // In this form also for NaN.
+        (error * space.scale <= power_of_two(-48) * size).then(|| ColumnsToPoint {
+            segments,
+            error,
+            farthest: starts.farthest_from(end),
+        })
+    }
+}
+
+/// The box of many points.
+struct Extents<'a> {
+    from: [&'a [f64]; 3],
+    extent: &'a mut Extent,
+}
+
+impl VectorLoop for Extents<'_> {
+    #[inline(always)]
+    fn run(self) {
+        const LANES: usize = 8;
+        let mut axis = 0;
+        while axis < 3 {
+            let (mut lo, mut hi) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+            let eights = self.from[axis].chunks_exact(LANES);
+            for (lane, x) in eights.remainder().iter().enumerate() {
+                (lo[lane], hi[lane]) = (*x, *x);
+            }
+            for eight in eights {
+                for lane in 0..LANES {
+                    lo[lane] = lesser(eight[lane], lo[lane]);
+                    hi[lane] = greater(eight[lane], hi[lane]);
+                }
+            }
+            let (mut least, mut most) = (lo[0], hi[0]);
+            for lane in 1..LANES {
+                least = lesser(lo[lane], least);
+                most = greater(hi[lane], most);
+            }
+            self.extent.lo[axis] = least;
+            self.extent.hi[axis] = most;
+            axis += 1;
+        }
     }
 }
 
@@ -179,33 +274,36 @@ impl Extent {
 /// Sets between which τ each ray of the block is of interest, a little more than between its ends (A1), and
 /// returns the greatest; none where ends are not numbers or before the start.
 #[inline(always)]
-fn set_limits(block: &mut Block, segments: &[Segment], reversed: bool) -> Option<f32> {
-    let (mut limit, mut broken) = (0.0, false);
-    for (lane, &ray) in block.order.iter().enumerate() {
-        let Segment { ray, s_max, .. } = &segments[ray as usize];
+fn set_limits<K: Simd, R: Blockable>(k: K, block: &mut Block, rays: R) -> Option<f32> {
+    let [s_min, s_max] = rays.ends(&block.order, block.in_fours);
+    let (reversed, tau_from_s) = (rays.is_reversed(), block.tau_from_s);
+    let mut broken = false;
+    for lane in 0..RAYS {
+        let (s_min, s_max) = (s_min[lane], s_max[lane]);
         let (from, to) = if reversed {
-            (0.0, s_max - ray.s_min)
+            (0.0, s_max - s_min)
         } else {
-            (ray.s_min, *s_max)
+            (s_min, s_max)
         };
         // In this form also for NaN.
-        let is_usual = ray.s_min >= 0.0 && ray.s_min < f64::INFINITY && *s_max > f64::NEG_INFINITY;
+        let is_usual = (0.0..f64::INFINITY).contains(&s_min) & (s_max > f64::NEG_INFINITY);
         broken |= !is_usual;
-        let from = lesser(from * block.tau_from_s, MOST);
-        let to = greater(lesser(to * block.tau_from_s, MOST), -MOST);
+        let from = lesser(from * tau_from_s, MOST);
+        let to = greater(lesser(to * tau_from_s, MOST), -MOST);
         block.near[lane] = (from * (1.0 - RELATIVE) - ABSOLUTE) as f32;
         let far = lesser(to + to.abs() * RELATIVE + ABSOLUTE, MOST);
         block.far[lane] = far as f32;
-        limit = greater(limit, far);
     }
-    (!broken).then_some(limit as f32)
+    let mut limit = k.splat(0.0);
+    for first in (0..RAYS).step_by(K::LANES) {
+        limit = k.max(limit, k.load(&block.far[first..]));
+    }
+    (!broken).then(|| k.greatest(limit))
 }
 
 struct AnyQuery<'a, R, T> {
     bvh: &'a Bvh,
-    segments: &'a [Segment],
-    /// As what they are traced.
-    rays: PhantomData<R>,
+    rays: R,
     blocked: &'a mut [bool],
     /// Rays that nothing blocks so far, as bits.
     open: u64,
@@ -214,7 +312,7 @@ struct AnyQuery<'a, R, T> {
     tally: &'a mut T,
 }
 
-impl<K: Simd, R: RaySet, T: Tally> BlockQuery<K> for AnyQuery<'_, R, T> {
+impl<K: Simd, R: Blockable, T: Tally> BlockQuery<K> for AnyQuery<'_, R, T> {
     type Rays = R;
     type Tally = T;
     const CERTIFIED: bool = true;
@@ -239,7 +337,7 @@ impl<K: Simd, R: RaySet, T: Tally> BlockQuery<K> for AnyQuery<'_, R, T> {
     }
 }
 
-impl<R: RaySet, T: Tally> AnyQuery<'_, R, T> {
+impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
     /// Tests triangle `at`, whose σ is certain.
     #[inline(always)]
     fn intersect_certain<K: Simd>(
@@ -370,11 +468,10 @@ impl<R: RaySet, T: Tally> AnyQuery<'_, R, T> {
     fn decide(&mut self, lane: usize, slot: u32, certain: bool) {
         let tag = self.bvh.tags[slot as usize];
         let ray = self.block.order[lane] as usize;
-        let segment = &self.segments[ray];
-        if [segment.skip, segment.end].contains(&Some(tag.id())) {
+        if self.rays.passes(ray, tag.id()) {
             return;
         }
-        if certain || self.is_blocked_by(segment, slot) {
+        if certain || self.is_blocked_by(&self.rays.segment(ray), slot) {
             self.blocked[ray] = true;
             self.open &= !(1 << lane);
         }
@@ -390,5 +487,86 @@ impl<R: RaySet, T: Tally> AnyQuery<'_, R, T> {
         };
         let mut query = AnyHit::new(self.bvh, &ray, segment, self.tally);
         query.test(slot as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::packet::method::{Kernel, Method, Precision};
+    use crate::accel::vectors::Columns;
+    use crate::accel::{Facing, NoTally};
+
+    /// Numbers from −1 to 1.
+    fn numbers(mut state: u64) -> impl FnMut() -> f64 {
+        move || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+    }
+
+    #[test]
+    fn segments_to_one_point_are_blocked_as_single_ones_are() {
+        let mut next = numbers(11);
+        let mut vector = || DVec3::new(next(), next(), next());
+        // A tree of the usual size, and one in which rays may go all ways.
+        for triangles in [3000, 40] {
+            let corners: Vec<[DVec3; 3]> = (0..triangles)
+                .map(|_| {
+                    let centre = vector();
+                    [centre, centre + vector() * 0.1, centre + vector() * 0.1]
+                })
+                .collect();
+            let bvh = Bvh::build(corners.clone(), |_| Facing::TwoSided);
+            // Near, in a corner of a triangle, farther than packets go, and nowhere.
+            let ends = [
+                DVec3::new(0.1, 0.2, 0.3),
+                corners[7][1],
+                DVec3::splat(1e5),
+                DVec3::new(0.0, f64::NAN, 0.0),
+            ];
+            for end in ends {
+                for count in [0, 5, 37, 64, 256, 700] {
+                    let mut from = Columns::default();
+                    let (mut s_min, mut skip) = (Vec::new(), Vec::new());
+                    for k in 0..count {
+                        // On triangles, of which every other lies next to the one before.
+                        let triangle = (k / 2 * 5) % triangles;
+                        let [a, b, c] = corners[triangle];
+                        let place = match k % 7 {
+                            0 => a,
+                            1 => a.midpoint(b),
+                            _ => (a + b + c) / 3.0 + vector() * 1e-3,
+                        };
+                        // One of them is where no ray can start.
+                        from.push(if k == 33 {
+                            place * f64::INFINITY
+                        } else {
+                            place
+                        });
+                        s_min.push(1e-9);
+                        skip.push(triangle as u32);
+                    }
+                    let segments = Converging {
+                        end,
+                        from: &from,
+                        s_min: &s_min,
+                        skip: &skip,
+                    };
+                    let single: Vec<_> = (0..count).map(|k| segments.segment(k)).collect();
+                    let method = |kernel| Method {
+                        kernel,
+                        precision: Precision::Certified,
+                    };
+                    let mut expected = vec![false; count];
+                    bvh.any_by(method(Kernel::Scalar), &single, &mut expected, &mut NoTally);
+                    for kernel in Kernel::ALL.into_iter().filter(|k| k.is_supported()) {
+                        let mut blocked = vec![true; count];
+                        bvh.any_to_point(method(kernel), segments, &mut blocked, &mut NoTally);
+                        assert_eq!(blocked, expected, "{kernel:?}, {count} to {end}");
+                    }
+                }
+            }
+        }
     }
 }

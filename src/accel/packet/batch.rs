@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-use super::any_hits::AnyHits;
+use super::any_hits::{AnyHits, SegmentSet};
 use super::block::{Block, FRONT, NONE, is_far};
 use super::closest_hits::ClosestHits;
 use super::method::{Kernel, Method, Precision};
-use super::ray_set::{OwnOrigins, RaySet, SharedOrigin};
+use super::ray_set::{ColumnsToPoint, OwnOrigins, RaySet, SharedOrigin};
 use super::refine::RefinedHits;
 use super::tile::Tile;
 use super::traverse::{Outcome, StackEntry};
@@ -14,7 +14,7 @@ use super::walk::{AnySingles, ClosestSingles};
 use crate::accel::bvh::Bvh;
 use crate::accel::float::power_of_two;
 use crate::accel::node::NodeRef;
-use crate::accel::rays::{Hit, Origins, Segment};
+use crate::accel::rays::{Converging, Hit, Origins, Segment};
 use crate::accel::single::ScaledRay;
 use crate::accel::tally::{Tally, Work};
 use crate::accel::wide::WIDTH;
@@ -139,19 +139,38 @@ impl Bvh {
         }
     }
 
+    /// The same for segments that all end in one point.
+    pub(crate) fn any_to_point(
+        &self,
+        method: Method,
+        segments: Converging,
+        blocked: &mut [bool],
+        tally: &mut impl Tally,
+    ) {
+        let count = segments.count().min(blocked.len());
+        let is_usual = method.kernel != Kernel::Scalar && self.suits_packets() && !self.has_holes();
+        let rays = ColumnsToPoint::new(segments, &self.space).filter(|_| is_usual);
+        let Some(rays) = rays else {
+            let segments: Vec<_> = (0..count).map(|at| segments.segment(at)).collect();
+            return self.any_by(method, &segments, blocked, tally);
+        };
+        tally.add(Work::Rays, count);
+        self.any_of_whole(method, rays, &mut blocked[..count], tally);
+    }
+
     /// [`Bvh::any_by`] but for holes, which may be all that blocks some of the segments.
     fn any_of_whole(
         &self,
         method: Method,
-        segments: &[Segment],
+        segments: impl SegmentSet,
         blocked: &mut [bool],
         tally: &mut impl Tally,
     ) {
-        let count = segments.len();
+        let count = blocked.len();
         blocked.fill(false);
         let mut block = Block::EMPTY;
         let tile = match self.is_small() {
-            true => Tile::by_signs(count, |at| segments[at].ray.direction),
+            true => Tile::by_signs(count, |at| segments.segment(at).ray.direction),
             false => Tile::of_count(count),
         };
         self.with_wide_stack(|stack| {

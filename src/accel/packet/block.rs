@@ -178,6 +178,26 @@ impl Block {
     /// Loads directions, times `unit`.
     #[inline(always)]
     fn load_directions<K: Simd, R: RaySet>(&mut self, k: K, rays: R, unit: f64) {
+        if let (Some(targets), Some(origin), true) =
+            (rays.targets(), rays.shared_origin(), self.in_fours)
+        {
+            // From the shared start to where they go.
+            let mut axis = 0;
+            while axis < 3 {
+                let (targets, to) = (targets[axis], &mut self.directions[axis]);
+                let mut first = 0;
+                while first < RAYS {
+                    let ray = self.order[first] as usize;
+                    let four = &targets[ray..ray + 4];
+                    for i in 0..4 {
+                        to[first + i] = ((four[i] - origin[axis]) * unit) as f32;
+                    }
+                    first += 4;
+                }
+                axis += 1;
+            }
+            return;
+        }
         let [xs, ys, zs] = &mut self.directions;
         match rays.directions() {
             Some(directions) if self.in_fours => {

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use crate::accel::rays::{NO_SLOT, Ray, Segment};
+use super::block::RAYS;
+use crate::accel::rays::{Converging, NO_SLOT, Ray, Segment};
 
 /// Rays to trace, by their index in the batch. `start` and `direction` are those of the ray as it is traced, which
 /// may be from its end.
@@ -40,6 +41,11 @@ pub(super) trait RaySet: Copy {
     fn directions(&self) -> Option<&[DVec3]> {
         None
     }
+    /// Where rays go that are traced from a shared start, axis by axis, if they are kept so.
+    #[inline(always)]
+    fn targets(&self) -> Option<[&[f64]; 3]> {
+        None
+    }
     /// Metres per unit of s.
     fn direction(self, ray: usize) -> DVec3;
     /// Where the ray starts as it is traced, metres.
@@ -68,6 +74,16 @@ pub(super) trait RaySet: Copy {
             s_min: 0.0,
         }
     }
+}
+
+/// Rays that end, of which only whether something blocks them is asked.
+pub(super) trait Blockable: RaySet {
+    /// The segment as it was given.
+    fn segment(self, ray: usize) -> Segment;
+    /// Whether the triangle of this id doesn't count for a ray.
+    fn passes(self, ray: usize, triangle: u32) -> bool;
+    /// Between which s of each of the rays in `order` hits count. `in_fours` is as in [`Block`](super::block::Block).
+    fn ends(self, order: &[u32; RAYS], in_fours: bool) -> [[f64; RAYS]; 2];
 }
 
 /// Rays from one point.
@@ -103,6 +119,15 @@ pub(super) struct SegmentsToPoint<'a> {
     pub end: DVec3,
     pub error: f64,
     /// How far from it they start at most, metres, in sum over the axes.
+    pub farthest: f64,
+}
+
+/// The same where that point is known, and their starts are in columns.
+#[derive(Clone, Copy)]
+pub(super) struct ColumnsToPoint<'a> {
+    pub segments: Converging<'a>,
+    /// As in [`SegmentsToPoint`].
+    pub error: f64,
     pub farthest: f64,
 }
 
@@ -252,5 +277,138 @@ impl RaySet for SegmentsToPoint<'_> {
     #[inline(always)]
     fn origin(self, ray: usize) -> DVec3 {
         self.segments[ray].ray.origin
+    }
+}
+
+impl RaySet for ColumnsToPoint<'_> {
+    const OWN_ORIGINS: bool = false;
+
+    #[inline(always)]
+    fn shared_origin(self) -> Option<DVec3> {
+        Some(self.segments.end)
+    }
+
+    #[inline(always)]
+    fn origin_error(self) -> f64 {
+        self.error
+    }
+
+    #[inline(always)]
+    fn farthest_origin(self) -> f64 {
+        self.farthest
+    }
+
+    #[inline(always)]
+    fn is_reversed(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn targets(&self) -> Option<[&[f64]; 3]> {
+        Some(self.segments.from.axes())
+    }
+
+    #[inline(always)]
+    fn leaves(self) -> bool {
+        true
+    }
+
+    /// Its id, in place of the slot.
+    #[inline(always)]
+    fn left(self, ray: usize) -> u32 {
+        self.segments.skip[ray]
+    }
+
+    #[inline(always)]
+    fn direction(self, ray: usize) -> DVec3 {
+        self.segments.from.get(ray) - self.segments.end
+    }
+
+    #[inline(always)]
+    fn start(self, _: usize) -> DVec3 {
+        self.segments.end
+    }
+
+    #[inline(always)]
+    fn origin(self, ray: usize) -> DVec3 {
+        self.segments.from.get(ray)
+    }
+}
+
+impl Blockable for ColumnsToPoint<'_> {
+    #[inline(always)]
+    fn segment(self, ray: usize) -> Segment {
+        self.segments.segment(ray)
+    }
+
+    #[inline(always)]
+    fn passes(self, ray: usize, triangle: u32) -> bool {
+        self.segments.skip[ray] == triangle
+    }
+
+    #[inline(always)]
+    fn ends(self, order: &[u32; RAYS], in_fours: bool) -> [[f64; RAYS]; 2] {
+        let mut ends = [[1.0; RAYS]; 2];
+        let s_min = self.segments.s_min;
+        if in_fours {
+            let mut first = 0;
+            while first < RAYS {
+                let ray = order[first] as usize;
+                ends[0][first..first + 4].copy_from_slice(&s_min[ray..ray + 4]);
+                first += 4;
+            }
+        } else {
+            for (s, ray) in ends[0].iter_mut().zip(order) {
+                *s = s_min[*ray as usize];
+            }
+        }
+        ends
+    }
+}
+
+/// The same of segments that are kept one by one.
+#[inline(always)]
+fn ends_of(segments: &[Segment], order: &[u32; RAYS]) -> [[f64; RAYS]; 2] {
+    let mut ends = [[0.0; RAYS]; 2];
+    for (lane, ray) in order.iter().enumerate() {
+        let segment = &segments[*ray as usize];
+        (ends[0][lane], ends[1][lane]) = (segment.ray.s_min, segment.s_max);
+    }
+    ends
+}
+
+impl Blockable for Segments<'_> {
+    #[inline(always)]
+    fn segment(self, ray: usize) -> Segment {
+        self.segments[ray]
+    }
+
+    #[inline(always)]
+    fn passes(self, ray: usize, triangle: u32) -> bool {
+        let Segment { skip, end, .. } = &self.segments[ray];
+        [*skip, *end].contains(&Some(triangle))
+    }
+
+    #[inline(always)]
+    fn ends(self, order: &[u32; RAYS], _: bool) -> [[f64; RAYS]; 2] {
+        ends_of(self.segments, order)
+    }
+}
+
+impl Blockable for SegmentsToPoint<'_> {
+    #[inline(always)]
+    fn segment(self, ray: usize) -> Segment {
+        self.segments[ray]
+    }
+
+    #[inline(always)]
+    fn passes(self, ray: usize, triangle: u32) -> bool {
+        let Segment { skip, end, .. } = &self.segments[ray];
+        [*skip, *end].contains(&Some(triangle))
+    }
+
+    #[inline(always)]
+    fn ends(self, order: &[u32; RAYS], _: bool) -> [[f64; RAYS]; 2] {
+        ends_of(self.segments, order)
     }
 }

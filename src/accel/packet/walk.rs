@@ -14,13 +14,14 @@
 
 use glam::DVec3;
 
+use super::any_hits::SegmentSet;
 use super::ray_set::RaySet;
 use super::simd::{Simd, Task};
 use super::traverse::StackEntry;
 use crate::accel::bvh::Bvh;
 use crate::accel::float::power_of_two;
 use crate::accel::node::NodeRef;
-use crate::accel::rays::{Hit, Segment};
+use crate::accel::rays::Hit;
 use crate::accel::single::{AnyHit, ClosestHit, ScaledRay};
 use crate::accel::slab::SlabRay;
 use crate::accel::tally::{Tally, Work};
@@ -67,9 +68,9 @@ impl<R: RaySet, T: Tally> Task for ClosestSingles<'_, R, T> {
 }
 
 /// What blocks segments, one by one.
-pub(super) struct AnySingles<'a, T> {
+pub(super) struct AnySingles<'a, S, T> {
     pub bvh: &'a Bvh,
-    pub segments: &'a [Segment],
+    pub segments: S,
     /// Which of them.
     pub order: &'a [u32],
     pub blocked: &'a mut [bool],
@@ -77,7 +78,7 @@ pub(super) struct AnySingles<'a, T> {
     pub tally: &'a mut T,
 }
 
-impl<T: Tally> Task for AnySingles<'_, T> {
+impl<S: SegmentSet, T: Tally> Task for AnySingles<'_, S, T> {
     type Output = ();
 
     #[inline(always)]
@@ -85,7 +86,7 @@ impl<T: Tally> Task for AnySingles<'_, T> {
         self.tally.add(Work::Singles, self.order.len());
         for at in self.order {
             let at = *at as usize;
-            let segment = &self.segments[at];
+            let segment = &self.segments.segment(at);
             let Some(ray) = ScaledRay::new(&segment.ray) else {
                 self.blocked[at] = false;
                 continue;
@@ -290,7 +291,7 @@ impl<K: Simd> Filter<K> {
 mod tests {
     use super::*;
     use crate::accel::packet::method::{Kernel, Method, Precision};
-    use crate::accel::{Facing, NoTally, Origins, Ray};
+    use crate::accel::{Facing, NoTally, Origins, Ray, Segment};
 
     /// Numbers from −1 to 1.
     fn numbers(mut state: u64) -> impl FnMut() -> f64 {

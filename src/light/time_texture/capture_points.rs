@@ -42,6 +42,11 @@ impl CapturePoints {
         &self.others
     }
 
+    /// Whether all points are plain.
+    pub fn is_all_plain(&self) -> bool {
+        self.others.is_empty()
+    }
+
     /// Calls `each` with all points of which a pixel saw the surface, ascending.
     #[inline(always)]
     pub fn each_seen(&self, mut each: impl FnMut(usize)) {

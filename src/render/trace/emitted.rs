@@ -11,8 +11,8 @@ use super::falling::Falling;
 use super::hits::HitBuffer;
 use super::occlusion::OcclusionQueries;
 use super::points::Points;
-use crate::accel::Segment;
 use crate::accel::vectors::Columns;
+use crate::accel::{Converging, Segment};
 use crate::camera::RayOrigin;
 use crate::colour::{ColourTable, CompanionShift, RgbShift, Spectrum};
 use crate::light::lamp::{Incident, Irradiance};
@@ -162,6 +162,7 @@ pub struct Emitted {
     pub(super) added: Vec<[f64; 3]>,
     /// Points as a capture camera sees them, from where on rays to it count, whether those are blocked, and a batch of lookups.
     pub(super) seen: CapturePoints,
+    pub(super) leaving: Leaving,
     pub(super) starts: Vec<f64>,
     pub(super) answers: Vec<bool>,
     pub(super) captured: Box<CaptureLookups>,
@@ -182,6 +183,37 @@ pub struct Emitted {
     pub(super) own_weights: Vec<f64>,
     /// Paths that go on from the points.
     pub(super) paths: Option<Box<Paths>>,
+}
+
+/// Some points of a run, from which light goes to one place.
+#[derive(Debug, Default)]
+pub(super) struct Leaving {
+    /// Which they are.
+    pub points: Vec<u32>,
+    /// Where, and their triangles.
+    pub from: Columns,
+    pub triangles: Vec<u32>,
+    /// From where on what is in the way counts.
+    pub s_min: Vec<f64>,
+}
+
+impl Leaving {
+    pub fn clear(&mut self) {
+        self.points.clear();
+        self.from.clear();
+        self.triangles.clear();
+        self.s_min.clear();
+    }
+
+    /// The ways to `end`.
+    pub fn towards(&self, end: DVec3) -> Converging<'_> {
+        Converging {
+            end,
+            from: &self.from,
+            s_min: &self.s_min,
+            skip: &self.triangles,
+        }
+    }
 }
 
 /// Paths from the points of a run: for each surface that they meet after it, a level of all their rays.
@@ -315,6 +347,7 @@ impl Default for Emitted {
             added: Vec::new(),
             captured: Box::default(),
             seen: CapturePoints::default(),
+            leaving: Leaving::default(),
             starts: Vec::new(),
             answers: Vec::new(),
             rest: Vec::new(),

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::points::Points;
 use super::tubes::Bundle;
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, store};
-use crate::accel::{Bvh, Counts, Method, NoTally, Ray, Segment};
+use crate::accel::{Bvh, Converging, Counts, Method, NoTally, Ray, Segment};
 use crate::spacetime::{Boost, Direction, Rest, World};
 
 /// Occlusion queries and their answers: whether a ray from a point of a run along a direction of the world hits anything
@@ -280,6 +280,22 @@ pub(super) fn any_hit(
     match counts {
         None => bvh.any_by(method, segments, blocked, &mut NoTally),
         Some(counts) => bvh.any_by(method, segments, blocked, counts),
+    }
+}
+
+/// The same for ways that all end in one point.
+pub(super) fn any_to_point(
+    bvh: &Bvh,
+    method: Method,
+    segments: Converging,
+    blocked: &mut Vec<bool>,
+    counts: Option<&mut Counts>,
+) {
+    blocked.clear();
+    blocked.resize(segments.from.len(), false);
+    match counts {
+        None => bvh.any_to_point(method, segments, blocked, &mut NoTally),
+        Some(counts) => bvh.any_to_point(method, segments, blocked, counts),
     }
 }
 

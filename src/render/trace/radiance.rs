@@ -9,12 +9,12 @@ use super::captures::captured_point;
 use super::emitted::{Detail, Emission, Emitted};
 use super::footprint::{self, Recorded};
 use super::lamps;
-use super::occlusion::{any_hit, shadow_starts};
+use super::occlusion::{any_to_point, shadow_starts};
 use super::point::{EmissionClock, SurfacePoint};
 use super::run::Run;
 use super::stats::{Counter, Meter};
 use super::time_resolved::{CapturedCube, Emitter, TimeResolved};
-use crate::accel::{Ray, Segment};
+use crate::accel::Converging;
 use crate::light::reflection::Reflection;
 use crate::light::time_texture::{BATCH, Capture, CaptureView, Coverage, TimeTexture};
 
@@ -220,40 +220,42 @@ fn locate(
     let Emitted {
         points,
         seen,
-        segments,
+        leaving,
         starts,
         blocked,
+        answers,
         ..
     } = emitted;
     let columns = (&points.positions, &points.normals);
     seen.locate(texture, capture, columns, singly);
     // What stands between the points that a pixel may have seen and the pinhole.
-    shadow_starts(points, capture.eye(), starts);
-    segments.clear();
+    let eye = capture.eye();
+    shadow_starts(points, eye, starts);
+    let (bvh, method, counts) = (&run.rest.bvh, run.traced.rays.method, meter.occlusion());
+    if seen.is_all_plain() {
+        let all = Converging {
+            end: eye,
+            from: &points.positions,
+            s_min: starts,
+            skip: &points.triangles,
+        };
+        any_to_point(bvh, method, all, answers, counts);
+        return means;
+    }
+    leaving.clear();
     seen.each_seen(|k| {
-        let from = points.positions.get(k);
-        segments.push(Segment {
-            ray: Ray {
-                origin: from,
-                direction: capture.eye() - from,
-                s_min: starts[k],
-            },
-            s_max: 1.0,
-            skip: Some(points.triangles[k]),
-            end: None,
-        });
+        leaving.from.push(points.positions.get(k));
+        leaving.s_min.push(starts[k]);
+        leaving.triangles.push(points.triangles[k]);
+        leaving.points.push(k as u32);
     });
-    let (method, counts) = (run.traced.rays.method, meter.occlusion());
-    any_hit(&run.rest.bvh, method, segments, blocked, counts);
-    // By point, whether it is blocked; those without a segment are not.
-    let answers = &mut emitted.answers;
+    any_to_point(bvh, method, leaving.towards(eye), blocked, counts);
+    // By point, whether it is blocked; those that no pixel saw are not.
     answers.clear();
     answers.resize(count, false);
-    let mut next = 0;
-    seen.each_seen(|k| {
-        answers[k] = blocked[next];
-        next += 1;
-    });
+    for (point, blocked) in leaving.points.iter().zip(blocked) {
+        answers[*point as usize] = *blocked;
+    }
     means
 }
 

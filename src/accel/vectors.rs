@@ -149,6 +149,17 @@ impl Columns {
         }))
     }
 
+    /// The same, to be written; none after the last.
+    #[inline(always)]
+    pub fn block_mut(&mut self, begin: usize) -> Option<[&mut Block; 3]> {
+        let [x, y, z] = &mut self.columns;
+        Some([
+            x.get_mut(begin..)?.first_chunk_mut()?,
+            y.get_mut(begin..)?.first_chunk_mut()?,
+            z.get_mut(begin..)?.first_chunk_mut()?,
+        ])
+    }
+
     /// A copy of the vectors from `begin` on.
     #[inline(always)]
     pub fn load(&self, begin: usize) -> Vectors {
@@ -207,6 +218,35 @@ impl Vectors {
     }
 }
 
+/// The number of no row.
+pub(crate) const NO_ROW: u32 = u32::MAX;
+
+/// Fills `to`, word by word, with the rows of these numbers; with zeros for those that are not there, as [`NO_ROW`] is not.
+pub(crate) fn gather_rows(rows: &[[u32; 8]], numbers: &[u32; BLOCK], to: &mut [[u32; BLOCK]; 8]) {
+    #[cfg(target_arch = "x86_64")]
+    if x86::has_avx2() {
+        // SAFETY: the processor has just been asked for these instructions.
+        return unsafe { x86::gather_rows(rows, numbers, to) };
+    }
+    gather_rows_singly(rows, numbers, to);
+}
+
+/// The same without vectors.
+fn gather_rows_singly(rows: &[[u32; 8]], numbers: &[u32; BLOCK], to: &mut [[u32; BLOCK]; 8]) {
+    for (k, number) in numbers.iter().enumerate() {
+        let row = row(rows, *number);
+        for (to, word) in to.iter_mut().zip(row) {
+            to[k] = *word;
+        }
+    }
+}
+
+#[inline(always)]
+fn row(rows: &[[u32; 8]], number: u32) -> &[u32; 8] {
+    const NOTHING: &[u32; 8] = &[0; 8];
+    rows.get(number as usize).unwrap_or(NOTHING)
+}
+
 /// Loads element `at` of `slice` into the cache, to be read soon. Does nothing if `at` is out of bounds.
 #[inline(always)]
 pub(crate) fn prefetch<T>(slice: &[T], at: usize) {
@@ -240,7 +280,7 @@ pub(crate) fn prefetch_all<T>(what: &T) {
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::VectorLoop;
+    use super::{BLOCK, VectorLoop, row};
 
     /// Whether [`avx512`] may be called.
     #[inline]
@@ -267,6 +307,69 @@ mod x86 {
     pub fn avx2(work: impl VectorLoop) {
         work.run();
     }
+
+    /// Eight rows are loaded at a time, and transposed in registers.
+    #[target_feature(enable = "avx2")]
+    pub fn gather_rows(rows: &[[u32; 8]], numbers: &[u32; BLOCK], to: &mut [[u32; BLOCK]; 8]) {
+        use std::arch::x86_64::{
+            __m256, __m256i, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_loadu_si256,
+            _mm256_permute2f128_ps, _mm256_shuffle_ps, _mm256_storeu_si256, _mm256_unpackhi_ps,
+            _mm256_unpacklo_ps,
+        };
+        let load = |number: u32| -> __m256 {
+            let row: *const __m256i = row(rows, number).as_ptr().cast();
+            // SAFETY: a row has as many words as are loaded, which needs no alignment.
+            _mm256_castsi256_ps(unsafe { _mm256_loadu_si256(row) })
+        };
+        for (group, numbers) in numbers.chunks_exact(8).enumerate() {
+            let r = [
+                load(numbers[0]),
+                load(numbers[1]),
+                load(numbers[2]),
+                load(numbers[3]),
+                load(numbers[4]),
+                load(numbers[5]),
+                load(numbers[6]),
+                load(numbers[7]),
+            ];
+            // Words 0 1 4 5 and 2 3 6 7 of pairs, then of fours, then of all.
+            let p = [
+                _mm256_unpacklo_ps(r[0], r[1]),
+                _mm256_unpackhi_ps(r[0], r[1]),
+                _mm256_unpacklo_ps(r[2], r[3]),
+                _mm256_unpackhi_ps(r[2], r[3]),
+                _mm256_unpacklo_ps(r[4], r[5]),
+                _mm256_unpackhi_ps(r[4], r[5]),
+                _mm256_unpacklo_ps(r[6], r[7]),
+                _mm256_unpackhi_ps(r[6], r[7]),
+            ];
+            let f = [
+                _mm256_shuffle_ps::<0x44>(p[0], p[2]),
+                _mm256_shuffle_ps::<0xee>(p[0], p[2]),
+                _mm256_shuffle_ps::<0x44>(p[1], p[3]),
+                _mm256_shuffle_ps::<0xee>(p[1], p[3]),
+                _mm256_shuffle_ps::<0x44>(p[4], p[6]),
+                _mm256_shuffle_ps::<0xee>(p[4], p[6]),
+                _mm256_shuffle_ps::<0x44>(p[5], p[7]),
+                _mm256_shuffle_ps::<0xee>(p[5], p[7]),
+            ];
+            let words = [
+                _mm256_permute2f128_ps::<0x20>(f[0], f[4]),
+                _mm256_permute2f128_ps::<0x20>(f[1], f[5]),
+                _mm256_permute2f128_ps::<0x20>(f[2], f[6]),
+                _mm256_permute2f128_ps::<0x20>(f[3], f[7]),
+                _mm256_permute2f128_ps::<0x31>(f[0], f[4]),
+                _mm256_permute2f128_ps::<0x31>(f[1], f[5]),
+                _mm256_permute2f128_ps::<0x31>(f[2], f[6]),
+                _mm256_permute2f128_ps::<0x31>(f[3], f[7]),
+            ];
+            for (to, words) in to.iter_mut().zip(words) {
+                let to: *mut __m256i = to[group * 8..][..8].as_mut_ptr().cast();
+                // SAFETY: the slice has as many words as are stored, which needs no alignment.
+                unsafe { _mm256_storeu_si256(to, _mm256_castps_si256(words)) };
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -280,6 +383,31 @@ mod tests {
         fn run(self) {
             for (x, y) in self.0.iter().zip(self.1) {
                 *y = (x * 1.7 + 0.3) / (x * x + 0.1).sqrt();
+            }
+        }
+    }
+
+    #[test]
+    fn rows_are_gathered_word_by_word_and_those_that_are_not_there_are_zeros() {
+        // Among them words that are no numbers as f32.
+        let word = |row: u32, k: u32| (row * 8 + k).wrapping_mul(0x9e37_79b9) | 0x7f80_0001;
+        let rows: Vec<[u32; 8]> = (0..100)
+            .map(|row| std::array::from_fn(|k| word(row, k as u32)))
+            .collect();
+        let numbers: [u32; BLOCK] = std::array::from_fn(|k| match k % 9 {
+            4 => NO_ROW,
+            7 => 100,
+            _ => (k * 37 % 100) as u32,
+        });
+        let (mut wide, mut narrow) = ([[1; BLOCK]; 8], [[2; BLOCK]; 8]);
+        gather_rows(&rows, &numbers, &mut wide);
+        gather_rows_singly(&rows, &numbers, &mut narrow);
+        assert_eq!(wide, narrow);
+        for (k, number) in numbers.into_iter().enumerate() {
+            for (at, column) in wide.iter().enumerate() {
+                let is_there = number < 100;
+                let expected = if is_there { word(number, at as u32) } else { 0 };
+                assert_eq!(column[k], expected);
             }
         }
     }

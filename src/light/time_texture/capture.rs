@@ -62,8 +62,8 @@ pub struct Capture {
     lens: Lens,
     /// Metres of capture time per metre of distance: η, or 0 for a cube in another clock.
     delay: f64,
-    /// Row by row.
-    seen: Vec<Seen>,
+    /// Row by row, what each has seen, as words.
+    seen: Vec<[u32; 8]>,
     /// Per pixel, where that is asked: whether both neighbours in its row saw its surface, and both in its column.
     joined: Vec<[bool; 2]>,
 }
@@ -97,6 +97,24 @@ pub(super) const NOTHING: Seen = Seen {
     normal: [0.0; 3],
 };
 
+impl Seen {
+    /// The halves of the distance, position and normal: loops read many of them at a time.
+    fn to_words(self) -> [u32; 8] {
+        let distance = self.distance.to_bits();
+        let [[x, y, z], [u, v, w]] = [self.position, self.normal].map(|v| v.map(f32::to_bits));
+        [distance as u32, (distance >> 32) as u32, x, y, z, u, v, w]
+    }
+
+    #[inline(always)]
+    pub(super) fn of_words([low, high, x, y, z, u, v, w]: [u32; 8]) -> Seen {
+        Seen {
+            distance: f64::from_bits(u64::from(low) | u64::from(high) << 32),
+            position: [f32::from_bits(x), f32::from_bits(y), f32::from_bits(z)],
+            normal: [f32::from_bits(u), f32::from_bits(v), f32::from_bits(w)],
+        }
+    }
+}
+
 /// A surface point in the capture camera's coordinates, prepared for comparing with pixels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Aim {
@@ -125,7 +143,7 @@ impl Aim {
 
 impl Capture {
     /// Bytes held per pixel.
-    pub const BYTES_PER_PIXEL: u64 = (size_of::<Seen>() + size_of::<[bool; 2]>()) as u64;
+    pub const BYTES_PER_PIXEL: u64 = (size_of::<[u32; 8]>() + size_of::<[bool; 2]>()) as u64;
 
     /// Sends one ray through the centre of each of `size` (width, height: those of the cube) pixels,
     /// in parallel. `trace` takes the pinhole and a unit direction. `warped` says that the cube's
@@ -149,7 +167,7 @@ impl Capture {
         };
         let seen = (0..size[0].saturating_mul(size[1]))
             .into_par_iter()
-            .map(|pixel| lens.look_through(pixel, &trace))
+            .map(|pixel| lens.look_through(pixel, &trace).to_words())
             .collect();
         Capture {
             lens,
@@ -187,7 +205,10 @@ impl Capture {
 
     /// What a pixel saw, to be compared with what others saw.
     pub(super) fn aim_of(&self, pixel: usize) -> Option<Aim> {
-        let seen = self.seen.get(pixel).filter(|seen| seen.distance > 0.0)?;
+        let seen = self.seen_by(pixel);
+        if seen.distance <= 0.0 {
+            return None;
+        }
         let position = Vec3::from_array(seen.position).as_dvec3();
         Some(Aim {
             position,
@@ -242,19 +263,13 @@ impl Capture {
     /// Distance, metres, of what pixel (row · width + column) saw; none where it saw nothing.
     #[inline]
     pub fn distance(&self, pixel: usize) -> Option<f64> {
-        self.seen
-            .get(pixel)
-            .map(|seen| seen.distance)
-            .filter(|distance| *distance > 0.0)
+        Some(self.seen_by(pixel).distance).filter(|distance| *distance > 0.0)
     }
 
     /// How much later than it left its surface this pixel's light is recorded, metres.
     #[inline]
     pub(super) fn delay_of(&self, pixel: usize) -> f64 {
-        match self.seen.get(pixel) {
-            Some(seen) => self.delay_from(seen),
-            None => 0.0,
-        }
+        self.delay_from(&self.seen_by(pixel))
     }
 
     /// The same for what a pixel saw.
@@ -295,8 +310,16 @@ impl Capture {
 
     /// What this pixel saw.
     #[inline(always)]
-    pub(super) fn seen_by(&self, pixel: usize) -> &Seen {
-        self.seen.get(pixel).unwrap_or(&NOTHING)
+    pub(super) fn seen_by(&self, pixel: usize) -> Seen {
+        self.seen
+            .get(pixel)
+            .map_or(NOTHING, |words| Seen::of_words(*words))
+    }
+
+    /// What all pixels saw, as words.
+    #[inline(always)]
+    pub(super) fn all_seen(&self) -> &[[u32; 8]] {
+        &self.seen
     }
 }
 

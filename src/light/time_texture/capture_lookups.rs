@@ -71,9 +71,16 @@ struct TapReads<'a> {
     weights: [&'a [f64; BATCH]; 4],
     origins: &'a [[u64; BATCH]; 4],
     bins: &'a [[[f64; BATCH]; MOST_BINS]; 4],
+    /// Those of the batch that are plain.
+    plain: [u8; BATCH],
 }
 
 impl Reads for TapReads<'_> {
+    #[inline(always)]
+    fn lookup(&self, k: usize) -> usize {
+        usize::from(self.plain[k])
+    }
+
     #[inline(always)]
     fn origin(&self, tap: usize, at: usize) -> usize {
         self.origins[tap][at] as usize
@@ -186,18 +193,25 @@ impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
                 from_disk.bring_together::<N>(bricks, (origins, plain), count)
             }
         };
+        // Only those are read that are plain.
+        let (mut which, mut open) = ([0; BATCH], 0);
+        for (at, is_plain) in plain.iter().enumerate().take(count) {
+            which[open % BATCH] = at as u8;
+            open += usize::from(*is_plain);
+        }
         let reads = TapReads {
             weights,
             origins,
             bins,
+            plain: which,
         };
         match (samples, store.shape()[3]) {
-            (Samples::F16(s), 3) => read::<_, _, 3, N>(s, &reads, count, factor, radiance),
-            (Samples::F16(s), _) => read::<_, _, 1, N>(s, &reads, count, factor, radiance),
-            (Samples::F32(s), 3) => read::<_, _, 3, N>(s, &reads, count, factor, radiance),
-            (Samples::F32(s), _) => read::<_, _, 1, N>(s, &reads, count, factor, radiance),
-            (Samples::F64(s), 3) => read::<_, _, 3, N>(s, &reads, count, factor, radiance),
-            (Samples::F64(s), _) => read::<_, _, 1, N>(s, &reads, count, factor, radiance),
+            (Samples::F16(s), 3) => read::<_, _, 3, N>(s, &reads, open, factor, radiance),
+            (Samples::F16(s), _) => read::<_, _, 1, N>(s, &reads, open, factor, radiance),
+            (Samples::F32(s), 3) => read::<_, _, 3, N>(s, &reads, open, factor, radiance),
+            (Samples::F32(s), _) => read::<_, _, 1, N>(s, &reads, open, factor, radiance),
+            (Samples::F64(s), 3) => read::<_, _, 3, N>(s, &reads, open, factor, radiance),
+            (Samples::F64(s), _) => read::<_, _, 1, N>(s, &reads, open, factor, radiance),
         }
     }
 }
@@ -210,7 +224,10 @@ struct TapTimes<'a> {
     times: &'a [f64; BATCH],
 }
 
-/// Where that tap of lookups reads, and with which weights of bins.
+/// Lookups of a batch that are passed over together.
+const PART: usize = 64;
+
+/// Where that tap of lookups reads, and with which weights of bins, where any is plain.
 #[inline(always)]
 fn place<F: Filter<N>, const N: usize>(
     [_, _, bins, channels]: [usize; 4],
@@ -223,21 +240,32 @@ fn place<F: Filter<N>, const N: usize>(
     let (bins, channels) = (bins as f64, channels as f64);
     let (start, end, per_metre) = (timeline.start, timeline.end, timeline.bins_per_metre);
     let last = bins - 1.0;
-    for i in 0..BATCH {
-        let t = tap.times[i] + tap.delays[i];
-        let there = (t >= start) & (t <= end);
-        // Limited so that bins far away fit an integer; such lookups are not plain.
-        let b = ((t - start) * per_metre).max(-3.0).min(last + 4.0);
-        let (first, of_bins) = F::weights(b, last);
-        let within = (first >= 0.0) & (first + N as f64 <= bins);
-        plain[i] &= there & within;
-        // Index of the first sample: (texel · T + bin) · C.
-        origins[i] = integer((tap.texels[i] * bins + first) * channels);
-        let mut k = 0;
-        while k < N {
-            weights[k][i] = of_bins[k];
-            k += 1;
+    let mut begin = 0;
+    while begin < BATCH {
+        // Where none of a part is plain, nothing is read.
+        let mut any = false;
+        for is_plain in &plain[begin..begin + PART] {
+            any |= *is_plain;
         }
+        if any {
+            for i in begin..begin + PART {
+                let t = tap.times[i] + tap.delays[i];
+                let there = (t >= start) & (t <= end);
+                // Limited so that bins far away fit an integer; such lookups are not plain.
+                let b = ((t - start) * per_metre).max(-3.0).min(last + 4.0);
+                let (first, of_bins) = F::weights(b, last);
+                let within = (first >= 0.0) & (first + N as f64 <= bins);
+                plain[i] &= there & within;
+                // Index of the first sample: (texel · T + bin) · C.
+                origins[i] = integer((tap.texels[i] * bins + first) * channels);
+                let mut k = 0;
+                while k < N {
+                    weights[k][i] = of_bins[k];
+                    k += 1;
+                }
+            }
+        }
+        begin += PART;
     }
 }
 

@@ -1,16 +1,16 @@
 //! Many points at a time as a capture camera sees them: [`TimeTexture::locate`] in loops.
 //!
 //! A block of points is projected; the pixels about each place are brought together, and compared with it; those that saw its
-//! surface have their weights. What is left are points beside the image, behind the pinhole, or that no pixel saw, and those that are
-//! read in other ways. Each operation is that of a single point, in its order, so that results are the same bit for bit.
+//! surface have their weights. What is left are points beside the image, behind the pinhole, or that no pixel saw. Where points are read in
+//! other ways, each is located by itself. Each operation is that of a single point, in its order, so that results are the same bit for bit.
 
 use glam::DVec3;
 
-use super::capture::{Aim, Capture, NOTHING, SurfacePoint};
+use super::capture::{Aim, Capture, Seen, SurfacePoint};
 use super::places::{BATCH, integer, neighbours};
 use super::texture::{Located, TimeTexture};
 use crate::accel::vectors::{
-    BLOCK, Block, Columns, VectorLoop, Vectors, VectorsRef, dispatch, store,
+    BLOCK, Block, Columns, NO_ROW, VectorLoop, Vectors, VectorsRef, dispatch, gather_rows, store,
 };
 use crate::camera::{AnyProjection, Projection};
 use crate::scene::model::Reconstruction;
@@ -25,8 +25,12 @@ pub struct CapturePoints {
     pub(super) texels: [Vec<f64>; 4],
     pub(super) weights: [Vec<f64>; 4],
     pub(super) delays: [Vec<f64>; 4],
-    /// The other points, ascending.
+    /// Whether they lie beside the image, or behind the pinhole.
+    is_beside: Vec<bool>,
+    /// All points, where they are read one by one; empty where pixels are read as they are.
     others: Vec<(u32, Located)>,
+    /// Whether all points are plain.
+    is_all_plain: bool,
     /// Room for one block, once it was needed.
     block: Option<Box<LocatedBlock>>,
 }
@@ -37,29 +41,38 @@ impl CapturePoints {
         &self.is_plain
     }
 
-    /// The points that have to be read one by one, ascending, and where each lies.
+    /// All points and where each lies, if they have to be read one by one; otherwise none.
     pub fn others(&self) -> &[(u32, Located)] {
         &self.others
     }
 
     /// Whether all points are plain.
     pub fn is_all_plain(&self) -> bool {
-        self.others.is_empty()
+        self.is_all_plain
+    }
+
+    /// Whether point `at` is to be read as pixels are that saw its surface.
+    #[inline(always)]
+    pub fn is_plain_at(&self, at: usize) -> bool {
+        self.is_plain[at]
+    }
+
+    /// Whether it lies beside the image, or behind the pinhole.
+    #[inline(always)]
+    pub fn is_beside_at(&self, at: usize) -> bool {
+        self.is_beside[at]
     }
 
     /// Calls `each` with all points of which a pixel saw the surface, ascending.
     #[inline(always)]
     pub fn each_seen(&self, mut each: impl FnMut(usize)) {
-        let mut others = self.others.iter().peekable();
         for (k, is_plain) in self.is_plain.iter().enumerate() {
-            let is_seen = match others.next_if(|(other, _)| *other as usize == k) {
-                Some((_, located)) => located.is_seen(),
-                None => *is_plain,
-            };
-            if is_seen {
+            if *is_plain {
                 each(k);
             }
         }
+        let seen = self.others.iter().filter(|(_, located)| located.is_seen());
+        seen.for_each(|(k, _)| each(*k as usize));
     }
 
     /// Looks at points at `positions` with `normals`; `singly` says that all are to be read one by one.
@@ -73,8 +86,12 @@ impl CapturePoints {
         let count = positions.len();
         let room = count.next_multiple_of(BATCH);
         self.others.clear();
-        self.is_plain.clear();
-        self.is_plain.resize(room, false);
+        for column in [&mut self.is_plain, &mut self.is_beside] {
+            column.clear();
+            column.resize(room, false);
+        }
+        let singly = singly | (texture.reconstruction() == Reconstruction::Sharp);
+        let mut plain = 0;
         let columns = [&mut self.texels, &mut self.weights, &mut self.delays];
         for column in columns.into_iter().flatten() {
             column.resize(room, 0.0);
@@ -90,18 +107,29 @@ impl CapturePoints {
                 }
                 film => dispatch(Locate::new(texture, capture, film, block, seen)),
             }
-            seen.bring_together(capture);
-            dispatch(Weigh(seen));
-            for k in 0..(count - begin).min(BLOCK) {
-                if seen.is_plain[k] && !singly {
-                    self.is_plain[begin + k] = true;
-                    continue;
+            let now = (count - begin).min(BLOCK);
+            if singly {
+                for k in 0..now {
+                    let place = seen.is_before[k].then_some([seen.place[0][k], seen.place[1][k]]);
+                    let aim = seen.faces[k].then(|| seen.aim(k));
+                    let located = texture.located(capture, place, aim);
+                    self.others.push(((begin + k) as u32, located));
                 }
-                let place = seen.is_before[k].then_some([seen.place[0][k], seen.place[1][k]]);
-                let aim = seen.faces[k].then(|| seen.aim(k));
-                let located = texture.located(capture, place, aim);
-                self.others.push(((begin + k) as u32, located));
+                begin += BLOCK;
+                continue;
             }
+            self.is_beside[begin..begin + now].copy_from_slice(&seen.is_beside[..now]);
+            // Of some blocks no pixel can have seen anything.
+            if seen.may_be_plain == [false; BLOCK] {
+                begin += BLOCK;
+                continue;
+            }
+            for (pixels, seen) in seen.pixels.iter().zip(&mut seen.seen) {
+                gather_rows(capture.all_seen(), pixels, seen);
+            }
+            dispatch(Weigh(seen, capture));
+            self.is_plain[begin..begin + now].copy_from_slice(&seen.is_plain[..now]);
+            plain += seen.is_plain[..now].iter().filter(|plain| **plain).count();
             for tap in 0..4 {
                 store(&seen.texels[tap], &mut self.texels[tap], begin);
                 store(&seen.weights[tap], &mut self.weights[tap], begin);
@@ -109,6 +137,7 @@ impl CapturePoints {
             }
             begin += BLOCK;
         }
+        self.is_all_plain = plain == count;
     }
 }
 
@@ -124,12 +153,12 @@ struct LocatedBlock {
     faces: [bool; BLOCK],
     /// Width of a pixel there.
     footprint: Block,
-    /// Whether each is read as it is if pixels saw its surface.
+    /// Whether each is read as it is if pixels saw its surface, and whether it is beside the image.
     may_be_plain: [bool; BLOCK],
-    /// What the four pixels about each saw: places and normals by component, and whether they saw anything.
-    places: [[[f32; BLOCK]; 3]; 4],
-    seen_normals: [[[f32; BLOCK]; 3]; 4],
-    saw_any: [[bool; BLOCK]; 4],
+    is_beside: [bool; BLOCK],
+    /// The four pixels about each, [`NO_ROW`] where none is to be looked at, and what they saw, word by word.
+    pixels: [[u32; BLOCK]; 4],
+    seen: [[[u32; BLOCK]; 8]; 4],
     /// As in [`CapturePoints`].
     is_plain: [bool; BLOCK],
     texels: [Block; 4],
@@ -147,9 +176,9 @@ impl Default for LocatedBlock {
             faces: [false; BLOCK],
             footprint: [0.0; BLOCK],
             may_be_plain: [false; BLOCK],
-            places: [[[0.0; BLOCK]; 3]; 4],
-            seen_normals: [[[0.0; BLOCK]; 3]; 4],
-            saw_any: [[false; BLOCK]; 4],
+            is_beside: [false; BLOCK],
+            pixels: [[NO_ROW; BLOCK]; 4],
+            seen: [[[0; BLOCK]; 8]; 4],
             is_plain: [false; BLOCK],
             texels: [[0.0; BLOCK]; 4],
             weights: [[0.0; BLOCK]; 4],
@@ -205,7 +234,7 @@ impl<P: Projection> VectorLoop for Locate<'_, P> {
         block.project(self.capture, self.film, self.positions, self.normals);
         // Those that are read as means of pixels are left to single lookups.
         match self.texture.reconstruction() {
-            Reconstruction::Sharp => block.may_be_plain = [false; BLOCK],
+            Reconstruction::Sharp => {}
             Reconstruction::Bilinear | Reconstruction::Footprint => {
                 block.find_taps(self.texture.size());
             }
@@ -214,12 +243,12 @@ impl<P: Projection> VectorLoop for Locate<'_, P> {
 }
 
 /// The loop over the points of a block that weighs the pixels about them.
-struct Weigh<'a>(&'a mut LocatedBlock);
+struct Weigh<'a>(&'a mut LocatedBlock, &'a Capture);
 
 impl VectorLoop for Weigh<'_> {
     #[inline(always)]
     fn run(self) {
-        self.0.weigh();
+        self.0.weigh(self.1);
     }
 }
 
@@ -265,6 +294,7 @@ impl LocatedBlock {
             let (x, y) = (self.place[0][k], self.place[1][k]);
             let on_image = (x >= 0.0) & (x <= width) & (y >= 0.0) & (y <= height);
             self.may_be_plain[k] = self.faces[k] & on_image;
+            self.is_beside[k] = !(self.is_before[k] & on_image);
             let (left, right, fx) = neighbours(x, width - 1.0);
             let (top, bottom, fy) = neighbours(y, height - 1.0);
             let (top, bottom) = (top * width, bottom * width);
@@ -277,38 +307,38 @@ impl LocatedBlock {
             self.weights[2][k] = (1.0 - fx) * fy;
             self.weights[3][k] = fx * fy;
         }
-    }
-
-    /// What those pixels saw. Not for the widest vectors: they would gather number by number, which takes three times as long.
-    #[inline(never)]
-    fn bring_together(&mut self, capture: &Capture) {
-        for tap in 0..4 {
-            let (places, normals) = (&mut self.places[tap], &mut self.seen_normals[tap]);
+        // In a loop of their own: together with the above they would not go in vectors.
+        let mut tap = 0;
+        while tap < 4 {
             for k in 0..BLOCK {
-                let seen = match self.may_be_plain[k] {
-                    true => capture.seen_by(integer(self.texels[tap][k]) as usize),
-                    false => &NOTHING,
-                };
-                self.saw_any[tap][k] = seen.distance > 0.0;
-                self.delays[tap][k] = capture.delay_from(seen);
-                for axis in 0..3 {
-                    places[axis][k] = seen.position[axis];
-                    normals[axis][k] = seen.normal[axis];
-                }
+                let pixel = integer(self.texels[tap][k]) as u32;
+                self.pixels[tap][k] = if self.may_be_plain[k] { pixel } else { NO_ROW };
             }
+            tap += 1;
         }
     }
 
     /// Leaves the weights of pixels that saw the point's surface alone, made up to 1 where some are left out.
     #[inline(always)]
-    fn weigh(&mut self) {
+    fn weigh(&mut self, capture: &Capture) {
         let mut saw = [[false; BLOCK]; 4];
         let mut tap = 0;
         while tap < 4 {
-            let (places, normals) = (&self.places[tap], &self.seen_normals[tap]);
+            let words = &self.seen[tap];
             for (k, saw) in saw[tap].iter_mut().enumerate() {
-                let (place, normal) = (widened(places, k), widened(normals, k));
-                *saw = self.saw_any[tap][k] & self.aim(k).is_of(place, normal);
+                let seen = Seen::of_words([
+                    words[0][k],
+                    words[1][k],
+                    words[2][k],
+                    words[3][k],
+                    words[4][k],
+                    words[5][k],
+                    words[6][k],
+                    words[7][k],
+                ]);
+                let (place, normal) = (widened(seen.position), widened(seen.normal));
+                *saw = (seen.distance > 0.0) & self.aim(k).is_of(place, normal);
+                self.delays[tap][k] = capture.delay_from(&seen);
             }
             tap += 1;
         }
@@ -339,8 +369,7 @@ impl LocatedBlock {
     }
 }
 
-/// Vector `k` of those with these components.
 #[inline(always)]
-fn widened([x, y, z]: &[[f32; BLOCK]; 3], k: usize) -> DVec3 {
-    DVec3::new(f64::from(x[k]), f64::from(y[k]), f64::from(z[k]))
+fn widened([x, y, z]: [f32; 3]) -> DVec3 {
+    DVec3::new(f64::from(x), f64::from(y), f64::from(z))
 }

@@ -11,6 +11,11 @@ const ROOM: usize = GROUP * 4 * MOST_BINS * 3 + 1;
 
 /// Where lookups read, and with which weights: by tap, bin and lookup.
 pub(super) trait Reads {
+    /// Which lookup comes `k`-th.
+    #[inline(always)]
+    fn lookup(&self, k: usize) -> usize {
+        k
+    }
     /// The first sample.
     fn origin(&self, tap: usize, at: usize) -> usize;
     /// The weight of a tap.
@@ -36,7 +41,7 @@ impl Reads for Places {
     }
 }
 
-/// Sums the samples of plain lookups.
+/// Sums the samples of `count` lookups.
 #[inline(always)]
 pub(super) fn read<S: Sample, R: Reads, const C: usize, const N: usize>(
     samples: &[S],
@@ -53,18 +58,20 @@ pub(super) fn read<S: Sample, R: Reads, const C: usize, const N: usize>(
     while begin < count {
         let end = (begin + GROUP).min(count);
         ask_for::<S, R, C, N>(samples, places, end, count);
-        let mut at = begin;
-        while at < end {
-            stage::<S, R, C, N>(samples, places, at, &mut staged[(at - begin) * 4 * N * C..]);
-            at += 1;
+        let mut k = begin;
+        while k < end {
+            let to = &mut staged[(k - begin) * 4 * N * C..];
+            stage::<S, R, C, N>(samples, places, places.lookup(k), to);
+            k += 1;
         }
         let used = (end - begin) * 4 * N * C;
         widen(&staged[..used], &mut wide[..used]);
-        let mut at = begin;
-        while at < end {
-            let values = &wide[(at - begin) * 4 * N * C..];
+        let mut k = begin;
+        while k < end {
+            let at = places.lookup(k);
+            let values = &wide[(k - begin) * 4 * N * C..];
             radiance[at] = sum::<S, R, C, N>(values, places, at, factor);
-            at += 1;
+            k += 1;
         }
         begin = end;
     }
@@ -78,8 +85,9 @@ fn ask_for<S, R: Reads, const C: usize, const N: usize>(
     begin: usize,
     count: usize,
 ) {
-    let mut at = begin;
-    while at < (begin + GROUP).min(count) {
+    let mut k = begin;
+    while k < (begin + GROUP).min(count) {
+        let at = places.lookup(k);
         let mut tap = 0;
         while tap < 4 {
             let first = places.origin(tap, at);
@@ -87,7 +95,7 @@ fn ask_for<S, R: Reads, const C: usize, const N: usize>(
             prefetch(samples, first + N * C - 1);
             tap += 1;
         }
-        at += 1;
+        k += 1;
     }
 }
 

@@ -421,11 +421,18 @@ impl TimeTexture {
         (fill != Fill::Hold).then(|| self.fill(fill, coverage, Sampled::default))
     }
 
-    /// The same for a point that pixels have seen and something occludes.
+    /// The same for a point that something occludes, or of which no pixel saw the surface.
     #[inline]
     pub fn occluded(&self) -> Option<Sampled> {
         let fill = self.outside.occluded;
         (fill != Fill::Hold).then(|| self.fill(fill, Coverage::OCCLUDED, Sampled::default))
+    }
+
+    /// The same for a point beside the image, or behind the pinhole.
+    #[inline]
+    pub fn off_image(&self) -> Option<Sampled> {
+        let fill = self.outside.off_texture;
+        (fill != Fill::Hold).then(|| self.fill(fill, Coverage::OFF_TEXTURE, Sampled::default))
     }
 
     /// Why the capture has no data of a point, and what stands in for it. A point that is seen is occluded.

@@ -198,11 +198,12 @@ pub(super) struct Leaving {
 }
 
 impl Leaving {
-    pub fn clear(&mut self) {
-        self.points.clear();
-        self.from.clear();
-        self.triangles.clear();
-        self.s_min.clear();
+    /// Makes room for `count` points, or keeps so many.
+    pub fn resize(&mut self, count: usize) {
+        self.points.resize(count, 0);
+        self.from.resize(count);
+        self.triangles.resize(count, 0);
+        self.s_min.resize(count, 0.0);
     }
 
     /// The ways to `end`.
@@ -431,6 +432,7 @@ impl Emitted {
     }
 
     /// Sets what point `at` emits, of which nothing was known; the details are to be in the order of points at the end.
+    #[inline]
     pub(super) fn put(&mut self, at: usize, emission: Emission) {
         self.radiance[at] = emission.radiance;
         let plain = emission.coverage == Coverage::HELD

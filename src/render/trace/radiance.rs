@@ -242,13 +242,16 @@ fn locate(
         any_to_point(bvh, method, all, answers, counts);
         return means;
     }
-    leaving.clear();
+    leaving.resize(count);
+    let mut left = 0;
     seen.each_seen(|k| {
-        leaving.from.push(points.positions.get(k));
-        leaving.s_min.push(starts[k]);
-        leaving.triangles.push(points.triangles[k]);
-        leaving.points.push(k as u32);
+        leaving.from.set(left, points.positions.get(k));
+        leaving.s_min[left] = starts[k];
+        leaving.triangles[left] = points.triangles[k];
+        leaving.points[left] = k as u32;
+        left += 1;
     });
+    leaving.resize(left);
     any_to_point(bvh, method, leaving.towards(eye), blocked, counts);
     // By point, whether it is blocked; those that no pixel saw are not.
     answers.clear();
@@ -278,6 +281,7 @@ fn project(
     emitted.rest.clear();
     let all = std::mem::take(&mut emitted.seen);
     let mut others = all.others().iter().peekable();
+    let [occluded, off_image] = [texture.occluded(), texture.off_image()];
     let mut begin = 0;
     while begin < count {
         let batch = BATCH.min(count - begin);
@@ -296,8 +300,9 @@ fn project(
                 let is_blocked = emitted.answers[at];
                 let stand_in = match other {
                     Some((_, located)) => texture.without_data(located, is_blocked),
-                    None if is_blocked => texture.occluded(),
-                    None => None,
+                    None if all.is_plain_at(at) && !is_blocked => None,
+                    None if all.is_beside_at(at) => off_image,
+                    None => occluded,
                 };
                 match stand_in {
                     Some(sampled) => emitted.put(at, Emission::stored(sampled)),

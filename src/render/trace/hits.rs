@@ -245,6 +245,18 @@ impl HitBuffer {
         (boosted, self.ratios[ray])
     }
 
+    /// The tangents of all rays in that frame.
+    #[inline(always)]
+    pub(super) fn tangents(&self) -> &[DVec3] {
+        &self.local
+    }
+
+    /// ω_rest/ω_world of the light of all rays in that frame.
+    #[inline(always)]
+    pub(super) fn ratios(&self) -> &[f64] {
+        &self.ratios
+    }
+
     /// Where ray `ray` leaves in that frame, if not at `origin`.
     #[inline(always)]
     pub(super) fn origin(&self, ray: usize, origin: Event<Rest>) -> Event<Rest> {

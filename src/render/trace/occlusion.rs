@@ -328,11 +328,18 @@ impl VectorLoop for StartsTowards<'_> {
         let mut begin = 0;
         while begin < self.starts.len() {
             let from = self.points.positions.block(begin);
-            let eyes = self.points.load_eyes(begin);
             let mut starts = [0.0; BLOCK];
-            for (k, start) in starts.iter_mut().enumerate() {
-                let from = from.get(k);
-                *start = shadow_start(eyes.get(k), from, self.to - from);
+            if let Some(eye) = self.points.shared_eye() {
+                for (k, start) in starts.iter_mut().enumerate() {
+                    let from = from.get(k);
+                    *start = shadow_start(eye, from, self.to - from);
+                }
+            } else {
+                let eyes = self.points.load_eyes(begin);
+                for (k, start) in starts.iter_mut().enumerate() {
+                    let from = from.get(k);
+                    *start = shadow_start(eyes.get(k), from, self.to - from);
+                }
             }
             store(&starts, self.starts, begin);
             begin += BLOCK;

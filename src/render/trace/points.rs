@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::run::{Run, TracedRays};
 use crate::accel::unit_normal;
-use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch, load};
+use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, Vectors, dispatch};
 use crate::light::lamp::{EventColumns, PointsOnRays};
 use crate::light::time_texture::SurfacePoint as CapturePoint;
 use crate::spacetime::{Displacement, Event, World};
@@ -20,7 +20,7 @@ pub(super) struct Points {
     pub positions: Columns,
     /// Unit normals there, on the side that the camera sees.
     pub normals: Columns,
-    /// Tangents of the rays that hit them, in the rest frame.
+    /// Tangents of the rays that hit them, in the rest frame, where the whole points were taken over.
     tangents: Columns,
     /// Where the rays leave that hit them, in the rest frame: one for all, or each.
     eye: DVec3,
@@ -32,9 +32,15 @@ pub(super) struct Points {
     pub s: Vec<f64>,
     /// Whether rays leave each from its own event.
     own_origins: bool,
-    /// Two edges of the triangles, and 1 for hits on the front, −1 for those on the back.
-    edges: [Columns; 2],
-    sides: Vec<f64>,
+    /// Room for the triangles of a block of points.
+    triangle_block: Box<TriangleBlock>,
+}
+
+/// Triangles of a block of points: two edges, and 1 for hits on the front, −1 for those on the back.
+#[derive(Debug)]
+struct TriangleBlock {
+    edges: [[Block; 3]; 2],
+    sides: Block,
 }
 
 impl Points {
@@ -48,7 +54,8 @@ impl Points {
 
     /// Takes over the points of `run`.
     pub(super) fn fill(&mut self, run: &Run) {
-        self.fill_places(run);
+        self.tangents.resize(run.count());
+        self.fill_rest(run, true);
         let TracedRays { rays, event, .. } = run.traced;
         self.shot = *event;
 
@@ -73,48 +80,72 @@ impl Points {
 
     /// Takes over the points of `run` as they are in their rest frame, and nothing of the world.
     pub(super) fn fill_places(&mut self, run: &Run) {
+        self.fill_rest(run, false);
+    }
+
+    /// The same, with tangents if asked.
+    fn fill_rest(&mut self, run: &Run, with_tangents: bool) {
         let count = run.count();
         self.own_origins = run.traced.rays.origins.is_some();
         self.resize(count);
 
-        // Triangles lie apart in memory: their corners are gathered first.
-        let [e1, e2] = &mut self.edges;
-        for k in 0..count {
-            let Some(hit) = run.hit(k) else {
+        let TracedRays { surfaces, rays, .. } = run.traced;
+        let shared = surfaces.shared_origin(rays, run.traced.hits);
+        let hits = run.traced.hits.hits();
+        for (block, members) in run.members.chunks(BLOCK).enumerate() {
+            let begin = block * BLOCK;
+            // Triangles lie apart in memory: their corners are gathered first.
+            let TriangleBlock { edges, sides } = &mut *self.triangle_block;
+            let of_points = self.triangles[begin..].iter_mut();
+            let of_points = of_points.zip(&mut self.slots[begin..]);
+            let of_points = of_points.zip(&mut self.s[begin..]);
+            for ((k, ray), ((triangle, slot), s)) in members.iter().enumerate().zip(of_points) {
+                let Some(hit) = &hits[*ray as usize] else {
+                    continue;
+                };
+                let [a, b, c] = run.rest.bvh.corners(hit.slot);
+                for ([x, y, z], e) in edges.iter_mut().zip([b - a, c - a]) {
+                    (x[k], y[k], z[k]) = (e.x, e.y, e.z);
+                }
+                sides[k] = if hit.front { 1.0 } else { -1.0 };
+                (*triangle, *slot, *s) = (hit.triangle, hit.slot, hit.s);
+            }
+            dispatch(Normals {
+                triangles: &self.triangle_block,
+                begin,
+                normals: &mut self.normals,
+            });
+
+            // Where they are: in one frame, whose rays are at hand, in a loop that does nothing else.
+            if let (Some((eye, tangents)), false) = (shared, with_tangents) {
+                self.eye = eye;
+                if let Some([x, y, z]) = self.positions.block_mut(begin) {
+                    let s = &self.s[begin..];
+                    for (k, (ray, s)) in members.iter().zip(s).enumerate() {
+                        let p = eye + tangents[*ray as usize] * *s;
+                        (x[k], y[k], z[k]) = (p.x, p.y, p.z);
+                    }
+                }
+                continue;
+            }
+            let Some([x, y, z]) = self.positions.block_mut(begin) else {
                 continue;
             };
-            let [a, b, c] = run.rest.bvh.corners(hit.slot);
-            e1.set(k, b - a);
-            e2.set(k, c - a);
-            self.sides[k] = if hit.front { 1.0 } else { -1.0 };
-            self.triangles[k] = hit.triangle;
-            self.slots[k] = hit.slot;
-            self.s[k] = hit.s;
+            let s = &self.s[begin..];
+            let (eyes, eye, own_origins) = (&mut self.eyes, &mut self.eye, self.own_origins);
+            let tangents = &mut self.tangents;
+            run.each_local(members, |k, local, _| {
+                let position = local.at(s[k]).x;
+                (x[k], y[k], z[k]) = (position.x, position.y, position.z);
+                if with_tangents {
+                    tangents.set(begin + k, local.tangent.x);
+                }
+                match own_origins {
+                    true => eyes.push(local.origin.x),
+                    false => *eye = local.origin.x,
+                }
+            });
         }
-        dispatch(Normals {
-            edges: &self.edges,
-            sides: &self.sides,
-            normals: &mut self.normals,
-        });
-
-        // Where they are.
-        let Points {
-            positions,
-            tangents,
-            eyes,
-            eye,
-            s,
-            own_origins,
-            ..
-        } = self;
-        run.each_local(run.members, |k, local, _| {
-            positions.set(k, local.at(s[k]).x);
-            tangents.set(k, local.tangent.x);
-            match own_origins {
-                true => eyes.push(local.origin.x),
-                false => *eye = local.origin.x,
-            }
-        });
     }
 
     /// Unit vectors towards the observer, in the rest frame.
@@ -138,6 +169,12 @@ impl Points {
             true => self.eyes.load(begin),
             false => Vectors::splat(self.eye),
         }
+    }
+
+    /// Where all rays leave in the rest frame, if from one place.
+    #[inline(always)]
+    pub(super) fn shared_eye(&self) -> Option<DVec3> {
+        (!self.own_origins).then_some(self.eye)
     }
 
     /// Where the ray leaves that hit point `k`, in the rest frame.
@@ -177,12 +214,9 @@ impl Points {
     fn resize(&mut self, count: usize) {
         self.triangles.resize(count, 0);
         self.slots.resize(count, 0);
-        self.sides.resize(count, 1.0);
         self.s.resize(count, 0.0);
         self.positions.resize(count);
-        self.tangents.resize(count);
         self.normals.resize(count);
-        self.edges.iter_mut().for_each(|edge| edge.resize(count));
         self.eyes.clear();
     }
 }
@@ -202,33 +236,33 @@ impl Default for Points {
             offsets: EventColumns::default(),
             s: Vec::new(),
             own_origins: false,
-            edges: Default::default(),
-            sides: Vec::new(),
+            triangle_block: Box::new(TriangleBlock {
+                edges: [[[0.0; BLOCK]; 3]; 2],
+                sides: [1.0; BLOCK],
+            }),
         }
     }
 }
 
-/// Edges of triangles to unit normals, on the side that is seen.
+/// Edges of the triangles of a block to unit normals, on the side that is seen.
 struct Normals<'a> {
-    edges: &'a [Columns; 2],
-    sides: &'a [f64],
+    triangles: &'a TriangleBlock,
+    begin: usize,
     normals: &'a mut Columns,
 }
 
 impl VectorLoop for Normals<'_> {
     #[inline(always)]
     fn run(self) {
-        let mut begin = 0;
-        while begin < self.sides.len() {
-            let [e1, e2] = [self.edges[0].block(begin), self.edges[1].block(begin)];
-            let sides = load(self.sides, begin);
-            let mut normals = Vectors::ZERO;
-            for (k, side) in sides.iter().enumerate() {
-                normals.set(k, unit_normal(e1.get(k), e2.get(k)) * *side);
-            }
-            self.normals.store(&normals, begin);
-            begin += BLOCK;
+        let TriangleBlock { edges, sides } = self.triangles;
+        let [[x1, y1, z1], [x2, y2, z2]] = edges;
+        let mut normals = Vectors::ZERO;
+        for (k, side) in sides.iter().enumerate() {
+            let e1 = DVec3::new(x1[k], y1[k], z1[k]);
+            let e2 = DVec3::new(x2[k], y2[k], z2[k]);
+            normals.set(k, unit_normal(e1, e2) * *side);
         }
+        self.normals.store(&normals, self.begin);
     }
 }
 

@@ -144,6 +144,10 @@ impl<'a> Run<'a> {
     #[inline(always)]
     pub(super) fn ratios(&self, world: &[f64], ratios: &mut Vec<f64>) {
         ratios.clear();
+        if let Some(known) = self.traced.surfaces.ratios(self.traced.hits) {
+            let members = self.members.iter().map(|ray| *ray as usize);
+            return ratios.extend(members.map(|ray| world[ray] * known[ray]));
+        }
         self.each_local(self.members, |k, _, rho| {
             ratios.push(world[self.members[k] as usize] * rho);
         });

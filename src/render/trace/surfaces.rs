@@ -5,6 +5,8 @@
 //! one with the smallest s. Of one frame the boosted rays are kept for shading, and one at rest in the world
 //! needs no boost; of several frames a ray is boosted again into the one that it hit.
 
+use glam::DVec3;
+
 use super::camera_rays::Rays;
 use super::cone::{DirectionBounds, VisibleCone};
 use super::hits::HitBuffer;
@@ -140,6 +142,30 @@ impl<'a> Surfaces<'a> {
             Frames::Still(only) => only.shifted_ray(ray, rays, hits),
             Frames::One(only) => hits.boosted(ray, only.shot),
             Frames::Many(many) => many.frames[frame as usize].boosted_ray(ray, rays),
+        }
+    }
+
+    /// Where rays that share their event leave in the only rest frame, and all their tangents there, where they are at hand.
+    #[inline(always)]
+    pub(super) fn shared_origin<'b>(
+        &self,
+        rays: &Rays<'b>,
+        hits: &'b HitBuffer,
+    ) -> Option<(DVec3, &'b [DVec3])> {
+        match &self.0 {
+            _ if rays.origins.is_some() => None,
+            Frames::Still(only) => Some((only.shot.x, rays.directions)),
+            Frames::One(only) => Some((only.shot.x, hits.tangents())),
+            Frames::Many(_) => None,
+        }
+    }
+
+    /// ω_rest/ω_world of all rays, where they are at hand.
+    #[inline(always)]
+    pub(super) fn ratios<'b>(&self, hits: &'b HitBuffer) -> Option<&'b [f64]> {
+        match &self.0 {
+            Frames::One(_) => Some(hits.ratios()),
+            Frames::Still(_) | Frames::Many(_) => None,
         }
     }
 

@@ -416,6 +416,29 @@ impl TileFilm {
         }
     }
 
+    /// The same of `pixels`, but for the parts of some of them, which come in order: as these would be added one by one.
+    #[inline]
+    pub(crate) fn cover(&mut self, pixels: &[u32], parts: impl Iterator<Item = (usize, Coverage)>) {
+        let mut begin = 0;
+        if !self.held.is_empty() || !self.missing.is_empty() {
+            for (at, coverage) in parts {
+                self.add_held(&pixels[begin..at]);
+                self.add_coverage(pixels[at] as usize, coverage);
+                begin = at + 1;
+            }
+            return self.add_held(&pixels[begin..]);
+        }
+        // Only the sum is asked for: it stays in registers.
+        let mut sum = self.coverage;
+        for (at, coverage) in parts {
+            sum.held += (at - begin) as f64;
+            sum += coverage;
+            begin = at + 1;
+        }
+        sum.held += (pixels.len() - begin) as f64;
+        self.coverage = sum;
+    }
+
     /// Notes a sample at `offset` in `pixel`; true if it is the nearest to the centre so far.
     pub(crate) fn is_nearest_to_centre(
         &mut self,
@@ -539,11 +562,18 @@ impl Film {
         // Sums to means, row by row of the tile.
         for (row, sums) in tile.radiance.chunks(across.max(1)).enumerate() {
             let first = (top + row) * width + left;
-            for (at, (mean, sum)) in self.radiance[first..].iter_mut().zip(sums).enumerate() {
-                *mean = match &tile.parts {
-                    None => sum.map(|sum| sum * scale),
-                    Some(parts) => parts.mean(row * across + at),
-                };
+            let means = self.radiance[first..].iter_mut();
+            match &tile.parts {
+                None => {
+                    for (mean, sum) in means.zip(sums) {
+                        *mean = sum.map(|sum| sum * scale);
+                    }
+                }
+                Some(parts) => {
+                    for (at, mean) in means.take(sums.len()).enumerate() {
+                        *mean = parts.mean(row * across + at);
+                    }
+                }
             }
         }
         for (channel, aov) in self.layout.channels.iter().enumerate() {

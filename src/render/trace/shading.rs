@@ -24,6 +24,16 @@ pub trait RadianceSink {
     fn add_coverage(&mut self, ray: usize, coverage: Coverage);
     /// Notes rays whose radiance is fully known.
     fn add_held(&mut self, rays: &[u32]);
+    /// Adds how much of the radiance of `rays` is known: fully, but for some of them.
+    fn cover(&mut self, rays: &[u32], parts: impl Iterator<Item = (usize, Coverage)>) {
+        let mut begin = 0;
+        for (at, coverage) in parts {
+            self.add_held(&rays[begin..at]);
+            self.add_coverage(rays[at] as usize, coverage);
+            begin = at + 1;
+        }
+        self.add_held(&rays[begin..]);
+    }
     /// Notes rays that hit nothing.
     fn add_unmet(&mut self, rays: u64);
 }
@@ -42,6 +52,10 @@ impl RadianceSink for TileFilm {
 
     fn add_held(&mut self, rays: &[u32]) {
         TileFilm::add_held(self, rays);
+    }
+
+    fn cover(&mut self, rays: &[u32], parts: impl Iterator<Item = (usize, Coverage)>) {
+        TileFilm::cover(self, rays, parts);
     }
 
     fn add_unmet(&mut self, rays: u64) {
@@ -376,9 +390,6 @@ fn add_colours(
     sink: &mut impl RadianceSink,
 ) {
     match (&emitted.response.colour, emitted.details.as_slice()) {
-        (Colouring::Channels, []) => {
-            return add_scaled(&emitted.radiance, factors, members, sink);
-        }
         (Colouring::Rgb(shift, eye), []) => {
             dispatch(Shifts {
                 shift,
@@ -400,6 +411,22 @@ fn add_colours(
                 sink.add(*ray as usize, seen.map(|c| factor * c));
             }
             return;
+        }
+        (Colouring::Channels, details) => {
+            // Between points of which there is more to know as if there were none.
+            let mut begin = 0;
+            for Detail { at, unscaled, .. } in details {
+                let (known, at) = (begin..*at, *at);
+                let radiance = &emitted.radiance[known.clone()];
+                add_scaled(radiance, &factors[known.clone()], &members[known], sink);
+                let ([r, g, b], [r0, g0, b0]) = (emitted.radiance[at], *unscaled);
+                let factor = factors[at];
+                let seen = [r0 + factor * r, g0 + factor * g, b0 + factor * b];
+                sink.add(members[at] as usize, seen);
+                begin = at + 1;
+            }
+            let rest = &emitted.radiance[begin..];
+            return add_scaled(rest, &factors[begin..], &members[begin..], sink);
         }
         (Colouring::ShiftedLine(wavelength), []) => {
             return add_lines(*wavelength, emitted, ratios, factors, members, sink);
@@ -513,11 +540,6 @@ fn mean([r, g, b]: [f64; 3]) -> f64 {
 
 /// Adds how much of the radiance of a run is known.
 fn cover(details: &[Detail], members: &[u32], sink: &mut impl RadianceSink) {
-    let mut begin = 0;
-    for detail in details {
-        sink.add_held(&members[begin..detail.at]);
-        sink.add_coverage(members[detail.at] as usize, detail.coverage);
-        begin = detail.at + 1;
-    }
-    sink.add_held(&members[begin..]);
+    let parts = details.iter().map(|detail| (detail.at, detail.coverage));
+    sink.cover(members, parts);
 }

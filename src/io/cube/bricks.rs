@@ -23,7 +23,7 @@ use super::chunks::Chunks;
 use super::dead::DeadBins;
 use super::format::Wanted;
 use super::negative::Negative;
-use super::pages::Pages;
+use super::pages::{InOrder, Pages};
 use super::samples::Samples;
 use super::store::Store;
 use crate::accel::vectors::prefetch;
@@ -471,20 +471,6 @@ impl Bricks {
         (bin / bins, bin % bins)
     }
 
-    /// The brick that all of `count` samples from the `origin`-th on lie in, and from where on; none where there are several, or where
-    /// samples are not in order.
-    #[inline(always)]
-    fn whole(&self, origin: u64, count: usize) -> Option<(u64, usize)> {
-        #[cfg_attr(
-            not(any(feature = "hdf5", feature = "zarr")),
-            allow(irrefutable_let_patterns)
-        )]
-        if let Form::Pages(pages) = &self.form {
-            return pages.whole(origin, count);
-        }
-        None
-    }
-
     #[inline(always)]
     fn runs_from(&self, origin: u64, count: usize, each: impl FnMut(u64, usize, usize)) {
         // Divisions take longer than all the rest: files that count as we do need none.
@@ -680,6 +666,8 @@ impl Stored for f64 {
 pub struct Runs<'a, T> {
     bricks: &'a Bricks,
     held: &'a Held,
+    /// Where samples lie, if in order.
+    places: Option<InOrder>,
     /// By row, the brick that was looked for last, and its samples; none if that is not at hand.
     last: [(u64, Option<&'a [T]>); 2],
 }
@@ -687,9 +675,15 @@ pub struct Runs<'a, T> {
 impl<'a, T: Stored> Runs<'a, T> {
     /// Of bricks no bin of which is mended.
     pub fn new(bricks: &'a Bricks, held: &'a Held) -> Self {
+        let places = match &bricks.form {
+            Form::Pages(pages) => pages.in_order(),
+            #[cfg(any(feature = "hdf5", feature = "zarr"))]
+            Form::Chunks(_) => None,
+        };
         Runs {
             bricks,
             held,
+            places,
             last: [(u64::MAX, None); 2],
         }
     }
@@ -703,29 +697,55 @@ impl<'a, T: Stored> Runs<'a, T> {
         last.1
     }
 
-    /// Asks for the `count` samples from the `origin`-th of the cube on, which are all of one pixel, and notes those of their bricks that are
-    /// not at hand.
+    /// The brick that all of `count` samples from the `origin`-th of the cube on lie in, and from where on; none where there are several,
+    /// or where samples are in another order. All are of one pixel.
+    #[inline(always)]
+    fn whole(&self, origin: u64, count: usize) -> Option<(u64, usize)> {
+        self.places.and_then(|places| places.whole(origin, count))
+    }
+
+    /// Notes the bricks of these samples that are not at hand.
     #[inline(always)]
     pub fn want(&mut self, row: usize, origin: u64, count: usize, wanted: &mut Vec<u64>) {
+        match self.whole(origin, count) {
+            Some((brick, _)) => self.want_brick(row, brick, wanted),
+            None => self.want_parts(row, origin, count, wanted),
+        }
+    }
+
+    #[inline(always)]
+    fn want_brick(&mut self, row: usize, brick: u64, wanted: &mut Vec<u64>) {
+        let before = self.last[row].0;
+        if self.brick(row, brick).is_none() && before != brick {
+            wanted.push(brick);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn want_parts(&mut self, row: usize, origin: u64, count: usize, wanted: &mut Vec<u64>) {
         let bricks = self.bricks;
-        bricks.runs_from(origin, count, |brick, from, count| {
-            let before = self.last[row].0;
-            match self.brick(row, brick) {
-                Some(samples) => {
-                    prefetch(samples, from);
-                    prefetch(samples, from + count - 1);
-                }
-                None if before != brick => wanted.push(brick),
-                None => {}
-            }
+        bricks.runs_from(origin, count, |brick, _, _| {
+            self.want_brick(row, brick, wanted);
         });
+    }
+
+    /// Asks for these samples, to be read soon.
+    #[inline(always)]
+    pub fn ask(&mut self, row: usize, origin: u64, count: usize) {
+        if let Some((brick, from)) = self.whole(origin, count)
+            && let Some(samples) = self.brick(row, brick)
+        {
+            prefetch(samples, from);
+            prefetch(samples, from + count - 1);
+        }
     }
 
     /// Fills `to` with them.
     #[inline(always)]
     pub fn read(&mut self, row: usize, origin: u64, to: &mut [T]) {
         // Almost all lie in one brick: such copies have a length that is known to the compiler.
-        if let Some((brick, from)) = self.bricks.whole(origin, to.len())
+        if let Some((brick, from)) = self.whole(origin, to.len())
             && let Some(samples) = self.brick(row, brick)
         {
             if let Some(samples) = samples.get(from..from + to.len()) {

@@ -35,6 +35,25 @@ pub(super) struct Pages {
     is_in_order: bool,
 }
 
+/// Where samples lie in bricks that are in the order in which they are counted.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct InOrder {
+    /// As in [`Pages`].
+    per_brick: u32,
+    skew: u64,
+}
+
+impl InOrder {
+    /// The brick that all of `count` samples from the `first` on lie in, and from where on; none where there are several.
+    #[inline(always)]
+    pub fn whole(self, first: u64, count: usize) -> Option<(u64, usize)> {
+        let at = first + self.skew;
+        let in_brick = 1 << self.per_brick;
+        let from = (at & (in_brick - 1)) as usize;
+        (from + count <= in_brick as usize).then_some((at >> self.per_brick, from))
+    }
+}
+
 /// A file that is read at positions.
 #[derive(Debug)]
 enum Positioned {
@@ -191,13 +210,12 @@ impl Pages {
         }
     }
 
-    /// The brick that all of them lie in, and from where on; none where there are several, or where samples are in another order.
-    #[inline(always)]
-    pub fn whole(&self, first: u64, count: usize) -> Option<(u64, usize)> {
-        let at = first + self.skew;
-        let from = (at & (self.per_brick() - 1)) as usize;
-        let is_whole = self.is_in_order & (from + count <= self.per_brick() as usize);
-        is_whole.then_some((at >> self.per_brick, from))
+    /// Where samples lie that are counted in the file by rows, columns, bins and channels; none where they are not.
+    pub fn in_order(&self) -> Option<InOrder> {
+        self.is_in_order.then_some(InOrder {
+            per_brick: self.per_brick,
+            skew: self.skew,
+        })
     }
 
     pub fn bricks(&self) -> u64 {

@@ -221,6 +221,9 @@ impl FromDisk {
 /// The origins of taps, which lookups are plain, and how many there are.
 type Taps<'a> = (&'a [[u64; BATCH]; 4], &'a [bool; BATCH], usize);
 
+/// How many lookups ahead of their use samples in bricks are asked for.
+const AHEAD: usize = 16;
+
 /// Copies the samples of plain lookups from bricks: four taps of N bins each.
 #[inline(never)]
 fn collect<T: Stored, const C: usize, const N: usize>(
@@ -240,8 +243,19 @@ fn collect<T: Stored, const C: usize, const N: usize>(
         bricks.bring(held, wanted);
     }
     values.resize(count * 4 * N * C, T::NONE);
+    // What is read some lookups later is asked for.
+    let mut later = Runs::<T>::new(bricks, held);
     let mut runs = Runs::<T>::new(bricks, held);
+    let mut ask = |at: usize| {
+        if at < count && plain[at] {
+            for (tap, origins) in origins.iter().enumerate() {
+                later.ask(tap / 2, origins[at], N * C);
+            }
+        }
+    };
+    (0..AHEAD).for_each(&mut ask);
     for (at, values) in values.chunks_exact_mut(4 * N * C).enumerate() {
+        ask(at + AHEAD);
         if !plain[at] {
             continue;
         }

@@ -20,8 +20,8 @@
 use glam::DVec3;
 
 use super::beam::Beam;
-use super::block::{Block, RAYS};
-use super::ray_set::{Blockable, ColumnsToPoint, Segments, SegmentsToPoint};
+use super::block::Block;
+use super::ray_set::{Blockable, ColumnsToPoint, RAYS, Segments, SegmentsToPoint};
 use super::setup::{LeafTriangles, PacketTriangle};
 use super::simd::{Simd, Task, load_vectors};
 use super::traverse::{BlockQuery, Outcome, StackEntry, traverse};

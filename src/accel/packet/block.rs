@@ -19,15 +19,13 @@
 
 use glam::DVec3;
 
-use super::ray_set::RaySet;
+use super::ray_set::{RAYS, RaySet};
 use super::simd::Simd;
 use crate::accel::bvh::Bvh;
 use crate::accel::float::{exponent, greater, lesser, norm1, power_of_two};
 use crate::accel::rays::Hit;
 use crate::accel::tree_space::TreeSpace;
 
-/// Rays of a block.
-pub(super) const RAYS: usize = 64;
 /// No triangle.
 pub(super) const NONE: u32 = u32::MAX;
 /// Marks slots of triangles whose front was hit, in blocks that are not certified.

@@ -1,8 +1,8 @@
 //! Closest hits of a block: f32 says no, yes or "ask f64".
 
 use super::beam::Beam;
-use super::block::{Block, FRONT, NONE, RAYS};
-use super::ray_set::RaySet;
+use super::block::{Block, FRONT, NONE};
+use super::ray_set::{RAYS, RaySet};
 use super::refine::RefinedHits;
 use super::setup::{LeafTriangles, PacketTriangle};
 use super::simd::{Simd, Task, load_vectors};

@@ -2,8 +2,10 @@
 
 use glam::DVec3;
 
-use super::block::RAYS;
 use crate::accel::rays::{Converging, NO_SLOT, Ray, Segment};
+
+/// Rays of a block.
+pub(super) const RAYS: usize = 64;
 
 /// Rays to trace, by their index in the batch. `start` and `direction` are those of the ray as it is traced, which
 /// may be from its end.

@@ -6,8 +6,8 @@
 
 use glam::DVec3;
 
-use super::block::{Block, NONE, RAYS};
-use super::ray_set::RaySet;
+use super::block::{Block, NONE};
+use super::ray_set::{RAYS, RaySet};
 use super::simd::Simd;
 use crate::accel::bvh::Bvh;
 use crate::accel::float::{greater, lesser, norm1};

@@ -4,7 +4,8 @@
 
 use glam::DVec3;
 
-use super::block::{Block, RAYS};
+use super::block::Block;
+use super::ray_set::RAYS;
 
 /// How a batch is cut into blocks.
 pub(super) struct Tile {

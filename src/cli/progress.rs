@@ -2,18 +2,32 @@
 
 use std::fmt::Write;
 use std::io::IsTerminal;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use nullray::render::progress::Progress;
 
 use super::interrupt;
 
-/// Writes how many of a `unit` are done per second.
+/// Writes how many of a `unit` are done per second, over all the time so far: the latest steps alone tell nothing of pictures that
+/// take milliseconds.
 fn rate(unit: &'static str) -> impl Fn(&ProgressState, &mut dyn Write) + Clone + Send + Sync {
     // Fails only where `out` does, and then there is nobody to tell.
     move |state, out| {
-        let _ = write!(out, "{:.1} M{unit}/s", state.per_sec() / 1e6);
+        let per_second = state.pos() as f64 / state.elapsed().as_secs_f64();
+        let per_second = Some(per_second).filter(|rate| rate.is_finite());
+        let _ = write!(out, "{:.1} M{unit}/s", per_second.unwrap_or(0.0) / 1e6);
+    }
+}
+
+/// Writes how long the rest takes at that rate; nothing before there is one.
+fn left(state: &ProgressState, out: &mut dyn Write) {
+    let done = state.pos() as f64;
+    let rest = state.len().unwrap_or(0) as f64 - done;
+    let seconds = state.elapsed().as_secs_f64() * rest.max(0.0) / done;
+    // Rates so small that the time is no `Duration` are none.
+    if let Ok(time) = Duration::try_from_secs_f64(seconds) {
+        let _ = write!(out, "{:#} left", HumanDuration(time));
     }
 }
 
@@ -47,9 +61,9 @@ impl Bar {
         };
         let bar = ProgressBar::with_draw_target(Some(count), target);
         if let Ok(style) =
-            ProgressStyle::with_template("{prefix}{wide_bar} {percent:>3} %  {rate}  {eta} left")
+            ProgressStyle::with_template("{prefix}{wide_bar} {percent:>3} %  {rate}  {left}")
         {
-            bar.set_style(style.with_key("rate", rate(unit)));
+            bar.set_style(style.with_key("rate", rate(unit)).with_key("left", left));
         }
         Bar(bar)
     }
@@ -69,7 +83,6 @@ impl Bar {
 
     /// Rate and time left count from now on.
     pub fn start(&self) {
-        self.0.reset_eta();
         self.0.reset_elapsed();
     }
 }

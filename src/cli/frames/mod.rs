@@ -212,8 +212,10 @@ impl Sequence<'_> {
         let (index, count) = (number - numbers.start + 1, numbers.end - numbers.start);
         let what = format!("frame {index} of {count}");
         let rays = self.plan.rays.camera;
-        let bar = Bar::new(rays.saturating_mul(count), self.job.quiet)
-            .after(rays.saturating_mul(index - 1), self.began)
+        // Frames that an earlier run finished took no time of this one.
+        let (own, rendered) = (count - self.done.skipped, self.done.rendered);
+        let bar = Bar::new(rays.saturating_mul(own), self.job.quiet)
+            .after(rays.saturating_mul(rendered), self.began)
             .named(what);
         let start = Instant::now();
         let prepared = match &mut self.prepared {

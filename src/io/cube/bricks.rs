@@ -26,7 +26,6 @@ use super::negative::Negative;
 use super::pages::{InOrder, Pages};
 use super::samples::Samples;
 use super::store::Store;
-use crate::accel::vectors::prefetch;
 use crate::error::{Error, Result};
 use crate::io::npy::Dtype;
 
@@ -435,20 +434,29 @@ impl Bricks {
         !self.dead.is_empty()
     }
 
-    /// Has `samples` be of the type in which lookups take them from here: that of bricks, or f64 where some are mended.
-    pub fn set_type(&self, samples: &mut Samples) {
-        let is_right = match (&*samples, &self.dtype) {
-            _ if self.is_mended() => matches!(samples, Samples::F64(_)),
-            (Samples::F16(_), Dtype::F16) | (Samples::F32(_), Dtype::F32) => true,
-            (Samples::F64(_), dtype) => !matches!(dtype, Dtype::F16 | Dtype::F32),
-            _ => false,
-        };
-        if !is_right {
-            *samples = match self.is_mended() {
-                true => Samples::F64(Vec::new()),
-                false => zeros(&self.dtype, 0),
-            };
+    /// A brick of zeros: what type samples have.
+    pub(crate) fn sample_type(&self) -> &Samples {
+        &self.zeros
+    }
+
+    /// So many zeros, as samples are held.
+    pub(super) fn zeros(&self, count: usize) -> Samples {
+        zeros(&self.dtype, count)
+    }
+
+    /// Where samples lie, if they are in bricks in the order in which they are counted.
+    pub(super) fn in_order(&self) -> Option<InOrder> {
+        match &self.form {
+            Form::Pages(pages) => pages.in_order(),
+            #[cfg(any(feature = "hdf5", feature = "zarr"))]
+            Form::Chunks(_) => None,
         }
+    }
+
+    /// The samples of a brick that is at hand.
+    #[inline]
+    pub(super) fn of<'a>(&self, held: &'a Held, brick: u64) -> Option<&'a Samples> {
+        held.get(self, brick)
     }
 
     /// Notes the bricks of `count` samples from the `origin`-th of the cube on, all of one pixel, as they are counted by rows, columns,
@@ -471,18 +479,8 @@ impl Bricks {
         (bin / bins, bin % bins)
     }
 
-    #[inline(always)]
-    fn runs_from(&self, origin: u64, count: usize, each: impl FnMut(u64, usize, usize)) {
-        // Divisions take longer than all the rest: files that count as we do need none.
-        #[cfg_attr(
-            not(any(feature = "hdf5", feature = "zarr")),
-            allow(irrefutable_let_patterns)
-        )]
-        if let Form::Pages(pages) = &self.form
-            && pages.is_in_order()
-        {
-            return pages.run(origin, count, each);
-        }
+    /// Gives to `each` in which bricks `count` samples from the `origin`-th on lie, from where on, and how many; all are of one pixel.
+    pub(super) fn runs_from(&self, origin: u64, count: usize, each: impl FnMut(u64, usize, usize)) {
         let (pixel, bin) = self.place(origin);
         self.runs(pixel, bin, count / self.shape[3], each);
     }
@@ -530,7 +528,7 @@ impl Bricks {
 
     /// The samples of a brick that is not at hand.
     #[cold]
-    fn not_at_hand(&self, brick: u64) -> Arc<Samples> {
+    pub(super) fn not_at_hand(&self, brick: u64) -> Arc<Samples> {
         if self.counts_only {
             self.note(brick);
             return self.zeros.clone();
@@ -615,167 +613,6 @@ impl Held {
             self.0.resize(AT_HAND, None);
         }
         self.0[Held::slot(of, brick)] = Some((of.number, brick, samples));
-    }
-}
-
-/// A number as bricks hold it.
-pub trait Stored: Copy {
-    /// 0.
-    const NONE: Self;
-    /// Samples of this type; none where they are of another.
-    fn of(samples: &Samples) -> &[Self];
-}
-
-impl Stored for f16 {
-    const NONE: f16 = f16::ZERO;
-
-    #[inline(always)]
-    fn of(samples: &Samples) -> &[f16] {
-        match samples {
-            Samples::F16(samples) => samples,
-            _ => &[],
-        }
-    }
-}
-
-impl Stored for f32 {
-    const NONE: f32 = 0.0;
-
-    #[inline(always)]
-    fn of(samples: &Samples) -> &[f32] {
-        match samples {
-            Samples::F32(samples) => samples,
-            _ => &[],
-        }
-    }
-}
-
-impl Stored for f64 {
-    const NONE: f64 = 0.0;
-
-    #[inline(always)]
-    fn of(samples: &Samples) -> &[f64] {
-        match samples {
-            Samples::F64(samples) => samples,
-            _ => &[],
-        }
-    }
-}
-
-/// Reads runs of samples as they are held. Runs of one row of taps often lie in the brick of the last one.
-pub struct Runs<'a, T> {
-    bricks: &'a Bricks,
-    held: &'a Held,
-    /// Where samples lie, if in order.
-    places: Option<InOrder>,
-    /// By row, the brick that was looked for last, and its samples; none if that is not at hand.
-    last: [(u64, Option<&'a [T]>); 2],
-}
-
-impl<'a, T: Stored> Runs<'a, T> {
-    /// Of bricks no bin of which is mended.
-    pub fn new(bricks: &'a Bricks, held: &'a Held) -> Self {
-        let places = match &bricks.form {
-            Form::Pages(pages) => pages.in_order(),
-            #[cfg(any(feature = "hdf5", feature = "zarr"))]
-            Form::Chunks(_) => None,
-        };
-        Runs {
-            bricks,
-            held,
-            places,
-            last: [(u64::MAX, None); 2],
-        }
-    }
-
-    #[inline(always)]
-    fn brick(&mut self, row: usize, brick: u64) -> Option<&'a [T]> {
-        let last = &mut self.last[row];
-        if last.0 != brick {
-            *last = (brick, self.held.get(self.bricks, brick).map(T::of));
-        }
-        last.1
-    }
-
-    /// The brick that all of `count` samples from the `origin`-th of the cube on lie in, and from where on; none where there are several,
-    /// or where samples are in another order. All are of one pixel.
-    #[inline(always)]
-    fn whole(&self, origin: u64, count: usize) -> Option<(u64, usize)> {
-        self.places.and_then(|places| places.whole(origin, count))
-    }
-
-    /// Notes the bricks of these samples that are not at hand.
-    #[inline(always)]
-    pub fn want(&mut self, row: usize, origin: u64, count: usize, wanted: &mut Vec<u64>) {
-        match self.whole(origin, count) {
-            Some((brick, _)) => self.want_brick(row, brick, wanted),
-            None => self.want_parts(row, origin, count, wanted),
-        }
-    }
-
-    #[inline(always)]
-    fn want_brick(&mut self, row: usize, brick: u64, wanted: &mut Vec<u64>) {
-        let before = self.last[row].0;
-        if self.brick(row, brick).is_none() && before != brick {
-            wanted.push(brick);
-        }
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn want_parts(&mut self, row: usize, origin: u64, count: usize, wanted: &mut Vec<u64>) {
-        let bricks = self.bricks;
-        bricks.runs_from(origin, count, |brick, _, _| {
-            self.want_brick(row, brick, wanted);
-        });
-    }
-
-    /// Asks for these samples, to be read soon.
-    #[inline(always)]
-    pub fn ask(&mut self, row: usize, origin: u64, count: usize) {
-        if let Some((brick, from)) = self.whole(origin, count)
-            && let Some(samples) = self.brick(row, brick)
-        {
-            prefetch(samples, from);
-            prefetch(samples, from + count - 1);
-        }
-    }
-
-    /// Fills `to` with them.
-    #[inline(always)]
-    pub fn read(&mut self, row: usize, origin: u64, to: &mut [T]) {
-        // Almost all lie in one brick: such copies have a length that is known to the compiler.
-        if let Some((brick, from)) = self.whole(origin, to.len())
-            && let Some(samples) = self.brick(row, brick)
-        {
-            if let Some(samples) = samples.get(from..from + to.len()) {
-                to.copy_from_slice(samples);
-            }
-            return;
-        }
-        self.read_parts(row, origin, to);
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn read_parts(&mut self, row: usize, origin: u64, to: &mut [T]) {
-        let mut at = 0;
-        let bricks = self.bricks;
-        bricks.runs_from(origin, to.len(), |brick, from, count| {
-            let to = &mut to[at..at + count];
-            at += count;
-            let held;
-            let samples = match self.brick(row, brick) {
-                Some(samples) => samples,
-                None => {
-                    held = bricks.not_at_hand(brick);
-                    T::of(&held)
-                }
-            };
-            if let Some(samples) = samples.get(from..from + count) {
-                to.copy_from_slice(samples);
-            }
-        });
     }
 }
 

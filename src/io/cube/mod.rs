@@ -23,6 +23,7 @@ mod npy;
 mod number;
 mod pages;
 mod picture;
+mod pieces;
 mod samples;
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
 mod selection;
@@ -41,7 +42,6 @@ use absent::zarr;
 
 pub use axes::{Axes, Axis};
 pub use bricks::{Bricks, BytesRead, Held, LEAST_ROOM, Peeked};
-pub(crate) use bricks::{Runs, Stored};
 pub use byte_order::{ByteOrder, Sign};
 pub use channels::{Channel, Channels};
 pub use convert::{Changes, Converted, convert};
@@ -50,6 +50,7 @@ pub use format::{CubeFormat, CubeInfo, FileTimes, Transfer, Wanted};
 pub use negative::{BelowZero, Negative};
 pub use pages::BRICK;
 pub use picture::frame_count;
+pub(crate) use pieces::Pieces;
 pub use samples::{Cube, CubeError, Samples};
 pub use sequence::{frame_size, is_picture, is_sequence, is_zarr, pictures};
 pub use table::{FORMATS, arrays, format_of, inspect, load, load_bytes, times, wall};

@@ -190,12 +190,6 @@ impl Pages {
         1 << self.per_brick
     }
 
-    /// Whether samples are counted in the file by rows, columns, bins and channels.
-    #[inline(always)]
-    pub fn is_in_order(&self) -> bool {
-        self.is_in_order
-    }
-
     /// Gives to `each` where `count` samples from the `first` of the file on lie: in which brick, from where on in that, and how
     /// many.
     #[inline(always)]

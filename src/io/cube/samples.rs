@@ -83,6 +83,30 @@ impl Samples {
         each * self.len() as u64
     }
 
+    /// Has room for so many; new ones are 0.
+    pub(super) fn resize(&mut self, count: usize) {
+        match self {
+            Samples::F16(s) => s.resize(count, half::f16::ZERO),
+            Samples::F32(s) => s.resize(count, 0.0),
+            Samples::F64(s) => s.resize(count, 0.0),
+        }
+    }
+
+    /// Copies those of `from` in `range`, if they are of this type and both have them, to place `at` and on.
+    pub(super) fn copy(&mut self, at: usize, from: &Samples, range: std::ops::Range<usize>) {
+        fn each<T: Copy>(to: &mut [T], at: usize, from: &[T], range: std::ops::Range<usize>) {
+            if let (Some(to), Some(from)) = (to.get_mut(at..at + range.len()), from.get(range)) {
+                to.copy_from_slice(from);
+            }
+        }
+        match (self, from) {
+            (Samples::F16(to), Samples::F16(from)) => each(to, at, from, range),
+            (Samples::F32(to), Samples::F32(from)) => each(to, at, from, range),
+            (Samples::F64(to), Samples::F64(from)) => each(to, at, from, range),
+            _ => {}
+        }
+    }
+
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0

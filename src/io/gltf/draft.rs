@@ -80,6 +80,14 @@ fn warn_of_unread(document: &Document, placed: &[Placed], want: Want, warnings: 
     if let Some(first) = lights.first().filter(|_| want.shading) {
         let place = document.node_label(first.node);
         warnings.add_many(LIGHTS_UNREAD, &place, lights.len() as u64);
+        let limited = lights
+            .iter()
+            .filter(|placed| lights::has_range(document, placed.node));
+        for placed in limited {
+            let what =
+                "the range of its light is not applied: light falls off as 1/r² at any distance";
+            warnings.add(what, &document.node_label(placed.node));
+        }
     }
 }
 

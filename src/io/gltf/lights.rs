@@ -1,5 +1,6 @@
 //! Lights of a file (KHR_lights_punctual): they shine along their node's local −Z. Candela and lux are taken as the
-//! power that they weigh, without a factor; a `range`, which cuts the law of inverse squares, is not applied.
+//! power that they weigh, without a factor; a `range`, beyond which a program
+//! may take it for dark, is not applied: it is a hint, and light falls off as 1/r² at any distance.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -55,6 +56,12 @@ fn all<'d>(document: &'d Document) -> &'d [Light] {
     let extensions = document.root.extensions.as_ref();
     let lights = extensions.and_then(|all| all.khr_lights_punctual.as_ref());
     lights.map_or(&[], |all| &all.lights)
+}
+
+/// Whether the light of a node says beyond which distance programs need not compute it.
+pub(super) fn has_range(document: &Document, node: usize) -> bool {
+    let light = index_of(document, node).and_then(|index| all(document).get(index));
+    light.is_some_and(|light| light.range.is_some())
 }
 
 fn name(document: &Document, node: usize, light: Option<&Light>) -> String {

@@ -5,12 +5,12 @@
 
 use super::axis::{Reading, Timeline};
 use super::capture_points::CapturePoints;
+use super::from_disk::FromDisk;
 use super::gather::{Reads, read};
-use super::lookups::{FromDisk, bytes_of};
+use super::lookups::bytes_of;
 use super::places::{BATCH, Cubic, CubicMeans, Filter, Linear, MOST_BINS, Nearest, integer};
 use super::texture::TimeTexture;
 use crate::accel::vectors::{VectorLoop, dispatch};
-use crate::io::cube::{CubeStore, Samples};
 use crate::scene::model::TimeFilter;
 
 /// A batch of lookups and, after [`TimeTexture::sample_taps`], the answers.
@@ -187,12 +187,7 @@ impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
         for at in 0..BATCH {
             held[at] = 0.0 + weights[0][at] + weights[1][at] + weights[2][at] + weights[3][at];
         }
-        let samples = match store {
-            CubeStore::Memory(cube) => &cube.samples,
-            CubeStore::Disk(bricks) => {
-                from_disk.bring_together::<N>(bricks, (origins, plain), count)
-            }
-        };
+        let source = from_disk.source::<N>(store, (origins, plain), count);
         // Only those are read that are plain.
         let (mut which, mut open) = ([0; BATCH], 0);
         for (at, is_plain) in plain.iter().enumerate().take(count) {
@@ -205,14 +200,7 @@ impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
             bins,
             plain: which,
         };
-        match (samples, store.shape()[3]) {
-            (Samples::F16(s), 3) => read::<_, _, 3, N>(s, &reads, open, factor, radiance),
-            (Samples::F16(s), _) => read::<_, _, 1, N>(s, &reads, open, factor, radiance),
-            (Samples::F32(s), 3) => read::<_, _, 3, N>(s, &reads, open, factor, radiance),
-            (Samples::F32(s), _) => read::<_, _, 1, N>(s, &reads, open, factor, radiance),
-            (Samples::F64(s), 3) => read::<_, _, 3, N>(s, &reads, open, factor, radiance),
-            (Samples::F64(s), _) => read::<_, _, 1, N>(s, &reads, open, factor, radiance),
-        }
+        read::<_, N>((&source, store.shape()[3]), &reads, open, factor, radiance);
     }
 }
 

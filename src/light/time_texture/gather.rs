@@ -1,8 +1,11 @@
 //! Samples of many lookups: asked for some lookups ahead, brought together, widened, summed.
 
+use half::f16;
+
 use super::places::{BATCH, MOST_BINS, Places};
 use super::reader::Sample;
 use crate::accel::vectors::prefetch;
+use crate::io::cube::Samples;
 
 /// Lookups whose samples are brought together.
 const GROUP: usize = 16;
@@ -41,10 +44,66 @@ impl Reads for Places {
     }
 }
 
-/// Sums the samples of `count` lookups.
+/// The samples that lookups read.
+pub(super) enum Source<'a, S> {
+    /// All, as origins count them.
+    Whole(&'a [S]),
+    /// In pieces: which of them each tap reads, by tap and lookup; origins count in it.
+    Pieces(Vec<&'a [S]>, &'a [[u16; BATCH]; 4]),
+}
+
+impl<'a, S> Source<'a, S> {
+    /// `count` samples from the `first` on; none where they are not all there. What is not plain may lie anywhere.
+    #[inline(always)]
+    fn get(&self, (tap, at): (usize, usize), first: usize, count: usize) -> Option<&'a [S]> {
+        let samples = match self {
+            Source::Whole(samples) => samples,
+            Source::Pieces(pieces, which) => pieces.get(usize::from(which[tap][at]))?,
+        };
+        samples.get(first..first + count)
+    }
+}
+
+/// Samples of any type.
+pub(super) enum AnySource<'a> {
+    F16(Source<'a, f16>),
+    F32(Source<'a, f32>),
+    F64(Source<'a, f64>),
+}
+
+impl<'a> AnySource<'a> {
+    /// All of these.
+    pub fn whole(samples: &'a Samples) -> Self {
+        match samples {
+            Samples::F16(samples) => AnySource::F16(Source::Whole(samples)),
+            Samples::F32(samples) => AnySource::F32(Source::Whole(samples)),
+            Samples::F64(samples) => AnySource::F64(Source::Whole(samples)),
+        }
+    }
+}
+
+/// Sums the samples of `count` lookups of N bins, of cubes with so many channels.
 #[inline(always)]
-pub(super) fn read<S: Sample, R: Reads, const C: usize, const N: usize>(
-    samples: &[S],
+pub(super) fn read<R: Reads, const N: usize>(
+    (source, channels): (&AnySource, usize),
+    places: &R,
+    count: usize,
+    factor: f64,
+    radiance: &mut [[f64; 4]; BATCH],
+) {
+    match (source, channels) {
+        (AnySource::F16(s), 3) => read_as::<_, _, 3, N>(s, places, count, factor, radiance),
+        (AnySource::F16(s), _) => read_as::<_, _, 1, N>(s, places, count, factor, radiance),
+        (AnySource::F32(s), 3) => read_as::<_, _, 3, N>(s, places, count, factor, radiance),
+        (AnySource::F32(s), _) => read_as::<_, _, 1, N>(s, places, count, factor, radiance),
+        (AnySource::F64(s), 3) => read_as::<_, _, 3, N>(s, places, count, factor, radiance),
+        (AnySource::F64(s), _) => read_as::<_, _, 1, N>(s, places, count, factor, radiance),
+    }
+}
+
+#[inline(always)]
+fn read_as<S: Sample, R: Reads, const C: usize, const N: usize>(
+    source: &Source<S>,
     places: &R,
     count: usize,
     factor: f64,
@@ -53,15 +112,15 @@ pub(super) fn read<S: Sample, R: Reads, const C: usize, const N: usize>(
     // The samples of the next group are on their way while those of this one are summed.
     let mut staged = [S::ZERO; ROOM];
     let mut wide = [S::ZERO.wide(); ROOM];
-    ask_for::<S, R, C, N>(samples, places, 0, count);
+    ask_for::<S, R, C, N>(source, places, 0, count);
     let mut begin = 0;
     while begin < count {
         let end = (begin + GROUP).min(count);
-        ask_for::<S, R, C, N>(samples, places, end, count);
+        ask_for::<S, R, C, N>(source, places, end, count);
         let mut k = begin;
         while k < end {
             let to = &mut staged[(k - begin) * 4 * N * C..];
-            stage::<S, R, C, N>(samples, places, places.lookup(k), to);
+            stage::<S, R, C, N>(source, places, places.lookup(k), to);
             k += 1;
         }
         let used = (end - begin) * 4 * N * C;
@@ -80,7 +139,7 @@ pub(super) fn read<S: Sample, R: Reads, const C: usize, const N: usize>(
 /// Prefetches the samples of the group that begins at `begin`.
 #[inline(always)]
 fn ask_for<S, R: Reads, const C: usize, const N: usize>(
-    samples: &[S],
+    source: &Source<S>,
     places: &R,
     begin: usize,
     count: usize,
@@ -90,9 +149,10 @@ fn ask_for<S, R: Reads, const C: usize, const N: usize>(
         let at = places.lookup(k);
         let mut tap = 0;
         while tap < 4 {
-            let first = places.origin(tap, at);
-            prefetch(samples, first);
-            prefetch(samples, first + N * C - 1);
+            if let Some(samples) = source.get((tap, at), places.origin(tap, at), N * C) {
+                prefetch(samples, 0);
+                prefetch(samples, N * C - 1);
+            }
             tap += 1;
         }
         k += 1;
@@ -102,7 +162,7 @@ fn ask_for<S, R: Reads, const C: usize, const N: usize>(
 /// Copies the samples of one lookup, tap after tap.
 #[inline(always)]
 fn stage<S: Sample, R: Reads, const C: usize, const N: usize>(
-    samples: &[S],
+    source: &Source<S>,
     places: &R,
     at: usize,
     to: &mut [S],
@@ -110,9 +170,7 @@ fn stage<S: Sample, R: Reads, const C: usize, const N: usize>(
     let to = &mut to[..4 * N * C];
     let mut tap = 0;
     while tap < 4 {
-        let first = places.origin(tap, at);
-        // What is not plain may lie anywhere.
-        if let Some(from) = samples.get(first..first + N * C) {
+        if let Some(from) = source.get((tap, at), places.origin(tap, at), N * C) {
             to[tap * N * C..(tap + 1) * N * C].copy_from_slice(from);
         }
         tap += 1;

@@ -8,12 +8,12 @@
 use glam::DVec2;
 
 use super::axis::{Reading, Timeline};
+use super::from_disk::FromDisk;
 use super::gather::read;
 use super::places::{BATCH, Cubic, CubicMeans, Filter, Linear, MOST_BINS, Nearest, Places, place};
 use super::texture::{Sampled, TimeTexture};
 use super::weights::bins_of;
 use crate::accel::vectors::{VectorLoop, dispatch};
-use crate::io::cube::{Bricks, CubeStore, Held, Runs, Samples, Stored};
 use crate::scene::model::TimeFilter;
 
 /// A batch of lookups: what is asked and, after [`TimeTexture::sample_each`], the answers.
@@ -31,25 +31,6 @@ pub struct Lookups {
     pub others: Vec<(usize, Sampled)>,
     places: Places,
     from_disk: FromDisk,
-}
-
-/// What lookups from bricks need.
-#[derive(Debug)]
-pub(super) struct FromDisk {
-    held: Held,
-    wanted: Vec<u64>,
-    /// The samples of all taps, brought together.
-    values: Samples,
-}
-
-impl Default for FromDisk {
-    fn default() -> Self {
-        FromDisk {
-            held: Held::default(),
-            wanted: Vec::new(),
-            values: Samples::F64(Vec::new()),
-        }
-    }
 }
 
 impl Default for Lookups {
@@ -163,130 +144,17 @@ impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
             self.count,
             places,
         );
-        // The types of samples and the numbers of channels are told apart once for a batch.
-        let factor = self.texture.factor();
         let store = self.texture.cube();
-        let samples = match store {
-            CubeStore::Memory(cube) => &cube.samples,
-            CubeStore::Disk(bricks) => {
-                let Places { origins, plain, .. } = &mut *places;
-                from_disk.bring_together::<N>(bricks, (origins, plain), self.count)
-            }
-        };
-        match (samples, store.shape()[3]) {
-            (Samples::F16(s), 3) => read::<_, _, 3, N>(s, places, self.count, factor, radiance),
-            (Samples::F16(s), _) => read::<_, _, 1, N>(s, places, self.count, factor, radiance),
-            (Samples::F32(s), 3) => read::<_, _, 3, N>(s, places, self.count, factor, radiance),
-            (Samples::F32(s), _) => read::<_, _, 1, N>(s, places, self.count, factor, radiance),
-            (Samples::F64(s), 3) => read::<_, _, 3, N>(s, places, self.count, factor, radiance),
-            (Samples::F64(s), _) => read::<_, _, 1, N>(s, places, self.count, factor, radiance),
-        }
-    }
-}
-
-impl FromDisk {
-    /// Reads the bricks of those of the first `count` lookups that are plain, each once; brings their samples together, as they are
-    /// stored, and has the origins of their taps tell where they are now.
-    pub fn bring_together<const N: usize>(
-        &mut self,
-        bricks: &Bricks,
-        (origins, plain): (&mut [[u64; BATCH]; 4], &[bool; BATCH]),
-        count: usize,
-    ) -> &Samples {
-        bricks.set_type(&mut self.values);
-        let (held, wanted) = (&mut self.held, &mut self.wanted);
-        let taps = (&*origins, plain, count);
-        match (&mut self.values, bricks.shape()[3]) {
-            (Samples::F64(values), _) if bricks.is_mended() => {
-                collect_mended::<N>(bricks, taps, (held, wanted), values);
-            }
-            (Samples::F16(to), 3) => collect::<_, 3, N>(bricks, taps, (held, wanted), to),
-            (Samples::F16(to), _) => collect::<_, 1, N>(bricks, taps, (held, wanted), to),
-            (Samples::F32(to), 3) => collect::<_, 3, N>(bricks, taps, (held, wanted), to),
-            (Samples::F32(to), _) => collect::<_, 1, N>(bricks, taps, (held, wanted), to),
-            (Samples::F64(to), 3) => collect::<_, 3, N>(bricks, taps, (held, wanted), to),
-            (Samples::F64(to), _) => collect::<_, 1, N>(bricks, taps, (held, wanted), to),
-        }
-        // Origins now count in the copies.
-        let each = N * bricks.shape()[3];
-        for (tap, origins) in origins.iter_mut().enumerate() {
-            for (at, origin) in origins[..count].iter_mut().enumerate() {
-                *origin = ((at * 4 + tap) * each) as u64;
-            }
-        }
-        &self.values
-    }
-}
-
-/// The origins of taps, which lookups are plain, and how many there are.
-type Taps<'a> = (&'a [[u64; BATCH]; 4], &'a [bool; BATCH], usize);
-
-/// How many lookups ahead of their use samples in bricks are asked for.
-const AHEAD: usize = 16;
-
-/// Copies the samples of plain lookups from bricks: four taps of N bins each.
-#[inline(never)]
-fn collect<T: Stored, const C: usize, const N: usize>(
-    bricks: &Bricks,
-    (origins, plain, count): Taps,
-    (held, wanted): (&mut Held, &mut Vec<u64>),
-    values: &mut Vec<T>,
-) {
-    // All bricks of the batch are named first, so that each is read once.
-    let mut runs = Runs::<T>::new(bricks, held);
-    for at in (0..count).filter(|at| plain[*at]) {
-        for (tap, origins) in origins.iter().enumerate() {
-            runs.want(tap / 2, origins[at], N * C, wanted);
-        }
-    }
-    if !wanted.is_empty() {
-        bricks.bring(held, wanted);
-    }
-    values.resize(count * 4 * N * C, T::NONE);
-    // What is read some lookups later is asked for.
-    let mut later = Runs::<T>::new(bricks, held);
-    let mut runs = Runs::<T>::new(bricks, held);
-    let mut ask = |at: usize| {
-        if at < count && plain[at] {
-            for (tap, origins) in origins.iter().enumerate() {
-                later.ask(tap / 2, origins[at], N * C);
-            }
-        }
-    };
-    (0..AHEAD).for_each(&mut ask);
-    for (at, values) in values.chunks_exact_mut(4 * N * C).enumerate() {
-        ask(at + AHEAD);
-        if !plain[at] {
-            continue;
-        }
-        for (tap, values) in values.chunks_exact_mut(N * C).enumerate() {
-            runs.read(tap / 2, origins[tap][at], values);
-        }
-    }
-}
-
-/// The same where some bins are mended.
-#[cold]
-fn collect_mended<const N: usize>(
-    bricks: &Bricks,
-    (origins, plain, count): Taps,
-    (held, wanted): (&mut Held, &mut Vec<u64>),
-    values: &mut Vec<f64>,
-) {
-    let each = N * bricks.shape()[3];
-    let plain = || (0..count).filter(|at| plain[*at]);
-    for at in plain() {
-        for tap in origins {
-            bricks.want_from(held, tap[at], each, wanted);
-        }
-    }
-    bricks.bring(held, wanted);
-    values.resize(count * 4 * each, 0.0);
-    for at in plain() {
-        for (tap, origins) in origins.iter().enumerate() {
-            let values = &mut values[(at * 4 + tap) * each..][..each];
-            bricks.samples_from(held, origins[at], values);
-        }
+        let Places { origins, plain, .. } = &mut *places;
+        let source = from_disk.source::<N>(store, (origins, plain), self.count);
+        let read_of = (&source, store.shape()[3]);
+        read::<_, N>(
+            read_of,
+            &*places,
+            self.count,
+            self.texture.factor(),
+            radiance,
+        );
     }
 }
 

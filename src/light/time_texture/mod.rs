@@ -27,6 +27,7 @@ mod capture;
 mod capture_lookups;
 mod capture_points;
 mod coverage;
+mod from_disk;
 mod gather;
 mod irregular;
 mod lookups;

@@ -203,7 +203,7 @@ fn the_lights_of_a_model_are_lights_of_its_scene_in_place_of_a_sun() {
         serde_json::from_slice(&folder.read("model.gltf")).unwrap();
     document["extensionsUsed"] = json!(["KHR_lights_punctual"]);
     document["extensions"] = json!({ "KHR_lights_punctual": { "lights": [
-        { "type": "spot", "intensity": 5, "spot": { "outerConeAngle": 0.5 } },
+        { "type": "spot", "intensity": 5, "range": 9, "spot": { "outerConeAngle": 0.5 } },
     ] } });
     document["nodes"] = json!([
         { "mesh": 0 },
@@ -218,6 +218,10 @@ fn the_lights_of_a_model_are_lights_of_its_scene_in_place_of_a_sun() {
     arguments.extend(SIZE);
     let said = folder.ok(&arguments);
     assert!(!said.contains("not those of the file"), "{said}");
+    assert!(
+        said.contains("the range of its light is not applied"),
+        "{said}"
+    );
     // A scene that somebody wrote has its own.
     let own = "[camera]\neye = [3, 1, 4]\nlook_at = [3, 1, -2]\nsize = [8, 6]\n[sky]\ngradient = {}\n\
                [[object]]\ngltf = \"model.gltf\"\n";

@@ -1,0 +1,188 @@
+//! Where samples of many lookups lie in the bricks of a cube on disk.
+//!
+//! A lookup reads short runs of samples, each of one pixel. Almost every run lies in one brick, and mostly in that of the run before: such
+//! runs share a piece, and are read where they are. The others are copied into pieces of their own.
+
+use std::mem::discriminant;
+use std::sync::Arc;
+
+use half::f16;
+
+use super::bricks::{Bricks, Held};
+use super::pages::InOrder;
+use super::samples::Samples;
+
+/// Runs of samples in bricks.
+#[derive(Debug)]
+pub(crate) struct Pieces {
+    pieces: Vec<Piece>,
+    /// Samples in a run.
+    count: usize,
+    /// Where samples lie, if in order.
+    places: Option<InOrder>,
+    /// By row of taps, the brick of the last run and its piece.
+    last: [Option<(u64, u16)>; 2],
+    /// Bricks that are not at hand, in the order of their pieces.
+    far: Vec<Arc<Samples>>,
+    /// Samples of the runs that are copied.
+    copied: Samples,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Piece {
+    /// All of a brick.
+    Brick(u64),
+    /// A run that lies in several bricks, or not together in one: the number of its first sample.
+    Copied(u64),
+}
+
+/// A number as bricks hold it.
+pub(crate) trait Stored: Copy {
+    /// Samples of this type; none where they are of another.
+    fn of(samples: &Samples) -> &[Self];
+}
+
+macro_rules! stored {
+    ($number:ty, $variant:ident) => {
+        impl Stored for $number {
+            #[inline(always)]
+            fn of(samples: &Samples) -> &[$number] {
+                match samples {
+                    Samples::$variant(samples) => samples,
+                    _ => &[],
+                }
+            }
+        }
+    };
+}
+
+stored!(f16, F16);
+stored!(f32, F32);
+stored!(f64, F64);
+
+impl Default for Pieces {
+    fn default() -> Self {
+        Pieces {
+            pieces: Vec::new(),
+            count: 0,
+            places: None,
+            last: [None; 2],
+            far: Vec::new(),
+            copied: Samples::F64(Vec::new()),
+        }
+    }
+}
+
+impl Pieces {
+    /// Forgets all; runs to come are of `count` samples of `bricks`, no bin of which is mended.
+    pub fn start(&mut self, bricks: &Bricks, count: usize) {
+        self.pieces.clear();
+        self.far.clear();
+        self.count = count;
+        self.places = bricks.in_order();
+        self.last = [None; 2];
+    }
+
+    /// The piece of the run from the `origin`-th sample of the cube on, at most 2¹⁶ of them, and from where on it lies in that. Notes which
+    /// bricks are not at hand. Runs of one `row` (of two) are looked for together.
+    #[inline(always)]
+    pub fn find(
+        &mut self,
+        bricks: &Bricks,
+        held: &Held,
+        row: usize,
+        origin: u64,
+        wanted: &mut Vec<u64>,
+    ) -> (u16, u64) {
+        let whole = self.places.and_then(|all| all.whole(origin, self.count));
+        let Some((brick, from)) = whole else {
+            return (self.copy(bricks, held, origin, wanted), 0);
+        };
+        let piece = match self.last[row] {
+            Some((last, piece)) if last == brick => piece,
+            _ => self.look_for(bricks, held, (row, brick), wanted),
+        };
+        (piece, from as u64)
+    }
+
+    #[inline(never)]
+    fn look_for(
+        &mut self,
+        bricks: &Bricks,
+        held: &Held,
+        (row, brick): (usize, u64),
+        wanted: &mut Vec<u64>,
+    ) -> u16 {
+        if bricks.of(held, brick).is_none() {
+            wanted.push(brick);
+        }
+        let piece = self.add(Piece::Brick(brick));
+        self.last[row] = Some((brick, piece));
+        piece
+    }
+
+    #[inline(never)]
+    fn copy(&mut self, bricks: &Bricks, held: &Held, origin: u64, wanted: &mut Vec<u64>) -> u16 {
+        bricks.runs_from(origin, self.count, |brick, _, _| {
+            if bricks.of(held, brick).is_none() {
+                wanted.push(brick);
+            }
+        });
+        self.add(Piece::Copied(origin))
+    }
+
+    fn add(&mut self, piece: Piece) -> u16 {
+        self.pieces.push(piece);
+        (self.pieces.len() - 1) as u16
+    }
+
+    /// Gets what is not at hand, as bricks of one batch can drive each other out, and copies the runs that lie apart.
+    pub fn fetch(&mut self, bricks: &Bricks, held: &Held) {
+        let copies = self.pieces.iter().filter(|p| matches!(p, Piece::Copied(_)));
+        let room = copies.count() * self.count;
+        let same = |samples: &Samples| discriminant(samples) == discriminant(bricks.sample_type());
+        if !same(&self.copied) {
+            self.copied = bricks.zeros(0);
+        }
+        self.copied.resize(room);
+        let mut at = 0;
+        for piece in &self.pieces {
+            match *piece {
+                Piece::Brick(brick) => {
+                    if bricks.of(held, brick).is_none() {
+                        self.far.push(bricks.not_at_hand(brick));
+                    }
+                }
+                Piece::Copied(origin) => {
+                    bricks.runs_from(origin, self.count, |brick, from, count| {
+                        let far;
+                        let samples = match bricks.of(held, brick) {
+                            Some(samples) => samples,
+                            None => {
+                                far = bricks.not_at_hand(brick);
+                                &*far
+                            }
+                        };
+                        self.copied.copy(at, samples, from..from + count);
+                        at += count;
+                    });
+                }
+            }
+        }
+    }
+
+    /// The samples of each piece, which were fetched.
+    pub fn samples<'a, T: Stored>(&'a self, bricks: &Bricks, held: &'a Held) -> Vec<&'a [T]> {
+        let copied = T::of(&self.copied).chunks_exact(self.count.max(1));
+        let (mut far, mut copied) = (self.far.iter(), copied);
+        let samples = self.pieces.iter().map(|piece| match *piece {
+            Piece::Brick(brick) => {
+                let samples = bricks.of(held, brick);
+                let samples = samples.or_else(|| far.next().map(|far| &**far));
+                samples.map(T::of).unwrap_or_default()
+            }
+            Piece::Copied(_) => copied.next().unwrap_or_default(),
+        });
+        samples.collect()
+    }
+}

@@ -53,3 +53,12 @@ pub use packet::{Kernel, Method, Precision};
 pub(crate) use rays::Converging;
 pub use rays::{Facing, Hit, NO_SLOT, Origins, Ray, Segment};
 pub use tally::{Counts, NoTally, Tally, Work};
+
+/// Numbers from −1 to 1 that look random, for tests: a linear congruential generator.
+#[cfg(test)]
+pub(crate) fn numbers(mut state: u64) -> impl FnMut() -> f64 {
+    move || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
+        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}

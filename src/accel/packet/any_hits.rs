@@ -495,15 +495,7 @@ mod tests {
     use super::*;
     use crate::accel::packet::method::{Kernel, Method, Precision};
     use crate::accel::vectors::Columns;
-    use crate::accel::{Facing, NoTally};
-
-    /// Numbers from −1 to 1.
-    fn numbers(mut state: u64) -> impl FnMut() -> f64 {
-        move || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
-            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        }
-    }
+    use crate::accel::{Facing, NoTally, numbers};
 
     #[test]
     fn segments_to_one_point_are_blocked_as_single_ones_are() {

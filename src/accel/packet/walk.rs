@@ -291,15 +291,7 @@ impl<K: Simd> Filter<K> {
 mod tests {
     use super::*;
     use crate::accel::packet::method::{Kernel, Method, Precision};
-    use crate::accel::{Facing, NoTally, Origins, Ray, Segment};
-
-    /// Numbers from −1 to 1.
-    fn numbers(mut state: u64) -> impl FnMut() -> f64 {
-        move || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
-            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        }
-    }
+    use crate::accel::{Facing, NoTally, Origins, Ray, Segment, numbers};
 
     #[test]
     fn incoherent_rays_and_segments_find_what_the_binary_tree_finds() {

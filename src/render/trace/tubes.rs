@@ -102,16 +102,8 @@ impl Bundle {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::{Bvh, Facing, Ray};
+    use crate::accel::{Bvh, Facing, Ray, numbers};
     use crate::spacetime::{Direction, InertialFrame, NullRay, Velocity};
-
-    /// Numbers from −1 to 1.
-    fn numbers(mut state: u64) -> impl FnMut() -> f64 {
-        move || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
-            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        }
-    }
 
     #[test]
     fn what_light_meets_is_never_taken_for_apart() {

@@ -39,11 +39,18 @@ pub struct Case {
 
 pub enum Light {
     Base,
-    Uv { filter: &'static str, line: bool },
+    Uv {
+        filter: &'static str,
+        line: bool,
+    },
     Spectra,
     Capture,
     Pulse,
-    Lamp { shadows: bool },
+    Lamp {
+        shadows: bool,
+        matte: bool,
+        count: u32,
+    },
     Sky,
     Panorama,
 }
@@ -77,6 +84,14 @@ const fn case(name: &'static str, moving: bool, light: Light) -> Case {
     }
 }
 
+const fn lamps(count: u32, shadows: bool, matte: bool) -> Light {
+    Light::Lamp {
+        shadows,
+        matte,
+        count,
+    }
+}
+
 pub const CASES: &[Case] = &[
     case("at rest", false, Light::Base),
     case("0.9c", true, Light::Base),
@@ -90,15 +105,18 @@ pub const CASES: &[Case] = &[
     ),
     case("0.9c, projected capture", true, Light::Capture),
     case("0.9c, pulse with shadows", true, Light::Pulse),
+    case("0.9c, lamp without shadows", true, lamps(1, false, false)),
+    case("0.9c, lamp with shadows", true, lamps(1, true, false)),
     case(
-        "0.9c, lamp without shadows",
+        "0.9c, two lamps without shadows",
         true,
-        Light::Lamp { shadows: false },
+        lamps(2, false, false),
     ),
+    case("0.9c, lamp on matte surfaces", true, lamps(1, false, true)),
     case(
-        "0.9c, lamp with shadows",
+        "0.9c, two lamps on matte surfaces",
         true,
-        Light::Lamp { shadows: true },
+        lamps(2, false, true),
     ),
     case("0.9c, gradient sky behind", true, Light::Sky),
     case("0.9c, panorama behind", true, Light::Panorama),
@@ -179,12 +197,16 @@ impl Files {
         }
     }
 
-    /// `mesh.glb` of `triangles`, with texture coordinates by x and y, `cube.npy` and `sky.hdr`.
+    /// `mesh.glb` of `triangles`, with texture coordinates by x and y, of glTF's default material, which is a rough metal, and
+    /// `matte.glb`; `cube.npy` and `sky.hdr`.
     pub fn write(folder: &Path, triangles: &[[DVec3; 3]], cube: [usize; 3]) -> Files {
         let points = || triangles.iter().flatten().copied();
         let lo = points().fold(DVec3::INFINITY, DVec3::min);
         let hi = points().fold(DVec3::NEG_INFINITY, DVec3::max);
-        std::fs::write(folder.join("mesh.glb"), glb(triangles, lo, hi)).expect("mesh");
+        for (name, metallic) in [("mesh.glb", 1), ("matte.glb", 0)] {
+            let mesh = glb(triangles, lo, hi, metallic);
+            std::fs::write(folder.join(name), mesh).expect("mesh");
+        }
         std::fs::write(folder.join("cube.npy"), npy(cube)).expect("cube");
         std::fs::write(folder.join("sky.hdr"), panorama(2048)).expect("sky");
         Files {
@@ -220,7 +242,11 @@ pub fn of_mesh(files: &Files, case: &Case, place: Place, image: u32) -> String {
     let eye = c + DVec3::Z * (place.distance * r);
     let camera = camera(eye, place.half_width, case.moving, image);
     let source = source(&case.light, c, r, eye);
-    format!("{camera}\n[[object]]\nname = \"mesh\"\ngltf = \"mesh.glb\"\n{source}")
+    let mesh = match case.light {
+        Light::Lamp { matte: true, .. } => "matte.glb",
+        _ => "mesh.glb",
+    };
+    format!("{camera}\n[[object]]\nname = \"mesh\"\ngltf = \"{mesh}\"\n{source}")
 }
 
 /// A camera that looks along −z; a moving one approaches at 0.9 c.
@@ -274,11 +300,14 @@ fn source(light: &Light, c: DVec3, r: f64, eye: DVec3) -> String {
         }
         Light::Panorama => "[sky]\nimage = { file = \"sky.hdr\" }\nlights = false\n".into(),
         Light::Sky => "[sky]\ngradient = {}\nlights = false\n".into(),
-        Light::Lamp { shadows } => {
-            let lamp = (c + DVec3::new(0.5, 0.6, 0.4) * r).to_array();
-            format!(
-                "[[light]]\nposition = {lamp:?}\nshadows = {shadows}\nvelocity = {{ beta = [0.3, 0, 0] }}\n"
-            )
+        Light::Lamp { shadows, count, .. } => {
+            let lamp = |k| {
+                let lamp = (c + DVec3::new(0.5 - f64::from(k), 0.6, 0.4) * r).to_array();
+                format!(
+                    "[[light]]\nposition = {lamp:?}\nshadows = {shadows}\nvelocity = {{ beta = [0.3, 0, 0] }}\n"
+                )
+            };
+            (0..*count).map(lamp).collect()
         }
         Light::Pulse => {
             let lamp = (c + DVec3::new(0.5, 0.6, 0.4) * r).to_array();
@@ -306,8 +335,8 @@ pub fn spheres(frames: usize, image: u32) -> String {
     text
 }
 
-/// A binary glTF file of unindexed triangles, texture coordinates 0 to 1 over x and y.
-fn glb(triangles: &[[DVec3; 3]], lo: DVec3, hi: DVec3) -> Vec<u8> {
+/// A binary glTF file of unindexed triangles, texture coordinates 0 to 1 over x and y, of a rough material.
+fn glb(triangles: &[[DVec3; 3]], lo: DVec3, hi: DVec3, metallic: u32) -> Vec<u8> {
     let count = 3 * triangles.len();
     let points = || triangles.iter().flatten();
     let uv = |p: &DVec3| {
@@ -319,7 +348,8 @@ fn glb(triangles: &[[DVec3; 3]], lo: DVec3, hi: DVec3) -> Vec<u8> {
     let data: Vec<u8> = numbers.flat_map(f32::to_le_bytes).collect();
     let json = serde_json::json!({
         "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
-        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 } }] }],
+        "materials": [{ "pbrMetallicRoughness": { "metallicFactor": metallic, "roughnessFactor": 1 } }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "material": 0 }] }],
         "buffers": [{ "byteLength": data.len() }],
         "bufferViews": [
             { "buffer": 0, "byteOffset": 0, "byteLength": 12 * count },

@@ -65,6 +65,14 @@ struct Disc {
     radiance: [f64; 3],
 }
 
+/// How wide pixels are in the world: those of a camera at rest have this angle, and one that moves sees it 1/W as wide.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PixelAngles<'a> {
+    pub angle: f64,
+    /// W by direction.
+    pub ratios: &'a [f64],
+}
+
 impl Sky {
     /// `sky`, with its picture, where it has one, and its stars, which are seen as blackbodies where `thermal_stars` says so.
     pub fn new(
@@ -146,14 +154,13 @@ impl Sky {
         radiance
     }
 
-    /// What [`Sky::radiance`] says of each of `directions`, with a pixel's angle in `angles`, in vector loops.
+    /// What [`Sky::radiance`] says of each of `directions`, with pixels as wide as `angles` says, in vector loops.
     pub(crate) fn radiance_each(
         &self,
         directions: &Columns,
-        angles: &[f64],
+        angles: PixelAngles,
         radiance: &mut Vec<[f64; 3]>,
     ) {
-        radiance.clear();
         radiance.resize(directions.len(), [0.0; 3]);
         match &self.background {
             Background::Uniform(everywhere) => radiance.fill(*everywhere),
@@ -163,7 +170,7 @@ impl Sky {
                 radiance,
             }),
             Background::Image(panorama) => panorama.radiance_each(directions, angles, radiance),
-            Background::Spectrum(_) => {}
+            Background::Spectrum(_) => radiance.fill([0.0; 3]),
         }
         if let Some(stars) = self.stars.as_ref().filter(|_| !self.thermal_stars) {
             for (k, radiance) in radiance.iter_mut().enumerate() {

@@ -11,7 +11,7 @@ use super::run::{Run, TracedRays};
 use super::stats::{Counter, Meter, Stage};
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
 use crate::colour::{self, RgbShift};
-use crate::light::sky::Sky;
+use crate::light::sky::{PixelAngles, Sky};
 use crate::light::time_texture::Coverage;
 use crate::render::film::TileFilm;
 use crate::spacetime::Quantity;
@@ -117,9 +117,8 @@ pub struct Shading {
     /// W of each point of a run, and the factor on its radiance.
     ratios: Vec<f64>,
     factors: Vec<f64>,
-    /// Of rays that meet nothing: look directions in the world, and how wide pixels are there.
+    /// Look directions in the world of rays that meet nothing.
     directions: Columns,
-    angles: Vec<f64>,
 }
 
 /// Consecutive rays in `lit` that hit one patch of one frame.
@@ -218,15 +217,21 @@ impl Shading {
         self.ratios
             .extend(escaped.iter().map(|ray| ratios[*ray as usize]));
         let ratios = &self.ratios;
-        // A pixel sees an angle of the world that is 1/W as wide.
-        self.angles.clear();
-        self.angles.extend(ratios.iter().map(|w| angle / w));
         self.directions.resize(escaped.len());
-        for (k, ray) in escaped.iter().enumerate() {
-            self.directions
-                .set(k, traced.rays.directions[*ray as usize]);
+        for (block, rays) in escaped.chunks(BLOCK).enumerate() {
+            if let Some([x, y, z]) = self.directions.block_mut(block * BLOCK) {
+                for (k, ray) in rays.iter().enumerate() {
+                    let d = traced.rays.directions[*ray as usize];
+                    (x[k], y[k], z[k]) = (d.x, d.y, d.z);
+                }
+            }
         }
-        sky.radiance_each(&self.directions, &self.angles, &mut self.emitted.radiance);
+        // A pixel sees an angle of the world that is 1/W as wide.
+        let pixels = PixelAngles {
+            angle: *angle,
+            ratios,
+        };
+        sky.radiance_each(&self.directions, pixels, &mut self.emitted.radiance);
         let weigh_all = |scaled: Scaling, factors: &mut Vec<f64>| {
             weigh(scaled, ratios, factors);
             if let Some(origins) = traced.rays.origins {

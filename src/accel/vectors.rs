@@ -102,6 +102,14 @@ impl Columns {
         }
     }
 
+    /// Makes them `count` times the same.
+    pub fn fill(&mut self, count: usize, v: DVec3) {
+        self.resize(count);
+        for (column, x) in self.columns.iter_mut().zip(v.to_array()) {
+            column[..count].fill(x);
+        }
+    }
+
     /// Forgets all vectors.
     pub fn clear(&mut self) {
         self.count = 0;
@@ -137,6 +145,23 @@ impl Columns {
     pub fn axes(&self) -> [&[f64]; 3] {
         let [x, y, z] = &self.columns;
         [&x[..self.count], &y[..self.count], &z[..self.count]]
+    }
+
+    /// Makes them those of `from` with these numbers.
+    pub fn gather(&mut self, from: &Columns, numbers: &[u32]) {
+        self.resize(numbers.len());
+        for (to, from) in self.columns.iter_mut().zip(&from.columns) {
+            for (to, number) in to.iter_mut().zip(numbers) {
+                *to = from[*number as usize];
+            }
+        }
+    }
+
+    /// Adds all to the end of `to`.
+    pub fn add_to(&self, to: &mut Vec<[f64; 3]>) {
+        let [x, y, z] = self.axes();
+        let all = x.iter().zip(y).zip(z);
+        to.extend(all.map(|((x, y), z)| [*x, *y, *z]));
     }
 
     /// The vectors from `begin` on, which is where a block begins.

@@ -3,7 +3,6 @@
 //! A radiance is seen with W⁻ᵖ (p by the declared quantity). Linear RGB as spectra is seen as M(W) times what it is at
 //! the source, with M of the power of a radiance. Irradiance has the W² of solid angles more.
 
-use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::colour::RgbShift;
 use crate::spacetime::{Quantity, WavelengthRatio};
 
@@ -45,12 +44,17 @@ impl Received {
         }
     }
 
-    /// [`Received::irradiance_factor`] in place of each W.
+    /// [`Received::irradiance_factor`] in place of each W. A plain loop, to be compiled for wide vectors.
+    #[inline(always)]
     pub(crate) fn irradiance_factors(&self, ratios: &mut [f64]) {
-        dispatch(IrradianceFactors {
-            received: self,
-            ratios,
-        });
+        match self {
+            Received::Scaled(quantity) => quantity.irradiance_factors(ratios),
+            Received::Rgb(_) => {
+                for w in ratios {
+                    *w *= *w;
+                }
+            }
+        }
     }
 
     /// The channels as they are seen at W.
@@ -68,26 +72,6 @@ impl Received {
         match self {
             Received::Scaled(_) => w,
             Received::Rgb(_) => 1.0,
-        }
-    }
-}
-
-/// W to factors.
-struct IrradianceFactors<'a> {
-    received: &'a Received,
-    ratios: &'a mut [f64],
-}
-
-impl VectorLoop for IrradianceFactors<'_> {
-    #[inline(always)]
-    fn run(self) {
-        match self.received {
-            Received::Scaled(quantity) => quantity.irradiance_factors(self.ratios),
-            Received::Rgb(_) => {
-                for w in self.ratios {
-                    *w *= *w;
-                }
-            }
         }
     }
 }

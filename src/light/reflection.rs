@@ -106,7 +106,7 @@ impl Reflection {
     }
 
     /// Of a surface of base colour `colour`.
-    #[inline]
+    #[inline(always)]
     pub fn metallic_roughness(
         normal: DVec3,
         view: DVec3,
@@ -192,7 +192,7 @@ impl Reflection {
         let gloss = self.distribution(self.normal.dot(h)) * self.visibility(self.normal.dot(l));
         let weight = schlick(self.view.dot(h));
         let f = f0 + (DVec3::ONE - f0) * weight;
-        (DVec3::ONE - f) * DVec3::from_array(self.diffuse) / PI + f * gloss
+        (DVec3::ONE - f) * DVec3::from_array(self.diffuse) * FRAC_1_PI + f * gloss
     }
 
     /// [`Reflection::value`] of each of `reflections` that `chosen` names, for the light from its own of `l`.
@@ -415,6 +415,45 @@ impl Reflection {
     }
 }
 
+/// Surfaces of the metallic-roughness model, by component.
+#[derive(Debug, Default)]
+pub(crate) struct Glosses {
+    /// Base colours.
+    pub colours: Columns,
+    pub metallic: Vec<f64>,
+    pub roughness: Vec<f64>,
+}
+
+impl Glosses {
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.metallic.is_empty()
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.colours.clear();
+        self.metallic.clear();
+        self.roughness.clear();
+    }
+}
+
+/// [`Reflection::value`] of a surface of this base colour, metalness and roughness, for loops over many.
+#[inline(always)]
+pub(crate) fn metallic_roughness_value(
+    normal: DVec3,
+    view: DVec3,
+    colour: DVec3,
+    [metallic, roughness]: [f64; 2],
+    l: DVec3,
+) -> DVec3 {
+    let colour = colour.to_array();
+    let of = Reflection::metallic_roughness(normal, view, colour, metallic, roughness);
+    // There is one: taken apart only because none would be diffuse.
+    let f0 = colour.map(|c| 0.04 * (1.0 - metallic) + c * metallic);
+    of.glossy_value(DVec3::from_array(f0), l)
+}
+
 /// The loop over points: their reflections are brought together by component first.
 struct Values<'a> {
     reflections: &'a [Reflection],
@@ -593,6 +632,22 @@ fn schlick(cosine: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn glossy_surfaces_in_loops_have_the_bits_of_single_ones() {
+        for k in 0..500 {
+            let part = |n: u32| f64::from(k * n % 101) / 100.0;
+            let (n, v) = (
+                DVec3::Z,
+                DVec3::new(part(3), -part(5), 0.1 + part(7)).normalize(),
+            );
+            let l = DVec3::new(-part(11), part(13), 0.01 + part(17)).normalize();
+            let (colour, look) = ([part(19), part(23), part(29)], [part(31), part(37)]);
+            let one = Reflection::metallic_roughness(n, v, colour, look[0], look[1]).value(l);
+            let many = metallic_roughness_value(n, v, colour.into(), look, l).to_array();
+            assert_eq!(one.map(f64::to_bits), many.map(f64::to_bits));
+        }
+    }
 
     #[test]
     fn sines_and_cosines_of_turns_are_those_of_the_library() {

@@ -137,13 +137,42 @@ pub(super) fn unit_and_length(v: DVec3) -> Option<(DVec3, f64)> {
 /// The same without a branch, for loops over many: NaN where `v` is zero or not finite.
 #[inline(always)]
 pub(crate) fn unit_and_length_or_nan(v: DVec3) -> (DVec3, f64) {
-    let largest = v.abs().max_element();
-    // Squares of very small or very large components leave f64's range. 0/0 and ∞/∞ are NaN.
-    let is_usual = (1e-140..1e140).contains(&largest);
-    let scale = if is_usual { 1.0 } else { largest };
-    let v = v / scale;
+    let (v, back) = with_squares(v);
     let length = v.length();
-    (v / length, scale * length)
+    (v / length, length * back)
+}
+
+/// The same with one division for the three components: half an eps more in their common length.
+#[inline(always)]
+pub(crate) fn nearly_unit_and_length_or_nan(v: DVec3) -> (DVec3, f64) {
+    let (v, back) = with_squares(v);
+    let length = v.length();
+    (v * (1.0 / length), length * back)
+}
+
+/// `v` times a power of two, so that its squares are within f64's range, and what takes its length back; NaN for ∞. 0/0 is NaN.
+#[inline(always)]
+fn with_squares(v: DVec3) -> (DVec3, f64) {
+    /// 2⁶⁰⁰ and its inverse.
+    const UP: f64 = f64::from_bits((1023 + 600) << 52);
+    const DOWN: f64 = f64::from_bits((1023 - 600) << 52);
+    let largest = v.abs().max_element();
+    let (scale, back) = if largest < 1e-140 {
+        (UP, DOWN)
+    } else {
+        (1.0, 1.0)
+    };
+    let (scale, back) = if largest > 1e140 {
+        (DOWN, UP)
+    } else {
+        (scale, back)
+    };
+    let scale = if largest < f64::INFINITY {
+        scale
+    } else {
+        f64::NAN
+    };
+    (v * scale, back)
 }
 
 /// A unit vector d relative to a unit vector n, with c = n·d.
@@ -256,7 +285,9 @@ mod tests {
             for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
                 let v = DVec3::select(axis.cmpgt(DVec3::ZERO), DVec3::splat(bad), DVec3::ONE);
                 assert_eq!(Direction::<World>::new(v), None, "{v}");
+                assert!(nearly_unit_and_length_or_nan(v).0.x.is_nan(), "{v}");
             }
         }
+        assert!(nearly_unit_and_length_or_nan(DVec3::ZERO).0.x.is_nan());
     }
 }

@@ -38,7 +38,7 @@ pub(crate) struct Arrivals {
     pub strength: Vec<f64>,
     /// ω_G/ω_world.
     pub ratio: Vec<f64>,
-    reach: Vec<f64>,
+    pub(super) reach: Vec<f64>,
     in_lamp: Columns,
 }
 
@@ -99,26 +99,6 @@ impl Lamp {
                 strength: &mut to.strength,
             });
         }
-    }
-
-    /// The factors on the lamp's intensity by which `arrivals` fall on surfaces that see them with W `ratios`, under angles of
-    /// these cosines.
-    pub(crate) fn incident_factors(
-        &self,
-        arrivals: &Arrivals,
-        ratios: &[f64],
-        cosines: &[f64],
-        factors: &mut Vec<f64>,
-    ) {
-        factors.clear();
-        factors.extend_from_slice(ratios);
-        self.received.irradiance_factors(factors);
-        dispatch(Factors {
-            strength: &arrivals.strength,
-            reach: &arrivals.reach,
-            cosines,
-            factors,
-        });
     }
 }
 
@@ -246,30 +226,6 @@ impl VectorLoop for Attenuate<'_> {
             }
             store(&strength, self.strength, begin);
             begin += BLOCK;
-        }
-    }
-}
-
-/// From the factor of W to that on the intensity: strength · W²⁻ᵖ cos θ/r².
-struct Factors<'a> {
-    strength: &'a [f64],
-    reach: &'a [f64],
-    cosines: &'a [f64],
-    factors: &'a mut [f64],
-}
-
-impl VectorLoop for Factors<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let count = self.factors.len();
-        let (strength, reach, cosines) = (
-            &self.strength[..count],
-            &self.reach[..count],
-            &self.cosines[..count],
-        );
-        for (k, factor) in self.factors.iter_mut().enumerate() {
-            let r = reach[k];
-            *factor = strength[k] * *factor * cosines[k] / (r * r);
         }
     }
 }

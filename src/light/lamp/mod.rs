@@ -37,14 +37,16 @@
 
 mod arrivals;
 mod emission;
+mod incidence;
 
-use std::f64::consts::PI;
+use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
 
 use glam::DVec3;
 
 pub(crate) use arrivals::{Arrivals, EventColumns, PointsOnRays};
 pub(crate) use emission::Emission;
+pub(crate) use incidence::Incidence;
 
 use super::Received;
 use crate::colour::ColourTable;
@@ -52,7 +54,7 @@ use crate::scene::model::{self, Beam, Pulse};
 use crate::spacetime::worldline::{State, WorldLine};
 use crate::spacetime::{
     Boost, Camera, Direction, Displacement, Event, InertialFrame, NullRay, Velocity, World,
-    unit_and_length_or_nan,
+    nearly_unit_and_length_or_nan,
 };
 
 /// A lamp, ready to be asked for its light.
@@ -275,17 +277,41 @@ impl Lamp {
     /// The light that falls on a surface, `factor` times what the lamp's intensity is as seen at `w`.
     #[inline]
     pub(crate) fn incident_at(&self, w: f64, factor: f64) -> Incident {
-        let light = match &self.spectrum {
+        Incident {
+            irradiance: self.colour(w).map(|e| e * factor),
+            wavelength_scale: self.received.wavelength_scale(w),
+        }
+    }
+
+    /// Its intensity as it is seen at `w`.
+    #[inline]
+    pub(crate) fn colour(&self, w: f64) -> [f64; 3] {
+        match &self.spectrum {
             None => self.received.colour(w, self.intensity),
             Some(table) => {
                 let colour = table.colour(w);
                 std::array::from_fn(|c| self.intensity[c] * colour[c])
             }
-        };
-        Incident {
-            irradiance: light.map(|e| e * factor),
-            wavelength_scale: self.received.wavelength_scale(w),
         }
+    }
+
+    /// The same where it is that at any W.
+    pub(crate) fn constant_colour(&self) -> Option<[f64; 3]> {
+        let is_constant = self.spectrum.is_none() && matches!(self.received, Received::Scaled(_));
+        is_constant.then_some(self.intensity)
+    }
+
+    /// The point of the world that all its light comes from, if there is one.
+    pub(crate) fn place(&self) -> Option<DVec3> {
+        match (&self.path, self.beam) {
+            (_, Cone::Parallel(_)) | (Path::Inertial(_) | Path::Line(_), _) => None,
+            (Path::Rest(origin), _) => Some(origin.x),
+        }
+    }
+
+    /// Whether wavelengths come with W; otherwise its colours have that in them.
+    pub(crate) fn shifts_wavelengths(&self) -> bool {
+        matches!(self.received, Received::Scaled(_))
     }
 }
 
@@ -325,8 +351,7 @@ struct AtRest {
 impl Emitter for AtRest {
     #[inline(always)]
     fn arrival(&self, way: Displacement<World>) -> (Arrival, f64) {
-        let (d, _) = unit_and_length_or_nan(-way.x);
-        let distance = way.x.length();
+        let (d, distance) = nearly_unit_and_length_or_nan(-way.x);
         let arrival = Arrival {
             d: Direction::from_unit(d),
             distance,
@@ -348,8 +373,7 @@ impl Emitter for Inertial<'_> {
     #[inline(always)]
     fn arrival(&self, way: Displacement<World>) -> (Arrival, f64) {
         let way = self.frame.frame_from_world().displacement(way);
-        let reach = way.x.length();
-        let (in_lamp, _) = unit_and_length_or_nan(-way.x);
+        let (in_lamp, reach) = nearly_unit_and_length_or_nan(-way.x);
         let look = Direction::<Camera>::from_unit(in_lamp);
         let (d, world) = self.frame.world_from_frame().direction(look);
         let arrival = Arrival {
@@ -513,6 +537,22 @@ pub struct Irradiance {
 }
 
 impl Irradiance {
+    /// With this sum, and weights of all channels without and with the wavelength.
+    #[inline(always)]
+    pub(crate) fn from_parts(sum: [f64; 3], [weight, weighted]: [f64; 2]) -> Self {
+        Irradiance {
+            sum,
+            weight,
+            weighted,
+        }
+    }
+
+    /// What it is made from.
+    #[inline(always)]
+    pub(crate) fn parts(&self) -> ([f64; 3], [f64; 2]) {
+        (self.sum, [self.weight, self.weighted])
+    }
+
     /// Adds the light of one lamp.
     #[inline]
     pub fn add(&mut self, light: &Incident) {
@@ -535,7 +575,7 @@ impl Irradiance {
     /// The radiance that a diffuse surface of this albedo reflects: albedo E_F/π.
     #[inline]
     pub fn reflected(&self, albedo: [f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|c| albedo[c] * self.sum[c] / PI)
+        std::array::from_fn(|c| albedo[c] * self.sum[c] * FRAC_1_PI)
     }
 
     /// Wavelength of the light over that of the lamps.

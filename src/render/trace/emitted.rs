@@ -7,16 +7,16 @@ use glam::DVec3;
 use super::area_draws::AreaDraws;
 use super::blend::Blend;
 use super::camera_rays::LeftTriangle;
-use super::falling::Falling;
+use super::falling::{Falling, Gathered};
 use super::hits::HitBuffer;
-use super::occlusion::OcclusionQueries;
+use super::occlusion::{OcclusionQueries, shadow_starts};
 use super::points::Points;
 use crate::accel::vectors::Columns;
 use crate::accel::{Converging, Segment};
 use crate::camera::RayOrigin;
 use crate::colour::{ColourTable, CompanionShift, RgbShift, Spectrum};
 use crate::light::lamp::{Incident, Irradiance};
-use crate::light::reflection::{Reflection, Scattered};
+use crate::light::reflection::{Glosses, Reflection, Scattered};
 use crate::light::time_texture::{
     CaptureLookups, CapturePoints, CaptureView, Coverage, Located, Lookups, Near, Sampled,
 };
@@ -155,11 +155,12 @@ pub struct Emitted {
     /// Of one light that is drawn, by the point that it may fall on, and the direction towards it in the rest frame.
     pub(super) arriving: Vec<(usize, Incident, DVec3)>,
     /// Of all lamps, by point.
-    pub(super) incident: Vec<Irradiance>,
-    /// How points reflect, where they are not diffuse.
+    pub(super) incident: Gathered,
+    /// How points reflect, where they are not diffuse: for loops over lamps, where all are glossy, and one by one.
+    pub(super) glosses: Glosses,
     pub(super) reflections: Vec<Reflection>,
-    /// Radiance beside what diffuse surfaces reflect of all lamps, by point; empty where there is none.
-    pub(super) added: Vec<[f64; 3]>,
+    /// What points that are not diffuse reflect.
+    pub(super) added: Columns,
     /// Points as a capture camera sees them, from where on rays to it count, whether those are blocked, and a batch of lookups.
     pub(super) seen: CapturePoints,
     pub(super) leaving: Leaving,
@@ -204,6 +205,20 @@ impl Leaving {
         self.from.resize(count);
         self.triangles.resize(count, 0);
         self.s_min.resize(count, 0.0);
+    }
+
+    /// Makes them those of `points` with these numbers, for ways to `end`; `starts` is a buffer.
+    pub fn fill(&mut self, points: &Points, numbers: &[u32], end: DVec3, starts: &mut Vec<f64>) {
+        shadow_starts(points, end, starts);
+        self.points.clear();
+        self.points.extend_from_slice(numbers);
+        self.from.gather(&points.positions, numbers);
+        let numbers = || numbers.iter().map(|k| *k as usize);
+        self.triangles.clear();
+        self.triangles
+            .extend(numbers().map(|k| points.triangles[k]));
+        self.s_min.clear();
+        self.s_min.extend(numbers().map(|k| starts[k]));
     }
 
     /// The ways to `end`.
@@ -343,9 +358,10 @@ impl Default for Emitted {
             numbers: Default::default(),
             draws: Box::default(),
             arriving: Vec::new(),
-            incident: Vec::new(),
+            incident: Gathered::default(),
+            glosses: Glosses::default(),
             reflections: Vec::new(),
-            added: Vec::new(),
+            added: Columns::default(),
             captured: Box::default(),
             seen: CapturePoints::default(),
             leaving: Leaving::default(),
@@ -410,19 +426,23 @@ impl Emitted {
         self.companions.get(at).copied().unwrap_or_default()
     }
 
-    /// Adds radiance of the next point that is fully known, of the declared wavelength times `wavelength_scale`.
-    #[inline(always)]
-    pub(super) fn push_known(&mut self, radiance: [f64; 3], wavelength_scale: f64) {
-        // Nothing but the colour of a line depends on it.
-        if wavelength_scale != 1.0 && matches!(self.response.colour, Colouring::ShiftedLine(_)) {
-            self.details.push(Detail {
-                at: self.radiance.len(),
-                unscaled: [0.0; 3],
-                coverage: Coverage::HELD,
-                wavelength_scale,
-            });
+    /// Notes the wavelengths of the light of lamps that points reflect, all of whose radiance is known.
+    pub(super) fn note_wavelengths(&mut self) {
+        // Nothing but the colour of a line depends on them.
+        if !matches!(self.response.colour, Colouring::ShiftedLine(_)) {
+            return;
         }
-        self.radiance.push(radiance);
+        for at in 0..self.radiance.len() {
+            let wavelength_scale = self.incident.get(at).wavelength_scale();
+            if wavelength_scale != 1.0 {
+                self.details.push(Detail {
+                    at,
+                    unscaled: [0.0; 3],
+                    coverage: Coverage::HELD,
+                    wavelength_scale,
+                });
+            }
+        }
     }
 
     /// Adds what the next point emits.

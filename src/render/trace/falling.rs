@@ -1,29 +1,58 @@
-//! What falls on the points of a run from one lamp.
+//! What falls on the points of a run, by point.
 
-use crate::accel::vectors::Columns;
-use crate::light::lamp::Arrivals;
+use crate::accel::vectors::{BLOCK, Columns};
+use crate::light::lamp::{Arrivals, Incidence, Incident, Irradiance};
 
-/// The light of one lamp at the points of a run, by point.
+/// The light of one lamp.
 #[derive(Debug, Default)]
 pub(super) struct Falling {
     pub arrivals: Arrivals,
-    /// Towards the lamp in the points' rest frame.
-    pub l: Columns,
-    /// Of the angle of incidence.
-    pub cosines: Vec<f64>,
-    /// W, and factors on the lamp's intensity.
-    pub ratios: Vec<f64>,
-    pub factors: Vec<f64>,
-    /// Points that it shines on, and f there where surfaces are not diffuse.
+    pub incidence: Incidence,
+    /// The lamp's intensity as it is seen at W, where that differs.
+    pub colours: Columns,
+    /// Points that it shines on, and f there where surfaces are none of one kind.
     pub lit: Vec<u32>,
     pub values: Columns,
 }
 
-impl Falling {
-    /// Makes room for `count` points.
-    pub fn resize(&mut self, count: usize) {
-        self.l.resize(count);
-        self.cosines.resize(count, 0.0);
-        self.ratios.resize(count, 0.0);
+/// The light of all lamps: as [`Irradiance`], in columns of whole blocks.
+#[derive(Debug, Default)]
+pub(super) struct Gathered {
+    pub sum: Columns,
+    pub weight: Vec<f64>,
+    pub weighted: Vec<f64>,
+}
+
+impl Gathered {
+    /// No light at `count` points.
+    pub fn start(&mut self, count: usize) {
+        self.sum.fill(count, glam::DVec3::ZERO);
+        for column in [&mut self.weight, &mut self.weighted] {
+            column.clear();
+            column.resize(count.next_multiple_of(BLOCK), 0.0);
+        }
+    }
+
+    /// That of point `k`.
+    #[inline]
+    pub fn get(&self, k: usize) -> Irradiance {
+        let sum = self.sum.get(k).to_array();
+        Irradiance::from_parts(sum, [self.weight[k], self.weighted[k]])
+    }
+
+    /// Adds light to that of point `k`.
+    #[inline]
+    pub fn add(&mut self, k: usize, light: &Incident) {
+        let mut all = self.get(k);
+        all.add(light);
+        self.set(k, &all);
+    }
+
+    /// Overwrites that of point `k`.
+    #[inline]
+    pub fn set(&mut self, k: usize, light: &Irradiance) {
+        let (sum, weights) = light.parts();
+        self.sum.set(k, sum.into());
+        [self.weight[k], self.weighted[k]] = weights;
     }
 }

@@ -1,17 +1,18 @@
 //! Where the light of lamps falls: what [`Lamp`] gives, less what stands in its way.
 //!
-//! All points of a run are lit together, in loops over arrays; only colours are looked up point by point, where
+//! All points of a run are lit together, in loops over arrays; only colours of spectra are looked up point by point, where
 //! light has been found to come. Shadows are asked for before that, for all points together.
 
 use glam::DVec3;
 
 use super::emitted::Emitted;
+use super::falling::{Falling, Gathered};
+use super::occlusion::any_to_point;
 use super::run::Run;
 use super::stats::Meter;
-use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, load, store};
-use crate::light::lamp::{Incident, Irradiance, Lamp};
-use crate::light::reflection::Reflection;
-use crate::spacetime::{Boost, Direction, Rest, World};
+use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, Vectors, dispatch, load, store};
+use crate::light::lamp::{Incident, Lamp};
+use crate::light::reflection::{Glosses, Reflection, metallic_roughness_value};
 
 /// Adds the light of one lamp to what falls on the points of `run`, in a medium of index `index`.
 pub(super) fn illuminate(
@@ -23,76 +24,108 @@ pub(super) fn illuminate(
 ) {
     let Emitted {
         points,
+        views,
         falling,
         queries,
+        leaving,
+        starts,
+        blocked,
         incident,
+        glosses,
         reflections,
         added,
         ..
     } = emitted;
     let surfaces = run.traced.surfaces;
-    let count = points.count();
 
-    // What comes to each point, and under which angle.
-    lamp.arrivals(&points.on_rays(), index, &mut falling.arrivals);
-    falling.resize(count);
-    dispatch(Fall {
-        boost: surfaces.boost(run.frame),
-        d: &falling.arrivals.d,
-        emitted: &falling.arrivals.ratio,
-        normals: &points.normals,
-        l: &mut falling.l,
-        cosines: &mut falling.cosines,
-        ratios: &mut falling.ratios,
-    });
-    lamp.incident_factors(
-        &falling.arrivals,
-        &falling.ratios,
-        &falling.cosines,
-        &mut falling.factors,
-    );
+    // What comes to each point, and how it falls there.
+    let Falling {
+        arrivals,
+        incidence,
+        colours,
+        lit,
+        values,
+    } = falling;
+    lamp.arrivals(&points.on_rays(), index, arrivals);
+    let boost = surfaces.boost(run.frame);
+    lamp.incidence(arrivals, boost, &points.normals, incidence);
 
-    // Those that it shines on: on the side that the camera sees. Cosines are NaN where no light comes.
-    falling.lit.clear();
-    let strengths = falling.arrivals.strength.iter();
-    for (k, (strength, cosine)) in strengths.zip(&falling.cosines).enumerate() {
-        if *strength != 0.0 && *cosine > 0.0 {
-            falling.lit.push(k as u32);
-        }
-    }
-    queries.clear();
+    // Less what is in shadow.
     if lamp.shadows {
-        for k in falling.lit.iter().map(|k| *k as usize) {
-            let (d, distance) = (falling.arrivals.d.get(k), falling.arrivals.distance[k]);
-            queries.push(k, d, distance);
+        find_lit(&incidence.factors, lit);
+        let blocked = match (surfaces.at_rest(), lamp.place()) {
+            // All ways end in one point of the frame.
+            (Some(rest), Some(end)) => {
+                leaving.fill(points, lit, end, starts);
+                let (method, counts) = (run.traced.rays.method, meter.occlusion());
+                any_to_point(&rest.bvh, method, leaving.towards(end), blocked, counts);
+                &blocked[..]
+            }
+            _ => {
+                queries.fill(lit, &arrivals.d, &arrivals.distance);
+                surfaces.occlude(queries, run, points, index, meter);
+                queries.blocked()
+            }
+        };
+        for (k, blocked) in lit.iter().zip(blocked) {
+            if *blocked {
+                incidence.factors[*k as usize] = 0.0;
+            }
         }
-        surfaces.occlude(queries, run, points, index, meter);
     }
-    let mut open = 0;
-    for at in 0..falling.lit.len() {
-        if !queries.is_blocked(at) {
-            falling.lit[open] = falling.lit[at];
-            open += 1;
-        }
-    }
-    falling.lit.truncate(open);
 
-    // Diffuse surfaces reflect the sum; others each light by itself.
-    let light = |k: usize| lamp.incident_at(falling.ratios[k], falling.factors[k]);
-    let lit = falling.lit.iter().map(|k| *k as usize);
+    // Each kind of surface in a loop of its own: matte ones reflect the sum later, others each light by itself.
+    let constant = lamp.constant_colour().map(DVec3::from_array);
+    if constant.is_none() {
+        colours.resize(points.count());
+        let seen = incidence.ratios.iter().zip(&incidence.factors);
+        for (k, (w, factor)) in seen.enumerate() {
+            let is_lit = *factor != 0.0;
+            let colour = if is_lit { lamp.colour(*w) } else { [0.0; 3] };
+            colours.set(k, colour.into());
+        }
+    }
+    let light = Light {
+        constant,
+        colours,
+        ratios: lamp.shifts_wavelengths().then_some(&incidence.ratios),
+        factors: &incidence.factors,
+    };
+    if !glosses.is_empty() {
+        return dispatch(Gloss {
+            light,
+            glosses,
+            normals: &points.normals,
+            views,
+            l: incidence.l(arrivals),
+            gathered: incident,
+            added,
+        });
+    }
     if reflections.is_empty() {
-        lit.for_each(|k| incident[k].add(&light(k)));
-        return;
+        return dispatch(Gather {
+            light,
+            gathered: incident,
+        });
     }
-    Reflection::values(reflections, &falling.lit, &falling.l, &mut falling.values);
-    for (at, k) in lit.enumerate() {
-        reflect(
-            &light(k),
-            falling.values.get(at),
-            &mut incident[k],
-            &mut added[k],
-        );
+    find_lit(&incidence.factors, lit);
+    Reflection::values(reflections, lit, incidence.l(arrivals), values);
+    for (at, k) in lit.iter().enumerate() {
+        let k = *k as usize;
+        let light = lamp.incident_at(incidence.ratios[k], incidence.factors[k]);
+        reflect(k, &light, values.get(at), incident, added);
     }
+}
+
+/// Makes `lit` the numbers of the factors that are not 0.
+fn find_lit(factors: &[f64], lit: &mut Vec<u32>) {
+    lit.resize(factors.len(), 0);
+    let mut count = 0;
+    for (k, factor) in factors.iter().enumerate() {
+        lit[count] = k as u32;
+        count += usize::from(*factor != 0.0);
+    }
+    lit.truncate(count);
 }
 
 /// Adds the light that is arriving and that nothing stands in the way of, as far as `shadows` are asked for.
@@ -123,69 +156,169 @@ pub(super) fn reflect_unblocked(
         }
         match reflections.get(*k) {
             // A matte surface multiplies its colour once, later; any other needs the direction of the light.
-            None => incident[*k].add(light),
+            None => incident.add(*k, light),
             Some(reflection) => {
                 let value = DVec3::from_array(reflection.value(*l));
-                reflect(light, value, &mut incident[*k], &mut added[*k]);
+                reflect(*k, light, value, incident, added);
             }
         }
     }
 }
 
-/// Adds what is reflected of `light` by a surface with this value of f.
+/// Adds what is reflected of `light` by point `k`, whose surface has this value of f.
 #[inline(always)]
-fn reflect(light: &Incident, value: DVec3, incident: &mut Irradiance, added: &mut [f64; 3]) {
-    incident.weigh(light);
-    let parts = value.to_array().into_iter().zip(light.irradiance);
-    for (sum, (value, e)) in added.iter_mut().zip(parts) {
-        *sum += value * e;
+fn reflect(k: usize, light: &Incident, value: DVec3, gathered: &mut Gathered, added: &mut Columns) {
+    let mut all = gathered.get(k);
+    all.weigh(light);
+    gathered.set(k, &all);
+    added.set(
+        k,
+        added.get(k) + value * DVec3::from_array(light.irradiance),
+    );
+}
+
+/// The light of one lamp at points of surfaces.
+#[derive(Clone, Copy)]
+struct Light<'a> {
+    /// The lamp's intensity as it is seen: everywhere, or by point.
+    constant: Option<DVec3>,
+    colours: &'a Columns,
+    /// Wavelengths over those of the lamp; none where colours have that in them.
+    ratios: Option<&'a Vec<f64>>,
+    /// Factors on the intensity; 0 where no light falls.
+    factors: &'a [f64],
+}
+
+/// The light at a block of points.
+struct LightBlock {
+    irradiance: Vectors,
+    scales: Block,
+}
+
+impl Light<'_> {
+    /// The factors of a block, if any light falls there.
+    #[inline(always)]
+    fn factors(&self, begin: usize) -> Option<Block> {
+        let factors = load(self.factors, begin);
+        let mut is_lit = false;
+        for factor in &factors {
+            is_lit |= *factor != 0.0;
+        }
+        is_lit.then_some(factors)
+    }
+
+    /// The light at a block of points that has these factors.
+    #[inline(always)]
+    fn load(&self, begin: usize, factors: &Block) -> LightBlock {
+        let mut irradiance = match self.constant {
+            Some(colour) => Vectors::splat(colour),
+            None => self.colours.load(begin),
+        };
+        let ratios = match self.ratios {
+            Some(ratios) => load(ratios, begin),
+            None => [1.0; BLOCK],
+        };
+        let mut scales = [0.0; BLOCK];
+        for k in 0..BLOCK {
+            irradiance.set(k, irradiance.get(k) * factors[k]);
+            // Without light W may be no number.
+            scales[k] = if factors[k] != 0.0 { ratios[k] } else { 0.0 };
+        }
+        LightBlock { irradiance, scales }
     }
 }
 
-/// From what comes of a lamp to how it falls on points of a rest frame.
-struct Fall<'a> {
-    /// To the rest frame; none where nothing changes.
-    boost: Option<&'a Boost<Rest, World>>,
-    d: &'a Columns,
-    /// ω_G/ω_world.
-    emitted: &'a [f64],
-    normals: &'a Columns,
-    l: &'a mut Columns,
-    cosines: &'a mut [f64],
-    ratios: &'a mut [f64],
+impl Gathered {
+    /// Adds to the weights of a block, in the order of [`Irradiance::weigh`](crate::light::lamp::Irradiance::weigh).
+    #[inline(always)]
+    fn weigh(&mut self, begin: usize, light: &LightBlock) {
+        let mut weight = load(&self.weight, begin);
+        let mut weighted = load(&self.weighted, begin);
+        for k in 0..BLOCK {
+            let (e, scale) = (light.irradiance.get(k), light.scales[k]);
+            weight[k] = weight[k] + e.x + e.y + e.z;
+            weighted[k] = weighted[k] + e.x * scale + e.y * scale + e.z * scale;
+        }
+        store(&weight, &mut self.weight, begin);
+        store(&weighted, &mut self.weighted, begin);
+    }
 }
 
-impl VectorLoop for Fall<'_> {
+/// Adds light to what falls on matte surfaces.
+struct Gather<'a> {
+    light: Light<'a>,
+    gathered: &'a mut Gathered,
+}
+
+impl VectorLoop for Gather<'_> {
     #[inline(always)]
     fn run(self) {
-        let Fall {
-            boost,
-            d,
-            emitted,
+        let Gather { light, gathered } = self;
+        let mut begin = 0;
+        while begin < light.factors.len() {
+            if let Some(factors) = light.factors(begin) {
+                let light = light.load(begin, &factors);
+                let mut sum = gathered.sum.load(begin);
+                for k in 0..BLOCK {
+                    sum.set(k, sum.get(k) + light.irradiance.get(k));
+                }
+                gathered.sum.store(&sum, begin);
+                gathered.weigh(begin, &light);
+            }
+            begin += BLOCK;
+        }
+    }
+}
+
+/// Adds what glossy surfaces reflect of light.
+struct Gloss<'a> {
+    light: Light<'a>,
+    glosses: &'a Glosses,
+    normals: &'a Columns,
+    views: &'a Columns,
+    l: &'a Columns,
+    gathered: &'a mut Gathered,
+    added: &'a mut Columns,
+}
+
+impl VectorLoop for Gloss<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Gloss {
+            light,
+            glosses,
             normals,
+            views,
             l,
-            cosines,
-            ratios,
+            gathered,
+            added,
         } = self;
         let mut begin = 0;
-        while begin < cosines.len() {
-            let (mut d, normals) = (d.load(begin), normals.load(begin));
-            let mut ratio = load(emitted, begin);
-            let mut cosine = [0.0; BLOCK];
-            // W = (ω_G/ω_world)/(ω_F/ω_world).
-            if let Some(boost) = boost {
-                for (k, ratio) in ratio.iter_mut().enumerate() {
-                    let (in_rest, rho) = boost.direction(Direction::from_unit(d.get(k)));
-                    d.set(k, in_rest.unit());
-                    *ratio /= rho;
+        while begin < light.factors.len() {
+            if let Some(factors) = light.factors(begin) {
+                let light = light.load(begin, &factors);
+                let (n, v, l) = (normals.block(begin), views.block(begin), l.block(begin));
+                let colours = glosses.colours.block(begin);
+                let metallic = load(&glosses.metallic, begin);
+                let roughness = load(&glosses.roughness, begin);
+                let mut sum = added.load(begin);
+                for k in 0..BLOCK {
+                    let look = [metallic[k], roughness[k]];
+                    let value = metallic_roughness_value(
+                        n.get(k),
+                        v.get(k),
+                        colours.get(k),
+                        look,
+                        l.get(k),
+                    );
+                    let more = sum.get(k) + value * light.irradiance.get(k);
+                    // Without light f may be no number.
+                    let is_lit = factors[k] != 0.0;
+                    sum.set(k, if is_lit { more } else { sum.get(k) });
                 }
+                added.store(&sum, begin);
+                gathered.weigh(begin, &light);
             }
-            for (k, cosine) in cosine.iter_mut().enumerate() {
-                *cosine = normals.get(k).dot(d.get(k));
-            }
-            l.store(&d, begin);
-            store(&cosine, cosines, begin);
-            store(&ratio, ratios, begin);
             begin += BLOCK;
         }
     }

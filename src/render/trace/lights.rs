@@ -625,10 +625,10 @@ impl SkyLight {
         for k in 0..run.count() {
             let irradiance = boosted.irradiance(emitted.points.normals.get(k));
             match emitted.reflections.get(k) {
-                None => emitted.incident[k].add(&Incident::new(irradiance, 1.0)),
+                None => emitted.incident.add(k, &Incident::new(irradiance, 1.0)),
                 Some(reflection) => {
                     let value = reflection.mean_diffuse_value();
-                    add(&mut emitted.added[k], |c| value[c] * irradiance[c]);
+                    add(&mut emitted.added, k, |c| value[c] * irradiance[c]);
                 }
             }
         }
@@ -706,7 +706,8 @@ impl SkyLight {
             match emitted.reflections.get(k) {
                 // Matte surfaces have no direction to correct: what is blocked is taken away again.
                 None if blocked => {
-                    emitted.incident[k].add(&Incident::new(light.map(|l| -l), 1.0));
+                    let taken = Incident::new(light.map(|l| -l), 1.0);
+                    emitted.incident.add(k, &taken);
                 }
                 None => {}
                 Some(reflection) => {
@@ -716,7 +717,7 @@ impl SkyLight {
                     } else {
                         reflection.diffuse_value(l)
                     };
-                    add(&mut emitted.added[k], |c| (value[c] - mean[c]) * light[c]);
+                    add(&mut emitted.added, k, |c| (value[c] - mean[c]) * light[c]);
                 }
             }
         }
@@ -748,7 +749,7 @@ impl SkyLight {
         self.occlude(run, index, emitted, meter);
         for (at, Drawn { k, light, .. }) in drawn.into_iter().enumerate() {
             if !emitted.queries.is_blocked(at) {
-                add(&mut emitted.added[k], |c| light[c]);
+                add(&mut emitted.added, k, |c| light[c]);
             }
         }
     }
@@ -764,8 +765,6 @@ impl SkyLight {
 }
 
 #[inline]
-fn add(sum: &mut [f64; 3], part: impl Fn(usize) -> f64) {
-    for (c, sum) in sum.iter_mut().enumerate() {
-        *sum += part(c);
-    }
+fn add(sums: &mut Columns, k: usize, part: impl Fn(usize) -> f64) {
+    sums.set(k, sums.get(k) + DVec3::new(part(0), part(1), part(2)));
 }

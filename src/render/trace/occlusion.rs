@@ -22,8 +22,9 @@ pub struct OcclusionQueries {
     ends: Vec<(u32, u32)>,
     /// The answers, in the same order.
     blocked: Vec<bool>,
-    /// Those that are not blocked yet: their rays in the frame that is asked.
+    /// Those that are not blocked yet, and their points: their rays in the frame that is asked.
     open: Vec<u32>,
+    open_points: Vec<u32>,
     towards: Columns,
     eyes: Columns,
     from: Columns,
@@ -47,15 +48,19 @@ pub(super) struct Obstacles<'a, S> {
 
 /// Where points of a run are in a rest frame.
 pub(super) trait Places {
-    /// Adds to `from` where `points` are, and to `eyes` where the rays leave that saw them.
-    fn add(&self, points: &mut dyn Iterator<Item = usize>, eyes: &mut Columns, from: &mut Columns);
+    /// Fills `from` with where `points` are, and `eyes` with where the rays leave that saw them.
+    fn find(&self, points: &[u32], eyes: &mut Columns, from: &mut Columns);
 }
 
 impl Places for &Points {
-    fn add(&self, points: &mut dyn Iterator<Item = usize>, eyes: &mut Columns, from: &mut Columns) {
-        for point in points {
-            eyes.push(self.eye(point));
-            from.push(self.positions.get(point));
+    fn find(&self, points: &[u32], eyes: &mut Columns, from: &mut Columns) {
+        from.gather(&self.positions, points);
+        match self.shared_eye() {
+            Some(eye) => eyes.fill(points.len(), eye),
+            None => {
+                eyes.clear();
+                points.iter().for_each(|k| eyes.push(self.eye(*k as usize)));
+            }
         }
     }
 }
@@ -68,6 +73,15 @@ impl OcclusionQueries {
         self.distance.clear();
         self.ends.clear();
         self.blocked.clear();
+    }
+
+    /// Asks about the ways from `points` alone, by point along `d` and as far as `distance` says.
+    pub(super) fn fill(&mut self, points: &[u32], d: &Columns, distance: &[f64]) {
+        self.clear();
+        self.points.extend_from_slice(points);
+        self.d.gather(d, points);
+        let distances = points.iter().map(|k| distance[*k as usize]);
+        self.distance.extend(distances);
     }
 
     /// Asks about the way from point `point` along `d`.
@@ -96,6 +110,11 @@ impl OcclusionQueries {
         bundle.widened()
     }
 
+    /// The answers, in the order of the queries.
+    pub(super) fn blocked(&self) -> &[bool] {
+        &self.blocked
+    }
+
     /// Whether anything is in the way of query `at`; nothing is where no one was asked.
     #[inline(always)]
     pub(super) fn is_blocked(&self, at: usize) -> bool {
@@ -111,21 +130,18 @@ impl OcclusionQueries {
     ) {
         self.blocked.resize(self.points.len(), false);
         self.open.clear();
-        self.towards.clear();
-        for (query, blocked) in self.blocked.iter().enumerate() {
+        self.open_points.clear();
+        for (query, (blocked, point)) in self.blocked.iter().zip(&self.points).enumerate() {
             if !blocked {
                 self.open.push(query as u32);
-                self.towards.push(self.d.get(query));
+                self.open_points.push(*point);
             }
         }
+        self.towards.gather(&self.d, &self.open);
         // Where the rays start, in the frame of the obstacles.
-        let point = |query: &u32| self.points[*query as usize] as usize;
-        self.eyes.clear();
-        self.from.clear();
-        let mut points = self.open.iter().map(point);
         obstacles
             .places
-            .add(&mut points, &mut self.eyes, &mut self.from);
+            .find(&self.open_points, &mut self.eyes, &mut self.from);
         // Directions are boosted as they are, not made unit vectors: along each the parameter stays metres of the world.
         if let Some((boost, index)) = obstacles.boost {
             dispatch(BoostDirections {
@@ -151,10 +167,9 @@ impl OcclusionQueries {
             if self.starts[k].is_infinite() {
                 continue;
             }
-            let query = self.open[k];
+            let (query, point) = (self.open[k], self.open_points[k] as usize);
             self.open[near] = query;
             near += 1;
-            let point = self.points[query as usize] as usize;
             self.segments.push(Segment {
                 ray: Ray {
                     origin: self.from.get(k),

@@ -180,10 +180,9 @@ impl PathTraced {
     /// Forgets the light of the last run, and notes how the points of `run` reflect, part by part.
     fn start(&self, parts: &[Part], run: &Run, emitted: &mut Emitted) {
         emitted.points.fill(run);
-        emitted.incident.clear();
-        emitted.incident.resize(run.count(), Default::default());
-        emitted.added.clear();
-        emitted.added.resize(run.count(), [0.0; 3]);
+        emitted.incident.start(run.count());
+        emitted.added.fill(run.count(), DVec3::ZERO);
+        emitted.glosses.clear();
         emitted.reflections.clear();
         emitted.points.views(&mut emitted.views);
         for part in parts {
@@ -296,8 +295,11 @@ impl PathTraced {
         for (drawn, met) in first.drawn.iter().zip(&first.met) {
             if let Some(light) = self.sent(met) {
                 let k = drawn.from as usize;
-                let known = (&mut emitted.added[k], &mut emitted.incident[k]);
-                add(known, &drawn.scattered, light);
+                let mut reflected = emitted.added.get(k).to_array();
+                let mut incident = emitted.incident.get(k);
+                add((&mut reflected, &mut incident), &drawn.scattered, light);
+                emitted.added.set(k, reflected.into());
+                emitted.incident.set(k, &incident);
             }
         }
         emitted.paths = Some(paths);
@@ -446,7 +448,7 @@ impl PathTraced {
         for part in parts {
             for at in part.points.clone() {
                 let (reflected, incident) = match receives {
-                    true => (emitted.added[at], emitted.incident[at]),
+                    true => (emitted.added.get(at).to_array(), emitted.incident.get(at)),
                     false => Default::default(),
                 };
                 met[run.members[at] as usize] = Met::Surface(MetSurface {
@@ -606,8 +608,8 @@ impl PathTraced {
     fn add_own(&self, finish: &Finish, run: &Run, emitted: &mut Emitted) {
         for k in 0..run.count() {
             let own = self.own((finish, run.patch), run, k, emitted);
-            let reflected = emitted.added[k];
-            let wavelength_scale = emitted.incident[k].wavelength_scale();
+            let reflected = emitted.added.get(k);
+            let wavelength_scale = emitted.incident.get(k).wavelength_scale();
             emitted.push(Emission {
                 wavelength_scale,
                 ..Emission::full(std::array::from_fn(|c| reflected[c] + own[c]))

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::run::{Run, TracedRays};
 use crate::accel::unit_normal;
-use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, Vectors, dispatch};
+use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, Vectors, dispatch, load, store};
 use crate::light::lamp::{EventColumns, PointsOnRays};
 use crate::light::time_texture::SurfacePoint as CapturePoint;
 use crate::spacetime::{Displacement, Event, World};
@@ -22,6 +22,8 @@ pub(super) struct Points {
     pub normals: Columns,
     /// Tangents of the rays that hit them, in the rest frame, where the whole points were taken over.
     tangents: Columns,
+    /// Directions of those rays, where they are asked for.
+    directions: Columns,
     /// Where the rays leave that hit them, in the rest frame: one for all, or each.
     eye: DVec3,
     eyes: Columns,
@@ -56,20 +58,42 @@ impl Points {
     pub(super) fn fill(&mut self, run: &Run) {
         self.tangents.resize(run.count());
         self.fill_rest(run, true);
-        let TracedRays { rays, event, .. } = run.traced;
+        let TracedRays {
+            surfaces,
+            rays,
+            event,
+            ..
+        } = run.traced;
         self.shot = *event;
 
         // Where they are in the world from where their rays leave.
         self.offsets.resize(run.count());
+        let Some(origins) = rays.origins else {
+            // In a frame that rests in the world tangents are directions.
+            let directions = match surfaces.at_rest() {
+                Some(_) => &self.tangents,
+                None => {
+                    self.directions.resize(run.count());
+                    for (k, ray) in run.members.iter().enumerate() {
+                        self.directions.set(k, rays.directions[*ray as usize]);
+                    }
+                    &self.directions
+                }
+            };
+            dispatch(Offsets {
+                index: run.traced.index,
+                directions,
+                s: &self.s,
+                offsets: &mut self.offsets,
+            });
+            return self.origins.resize(0);
+        };
         for (k, ray) in run.members.iter().enumerate() {
             let ray = run.traced.ray(*ray as usize);
             let offset = ray.tangent * self.s[k];
             self.offsets.ct[k] = offset.ct;
             self.offsets.x.set(k, offset.x);
         }
-        let Some(origins) = rays.origins else {
-            return self.origins.resize(0);
-        };
         self.origins.resize(run.count());
         for (k, ray) in run.members.iter().enumerate() {
             let event = *event + origins[*ray as usize].displacement;
@@ -117,7 +141,24 @@ impl Points {
             });
 
             // Where they are: in one frame, whose rays are at hand, in a loop that does nothing else.
-            if let (Some((eye, tangents)), false) = (shared, with_tangents) {
+            if let (Some((eye, tangents)), true) = (shared, with_tangents) {
+                self.eye = eye;
+                if let Some([x, y, z]) = self.tangents.block_mut(begin) {
+                    for (k, ray) in members.iter().enumerate() {
+                        let t = tangents[*ray as usize];
+                        (x[k], y[k], z[k]) = (t.x, t.y, t.z);
+                    }
+                }
+                dispatch(Along {
+                    eye,
+                    tangents: &self.tangents,
+                    s: &self.s,
+                    begin,
+                    positions: &mut self.positions,
+                });
+                continue;
+            }
+            if let Some((eye, tangents)) = shared {
                 self.eye = eye;
                 if let Some([x, y, z]) = self.positions.block_mut(begin) {
                     let s = &self.s[begin..];
@@ -228,6 +269,7 @@ impl Default for Points {
             slots: Vec::new(),
             positions: Columns::default(),
             tangents: Columns::default(),
+            directions: Columns::default(),
             normals: Columns::default(),
             eye: DVec3::ZERO,
             eyes: Columns::default(),
@@ -263,6 +305,54 @@ impl VectorLoop for Normals<'_> {
             normals.set(k, unit_normal(e1, e2) * *side);
         }
         self.normals.store(&normals, self.begin);
+    }
+}
+
+/// Rays from one place to the points that they hit, in a block.
+struct Along<'a> {
+    eye: DVec3,
+    tangents: &'a Columns,
+    s: &'a [f64],
+    begin: usize,
+    positions: &'a mut Columns,
+}
+
+impl VectorLoop for Along<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let mut positions = self.tangents.load(self.begin);
+        let s = load(self.s, self.begin);
+        for (k, s) in s.iter().enumerate() {
+            positions.set(k, self.eye + positions.get(k) * *s);
+        }
+        self.positions.store(&positions, self.begin);
+    }
+}
+
+/// Directions of world rays in a medium of index `index`, whose tangents are (−η, d), to the ways to the points that they hit.
+struct Offsets<'a> {
+    index: f64,
+    directions: &'a Columns,
+    s: &'a [f64],
+    offsets: &'a mut EventColumns,
+}
+
+impl VectorLoop for Offsets<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let mut begin = 0;
+        while begin < self.s.len() {
+            let mut x = self.directions.load(begin);
+            let s = load(self.s, begin);
+            let mut ct = [0.0; BLOCK];
+            for k in 0..BLOCK {
+                ct[k] = -self.index * s[k];
+                x.set(k, x.get(k) * s[k]);
+            }
+            store(&ct, &mut self.offsets.ct, begin);
+            self.offsets.x.store(&x, begin);
+            begin += BLOCK;
+        }
     }
 }
 

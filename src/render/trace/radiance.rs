@@ -2,7 +2,10 @@
 //! which need no time, and time-resolved sources.
 
 use std::cell::Cell;
+use std::f64::consts::FRAC_1_PI;
 use std::fmt::Debug;
+
+use glam::DVec3;
 
 use super::base_colours::{BaseColours, Finish};
 use super::captures::captured_point;
@@ -15,7 +18,8 @@ use super::run::Run;
 use super::stats::{Counter, Meter};
 use super::time_resolved::{CapturedCube, Emitter, TimeResolved};
 use crate::accel::Converging;
-use crate::light::reflection::Reflection;
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
+use crate::light::reflection::{Glosses, Reflection};
 use crate::light::time_texture::{BATCH, Capture, CaptureView, Coverage, TimeTexture};
 
 /// Radiance of surfaces, run by run.
@@ -403,46 +407,110 @@ impl TimeResolved {
         if let Some(emission) = &finish.emission {
             emission.factors(run, &mut emitted.times);
         }
-        for k in 0..run.count() {
-            let Some(hit) = run.hit(k) else {
-                continue;
-            };
-            let irradiance = emitted.incident[k];
-            let mut radiance = match emitted.reflections.is_empty() {
-                true => irradiance.reflected(self.base.radiance(finish.colour, run, &hit)),
-                false => emitted.added[k],
-            };
-            if let Some(emission) = &finish.emission {
+        let reflected = match finish.gloss {
+            Some(_) => &emitted.added,
+            None => {
+                self.colours(finish, run, &mut emitted.glosses.colours);
+                dispatch(Matte {
+                    albedos: &emitted.glosses.colours,
+                    light: &mut emitted.incident.sum,
+                });
+                &emitted.incident.sum
+            }
+        };
+        reflected.add_to(&mut emitted.radiance);
+        if let Some(emission) = &finish.emission {
+            for k in 0..run.count() {
+                let Some(hit) = run.hit(k) else {
+                    continue;
+                };
                 let own = self.base.colour_at(emission, run.rest, run.patch, &hit);
                 let factor = emitted.times.get(k).copied().unwrap_or(1.0);
-                radiance = std::array::from_fn(|c| radiance[c] + factor * own[c]);
+                let radiance = &mut emitted.radiance[k];
+                *radiance = std::array::from_fn(|c| radiance[c] + factor * own[c]);
             }
-            emitted.push_known(radiance, irradiance.wavelength_scale());
+        }
+        emitted.note_wavelengths();
+    }
+
+    /// Fills `colours` with the base colours at the points of `run`.
+    fn colours(&self, finish: &Finish, run: &Run, colours: &mut Columns) {
+        if let Some(colour) = self.base.colours[finish.colour].constant() {
+            return colours.fill(run.count(), colour.into());
+        }
+        colours.resize(run.count());
+        for k in 0..run.count() {
+            if let Some(hit) = run.hit(k) {
+                let colour = self.base.radiance(finish.colour, run, &hit);
+                colours.set(k, colour.into());
+            }
         }
     }
 
     /// Forgets the light of the last run, and notes how the points of `run` reflect where they are not diffuse.
     fn start(&self, finish: &Finish, run: &Run, emitted: &mut Emitted) {
         emitted.points.fill(run);
-        emitted.incident.clear();
-        emitted.incident.resize(run.count(), Default::default());
+        emitted.incident.start(run.count());
+        emitted.glosses.clear();
         emitted.reflections.clear();
         let Some(gloss) = &finish.gloss else {
             return;
         };
-        emitted.added.clear();
-        emitted.added.resize(run.count(), [0.0; 3]);
-        emitted.points.views(&mut emitted.views);
-        for k in 0..run.count() {
-            let Some(hit) = run.hit(k) else {
-                continue;
-            };
-            let colour = self.base.radiance(finish.colour, run, &hit);
-            let [metallic, roughness] = self.base.gloss(gloss, run.rest, run.patch, &hit);
-            let (view, normal) = (emitted.views.get(k), emitted.points.normals.get(k));
-            emitted.reflections.push(Reflection::metallic_roughness(
-                normal, view, colour, metallic, roughness,
-            ));
+        let Emitted {
+            points,
+            views,
+            glosses,
+            reflections,
+            added,
+            ..
+        } = emitted;
+        added.fill(run.count(), DVec3::ZERO);
+        points.views(views);
+        self.colours(finish, run, &mut glosses.colours);
+        let Glosses {
+            colours,
+            metallic,
+            roughness,
+        } = glosses;
+        metallic.resize(run.count(), gloss.metallic);
+        roughness.resize(run.count(), gloss.roughness);
+        if gloss.texture.is_some() {
+            for k in 0..run.count() {
+                if let Some(hit) = run.hit(k) {
+                    [metallic[k], roughness[k]] = self.base.gloss(gloss, run.rest, run.patch, &hit);
+                }
+            }
+        }
+        // What is drawn of areas and of the sky asks points one by one.
+        if self.areas.is_some() || self.sky.is_some() {
+            let all = metallic.iter().zip(&*roughness).enumerate();
+            reflections.extend(all.map(|(k, (metallic, roughness))| {
+                let (normal, view) = (points.normals.get(k), views.get(k));
+                let colour = colours.get(k).to_array();
+                Reflection::metallic_roughness(normal, view, colour, *metallic, *roughness)
+            }));
+        }
+    }
+}
+
+/// From what falls on matte surfaces to what they reflect: albedo E_F/π.
+struct Matte<'a> {
+    albedos: &'a Columns,
+    light: &'a mut Columns,
+}
+
+impl VectorLoop for Matte<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let mut begin = 0;
+        while begin < self.light.len() {
+            let albedos = self.albedos.block(begin);
+            let mut light = self.light.load(begin);
+            for k in 0..BLOCK {
+                light.set(k, albedos.get(k) * light.get(k) * FRAC_1_PI);
+            }
+            self.light.store(&light, begin);
+            begin += BLOCK;
         }
     }
 }

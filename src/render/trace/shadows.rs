@@ -85,7 +85,10 @@ struct InOther<'a> {
 }
 
 impl Places for InOther<'_> {
-    fn add(&self, points: &mut dyn Iterator<Item = usize>, eyes: &mut Columns, from: &mut Columns) {
+    fn find(&self, points: &[u32], eyes: &mut Columns, from: &mut Columns) {
+        eyes.clear();
+        from.clear();
+        let points = points.iter().map(|k| *k as usize);
         let rays = &self.run.traced.rays;
         if rays.origins.is_some() {
             for k in points {

@@ -145,6 +145,15 @@ impl<'a> Surfaces<'a> {
         }
     }
 
+    /// The frame in which all rest, where that is at rest in the world.
+    #[inline(always)]
+    pub(super) fn at_rest(&self) -> Option<&'a RestFrame> {
+        match &self.0 {
+            Frames::Still(only) => Some(only.rest),
+            Frames::One(_) | Frames::Many(_) => None,
+        }
+    }
+
     /// Where rays that share their event leave in the only rest frame, and all their tangents there, where they are at hand.
     #[inline(always)]
     pub(super) fn shared_origin<'b>(

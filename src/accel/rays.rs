@@ -47,7 +47,8 @@ pub struct Segment {
     pub end: Option<u32>,
 }
 
-/// What may stand between points and one place: segments that all end there, at s = 1, without the triangle that each leaves.
+/// What may stand between points and one place: segments that all end there, at s = 1, without the triangle that each leaves, and that which
+/// all end at.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Converging<'a> {
     /// Where they end, metres.
@@ -58,6 +59,8 @@ pub(crate) struct Converging<'a> {
     pub s_min: &'a [f64],
     /// Ids of the triangles that they leave.
     pub skip: &'a [u32],
+    /// Id of the triangle that all end at, which is not in the way either.
+    pub at: Option<u32>,
 }
 
 /// Where a ray hits a triangle.
@@ -104,7 +107,7 @@ impl Converging<'_> {
             },
             s_max: 1.0,
             skip: Some(self.skip[at]),
-            end: None,
+            end: self.at,
         }
     }
 }

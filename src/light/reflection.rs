@@ -311,6 +311,12 @@ impl Reflection {
         self.scattered(l)
     }
 
+    /// Of a diffuse surface, the part of light that it reflects.
+    #[inline]
+    pub(crate) fn albedo(&self) -> [f64; 3] {
+        self.diffuse
+    }
+
     /// Whether it is diffuse, and nothing else.
     #[inline]
     pub(crate) fn is_diffuse(&self) -> bool {

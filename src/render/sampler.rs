@@ -194,6 +194,44 @@ impl VectorLoop for SobolOfEach<'_> {
     }
 }
 
+/// The same with an index for each pixel.
+pub(crate) fn sobol_of_each_at(
+    pixels: &[u64],
+    indices: &[u32],
+    dimension: u32,
+    [x, y]: &mut [Vec<f64>; 2],
+) {
+    x.resize(pixels.len(), 0.0);
+    y.resize(pixels.len(), 0.0);
+    dispatch(SobolOfEachAt {
+        pixels,
+        indices,
+        dimension,
+        x,
+        y,
+    });
+}
+
+struct SobolOfEachAt<'a> {
+    pixels: &'a [u64],
+    indices: &'a [u32],
+    dimension: u32,
+    x: &'a mut [f64],
+    y: &'a mut [f64],
+}
+
+impl VectorLoop for SobolOfEachAt<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let count = self.pixels.len();
+        let indices = &self.indices[..count];
+        let (x, y) = (&mut self.x[..count], &mut self.y[..count]);
+        for k in 0..count {
+            [x[k], y[k]] = sobol(self.pixels[k], indices[k], self.dimension);
+        }
+    }
+}
+
 /// The digits of the second dimension of Sobol's sequence. Its direction numbers are (1 + s)ᵏ, s a shift by one digit, so that with the index as a
 /// polynomial f over two elements they are f(1 + s): block by block, as (1 + s)ᵐ = 1 + sᵐ for powers of two (Ahmed, "An
 /// implementation algorithm of 2D Sobol sequence fast, elegant, and compact", EGSR 2024).

@@ -544,6 +544,8 @@ mod tests {
                         from: &from,
                         s_min: &s_min,
                         skip: &skip,
+                        // Also on a triangle that is not in the way.
+                        at: (count % 2 == 0).then_some(7),
                     };
                     let single: Vec<_> = (0..count).map(|k| segments.segment(k)).collect();
                     let method = |kernel| Method {

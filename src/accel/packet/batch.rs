@@ -6,7 +6,7 @@ use super::any_hits::{AnyHits, SegmentSet};
 use super::block::{Block, FRONT, NONE, is_far};
 use super::closest_hits::ClosestHits;
 use super::method::{Kernel, Method, Precision};
-use super::ray_set::{ColumnsToPoint, OwnOrigins, RaySet, SharedOrigin};
+use super::ray_set::{ColumnsToPoint, OwnOrigins, RAYS, RaySet, SharedOrigin};
 use super::refine::RefinedHits;
 use super::tile::Tile;
 use super::traverse::{Outcome, StackEntry};
@@ -169,7 +169,8 @@ impl Bvh {
         let count = blocked.len();
         blocked.fill(false);
         let mut block = Block::EMPTY;
-        let tile = match self.is_small() {
+        // One block needs no order.
+        let tile = match self.is_small() && count > RAYS {
             true => Tile::by_signs(count, |at| segments.segment(at).ray.direction),
             false => Tile::of_count(count),
         };

@@ -345,7 +345,7 @@ impl Blockable for ColumnsToPoint<'_> {
 
     #[inline(always)]
     fn passes(self, ray: usize, triangle: u32) -> bool {
-        self.segments.skip[ray] == triangle
+        self.segments.skip[ray] == triangle || self.segments.at == Some(triangle)
     }
 
     #[inline(always)]

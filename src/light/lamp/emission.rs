@@ -51,6 +51,11 @@ impl From<&EmissionProfile> for Emission {
 }
 
 impl Emission {
+    /// Whether it is always the same.
+    pub(crate) fn is_steady(&self) -> bool {
+        matches!(self, Emission::Steady)
+    }
+
     /// The factor on the intensity at a proper time.
     #[inline]
     pub(crate) fn at(&self, proper_time: f64) -> f64 {

@@ -256,6 +256,13 @@ impl Lamp {
         }
     }
 
+    /// Whether what moves with `velocity` always has the same light of it.
+    pub(crate) fn is_constant_for(&self, velocity: Velocity) -> bool {
+        let rests = |own: Velocity| (own.rapidity() - velocity.rapidity()).length() <= 1e-12;
+        let is_uniform = matches!(self.beam, Cone::Parallel(_)) && self.velocity().is_some();
+        self.emission.is_steady() && (is_uniform || self.velocity().is_some_and(rests))
+    }
+
     /// What the cone of a spot light leaves of its intensity, seen along `d` of the lamp's frame.
     #[inline]
     fn attenuation(&self, d: DVec3) -> f64 {
@@ -516,6 +523,15 @@ impl Incident {
         }
     }
 
+    /// Light of the same wavelength and this irradiance.
+    #[inline]
+    pub(crate) fn with(&self, irradiance: [f64; 3]) -> Self {
+        Incident {
+            irradiance,
+            ..*self
+        }
+    }
+
     /// The same, `factor` times as bright.
     #[inline]
     pub fn scaled(&self, factor: f64) -> Self {
@@ -561,6 +577,12 @@ impl Irradiance {
             self.weight += part;
             self.weighted += part * light.wavelength_scale;
         }
+    }
+
+    /// Adds what its wavelength is found from of `other` light.
+    pub(crate) fn merge(&mut self, other: &Irradiance) {
+        self.weight += other.weight;
+        self.weighted += other.weighted;
     }
 
     /// Adds the light of one lamp to what its wavelength is found from, and to nothing else.

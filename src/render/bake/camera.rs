@@ -113,10 +113,14 @@ fn sample_tile(
             met.push(k);
         }
     }
-    paths.follow(&starts, |path, emission, light, delay| {
-        let clock = paths.clock(paths.rest.patch(starts[path].hit.triangle));
-        pixels[met[path]].add(bins, emission, light, delay + clock);
-    });
+    paths.follow(
+        &starts,
+        sampler.samples(),
+        |path, emission, light, delay| {
+            let clock = paths.clock(paths.rest.patch(starts[path].hit.triangle));
+            pixels[met[path]].add(bins, emission, light, delay + clock);
+        },
+    );
 }
 
 /// The pinhole of the camera as [`camera_cube`] has it, where a capture camera is given: in the world, or in the coordinates of the

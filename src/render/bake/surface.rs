@@ -326,7 +326,7 @@ impl<'a> Charts<'a> {
                 }
             }
             texel.found += starts.len() as u32;
-            paths.follow(&starts, |path, emission, light, delay| {
+            paths.follow(&starts, per_part, |path, emission, light, delay| {
                 let clock = paths.clock(paths.rest.patch(starts[path].hit.triangle));
                 texel.add(bins, emission, light, delay + clock);
             });

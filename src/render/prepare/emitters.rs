@@ -348,7 +348,7 @@ impl<'a> Builder<'a> {
         };
         Ok(match scene.bounces {
             0 => Light::TimeResolved(light),
-            bounces => Light::PathTraced(PathTraced::new(light, bounces, arriving)),
+            bounces => Light::PathTraced(PathTraced::new(light, bounces, arriving, frames)),
         })
     }
 }

@@ -6,7 +6,9 @@ use crate::accel::Method;
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::camera::{AnyProjection, AnyView, FilmPoints, Projection, RayOrigin, RaySlices, View};
 use crate::render::film::Tile;
-use crate::render::sampler::{Sampler, pixel_key, sobol, sobol_among, sobol_of_each};
+use crate::render::sampler::{
+    Sampler, pixel_key, sobol, sobol_among, sobol_of_each, sobol_of_each_at,
+};
 
 /// One camera ray for every pixel of a tile.
 #[derive(Debug, Default)]
@@ -57,8 +59,10 @@ pub struct LeftTriangle {
 pub struct Samples<'a> {
     /// By ray, the key of its pixel and replicate; its own number stands for those that are not there.
     pub pixels: &'a [u64],
-    /// The sample of each.
+    /// The sample of all.
     pub index: u32,
+    /// By ray, its own in place of that; empty where that is the sample of each.
+    pub indices: &'a [u32],
     /// How many samples a pixel has.
     pub in_pixel: u32,
     /// How many surfaces the rays come from, one after the other.
@@ -115,7 +119,7 @@ impl Samples<'_> {
     /// Two numbers in [0, 1) of ray `ray` for what `dimension` counts, the `number`-th of `count`.
     #[inline]
     pub(super) fn one_of(&self, ray: usize, dimension: u32, number: u32, count: u32) -> [f64; 2] {
-        let index = self.index.wrapping_mul(count).wrapping_add(number);
+        let index = self.index(ray).wrapping_mul(count).wrapping_add(number);
         let in_pixel = self.in_pixel.wrapping_mul(count);
         sobol_among(self.pixel(ray), index, in_pixel, dimension)
     }
@@ -124,13 +128,33 @@ impl Samples<'_> {
     #[inline]
     pub(super) fn on_path(&self, ray: usize, dimension: u32) -> [f64; 2] {
         let dimension = self.depth * DRAWN_AT_A_SURFACE + dimension;
-        sobol(self.pixel(ray), self.index, dimension)
+        sobol(self.pixel(ray), self.index(ray), dimension)
     }
 
-    /// The same for rays of these keys.
-    pub(super) fn each_on_path(&self, keys: &[u64], dimension: u32, numbers: &mut [Vec<f64>; 2]) {
+    /// The same for rays of these keys and, where they have them, indices.
+    pub(super) fn each_on_path(
+        &self,
+        (keys, indices): (&[u64], &[u32]),
+        dimension: u32,
+        numbers: &mut [Vec<f64>; 2],
+    ) {
         let dimension = self.depth * DRAWN_AT_A_SURFACE + dimension;
-        sobol_of_each(keys, self.index, dimension, numbers);
+        match indices {
+            [] => sobol_of_each(keys, self.index, dimension, numbers),
+            indices => sobol_of_each_at(keys, indices, dimension, numbers),
+        }
+    }
+
+    /// Two numbers in [0, 1) of this key for what `dimension` counts.
+    pub(super) fn of_key(&self, key: u64, dimension: u32) -> [f64; 2] {
+        let dimension = self.depth * DRAWN_AT_A_SURFACE + dimension;
+        sobol(key, self.index, dimension)
+    }
+
+    /// The sample of ray `ray`.
+    #[inline]
+    pub(super) fn index(&self, ray: usize) -> u32 {
+        self.indices.get(ray).copied().unwrap_or(self.index)
     }
 
     /// The key of the pixel of ray `ray`.
@@ -185,6 +209,7 @@ impl CameraRays {
             samples: Samples {
                 pixels: &self.keys,
                 index: self.index,
+                indices: &[],
                 in_pixel: self.in_pixel,
                 depth: 0,
                 exposure: None,

@@ -11,6 +11,7 @@ use super::falling::{Falling, Gathered};
 use super::hits::HitBuffer;
 use super::occlusion::{OcclusionQueries, shadow_starts};
 use super::points::Points;
+use super::sharing::{Groups, Receivers};
 use crate::accel::vectors::Columns;
 use crate::accel::{Converging, Segment};
 use crate::camera::RayOrigin;
@@ -147,8 +148,11 @@ pub struct Emitted {
     pub(super) falling: Falling,
     /// Directions about the points' normals, drawn as the cosine.
     pub(super) by_cosine: Columns,
-    /// Keys of the points' pixels, and two random numbers of each.
+    /// Normals of the points from which paths go on.
+    pub(super) normals: Columns,
+    /// Keys of the points' pixels, their samples where each has its own, and two random numbers of each.
     pub(super) keys: Vec<u64>,
+    pub(super) indices: Vec<u32>,
     pub(super) numbers: [Vec<f64>; 2],
     /// What is drawn of area lights.
     pub(super) draws: Box<AreaDraws>,
@@ -228,6 +232,7 @@ impl Leaving {
             from: &self.from,
             s_min: &self.s_min,
             skip: &self.triangles,
+            at: None,
         }
     }
 }
@@ -244,6 +249,22 @@ pub(super) struct Paths {
     pub wavelength_ratios: Vec<f64>,
     /// What leaves the points of one patch.
     pub emitted: Emitted,
+    /// Where paths are shared, the groups that share them, the points from which they go on, and the points of one group.
+    pub groups: Groups,
+    pub chosen: Vec<Chosen>,
+    pub receivers: Receivers,
+}
+
+/// A point from which a path goes on.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Chosen {
+    /// The point of the run.
+    pub point: u32,
+    /// Its place in its group.
+    pub at: u32,
+    /// What random numbers come from, and which.
+    pub key: u64,
+    pub index: u32,
 }
 
 /// The patch that a ray has met.
@@ -280,8 +301,11 @@ pub(super) struct Level {
     pub left: Vec<LeftTriangle>,
     /// ω_world/ω_F of their light, F the rest frame of the points that they leave.
     pub ratios: Vec<f64>,
-    /// Keys of their pixels.
+    /// Keys of their pixels, and their samples where each has its own.
     pub pixels: Vec<u64>,
+    pub indices: Vec<u32>,
+    /// From which on they are shared, if any are.
+    pub shared_from: Option<usize>,
     /// Their nearest hits.
     pub hits: HitBuffer,
     /// What each has met.
@@ -297,6 +321,8 @@ pub(super) struct Drawn {
     pub frame: u32,
     /// n·l there.
     pub cosine: f64,
+    /// Of one that is shared, the place of the point in its group.
+    pub at: u32,
     pub scattered: Scattered,
 }
 
@@ -321,6 +347,8 @@ pub(super) struct MetSurface {
     /// What it reflects of the light that is known so far, and what it shines of its own.
     pub reflected: [f64; 3],
     pub own: [f64; 3],
+    /// Whether what it reflects is the same in all directions.
+    pub is_diffuse: bool,
     /// Of the light that is known so far.
     pub incident: Irradiance,
 }
@@ -354,7 +382,9 @@ impl Default for Emitted {
             views: Columns::default(),
             falling: Falling::default(),
             by_cosine: Columns::default(),
+            normals: Columns::default(),
             keys: Vec::new(),
+            indices: Vec::new(),
             numbers: Default::default(),
             draws: Box::default(),
             arriving: Vec::new(),

@@ -35,6 +35,7 @@ mod rest_frame;
 mod run;
 mod shading;
 mod shadows;
+mod sharing;
 mod stats;
 mod surfaces;
 mod time_resolved;

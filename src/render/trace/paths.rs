@@ -55,6 +55,8 @@
 //! Rays go on from 2⁻⁴² of the coordinates involved above their surface, 10⁻¹² m in a scene of metres: rounding puts events to 2⁻⁵³ of their
 //! coordinates, of which boosts make γ times as much, on one side of the surface or on the other.
 //!
+//! In one rest frame whose light is always the same, neighbouring diffuse points share what paths find beyond them: [`sharing`](super::sharing).
+//!
 //! # Glass
 //!
 //! In a body of index n, light has the tangent (−n, d) of its rest frame F in place of (−1, d), which is carried on through all frames as any
@@ -77,14 +79,16 @@ use glam::DVec3;
 use super::base_colours::{BaseColours, Finish};
 use super::camera_rays::{LeftTriangle, Rays, Samples};
 use super::emitted::{
-    Colouring, Drawn, Emission, Emitted, Level, Met, MetPatch, MetSurface, Paths, Response,
+    Chosen, Colouring, Drawn, Emission, Emitted, Level, Met, MetPatch, MetSurface, Paths, Response,
 };
 use super::lamps;
+use super::lights::SkyLight;
 use super::point::SurfacePoint;
 use super::points::Points;
 use super::radiance::Radiance;
 use super::rest_frame::{Patch, RestFrame};
 use super::run::{Run, TracedRays};
+use super::sharing::{End, Group, Groups, MOST, Sharing, Ungrouped};
 use super::stats::{Meter, Stage};
 use super::time_resolved::{Emitter, TimeResolved};
 use crate::accel::Hit;
@@ -99,6 +103,7 @@ use crate::spacetime::{Direction, Displacement, Rest, World};
 pub(super) const AREA: u32 = 0;
 const SKY: u32 = 1;
 pub(super) const ONWARD: u32 = 2;
+pub(super) const CHOICE: u32 = 3;
 
 /// Lights of all kinds, and surfaces that pass their light on.
 #[derive(Debug)]
@@ -113,11 +118,22 @@ pub struct PathTraced {
     shines: bool,
     /// By emitter, the first that the same lamps light; none of those that lamps do not light.
     alike: Vec<Option<u32>>,
+    /// Whether and how neighbours share paths.
+    sharing: Option<Sharing>,
 }
 
 impl PathTraced {
-    /// `light`, reflected `bounces` more times; `received`: by emitter, what surfaces receive of its radiance.
-    pub fn new(light: TimeResolved, bounces: u32, received: Vec<Received>) -> Self {
+    /// `light`, reflected `bounces` more times by what rests in `frames`; `received`: by emitter, what surfaces receive of its radiance.
+    pub fn new(
+        light: TimeResolved,
+        bounces: u32,
+        received: Vec<Received>,
+        frames: &[RestFrame],
+    ) -> Self {
+        let sharing = match frames {
+            [rest] if light.is_steady_for(rest) => Some(Sharing::new(light.is_diffuse())),
+            _ => None,
+        };
         let mut emitters = light.emitters.iter();
         let shines = light.areas.is_some()
             || light.sky.is_some()
@@ -138,6 +154,7 @@ impl PathTraced {
             received,
             shines,
             alike,
+            sharing,
         }
     }
 }
@@ -233,7 +250,8 @@ impl PathTraced {
             false => 1.0,
         };
         if let Some(areas) = areas {
-            run.each_on_path(AREA, &mut emitted.keys, &mut emitted.numbers);
+            let buffers = (&mut emitted.keys, &mut emitted.indices);
+            run.each_on_path(AREA, buffers, &mut emitted.numbers);
             areas.illuminate_by(
                 |reflection, sent| weight(reflection, sent.l, sent.density, sent.shadows),
                 base,
@@ -246,7 +264,8 @@ impl PathTraced {
         let is_drawn =
             |sky: &&super::SkyLight| !sky.shadows || sky.frames[run.frame as usize].is_uneven();
         if let Some(sky) = sky.as_ref().filter(is_drawn) {
-            run.each_on_path(SKY, &mut emitted.keys, &mut emitted.numbers);
+            let buffers = (&mut emitted.keys, &mut emitted.indices);
+            run.each_on_path(SKY, buffers, &mut emitted.numbers);
             sky.illuminate_by(
                 |reflection, l, density| weight(reflection, l, density, sky.shadows),
                 run,
@@ -272,7 +291,19 @@ impl PathTraced {
         let mut paths = emitted.paths.take().unwrap_or_default();
         let first = level(&mut paths.levels, 0);
         first.start(depth + 1);
-        first.draw(run, emitted, |k| k as u32);
+        match &self.sharing {
+            None => first.draw(run, emitted, |k| k as u32),
+            Some(sharing) => {
+                let Paths {
+                    levels,
+                    groups,
+                    chosen,
+                    ..
+                } = &mut *paths;
+                choose(run, emitted, sharing, groups, chosen);
+                level(levels, 0).draw_chosen(run, emitted, chosen, groups);
+            }
+        }
         let mut count = 0;
         while !level(&mut paths.levels, count).drawn.is_empty() {
             self.meet(&mut paths, count, run.traced, meter);
@@ -287,22 +318,104 @@ impl PathTraced {
                     (light, &mut before[at - 1].met[drawn.from as usize])
                 {
                     let known = (&mut point.reflected, &mut point.incident);
-                    add(known, &drawn.scattered, light);
+                    add(known, drawn.scattered.weight, light);
                 }
             }
         }
         let first = level(&mut paths.levels, 0);
-        for (drawn, met) in first.drawn.iter().zip(&first.met) {
+        let alone = first.shared_from.unwrap_or(first.drawn.len());
+        for (drawn, met) in first.drawn[..alone].iter().zip(&first.met) {
             if let Some(light) = self.sent(met) {
                 let k = drawn.from as usize;
                 let mut reflected = emitted.added.get(k).to_array();
                 let mut incident = emitted.incident.get(k);
-                add((&mut reflected, &mut incident), &drawn.scattered, light);
+                add((&mut reflected, &mut incident), drawn.scattered.weight, light);
                 emitted.added.set(k, reflected.into());
                 emitted.incident.set(k, &incident);
             }
         }
+        if first.shared_from.is_some() {
+            self.share(&mut paths, run, emitted, meter);
+        }
         emitted.paths = Some(paths);
+    }
+
+    /// Adds what the paths of groups have found to the points of `run` that share it: (1) of [`sharing`](super::sharing).
+    fn share(&self, paths: &mut Paths, run: &Run, emitted: &mut Emitted, meter: &mut Meter) {
+        let Paths {
+            levels,
+            groups,
+            receivers,
+            ..
+        } = paths;
+        let Some(first) = levels.first() else {
+            return;
+        };
+        let rays = first.rays(run.traced);
+        let (surfaces, bvh) = (run.traced.surfaces, &run.rest.bvh);
+        let sky = self.light.sky.as_ref();
+        for group in &groups.all {
+            receivers.clear();
+            let points = &groups.order[group.points.clone()];
+            // Of each point, what falls on it, as a radiance, and its wavelength.
+            let mut shared = [([0.0; 3], Irradiance::default()); MOST];
+            for k in points.iter().map(|k| *k as usize) {
+                let points = &emitted.points;
+                let place = (points.positions.get(k), points.normals.get(k));
+                receivers.push(place, points.eye(k), points.triangles[k]);
+            }
+            for ray in group.rays.clone() {
+                let (drawn, hit) = (&first.drawn[ray], first.hits.hits()[ray]);
+                let Some(sent) = self.sent_in_parts(&first.met[ray]) else {
+                    continue;
+                };
+                let end = match hit {
+                    None => End::Open(drawn.scattered.l),
+                    Some(hit) => {
+                        let (local, _) = surfaces.local(run.frame, ray, &rays, &first.hits);
+                        let normal = bvh.normal(&hit);
+                        End::On {
+                            y: local.at(hit.s).x,
+                            normal: if hit.front { normal } else { -normal },
+                            triangle: hit.triangle,
+                        }
+                    }
+                };
+                let own = drawn.at as usize;
+                let numbers = (own, group.paths());
+                receivers.find(end, numbers, bvh, run.traced.rays.method, meter.occlusion());
+                let by_area = hit.and_then(|hit| {
+                    let areas = self.light.areas.as_ref()?;
+                    areas.density(run.frame, hit.triangle)
+                });
+                // What points could have drawn themselves is weighed against that, by each of them.
+                let part = |density: f64| match (end, by_area, sky) {
+                    (End::On { .. }, None, _) | (End::Open(_), _, None) => 1.0,
+                    (End::On { .. }, Some((_, false)), _) => 0.0,
+                    (End::On { .. }, Some((by_area, true)), _) => balance(density, by_area),
+                    (End::Open(l), _, Some(sky)) => sky_weight(sky, run.frame, l, density),
+                };
+                for share in &receivers.shares {
+                    let light = sent.light(part(share.density)).scaled(share.weight);
+                    let (reflected, incident) = &mut shared[share.at];
+                    add((reflected, incident), [1.0; 3], light);
+                }
+                // Other light than diffuse is found by the point that it comes to.
+                if !sent.is_diffuse {
+                    let part = group.count() as f64 / group.paths() as f64;
+                    let (reflected, incident) = &mut shared[own];
+                    add((reflected, incident), [1.0; 3], sent.reflected.scaled(part));
+                }
+            }
+            for (k, (reflected, incident)) in points.iter().zip(&shared) {
+                let k = *k as usize;
+                let albedo = emitted.reflections[k].albedo();
+                for (c, sum) in emitted.added[k].iter_mut().enumerate() {
+                    *sum += albedo[c] * reflected[c];
+                }
+                emitted.incident[k].merge(incident);
+            }
+        }
     }
 
     /// Traces the rays of level `at`, takes down what they meet, and draws those of the next.
@@ -313,49 +426,35 @@ impl PathTraced {
             members,
             wavelength_ratios,
             emitted,
+            ..
         } = paths;
         level(levels, at + 1);
         let (levels, next) = levels.split_at_mut(at + 1);
-        let Level {
-            depth,
-            drawn,
-            directions,
-            origins,
-            left,
-            ratios,
-            pixels,
-            hits,
-            met,
-        } = &mut levels[at];
-        next[0].start(*depth + 1);
-        let rays = Rays {
-            directions,
-            origins: Some(origins),
-            left,
-            method: before.rays.method,
-            samples: Samples {
-                pixels,
-                index: before.rays.samples.index,
-                in_pixel: before.rays.samples.in_pixel,
-                depth: *depth,
-                exposure: None,
-                cells: None,
-            },
-        };
+        let this = &mut levels[at];
+        // Both are filled below, from the rest of the level.
+        let (mut hits, mut met) = (
+            std::mem::take(&mut this.hits),
+            std::mem::take(&mut this.met),
+        );
+        let this = &levels[at];
+        let (depth, drawn, ratios) = (this.depth, &this.drawn, &this.ratios);
+        let is_shared = |ray: usize| this.shared_from.is_some_and(|from| ray >= from);
+        next[0].start(depth + 1);
+        let rays = this.rays(before);
         meter.lap(Stage::Radiance);
-        before.surfaces.nearest(&rays, hits, meter);
+        before.surfaces.nearest(&rays, &mut hits, meter);
         let traced = TracedRays {
             surfaces: before.surfaces,
             rays,
-            hits,
+            hits: &hits,
             event: before.event,
             index: before.index,
         };
         sort(&traced, order);
         met.clear();
-        let escaped = drawn.iter().zip(traced.hits.hits());
-        met.extend(escaped.map(|(drawn, hit)| match hit {
-            None => Met::Light(self.escaped(drawn)),
+        let escaped = drawn.iter().zip(traced.hits.hits()).enumerate();
+        met.extend(escaped.map(|(ray, (drawn, hit))| match hit {
+            None => Met::Light(self.escaped(drawn, is_shared(ray))),
             Some(_) => Met::Nothing,
         }));
         // Rays that have met surfaces of one frame that the same lamps light, together; and those that have met one of other patches.
@@ -399,25 +498,26 @@ impl PathTraced {
                     }
                     for part in &parts {
                         let shines = part.finish.emission.is_some();
-                        let points = part.points.clone();
-                        self.weigh_own((&run, points), shines, drawn, wavelength_ratios, emitted);
+                        let points = (&run, part.points.clone());
+                        self.weigh_own(points, shines, this, wavelength_ratios, emitted);
                     }
                     self.receive(&parts, lamps, &run, emitted, meter);
-                    if self.goes_on(*depth) {
+                    if self.goes_on(depth) {
                         next[0].draw(&run, emitted, |k| run.members[k]);
                     }
-                    self.note_surfaces(&parts, &run, (wavelength_ratios, emitted), met);
+                    self.note_surfaces(&parts, &run, (wavelength_ratios, emitted), &mut met);
                 }
                 other => {
                     // With a spectrum, it may be drawn.
                     let shines = matches!(other, Emitter::Base(_));
-                    let points = 0..run.count();
-                    self.weigh_own((&run, points), shines, drawn, wavelength_ratios, emitted);
+                    let points = (&run, 0..run.count());
+                    self.weigh_own(points, shines, this, wavelength_ratios, emitted);
                     self.light.emit(&run, emitted, meter);
-                    self.note_light(&run, (wavelength_ratios, emitted), met);
+                    self.note_light(&run, (wavelength_ratios, emitted), &mut met);
                 }
             }
         }
+        (levels[at].hits, levels[at].met) = (hits, met);
     }
 
     /// Gathers the light that comes to the points of `run` straight from lamps, from what shines and from the sky; after the last surface
@@ -456,6 +556,7 @@ impl PathTraced {
                     ratio: ratios[at],
                     reflected,
                     own: self.own((part.finish, part.patch), run, at, emitted),
+                    is_diffuse: !receives || emitted.reflections[at].is_diffuse(),
                     incident,
                 });
             }
@@ -497,6 +598,34 @@ impl PathTraced {
         }
     }
 
+    /// The same of a path that is shared, whose light is not weighted.
+    fn sent_in_parts(&self, met: &Met) -> Option<Sent> {
+        let dark = |light: &Incident| light.irradiance == [0.0; 3];
+        let sent = match met {
+            Met::Nothing => return None,
+            Met::Light(own) => Sent {
+                own: *own,
+                reflected: own.with([0.0; 3]),
+                is_diffuse: true,
+            },
+            Met::Surface(point) => {
+                let emitter = point.emitter as usize;
+                let response = &self.light.emitters[emitter].1;
+                let scale = point.incident.wavelength_scale();
+                let arriving = |radiance| {
+                    let light = (radiance, [0.0; 2], scale);
+                    self.arriving(emitter, response, point.ratio, light)
+                };
+                Sent {
+                    own: arriving(point.own),
+                    reflected: arriving(point.reflected),
+                    is_diffuse: point.is_diffuse,
+                }
+            }
+        };
+        (!dark(&sent.own) || !dark(&sent.reflected)).then_some(sent)
+    }
+
     /// What arrives of the radiance that leaves a surface of emitter `emitter`, seen at W.
     fn arriving(
         &self,
@@ -517,8 +646,8 @@ impl PathTraced {
         Incident::new(light, wavelength_scale * received.wavelength_scale(w))
     }
 
-    /// What arrives of the sky along `drawn`, where the ray that goes on along it meets nothing.
-    fn escaped(&self, drawn: &Drawn) -> Incident {
+    /// What arrives of the sky along `drawn`, where the ray that goes on along it meets nothing; not weighted where that `is_shared`.
+    fn escaped(&self, drawn: &Drawn, is_shared: bool) -> Incident {
         let Some(light) = &self.light.sky else {
             return Incident::new([0.0; 3], 1.0);
         };
@@ -533,6 +662,8 @@ impl PathTraced {
         let radiance = if density.is_infinite() {
             // A mirror shows the sun, whose light as that of a lamp it does not reflect.
             boosted.radiance_with_sun(&light.sky, d, rho)
+        } else if is_shared {
+            boosted.radiance(&light.sky, d, rho)
         } else {
             let weight = match (light.shadows, boosted.is_uneven()) {
                 (false, _) => 0.0,
@@ -544,13 +675,13 @@ impl PathTraced {
         Incident::new(radiance, boosted.received().wavelength_scale(w))
     }
 
-    /// Notes what `points` of `run` shine of their own counts for, if they do, where each was met along one of `drawn` and could have been
-    /// drawn itself; `ratios` are W.
+    /// Notes what `points` of `run` shine of their own counts for, if they do, where each was met along a ray of `level` and could have been
+    /// drawn itself; `ratios` are W. Of rays that are shared each that shares weighs it.
     fn weigh_own(
         &self,
         (run, points): (&Run, Range<usize>),
         shines: bool,
-        drawn: &[Drawn],
+        level: &Level,
         ratios: &[f64],
         emitted: &mut Emitted,
     ) {
@@ -563,7 +694,12 @@ impl PathTraced {
             let Some(point) = run.point(at) else {
                 continue;
             };
-            let by_material = drawn[run.members[at] as usize].scattered.density;
+            let ray = run.members[at] as usize;
+            if level.shared_from.is_some_and(|from| ray >= from) {
+                weights.push(1.0);
+                continue;
+            }
+            let by_material = level.drawn[ray].scattered.density;
             let by_area = areas.density(run.frame, point.hit.triangle);
             let weight = match by_area {
                 _ if by_material.is_infinite() => 1.0,
@@ -688,11 +824,99 @@ impl Level {
         self.left.clear();
         self.ratios.clear();
         self.pixels.clear();
+        self.indices.clear();
+        self.shared_from = None;
+    }
+
+    /// Its rays, which are traced as those `before` them.
+    fn rays<'a>(&'a self, before: &TracedRays<'a>) -> Rays<'a> {
+        Rays {
+            directions: &self.directions,
+            origins: Some(&self.origins),
+            left: &self.left,
+            method: before.rays.method,
+            samples: Samples {
+                pixels: &self.pixels,
+                index: before.rays.samples.index,
+                indices: &self.indices,
+                in_pixel: before.rays.samples.in_pixel,
+                depth: self.depth,
+                exposure: None,
+                cells: None,
+            },
+        }
+    }
+
+    /// Draws a direction at each of the `chosen` points of `run`, of which those of `groups` come last and are shared.
+    fn draw_chosen(
+        &mut self,
+        run: &Run,
+        emitted: &mut Emitted,
+        chosen: &[Chosen],
+        groups: &mut Groups,
+    ) {
+        let Emitted {
+            points,
+            keys,
+            indices,
+            numbers,
+            reflections,
+            by_cosine,
+            normals,
+            ..
+        } = emitted;
+        keys.clear();
+        keys.extend(chosen.iter().map(|chosen| chosen.key));
+        indices.clear();
+        indices.extend(chosen.iter().map(|chosen| chosen.index));
+        let samples = &run.traced.rays.samples;
+        samples.each_on_path((keys, indices), ONWARD, numbers);
+        normals.clear();
+        for chosen in chosen {
+            normals.push(points.normals.get(chosen.point as usize));
+        }
+        each_by_cosine(normals, numbers, by_cosine);
+        let gamma = run.rest.frame.velocity().gamma();
+        let add = |level: &mut Level, k: usize, is_shared: bool| {
+            let chosen = &chosen[k];
+            let point = chosen.point as usize;
+            let reflection = &reflections[point];
+            let drawn = match reflection.is_diffuse() {
+                true => reflection.scattered(by_cosine.get(k)),
+                false => reflection.sample([numbers[0][k], numbers[1][k]]),
+            };
+            // A black point that is chosen sends a path for those that are not.
+            let shows = |drawn: &Scattered| is_shared || drawn.weight.iter().any(|w| *w > 0.0);
+            let Some(scattered) = drawn.filter(shows) else {
+                return;
+            };
+            level.drawn.push(Drawn {
+                from: chosen.point,
+                frame: run.frame,
+                cosine: reflection.normal().dot(scattered.l),
+                at: chosen.at,
+                scattered,
+            });
+            level.push(point, &scattered, (run, gamma), points);
+            level.pixels.push(chosen.key);
+            level.indices.push(chosen.index);
+        };
+        let in_groups: usize = groups.all.iter().map(Group::paths).sum();
+        let mut next = chosen.len() - in_groups;
+        (0..next).for_each(|k| add(self, k, false));
+        self.shared_from = Some(self.drawn.len());
+        for group in &mut groups.all {
+            let begin = self.drawn.len();
+            let end = next + group.paths();
+            (next..end).for_each(|k| add(self, k, true));
+            (next, group.rays) = (end, begin..self.drawn.len());
+        }
     }
 
     /// Draws a direction at each point of `run`, which `emitted` knows; `from`: what levels know the points by.
     fn draw(&mut self, run: &Run, emitted: &mut Emitted, from: impl Fn(usize) -> u32) {
-        run.each_on_path(ONWARD, &mut emitted.keys, &mut emitted.numbers);
+        let buffers = (&mut emitted.keys, &mut emitted.indices);
+        run.each_on_path(ONWARD, buffers, &mut emitted.numbers);
         let Emitted {
             points,
             numbers,
@@ -716,9 +940,15 @@ impl Level {
                 from: from(k),
                 frame: run.frame,
                 cosine: reflection.normal().dot(scattered.l),
+                at: 0,
                 scattered,
             });
             self.push(k, &scattered, (run, gamma), points);
+            let (samples, ray) = (&run.traced.rays.samples, run.members[k] as usize);
+            self.pixels.push(samples.pixel(ray));
+            if !samples.indices.is_empty() {
+                self.indices.push(samples.index(ray));
+            }
         }
     }
 
@@ -751,7 +981,84 @@ impl Level {
             frame: run.frame,
             slot: points.slots[k],
         });
-        self.pixels.push(run.traced.rays.samples.pixel(ray));
+    }
+}
+
+/// What a path that is shared has found, as it arrives.
+struct Sent {
+    /// What its end shines of its own.
+    own: Incident,
+    /// What that reflects, and whether it does so in all directions alike.
+    reflected: Incident,
+    is_diffuse: bool,
+}
+
+impl Sent {
+    /// What points that share it receive, if `part` of its own light counts.
+    fn light(&self, part: f64) -> Incident {
+        let [own, reflected] = [&self.own, &self.reflected].map(|light| light.irradiance);
+        let counts = if self.is_diffuse { 1.0 } else { 0.0 };
+        let irradiance = std::array::from_fn(|c| part * own[c] + counts * reflected[c]);
+        self.reflected.with(irradiance)
+    }
+}
+
+/// What counts of the sky's light along `l` of frame `frame`, found with the density of its cosine.
+fn sky_weight(light: &SkyLight, frame: u32, l: DVec3, density: f64) -> f64 {
+    let boosted = &light.frames[frame as usize];
+    match (light.shadows, boosted.is_uneven()) {
+        (false, _) => 0.0,
+        (true, false) => 1.0,
+        (true, true) => {
+            let (d, rho) = boosted.in_world(l);
+            balance(density, boosted.density(density * PI, d, rho))
+        }
+    }
+}
+
+/// Groups the points of `run` that are diffuse, and chooses those from which paths go on; those that are not diffuse come first.
+fn choose(
+    run: &Run,
+    emitted: &Emitted,
+    sharing: &Sharing,
+    groups: &mut Groups,
+    chosen: &mut Vec<Chosen>,
+) {
+    let samples = &run.traced.rays.samples;
+    let pixel = |k: usize| samples.pixel(run.members[k] as usize);
+    let reflections = &emitted.reflections;
+    let normal = |k: usize| {
+        let is_diffuse = reflections[k].is_diffuse();
+        is_diffuse.then(|| emitted.points.normals.get(k))
+    };
+    groups.clear();
+    groups.add(Ungrouped {
+        points: 0..run.count(),
+        patch: run.patch.first,
+        normal,
+        pixel,
+        in_pixel: samples.in_pixel,
+        sharing,
+    });
+    chosen.clear();
+    let glossy = (0..run.count()).filter(|k| !reflections[*k].is_diffuse());
+    chosen.extend(glossy.map(|k| Chosen {
+        point: k as u32,
+        at: 0,
+        key: pixel(k),
+        index: samples.index,
+    }));
+    for group in &groups.all {
+        let points = &groups.order[group.points.clone()];
+        let [number, _] = samples.of_key(group.key, CHOICE);
+        for (path, at) in group.chosen(number).enumerate() {
+            chosen.push(Chosen {
+                point: points[at],
+                at: at as u32,
+                key: group.key,
+                index: group.number(samples.index, path),
+            });
+        }
     }
 }
 
@@ -794,14 +1101,10 @@ fn sort(traced: &TracedRays, order: &mut Vec<MetPatch>) {
     order.sort_unstable_by_key(|met| u128::from(met.place) << 32 | u128::from(met.ray));
 }
 
-/// Adds what arrives along `drawn` to what a point reflects.
-fn add(
-    (reflected, incident): (&mut [f64; 3], &mut Irradiance),
-    drawn: &Scattered,
-    light: Incident,
-) {
+/// Adds what arrives to what a point reflects that gives it this weight.
+fn add((reflected, incident): (&mut [f64; 3], &mut Irradiance), weight: [f64; 3], light: Incident) {
     for (c, sum) in reflected.iter_mut().enumerate() {
-        *sum += drawn.weight[c] * light.irradiance[c];
+        *sum += weight[c] * light.irradiance[c];
     }
     // As an irradiance, like that of lamps.
     incident.weigh(&light.scaled(PI));

@@ -242,6 +242,7 @@ fn locate(
             from: &points.positions,
             s_min: starts,
             skip: &points.triangles,
+            at: None,
         };
         any_to_point(bvh, method, all, answers, counts);
         return means;

@@ -192,17 +192,21 @@ impl<'a> Run<'a> {
         self.one_random_of(k, dimension, 0, 1)
     }
 
-    /// Fills `numbers` with two in [0, 1) of each member for what `dimension` counts at this surface of its path; `keys` are a buffer.
+    /// Fills `numbers` with two in [0, 1) of each member for what `dimension` counts at this surface of its path; `keys` and `indices` are buffers.
     pub(super) fn each_on_path(
         &self,
         dimension: u32,
-        keys: &mut Vec<u64>,
+        (keys, indices): (&mut Vec<u64>, &mut Vec<u32>),
         numbers: &mut [Vec<f64>; 2],
     ) {
         let samples = &self.traced.rays.samples;
         keys.clear();
         keys.extend(self.members.iter().map(|ray| samples.pixel(*ray as usize)));
-        samples.each_on_path(keys, dimension, numbers);
+        indices.clear();
+        if !samples.indices.is_empty() {
+            indices.extend(self.members.iter().map(|ray| samples.index(*ray as usize)));
+        }
+        samples.each_on_path((keys, indices), dimension, numbers);
     }
 
     /// The same as [`Run::random`], one of `count` for each sample.

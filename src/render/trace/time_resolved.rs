@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use super::base_colours::{BaseColours, Finish};
+use super::base_colours::{BaseColour, BaseColours, Finish};
 use super::emitted::Response;
 use super::lights::{AreaLights, SkyLight};
 use super::point::EmissionClock;
+use super::rest_frame::RestFrame;
 use crate::io::cube::Bricks;
 use crate::light::lamp::Lamp;
 use crate::light::time_texture::{Capture, TimeTexture};
@@ -39,6 +40,32 @@ pub struct TimeResolved {
 }
 
 impl TimeResolved {
+    /// Whether all light at what rests in `rest`, and nothing else is there, is always the same.
+    pub(super) fn is_steady_for(&self, rest: &RestFrame) -> bool {
+        let velocity = rest.frame.velocity();
+        // In a medium that streams past, light does not take the same time both ways; that is left alone.
+        let is_still = self.index == 1.0 || velocity.is_rest();
+        let steady = |colour: &BaseColour| colour.profile.is_none();
+        let emits = |(emitter, _): &(Emitter, Response)| match emitter {
+            Emitter::Base(colour) => steady(&self.base.colours[*colour]),
+            Emitter::Lit { finish, .. } => finish.emission.as_ref().is_none_or(steady),
+            Emitter::Uv { .. } | Emitter::Captured(_) => false,
+        };
+        let mut lamps = self.lamps.iter().flatten();
+        is_still
+            && self.emitters.iter().all(emits)
+            && lamps.all(|lamp| lamp.is_constant_for(velocity))
+            && !self.areas.as_ref().is_some_and(|areas| areas.changes())
+    }
+
+    /// Whether all that reflects is diffuse.
+    pub(super) fn is_diffuse(&self) -> bool {
+        self.emitters.iter().all(|(emitter, _)| match emitter {
+            Emitter::Lit { finish, .. } => finish.gloss.is_none() && finish.glass.is_none(),
+            _ => true,
+        })
+    }
+
     /// The cubes that are read from disk, each once.
     pub(crate) fn on_disk(&self) -> impl Iterator<Item = &Bricks> {
         let bricks = |at: usize| self.cubes[at].cube().on_disk();

@@ -14,6 +14,8 @@
 //! Surfaces that shine are found as in [`paths`](super::paths): one point of all of them is drawn at each surface, paths that meet one carry what it
 //! shines, and the balance heuristic weighs both; their proper time is that of their object, and D ends at the point that shines. What shines steadily
 //! has no place in bins of time and is left out.
+//! What is found beyond the second surface of a path does not depend on who looks, but for a delay: it is shared as in [`sharing`](super::sharing),
+//! whatever emission depends on time, and what x_j receives of y_i is later by η |x_j − y_i|.
 //! Directions are drawn as for [`paths`](super::paths), where densities and random numbers are told; W is 1 throughout. Many paths are followed
 //! together, surface by surface, so that their rays are traced in packets.
 //!
@@ -25,12 +27,14 @@ use super::camera_rays::Samples;
 use super::emitted::Colouring;
 use super::lights::SHORTER;
 use super::occlusion::shadow_ray;
-use super::paths::{AREA, ONWARD, balance, diffuse_part, reflection};
+use super::paths::{AREA, CHOICE, ONWARD, balance, diffuse_part, reflection};
 use super::rest_frame::{Patch, RestFrame};
+use super::sharing::{End, Groups, Receivers, Sharing, Ungrouped};
 use super::time_resolved::{Emitter, TimeResolved};
 use crate::accel::{Hit, Method, NoTally, Origins, Segment};
 use crate::light::lamp::{Emission, Lamp};
 use crate::light::reflection::{Reflection, Scattered};
+use crate::render::sampler::sobol;
 use crate::spacetime::{Direction, Event, NullRay, Rest};
 
 /// Paths in one rest frame.
@@ -88,6 +92,68 @@ struct Found<'a> {
     light: [f64; 3],
     /// The time at the start of the path less the proper time of emission.
     delay: f64,
+    /// Whether it is what the end of a path that is shared shines of its own.
+    is_end: bool,
+}
+
+/// First surfaces of paths, and what they share.
+#[derive(Default)]
+struct Shared<'a> {
+    firsts: Vec<Vertex<'a>>,
+    groups: Groups,
+    chosen: Vec<Beginning>,
+}
+
+/// The beginning of a path that is shared.
+struct Beginning {
+    /// The group, and the place in it of the surface that it goes on from.
+    group: usize,
+    at: usize,
+    met: Option<MetEnd>,
+}
+
+/// The second surface of a path that is shared.
+#[derive(Clone, Copy)]
+struct MetEnd {
+    y: DVec3,
+    /// On the side that was met.
+    normal: DVec3,
+    triangle: u32,
+    is_diffuse: bool,
+}
+
+/// Rays that go on from surfaces.
+#[derive(Default)]
+struct Onward {
+    paths: Vec<Drawn>,
+    origins: Vec<DVec3>,
+    directions: Vec<DVec3>,
+    slots: Vec<u32>,
+}
+
+/// A path, the direction in which it goes on, what it carries there, and its delay so far.
+type Drawn = (usize, Scattered, [f64; 3], f64);
+
+impl Onward {
+    /// Adds path `path` from `vertex` on along a direction that is drawn by two numbers.
+    fn draw(&mut self, vertex: &Vertex, path: usize, numbers: [f64; 2]) {
+        let Some(drawn) = vertex.reflection.sample(numbers) else {
+            return;
+        };
+        let carried = std::array::from_fn(|c| vertex.carried[c] * drawn.weight[c]);
+        // What is shared goes on from black surfaces too, for others that are not.
+        if carried == [0.0; 3] && path == vertex.path {
+            return;
+        }
+        // As far from the surface as in `paths`.
+        let off = shadow_ray(vertex.from, vertex.x, drawn.l).s_min;
+        let normal = vertex.reflection.normal();
+        let side = if normal.dot(drawn.l) < 0.0 { -off } else { off };
+        self.origins.push(vertex.x + normal * side);
+        self.directions.push(drawn.l);
+        self.slots.push(vertex.hit.slot);
+        self.paths.push((path, drawn, carried, vertex.delay));
+    }
 }
 
 /// What a path meets: where it leaves, along which unit vector, through which index, and what it carries, after which delay.
@@ -109,9 +175,14 @@ struct Falling<'a> {
 }
 
 impl TimedPaths<'_> {
-    /// Follows the paths that begin so, and calls `found`, path by path, with the path, the emission of each lamp or surface that it
-    /// finds, what it carries of it, and its delay: the time at its start less the proper time of emission.
-    pub fn follow(&self, starts: &[Start], mut found: impl FnMut(usize, &Emission, [f64; 3], f64)) {
+    /// Follows the paths that begin so, `in_pixel` samples of each pixel in all, and calls `found` with the path, the emission of each lamp
+    /// or surface that it finds, what it carries of it, and its delay: the time at its start less the proper time of emission.
+    pub fn follow(
+        &self,
+        starts: &[Start],
+        in_pixel: u32,
+        mut found: impl FnMut(usize, &Emission, [f64; 3], f64),
+    ) {
         let shines = self
             .light
             .areas
@@ -122,26 +193,200 @@ impl TimedPaths<'_> {
         let mut vertices: Vec<_> = first
             .filter_map(|(path, start)| self.first(path, start, &mut all))
             .collect();
+        let mut samples: Vec<_> = starts.iter().map(|start| start.sample).collect();
+        let mut shared = Shared::default();
+        // Samples of a texel have nothing to share but with one another.
+        let shares = |start: &Start| matches!(start.seen, Seen::From(..));
+        let shares = starts.first().is_some_and(shares);
         for depth in 0..=self.bounces {
             self.light_up(&vertices, &mut all);
             if shines {
-                self.light_up_by_areas(&vertices, (starts, depth), &mut all);
+                self.light_up_by_areas(&vertices, (&samples, depth), &mut all);
             }
             // After the last surface one more ray looks for what shines.
-            if depth < self.bounces || shines {
-                vertices = self.go_on(vertices, (starts, depth), &mut all);
+            if depth == 0 && shares && (depth < self.bounces || shines) {
+                vertices.sort_by_key(|vertex| self.rest.patch(vertex.hit.triangle).first);
+                shared = self.choose(vertices, in_pixel, &mut samples);
+                vertices = self.begin(&mut shared, &samples, &mut all);
+            } else if depth < self.bounces || shines {
+                vertices = self.go_on(vertices, (&samples, depth), &mut all);
             }
         }
         // Sums over a path's lamps are in the order of the path.
         all.sort_by_key(|found| found.path);
-        for Found {
-            path,
-            emission,
-            light,
-            delay,
-        } in all
-        {
-            found(path, emission, light, delay);
+        let own = all.partition_point(|found| found.path < starts.len());
+        for one in &all[..own] {
+            found(one.path, one.emission, one.light, one.delay);
+        }
+        self.share(&shared, starts.len(), &all[own..], found);
+    }
+
+    /// Groups the first surfaces of paths that are diffuse, chooses those from which a path goes on, and adds the samples of those paths.
+    fn choose<'a>(
+        &self,
+        firsts: Vec<Vertex<'a>>,
+        in_pixel: u32,
+        samples: &mut Vec<(u64, u32)>,
+    ) -> Shared<'a> {
+        let sharing = Sharing::new(self.light.is_diffuse());
+        let mut groups = Groups::default();
+        let patch = |vertex: &Vertex| self.rest.patch(vertex.hit.triangle).first;
+        let mut begin = 0;
+        for of_patch in firsts.chunk_by(|a, b| patch(a) == patch(b)) {
+            let normal = |k: usize| {
+                let reflection: &Reflection = &firsts[k].reflection;
+                reflection.is_diffuse().then(|| reflection.normal())
+            };
+            groups.add(Ungrouped {
+                points: begin..begin + of_patch.len(),
+                patch: patch(&of_patch[0]),
+                normal,
+                pixel: |k: usize| samples[firsts[k].path].0,
+                in_pixel,
+                sharing: &sharing,
+            });
+            begin += of_patch.len();
+        }
+        let mut chosen = Vec::new();
+        for (group, of) in groups.all.iter().enumerate() {
+            let points = &groups.order[of.points.clone()];
+            let (_, index) = samples[firsts[points[0] as usize].path];
+            let [number, _] = sobol(of.key, index, CHOICE);
+            for (path, at) in of.chosen(number).enumerate() {
+                chosen.push(Beginning {
+                    group,
+                    at,
+                    met: None,
+                });
+                samples.push((of.key, of.number(index, path)));
+            }
+        }
+        Shared {
+            firsts,
+            groups,
+            chosen,
+        }
+    }
+
+    /// The second surfaces of all paths: of those that are shared, what they carry and delays begin there.
+    fn begin<'a>(
+        &'a self,
+        shared: &mut Shared,
+        samples: &[(u64, u32)],
+        all: &mut Vec<Found<'a>>,
+    ) -> Vec<Vertex<'a>> {
+        let starts = samples.len() - shared.chosen.len();
+        let alone = shared.firsts.iter();
+        let alone = alone.filter(|vertex| !vertex.reflection.is_diffuse());
+        let mut onward = Onward::default();
+        for vertex in alone {
+            let (pixel, index) = samples[vertex.path];
+            let numbers = self::samples(&[pixel], index, 0).on_path(0, ONWARD);
+            onward.draw(vertex, vertex.path, numbers);
+        }
+        for (k, beginning) in shared.chosen.iter().enumerate() {
+            let group = &shared.groups.all[beginning.group];
+            let point = shared.groups.order[group.points.start + beginning.at];
+            let (key, index) = samples[starts + k];
+            let numbers = self::samples(&[key], index, 0).on_path(0, ONWARD);
+            onward.draw(&shared.firsts[point as usize], starts + k, numbers);
+        }
+        let mut next = Vec::new();
+        for (meeting, drawn) in self.met(onward) {
+            let Some(k) = meeting.path.checked_sub(starts) else {
+                next.extend(self.meet(&meeting, &drawn, all));
+                continue;
+            };
+            let meeting = Meeting {
+                carried: [1.0; 3],
+                delay: 0.0,
+                ..meeting
+            };
+            let own = self.own(meeting.path, &meeting.hit, meeting.carried, meeting.delay);
+            all.extend(own.map(|own| Found {
+                is_end: true,
+                ..own
+            }));
+            let vertex = self.vertex(&meeting);
+            let normal = self.rest.bvh.normal(&meeting.hit);
+            shared.chosen[k].met = Some(MetEnd {
+                y: meeting.from + meeting.d * meeting.hit.s,
+                normal: if meeting.hit.front { normal } else { -normal },
+                triangle: meeting.hit.triangle,
+                is_diffuse: vertex.as_ref().is_none_or(|v| v.reflection.is_diffuse()),
+            });
+            next.extend(vertex);
+        }
+        next
+    }
+
+    /// Calls `found` with what all points of groups receive of the paths that they share, which have found `all`: those from `starts` on.
+    fn share(
+        &self,
+        shared: &Shared,
+        starts: usize,
+        all: &[Found],
+        mut found: impl FnMut(usize, &Emission, [f64; 3], f64),
+    ) {
+        let Shared {
+            firsts,
+            groups,
+            chosen,
+        } = shared;
+        let mut receivers = Receivers::default();
+        let mut filled = usize::MAX;
+        for of_path in all.chunk_by(|a, b| a.path == b.path) {
+            let beginning = &chosen[of_path[0].path - starts];
+            let Some(end) = beginning.met else {
+                continue;
+            };
+            let group = &groups.all[beginning.group];
+            let points = &groups.order[group.points.clone()];
+            if filled != beginning.group {
+                filled = beginning.group;
+                receivers.clear();
+                for k in points {
+                    let vertex = &firsts[*k as usize];
+                    let place = (vertex.x, vertex.reflection.normal());
+                    receivers.push(place, vertex.from, vertex.hit.triangle);
+                }
+            }
+            let on = End::On {
+                y: end.y,
+                normal: end.normal,
+                triangle: end.triangle,
+            };
+            let numbers = (beginning.at, group.paths());
+            receivers.find(on, numbers, &self.rest.bvh, self.method, None);
+            let areas = self.light.areas.as_ref();
+            let by_area = areas.and_then(|areas| areas.density(0, end.triangle));
+            let alone = group.count() as f64 / group.paths() as f64;
+            for share in &receivers.shares {
+                let vertex = &firsts[points[share.at] as usize];
+                let delay = vertex.delay + self.light.index * (end.y - vertex.x).length();
+                let albedo = vertex.reflection.albedo();
+                let carried: [f64; 3] = std::array::from_fn(|c| vertex.carried[c] * albedo[c]);
+                if carried == [0.0; 3] {
+                    continue;
+                }
+                for one in of_path {
+                    let weight = match (one.is_end, by_area) {
+                        (true, None) => share.weight,
+                        (true, Some((_, false))) => 0.0,
+                        (true, Some((by_area, true))) => {
+                            share.weight * balance(share.density, by_area)
+                        }
+                        (false, _) if end.is_diffuse => share.weight,
+                        // Other light than diffuse is found by the point that it comes to.
+                        (false, _) if share.at == beginning.at => alone,
+                        (false, _) => continue,
+                    };
+                    if weight > 0.0 {
+                        let light = std::array::from_fn(|c| carried[c] * one.light[c] * weight);
+                        found(vertex.path, one.emission, light, delay + one.delay);
+                    }
+                }
+            }
         }
     }
 
@@ -199,6 +444,7 @@ impl TimedPaths<'_> {
             emission,
             light: std::array::from_fn(|c| carried[c] * radiance[c]),
             delay: delay + patch.object_origin.ct,
+            is_end: false,
         })
     }
 
@@ -241,7 +487,7 @@ impl TimedPaths<'_> {
     fn light_up_by_areas<'a>(
         &'a self,
         vertices: &[Vertex],
-        (starts, depth): (&[Start], u32),
+        (samples, depth): (&[(u64, u32)], u32),
         all: &mut Vec<Found<'a>>,
     ) {
         let Some(areas) = &self.light.areas else {
@@ -249,8 +495,8 @@ impl TimedPaths<'_> {
         };
         let (mut falling, mut segments) = (Vec::new(), Vec::new());
         for vertex in vertices {
-            let (pixel, index) = starts[vertex.path].sample;
-            let numbers = samples(&[pixel], index, depth).on_path(0, AREA);
+            let (pixel, index) = samples[vertex.path];
+            let numbers = self::samples(&[pixel], index, depth).on_path(0, AREA);
             let place = (vertex.x, vertex.reflection.normal());
             let base = (&self.light.base, self.rest);
             let Some(draw) = areas.drawn_from(base, place, numbers) else {
@@ -280,6 +526,7 @@ impl TimedPaths<'_> {
                 emission: draw.emission,
                 light,
                 delay: vertex.delay + self.light.index * draw.distance + draw.clock_zero,
+                is_end: false,
             };
             falling.push(Falling { found, way });
         }
@@ -307,30 +554,28 @@ impl TimedPaths<'_> {
     fn go_on<'a>(
         &'a self,
         vertices: Vec<Vertex<'_>>,
-        (starts, depth): (&[Start], u32),
+        (samples, depth): (&[(u64, u32)], u32),
         all: &mut Vec<Found<'a>>,
     ) -> Vec<Vertex<'a>> {
-        let mut onward: Vec<(usize, Scattered, [f64; 3], f64)> = Vec::new();
-        let (mut origins, mut directions, mut slots) = (Vec::new(), Vec::new(), Vec::new());
+        let mut onward = Onward::default();
         for vertex in &vertices {
-            let (pixel, index) = starts[vertex.path].sample;
-            let numbers = samples(&[pixel], index, depth).on_path(0, ONWARD);
-            let Some(drawn) = vertex.reflection.sample(numbers) else {
-                continue;
-            };
-            let carried = std::array::from_fn(|c| vertex.carried[c] * drawn.weight[c]);
-            if carried == [0.0; 3] {
-                continue;
-            }
-            // As far from the surface as in `paths`.
-            let off = shadow_ray(vertex.from, vertex.x, drawn.l).s_min;
-            let normal = vertex.reflection.normal();
-            let side = if normal.dot(drawn.l) < 0.0 { -off } else { off };
-            origins.push(vertex.x + normal * side);
-            directions.push(drawn.l);
-            slots.push(vertex.hit.slot);
-            onward.push((vertex.path, drawn, carried, vertex.delay));
+            let (pixel, index) = samples[vertex.path];
+            let numbers = self::samples(&[pixel], index, depth).on_path(0, ONWARD);
+            onward.draw(vertex, vertex.path, numbers);
         }
+        let met = self.met(onward).into_iter();
+        met.filter_map(|(meeting, drawn)| self.meet(&meeting, &drawn, all))
+            .collect()
+    }
+
+    /// What rays meet, of those that meet anything.
+    fn met(&self, onward: Onward) -> Vec<(Meeting, Scattered)> {
+        let Onward {
+            paths,
+            origins,
+            directions,
+            slots,
+        } = onward;
         let mut hits = vec![None; directions.len()];
         let from = Origins::Leaving {
             origins: &origins,
@@ -345,10 +590,9 @@ impl TimedPaths<'_> {
             &mut NoTally,
             |_| (),
         );
-        let met = onward.into_iter().zip(hits).zip(origins);
-        let next = met.filter_map(|(((path, drawn, carried, delay), hit), from)| {
+        let met = paths.into_iter().zip(hits).zip(origins);
+        let meetings = met.filter_map(|(((path, drawn, carried, delay), hit), from)| {
             let hit: Hit = hit?;
-            let delay = delay + self.light.index * drawn.index * hit.s;
             let meeting = Meeting {
                 path,
                 hit,
@@ -356,18 +600,29 @@ impl TimedPaths<'_> {
                 d: drawn.l,
                 near: drawn.index,
                 carried,
-                delay,
+                delay: delay + self.light.index * drawn.index * hit.s,
             };
-            if let Some(own) = self.own(path, &hit, carried, delay) {
-                let weight = self.weight_of_own(&meeting, drawn.density);
-                all.push(Found {
-                    light: own.light.map(|c| weight * c),
-                    ..own
-                });
-            }
-            self.vertex(&meeting)
+            Some((meeting, drawn))
         });
-        next.collect()
+        meetings.collect()
+    }
+
+    /// The surface that a path meets along `drawn`, if it reflects; what it shines is added to `all`.
+    fn meet<'a>(
+        &'a self,
+        meeting: &Meeting,
+        drawn: &Scattered,
+        all: &mut Vec<Found<'a>>,
+    ) -> Option<Vertex<'a>> {
+        let (carried, delay) = (meeting.carried, meeting.delay);
+        if let Some(own) = self.own(meeting.path, &meeting.hit, carried, delay) {
+            let weight = self.weight_of_own(meeting, drawn.density);
+            all.push(Found {
+                light: own.light.map(|c| weight * c),
+                ..own
+            });
+        }
+        self.vertex(meeting)
     }
 
     /// What counts of the light of a surface that shines, met along a direction drawn with `density`, where it could have been drawn
@@ -455,6 +710,7 @@ impl TimedPaths<'_> {
             emission: lamp.emission(),
             light: std::array::from_fn(|c| vertex.carried[c] * light[c]),
             delay: vertex.delay - proper_time,
+            is_end: false,
         };
         Some(Falling { found, way })
     }
@@ -473,6 +729,7 @@ fn samples(pixels: &[u64; 1], index: u32, depth: u32) -> Samples<'_> {
     Samples {
         pixels,
         index,
+        indices: &[],
         in_pixel: 1,
         depth,
         exposure: None,

@@ -27,8 +27,8 @@
 //!
 //! # Its numbers
 //!
-//! Groups are made of the points of one patch of a tile whose normals are alike: where they are more than 64, of every other
-//! pixel of every other row, so that neighbours are in different groups and edges of groups do not show. Which are
+//! Groups are made of the points of one patch of a tile whose normals are alike: where they are more than 64, of one of
+//! each 2 × 2 pixels, so that neighbours are in different groups and edges of groups do not show. Which are
 //! chosen is decided by one number in [0, 1) of the group: the first of every N/M points in a row, moved by it. Paths take their other numbers from a
 //! sequence of the tile, path by path and group after group, so that those that a point receives in all samples fill all directions evenly, and so do
 //! those of all points. The noise of points of a group is that of the same paths, and so correlated: pictures that are made smaller afterwards, or looked at
@@ -217,7 +217,10 @@ impl Groups {
 
 /// The bucket of a point of this normal.
 fn bucket(pixel: u64, normal: DVec3) -> u8 {
-    let lattice = (pixel & 1 | (pixel >> 32 & 1) << 1) as u8;
+    // Of each 2 × 2 pixels one is on each lattice, which one as chance has it: the eye would see regular lattices.
+    let quad = (pixel >> 1 & 0x7fff_ffff | pixel >> 33 << 32).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let chance = (quad ^ quad >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 62;
+    let lattice = ((pixel & 1 | (pixel >> 32 & 1) << 1) ^ chance) as u8;
     // Not quite the cube about the axes: on faces at 45 degrees rounding does not decide.
     let [x, y, z] = normal.to_array();
     let (x, y, z) = (x, y * 1.037, z * 1.019);

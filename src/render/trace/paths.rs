@@ -329,7 +329,11 @@ impl PathTraced {
                 let k = drawn.from as usize;
                 let mut reflected = emitted.added.get(k).to_array();
                 let mut incident = emitted.incident.get(k);
-                add((&mut reflected, &mut incident), drawn.scattered.weight, light);
+                add(
+                    (&mut reflected, &mut incident),
+                    drawn.scattered.weight,
+                    light,
+                );
                 emitted.added.set(k, reflected.into());
                 emitted.incident.set(k, &incident);
             }
@@ -410,10 +414,11 @@ impl PathTraced {
             for (k, (reflected, incident)) in points.iter().zip(&shared) {
                 let k = *k as usize;
                 let albedo = emitted.reflections[k].albedo();
-                for (c, sum) in emitted.added[k].iter_mut().enumerate() {
-                    *sum += albedo[c] * reflected[c];
-                }
-                emitted.incident[k].merge(incident);
+                let added = emitted.added.get(k) + DVec3::from(albedo) * DVec3::from(*reflected);
+                emitted.added.set(k, added);
+                let mut all = emitted.incident.get(k);
+                all.merge(incident);
+                emitted.incident.set(k, &all);
             }
         }
     }

@@ -27,6 +27,7 @@ mod hits;
 mod lamps;
 mod lights;
 mod occlusion;
+mod onward;
 mod paths;
 mod point;
 mod points;

@@ -77,33 +77,28 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::base_colours::{BaseColours, Finish};
-use super::camera_rays::{LeftTriangle, Rays, Samples};
 use super::emitted::{
-    Chosen, Colouring, Drawn, Emission, Emitted, Level, Met, MetPatch, MetSurface, Paths, Response,
+    Colouring, Drawn, Emission, Emitted, Level, Met, MetPatch, MetSurface, Paths, Response,
 };
 use super::lamps;
 use super::lights::SkyLight;
+use super::onward::{choose, level};
 use super::point::SurfacePoint;
-use super::points::Points;
 use super::radiance::Radiance;
 use super::rest_frame::{Patch, RestFrame};
 use super::run::{Run, TracedRays};
-use super::sharing::{End, Group, Groups, MOST, Sharing, Ungrouped};
+use super::sharing::{End, MOST, Sharing};
 use super::stats::{Meter, Stage};
 use super::time_resolved::{Emitter, TimeResolved};
 use crate::accel::Hit;
-use crate::camera::RayOrigin;
 use crate::light::Received;
 use crate::light::lamp::{Incident, Irradiance};
-use crate::light::reflection::{Reflection, Scattered, each_by_cosine};
+use crate::light::reflection::{Reflection, Scattered};
 use crate::light::time_texture::CaptureView;
-use crate::spacetime::{Direction, Displacement, Rest, World};
 
 /// What random numbers at a surface are for.
 pub(super) const AREA: u32 = 0;
 const SKY: u32 = 1;
-pub(super) const ONWARD: u32 = 2;
-pub(super) const CHOICE: u32 = 3;
 
 /// Lights of all kinds, and surfaces that pass their light on.
 #[derive(Debug)]
@@ -811,184 +806,6 @@ pub(super) fn diffuse_part(
     Reflection::diffuse(normal, colour.map(|c| c * part))
 }
 
-/// Level `at`, which is there from now on.
-fn level(levels: &mut Vec<Level>, at: usize) -> &mut Level {
-    if levels.len() <= at {
-        levels.resize_with(at + 1, Level::default);
-    }
-    &mut levels[at]
-}
-
-impl Level {
-    /// Forgets all rays; those to come have left `depth` surfaces behind.
-    fn start(&mut self, depth: u32) {
-        self.depth = depth;
-        self.drawn.clear();
-        self.directions.clear();
-        self.origins.clear();
-        self.left.clear();
-        self.ratios.clear();
-        self.pixels.clear();
-        self.indices.clear();
-        self.shared_from = None;
-    }
-
-    /// Its rays, which are traced as those `before` them.
-    fn rays<'a>(&'a self, before: &TracedRays<'a>) -> Rays<'a> {
-        Rays {
-            directions: &self.directions,
-            origins: Some(&self.origins),
-            left: &self.left,
-            method: before.rays.method,
-            samples: Samples {
-                pixels: &self.pixels,
-                index: before.rays.samples.index,
-                indices: &self.indices,
-                in_pixel: before.rays.samples.in_pixel,
-                depth: self.depth,
-                exposure: None,
-                cells: None,
-            },
-        }
-    }
-
-    /// Draws a direction at each of the `chosen` points of `run`, of which those of `groups` come last and are shared.
-    fn draw_chosen(
-        &mut self,
-        run: &Run,
-        emitted: &mut Emitted,
-        chosen: &[Chosen],
-        groups: &mut Groups,
-    ) {
-        let Emitted {
-            points,
-            keys,
-            indices,
-            numbers,
-            reflections,
-            by_cosine,
-            normals,
-            ..
-        } = emitted;
-        keys.clear();
-        keys.extend(chosen.iter().map(|chosen| chosen.key));
-        indices.clear();
-        indices.extend(chosen.iter().map(|chosen| chosen.index));
-        let samples = &run.traced.rays.samples;
-        samples.each_on_path((keys, indices), ONWARD, numbers);
-        normals.clear();
-        for chosen in chosen {
-            normals.push(points.normals.get(chosen.point as usize));
-        }
-        each_by_cosine(normals, numbers, by_cosine);
-        let gamma = run.rest.frame.velocity().gamma();
-        let add = |level: &mut Level, k: usize, is_shared: bool| {
-            let chosen = &chosen[k];
-            let point = chosen.point as usize;
-            let reflection = &reflections[point];
-            let drawn = match reflection.is_diffuse() {
-                true => reflection.scattered(by_cosine.get(k)),
-                false => reflection.sample([numbers[0][k], numbers[1][k]]),
-            };
-            // A black point that is chosen sends a path for those that are not.
-            let shows = |drawn: &Scattered| is_shared || drawn.weight.iter().any(|w| *w > 0.0);
-            let Some(scattered) = drawn.filter(shows) else {
-                return;
-            };
-            level.drawn.push(Drawn {
-                from: chosen.point,
-                frame: run.frame,
-                cosine: reflection.normal().dot(scattered.l),
-                at: chosen.at,
-                scattered,
-            });
-            level.push(point, &scattered, (run, gamma), points);
-            level.pixels.push(chosen.key);
-            level.indices.push(chosen.index);
-        };
-        let in_groups: usize = groups.all.iter().map(Group::paths).sum();
-        let mut next = chosen.len() - in_groups;
-        (0..next).for_each(|k| add(self, k, false));
-        self.shared_from = Some(self.drawn.len());
-        for group in &mut groups.all {
-            let begin = self.drawn.len();
-            let end = next + group.paths();
-            (next..end).for_each(|k| add(self, k, true));
-            (next, group.rays) = (end, begin..self.drawn.len());
-        }
-    }
-
-    /// Draws a direction at each point of `run`, which `emitted` knows; `from`: what levels know the points by.
-    fn draw(&mut self, run: &Run, emitted: &mut Emitted, from: impl Fn(usize) -> u32) {
-        let buffers = (&mut emitted.keys, &mut emitted.indices);
-        run.each_on_path(ONWARD, buffers, &mut emitted.numbers);
-        let Emitted {
-            points,
-            numbers,
-            reflections,
-            by_cosine,
-            ..
-        } = emitted;
-        each_by_cosine(&points.normals, numbers, by_cosine);
-        let gamma = run.rest.frame.velocity().gamma();
-        for (k, reflection) in reflections.iter().enumerate() {
-            // Diffuse directions were drawn in a vector loop above, from the same numbers.
-            let drawn = match reflection.is_diffuse() {
-                true => reflection.scattered(by_cosine.get(k)),
-                false => reflection.sample([numbers[0][k], numbers[1][k]]),
-            };
-            let Some(scattered) = drawn.filter(|drawn| drawn.weight.iter().any(|w| *w > 0.0))
-            else {
-                continue;
-            };
-            self.drawn.push(Drawn {
-                from: from(k),
-                frame: run.frame,
-                cosine: reflection.normal().dot(scattered.l),
-                at: 0,
-                scattered,
-            });
-            self.push(k, &scattered, (run, gamma), points);
-            let (samples, ray) = (&run.traced.rays.samples, run.members[k] as usize);
-            self.pixels.push(samples.pixel(ray));
-            if !samples.indices.is_empty() {
-                self.indices.push(samples.index(ray));
-            }
-        }
-    }
-
-    /// Adds the ray from the k-th of `points`, which are those of `run` in a frame of this γ, along `drawn`.
-    fn push(&mut self, k: usize, drawn: &Scattered, (run, gamma): (&Run, f64), points: &Points) {
-        // As that of shadow rays: above what rounding the event and the point can do.
-        const CLEARANCE: f64 = 1.0 / (1u64 << 42) as f64;
-        let world_from_rest = run.rest.frame.world_from_frame();
-        let (d, ratio, delay) = along(run, drawn);
-        // From the event of the shot to the point, and off its surface.
-        let ray = run.members[k] as usize;
-        let way = run.traced.rays.origin(ray).displacement + points.offset(k);
-        let size = gamma * (way.ct.abs() + way.x.abs().max_element())
-            + points.eye(k).abs().max_element()
-            + points.positions.get(k).abs().max_element();
-        let normal = points.normals.get(k);
-        let side = match normal.dot(drawn.l) < 0.0 {
-            true => -CLEARANCE,
-            false => CLEARANCE,
-        };
-        let off = world_from_rest.displacement(Displacement::new(0.0, normal * (side * size)));
-        self.directions.push(d.unit());
-        self.ratios.push(ratio);
-        self.origins.push(RayOrigin {
-            displacement: way + off,
-            delay,
-            weight: 1.0,
-        });
-        self.left.push(LeftTriangle {
-            frame: run.frame,
-            slot: points.slots[k],
-        });
-    }
-}
-
 /// What a path that is shared has found, as it arrives.
 struct Sent {
     /// What its end shines of its own.
@@ -1019,70 +836,6 @@ fn sky_weight(light: &SkyLight, frame: u32, l: DVec3, density: f64) -> f64 {
             balance(density, boosted.density(density * PI, d, rho))
         }
     }
-}
-
-/// Groups the points of `run` that are diffuse, and chooses those from which paths go on; those that are not diffuse come first.
-fn choose(
-    run: &Run,
-    emitted: &Emitted,
-    sharing: &Sharing,
-    groups: &mut Groups,
-    chosen: &mut Vec<Chosen>,
-) {
-    let samples = &run.traced.rays.samples;
-    let pixel = |k: usize| samples.pixel(run.members[k] as usize);
-    let reflections = &emitted.reflections;
-    let normal = |k: usize| {
-        let is_diffuse = reflections[k].is_diffuse();
-        is_diffuse.then(|| emitted.points.normals.get(k))
-    };
-    groups.clear();
-    groups.add(Ungrouped {
-        points: 0..run.count(),
-        patch: run.patch.first,
-        normal,
-        pixel,
-        in_pixel: samples.in_pixel,
-        sharing,
-    });
-    chosen.clear();
-    let glossy = (0..run.count()).filter(|k| !reflections[*k].is_diffuse());
-    chosen.extend(glossy.map(|k| Chosen {
-        point: k as u32,
-        at: 0,
-        key: pixel(k),
-        index: samples.index,
-    }));
-    for group in &groups.all {
-        let points = &groups.order[group.points.clone()];
-        let [number, _] = samples.of_key(group.key, CHOICE);
-        for (path, at) in group.chosen(number).enumerate() {
-            chosen.push(Chosen {
-                point: points[at],
-                at: at as u32,
-                key: group.key,
-                index: group.number(samples.index, path),
-            });
-        }
-    }
-}
-
-/// The look direction in the world of a ray that goes on along `drawn`, ω_world/ω_rest of light from there, and the factor on its delay.
-fn along(run: &Run, drawn: &Scattered) -> (Direction<World>, f64, f64) {
-    let frame = &run.rest.frame;
-    let l = Direction::<Rest>::from_unit(drawn.l);
-    if drawn.index == 1.0 {
-        let (d, ratio) = frame.world_from_frame().direction(l);
-        return (d, ratio, 1.0);
-    }
-    // In glass (−n, l) in its rest frame; the ray that all frames know goes one metre of the world at s = 1.
-    let index = run.traced.index * drawn.index;
-    let tangent = frame.world_from_frame().tangent(index, l);
-    let length = tangent.x.length();
-    let d = Direction::from_unit(tangent.x / length);
-    // Light keeps its frequency in glass: W of what is met there at rest is 1.
-    let (_, rho) = frame.frame_from_world().direction(d);
-    (d, 1.0 / rho, -tangent.ct / (length * run.traced.index))
 }
 
 /// Puts the rays that have met something into `order`, by patch. Black backs are nothing that shines.

@@ -243,10 +243,6 @@ fn notes(mut reader: &mut dyn ReadSeek, file: &Path, header: &Header) -> Result<
             text.split_whitespace().collect::<Vec<_>>().join(" ")
         ));
     }
-    notes.push(format!(
-        "bins of {} m, the first about {} m",
-        header.width, header.first
-    ));
     Ok(notes)
 }
 

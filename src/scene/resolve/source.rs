@@ -121,19 +121,17 @@ fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
         assumed: time
             .assumed
             .into_iter()
-            .chain(assumed(cx, cube, steady))
+            .chain(assumed(cube, steady))
             .collect(),
     })
 }
 
 /// The keys that are left out, with what is assumed in their place.
-fn assumed(cx: &Context, cube: &file::Cube, steady: bool) -> Vec<String> {
-    // Formats that say their times have axes of their own, too.
-    let says_axes = matches!(cx.inputs.times(&cube.file), Some(Ok(Some(_))));
+fn assumed(cube: &file::Cube, steady: bool) -> Vec<String> {
     let mut assumed = Vec::new();
     let mut says = |said: bool, what: &str| assumed.extend((!said).then(|| what.to_string()));
     says(
-        cube.axes.is_some() || says_axes,
+        cube.axes.is_some(),
         "axes (\"H W T\" of arrays, \"T H W\" of pictures)",
     );
     if !steady {
@@ -141,19 +139,10 @@ fn assumed(cx: &Context, cube: &file::Cube, steady: bool) -> Vec<String> {
         says(cube.values.is_some(), "values = \"per_bin\"");
         says(cube.filter.is_some(), "filter = \"cubic_means\"");
     }
-    if let Some(capture) = &cube.capture {
+    if cube.capture.is_some() {
         says(
             cube.reconstruction.is_some(),
             "reconstruction = \"bilinear\"",
-        );
-        // Mitsuba's rays begin on the near plane, and no file says where that is.
-        let counts = cube
-            .clock
-            .as_ref()
-            .is_some_and(|at| at.value == Clock::Capture);
-        says(
-            !counts || capture.value.near_clip.is_some(),
-            "capture.near_clip = 0",
         );
     }
     says(cube.uv.is_some() || cube.capture.is_some(), "uv = 0");

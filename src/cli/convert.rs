@@ -74,8 +74,8 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
 fn surface(arguments: &ConvertArguments, wanted: Wanted, to: &Path) -> Result<()> {
     let input = &arguments.input;
     let refuse = |what| {
-        let help = "the files of y-tal, of the Zaragoza NLOS data set and of phasor fields say where the points of their \
-                    pixels are, at least two rows and two columns";
+        let help = "the files of y-tal, of the Zaragoza NLOS data set and of phasor fields, and transient images of Bonn, say \
+                    where the points of their pixels are, at least two rows and two columns";
         Err(Error::invalid(input, "", what, help))
     };
     let Some(wall) = cube::wall(input, wanted)? else {

@@ -291,6 +291,7 @@ fn transient_images_say_their_times() {
     let info = cube::inspect(&path, Wanted::default()).unwrap();
     assert_eq!(info.notes[1], "top right (3, 4, 5)");
     assert_eq!(info.notes[5], "properties { \"Name\": \"wall\" }");
+    assert_eq!(info.notes[6], "bins of 0.5 m, the first about 1 m");
 
     let parse = |keys: &str| {
         let text = format!(
@@ -306,7 +307,7 @@ fn transient_images_say_their_times() {
     // From the centre of bin 0, half a bin back.
     let uniform = |start, width| TimeBins::Uniform { start, width };
     assert_eq!(bins("").0, uniform(0.75, 0.5));
-    assert_eq!(bins("").1, 2);
+    assert_eq!((bins("").1, bins("").2), (2, 4));
     assert_eq!(bins(", start = \"3 m\"").0, uniform(3.0, 0.5));
     assert_eq!(
         bins(", start = \"3 m\", bin_width = \"1 m\"").0,

@@ -6,21 +6,25 @@ use nullray::light::time_texture::survey::{Order, of_samples};
 /// A pulse that crosses 16 × 24 pixels within 32 bins, and an exponential tail; rows, columns and time are the
 /// axes `order` of the array.
 fn crossing(order: [usize; 3]) -> Cube {
-    let sizes = [16, 24, 32];
+    decaying(order, [16, 24, 32], 1.5)
+}
+
+/// The same of pixels and bins in `sizes`, with a tail of `decay` bins, on tiles of two colours.
+fn decaying(order: [usize; 3], sizes: [usize; 3], decay: f64) -> Cube {
     let shape = order.map(|axis| sizes[axis]);
     let [h, w, t] = shape;
     let sample = |n: usize| {
         let index = [n / (w * t), n / t % w, n % t];
-        let at = |axis| index[order.iter().position(|a| *a == axis).unwrap()] as f64;
-        let since = at(2) - 4.0 - 0.3 * at(0) - 0.2 * at(1);
-        let lit = since >= 0.0;
-        if lit {
-            (-since / 1.5).exp() as f32
+        let at = |axis| index[order.iter().position(|a| *a == axis).unwrap()];
+        let since = at(2) as f64 - 4.0 - 0.3 * at(0) as f64 - 0.2 * at(1) as f64;
+        let tile = [1.0, 0.4][(at(0) / 3 + at(1) / 5) % 2];
+        if since >= 0.0 {
+            (-since / decay).exp() as f32 * tile
         } else {
             0.0
         }
     };
-    let samples = (0..16 * 24 * 32).map(sample).collect();
+    let samples = (0..h * w * t).map(sample).collect();
     Cube::new([h, w, t, 1], Samples::F32(samples)).unwrap()
 }
 
@@ -37,6 +41,27 @@ fn another_order_of_axes_is_doubted_and_the_right_one_is_not() {
         // Who says the order is believed.
         let found = of_samples(&crossing(order).into(), Order::Stated);
         assert!(!found.iter().any(|r| r.contains("axes")), "{found:?}");
+    }
+}
+
+#[test]
+fn another_order_is_doubted_of_light_that_decays_slowly() {
+    let cube = |order, decay| decaying(order, [16, 24, 200], decay).into();
+    for decay in [20.0, 60.0, 200.0] {
+        assert!(
+            !of_samples(&cube([0, 1, 2], decay), Order::Array)
+                .iter()
+                .any(|r| r.contains("axes")),
+            "{decay}"
+        );
+        for (order, named) in [([2, 0, 1], "T H W"), ([0, 2, 1], "H T W")] {
+            let doubt = format!("axes = \"{named}\"");
+            let found = of_samples(&cube(order, decay), Order::Array);
+            assert!(
+                found.iter().any(|r| r.contains(&doubt)),
+                "{decay}: {found:?}"
+            );
+        }
     }
 }
 

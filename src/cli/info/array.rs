@@ -78,7 +78,11 @@ pub fn sequence(path: &Path, memory: u64) -> Result<Info> {
             Some(survey::of_samples(&cube, Order::Pictures))
         }
     };
-    let cube = (remarks, cube);
+    let cube = Known {
+        remarks,
+        cube,
+        at_sensor: false,
+    };
     as_cube(&mut info, &cube);
     if lacks_transfer {
         info.row(
@@ -94,8 +98,12 @@ pub fn sequence(path: &Path, memory: u64) -> Result<Info> {
 /// What is known of a cube: what looks wrong about its samples (none where they were not read), and its header.
 type Cube = Result<Known>;
 
-/// What looks wrong about a cube, and its header.
-type Known = (Option<Vec<String>>, CubeInfo);
+/// What looks wrong about a cube, its header, and whether its times include the way to a sensor that only the file knows.
+struct Known {
+    remarks: Option<Vec<String>>,
+    cube: CubeInfo,
+    at_sensor: bool,
+}
 
 /// The array as a cube.
 fn inspected(path: &Path, header: &Header, memory: u64) -> Cube {
@@ -103,8 +111,14 @@ fn inspected(path: &Path, header: &Header, memory: u64) -> Cube {
         array: header.name.as_deref(),
         ..Wanted::default()
     };
-    let info = cube::inspect(path, wanted)?;
-    Ok((samples(path, wanted, &info, memory)?, info))
+    let cube = cube::inspect(path, wanted)?;
+    // Where times cannot be told, `cube` says so.
+    let times = cube::times(path, wanted.array).ok().flatten();
+    Ok(Known {
+        remarks: samples(path, wanted, &cube, memory)?,
+        cube,
+        at_sensor: times.is_some_and(|times| times.at_sensor),
+    })
 }
 
 /// Samples that take more memory than this are not read, bytes.
@@ -191,7 +205,8 @@ fn describe(info: &mut Info, header: &Header, cube: Option<&Cube>) {
 }
 
 /// What the samples are as a cube.
-fn as_cube(info: &mut Info, (remarks, cube): &Known) {
+fn as_cube(info: &mut Info, known: &Known) {
+    let Known { remarks, cube, .. } = known;
     let [h, w, t, c] = cube.shape;
     let colours = if c == 1 { "grey" } else { "red, green, blue" };
     info.row(
@@ -208,7 +223,13 @@ fn as_cube(info: &mut Info, (remarks, cube): &Known) {
     for note in &cube.notes {
         info.row("says", note);
     }
-    info.row("usable", "yes: as the file of a [source.cube]");
+    let usable = match known.at_sensor {
+        false => "yes: as the file of a [source.cube]",
+        true => {
+            "after `nullray convert FILE --unwarp FILE --surface wall.glb -o wall.npy`: its times are those of arrival at its sensor"
+        }
+    };
+    info.row("usable", usable);
     let unread = || vec![format!("samples not read: more than {}", bytes(MOST_READ))];
     let remarks = remarks.clone().unwrap_or_else(unread);
     for remark in cube.remarks.iter().chain(&remarks) {
@@ -216,7 +237,12 @@ fn as_cube(info: &mut Info, (remarks, cube): &Known) {
     }
 }
 
-fn usable((remarks, cube): &Known) -> Value {
+fn usable(known: &Known) -> Value {
+    let Known {
+        remarks,
+        cube,
+        at_sensor,
+    } = known;
     let [h, w, t, c] = cube.shape;
     let remarks = remarks
         .as_ref()
@@ -224,7 +250,7 @@ fn usable((remarks, cube): &Known) -> Value {
     json!({
         "h": h, "w": w, "t": t, "c": c, "bytes": cube.bytes,
         "axes": cube.axes.to_string(), "axes_assumed": cube.assumed, "notes": cube.notes,
-        "remarks": remarks,
+        "remarks": remarks, "times_at_sensor": at_sensor,
     })
 }
 

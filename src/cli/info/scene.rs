@@ -104,8 +104,9 @@ fn bins(bins: &TimeBins) -> String {
 
 /// What is read of a cube's file, what the scene says of it, and what is assumed.
 fn cube_rows(info: &mut Info, name: &str, cube: &CubeSource) {
-    let read = match header(cube) {
-        Ok(read) => format!("{name}: {}", shape(&read, cube.channels.as_ref())),
+    let header = header(cube);
+    let read = match &header {
+        Ok(read) => format!("{name}: {}", shape(read, cube.channels.as_ref())),
         Err(error) => format!("{name}: cannot be read: {error}"),
     };
     info.row("  read", read);
@@ -128,9 +129,19 @@ fn cube_rows(info: &mut Info, name: &str, cube: &CubeSource) {
         TimeFilter::CubicMeans => "cubic_means",
     };
     info.row("  means", format!("{values}, {clock}, filter {filter}"));
-    if !cube.assumed.is_empty() {
-        info.row("  assumed", cube.assumed.join(", "));
+    let assumed = assumed(&header, cube);
+    if !assumed.is_empty() {
+        info.row("  assumed", assumed.join(", "));
     }
+}
+
+/// The keys that neither the scene nor the file says, with what is assumed in their place.
+fn assumed(header: &Result<CubeInfo>, cube: &CubeSource) -> Vec<String> {
+    let axes = header.as_ref().ok().filter(|info| info.assumed);
+    let axes = axes.map(|info| format!("axes = \"{}\"", info.axes));
+    axes.into_iter()
+        .chain(cube.assumed.iter().cloned())
+        .collect()
 }
 
 /// What the file's header says.
@@ -282,7 +293,7 @@ fn cube_data(cube: &CubeSource) -> Value {
         "reconstruction": cube.reconstruction,
         "scale": cube.scale,
         "read": cube.read,
-        "assumed": cube.assumed,
+        "assumed": assumed(&read, cube),
     })
 }
 

@@ -9,7 +9,6 @@ pub(super) mod hdf5 {
     use super::super::layout::StoredLayout;
     #[cfg(feature = "zarr")]
     use super::super::selection::{Open, Selection};
-    use super::super::wall::Wall;
     use crate::error::{Error, Result};
     use crate::io::files::Reader;
 
@@ -23,6 +22,7 @@ pub(super) mod hdf5 {
         load: |_, path, _| Err(refused(path)),
         arrays: |path| Err(refused(path)),
         times: |_, path, _| Err(refused(path)),
+        wall: |_, path, _| Err(refused(path)),
     };
 
     pub(in super::super) fn refused(path: &Path) -> Error {
@@ -35,10 +35,6 @@ pub(super) mod hdf5 {
         _: Wanted,
         _: &mut dyn Write,
     ) -> Result<StoredLayout> {
-        Err(refused(path))
-    }
-
-    pub(in super::super) fn wall(_: Reader, path: &Path, _: Wanted) -> Result<Option<Wall>> {
         Err(refused(path))
     }
 

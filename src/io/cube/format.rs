@@ -11,6 +11,7 @@ use super::axes::Axes;
 use super::channels::Channels;
 use super::negative::Negative;
 use super::samples::{Cube, Samples};
+use super::wall::Wall;
 use crate::io::files::{ReadSeek, Reader};
 use crate::io::npy::{Dtype, Header};
 use crate::{Error, Result};
@@ -35,6 +36,8 @@ pub struct CubeFormat {
     pub arrays: fn(&Path) -> Result<Vec<Header>>,
     /// What a file says of the time axis of the array of this name, or of its only one.
     pub(super) times: fn(Reader, &Path, Option<&str>) -> Result<Option<FileTimes>>,
+    /// The points of a surface that the pixels of the cube are, where a file says them.
+    pub(super) wall: fn(Reader, &Path, Wanted) -> Result<Option<Wall>>,
 }
 
 /// The time axis of a file that says where its bins lie, metres of light path.

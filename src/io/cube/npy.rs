@@ -29,6 +29,7 @@ pub(super) const ARRAY: CubeFormat = CubeFormat {
     load: |mut reader, file, wanted| load(&mut reader, file, wanted),
     arrays,
     times: |_, _, _| Ok(None),
+    wall: |_, _, _| Ok(None),
 };
 
 /// `.npz`: a zip archive of arrays.

@@ -98,11 +98,7 @@ pub fn wall(path: &Path, wanted: Wanted) -> Result<Option<Wall>> {
         return Ok(None);
     }
     let (reader, format) = opened(path)?;
-    match format.name == hdf5::FORMAT.name {
-        true => hdf5::wall(reader, path, wanted),
-        // No other format has a place for them.
-        false => Ok(None),
-    }
+    (format.wall)(reader, path, wanted)
 }
 
 /// The headers of the arrays in a Zarr folder.

@@ -3,7 +3,7 @@
 //! Version 4: a header of 28 bytes (the magic `TI04`, the pixel mode, pixels, bins, the time of bin 0 and the width of a
 //! bin, the size of the block that follows the samples), then (pixel, bin), the block, and properties as JSON. In pixel
 //! mode 10 the pixels are a grid on a wall, rows of columns, and the block has its two sizes, its corners (top left, top
-//! right, bottom left, bottom right) and the laser's place. Versions 0 and 1 have 24 bytes (bins, columns, rows, first
+//! right, bottom left, bottom right; taken for those of the pixels at its corners, so that centres are half a pixel within) and the laser's place. Versions 0 and 1 have 24 bytes (bins, columns, rows, first
 //! and last time; version 0 has columns where version 1 has bins, and so on round), and no block.
 //!
 //! The time of bin 0 is that of its centre. Times are metres of light path.
@@ -11,11 +11,14 @@
 use std::io::{Read, SeekFrom};
 use std::path::Path;
 
+use glam::DVec3;
+
 use super::axes::Axes;
 use super::format::{CubeFormat, CubeInfo, FileTimes, Wanted};
 use super::layout::StoredLayout;
 use super::number::Number;
 use super::samples::{Cube, Samples, place_of};
+use super::wall::Wall;
 use crate::error::{Error, Result};
 use crate::io::files::ReadSeek;
 use crate::io::npy::{Dtype, Header as ArrayHeader};
@@ -31,6 +34,7 @@ pub(super) const FORMAT: CubeFormat = CubeFormat {
     load: |mut reader, file, wanted| load(&mut reader, file, wanted),
     arrays,
     times: |mut reader, file, _| times(&mut reader, file),
+    wall: |mut reader, file, wanted| wall(&mut reader, file, wanted),
 };
 
 /// The only layout of pixels that is a picture.
@@ -204,6 +208,61 @@ fn grid(reader: &mut dyn ReadSeek, file: &Path, header: Header) -> Result<Header
     })
 }
 
+/// The places in the block: the corners of the grid (top left, top right, bottom left, bottom right), and the laser's; none without a block.
+fn places(reader: &mut dyn ReadSeek, file: &Path, header: &Header) -> Result<Option<[DVec3; 5]>> {
+    if header.block == 0 {
+        return Ok(None);
+    }
+    let failed = || Error::io(file, "cannot read");
+    // Behind the two sizes.
+    let start = header.start + 4 * header.count() as u64 + 8;
+    reader.seek(SeekFrom::Start(start)).map_err(failed())?;
+    let mut places = [DVec3::ZERO; 5];
+    for place in &mut places {
+        let mut coordinates = [[0; 4]; 3];
+        for coordinate in &mut coordinates {
+            reader.read_exact(coordinate).map_err(failed())?;
+        }
+        *place = DVec3::from_array(coordinates.map(|bytes| f32::from_le_bytes(bytes).into()));
+    }
+    Ok(Some(places))
+}
+
+/// The centres of the pixels, as the grid lies evenly between its corners. Images of older versions have corners that are all 0.
+fn wall(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Option<Wall>> {
+    refuse_wishes(file, wanted)?;
+    let header = header(reader, file)?;
+    let Some([top_left, top_right, bottom_left, bottom_right, _]) = places(reader, file, &header)?
+    else {
+        return Ok(None);
+    };
+    let corners = [top_left, top_right, bottom_left, bottom_right];
+    if let Some(bad) = corners.iter().find(|corner| !corner.is_finite()) {
+        let what = format!(
+            "a corner of the grid is at ({}, {}, {})",
+            bad.x, bad.y, bad.z
+        );
+        return Err(Error::invalid(file, "block", what, HELP));
+    }
+    if (top_right - top_left).cross(bottom_left - top_left) == DVec3::ZERO {
+        return Ok(None);
+    }
+    let (h, w) = (header.rows, header.columns);
+    let centre = |n: usize, count: usize| (n as f64 + 0.5) / count as f64;
+    let point = |pixel: usize| {
+        let (u, v) = (centre(pixel % w, w), centre(pixel / w, h));
+        top_left
+            .lerp(top_right, u)
+            .lerp(bottom_left.lerp(bottom_right, u), v)
+    };
+    Ok(Some(Wall {
+        size: [h, w],
+        points: (0..h * w).map(point).collect(),
+        normals: Vec::new(),
+        sensor: None,
+    }))
+}
+
 /// What the block and the properties say, for people.
 fn notes(mut reader: &mut dyn ReadSeek, file: &Path, header: &Header) -> Result<Vec<String>> {
     /// Characters of the properties that are shown.
@@ -211,21 +270,16 @@ fn notes(mut reader: &mut dyn ReadSeek, file: &Path, header: &Header) -> Result<
     let failed = || Error::io(file, "cannot read");
     let end = header.start + 4 * header.count() as u64;
     let mut notes = Vec::new();
-    if header.block > 0 {
-        reader.seek(SeekFrom::Start(end + 8)).map_err(failed())?;
-        for name in [
+    if let Some(places) = places(reader, file, header)? {
+        let names = [
             "top left",
             "top right",
             "bottom left",
             "bottom right",
             "laser",
-        ] {
-            let mut place = [[0; 4]; 3];
-            for coordinate in &mut place {
-                reader.read_exact(coordinate).map_err(failed())?;
-            }
-            let [x, y, z] = place.map(f32::from_le_bytes);
-            notes.push(format!("{name} ({x}, {y}, {z})"));
+        ];
+        for (name, place) in names.into_iter().zip(places) {
+            notes.push(format!("{name} ({}, {}, {})", place.x, place.y, place.z));
         }
     }
     reader
@@ -243,6 +297,10 @@ fn notes(mut reader: &mut dyn ReadSeek, file: &Path, header: &Header) -> Result<
             text.split_whitespace().collect::<Vec<_>>().join(" ")
         ));
     }
+    notes.push(format!(
+        "bins of {} m, the first about {} m",
+        header.width, header.first
+    ));
     Ok(notes)
 }
 

@@ -126,23 +126,28 @@ fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
     })
 }
 
-/// The keys that are left out, with what is assumed in their place.
+/// The keys that are left out, with what is assumed in their place, but for `axes`: whether the file says them stands in its header.
 fn assumed(cube: &file::Cube, steady: bool) -> Vec<String> {
     let mut assumed = Vec::new();
     let mut says = |said: bool, what: &str| assumed.extend((!said).then(|| what.to_string()));
-    says(
-        cube.axes.is_some(),
-        "axes (\"H W T\" of arrays, \"T H W\" of pictures)",
-    );
     if !steady {
         says(cube.clock.is_some(), "clock = \"world\"");
         says(cube.values.is_some(), "values = \"per_bin\"");
         says(cube.filter.is_some(), "filter = \"cubic_means\"");
     }
-    if cube.capture.is_some() {
+    if let Some(capture) = &cube.capture {
         says(
             cube.reconstruction.is_some(),
             "reconstruction = \"bilinear\"",
+        );
+        // Mitsuba's rays begin on the near plane, and no file says where that is.
+        let counts = cube
+            .clock
+            .as_ref()
+            .is_some_and(|at| at.value == Clock::Capture);
+        says(
+            !counts || capture.value.near_clip.is_some(),
+            "capture.near_clip = 0",
         );
     }
     says(cube.uv.is_some() || cube.capture.is_some(), "uv = 0");

@@ -201,9 +201,10 @@ fn of_a_scene_what_of_its_cubes_was_read_and_what_is_assumed() {
     assert_eq!(cube["shape"], serde_json::json!([64, 64, 95, 3]));
     assert_eq!(cube["bin_width"], 0.1);
     let assumed = cube["assumed"].as_array().unwrap();
-    assert_eq!(assumed.len(), 2, "{assumed:?}");
-    assert!(assumed[0].as_str().unwrap().starts_with("axes"));
+    assert_eq!(assumed.len(), 3, "{assumed:?}");
+    assert_eq!(assumed[0], "axes = \"H W T C\"");
     assert_eq!(assumed[1], "reconstruction = \"bilinear\"");
+    assert_eq!(assumed[2], "capture.near_clip = 0");
 }
 
 /// `SMALL` with more said of its camera.

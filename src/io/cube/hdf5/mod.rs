@@ -37,6 +37,7 @@ pub(super) const FORMAT: CubeFormat = CubeFormat {
     load,
     arrays,
     times,
+    wall,
 };
 
 fn inspect(reader: Reader, path: &Path, wanted: Wanted) -> Result<CubeInfo> {
@@ -96,6 +97,6 @@ pub(super) fn windows(path: &Path, wanted: Wanted, room: usize) -> Result<(Selec
 }
 
 /// The points of a surface that the pixels are.
-pub(super) fn wall(reader: Reader, path: &Path, wanted: Wanted) -> Result<Option<Wall>> {
+fn wall(reader: Reader, path: &Path, wanted: Wanted) -> Result<Option<Wall>> {
     Ok(known(&File::open(reader, path, CACHE)?, wanted)?.wall)
 }

@@ -347,18 +347,25 @@ impl SeenTimes {
         };
         let mut powers = (1..=15).flat_map(|power| [-power, power]);
         let fitting = powers.find(|power| start != 0.0 && at(*power).meets() && is_long(*power));
-        if let Some(power) = fitting {
+        let unit = fitting.map(|power| {
             let [start, width] = [start, width].map(|time| rounded(time * 10f64.powi(power)));
-            return format!(
+            format!(
                 "; in a unit 10^{power} times as long they would fit: start = \"{start} m\", bin_width = \"{width} m\""
-            );
+            )
+        });
+        // Data as long as they should be are rather in the right unit and begin at another time.
+        if let Some(unit) = unit.as_ref().filter(|_| !is_long(0)) {
+            return unit.clone();
         }
         let [from, to] = [
             start + self.seen[0] - self.data[1],
             start + self.seen[1] - self.data[0],
         ];
         let [from, to, now] = [from, to, start].map(rounded);
-        format!("; they would fit with a start (now {now} m) between {from} m and {to} m")
+        format!(
+            "; they would fit with a start (now {now} m) between {from} m and {to} m{}",
+            unit.unwrap_or_default()
+        )
     }
 }
 

@@ -322,6 +322,97 @@ fn transient_images_say_their_times() {
     );
 }
 
+/// Written by the library of the University of Bonn, and by the steps of BunnyKiller's film (tests/data/bonn, tests/data/bunnykiller).
+#[test]
+fn files_of_the_programs_that_define_a_format_are_read() {
+    let image = load(Path::new("tests/data/bonn/wall.ti"), None, None).unwrap();
+    assert_eq!(image.shape, [5, 6, 12, 1]);
+    let place = |v: usize, u: usize, t: usize| (v * 6 + u) * 12 + t;
+    assert_eq!(
+        single(&image)[place(4, 2, 7)],
+        1.0 + 7.0 + 16.0 * 2.0 + 128.0 * 4.0
+    );
+    let times = cube::times(Path::new("tests/data/bonn/wall.ti"), None)
+        .unwrap()
+        .unwrap();
+    assert_eq!((times.start, times.width), (2.0, 0.5));
+    // 3 m × 2.5 m in six columns and five rows: centres half a pixel of 0.5 m within.
+    let wall = cube::wall(Path::new("tests/data/bonn/wall.ti"), Wanted::default())
+        .unwrap()
+        .unwrap();
+    assert_eq!(wall.size, [5, 6]);
+    assert!((wall.points[0] - glam::DVec3::new(-1.25, 1.75, 0.0)).length() < 1e-12);
+    assert!((wall.points[29] - glam::DVec3::new(1.25, -0.25, 0.0)).length() < 1e-12);
+    assert!((wall.points[1] - wall.points[0] - 0.5 * glam::DVec3::X).length() < 1e-12);
+
+    // Pictures of fewer than eight bins are stored transposed.
+    for (name, bins, axes) in [("streak", 10, "H W T"), ("short", 5, "H T W")] {
+        let folder = Path::new("tests/data/bunnykiller");
+        let cube = load(&folder.join(format!("{name}_%04d.hdr")), Some(axes), None).unwrap();
+        assert_eq!(cube.shape, [4, 6, bins, 3], "{name}");
+        let samples = single(&cube);
+        for (n, got) in samples.iter().enumerate() {
+            let (c, t, x, y) = (n % 3, n / 3 % bins, n / 3 / bins % 6, n / 3 / bins / 6);
+            let pixel = ((t + 1) * (x + 1) * (y + 1)) as f32 / 4.0;
+            let expected = pixel * (c + 1) as f32;
+            // Eight bits of the brightest colour, whose last is cut off and put at its middle.
+            assert!(
+                (got - expected).abs() <= 3.0 * pixel / 128.0,
+                "{name} {n}: {got} {expected}"
+            );
+        }
+    }
+}
+
+/// Bytes of streaks and transient images changed, and files cut off: an error or samples, and neither a panic nor more memory than the file
+/// may ask for.
+#[test]
+fn damaged_streaks_and_transient_images_are_refused_or_read() {
+    let mut random = crate::random_numbers();
+    let folder = tempfile::tempdir().unwrap();
+    let (mut read, mut refused) = (0, 0);
+    for (name, files, axes) in [
+        (
+            "bunnykiller/streak_0000.hdr",
+            "streak_%04d.hdr",
+            Some("H W T"),
+        ),
+        ("bonn/wall.ti", "wall.ti", None),
+    ] {
+        let whole = fs::read(Path::new("tests/data").join(name)).unwrap();
+        let path = folder.path().join(Path::new(name).file_name().unwrap());
+        for _ in 0..2000 {
+            let mut bytes = whole.clone();
+            for _ in 0..1 + random() % 3 {
+                // Headers more often than samples.
+                let among = if random().is_multiple_of(2) {
+                    bytes.len().min(100)
+                } else {
+                    bytes.len()
+                };
+                bytes[random() % among] = random() as u8;
+            }
+            if random().is_multiple_of(10) {
+                bytes.truncate(random() % whole.len());
+            }
+            fs::write(&path, &bytes).unwrap();
+            match load(&folder.path().join(files), axes, None) {
+                Ok(cube) => {
+                    read += 1;
+                    assert!(single(&cube).iter().all(|sample| sample.is_finite()));
+                }
+                Err(_) => refused += 1,
+            }
+            let _ = cube::wall(&path, Wanted::default());
+        }
+    }
+    assert!(read > 100 && refused > 100, "{read} {refused}");
+    // Sizes that no such file can hold are refused before memory is asked for.
+    let header = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2000000000 +X 2000000000\n";
+    fs::write(folder.path().join("large_0.hdr"), header).unwrap();
+    load(&folder.path().join("large_%d.hdr"), Some("H W T"), None).unwrap_err();
+}
+
 #[test]
 fn broken_transient_images_are_refused() {
     let whole = transient_image();

@@ -23,7 +23,6 @@ mod tiff;
 mod zarr;
 
 /// Numbers of a fixed sequence (xorshift), to damage files by.
-#[cfg(any(feature = "hdf5", feature = "tiff", feature = "zarr"))]
 fn random_numbers() -> impl FnMut() -> usize {
     let mut state = 0x9e37_79b9_7f4a_7c15u64;
     move || {

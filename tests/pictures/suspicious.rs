@@ -49,20 +49,15 @@ fn nothing_is_said_of_data_that_are_used_rightly() {
     assert_eq!(remarks("start = \"7 m\"", "start = \"7 m\""), "");
 }
 
-#[test]
-fn nothing_is_said_of_surfaces_that_light_reaches_later_than_others() {
-    // A flash lights the floor from 2 m on and the wall from 12 m on. The camera sees both as they were at 4 to 8 m.
-    let folder = tempfile::tempdir().unwrap();
-    for (name, lit_from) in [("floor", 20), ("wall", 120)] {
-        let samples = (0..2 * 2 * 160).map(|n| f32::from(u8::from(n % 160 >= lit_from)));
-        let cube = Cube {
-            shape: [2, 2, 160, 1],
-            samples: Samples::F32(samples.collect()),
-        };
-        let path = folder.path().join(name).with_extension("npy");
-        nullray::io::image::npz::write_cube(&path, &cube).unwrap();
-    }
-    let text = r#"
+/// What is said of `text`, whose files are in `folder`.
+fn misfits_of(text: &str, folder: &Path) -> Vec<String> {
+    let scene = parse(text, "flash", folder, &Overrides::default())
+        .unwrap_or_else(|e| panic!("{e} {}", e.help()));
+    misfits(&scene, &mut prepared(&scene).unwrap())
+}
+
+/// A flash lights the floor from 2 m on and the wall from 12 m on. The camera sees both as they were at 4 to 8 m.
+const FLASH: &str = r#"
         [camera]
         eye = [0, 1, 3]
         look_at = [0, 0.5, -1]
@@ -89,20 +84,56 @@ fn nothing_is_said_of_surfaces_that_light_reaches_later_than_others() {
         objects = ["wall"]
         cube = { file = "wall.npy", start = "0 m", bin_width = "0.1 m", clock = "world", uv = 0 }
     "#;
-    let said = |text: &str| {
-        let scene = parse(text, "flash", folder.path(), &Overrides::default())
-            .unwrap_or_else(|e| panic!("{e} {}", e.help()));
-        misfits(&scene, &mut prepared(&scene).unwrap())
-    };
-    assert_eq!(said(text), [""; 0]);
+
+fn write_flash(folder: &Path) {
+    for (name, lit_from) in [("floor", 20), ("wall", 120)] {
+        let samples = (0..2 * 2 * 160).map(|n| f32::from(u8::from(n % 160 >= lit_from)));
+        let cube = Cube {
+            shape: [2, 2, 160, 1],
+            samples: Samples::F32(samples.collect()),
+        };
+        let path = folder.join(name).with_extension("npy");
+        nullray::io::image::npz::write_cube(&path, &cube).unwrap();
+    }
+}
+
+#[test]
+fn nothing_is_said_of_surfaces_that_light_reaches_later_than_others() {
+    let folder = tempfile::tempdir().unwrap();
+    write_flash(folder.path());
+    assert_eq!(misfits_of(FLASH, folder.path()), [""; 0]);
     // One whose times are not those of the others is another matter.
     let wall = "\"wall.npy\", start = \"0 m\"";
-    assert!(text.contains(wall));
-    let late = said(&text.replace(wall, "\"wall.npy\", start = \"-0.3 m\""));
+    assert!(FLASH.contains(wall));
+    let late = FLASH.replace(wall, "\"wall.npy\", start = \"-0.3 m\"");
+    let late = misfits_of(&late, folder.path());
     assert!(
         late.len() == 1 && late[0].contains("light on wall"),
         "{late:?}"
     );
+}
+
+/// Data of textures as long as they should be that begin too late are said to begin too late, before another unit that would also fit.
+#[test]
+fn a_wrong_start_of_a_texture_is_not_said_to_be_a_wrong_unit_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    write_flash(folder.path());
+    let late = FLASH.replace("start = \"0 m\"", "start = \"60 m\"");
+    let said = misfits_of(&late, folder.path()).join("\n");
+    let start = said
+        .find("they would fit with a start (now 60 m) between")
+        .expect(&said);
+    assert!(
+        said.find("in a unit").is_none_or(|unit| unit > start),
+        "{said}"
+    );
+    // Milliseconds that are taken for seconds are far too long.
+    let long = FLASH.replace(
+        "start = \"0 m\", bin_width = \"0.1 m\"",
+        "start = \"300 m\", bin_width = \"100 m\"",
+    );
+    let said = misfits_of(&long, folder.path()).join("\n");
+    assert!(said.contains("in a unit 10^-"), "{said}");
 }
 
 #[test]

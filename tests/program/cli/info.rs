@@ -207,6 +207,38 @@ fn of_a_scene_what_of_its_cubes_was_read_and_what_is_assumed() {
     assert_eq!(assumed[2], "capture.near_clip = 0");
 }
 
+#[test]
+fn of_a_transient_image_its_bins_and_its_corners() {
+    let parts = [
+        "bins of 0.5 m, the first about 2.25 m",
+        "top left (-1.5, 2, 0)",
+        "yes: as the file of a [source.cube]",
+    ];
+    said(
+        &Folder::empty(),
+        &repository("tests/data/bonn/wall.ti"),
+        &parts,
+    );
+}
+
+#[cfg(feature = "hdf5")]
+#[test]
+fn of_a_capture_with_times_at_its_sensor_how_to_use_it() {
+    let info = |file: &str, usable: &str| {
+        let file = repository(&format!("tests/data/hdf5/{file}"));
+        said(&Folder::empty(), &file, &[usable]);
+    };
+    info(
+        "tal_1_both.hdf5",
+        "after `nullray convert FILE --unwarp FILE",
+    );
+    info(
+        "zaragoza_5.hdf5",
+        "after `nullray convert FILE --unwarp FILE",
+    );
+    info("tal_1.hdf5", "yes: as the file of a [source.cube]");
+}
+
 /// `SMALL` with more said of its camera.
 fn with_camera(folder: &Folder, keys: &str) {
     let text = super::SMALL.replacen("[camera]", &format!("[camera]\n{keys}"), 1);

@@ -27,6 +27,8 @@
 //!
 //! Parts that were taken while the other half had not decided are counted in s² alone.
 
+use std::ops::Range;
+
 use serde::Serialize;
 
 use crate::accel::Precision;
@@ -290,10 +292,19 @@ impl TileFilm {
         }
     }
 
-    /// Adds one sample's radiance to `pixel`.
+    /// The pixel of ray `ray`: there is one for each pixel, sample by sample.
     #[inline]
-    pub fn add(&mut self, pixel: usize, radiance: [f64; 3]) {
+    fn pixel(&self, ray: usize) -> usize {
+        let pixels = self.radiance.len();
+        // Most batches are of one sample, and need no division.
+        if ray < pixels { ray } else { ray % pixels }
+    }
+
+    /// Adds the radiance of ray `ray` to its pixel.
+    #[inline]
+    pub fn add(&mut self, ray: usize, radiance: [f64; 3]) {
         // The box filter: every sample of the pixel counts alike.
+        let pixel = self.pixel(ray);
         let sum = &mut self.radiance[pixel];
         for (sum, value) in sum.iter_mut().zip(radiance) {
             *sum += value;
@@ -308,10 +319,21 @@ impl TileFilm {
         }
     }
 
-    /// Ends sample `index` of all pixels.
-    pub(crate) fn end_sample(&mut self, index: u32) {
+    /// The first of `samples` that can be added before any is ended, at most `most` of them.
+    pub(super) fn together(&self, samples: Range<u32>, most: u32) -> Range<u32> {
+        let first = samples.start;
+        // Samples of different parts are kept apart.
+        let left = self
+            .parts
+            .as_ref()
+            .map_or(u32::MAX, |parts| parts.samples - first % parts.samples);
+        first..samples.end.min(first.saturating_add(left.min(most)))
+    }
+
+    /// Ends `samples` of all pixels, which are of one part.
+    pub(crate) fn end_samples(&mut self, samples: Range<u32>) {
         if let Some(parts) = &mut self.parts
-            && (index + 1).is_multiple_of(parts.samples)
+            && samples.end.is_multiple_of(parts.samples)
         {
             parts.add(&self.radiance);
             self.radiance.fill([0.0; 3]);
@@ -386,10 +408,11 @@ impl TileFilm {
         self.unmet += samples;
     }
 
-    /// Adds how much of one sample's radiance is known.
+    /// Adds how much of the radiance of ray `ray` is known.
     #[inline]
-    pub(crate) fn add_coverage(&mut self, pixel: usize, coverage: Coverage) {
+    pub(crate) fn add_coverage(&mut self, ray: usize, coverage: Coverage) {
         self.coverage += coverage;
+        let pixel = self.pixel(ray);
         if let Some(held) = self.held.get_mut(pixel) {
             *held += coverage.held;
         }
@@ -407,26 +430,29 @@ impl TileFilm {
         }
     }
 
-    /// Notes one sample, in each of `pixels`, whose radiance is fully known.
-    pub(crate) fn add_held(&mut self, pixels: &[u32]) {
+    /// Notes `rays` whose radiance is fully known.
+    pub(crate) fn add_held(&mut self, rays: &[u32]) {
         // Counted rather than added up: exact, however many.
-        self.coverage.held += pixels.len() as f64;
+        self.coverage.held += rays.len() as f64;
         if !self.held.is_empty() {
-            pixels.iter().for_each(|p| self.held[*p as usize] += 1.0);
+            for ray in rays {
+                let pixel = self.pixel(*ray as usize);
+                self.held[pixel] += 1.0;
+            }
         }
     }
 
-    /// The same of `pixels`, but for the parts of some of them, which come in order: as these would be added one by one.
+    /// The same of `rays`, but for the parts of some of them, which come in order: as these would be added one by one.
     #[inline]
-    pub(crate) fn cover(&mut self, pixels: &[u32], parts: impl Iterator<Item = (usize, Coverage)>) {
+    pub(crate) fn cover(&mut self, rays: &[u32], parts: impl Iterator<Item = (usize, Coverage)>) {
         let mut begin = 0;
         if !self.held.is_empty() || !self.missing.is_empty() {
             for (at, coverage) in parts {
-                self.add_held(&pixels[begin..at]);
-                self.add_coverage(pixels[at] as usize, coverage);
+                self.add_held(&rays[begin..at]);
+                self.add_coverage(rays[at] as usize, coverage);
                 begin = at + 1;
             }
-            return self.add_held(&pixels[begin..]);
+            return self.add_held(&rays[begin..]);
         }
         // Only the sum is asked for: it stays in registers.
         let mut sum = self.coverage;
@@ -435,7 +461,7 @@ impl TileFilm {
             sum += coverage;
             begin = at + 1;
         }
-        sum.held += (pixels.len() - begin) as f64;
+        sum.held += (rays.len() - begin) as f64;
         self.coverage = sum;
     }
 

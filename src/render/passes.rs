@@ -107,17 +107,8 @@ impl Passes {
         let first = self.done * samples;
         let unsettled = self.tiles.par_iter_mut().filter(|tile| needs_more(tile));
         let done = unsettled.try_for_each_init(Buffers::default, |buffers, film| {
-            let tile = film.tile();
-            for index in first..first + 2 * samples {
-                progress.check()?;
-                if scene.light.has_failed() {
-                    return Err(Error::Cancelled);
-                }
-                pipeline.sample(tile, index, buffers, film, &mut Meter::new(false));
-                film.end_sample(index);
-                progress.rays_done(tile.pixels() as u64);
-            }
-            Ok::<(), Error>(())
+            let samples = first..first + 2 * samples;
+            pipeline.samples(samples, buffers, film, progress, &mut Meter::new(false))
         });
         scene.light.check()?;
         done?;

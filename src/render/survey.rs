@@ -581,7 +581,7 @@ fn each_point(
 ) {
     let (mut camera_rays, mut hits) = (CameraRays::default(), HitBuffer::default());
     let view = &scene.camera.view;
-    view.generate(&mut camera_rays, &Sampler::centred(), tile, 0);
+    view.generate(&mut camera_rays, &Sampler::centred(), tile, 0..1);
     let rays = camera_rays.rays(scene.method);
     let traced = scene.trace(surfaces, rays, &mut hits, &mut Meter::off());
     for (ray, ratio) in camera_rays.ratios.iter().enumerate() {

@@ -79,15 +79,8 @@ fn tiles_with(
             let tile = Tile::of_image(layout.size, index);
             let mut tile_film = TileFilm::new(tile, layout);
             let mut meter = Meter::new(total.is_some());
-            for sample in 0..layout.samples {
-                progress.check()?;
-                if scene.light.has_failed() {
-                    return Err(Error::Cancelled);
-                }
-                pipeline.sample(tile, sample, buffers, &mut tile_film, &mut meter);
-                tile_film.end_sample(sample);
-                progress.rays_done(tile.pixels() as u64);
-            }
+            let samples = 0..layout.samples;
+            pipeline.samples(samples, buffers, &mut tile_film, progress, &mut meter)?;
             // A poisoned lock means a panic elsewhere, which rayon passes on.
             let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
             film.place(&tile_film);
@@ -127,16 +120,44 @@ impl<'a> Pipeline<'a> {
         }
     }
 
-    /// Renders sample `index` of every pixel of `tile`.
-    pub(super) fn sample(
+    /// Renders `samples` of every pixel of the tile of `film`.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] when `progress` says so, and where data cannot be read.
+    pub(super) fn samples(
         &self,
-        tile: Tile,
-        index: u32,
+        samples: Range<u32>,
+        buffers: &mut Buffers,
+        film: &mut TileFilm,
+        progress: &dyn Progress,
+        meter: &mut Meter,
+    ) -> Result<()> {
+        let at_once = self.scene.light.radiance().samples_at_once();
+        let mut left = samples;
+        while !left.is_empty() {
+            progress.check()?;
+            if self.scene.light.has_failed() {
+                return Err(Error::Cancelled);
+            }
+            let batch = film.together(left.clone(), at_once);
+            left.start = batch.end;
+            let rays = film.tile().pixels() as u64 * batch.len() as u64;
+            self.batch(batch.clone(), buffers, film, meter);
+            film.end_samples(batch);
+            progress.rays_done(rays);
+        }
+        Ok(())
+    }
+
+    /// Renders `samples` of every pixel together.
+    fn batch(
+        &self,
+        samples: Range<u32>,
         buffers: &mut Buffers,
         film: &mut TileFilm,
         meter: &mut Meter,
     ) {
-        let (scene, surfaces) = (self.scene, &self.surfaces);
+        let (scene, surfaces, tile) = (self.scene, &self.surfaces, film.tile());
         let Buffers {
             camera_rays,
             beside,
@@ -148,7 +169,7 @@ impl<'a> Pipeline<'a> {
         scene
             .camera
             .view
-            .generate(camera_rays, &self.sampler, tile, index);
+            .generate(camera_rays, &self.sampler, tile, samples);
         let exposure = scene
             .integrated_exposure
             .and_then(|duration| camera_rays.exposure(duration, self.sampler.samples()));
@@ -187,10 +208,19 @@ impl<'a> Pipeline<'a> {
                 let observed = traced.observed(ray, *ratio).filter(|_| sees);
                 let d = Direction::from_unit(camera_rays.directions[ray]);
                 let offset = camera_rays.offset(ray);
-                record(channels, radiance, ray, offset, d, observed.as_ref(), film);
+                let pixel = ray % tile.pixels();
+                record(
+                    channels,
+                    radiance,
+                    pixel,
+                    offset,
+                    d,
+                    observed.as_ref(),
+                    film,
+                );
             }
         }
-        meter.count(Counter::Rays, tile.pixels() as u64);
+        meter.count(Counter::Rays, ratios.len() as u64);
         meter.lap(Stage::Film);
     }
 }

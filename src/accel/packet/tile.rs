@@ -39,7 +39,7 @@ const fn places(width: usize) -> [u32; RAYS] {
     places
 }
 
-/// Pixels of an image's tile, and of its side.
+/// Pixels of an image's tile, of which batches may have several samples, and of its side.
 const FULL: usize = SIDES * SIDES;
 const SIDES: usize = 16;
 const USUAL_PLACES: [u32; RAYS] = places(SIDES);
@@ -48,14 +48,15 @@ impl Tile {
     /// Rows are where directions jump back.
     pub fn of(directions: &[DVec3]) -> Tile {
         match directions.len() {
-            FULL => Tile::of_count(FULL),
+            count if count.is_multiple_of(FULL) => Tile::of_count(count),
             count => Tile::new(row_length(directions), count),
         }
     }
 
-    /// 16 × 16 rays, or in a row.
+    /// 16 × 16 rays, or as many several times, or in a row.
     pub fn of_count(count: usize) -> Tile {
-        Tile::new(if count == FULL { SIDES } else { 0 }, count)
+        let are_tiles = count.is_multiple_of(FULL);
+        Tile::new(if are_tiles { SIDES } else { 0 }, count)
     }
 
     fn new(width: usize, count: usize) -> Tile {

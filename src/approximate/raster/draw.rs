@@ -210,7 +210,7 @@ pub(super) fn film<P: Visibility>(
                     camera_rays, rays, ..
                 } = buffers;
                 let view = &scene.camera.view;
-                view.generate(camera_rays, &scene.sampler, tile, sample);
+                view.generate(camera_rays, &scene.sampler, tile, sample..sample + 1);
                 let samples = TileSamples {
                     camera_rays,
                     surfaces: &stage.surfaces,
@@ -219,7 +219,7 @@ pub(super) fn film<P: Visibility>(
                 rays.clear();
                 visibility.paint(&samples, tile, &mut buffers.tile, rays);
                 stage.shade(buffers, &mut tile_film);
-                tile_film.end_sample(sample);
+                tile_film.end_samples(sample..sample + 1);
                 progress.rays_done(tile.pixels() as u64);
             }
             // A poisoned lock means a panic elsewhere, which rayon passes on.

@@ -86,7 +86,7 @@ fn sample_tile(
     pixels: &mut [Histogram],
 ) {
     let view = &prepared.camera.view;
-    view.generate(rays, sampler, tile, sample);
+    view.generate(rays, sampler, tile, sample..sample + 1);
     let (within, salt) = sampler.replicate(sample);
     let frame = &paths.rest.frame;
     let boost = frame.frame_from_world();

@@ -1,5 +1,7 @@
 //! Camera rays of a batch: offset in the pixel → film point → look direction, W, origin.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::accel::Method;
@@ -10,14 +12,16 @@ use crate::render::sampler::{
     Sampler, pixel_key, sobol, sobol_among, sobol_of_each, sobol_of_each_at,
 };
 
-/// One camera ray for every pixel of a tile.
+/// Camera rays of one sample, or of some samples one after the other, of every pixel of a tile.
 #[derive(Debug, Default)]
 pub struct CameraRays {
     pixels: Vec<u64>,
     /// What random numbers come from: the keys of the pixels, as this replicate has them.
     keys: Vec<u64>,
-    /// Which sample of the replicate.
+    /// Which sample of the replicate, the first if there are several.
     index: u32,
+    /// By ray, where there are several.
+    indices: Vec<u32>,
     in_pixel: u32,
     offsets: [Vec<f64>; 2],
     film: [Vec<f64>; 2],
@@ -145,10 +149,10 @@ impl Samples<'_> {
         }
     }
 
-    /// Two numbers in [0, 1) of this key for what `dimension` counts.
-    pub(super) fn of_key(&self, key: u64, dimension: u32) -> [f64; 2] {
+    /// Two numbers in [0, 1) of sample `index` of this key for what `dimension` counts.
+    pub(super) fn of_key(&self, key: u64, index: u32, dimension: u32) -> [f64; 2] {
         let dimension = self.depth * DRAWN_AT_A_SURFACE + dimension;
-        sobol(key, self.index, dimension)
+        sobol(key, index, dimension)
     }
 
     /// The sample of ray `ray`.
@@ -209,7 +213,7 @@ impl CameraRays {
             samples: Samples {
                 pixels: &self.keys,
                 index: self.index,
-                indices: &[],
+                indices: &self.indices,
                 in_pixel: self.in_pixel,
                 depth: 0,
                 exposure: None,
@@ -263,8 +267,8 @@ impl CameraRays {
 
 /// A view of whatever kind, matched once per batch.
 pub trait RayGenerator: Sync {
-    /// Generates the rays of sample `index` of every pixel of `tile`.
-    fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, index: u32);
+    /// Generates the rays of `samples` of every pixel of `tile`, sample by sample.
+    fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, samples: Range<u32>);
 
     /// Generates the rays a little beside those of `of` along an axis of the film, towards the middles of their pixels, or for
     /// [`TIME`] a little towards the middle of the exposure.
@@ -289,8 +293,8 @@ fn of(view: &AnyView) -> &dyn RayGenerator {
 }
 
 impl RayGenerator for AnyView {
-    fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, index: u32) {
-        of(self).generate(rays, sampler, tile, index);
+    fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, samples: Range<u32>) {
+        of(self).generate(rays, sampler, tile, samples);
     }
 
     fn beside(&self, rays: &mut CameraRays, middle: &CameraRays, axis: usize) {
@@ -303,26 +307,38 @@ impl RayGenerator for AnyView {
 }
 
 impl<V: View> RayGenerator for V {
-    fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, index: u32) {
-        rays.resize::<V>(tile.pixels());
-        let (within, salt) = sampler.replicate(index);
-        rays.index = within;
+    fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, samples: Range<u32>) {
+        let (pixels, count) = (tile.pixels(), samples.len() * tile.pixels());
+        rays.resize::<V>(count);
+        rays.index = sampler.replicate(samples.start).0;
         rays.in_pixel = sampler.samples();
-        let [left, top] = tile.corner;
-        let rows = rays.pixels.chunks_mut(tile.size[0].max(1) as usize);
-        for (row, pixels) in (top..).zip(rows) {
-            for (column, pixel) in (left..).zip(pixels) {
-                *pixel = pixel_key(column, row);
-            }
-        }
         rays.keys.clear();
-        rays.keys
-            .extend(rays.pixels.iter().map(|pixel| pixel ^ salt));
-        let [x, y] = &mut rays.offsets;
-        sampler.offsets(&rays.keys, within, x, y);
+        rays.indices.clear();
         if V::USES_TIME {
-            rays.moments.resize(tile.pixels(), 0.0);
-            sampler.moments(&rays.keys, within, &mut rays.moments);
+            rays.moments.resize(count, 0.0);
+        }
+        let [left, top] = tile.corner;
+        for (sample, begin) in samples.clone().zip((0..count).step_by(pixels.max(1))) {
+            let of_sample = begin..begin + pixels;
+            let rows = rays.pixels[of_sample.clone()].chunks_mut(tile.size[0].max(1) as usize);
+            for (row, pixels) in (top..).zip(rows) {
+                for (column, pixel) in (left..).zip(pixels) {
+                    *pixel = pixel_key(column, row);
+                }
+            }
+            let (within, salt) = sampler.replicate(sample);
+            let keys = rays.pixels[of_sample.clone()].iter();
+            rays.keys.extend(keys.map(|pixel| pixel ^ salt));
+            if samples.len() > 1 {
+                rays.indices.resize(of_sample.end, within);
+            }
+            let keys = &rays.keys[of_sample.clone()];
+            let [x, y] = &mut rays.offsets;
+            let (x, y) = (&mut x[of_sample.clone()], &mut y[of_sample.clone()]);
+            sampler.offsets(keys, within, x, y);
+            if V::USES_TIME {
+                sampler.moments(keys, within, &mut rays.moments[of_sample]);
+            }
         }
         rays.look_through(self);
     }
@@ -330,6 +346,7 @@ impl<V: View> RayGenerator for V {
     fn beside(&self, rays: &mut CameraRays, of: &CameraRays, axis: usize) {
         rays.resize::<V>(of.pixels.len());
         rays.index = of.index;
+        rays.indices.clone_from(&of.indices);
         rays.pixels.clone_from(&of.pixels);
         rays.moments.clone_from(&of.moments);
         rays.offsets.clone_from(&of.offsets);
@@ -346,6 +363,7 @@ impl<V: View> RayGenerator for V {
     fn through(&self, rays: &mut CameraRays, points: &[[f64; 2]]) {
         rays.resize::<V>(points.len());
         rays.index = 0;
+        rays.indices.clear();
         rays.in_pixel = 1;
         for (k, [x, y]) in points.iter().enumerate() {
             let [column, row] = [x.floor(), y.floor()];

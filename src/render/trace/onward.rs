@@ -210,31 +210,42 @@ pub(super) fn choose(
         is_diffuse.then(|| emitted.points.normals.get(k))
     };
     groups.clear();
-    groups.add(Ungrouped {
-        points: 0..run.count(),
-        patch: run.patch.first,
-        normal,
-        pixel,
-        in_pixel: samples.in_pixel,
-        sharing,
-    });
+    // Points of one sample share paths, which are numbered by it.
+    let sample = |k: usize| samples.index(run.members[k] as usize);
+    let mut begin = 0;
+    for members in run
+        .members
+        .chunk_by(|a, b| samples.index(*a as usize) == samples.index(*b as usize))
+    {
+        let points = begin..begin + members.len();
+        begin = points.end;
+        groups.add(Ungrouped {
+            points,
+            patch: run.patch.first,
+            normal,
+            pixel,
+            in_pixel: samples.in_pixel,
+            sharing,
+        });
+    }
     chosen.clear();
     let glossy = (0..run.count()).filter(|k| !reflections[*k].is_diffuse());
     chosen.extend(glossy.map(|k| Chosen {
         point: k as u32,
         at: 0,
         key: pixel(k),
-        index: samples.index,
+        index: sample(k),
     }));
     for group in &groups.all {
         let points = &groups.order[group.points.clone()];
-        let [number, _] = samples.of_key(group.key, CHOICE);
+        let index = sample(points[0] as usize);
+        let [number, _] = samples.of_key(group.key, index, CHOICE);
         for (path, at) in group.chosen(number).enumerate() {
             chosen.push(Chosen {
                 point: points[at],
                 at: at as u32,
                 key: group.key,
-                index: group.number(samples.index, path),
+                index: group.number(index, path),
             });
         }
     }

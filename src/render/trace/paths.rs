@@ -100,6 +100,10 @@ use crate::light::time_texture::CaptureView;
 pub(super) const AREA: u32 = 0;
 const SKY: u32 = 1;
 
+/// Samples of a pixel whose paths are followed together: where 8 paths go on from 64 points, those of 4 samples of a tile of 256 pixels are
+/// two whole packets of 64 rays at every surface.
+const AT_ONCE: u32 = 4;
+
 /// Lights of all kinds, and surfaces that pass their light on.
 #[derive(Debug)]
 pub struct PathTraced {
@@ -163,6 +167,10 @@ struct Part<'a> {
 }
 
 impl Radiance for PathTraced {
+    fn samples_at_once(&self) -> u32 {
+        if self.goes_on(0) { AT_ONCE } else { 1 }
+    }
+
     fn has_gaps(&self) -> bool {
         self.light.has_gaps()
     }

@@ -27,6 +27,11 @@ pub trait Radiance: Debug + Send + Sync {
     /// Whether coverage can be other than full.
     fn has_gaps(&self) -> bool;
 
+    /// How many samples of each pixel of a tile are best shaded together.
+    fn samples_at_once(&self) -> u32 {
+        1
+    }
+
     /// Fills `emitted` with what leaves the points of `run` towards the camera: [`Emitted::start`], then
     /// [`Emitted::push`] for each point.
     fn emit(&self, run: &Run, emitted: &mut Emitted, meter: &mut Meter);

@@ -38,7 +38,7 @@ pub trait RadianceSink {
     fn add_unmet(&mut self, rays: u64);
 }
 
-/// One ray per pixel.
+/// One ray for each pixel, sample by sample.
 impl RadianceSink for TileFilm {
     #[inline(always)]
     fn add(&mut self, ray: usize, radiance: [f64; 3]) {

@@ -349,6 +349,14 @@ impl Reflection {
     /// The density with which [`Reflection::sample`] draws `l`, other than as a mirror's direction.
     #[inline]
     pub fn density(&self, l: DVec3) -> f64 {
+        if self.is_diffuse() {
+            return self.normal.dot(l).max(0.0) / PI;
+        }
+        self.density_of_parts(l)
+    }
+
+    /// The same of a surface that is not diffuse.
+    fn density_of_parts(&self, l: DVec3) -> f64 {
         let share = self.specular_share();
         let mut diffuse = (1.0 - share) * self.normal.dot(l).max(0.0) / PI;
         if self.through.is_some() {

@@ -510,7 +510,7 @@ impl Arrival {
 pub struct Incident {
     /// E_F, by channel.
     pub irradiance: [f64; 3],
-    wavelength_scale: f64,
+    pub(crate) wavelength_scale: f64,
 }
 
 impl Incident {

@@ -272,7 +272,7 @@ impl VectorLoop for Starts<'_> {
             let mut starts = [0.0; BLOCK];
             for (k, start) in starts.iter_mut().enumerate() {
                 let (from, d) = (from.get(k), directions.get(k));
-                let at = shadow_start(eyes.get(k), from, d);
+                let at = shadow_start(shadow_size(eyes.get(k), from), d);
                 let is_missed = ball.is_missed(from, d);
                 *start = if is_missed { f64::INFINITY } else { at };
             }
@@ -320,7 +320,7 @@ pub(super) fn shadow_ray(camera: DVec3, from: DVec3, direction: DVec3) -> Ray {
     Ray {
         origin: from,
         direction,
-        s_min: shadow_start(camera, from, direction),
+        s_min: shadow_start(shadow_size(camera, from), direction),
     }
 }
 
@@ -347,13 +347,13 @@ impl VectorLoop for StartsTowards<'_> {
             if let Some(eye) = self.points.shared_eye() {
                 for (k, start) in starts.iter_mut().enumerate() {
                     let from = from.get(k);
-                    *start = shadow_start(eye, from, self.to - from);
+                    *start = shadow_start(shadow_size(eye, from), self.to - from);
                 }
             } else {
                 let eyes = self.points.load_eyes(begin);
                 for (k, start) in starts.iter_mut().enumerate() {
                     let from = from.get(k);
-                    *start = shadow_start(eyes.get(k), from, self.to - from);
+                    *start = shadow_start(shadow_size(eyes.get(k), from), self.to - from);
                 }
             }
             store(&starts, self.starts, begin);
@@ -362,14 +362,19 @@ impl VectorLoop for StartsTowards<'_> {
     }
 }
 
-/// From where on it counts.
+/// From where on a ray along `direction` counts that leaves a surface, by [`shadow_size`].
 ///
 /// The point is rounded to some 2⁻⁵³ of these coordinates, to one side of its surface or the other. On
 /// the edge of a triangle the ray could hit the neighbour right there; what is nearer than 2⁻⁴² of the
 /// coordinates (10⁻¹² of a metre in a scene of metres) therefore does not count.
 #[inline(always)]
-fn shadow_start(camera: DVec3, from: DVec3, direction: DVec3) -> f64 {
+pub(super) fn shadow_start(size: f64, direction: DVec3) -> f64 {
     const CLEARANCE: f64 = 1.0 / (1u64 << 42) as f64;
-    let size = camera.abs().max_element() + from.abs().max_element();
     CLEARANCE * size / direction.length()
+}
+
+/// The coordinates by which the point `from` was rounded that was seen from `camera`.
+#[inline(always)]
+pub(super) fn shadow_size(camera: DVec3, from: DVec3) -> f64 {
+    camera.abs().max_element() + from.abs().max_element()
 }

@@ -91,6 +91,7 @@ use super::sharing::{End, MOST, Sharing};
 use super::stats::{Meter, Stage};
 use super::time_resolved::{Emitter, TimeResolved};
 use crate::accel::Hit;
+use crate::accel::vectors::{Block, VectorLoop, dispatch};
 use crate::light::Received;
 use crate::light::lamp::{Incident, Irradiance};
 use crate::light::reflection::{Reflection, Scattered};
@@ -364,8 +365,7 @@ impl PathTraced {
         for group in &groups.all {
             receivers.clear();
             let points = &groups.order[group.points.clone()];
-            // Of each point, what falls on it, as a radiance, and its wavelength.
-            let mut shared = [([0.0; 3], Irradiance::default()); MOST];
+            let mut shared = Shared::NOTHING;
             for k in points.iter().map(|k| *k as usize) {
                 let points = &emitted.points;
                 let place = (points.positions.get(k), points.normals.get(k));
@@ -396,31 +396,37 @@ impl PathTraced {
                     areas.density(run.frame, hit.triangle)
                 });
                 // What points could have drawn themselves is weighed against that, by each of them.
-                let part = |density: f64| match (end, by_area, sky) {
-                    (End::On { .. }, None, _) | (End::Open(_), _, None) => 1.0,
-                    (End::On { .. }, Some((_, false)), _) => 0.0,
-                    (End::On { .. }, Some((by_area, true)), _) => balance(density, by_area),
-                    (End::Open(l), _, Some(sky)) => sky_weight(sky, run.frame, l, density),
+                let densities = &receivers.densities;
+                let parts = match (end, by_area, sky) {
+                    (End::On { .. }, None, _) | (End::Open(_), _, None) => [1.0; MOST],
+                    (End::On { .. }, Some((_, false)), _) => [0.0; MOST],
+                    (End::On { .. }, Some((by_area, true)), _) => {
+                        densities.map(|density| balance(density, by_area))
+                    }
+                    (End::Open(l), _, Some(sky)) => {
+                        densities.map(|density| sky_weight(sky, run.frame, l, density))
+                    }
                 };
-                for share in &receivers.shares {
-                    let light = sent.light(part(share.density)).scaled(share.weight);
-                    let (reflected, incident) = &mut shared[share.at];
-                    add((reflected, incident), [1.0; 3], light);
-                }
+                dispatch(Share {
+                    sent: &sent,
+                    parts: &parts,
+                    weights: &receivers.weights,
+                    shared: &mut shared,
+                });
                 // Other light than diffuse is found by the point that it comes to.
                 if !sent.is_diffuse {
                     let part = group.count() as f64 / group.paths() as f64;
-                    let (reflected, incident) = &mut shared[own];
-                    add((reflected, incident), [1.0; 3], sent.reflected.scaled(part));
+                    shared.add(own, sent.reflected.scaled(part));
                 }
             }
-            for (k, (reflected, incident)) in points.iter().zip(&shared) {
+            for (at, k) in points.iter().enumerate() {
                 let k = *k as usize;
                 let albedo = emitted.reflections[k].albedo();
-                let added = emitted.added.get(k) + DVec3::from(albedo) * DVec3::from(*reflected);
+                let (reflected, incident) = shared.of(at);
+                let added = emitted.added.get(k) + DVec3::from(albedo) * reflected;
                 emitted.added.set(k, added);
                 let mut all = emitted.incident.get(k);
-                all.merge(incident);
+                all.merge(&incident);
                 emitted.incident.set(k, &all);
             }
         }
@@ -823,13 +829,76 @@ struct Sent {
     is_diffuse: bool,
 }
 
-impl Sent {
-    /// What points that share it receive, if `part` of its own light counts.
-    fn light(&self, part: f64) -> Incident {
-        let [own, reflected] = [&self.own, &self.reflected].map(|light| light.irradiance);
-        let counts = if self.is_diffuse { 1.0 } else { 0.0 };
-        let irradiance = std::array::from_fn(|c| part * own[c] + counts * reflected[c]);
-        self.reflected.with(irradiance)
+/// What falls on the points of a group, as a radiance, and what its wavelength is found from.
+struct Shared {
+    radiance: [Block; 3],
+    /// The weights without and with the wavelength.
+    weights: [Block; 2],
+}
+
+impl Shared {
+    const NOTHING: Shared = Shared {
+        radiance: [[0.0; MOST]; 3],
+        weights: [[0.0; MOST]; 2],
+    };
+
+    /// What falls on point `at`.
+    fn of(&self, at: usize) -> (DVec3, Irradiance) {
+        let radiance = self.radiance.each_ref().map(|channel| channel[at]);
+        let weights = self.weights.each_ref().map(|weights| weights[at]);
+        (radiance.into(), Irradiance::from_parts([0.0; 3], weights))
+    }
+
+    /// Adds light to that of point `at` alone.
+    fn add(&mut self, at: usize, light: Incident) {
+        let (radiance, mut incident) = self.of(at);
+        let mut radiance = radiance.to_array();
+        add((&mut radiance, &mut incident), [1.0; 3], light);
+        for (channel, sum) in self.radiance.iter_mut().zip(radiance) {
+            channel[at] = sum;
+        }
+        let (_, sums) = incident.parts();
+        for (weights, sum) in self.weights.iter_mut().zip(sums) {
+            weights[at] = sum;
+        }
+    }
+}
+
+/// Adds what a path has found to what falls on the points of its group, by their weights.
+struct Share<'a> {
+    sent: &'a Sent,
+    /// How much of what its end shines of its own counts.
+    parts: &'a Block,
+    weights: &'a Block,
+    shared: &'a mut Shared,
+}
+
+impl VectorLoop for Share<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Sent {
+            own,
+            reflected,
+            is_diffuse,
+        } = self.sent;
+        let counts = if *is_diffuse { 1.0 } else { 0.0 };
+        let [without, with] = &mut self.shared.weights;
+        let mut channel = 0;
+        while channel < 3 {
+            let (own, reflected) = (own.irradiance[channel], reflected.irradiance[channel]);
+            let sums = &mut self.shared.radiance[channel];
+            for k in 0..MOST {
+                let (part, weight) = (self.parts[k], self.weights[k]);
+                let light = (part * own + counts * reflected) * weight;
+                // Light without bounds does not fall where nothing does.
+                let light = if weight > 0.0 { light } else { 0.0 };
+                sums[k] += light;
+                // As an irradiance, like that of lamps.
+                without[k] += light * PI;
+                with[k] += light * PI * self.sent.reflected.wavelength_scale;
+            }
+            channel += 1;
+        }
     }
 }
 

@@ -39,9 +39,9 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::occlusion::{any_hit, any_to_point, shadow_ray};
-use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, dispatch};
-use crate::accel::{Bvh, Converging, Counts, Method, Segment};
+use super::occlusion::{any_hit, any_to_point, shadow_ray, shadow_size, shadow_start};
+use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, dispatch, load, store};
+use crate::accel::{Bvh, Converging, Counts, Method, Ray, Segment};
 
 /// Most points of a group.
 pub(super) const MOST: usize = BLOCK;
@@ -248,35 +248,37 @@ pub(super) enum End {
     Open(DVec3),
 }
 
-/// What a point receives of a path.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Share {
-    /// Place of the point in its group.
-    pub at: usize,
-    /// w of (1).
-    pub weight: f64,
-    /// p of the point: per area at y, or per solid angle.
-    pub density: f64,
-}
-
-/// The points of a group.
-#[derive(Debug, Default)]
+/// The points of a group, and what each receives of a path.
+#[derive(Debug)]
 pub(super) struct Receivers {
     positions: Columns,
     normals: Columns,
-    /// Where they were seen from.
-    eyes: Vec<DVec3>,
-    /// Their triangles.
+    /// What shadow rays from them begin by, and their triangles.
+    sizes: Vec<f64>,
     triangles: Vec<u32>,
-    /// Those that are asked whether they see the end.
-    asked: Vec<u32>,
-    from: Columns,
     starts: Vec<f64>,
-    skip: Vec<u32>,
     segments: Vec<Segment>,
     blocked: Vec<bool>,
-    /// What each receives.
-    pub shares: Vec<Share>,
+    /// By place in the group, p per area at y, or per solid angle; 0 for points that do not see the end.
+    pub densities: Block,
+    /// w of (1).
+    pub weights: Block,
+}
+
+impl Default for Receivers {
+    fn default() -> Self {
+        Receivers {
+            positions: Columns::default(),
+            normals: Columns::default(),
+            sizes: Vec::new(),
+            triangles: Vec::new(),
+            starts: Vec::new(),
+            segments: Vec::new(),
+            blocked: Vec::new(),
+            densities: [0.0; BLOCK],
+            weights: [0.0; BLOCK],
+        }
+    }
 }
 
 impl Receivers {
@@ -284,7 +286,7 @@ impl Receivers {
     pub fn clear(&mut self) {
         self.positions.clear();
         self.normals.clear();
-        self.eyes.clear();
+        self.sizes.clear();
         self.triangles.clear();
     }
 
@@ -292,7 +294,7 @@ impl Receivers {
     pub fn push(&mut self, (x, normal): (DVec3, DVec3), eye: DVec3, triangle: u32) {
         self.positions.push(x);
         self.normals.push(normal);
-        self.eyes.push(eye);
+        self.sizes.push(shadow_size(eye, x));
         self.triangles.push(triangle);
     }
 
@@ -305,56 +307,41 @@ impl Receivers {
         method: Method,
         counts: Option<&mut Counts>,
     ) {
-        let mut densities = [0.0; BLOCK];
+        let count = self.positions.len().min(BLOCK);
         dispatch(Densities {
             positions: &self.positions,
             normals: &self.normals,
             end,
-            densities: &mut densities,
+            densities: &mut self.densities,
         });
-        let count = self.positions.len().min(BLOCK);
-        self.asked.clear();
-        self.shares.clear();
-        for (at, density) in densities[..count].iter().enumerate() {
-            if *density > 0.0 && at != own {
-                self.asked.push(at as u32);
+        self.densities[count..].fill(0.0);
+        // Nearly always all points may see the end, and are asked as they are, with the own one, which has seen it.
+        let mut others = self.densities[..count].iter().enumerate();
+        if others.any(|(at, density)| *density > 0.0 && at != own) {
+            match end {
+                End::On {
+                    y,
+                    normal,
+                    triangle,
+                } => self.ask_towards((y, normal, triangle), own, bvh, method, counts),
+                End::Open(l) => self.ask_along(l, bvh, method, counts),
+            }
+            for (at, (density, is_blocked)) in
+                self.densities.iter_mut().zip(&self.blocked).enumerate()
+            {
+                *density = if *is_blocked & (at != own) {
+                    0.0
+                } else {
+                    *density
+                };
             }
         }
-        match end {
-            End::On {
-                y,
-                normal,
-                triangle,
-            } => self.ask_towards((y, normal, triangle), own, bvh, method, counts),
-            End::Open(l) => self.ask_along(l, bvh, method, counts),
-        }
-        // The own point has seen it.
-        let mut sum = densities[own];
-        let mut open = 0;
-        for (at, is_blocked) in self.asked.iter().zip(&self.blocked) {
-            if !is_blocked {
-                sum += densities[*at as usize];
-                open += 1;
-            }
-        }
-        // (1), with q = M/N.
-        let factor = count as f64 / (paths as f64 * sum);
-        // In this form also for NaN.
-        if !(factor > 0.0 && factor.is_finite()) {
-            return;
-        }
-        self.shares.reserve(open + 1);
-        let share = |at: usize| Share {
-            at,
-            weight: densities[at] * factor,
-            density: densities[at],
-        };
-        self.shares.push(share(own));
-        for (at, is_blocked) in self.asked.iter().zip(&self.blocked) {
-            if !is_blocked {
-                self.shares.push(share(*at as usize));
-            }
-        }
+        dispatch(Weights {
+            densities: &self.densities,
+            // (1), with q = M/N.
+            points_per_path: count as f64 / paths as f64,
+            weights: &mut self.weights,
+        });
     }
 
     /// Asks whether anything stands between the points and y, just off its surface as paths leave it.
@@ -368,21 +355,18 @@ impl Receivers {
     ) {
         let off = shadow_ray(self.positions.get(own), y, normal).s_min;
         let end = y + normal * off;
-        self.from.clear();
-        self.starts.clear();
-        self.skip.clear();
-        for at in self.asked.iter().map(|at| *at as usize) {
-            let x = self.positions.get(at);
-            self.from.push(x);
-            self.starts
-                .push(shadow_ray(self.eyes[at], x, end - x).s_min);
-            self.skip.push(self.triangles[at]);
-        }
+        self.starts.resize(self.sizes.len(), 0.0);
+        dispatch(StartsTowards {
+            positions: &self.positions,
+            sizes: &self.sizes,
+            end,
+            starts: &mut self.starts,
+        });
         let segments = Converging {
             end,
-            from: &self.from,
+            from: &self.positions,
             s_min: &self.starts,
-            skip: &self.skip,
+            skip: &self.triangles,
             at: Some(triangle),
         };
         any_to_point(bvh, method, segments, &mut self.blocked, counts);
@@ -391,15 +375,73 @@ impl Receivers {
     /// Asks whether anything is in the way along `l`.
     fn ask_along(&mut self, l: DVec3, bvh: &Bvh, method: Method, counts: Option<&mut Counts>) {
         self.segments.clear();
-        for at in self.asked.iter().map(|at| *at as usize) {
+        for (at, size) in self.sizes.iter().enumerate() {
             self.segments.push(Segment {
-                ray: shadow_ray(self.eyes[at], self.positions.get(at), l),
+                ray: Ray {
+                    origin: self.positions.get(at),
+                    direction: l,
+                    s_min: shadow_start(*size, l),
+                },
                 s_max: f64::INFINITY,
                 skip: Some(self.triangles[at]),
                 end: None,
             });
         }
         any_hit(bvh, method, &self.segments, &mut self.blocked, counts);
+    }
+}
+
+/// Where shadow rays from the points of a group to `end` begin.
+struct StartsTowards<'a> {
+    positions: &'a Columns,
+    sizes: &'a [f64],
+    end: DVec3,
+    starts: &'a mut [f64],
+}
+
+impl VectorLoop for StartsTowards<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let (positions, sizes) = (self.positions.block(0), load(self.sizes, 0));
+        let mut starts = [0.0; BLOCK];
+        for (k, start) in starts.iter_mut().enumerate() {
+            *start = shadow_start(sizes[k], self.end - positions.get(k));
+        }
+        store(&starts, self.starts, 0);
+    }
+}
+
+/// w of (1) by p: 0 for all where Σ p is no number, or no light is found by it.
+struct Weights<'a> {
+    densities: &'a Block,
+    points_per_path: f64,
+    weights: &'a mut Block,
+}
+
+impl VectorLoop for Weights<'_> {
+    #[inline(always)]
+    fn run(self) {
+        // Eight sums, and the sum of those: so as vectors of any width add.
+        const SUMS: usize = 8;
+        let mut sums = [0.0; SUMS];
+        let mut begin = 0;
+        while begin < BLOCK {
+            for k in 0..SUMS {
+                sums[k] += self.densities[begin + k];
+            }
+            begin += SUMS;
+        }
+        let [a, b, c, d, e, f, g, h] = sums;
+        let sum = ((a + b) + (c + d)) + ((e + f) + (g + h));
+        let factor = self.points_per_path / sum;
+        // In this form also for NaN.
+        let factor = match factor > 0.0 && factor.is_finite() {
+            true => factor,
+            false => 0.0,
+        };
+        for k in 0..BLOCK {
+            self.weights[k] = self.densities[k] * factor;
+        }
     }
 }
 

@@ -362,8 +362,12 @@ impl TimedPaths<'_> {
             let areas = self.light.areas.as_ref();
             let by_area = areas.and_then(|areas| areas.density(0, end.triangle));
             let alone = group.count() as f64 / group.paths() as f64;
-            for share in &receivers.shares {
-                let vertex = &firsts[points[share.at] as usize];
+            for (at, point) in points.iter().enumerate() {
+                let (weight, density) = (receivers.weights[at], receivers.densities[at]);
+                if weight == 0.0 && at != beginning.at {
+                    continue;
+                }
+                let vertex = &firsts[*point as usize];
                 let delay = vertex.delay + self.light.index * (end.y - vertex.x).length();
                 let albedo = vertex.reflection.albedo();
                 let carried: [f64; 3] = std::array::from_fn(|c| vertex.carried[c] * albedo[c]);
@@ -372,14 +376,12 @@ impl TimedPaths<'_> {
                 }
                 for one in of_path {
                     let weight = match (one.is_end, by_area) {
-                        (true, None) => share.weight,
+                        (true, None) => weight,
                         (true, Some((_, false))) => 0.0,
-                        (true, Some((by_area, true))) => {
-                            share.weight * balance(share.density, by_area)
-                        }
-                        (false, _) if end.is_diffuse => share.weight,
+                        (true, Some((by_area, true))) => weight * balance(density, by_area),
+                        (false, _) if end.is_diffuse => weight,
                         // Other light than diffuse is found by the point that it comes to.
-                        (false, _) if share.at == beginning.at => alone,
+                        (false, _) if at == beginning.at => alone,
                         (false, _) => continue,
                     };
                     if weight > 0.0 {

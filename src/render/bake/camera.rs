@@ -1,5 +1,6 @@
 //! The cube of what a camera sees.
 
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use glam::DVec3;
@@ -14,8 +15,8 @@ use crate::render::film::Tile;
 use crate::render::journal::Journal;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
-use crate::render::sampler::{Sampler, pixel_key, samples_per_part};
-use crate::render::trace::{CameraRays, RayGenerator, Seen, Start, TimedPaths};
+use crate::render::sampler::{Sampler, samples_per_part};
+use crate::render::trace::{AT_ONCE, CameraRays, RayGenerator, Seen, Start, TimedPaths};
 use crate::scene::model::{Motion, ProjectionKind, Scene};
 use crate::spacetime::Direction;
 
@@ -44,11 +45,16 @@ pub fn camera_cube(
     let placed = Mutex::new(&mut values);
     let make = |tile: Tile, rays: &mut CameraRays| {
         let mut pixels: Vec<_> = (0..tile.pixels()).map(|_| Histogram::new(bins)).collect();
-        for sample in 0..layout.samples {
+        let mut sample = 0;
+        while sample < layout.samples {
             progress.check()?;
-            let place = (tile, sample);
+            // Samples of different parts are kept apart.
+            let left = per_part - sample % per_part;
+            let samples = sample..sample + left.min(AT_ONCE);
+            sample = samples.end;
+            let place = (tile, samples);
             sample_tile(prepared, &paths, (bins, &sampler), place, rays, &mut pixels);
-            if (sample + 1).is_multiple_of(per_part) {
+            if sample.is_multiple_of(per_part) {
                 pixels.iter_mut().for_each(Histogram::end_part);
             }
         }
@@ -76,18 +82,17 @@ pub fn camera_cube(
     baked(scene, prepared, [height, width], bins, values, &summaries)
 }
 
-/// Adds one sample to each pixel of a tile.
+/// Adds `samples`, which are of one part, to each pixel of a tile.
 fn sample_tile(
     prepared: &Prepared,
     paths: &TimedPaths,
     (bins, sampler): (&Bins, &Sampler),
-    (tile, sample): (Tile, u32),
+    (tile, samples): (Tile, Range<u32>),
     rays: &mut CameraRays,
     pixels: &mut [Histogram],
 ) {
     let view = &prepared.camera.view;
-    view.generate(rays, sampler, tile, sample..sample + 1);
-    let (within, salt) = sampler.replicate(sample);
+    view.generate(rays, sampler, tile, samples);
     let frame = &paths.rest.frame;
     let boost = frame.frame_from_world();
     let shot = frame.event_from_world(prepared.camera.shot.event);
@@ -101,16 +106,17 @@ fn sample_tile(
 
     // The paths that meet something, and their pixels.
     let (mut starts, mut met) = (Vec::new(), Vec::new());
-    let keys = tile.coordinates().zip(hits).zip(&directions);
-    for (k, (((column, row), hit), d)) in keys.enumerate() {
-        pixels[k].found += 1;
+    let numbers = rays.rays(method).samples;
+    for (ray, (hit, d)) in hits.into_iter().zip(&directions).enumerate() {
+        let pixel = ray % tile.pixels();
+        pixels[pixel].found += 1;
         if let Some(hit) = hit {
             starts.push(Start {
                 hit,
                 seen: Seen::From(shot.x, *d),
-                sample: (pixel_key(column, row) ^ salt, within),
+                sample: (numbers.pixel(ray), numbers.index(ray)),
             });
-            met.push(k);
+            met.push(pixel);
         }
     }
     paths.follow(

@@ -157,13 +157,13 @@ impl Samples<'_> {
 
     /// The sample of ray `ray`.
     #[inline]
-    pub(super) fn index(&self, ray: usize) -> u32 {
+    pub(crate) fn index(&self, ray: usize) -> u32 {
         self.indices.get(ray).copied().unwrap_or(self.index)
     }
 
     /// The key of the pixel of ray `ray`.
     #[inline]
-    pub(super) fn pixel(&self, ray: usize) -> u64 {
+    pub(crate) fn pixel(&self, ray: usize) -> u64 {
         self.pixels.get(ray).copied().unwrap_or(ray as u64)
     }
 }

@@ -60,6 +60,7 @@ pub use run::Run;
 pub(crate) use run::TracedRays;
 pub use shading::{Background, SkySpectra};
 pub(crate) use shading::{RadianceSink, Shading};
+pub(crate) use sharing::AT_ONCE;
 pub(crate) use stats::Counter;
 pub use stats::{Meter, Stage, Stats};
 pub(crate) use surfaces::Surfaces;

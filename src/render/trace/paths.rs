@@ -87,7 +87,7 @@ use super::point::SurfacePoint;
 use super::radiance::Radiance;
 use super::rest_frame::{Patch, RestFrame};
 use super::run::{Run, TracedRays};
-use super::sharing::{End, MOST, Sharing};
+use super::sharing::{AT_ONCE, End, MOST, Sharing};
 use super::stats::{Meter, Stage};
 use super::time_resolved::{Emitter, TimeResolved};
 use crate::accel::Hit;
@@ -100,10 +100,6 @@ use crate::light::time_texture::CaptureView;
 /// What random numbers at a surface are for.
 pub(super) const AREA: u32 = 0;
 const SKY: u32 = 1;
-
-/// Samples of a pixel whose paths are followed together: where 8 paths go on from 64 points, those of 4 samples of a tile of 256 pixels are
-/// two whole packets of 64 rays at every surface.
-const AT_ONCE: u32 = 4;
 
 /// Lights of all kinds, and surfaces that pass their light on.
 #[derive(Debug)]

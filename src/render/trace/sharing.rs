@@ -47,6 +47,10 @@ use crate::accel::{Bvh, Converging, Counts, Method, Ray, Segment};
 pub(super) const MOST: usize = BLOCK;
 /// Paths that go on from a group, if it has as many points.
 const PATHS: usize = 8;
+/// Samples of a pixel whose paths are followed together: where 8 paths go on from 64 points, those of 4 samples of a tile of 256 pixels are
+/// two whole packets of 64 rays at every surface. Measured in a Cornell box, two take 1.07 times as long, one by one 1.25 times, and eight
+/// 0.99 times, with twice the memory.
+pub(crate) const AT_ONCE: u32 = 4;
 
 /// How paths are shared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -232,8 +232,11 @@ impl TimedPaths<'_> {
         let sharing = Sharing::new(self.light.is_diffuse());
         let mut groups = Groups::default();
         let patch = |vertex: &Vertex| self.rest.patch(vertex.hit.triangle).first;
+        // Points of one sample share paths, which are numbered by it.
+        let sample = |vertex: &Vertex| samples[vertex.path].1;
+        let are_alike = |a: &Vertex, b: &Vertex| patch(a) == patch(b) && sample(a) == sample(b);
         let mut begin = 0;
-        for of_patch in firsts.chunk_by(|a, b| patch(a) == patch(b)) {
+        for of_patch in firsts.chunk_by(are_alike) {
             let normal = |k: usize| {
                 let reflection: &Reflection = &firsts[k].reflection;
                 reflection.is_diffuse().then(|| reflection.normal())

@@ -430,8 +430,8 @@ impl VectorLoop for Weights<'_> {
         let mut sums = [0.0; SUMS];
         let mut begin = 0;
         while begin < BLOCK {
-            for k in 0..SUMS {
-                sums[k] += self.densities[begin + k];
+            for (k, sum) in sums.iter_mut().enumerate() {
+                *sum += self.densities[begin + k];
             }
             begin += SUMS;
         }

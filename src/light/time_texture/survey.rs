@@ -3,12 +3,12 @@
 //! All of it is judged by a part of the pixels and lines, evenly spread, so that it costs little for any size. Of cubes on
 //! disk that part is smaller, in groups of neighbours, which share what is read together.
 //!
-//! - Order of axes: [`axis_order`].
+//! - Order of axes: `axis_order`.
 //! - Order of bytes: the sizes of samples, as they are and with their bytes turned round ([`ByteOrder`]).
 //! - Samples below 0: all of them in memory, of cubes on disk those of the part that is looked at.
 //! - Ends: the light of the first and of the last bin, against that of the brightest. Noise about 0 cancels in their sums.
 //! - Capture: what was recorded at time t left its surface at t − η (r − n / cos θ). Lamps that flash at time 0 light
-//!   nothing before; and pixels that see no object record nothing. What first light tells stands at the head of [`first_light`].
+//!   nothing before; and pixels that see no object record nothing. What first light tells stands at the head of `first_light`.
 
 mod axis_order;
 mod first_light;

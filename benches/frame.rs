@@ -31,7 +31,7 @@ use nullray::render::trace::Stage;
 use nullray::render::{render, render_with_stats};
 
 use common::{Peer, TILE, grid, meshes, trace_tile};
-use scene::{Case, Files, Place};
+use scene::{Case, Files, Light, Place};
 
 struct Size {
     image: u32,
@@ -111,6 +111,13 @@ impl Bench {
             let name = format!("{name}/{}", case.name);
             let one = Way::default();
             self.measure(&name, &prepared, one, rivals);
+            if matches!(case.light, Light::Capture) {
+                self.captures(
+                    &name,
+                    &files,
+                    &scene::of_mesh(&files, case, place, self.size.image / 2),
+                );
+            }
             if case.name == scene::HEADLINE {
                 let watched = Way {
                     progress: &Count::default(),
@@ -124,6 +131,31 @@ impl Bench {
                 self.measure(&format!("{name}, at rest"), &resting, one, None);
                 self.motion(&name, &resting, &prepared);
                 self.cameras(&name, &prepared, &files, &text);
+            }
+        }
+    }
+
+    /// Frames of half the width from the cube in memory, and from one that is read in bricks.
+    fn captures(&mut self, name: &str, files: &Files, text: &str) {
+        for (place, scene) in [
+            ("from memory", files.prepare(text)),
+            ("from bricks", files.prepare_in_bricks(text, 0.0)),
+            (
+                "from bricks, half of which fit",
+                files.prepare_in_bricks(text, 0.5),
+            ),
+        ] {
+            let name = format!("{name} {place}, half the width");
+            for threads in [1, 2] {
+                let way = Way {
+                    threads,
+                    ..Way::default()
+                };
+                let name = match threads {
+                    1 => name.clone(),
+                    _ => format!("{name}, two threads"),
+                };
+                self.measure(&name, &scene, way, None);
             }
         }
     }
@@ -223,6 +255,10 @@ impl Bench {
         let per_ray = |stage: &Stage| 1e9 * stats.seconds[*stage as usize] / rays as f64;
         let stages = Stage::ALL.map(|s| format!("{} {:.1}", s.name(), per_ray(&s)));
         println!("    ns per ray: {}", stages.join(", "));
+        if stats.disk.all > 0 {
+            let [all, again] = [stats.disk.all, stats.disk.again].map(|b| b as f64 / 1e6);
+            println!("    {all:.0} MB read from the disk, {again:.0} MB of them again");
+        }
         let stages: Vec<f64> = Stage::ALL.iter().map(per_ray).collect();
         let line = serde_json::json!({
             "case": case, "precision": "certified", "kernel": format!("{:?}", Kernel::best()).to_lowercase(),

@@ -218,8 +218,26 @@ impl Files {
 
     /// Parses, plans and prepares a scene beside these files.
     pub fn prepare(&self, text: &str) -> Prepared {
+        self.prepare_as(text, |_| Request::default())
+    }
+
+    /// The same where the memory lacks this part of its cube's bytes, or one byte, so that it is read in bricks.
+    pub fn prepare_in_bricks(&self, text: &str, lacking: f64) -> Prepared {
+        self.prepare_as(text, |plan| {
+            let cube = plan.cubes.iter().flatten().map(|c| c.bytes).sum::<u64>();
+            let lacking = ((cube as f64 * lacking) as u64).max(1);
+            Request {
+                memory_limit: plan.memory.total() - lacking,
+                ..Request::default()
+            }
+        })
+    }
+
+    /// The same as is requested of its plan.
+    fn prepare_as(&self, text: &str, request: impl Fn(&Plan) -> Request) -> Prepared {
         let scene = parse(text, "benchmark", &self.folder, &Overrides::default()).expect("a scene");
         let plan = Plan::new(&scene, &Request::default()).expect("a plan");
+        let plan = Plan::new(&scene, &request(&plan)).expect("a plan");
         Prepared::new(&scene, &plan, &Silent).expect("a prepared scene")
     }
 }

@@ -15,8 +15,6 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
-use half::f16;
-
 use super::cache::{Cache, locked};
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
 use super::chunks::Chunks;
@@ -105,7 +103,7 @@ pub struct Held(Vec<Option<(u64, u64, Arc<Samples>)>>);
 
 /// Bricks that were looked at apart from those of lookups.
 #[derive(Debug, Default)]
-pub struct Peeked(HashMap<u64, Vec<f64>>);
+pub struct Peeked(HashMap<u64, Samples>);
 
 /// What becomes of the memory for bricks.
 struct Room {
@@ -146,7 +144,7 @@ impl Form {
         with_form!(self, of => of.per_brick())
     }
 
-    fn load(&self, first: u64, count: u64) -> Result<Vec<f64>> {
+    fn load(&self, first: u64, count: u64) -> Result<Vec<Samples>> {
         with_form!(self, of => of.load(first, count))
     }
 
@@ -232,11 +230,13 @@ impl Bricks {
         })
     }
 
-    /// The numbers of bricks, as they are wanted.
-    fn numbers(&self, first: u64, count: u64) -> Result<Vec<f64>> {
-        let mut numbers = self.form.load(first, count)?;
-        self.negative.apply(&mut numbers, &self.path)?;
-        Ok(numbers)
+    /// `count` bricks from the `first` on, with samples below 0 as they are wanted.
+    fn read(&self, first: u64, count: u64) -> Result<Vec<Samples>> {
+        let mut bricks = self.form.load(first, count)?;
+        for samples in &mut bricks {
+            self.negative.apply_to_samples(samples, &self.path)?;
+        }
+        Ok(bricks)
     }
 
     /// The array in chunks at `path`; none where it is no such array, or where `room` bytes are too few for its chunks.
@@ -289,7 +289,7 @@ impl Bricks {
             cache: Cache::new(room.kept, room.shards),
             at_hand: room.at_hand,
             counts_only,
-            zeros: Arc::new(zeros(&dtype, form.per_brick() as usize)),
+            zeros: Arc::new(Samples::zeros(&dtype, form.per_brick() as usize)),
             dtype,
             form,
             dead: DeadBins::default(),
@@ -386,12 +386,11 @@ impl Bricks {
             if near.0.len() as u64 * self.form.per_brick() > MOST {
                 near.0.clear();
             }
-            let numbers = near.0.entry(brick);
-            let numbers = numbers.or_insert_with(|| self.numbers(brick, 1).unwrap_or_default());
-            let numbers = numbers.get(from..from + count).unwrap_or_default();
-            for (to, number) in to[at..at + count].iter_mut().zip(numbers) {
-                *to = *number;
-            }
+            let samples = near.0.entry(brick).or_insert_with(|| {
+                let read = self.read(brick, 1).unwrap_or_default();
+                read.into_iter().next().unwrap_or_else(|| self.zeros(0))
+            });
+            samples.widen(from, &mut to[at..at + count]);
             at += count;
         });
     }
@@ -441,7 +440,7 @@ impl Bricks {
 
     /// So many zeros, as samples are held.
     pub(super) fn zeros(&self, count: usize) -> Samples {
-        zeros(&self.dtype, count)
+        Samples::zeros(&self.dtype, count)
     }
 
     /// Where samples lie, if they are in bricks in the order in which they are counted.
@@ -521,8 +520,8 @@ impl Bricks {
     #[inline]
     fn copy(&self, held: &mut Held, brick: u64, from: usize, to: &mut [f64]) {
         match held.get(self, brick) {
-            Some(samples) => widen(samples, from, to),
-            None => widen(&self.not_at_hand(brick), from, to),
+            Some(samples) => samples.widen(from, to),
+            None => self.not_at_hand(brick).widen(from, to),
         }
     }
 
@@ -549,12 +548,8 @@ impl Bricks {
     /// else reads them.
     fn load(&self, first: u64, count: u64) -> Vec<Arc<Samples>> {
         (first..first + count).for_each(|brick| self.note(brick));
-        match self.numbers(first, count) {
-            Ok(numbers) => {
-                let each = numbers.chunks(self.form.per_brick() as usize);
-                each.map(|numbers| Arc::new(narrow(&self.dtype, numbers)))
-                    .collect()
-            }
+        match self.read(first, count) {
+            Ok(bricks) => bricks.into_iter().map(Arc::new).collect(),
             Err(error) => {
                 self.fail(error);
                 vec![self.zeros.clone(); count as usize]
@@ -614,34 +609,4 @@ impl Held {
         }
         self.0[Held::slot(of, brick)] = Some((of.number, brick, samples));
     }
-}
-
-/// Samples as numbers; zeros beyond the last.
-#[inline]
-fn widen(samples: &Samples, from: usize, to: &mut [f64]) {
-    #[inline(always)]
-    fn each<T: Copy>(samples: &[T], from: usize, to: &mut [f64], number: impl Fn(T) -> f64) {
-        let samples = samples.get(from..).unwrap_or_default();
-        to.iter_mut()
-            .zip(samples)
-            .for_each(|(to, sample)| *to = number(*sample));
-    }
-    match samples {
-        Samples::F16(samples) => each(samples, from, to, f16::to_f64),
-        Samples::F32(samples) => each(samples, from, to, f64::from),
-        Samples::F64(samples) => each(samples, from, to, |number| number),
-    }
-}
-
-/// Numbers that are of this type, in it.
-fn narrow(dtype: &Dtype, numbers: &[f64]) -> Samples {
-    match dtype {
-        Dtype::F16 => Samples::F16(numbers.iter().map(|x| f16::from_f64(*x)).collect()),
-        Dtype::F32 => Samples::F32(numbers.iter().map(|x| *x as f32).collect()),
-        Dtype::F64 | Dtype::Other(_) => Samples::F64(numbers.to_vec()),
-    }
-}
-
-fn zeros(dtype: &Dtype, count: usize) -> Samples {
-    narrow(dtype, &vec![0.0; count])
 }

@@ -10,6 +10,7 @@ use std::sync::Mutex;
 
 use super::cache::locked;
 use super::pages::changed;
+use super::samples::Samples;
 use super::samples::place_of;
 use super::selection::{Lies, Open, Selection, Windows};
 use crate::error::Result;
@@ -251,23 +252,24 @@ impl Chunks {
         }
     }
 
-    /// The numbers of `count` bricks from the `first` on.
-    pub fn load(&self, first: u64, count: u64) -> Result<Vec<f64>> {
+    /// `count` bricks from the `first` on.
+    pub fn load(&self, first: u64, count: u64) -> Result<Vec<Samples>> {
         let idle = locked(&self.idle).pop();
         let mut array = match idle {
             Some(array) => array,
             None => (self.open)()?,
         };
-        let mut numbers = Vec::with_capacity(count as usize * self.per_brick);
-        let mut window = Vec::new();
+        let mut bricks = Vec::with_capacity(count as usize);
+        let (mut window, mut filled) = (Vec::new(), Vec::new());
         for brick in first..first + count {
             let ranges = self.window(brick);
             self.selection.window(&mut *array, &ranges, &mut window)?;
             self.check(&ranges, &window)?;
-            self.put(&ranges, &window, &mut numbers);
+            let numbers = self.fill_up(&ranges, &window, &mut filled);
+            bricks.push(Samples::of(&self.selection.dtype, numbers));
         }
         locked(&self.idle).push(array);
-        Ok(numbers)
+        Ok(bricks)
     }
 
     /// Refuses samples that are not finite.
@@ -291,14 +293,18 @@ impl Chunks {
         Err(Selection::not_finite(&self.path, place))
     }
 
-    /// Adds a window to the numbers, filled up to a chunk.
-    fn put(&self, ranges: &[std::ops::Range<usize>], window: &[f64], numbers: &mut Vec<f64>) {
+    /// A window filled up to a chunk, if need be in `brick`.
+    fn fill_up<'a>(
+        &self,
+        ranges: &[std::ops::Range<usize>],
+        window: &'a [f64],
+        brick: &'a mut Vec<f64>,
+    ) -> &'a [f64] {
         if window.len() == self.per_brick {
-            return numbers.extend_from_slice(window);
+            return window;
         }
-        let begin = numbers.len();
-        numbers.resize(begin + self.per_brick, 0.0);
-        let brick = &mut numbers[begin..];
+        brick.clear();
+        brick.resize(self.per_brick, 0.0);
         let run = ranges.last().map_or(1, ExactSizeIterator::len);
         for (number, samples) in window.chunks(run).enumerate() {
             let (mut rest, mut at) = (number, 0);
@@ -308,5 +314,6 @@ impl Chunks {
             }
             brick[at..at + run].copy_from_slice(samples);
         }
+        brick
     }
 }

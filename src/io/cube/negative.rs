@@ -117,39 +117,40 @@ impl Negative {
         match (self, cube.below_zero()) {
             (Negative::Keep, _) | (_, None) => Ok(()),
             (Negative::Refuse, Some(found)) => Err(refused(path, found.to_string())),
-            (Negative::Zero, Some(_)) => {
-                match &mut cube.samples {
-                    Samples::F16(s) => s
-                        .iter_mut()
-                        .for_each(|x| *x = if *x < f16::ZERO { f16::ZERO } else { *x }),
-                    Samples::F32(s) => s
-                        .iter_mut()
-                        .for_each(|x| *x = if *x < 0.0 { 0.0 } else { *x }),
-                    Samples::F64(s) => Negative::to_zero(s),
-                }
-                Ok(())
-            }
+            (Negative::Zero, Some(_)) => self.apply_to_samples(&mut cube.samples, path),
         }
     }
 
     /// The same of samples that are read as they are needed.
-    pub(super) fn apply(self, samples: &mut [f64], path: &Path) -> Result<()> {
-        match self {
-            Negative::Keep => Ok(()),
-            Negative::Zero => {
-                Negative::to_zero(samples);
-                Ok(())
-            }
-            Negative::Refuse => match samples.iter().find(|x| **x < 0.0) {
-                None => Ok(()),
-                Some(x) => Err(refused(path, format!("a sample is below 0: {}", shown(*x)))),
-            },
+    pub(super) fn apply_to_samples(self, samples: &mut Samples, path: &Path) -> Result<()> {
+        match samples {
+            Samples::F16(samples) => self.apply(samples, path),
+            Samples::F32(samples) => self.apply(samples, path),
+            Samples::F64(samples) => self.apply(samples, path),
         }
     }
 
-    fn to_zero(samples: &mut [f64]) {
-        for x in samples.iter_mut().filter(|x| **x < 0.0) {
-            *x = 0.0;
+    /// The same of numbers of one type.
+    pub(super) fn apply<T>(self, samples: &mut [T], path: &Path) -> Result<()>
+    where
+        T: Copy + Default + PartialOrd + Into<f64>,
+    {
+        let zero = T::default();
+        match self {
+            Negative::Keep => Ok(()),
+            Negative::Zero => {
+                for x in samples {
+                    *x = if *x < zero { zero } else { *x };
+                }
+                Ok(())
+            }
+            Negative::Refuse => match samples.iter().find(|x| **x < zero) {
+                None => Ok(()),
+                Some(x) => {
+                    let what = format!("a sample is below 0: {}", shown((*x).into()));
+                    Err(refused(path, what))
+                }
+            },
         }
     }
 }

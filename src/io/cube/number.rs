@@ -2,6 +2,7 @@
 
 use half::f16;
 
+use super::samples::Samples;
 use crate::io::npy::Dtype;
 
 /// The types of samples that are read.
@@ -53,6 +54,29 @@ impl Number {
             Number::F16 => (Dtype::F16, 2),
             Number::F32 | Number::U8 | Number::I8 | Number::U16 | Number::I16 => (Dtype::F32, 4),
             Number::F64 | Number::U32 | Number::I32 | Number::U64 | Number::I64 => (Dtype::F64, 8),
+        }
+    }
+
+    /// The samples that `bytes` are, in the type in memory.
+    pub fn samples(self, bytes: &[u8], big_endian: bool) -> Samples {
+        fn each<const N: usize, T>(bytes: &[u8], number: impl Fn([u8; N]) -> T) -> Vec<T> {
+            bytes
+                .as_chunks::<N>()
+                .0
+                .iter()
+                .map(|b| number(*b))
+                .collect()
+        }
+        match (self, big_endian) {
+            (Number::F16, false) => Samples::F16(each(bytes, f16::from_le_bytes)),
+            (Number::F32, false) => Samples::F32(each(bytes, f32::from_le_bytes)),
+            (Number::F64, false) => Samples::F64(each(bytes, f64::from_le_bytes)),
+            // What lies otherwise goes through doubles.
+            _ => {
+                let mut numbers = Vec::with_capacity(bytes.len() / self.stored() as usize);
+                self.decode(bytes, big_endian, &mut numbers);
+                Samples::of(&self.loaded().0, &numbers)
+            }
         }
     }
 

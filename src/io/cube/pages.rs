@@ -7,6 +7,7 @@ use std::sync::Mutex;
 
 use super::cache::locked;
 use super::layout::{StoredLayout, strides};
+use super::samples::Samples;
 use super::store::{Located, Store};
 use crate::error::{Error, Result};
 use crate::io::files::{Reader, Stamp};
@@ -270,23 +271,28 @@ impl Pages {
         }
     }
 
-    /// The numbers of `count` bricks from the `first` on, read in one go.
-    pub fn load(&self, first: u64, count: u64) -> Result<Vec<f64>> {
+    /// `count` bricks from the `first` on, read in one go; the last of the file may be shorter.
+    pub fn load(&self, first: u64, count: u64) -> Result<Vec<Samples>> {
         let size = self.layout.number.stored();
         let [begin, end] = self.range(first, first + count);
         let mut bytes = vec![0; ((end - begin) * size) as usize];
         let position = self.layout.start + begin * size;
         (self.file.read(&mut bytes, position))
             .map_err(|error| Store::unreadable(&self.path, error))?;
-        let mut numbers = Vec::with_capacity((end - begin + self.skew) as usize);
-        let before = if first == 0 { self.skew } else { 0 };
-        numbers.resize(before as usize, 0.0);
-        self.layout
-            .number
-            .decode(&bytes, self.layout.big_endian, &mut numbers);
-        match numbers.iter().position(|number| !number.is_finite()) {
-            None => Ok(numbers),
-            Some(bad) => Err(Store::not_finite(&self.path, begin + bad as u64 - before)),
+        let mut bricks = Vec::with_capacity(count as usize);
+        for brick in first..first + count {
+            let [from, to] = self.range(brick, brick + 1);
+            let bytes = &bytes[((from - begin) * size) as usize..((to - begin) * size) as usize];
+            let mut samples = self.layout.number.samples(bytes, self.layout.big_endian);
+            if let Some(bad) = samples.first_not_finite() {
+                return Err(Store::not_finite(&self.path, from + bad as u64));
+            }
+            // Before the file's first sample there is nothing.
+            if brick == 0 {
+                samples.pad(self.skew as usize);
+            }
+            bricks.push(samples);
         }
+        Ok(bricks)
     }
 }

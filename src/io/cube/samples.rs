@@ -1,10 +1,14 @@
 //! A cube of samples as it stood in the file: shape (H, W, T, C), C order, one copy in memory.
 
+use half::f16;
+
+use crate::io::npy::Dtype;
+
 /// Samples in their stored precision.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Samples {
     /// IEEE half precision.
-    F16(Vec<half::f16>),
+    F16(Vec<f16>),
     /// Single precision.
     F32(Vec<f32>),
     /// Double precision.
@@ -86,7 +90,7 @@ impl Samples {
     /// Has room for so many; new ones are 0.
     pub(super) fn resize(&mut self, count: usize) {
         match self {
-            Samples::F16(s) => s.resize(count, half::f16::ZERO),
+            Samples::F16(s) => s.resize(count, f16::ZERO),
             Samples::F32(s) => s.resize(count, 0.0),
             Samples::F64(s) => s.resize(count, 0.0),
         }
@@ -121,12 +125,65 @@ impl Samples {
         }
     }
 
-    /// The place of the first sample that is not finite.
-    fn first_not_finite(&self) -> Option<usize> {
+    /// Numbers that are of this type, in it.
+    pub(super) fn of(dtype: &Dtype, numbers: &[f64]) -> Samples {
+        match dtype {
+            Dtype::F16 => Samples::F16(numbers.iter().map(|x| f16::from_f64(*x)).collect()),
+            Dtype::F32 => Samples::F32(numbers.iter().map(|x| *x as f32).collect()),
+            Dtype::F64 | Dtype::Other(_) => Samples::F64(numbers.to_vec()),
+        }
+    }
+
+    /// So many zeros of this type.
+    pub(super) fn zeros(dtype: &Dtype, count: usize) -> Samples {
+        let mut zeros = Samples::of(dtype, &[]);
+        zeros.resize(count);
+        zeros
+    }
+
+    /// Fills `to` with the numbers from the `from`-th on, as far as there are so many.
+    #[inline]
+    pub(super) fn widen(&self, from: usize, to: &mut [f64]) {
+        #[inline(always)]
+        fn each<T: Copy>(samples: &[T], from: usize, to: &mut [f64], number: impl Fn(T) -> f64) {
+            let samples = samples.get(from..).unwrap_or_default();
+            to.iter_mut()
+                .zip(samples)
+                .for_each(|(to, sample)| *to = number(*sample));
+        }
         match self {
-            Samples::F16(s) => s.iter().position(|x| !x.is_finite()),
-            Samples::F32(s) => s.iter().position(|x| !x.is_finite()),
-            Samples::F64(s) => s.iter().position(|x| !x.is_finite()),
+            Samples::F16(samples) => each(samples, from, to, f16::to_f64),
+            Samples::F32(samples) => each(samples, from, to, f64::from),
+            Samples::F64(samples) => each(samples, from, to, |number| number),
+        }
+    }
+
+    /// Makes room before the first for so many zeros.
+    pub(super) fn pad(&mut self, count: usize) {
+        fn each<T: Clone + Default>(samples: &mut Vec<T>, count: usize) {
+            samples.splice(..0, std::iter::repeat_n(T::default(), count));
+        }
+        match self {
+            Samples::F16(s) => each(s, count),
+            Samples::F32(s) => each(s, count),
+            Samples::F64(s) => each(s, count),
+        }
+    }
+
+    /// The place of the first sample that is not finite.
+    pub(super) fn first_not_finite(&self) -> Option<usize> {
+        // All are finite as a rule: a loop without a way out goes in vectors.
+        fn first<T>(samples: &[T], is_finite: impl Fn(&T) -> bool) -> Option<usize> {
+            let all = samples.iter().fold(true, |all, x| all & is_finite(x));
+            match all {
+                true => None,
+                false => samples.iter().position(|x| !is_finite(x)),
+            }
+        }
+        match self {
+            Samples::F16(s) => first(s, |x| x.is_finite()),
+            Samples::F32(s) => first(s, |x| x.is_finite()),
+            Samples::F64(s) => first(s, |x| x.is_finite()),
         }
     }
 }

@@ -34,41 +34,18 @@ pub fn camera_cube(
     check(scene)?;
     check_camera(scene)?;
     let paths = paths(scene, prepared)?;
-    let layout = &prepared.layout;
-    let per_part = samples_per_part(layout.samples, PARTS);
-    let sampler = match layout.pixel_centers {
-        true => prepared.sampler,
-        false => prepared.sampler.with_samples(per_part),
-    };
-    let [width, height] = layout.size.map(|n| n as usize);
+    let [width, height] = prepared.layout.size.map(|n| n as usize);
     let mut values = vec![0f32; width * height * bins.count * 3];
     let placed = Mutex::new(&mut values);
-    let make = |tile: Tile, rays: &mut CameraRays| {
-        let mut pixels: Vec<_> = (0..tile.pixels()).map(|_| Histogram::new(bins)).collect();
-        let mut sample = 0;
-        while sample < layout.samples {
-            progress.check()?;
-            // Samples of different parts are kept apart.
-            let left = per_part - sample % per_part;
-            let samples = sample..sample + left.min(AT_ONCE);
-            sample = samples.end;
-            let place = (tile, samples);
-            sample_tile(prepared, &paths, (bins, &sampler), place, rays, &mut pixels);
-            if sample.is_multiple_of(per_part) {
-                pixels.iter_mut().for_each(Histogram::end_part);
-            }
-        }
-        let mut part = Part::new(bins);
-        pixels.iter().for_each(|pixel| part.push(pixel));
-        Ok(part)
-    };
-    let tiles = (0..Tile::count(layout.size) as usize).into_par_iter();
+    let pixels = Pixels::new(prepared, &paths, bins);
+    let tiles = (0..Tile::count(prepared.layout.size) as usize).into_par_iter();
     let summaries: Vec<Summary> = tiles
         .map_init(CameraRays::default, |rays, index| {
-            let tile = Tile::of_image(layout.size, index as u64);
+            let tile = Tile::of_image(prepared.layout.size, index as u64);
             let size = [tile.pixels(), bins.count];
-            let part = kept(journal, index, size, || make(tile, rays))?;
-            progress.rays_done(tile.pixels() as u64 * u64::from(layout.samples));
+            let make = || pixels.of_tile(tile, AT_ONCE, rays, progress);
+            let part = kept(journal, index, size, make)?;
+            progress.rays_done(tile.pixels() as u64 * u64::from(prepared.layout.samples));
             // A poisoned lock means a panic elsewhere, which rayon passes on.
             let mut values = placed.lock().unwrap_or_else(PoisonError::into_inner);
             let pixels = part.values.chunks(3 * bins.count);
@@ -82,51 +59,112 @@ pub fn camera_cube(
     baked(scene, prepared, [height, width], bins, values, &summaries)
 }
 
-/// Adds `samples`, which are of one part, to each pixel of a tile.
-fn sample_tile(
-    prepared: &Prepared,
-    paths: &TimedPaths,
-    (bins, sampler): (&Bins, &Sampler),
-    (tile, samples): (Tile, Range<u32>),
-    rays: &mut CameraRays,
-    pixels: &mut [Histogram],
-) {
-    let view = &prepared.camera.view;
-    view.generate(rays, sampler, tile, samples);
-    let frame = &paths.rest.frame;
-    let boost = frame.frame_from_world();
-    let shot = frame.event_from_world(prepared.camera.shot.event);
-    // A plain camera: all rays leave one event.
-    let direction = |d: &DVec3| boost.direction(Direction::from_unit(*d)).0.unit();
-    let directions: Vec<_> = rays.directions.iter().map(direction).collect();
-    let mut hits = vec![None; directions.len()];
-    let from = Origins::Shared(shot.x);
-    let (bvh, method) = (&paths.rest.bvh, prepared.method);
-    bvh.closest_by(method, from, &directions, &mut hits, &mut NoTally, |_| ());
+/// How the pixels of a cube are made.
+struct Pixels<'a> {
+    prepared: &'a Prepared,
+    paths: &'a TimedPaths<'a>,
+    bins: &'a Bins,
+    sampler: Sampler,
+    /// Samples of each part whose mean is taken apart.
+    per_part: u32,
+}
 
-    // The paths that meet something, and their pixels.
-    let (mut starts, mut met) = (Vec::new(), Vec::new());
-    let numbers = rays.rays(method).samples;
-    for (ray, (hit, d)) in hits.into_iter().zip(&directions).enumerate() {
-        let pixel = ray % tile.pixels();
-        pixels[pixel].found += 1;
-        if let Some(hit) = hit {
-            starts.push(Start {
-                hit,
-                seen: Seen::From(shot.x, *d),
-                sample: (numbers.pixel(ray), numbers.index(ray)),
-            });
-            met.push(pixel);
+impl<'a> Pixels<'a> {
+    fn new(prepared: &'a Prepared, paths: &'a TimedPaths<'a>, bins: &'a Bins) -> Self {
+        let layout = &prepared.layout;
+        let per_part = samples_per_part(layout.samples, PARTS);
+        let sampler = match layout.pixel_centers {
+            true => prepared.sampler,
+            false => prepared.sampler.with_samples(per_part),
+        };
+        Pixels {
+            prepared,
+            paths,
+            bins,
+            sampler,
+            per_part,
         }
     }
-    paths.follow(
-        &starts,
-        sampler.samples(),
-        |path, emission, light, delay| {
-            let clock = paths.clock(paths.rest.patch(starts[path].hit.triangle));
-            pixels[met[path]].add(bins, emission, light, delay + clock);
-        },
-    );
+
+    /// Those of a tile, so many samples followed together.
+    fn of_tile(
+        &self,
+        tile: Tile,
+        at_once: u32,
+        rays: &mut CameraRays,
+        progress: &dyn Progress,
+    ) -> Result<Part> {
+        let blank = |_| Histogram::new(self.bins);
+        let mut pixels: Vec<_> = (0..tile.pixels()).map(blank).collect();
+        let (all, mut sample) = (self.prepared.layout.samples, 0);
+        while sample < all {
+            progress.check()?;
+            // Samples of different parts are kept apart.
+            let left = self.per_part - sample % self.per_part;
+            let samples = sample..sample + left.min(at_once);
+            sample = samples.end;
+            self.add(tile, samples, rays, &mut pixels);
+            if sample.is_multiple_of(self.per_part) {
+                pixels.iter_mut().for_each(Histogram::end_part);
+            }
+        }
+        let mut part = Part::new(self.bins);
+        pixels.iter().for_each(|pixel| part.push(pixel));
+        Ok(part)
+    }
+
+    /// Adds `samples`, which are of one part, to each pixel of a tile.
+    fn add(
+        &self,
+        tile: Tile,
+        samples: Range<u32>,
+        rays: &mut CameraRays,
+        pixels: &mut [Histogram],
+    ) {
+        let Pixels {
+            prepared,
+            paths,
+            bins,
+            sampler,
+            ..
+        } = self;
+        let view = &prepared.camera.view;
+        view.generate(rays, sampler, tile, samples);
+        let frame = &paths.rest.frame;
+        let boost = frame.frame_from_world();
+        let shot = frame.event_from_world(prepared.camera.shot.event);
+        // A plain camera: all rays leave one event.
+        let direction = |d: &DVec3| boost.direction(Direction::from_unit(*d)).0.unit();
+        let directions: Vec<_> = rays.directions.iter().map(direction).collect();
+        let mut hits = vec![None; directions.len()];
+        let from = Origins::Shared(shot.x);
+        let (bvh, method) = (&paths.rest.bvh, prepared.method);
+        bvh.closest_by(method, from, &directions, &mut hits, &mut NoTally, |_| ());
+
+        // The paths that meet something, and their pixels.
+        let (mut starts, mut met) = (Vec::new(), Vec::new());
+        let numbers = rays.rays(method).samples;
+        for (ray, (hit, d)) in hits.into_iter().zip(&directions).enumerate() {
+            let pixel = ray % tile.pixels();
+            pixels[pixel].found += 1;
+            if let Some(hit) = hit {
+                starts.push(Start {
+                    hit,
+                    seen: Seen::From(shot.x, *d),
+                    sample: (numbers.pixel(ray), numbers.index(ray)),
+                });
+                met.push(pixel);
+            }
+        }
+        paths.follow(
+            &starts,
+            sampler.samples(),
+            |path, emission, light, delay| {
+                let clock = paths.clock(paths.rest.patch(starts[path].hit.triangle));
+                pixels[met[path]].add(bins, emission, light, delay + clock);
+            },
+        );
+    }
 }
 
 /// The pinhole of the camera as [`camera_cube`] has it, where a capture camera is given: in the world, or in the coordinates of the
@@ -172,4 +210,57 @@ fn check_camera(scene: &Scene) -> Result<()> {
         );
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::render::plan::{Plan, Request};
+    use crate::render::progress::Silent;
+    use crate::scene::{Overrides, parse};
+
+    /// Random numbers are the same, and sums of a bin go in another order.
+    #[test]
+    fn samples_that_are_followed_together_are_those_that_are_followed_one_by_one() {
+        let text = "[render]\nbounces = 2\n[display]\nsamples_per_pixel = 13\nback_faces = \"two_sided\"\n\
+             [camera]\neye = [1.4, 1.2, 2]\nlook_at = [0, 0.3, 0]\nhfov = \"50 deg\"\nsize = [37, 21]\n\
+             [[object]]\nname = \"floor\"\nshape = { box = { size = [3, 0.1, 3] } }\ncolour = [0.7, 0.7, 0.6]\n\
+             [[object]]\nname = \"wall\"\nshape = { box = { size = [3, 3, 0.1] } }\ncolour = [0.8, 0.2, 0.1]\n\
+             transform = { translate = [0, 1, -1] }\n\
+             [[light]]\nposition = [0.5, 1.5, 0.5]\nemission = { gaussian = { sigma = \"0.05 m\" } }\n";
+        let scene = parse(text, "corner", Path::new("."), &Overrides::default()).unwrap();
+        let plan = Plan::new(&scene, &Request::default()).unwrap();
+        let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+        let paths = paths(&scene, &prepared).unwrap();
+        let bins = Bins {
+            start: 1.0,
+            width: 0.1,
+            count: 60,
+        };
+        let pixels = Pixels::new(&prepared, &paths, &bins);
+        let mut rays = CameraRays::default();
+        let mut lit = 0;
+        for index in 0..Tile::count(prepared.layout.size) {
+            let tile = Tile::of_image(prepared.layout.size, index);
+            let mut part = |at_once| pixels.of_tile(tile, at_once, &mut rays, &Silent).unwrap();
+            let alone = part(1);
+            for at_once in [2, 4, 13] {
+                let together = part(at_once);
+                for (a, b) in together.values.iter().zip(&alone.values) {
+                    assert!(
+                        (a - b).abs() <= 2.0 * f32::EPSILON * b,
+                        "{at_once}: {a} {b}"
+                    );
+                }
+                let errors = &together.summary.error_squares;
+                for (a, b) in errors.iter().zip(&alone.summary.error_squares) {
+                    assert!((a - b).abs() <= 1e-10 * b, "{at_once}: {a} {b}");
+                }
+            }
+            lit += alone.values.iter().filter(|x| **x > 0.0).count();
+        }
+        assert!(lit > 10_000, "{lit}");
+    }
 }

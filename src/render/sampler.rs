@@ -107,17 +107,25 @@ impl Sampler {
         }
         // The cell (i, j) of this sample, in all pixels alike.
         let (i, j) = (index % self.columns, index / self.columns);
-        x.fill(0.0);
-        y.fill(0.0);
-        let cells = match self.samples() {
-            1 => &[],
-            _ => pixels,
-        };
         // In it the sub-column that row j has in this pixel, and the sub-row that column i has.
-        for ((pixel, x), y) in cells.iter().zip(&mut *x).zip(&mut *y) {
-            let pixel = hash(*pixel);
-            *x = sub_cell(j, self.rows, pixel);
-            *y = sub_cell(i, self.columns, pixel.rotate_left(31));
+        let [columns, rows] = [self.columns, self.rows];
+        if self.samples() == 1 {
+            x.fill(0.0);
+            y.fill(0.0);
+        } else if columns.is_power_of_two() && rows.is_power_of_two() {
+            dispatch(SubCells {
+                pixels,
+                of: [j, i],
+                counts: [rows, columns],
+                x,
+                y,
+            });
+        } else {
+            for ((pixel, x), y) in pixels.iter().zip(&mut *x).zip(&mut *y) {
+                let pixel = hash(*pixel);
+                *x = sub_cell(j, rows, pixel);
+                *y = sub_cell(i, columns, pixel.rotate_left(31));
+            }
         }
         let [width, height] = self.cell;
         dispatch(Jitter {
@@ -282,6 +290,29 @@ pub(crate) fn pixel_key(column: u32, row: u32) -> u64 {
     column as u64 | ((row as u64) << 32)
 }
 
+/// The sub-column of row `of[0]` and the sub-row of column `of[1]` in each pixel, where there are powers of two of them.
+struct SubCells<'a> {
+    pixels: &'a [u64],
+    of: [u32; 2],
+    counts: [u32; 2],
+    x: &'a mut [f64],
+    y: &'a mut [f64],
+}
+
+impl VectorLoop for SubCells<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let count = self.pixels.len();
+        let (x, y) = (&mut self.x[..count], &mut self.y[..count]);
+        let ([j, i], [rows, columns]) = (self.of, self.counts);
+        for k in 0..count {
+            let pixel = hash(self.pixels[k]);
+            x[k] = f64::from(among_power_of_two(j, rows, pixel));
+            y[k] = f64::from(among_power_of_two(i, columns, pixel.rotate_left(31)));
+        }
+    }
+}
+
 /// Random places in the sub-cells that `x` and `y` name, as offsets in the pixel.
 struct Jitter<'a> {
     pixels: &'a [u64],
@@ -444,14 +475,20 @@ fn permuted<const POWER_OF_TWO: bool>(k: u32, n: u32, seed: u32) -> u32 {
 /// Place `k` of an affine permutation of 0..n: a·k + b mod n with a coprime to n.
 fn sub_cell(k: u32, n: u32, seed: u64) -> f64 {
     if n.is_power_of_two() {
-        // The same without divisions: the odd strides are the coprime ones.
-        let stride = (1 + ((seed >> 32) & u64::from(n - 1))) | 1;
-        return ((u64::from(k) * stride + seed) & u64::from(n - 1)) as f64;
+        return f64::from(among_power_of_two(k, n, seed));
     }
     let shift = (seed % n as u64) as u32;
     let stride = (1 + (seed >> 32) % n as u64) as u32;
     let stride = (stride..stride + n).find(|a| coprime(*a, n)).unwrap_or(1);
     ((k as u64 * stride as u64 + shift as u64) % n as u64) as f64
+}
+
+/// The same where n is a power of two, without divisions: the odd strides are the coprime ones.
+#[inline(always)]
+fn among_power_of_two(k: u32, n: u32, seed: u64) -> u32 {
+    // Of products and sums the lowest digits alone count.
+    let stride = (1 + ((seed >> 32) as u32 & (n - 1))) | 1;
+    k.wrapping_mul(stride).wrapping_add(seed as u32) & (n - 1)
 }
 
 fn coprime(mut a: u32, mut b: u32) -> bool {
@@ -491,6 +528,26 @@ mod tests {
                 direction ^= direction >> 1;
             }
             assert_eq!(second_dimension(index), digits, "{index}");
+        }
+    }
+
+    #[test]
+    fn sub_cells_among_powers_of_two_are_an_affine_permutation_modulo_that() {
+        for (n, number) in [1u32, 2, 4, 8, 16, 1024, 1 << 31].into_iter().zip(0u64..) {
+            for seed in (0..500).map(|k| hash(k ^ number << 32)) {
+                let stride = (seed >> 32) % u64::from(n) + 1;
+                let stride = if stride % 2 == 0 { stride + 1 } else { stride };
+                let place = |k: u32| {
+                    (u128::from(k) * u128::from(stride) + u128::from(seed)) % u128::from(n)
+                };
+                for k in (0..n).step_by((n as usize / 64).max(1)) {
+                    assert_eq!(
+                        u128::from(among_power_of_two(k, n, seed)),
+                        place(k),
+                        "{k} of {n}"
+                    );
+                }
+            }
         }
     }
 

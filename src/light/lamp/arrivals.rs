@@ -39,7 +39,9 @@ pub(crate) struct Arrivals {
     /// ω_G/ω_world.
     pub ratio: Vec<f64>,
     pub(super) reach: Vec<f64>,
+    /// Towards the lamp in its frame, where it does not shine everywhere alike.
     in_lamp: Columns,
+    is_aimed: bool,
 }
 
 impl EventColumns {
@@ -51,7 +53,8 @@ impl EventColumns {
 }
 
 impl Arrivals {
-    fn resize(&mut self, count: usize) {
+    fn resize(&mut self, count: usize, is_aimed: bool) {
+        self.is_aimed = is_aimed;
         for column in [
             &mut self.distance,
             &mut self.strength,
@@ -68,7 +71,8 @@ impl Arrivals {
 impl Lamp {
     /// What falls on each of `points`, in a medium of index `index`.
     pub(crate) fn arrivals(&self, points: &PointsOnRays, index: f64, to: &mut Arrivals) {
-        to.resize(points.offsets.ct.len());
+        let is_aimed = matches!(self.beam, Cone::Spot { .. });
+        to.resize(points.offsets.ct.len(), is_aimed);
         match (&self.path, self.beam) {
             (Path::Rest(origin), Cone::Parallel(direction)) => {
                 arrive(&ParallelAtRest { direction, index }, *origin, points, to);
@@ -176,14 +180,14 @@ impl<E: Emitter, S: Starts> VectorLoop for Arrive<'_, E, S> {
             offsets,
             to,
         } = self;
+        // Into blocks on the stack, number by number: only such loops become vector code.
+        let (mut d, mut in_lamp) = (Vectors::ZERO, Vectors::ZERO);
+        let (mut distance, mut times) = ([0.0; BLOCK], [0.0; BLOCK]);
+        let (mut ratio, mut reach) = ([0.0; BLOCK], [0.0; BLOCK]);
         let mut begin = 0;
         while begin < offsets.ct.len() {
-            let (ct, x) = (load(&offsets.ct, begin), offsets.x.load(begin));
+            let (ct, x) = (load(&offsets.ct, begin), offsets.x.block(begin));
             let from = starts.load(begin);
-            // Into blocks on the stack, number by number: only such loops become vector code.
-            let (mut d, mut in_lamp) = (Vectors::ZERO, Vectors::ZERO);
-            let (mut distance, mut times) = ([0.0; BLOCK], [0.0; BLOCK]);
-            let (mut ratio, mut reach) = ([0.0; BLOCK], [0.0; BLOCK]);
             for k in 0..BLOCK {
                 let offset = Displacement::new(ct[k], x.get(k));
                 let (arrival, time) = emitter.arrival(starts.at(&from, k) + offset);
@@ -195,7 +199,9 @@ impl<E: Emitter, S: Starts> VectorLoop for Arrive<'_, E, S> {
                 in_lamp.set(k, arrival.in_lamp);
             }
             to.d.store(&d, begin);
-            to.in_lamp.store(&in_lamp, begin);
+            if to.is_aimed {
+                to.in_lamp.store(&in_lamp, begin);
+            }
             store(&distance, &mut to.distance, begin);
             // `strength` holds proper times until the emission at them replaces them.
             store(&times, &mut to.strength, begin);

@@ -73,6 +73,7 @@ impl VectorLoop for Fall<'_> {
             normals,
             to,
         } = self;
+        let mut cosine = [0.0; BLOCK];
         let mut begin = 0;
         while begin < to.factors.len() {
             let normals = normals.block(begin);
@@ -81,7 +82,6 @@ impl VectorLoop for Fall<'_> {
                 load(&arrivals.reach, begin),
             );
             let mut ratio = load(&arrivals.ratio, begin);
-            let mut cosine = [0.0; BLOCK];
             // W = (ω_G/ω_world)/(ω_F/ω_world).
             if let Some(boost) = boost {
                 let mut l = arrivals.d.load(begin);

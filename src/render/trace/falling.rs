@@ -21,11 +21,14 @@ pub(super) struct Gathered {
     pub sum: Columns,
     pub weight: Vec<f64>,
     pub weighted: Vec<f64>,
+    /// Whether anything depends on the wavelengths.
+    pub weighs: bool,
 }
 
 impl Gathered {
-    /// No light at `count` points.
-    pub fn start(&mut self, count: usize) {
+    /// No light at `count` points, whose wavelengths are to be weighed or not.
+    pub fn start(&mut self, count: usize, weighs: bool) {
+        self.weighs = weighs;
         self.sum.fill(count, glam::DVec3::ZERO);
         for column in [&mut self.weight, &mut self.weighted] {
             column.clear();

@@ -189,12 +189,6 @@ struct Light<'a> {
     factors: &'a [f64],
 }
 
-/// The light at a block of points.
-struct LightBlock {
-    irradiance: Vectors,
-    scales: Block,
-}
-
 impl Light<'_> {
     /// The factors of a block, if any light falls there.
     #[inline(always)]
@@ -207,35 +201,48 @@ impl Light<'_> {
         is_lit.then_some(factors)
     }
 
-    /// The light at a block of points that has these factors.
+    /// The irradiance at a block of points that has these factors.
     #[inline(always)]
-    fn load(&self, begin: usize, factors: &Block) -> LightBlock {
+    fn irradiance(&self, begin: usize, factors: &Block) -> Vectors {
         let mut irradiance = match self.constant {
             Some(colour) => Vectors::splat(colour),
             None => self.colours.load(begin),
         };
+        for (k, factor) in factors.iter().enumerate() {
+            irradiance.set(k, irradiance.get(k) * *factor);
+        }
+        irradiance
+    }
+
+    /// The wavelengths of a block.
+    #[inline(always)]
+    fn scales(&self, begin: usize, factors: &Block) -> Block {
         let ratios = match self.ratios {
             Some(ratios) => load(ratios, begin),
             None => [1.0; BLOCK],
         };
         let mut scales = [0.0; BLOCK];
         for k in 0..BLOCK {
-            irradiance.set(k, irradiance.get(k) * factors[k]);
             // Without light W may be no number.
             scales[k] = if factors[k] != 0.0 { ratios[k] } else { 0.0 };
         }
-        LightBlock { irradiance, scales }
+        scales
     }
 }
 
 impl Gathered {
-    /// Adds to the weights of a block, in the order of [`Irradiance::weigh`](crate::light::lamp::Irradiance::weigh).
+    /// Adds to the weights of a block that has these factors, where they are asked for, in the order of
+    /// [`Irradiance::weigh`](crate::light::lamp::Irradiance::weigh).
     #[inline(always)]
-    fn weigh(&mut self, begin: usize, light: &LightBlock) {
+    fn weigh(&mut self, begin: usize, light: &Light, factors: &Block, irradiance: &Vectors) {
+        if !self.weighs {
+            return;
+        }
+        let scales = light.scales(begin, factors);
         let mut weight = load(&self.weight, begin);
         let mut weighted = load(&self.weighted, begin);
         for k in 0..BLOCK {
-            let (e, scale) = (light.irradiance.get(k), light.scales[k]);
+            let (e, scale) = (irradiance.get(k), scales[k]);
             weight[k] = weight[k] + e.x + e.y + e.z;
             weighted[k] = weighted[k] + e.x * scale + e.y * scale + e.z * scale;
         }
@@ -257,13 +264,13 @@ impl VectorLoop for Gather<'_> {
         let mut begin = 0;
         while begin < light.factors.len() {
             if let Some(factors) = light.factors(begin) {
-                let light = light.load(begin, &factors);
+                let irradiance = light.irradiance(begin, &factors);
                 let mut sum = gathered.sum.load(begin);
                 for k in 0..BLOCK {
-                    sum.set(k, sum.get(k) + light.irradiance.get(k));
+                    sum.set(k, sum.get(k) + irradiance.get(k));
                 }
                 gathered.sum.store(&sum, begin);
-                gathered.weigh(begin, &light);
+                gathered.weigh(begin, &light, &factors, &irradiance);
             }
             begin += BLOCK;
         }
@@ -296,7 +303,7 @@ impl VectorLoop for Gloss<'_> {
         let mut begin = 0;
         while begin < light.factors.len() {
             if let Some(factors) = light.factors(begin) {
-                let light = light.load(begin, &factors);
+                let irradiance = light.irradiance(begin, &factors);
                 let (n, v, l) = (normals.block(begin), views.block(begin), l.block(begin));
                 let colours = glosses.colours.block(begin);
                 let metallic = load(&glosses.metallic, begin);
@@ -311,13 +318,13 @@ impl VectorLoop for Gloss<'_> {
                         look,
                         l.get(k),
                     );
-                    let more = sum.get(k) + value * light.irradiance.get(k);
+                    let more = sum.get(k) + value * irradiance.get(k);
                     // Without light f may be no number.
                     let is_lit = factors[k] != 0.0;
                     sum.set(k, if is_lit { more } else { sum.get(k) });
                 }
                 added.store(&sum, begin);
-                gathered.weigh(begin, &light);
+                gathered.weigh(begin, &light, &factors, &irradiance);
             }
             begin += BLOCK;
         }

@@ -197,7 +197,7 @@ impl PathTraced {
     /// Forgets the light of the last run, and notes how the points of `run` reflect, part by part.
     fn start(&self, parts: &[Part], run: &Run, emitted: &mut Emitted) {
         emitted.points.fill(run);
-        emitted.incident.start(run.count());
+        emitted.incident.start(run.count(), true);
         emitted.added.fill(run.count(), DVec3::ZERO);
         emitted.glosses.clear();
         emitted.reflections.clear();

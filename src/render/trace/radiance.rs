@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::base_colours::{BaseColours, Finish};
 use super::captures::captured_point;
-use super::emitted::{Detail, Emission, Emitted};
+use super::emitted::{Colouring, Detail, Emission, Emitted};
 use super::footprint::{self, Recorded};
 use super::lamps;
 use super::occlusion::{any_to_point, shadow_starts};
@@ -416,8 +416,12 @@ impl TimeResolved {
         let reflected = match finish.gloss {
             Some(_) => &emitted.added,
             None => {
-                self.colours(finish, run, &mut emitted.glosses.colours);
+                let albedo = self.base.colours[finish.colour].constant();
+                if albedo.is_none() {
+                    self.colours(finish, run, &mut emitted.glosses.colours);
+                }
                 dispatch(Matte {
+                    albedo: albedo.map(DVec3::from_array),
                     albedos: &emitted.glosses.colours,
                     light: &mut emitted.incident.sum,
                 });
@@ -456,7 +460,9 @@ impl TimeResolved {
     /// Forgets the light of the last run, and notes how the points of `run` reflect where they are not diffuse.
     fn start(&self, finish: &Finish, run: &Run, emitted: &mut Emitted) {
         emitted.points.fill(run);
-        emitted.incident.start(run.count());
+        // Nothing but the colour of a line depends on wavelengths.
+        let is_line = matches!(emitted.response.colour, Colouring::ShiftedLine(_));
+        emitted.incident.start(run.count(), is_line);
         emitted.glosses.clear();
         emitted.reflections.clear();
         let Some(gloss) = &finish.gloss else {
@@ -501,6 +507,8 @@ impl TimeResolved {
 
 /// From what falls on matte surfaces to what they reflect: albedo E_F/π.
 struct Matte<'a> {
+    /// Everywhere, or else by point.
+    albedo: Option<DVec3>,
     albedos: &'a Columns,
     light: &'a mut Columns,
 }
@@ -510,10 +518,19 @@ impl VectorLoop for Matte<'_> {
     fn run(self) {
         let mut begin = 0;
         while begin < self.light.len() {
-            let albedos = self.albedos.block(begin);
             let mut light = self.light.load(begin);
-            for k in 0..BLOCK {
-                light.set(k, albedos.get(k) * light.get(k) * FRAC_1_PI);
+            match self.albedo {
+                Some(albedo) => {
+                    for k in 0..BLOCK {
+                        light.set(k, albedo * light.get(k) * FRAC_1_PI);
+                    }
+                }
+                None => {
+                    let albedos = self.albedos.block(begin);
+                    for k in 0..BLOCK {
+                        light.set(k, albedos.get(k) * light.get(k) * FRAC_1_PI);
+                    }
+                }
             }
             self.light.store(&light, begin);
             begin += BLOCK;

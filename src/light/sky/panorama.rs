@@ -50,8 +50,11 @@ struct Level {
 impl Panorama {
     /// The picture of `width` × `width`/2 texels by rows from the top, by `scale`, turned by `rotation` about +Y.
     pub fn new(texels: Vec<[f32; 3]>, width: usize, scale: [f64; 3], rotation: f64) -> Panorama {
+        let count: usize = sizes(width)
+            .map(|[width, height]| (width + 1) * height)
+            .sum();
         let mut panorama = Panorama {
-            texels: Vec::new(),
+            texels: Vec::with_capacity(count),
             sizes: Box::default(),
             count: 0,
             scale,
@@ -69,6 +72,12 @@ impl Panorama {
         panorama
     }
 
+    /// Bytes of all sizes of a picture of `width` × `width`/2 texels.
+    pub fn bytes(width: usize) -> u64 {
+        let texels = sizes(width).map(|[width, height]| (width as u64 + 1) * height as u64);
+        texels.sum::<u64>() * size_of::<[f32; 4]>() as u64
+    }
+
     /// Adds the next size.
     fn add(&mut self, level: &Level) {
         let Sizes {
@@ -80,7 +89,6 @@ impl Panorama {
         heights[self.count] = level.height as f32;
         begins[self.count] = self.texels.len() as u32;
         self.count += 1;
-        self.texels.reserve((level.width + 1) * level.height);
         for row in level.texels.chunks(level.width) {
             let texels = row.iter().chain(row.first());
             self.texels
@@ -91,7 +99,7 @@ impl Panorama {
     /// Radiance along `d` in texels about `angle` wide.
     #[inline]
     pub fn radiance(&self, d: DVec3, angle: f64) -> [f64; 3] {
-        let place = place(self.turn, d);
+        let place = place(self.turn, d.as_vec3().to_array());
         let halvings = logarithm(angle as f32 * self.texels_per_angle());
         let halvings = lesser(halvings, self.last());
         let (size, weight) = whole_and_rest(halvings);
@@ -158,8 +166,12 @@ impl Panorama {
     #[inline(always)]
     fn pair(&self, at: u32) -> [f32; 8] {
         // Checked one by one: a loop over many would gather single numbers, which takes longer.
-        let pair = self.texels.as_flattened()[4 * at as usize..].first_chunk();
-        *pair.expect("a row ends with its first texel again")
+        let at = at as usize;
+        match self.texels[at..at + 2] {
+            [[r0, g0, b0, a0], [r1, g1, b1, a1]] => [r0, g0, b0, a0, r1, g1, b1, a1],
+            // A row ends with its first texel again.
+            _ => [0.0; 8],
+        }
     }
 
     #[inline(always)]
@@ -207,10 +219,9 @@ impl Sizes {
 /// 1/2π.
 const TURN: f32 = 0.5 * std::f32::consts::FRAC_1_PI;
 
-/// Where `d` lies in the picture, turned back by `turn`: from 0 to 1 along its width and its height, to 2·10⁻⁷.
+/// Where a direction lies in the picture, turned back by `turn`: from 0 to 1 along its width and its height, to 2·10⁻⁷.
 #[inline(always)]
-fn place([cosine, sine]: [f32; 2], d: DVec3) -> [f32; 2] {
-    let (x, y, z) = (d.x as f32, d.y as f32, d.z as f32);
+fn place([cosine, sine]: [f32; 2], [x, y, z]: [f32; 3]) -> [f32; 2] {
     let (x, z) = (cosine * x - sine * z, sine * x + cosine * z);
     let u = arctan_f32(x, -z) * TURN + 0.5;
     let v = 0.5 - arctan_f32(y, (x * x + z * z).sqrt()) * (2.0 * TURN);
@@ -219,18 +230,18 @@ fn place([cosine, sine]: [f32; 2], d: DVec3) -> [f32; 2] {
 
 /// The smaller one, and the larger one; `b` where `a` is NaN.
 #[inline(always)]
-fn lesser(a: f32, b: f32) -> f32 {
+pub(super) fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
 #[inline(always)]
-fn greater(a: f32, b: f32) -> f32 {
+pub(super) fn greater(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
 /// A whole number from 0 to 2²³ − 1, of anything else some such number: a sum with 2²³ has it in its last bits.
 #[inline(always)]
-fn integer(whole: f32) -> u32 {
+pub(super) fn integer(whole: f32) -> u32 {
     (whole + 8_388_608.0).to_bits() & 0x7f_ffff
 }
 
@@ -292,6 +303,7 @@ impl VectorLoop for LookUp<'_> {
         let texels_per_angle = panorama.texels_per_angle();
         let sizes = &*panorama.sizes;
         let PixelAngles { angle, ratios } = self.angles;
+        let (mut x, mut y, mut z) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
         let (mut u, mut v) = ([0.0; BLOCK], [0.0; BLOCK]);
         let (mut size, mut next, mut weight) = ([0; BLOCK], [0; BLOCK], [0.0; BLOCK]);
         let (mut fine, mut coarse) = (TapsBlock::ZERO, TapsBlock::ZERO);
@@ -300,8 +312,13 @@ impl VectorLoop for LookUp<'_> {
         for radiance in self.radiance.chunks_mut(BLOCK) {
             // Places of a block in vectors.
             let d = self.directions.block(begin);
+            // To single precision by itself: a loop that has both goes by vectors of half as many numbers.
             for k in 0..BLOCK {
-                [u[k], v[k]] = place(turn, d.get(k));
+                let d = d.get(k).as_vec3();
+                (x[k], y[k], z[k]) = (d.x, d.y, d.z);
+            }
+            for k in 0..BLOCK {
+                [u[k], v[k]] = place(turn, [x[k], y[k], z[k]]);
             }
             let ratios = load(ratios, begin);
             for k in 0..BLOCK {
@@ -335,13 +352,21 @@ impl VectorLoop for LookUp<'_> {
     }
 }
 
+/// Columns and rows of a picture so wide, and of its halves.
+fn sizes(width: usize) -> impl Iterator<Item = [usize; 2]> {
+    let first = [width, width / 2];
+    std::iter::successors(Some(first), |size| half(*size)).take(MOST)
+}
+
+/// Half of a size, as far as there are halves.
+fn half([width, height]: [usize; 2]) -> Option<[usize; 2]> {
+    (height >= 2).then_some([(width / 2).max(1), height / 2])
+}
+
 impl Level {
     /// Half as wide and high, as far as there are halves.
     fn half(&self) -> Option<Level> {
-        if self.height < 2 {
-            return None;
-        }
-        let (width, height) = ((self.width / 2).max(1), self.height / 2);
+        let [width, height] = half([self.width, self.height])?;
         let columns = shares(self.width, width, |j| j as f64 / self.width as f64);
         // The solid angle above row i is as 1 − sin φ.
         let rows = shares(self.height, height, |i| {
@@ -582,6 +607,7 @@ mod tests {
             .map(|k| f64::from(texels[k][0]) * weight(k / width))
             .sum();
         let sky = Panorama::new(texels, width, [1.0; 3], 0.0);
+        assert_eq!(Panorama::bytes(width), 16 * sky.texels.len() as u64);
         let last = sky.count - 1;
         let (columns, begin) = (sky.sizes.widths[last] as usize, sky.sizes.begins[last]);
         let row = &sky.texels[begin as usize..][..columns];

@@ -29,6 +29,7 @@ pub(super) fn load(scene: &Scene, plan: &Plan) -> Result<Option<Arc<Sky>>> {
             rotation,
         } => {
             let (texels, width) = picture(path, &budget)?;
+            budget.take(Panorama::bytes(width), path)?;
             Some(Panorama::new(texels, width, *scale, *rotation))
         }
         SkyRadiance::Uniform(_) | SkyRadiance::Gradient { .. } | SkyRadiance::Spectrum(_) => None,
@@ -114,8 +115,6 @@ fn picture(path: &Path, budget: &Budget) -> Result<(Vec<[f32; 3]>, usize)> {
         let size = [layers.width as usize, layers.height as usize];
         (size, texels.collect::<Vec<_>>())
     };
-    // Of all sizes, of which the smaller ones together are a third of the largest; 16 bytes each.
-    budget.take(texels.len() as u64 * 22, path)?;
     if width != 2 * height {
         let what = format!("{width} by {height} pixels are not 2:1");
         let help = "a sky is an equirectangular picture, twice as wide as high";

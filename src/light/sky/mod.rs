@@ -114,6 +114,17 @@ impl Sky {
         }
     }
 
+    /// Whether [`Sky::radiance`] is anything but 0.
+    pub(crate) fn has_channels(&self) -> bool {
+        let is_dark = match &self.background {
+            Background::Uniform(radiance) => *radiance == [0.0; 3],
+            Background::Spectrum(_) => true,
+            Background::Gradient(_) | Background::Image(_) => false,
+        };
+        let stars = !self.thermal_stars && self.stars.is_some();
+        !is_dark || stars || self.sun.is_some()
+    }
+
     /// Whether [`Sky::spectral`] adds to the radiance.
     #[inline]
     pub fn has_spectra(&self) -> bool {
@@ -128,6 +139,16 @@ impl Sky {
         match self.stars.as_ref().filter(|_| self.thermal_stars) {
             None => background,
             Some(stars) => sum(background, stars.radiance(d, |star| star.colour(w))),
+        }
+    }
+
+    /// Calls `each` with the numbers of the directions along which there may be something of it.
+    pub(crate) fn each_spectral(&self, directions: &Columns, each: impl FnMut(usize)) {
+        let stars = self.stars.as_ref().filter(|_| self.thermal_stars);
+        match (&self.background, stars) {
+            (Background::Spectrum(_), _) => (0..directions.len()).for_each(each),
+            (_, Some(stars)) => stars.each_near(directions, each),
+            (_, None) => {}
         }
     }
 
@@ -173,9 +194,10 @@ impl Sky {
             Background::Spectrum(_) => radiance.fill([0.0; 3]),
         }
         if let Some(stars) = self.stars.as_ref().filter(|_| !self.thermal_stars) {
-            for (k, radiance) in radiance.iter_mut().enumerate() {
-                *radiance = sum(*radiance, stars.radiance(directions.get(k), Star::channels));
-            }
+            stars.each_near(directions, |k| {
+                let of_stars = stars.radiance(directions.get(k), Star::channels);
+                radiance[k] = sum(radiance[k], of_stars);
+            });
         }
         if let Some(sun) = &self.sun {
             for (k, radiance) in radiance.iter_mut().enumerate() {

@@ -9,6 +9,8 @@
 
 use glam::DVec3;
 
+use super::panorama::{greater, integer, lesser};
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
 use crate::colour::blackbody_colour;
 
 /// A star.
@@ -54,32 +56,47 @@ pub struct StarMap {
     /// cos ρ, and 1/(π sin² ρ).
     cosine: f64,
     density: f64,
+    grid: Grid,
     /// Stars that reach into each cell: where its list begins, and the lists one after the other.
     begins: Vec<u32>,
     lists: Vec<u32>,
 }
 
-/// Cells along an edge of a face.
-const CELLS: usize = 64;
+/// Square cells on the faces of a cube about the observer.
+#[derive(Debug, Clone, Copy)]
+struct Grid {
+    /// Along an edge of a face.
+    cells: usize,
+}
 
 impl StarMap {
     /// `stars` of the angular `radius`, at most some degrees.
     pub fn new(stars: Vec<Star>, radius: f64) -> StarMap {
         let sine = libm::sin(radius);
+        let grid = Grid::new(stars.len(), radius);
         let mut entries: Vec<(u32, u32)> = Vec::new();
         for (index, star) in stars.iter().enumerate() {
-            reached(star.direction, sine, |cell| {
+            grid.each_reached(star.direction, sine, |cell| {
                 entries.push((cell, index as u32))
             });
         }
         entries.sort_unstable();
         entries.dedup();
-        let cells = 6 * CELLS * CELLS;
-        let begin = |cell: usize| entries.partition_point(|(c, _)| (*c as usize) < cell) as u32;
+        // Where lists begin, by counting.
+        let mut begins = vec![0; 6 * grid.cells * grid.cells + 1];
+        for (cell, _) in &entries {
+            begins[*cell as usize + 1] += 1;
+        }
+        let mut sum = 0;
+        for begin in &mut begins {
+            sum += *begin;
+            *begin = sum;
+        }
         StarMap {
             cosine: libm::cos(radius),
             density: 1.0 / (std::f64::consts::PI * sine * sine),
-            begins: (0..=cells).map(begin).collect(),
+            grid,
+            begins,
             lists: entries.into_iter().map(|(_, star)| star).collect(),
             stars,
         }
@@ -89,8 +106,7 @@ impl StarMap {
     /// surface across.
     #[inline]
     pub fn radiance(&self, d: DVec3, light: impl Fn(&Star) -> [f64; 3]) -> [f64; 3] {
-        let (face, [x, y]) = on_cube(d);
-        let cell = cell(face, x, y);
+        let cell = self.grid.cell(d.as_vec3().to_array()) as usize;
         let list = self.begins[cell] as usize..self.begins[cell + 1] as usize;
         let mut sum = [0.0; 3];
         for &index in &self.lists[list] {
@@ -104,43 +120,129 @@ impl StarMap {
         sum
     }
 
+    /// Calls `each` with the numbers of the directions near which there is a star: all others lie in no disc.
+    pub(super) fn each_near(&self, directions: &Columns, mut each: impl FnMut(usize)) {
+        let (mut cells, mut near) = ([0; BLOCK], [0; BLOCK]);
+        let mut begin = 0;
+        while begin < directions.len() {
+            dispatch(Cells {
+                grid: self.grid,
+                directions,
+                begin,
+                cells: &mut cells,
+            });
+            // Whether there is one near goes into the count, and not into a branch that would often be guessed wrongly.
+            let mut count = 0;
+            for (k, cell) in cells.iter().enumerate() {
+                let cell = *cell as usize;
+                near[count % BLOCK] = begin + k;
+                count += usize::from(self.begins[cell] != self.begins[cell + 1]);
+            }
+            for k in &near[..count] {
+                // The last block is filled up.
+                if *k < directions.len() {
+                    each(*k);
+                }
+            }
+            begin += BLOCK;
+        }
+    }
+
     /// The stars.
     pub fn stars(&self) -> &[Star] {
         &self.stars
     }
 }
 
-/// Calls `each` with the cells that a disc about `d` may reach into, which has a radius of this sine.
-fn reached(d: DVec3, sine: f64, mut each: impl FnMut(u32)) {
-    // The chord to the edge is longer than the sine by less than that.
-    let sine = 1.01 * sine;
-    for face in 0..6 {
-        let (axis, u, v) = axes(face);
-        let depth = d.dot(axis);
-        // A disc that is not before the face by at least its radius reaches at most its edge from behind.
-        let nearest = depth - sine;
-        if nearest <= 0.4 {
-            continue;
+impl Grid {
+    /// For so many stars of the angular `radius`: most cells are empty, unless discs are as wide as cells.
+    fn new(stars: usize, radius: f64) -> Grid {
+        // 16 cells per star, and an edge of a cell, 2 of the face's own units, at least as long as a disc is wide.
+        let by_count = (16.0 / 6.0 * stars as f64).sqrt();
+        let by_radius = 1.0 / radius;
+        let cells = by_count.min(by_radius).clamp(64.0, 512.0) as usize;
+        Grid {
+            cells: cells.next_power_of_two(),
         }
-        let range = |side: DVec3| {
-            let middle = d.dot(side) / depth;
-            // The disc's edge is off by at most sin ρ (1 + |middle|)/(depth − sin ρ) on the face.
-            let reach = sine * (1.0 + middle.abs()) / nearest;
-            let at = |x: f64| ((0.5 * (x + 1.0)) * CELLS as f64).floor();
-            (
-                at(middle - reach).max(0.0),
-                at(middle + reach).min(CELLS as f64 - 1.0),
-            )
+    }
+
+    /// The cell in which a direction lies, whose place on its face is right to 1·10⁻⁶.
+    #[inline(always)]
+    fn cell(self, [x, y, z]: [f32; 3]) -> u32 {
+        // The longest axis, and the others in turn after it.
+        let (a, b, c) = (x.abs(), y.abs(), z.abs());
+        let (is_x, is_y) = ((a >= b) & (a >= c), b >= c);
+        let (first, u, v, face) = if is_y { (y, z, x, 2) } else { (z, x, y, 4) };
+        let (first, u, v, face) = if is_x {
+            (x, y, z, 0)
+        } else {
+            (first, u, v, face)
         };
-        let ((left, right), (top, bottom)) = (range(u), range(v));
-        let mut y = top;
-        while y <= bottom {
-            let mut x = left;
-            while x <= right {
-                each(((face * CELLS + y as usize) * CELLS + x as usize) as u32);
-                x += 1.0;
+        let face = face + u32::from(first < 0.0);
+        // Rounding may reach the end of the last cell.
+        let half = 0.5 * self.cells as f32;
+        let (scale, most) = (half / first.abs(), self.cells as f32 - 1.0);
+        let column = integer(lesser(greater(u * scale + half, 0.0).floor(), most));
+        let row = integer(lesser(greater(v * scale + half, 0.0).floor(), most));
+        let cells = self.cells as u32;
+        (face * cells + row) * cells + column
+    }
+
+    /// Calls `each` with the cells that a disc about `d` may reach into, which has a radius of this sine.
+    fn each_reached(self, d: DVec3, sine: f64, mut each: impl FnMut(u32)) {
+        // The chord to the edge is longer than the sine by less than that.
+        let sine = 1.01 * sine;
+        for face in 0..6 {
+            let (axis, u, v) = axes(face);
+            let depth = d.dot(axis);
+            // A disc that is not before the face by at least its radius reaches at most its edge from behind.
+            let nearest = depth - sine;
+            if nearest <= 0.4 {
+                continue;
             }
-            y += 1.0;
+            let range = |side: DVec3| {
+                let middle = d.dot(side) / depth;
+                // The disc's edge is off by at most sin ρ (1 + |middle|)/(depth − sin ρ) on the face, and its place by 1·10⁻⁶.
+                let reach = sine * (1.0 + middle.abs()) / nearest + 1e-6;
+                let at = |x: f64| ((0.5 * (x + 1.0)) * self.cells as f64).floor();
+                (
+                    at(middle - reach).max(0.0),
+                    at(middle + reach).min(self.cells as f64 - 1.0),
+                )
+            };
+            let ((left, right), (top, bottom)) = (range(u), range(v));
+            let mut y = top;
+            while y <= bottom {
+                let mut x = left;
+                while x <= right {
+                    each(((face * self.cells + y as usize) * self.cells + x as usize) as u32);
+                    x += 1.0;
+                }
+                y += 1.0;
+            }
+        }
+    }
+}
+
+/// Directions of a block to cells.
+struct Cells<'a> {
+    grid: Grid,
+    directions: &'a Columns,
+    begin: usize,
+    cells: &'a mut [u32; BLOCK],
+}
+
+impl VectorLoop for Cells<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let d = self.directions.block(self.begin);
+        let (mut x, mut y, mut z) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+        for k in 0..BLOCK {
+            let d = d.get(k).as_vec3();
+            (x[k], y[k], z[k]) = (d.x, d.y, d.z);
+        }
+        for k in 0..BLOCK {
+            self.cells[k] = self.grid.cell([x[k], y[k], z[k]]);
         }
     }
 }
@@ -168,15 +270,48 @@ pub(super) fn on_cube(d: DVec3) -> (usize, [f64; 2]) {
     }
 }
 
-#[inline]
-fn cell(face: usize, x: f64, y: f64) -> usize {
-    let at = |x: f64| ((0.5 * (x + 1.0) * CELLS as f64) as usize).min(CELLS - 1);
-    (face * CELLS + at(y)) * CELLS + at(x)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn directions_near_no_star_lie_in_no_disc_and_are_most() {
+        let mut state = 3u64;
+        let mut next = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        let mut vector = || DVec3::new(next(), next(), next()).normalize();
+        let stars: Vec<_> = (0..3000)
+            .map(|_| Star::new(vector(), 5000.0, 1.0))
+            .collect();
+        // As small as discs may be, and as wide as some pixels.
+        for radius in [1e-9, 7e-4] {
+            let map = StarMap::new(stars.clone(), radius);
+            let mut directions = Columns::default();
+            for k in 0..5000 {
+                // Every fifth within a disc or at its edge.
+                let d = match k % 5 {
+                    0 => (stars[k % 3000].direction + vector() * radius).normalize(),
+                    _ => vector(),
+                };
+                directions.push(d);
+            }
+            let mut is_near = vec![false; directions.len()];
+            map.each_near(&directions, |k| is_near[k] = true);
+            let mut seen = 0;
+            for (k, is_near) in is_near.iter().enumerate() {
+                let d = directions.get(k);
+                let lies_in = stars.iter().any(|s| d.dot(s.direction) > map.cosine);
+                assert!(*is_near || !lies_in, "{radius} {d}");
+                assert!(*is_near || map.radiance(d, |_| [1.0; 3]) == [0.0; 3]);
+                seen += usize::from(lies_in);
+            }
+            assert!(radius < 1e-6 || seen > 300, "{seen}");
+            let near = is_near.iter().filter(|near| **near).count();
+            assert!((1000..2000).contains(&near), "{near}");
+        }
+    }
 
     #[test]
     fn every_direction_finds_the_stars_that_it_lies_in() {

@@ -110,7 +110,7 @@ pub struct Shading {
     lit: Vec<u32>,
     /// The same in another order.
     reordered: Vec<u32>,
-    /// Rays whose radiance is fully known without asking the surface: of the background, and black backs.
+    /// Other rays whose radiance is fully known without asking the surface: of a background that is no sky, and black backs.
     plain: Vec<u32>,
     runs: Vec<Span>,
     emitted: Emitted,
@@ -152,6 +152,7 @@ impl Shading {
         }
         if has_gaps {
             sink.add_held(&self.plain);
+            sink.add_held(&self.escaped);
         }
         self.see_sky(traced, background, ratios, sink);
         meter.count(Counter::Hits, self.lit.len() as u64);
@@ -226,12 +227,6 @@ impl Shading {
                 }
             }
         }
-        // A pixel sees an angle of the world that is 1/W as wide.
-        let pixels = PixelAngles {
-            angle: *angle,
-            ratios,
-        };
-        sky.radiance_each(&self.directions, pixels, &mut self.emitted.radiance);
         let weigh_all = |scaled: Scaling, factors: &mut Vec<f64>| {
             weigh(scaled, ratios, factors);
             if let Some(origins) = traced.rays.origins {
@@ -240,17 +235,25 @@ impl Shading {
                 }
             }
         };
-        weigh_all(self.emitted.response.scaled, &mut self.factors);
-        add_colours(&mut self.emitted, ratios, &self.factors, escaped, sink);
+        if sky.has_channels() {
+            // A pixel sees an angle of the world that is 1/W as wide.
+            let pixels = PixelAngles {
+                angle: *angle,
+                ratios,
+            };
+            sky.radiance_each(&self.directions, pixels, &mut self.emitted.radiance);
+            weigh_all(self.emitted.response.scaled, &mut self.factors);
+            add_colours(&mut self.emitted, ratios, &self.factors, escaped, sink);
+        }
         let Some(spectra) = spectra else {
             return;
         };
         weigh_all(spectra.scaled, &mut self.factors);
-        for (ray, (w, factor)) in escaped.iter().zip(ratios.iter().zip(&self.factors)) {
-            let ray = *ray as usize;
-            let seen = spectra.colour(sky, traced.rays.directions[ray], *w);
-            sink.add(ray, seen.map(|c| c * factor));
-        }
+        sky.each_spectral(&self.directions, |k| {
+            let ray = escaped[k] as usize;
+            let seen = spectra.colour(sky, traced.rays.directions[ray], ratios[k]);
+            sink.add(ray, seen.map(|c| c * self.factors[k]));
+        });
     }
 
     /// Finds the runs, and adds the radiance of rays that hit nothing or the black back of something. `weight` says
@@ -281,10 +284,12 @@ impl Shading {
             }
             let Some(hit) = hit else {
                 match background {
-                    Background::Observed(radiance) => sink.add(ray, radiance.map(|c| c * weight)),
+                    Background::Observed(radiance) => {
+                        sink.add(ray, radiance.map(|c| c * weight));
+                        self.plain.push(ray as u32);
+                    }
                     Background::Sky { .. } => self.escaped.push(ray as u32),
                 }
-                self.plain.push(ray as u32);
                 unmet += 1;
                 continue;
             };

@@ -11,6 +11,8 @@
 
 use glam::DVec3;
 
+use crate::colour::ShiftMatrix;
+
 /// A loop over arrays, with what it reads and writes.
 pub(crate) trait VectorLoop {
     /// Runs the loop. Implementations are `#[inline(always)]`.
@@ -272,6 +274,38 @@ fn row(rows: &[[u32; 8]], number: u32) -> &[u32; 8] {
     rows.get(number as usize).unwrap_or(NOTHING)
 }
 
+/// Takes each of `rgb` to the matrix at its place times it, times its factor and the gain of all. Places are numbers of matrices and parts of the
+/// way to the next; where there is no matrix of a number, `rgb` stays as it is.
+pub(crate) fn shift_each(
+    matrices: &[ShiftMatrix],
+    places: (&[u64; BLOCK], &Block),
+    factors: (&[f64], f64),
+    rgb: &mut [[f64; 3]],
+) {
+    #[cfg(target_arch = "x86_64")]
+    if x86::has_avx2() {
+        // SAFETY: the processor has just been asked for these instructions.
+        return unsafe { x86::shift_each(matrices, places, factors, rgb) };
+    }
+    shift_singly(matrices, places, factors, rgb);
+}
+
+/// The same without vectors.
+fn shift_singly(
+    matrices: &[ShiftMatrix],
+    (at, rests): (&[u64; BLOCK], &Block),
+    (factors, gain): (&[f64], f64),
+    rgb: &mut [[f64; 3]],
+) {
+    let places = at.iter().zip(rests);
+    for ((rgb, factor), (at, rest)) in rgb.iter_mut().zip(factors).zip(places) {
+        if let Some(matrix) = ShiftMatrix::of(matrices, *at) {
+            let factor = factor * gain;
+            *rgb = matrix.times(*rest, *rgb).map(|x| x * factor);
+        }
+    }
+}
+
 /// Loads element `at` of `slice` into the cache, to be read soon. Does nothing if `at` is out of bounds.
 #[inline(always)]
 pub(crate) fn prefetch<T>(slice: &[T], at: usize) {
@@ -305,7 +339,7 @@ pub(crate) fn prefetch_all<T>(what: &T) {
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{BLOCK, VectorLoop, row};
+    use super::{BLOCK, Block, ShiftMatrix, VectorLoop, row};
 
     /// Whether [`avx512`] may be called.
     #[inline]
@@ -331,6 +365,48 @@ mod x86 {
     #[target_feature(enable = "avx2")]
     pub fn avx2(work: impl VectorLoop) {
         work.run();
+    }
+
+    /// A column of the matrix in a vector.
+    #[target_feature(enable = "avx2")]
+    pub fn shift_each(
+        matrices: &[ShiftMatrix],
+        (at, rests): (&[u64; BLOCK], &Block),
+        (factors, gain): (&[f64], f64),
+        rgb: &mut [[f64; 3]],
+    ) {
+        use std::arch::x86_64::{
+            _mm_loadu_ps, _mm256_add_pd, _mm256_cvtps_pd, _mm256_mul_pd, _mm256_set1_pd,
+            _mm256_storeu_pd,
+        };
+        let places = at.iter().zip(rests);
+        for ((rgb, factor), (at, rest)) in rgb.iter_mut().zip(factors).zip(places) {
+            let Some(matrix) = ShiftMatrix::of(matrices, *at) else {
+                continue;
+            };
+            let [a, b, c] = &matrix.columns;
+            let rest = _mm256_set1_pd(*rest);
+            let times = |column: &[f32; 8], x: f64| {
+                let column = column.as_ptr();
+                // SAFETY: a column has twice as many numbers as are loaded, which needs no alignment.
+                let (below, growth) =
+                    unsafe { (_mm_loadu_ps(column), _mm_loadu_ps(column.add(4))) };
+                let growth = _mm256_mul_pd(_mm256_cvtps_pd(growth), rest);
+                let between = _mm256_add_pd(_mm256_cvtps_pd(below), growth);
+                _mm256_mul_pd(between, _mm256_set1_pd(x))
+            };
+            let [x, y, z] = *rgb;
+            let sum = _mm256_add_pd(_mm256_add_pd(times(a, x), times(b, y)), times(c, z));
+            let mut seen = [0.0; 4];
+            // SAFETY: the array has as many numbers as are stored, which needs no alignment.
+            unsafe {
+                _mm256_storeu_pd(
+                    seen.as_mut_ptr(),
+                    _mm256_mul_pd(sum, _mm256_set1_pd(factor * gain)),
+                );
+            }
+            *rgb = [seen[0], seen[1], seen[2]];
+        }
     }
 
     /// Eight rows are loaded at a time, and transposed in registers.
@@ -433,6 +509,47 @@ mod tests {
                 let is_there = number < 100;
                 let expected = if is_there { word(number, at as u32) } else { 0 };
                 assert_eq!(column[k], expected);
+            }
+        }
+    }
+
+    #[test]
+    fn colours_are_shifted_alike_in_vectors_and_one_by_one() {
+        let number = |n: usize| ((n * 7919) % 1009) as f32 / 1009.0 - 0.3;
+        let matrices: Vec<ShiftMatrix> = (0..20)
+            .map(|n| ShiftMatrix {
+                columns: [0, 1, 2].map(|c| std::array::from_fn(|k| number(n * 24 + c * 8 + k))),
+            })
+            .collect();
+        // Some of matrices that are not there.
+        let at: [u64; BLOCK] = std::array::from_fn(|k| match k % 7 {
+            3 => u64::MAX - k as u64,
+            5 => 20,
+            _ => k as u64 % 20,
+        });
+        let rests: Block = std::array::from_fn(|k| k as f64 / 64.0);
+        let factors: Vec<f64> = (0..50).map(|k| 0.5 + f64::from(k)).collect();
+        let start: Vec<[f64; 3]> = (0..50)
+            .map(|k| [f64::from(k), 1.0 / f64::from(k + 1), -2.5])
+            .collect();
+        let (mut wide, mut narrow) = (start.clone(), start.clone());
+        shift_each(&matrices, (&at, &rests), (&factors, 0.75), &mut wide);
+        shift_singly(&matrices, (&at, &rests), (&factors, 0.75), &mut narrow);
+        assert_eq!(wide, narrow);
+        for (k, seen) in wide.iter().enumerate() {
+            let (at, rest) = (at[k], rests[k]);
+            let expected = match at < 20 {
+                false => start[k],
+                true => [0, 1, 2].map(|row| {
+                    let column = |c: usize| matrices[at as usize].columns[c];
+                    let between =
+                        |c| f64::from(column(c)[row]) + f64::from(column(c)[row + 4]) * rest;
+                    (0..3).map(|c| between(c) * start[k][c]).sum::<f64>() * factors[k] * 0.75
+                }),
+            };
+            for (seen, expected) in seen.iter().zip(expected) {
+                let error = (seen - expected).abs();
+                assert!(error < 1e-12 * (1.0 + expected.abs()), "{k}: {error:e}");
             }
         }
     }

@@ -17,6 +17,7 @@ pub use line::{OUTSIDE_GREY, VISIBLE, line_colour};
 pub use observer::colour_matching;
 pub use planck::planck;
 pub use rgb_basis::Continuation;
+pub(crate) use shift::ShiftMatrix;
 pub use shift::{ColourTable, ReflectionTable, RgbShift, blackbody_colour};
 pub use spectrum::{Scale, Shape, Spectrum};
 pub use srgb::{

@@ -9,8 +9,8 @@
 //! not tabulated.
 //!
 //! Beyond the table: what has an end (lines, Gaussians, tables, dark continuations) has no colour; a constant
-//! continuation goes on as W⁻⁵, exactly; a thermal one as the blackbody that it is, whose colours are tabulated by W too (h²/8 of the second
-//! derivative is 4e-5 of the value at W = 4, x² of Planck's x = 16, and less below).
+//! continuation goes on as W⁻⁵, exactly; a thermal one as the blackbody that it is, whose colours are in the same table from W = 1/4096 to 4 (h²/8
+//! of the second derivative is 4e-5 of the value at W = 4, x² of Planck's x = 16, and less below).
 
 use std::array::from_fn;
 use std::sync::{LazyLock, OnceLock};
@@ -40,6 +40,19 @@ pub(super) struct Table<const N: usize> {
     /// One less than there are entries.
     steps: u64,
     entries: Vec<[f32; N]>,
+}
+
+/// Of steps from that of the shifted bits `first` on, the number of the one at or below `x`, and how far `x` is on the way to the next; below the
+/// first, for NaN and below 0 a number of no step, larger than all.
+#[inline(always)]
+fn place(first: u64, x: f64) -> (u64, f64) {
+    let bits = x.to_bits();
+    // The last digits as those of a number from 1 to 2, exactly.
+    let rest = (bits << STEP_BITS) & ((1 << 52) - 1) | 1.0f64.to_bits();
+    (
+        (bits >> SHIFT).wrapping_sub(first),
+        f64::from_bits(rest) - 1.0,
+    )
 }
 
 /// `count` values of `f`, from that of the argument with shifted bits `first` on; the loop over threads is compiled once for each N.
@@ -78,11 +91,8 @@ impl<const N: usize> Table<N> {
     /// NaN and below 0.
     #[inline(always)]
     fn place(&self, x: f64) -> Option<(usize, f64)> {
-        let bits = x.to_bits();
-        let index = (bits >> SHIFT).wrapping_sub(self.first);
-        let is_inside = index < self.steps;
-        let rest = (bits & ((1 << SHIFT) - 1)) as f64 * (1.0 / (1u64 << SHIFT) as f64);
-        is_inside.then_some((index as usize, rest))
+        let (index, rest) = place(self.first, x);
+        (index < self.steps).then_some((index as usize, rest))
     }
 
     /// Linear between entries.
@@ -133,8 +143,10 @@ impl<T> MadeOnce<T> {
 /// Of RGB: M(W), by which linear RGB at rest is multiplied.
 #[derive(Debug)]
 pub struct RgbShift {
-    /// Columns of M for red, green and blue, each with a fourth number of 0.
-    table: Table<12>,
+    /// The shifted bits of the argument of the first matrix.
+    first: u64,
+    /// M by step.
+    matrices: Vec<ShiftMatrix>,
     continuation: Continuation,
 }
 
@@ -156,67 +168,51 @@ impl RgbShift {
     }
 
     fn new(continuation: Continuation) -> RgbShift {
-        // Beyond these ratios, all that the observer sees is of the continuation alone.
+        // Beyond these ratios, all that the observer sees is of the continuation alone: of a thermal one a blackbody.
         let ends = [FIRST / LAST, LAST / FIRST];
-        let table = Table::new(ends, |w| {
-            let columns = rgb_shift(w, continuation);
+        let is_thermal = continuation == Continuation::Blackbody;
+        let kept = if is_thermal {
+            [1.0 / 4096.0, 4.0]
+        } else {
+            ends
+        };
+        let table = Table::new(kept, |w| {
+            let columns = match is_thermal && !(w > ends[0] && w < ends[1]) {
+                true => thermal_shift(w),
+                false => rgb_shift(w, continuation),
+            };
             from_fn(|k| match k % 4 {
                 3 => 0.0,
                 row => columns[row][k / 4],
             })
         });
         RgbShift {
-            table,
+            first: table.first,
+            matrices: table.entries.windows(2).map(ShiftMatrix::new).collect(),
             continuation,
         }
     }
 
     /// M(W) · rgb: the linear RGB that an observer sees of what has the linear RGB `rgb` at rest.
-    #[inline(always)]
+    #[inline]
     pub fn apply(&self, w: f64, rgb: [f64; 3]) -> [f64; 3] {
-        let [r, g, b, _] = self.apply_padded(w, rgb);
-        [r, g, b]
+        let (at, rest) = self.place(w);
+        match ShiftMatrix::of(&self.matrices, at) {
+            Some(matrix) => matrix.times(rest, rgb),
+            None => self.beyond(w, rgb),
+        }
     }
 
-    /// The same, and a fourth number of 0: what is kept of four goes in one vector.
+    /// The number of the matrix at or below `w`, larger than there are where the table has none, and how far `w` is on the way to the next.
     #[inline(always)]
-    pub(crate) fn apply_padded(&self, w: f64, rgb: [f64; 3]) -> [f64; 4] {
-        let Some((index, rest)) = self.table.place(w) else {
-            // What is seen ahead from 0.7 c on lies here.
-            return match self.thermal(w, rgb) {
-                Some(seen) => seen,
-                None => {
-                    let [r, g, b] = self.beyond(w, rgb);
-                    [r, g, b, 0.0]
-                }
-            };
-        };
-        let (below, above) = (&self.table.entries[index], &self.table.entries[index + 1]);
-        let mut seen = [0.0; 4];
-        for (column, channel) in rgb.into_iter().enumerate() {
-            for (row, seen) in seen.iter_mut().enumerate() {
-                let at = 4 * column + row;
-                let (a, b) = (f64::from(below[at]), f64::from(above[at]));
-                *seen += (a + (b - a) * rest) * channel;
-            }
-        }
-        seen
+    pub(crate) fn place(&self, w: f64) -> (u64, f64) {
+        place(self.first, w)
     }
 
-    /// What is seen of thermal continuations alone, as far as their own table goes.
-    #[inline(always)]
-    fn thermal(&self, w: f64, [r, g, b]: [f64; 3]) -> Option<[f64; 4]> {
-        if self.continuation != Continuation::Blackbody {
-            return None;
-        }
-        let (factors, colours) = THERMAL.get();
-        let [by_r, by_g, by_b] = factors[usize::from(w < 1.0)];
-        let scale = by_r * r + by_g * g + by_b * b;
-        let mut seen = colours.at(w)?;
-        for seen in &mut seen {
-            *seen *= scale;
-        }
-        Some(seen)
+    /// M by step.
+    #[inline]
+    pub(crate) fn matrices(&self) -> &[ShiftMatrix] {
+        &self.matrices
     }
 
     /// M(W), rows of linear RGB.
@@ -227,7 +223,7 @@ impl RgbShift {
 
     /// Where all that the observer sees is of the continuation, and no table has it.
     #[inline(never)]
-    fn beyond(&self, w: f64, rgb: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn beyond(&self, w: f64, rgb: [f64; 3]) -> [f64; 3] {
         // Blueshift shows what is above 830 nm.
         let side = usize::from(w < 1.0);
         if !(w > 0.0 && w.is_finite()) {
@@ -242,25 +238,55 @@ impl RgbShift {
                 FLAT.map(|c| c * scale)
             }
             Continuation::Blackbody => {
-                let (factors, _) = THERMAL.get();
-                let factors = factors[side];
-                let scale = (0..3).fold(0.0, |sum, k| sum + factors[k] * rgb[k]);
-                let colour = BLACKBODIES.get().colour(WHITE_TEMPERATURE / w);
-                colour.map(|c| c * scale)
+                thermal_shift(w).map(|row| (0..3).fold(0.0, |sum, k| sum + row[k] * rgb[k]))
             }
         }
     }
 }
 
-/// Of a thermal continuation: the factors of red, green and blue on Planck's law at [`WHITE_TEMPERATURE`] below and above the observer's
-/// range, and the colours of that blackbody by W.
-static THERMAL: MadeOnce<([[f64; 3]; 2], Table<4>)> = MadeOnce::new(|| {
-    let colours = Table::new([1.0 / 4096.0, 4.0], |w| {
-        let [r, g, b] = BLACKBODIES.get().colour(WHITE_TEMPERATURE / w);
-        [r, g, b, 0.0]
-    });
-    (rgb_basis::thermal(), colours)
-});
+/// M(W) of a thermal continuation where all that the observer sees is of it, rows of linear RGB: the colour of the white's blackbody,
+/// times the factors of red, green and blue on it.
+fn thermal_shift(w: f64) -> [[f64; 3]; 3] {
+    let factors = rgb_basis::thermal()[usize::from(w < 1.0)];
+    let colour = BLACKBODIES.get().colour(WHITE_TEMPERATURE / w);
+    colour.map(|c| factors.map(|factor| c * factor))
+}
+
+/// M(W) at a step: by column, its three numbers and a fourth of 0, and how much they grow up to the next step. All that a ray needs lies together.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ShiftMatrix {
+    pub columns: [[f32; 8]; 3],
+}
+
+impl ShiftMatrix {
+    /// Of the columns at a step and at the next.
+    fn new(entries: &[[f32; 12]]) -> ShiftMatrix {
+        let (below, above) = (&entries[0], &entries[1]);
+        let number = |at: usize, k: usize| match k < 4 {
+            true => below[at],
+            false => above[at] - below[at],
+        };
+        ShiftMatrix {
+            columns: from_fn(|column| from_fn(|k| number(4 * column + k % 4, k))),
+        }
+    }
+
+    /// The one of this number, if there is one.
+    #[inline(always)]
+    pub fn of(matrices: &[ShiftMatrix], at: u64) -> Option<&ShiftMatrix> {
+        matrices.get(usize::try_from(at).unwrap_or(usize::MAX))
+    }
+
+    /// The matrix that is `rest` of the way to the next step, times `v`.
+    #[inline(always)]
+    pub fn times(&self, rest: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let [a, b, c] = &self.columns;
+        from_fn(|row| {
+            let at = |column: &[f32; 8]| f64::from(column[row]) + f64::from(column[4 + row]) * rest;
+            at(a) * x + at(b) * y + at(c) * z
+        })
+    }
+}
 
 /// The colour of a radiance of 1 per metre at all wavelengths.
 static FLAT: LazyLock<[f64; 3]> = LazyLock::new(|| rgb_from_xyz(integrate(&[], colour_matching)));

@@ -9,7 +9,7 @@ use super::emitted::{Colouring, Detail, Emitted, Eye, Response, Scaling};
 use super::radiance::Radiance;
 use super::run::{Run, TracedRays};
 use super::stats::{Counter, Meter, Stage};
-use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
+use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, dispatch, shift_each};
 use crate::colour::{self, RgbShift};
 use crate::light::sky::{PixelAngles, Sky};
 use crate::light::time_texture::Coverage;
@@ -401,13 +401,7 @@ fn add_colours(
 ) {
     match (&emitted.response.colour, emitted.details.as_slice()) {
         (Colouring::Rgb(shift, eye), []) => {
-            dispatch(Shifts {
-                shift,
-                eye: *eye,
-                ratios,
-                factors,
-                radiance: &mut emitted.radiance,
-            });
+            shift_all(shift, *eye, ratios, factors, &mut emitted.radiance);
             for (ray, seen) in members.iter().zip(&emitted.radiance) {
                 sink.add(*ray as usize, *seen);
             }
@@ -496,30 +490,62 @@ fn add_scaled(
     }
 }
 
-/// Linear RGB to what an eye sees of it at W `ratios`, times `factors`.
-struct Shifts<'a> {
+/// Takes linear RGB to what an eye sees of it at W `ratios`, times `factors`.
+fn shift_all(
+    shift: &RgbShift,
+    eye: Eye,
+    ratios: &[f64],
+    factors: &[f64],
+    radiance: &mut [[f64; 3]],
+) {
+    let (mut at, mut rests) = ([0; BLOCK], [0.0; BLOCK]);
+    let of_rays = ratios.chunks(BLOCK).zip(factors.chunks(BLOCK));
+    for (radiance, (ratios, factors)) in radiance.chunks_mut(BLOCK).zip(of_rays) {
+        let mut is_beyond = false;
+        dispatch(Places {
+            shift,
+            eye,
+            ratios,
+            at: &mut at,
+            rests: &mut rests,
+            is_beyond: &mut is_beyond,
+        });
+        let places = (&at, &rests);
+        shift_each(shift.matrices(), places, (factors, eye.gain()), radiance);
+        if !is_beyond {
+            continue;
+        }
+        // Where no matrix is tabulated.
+        let rays = radiance.iter_mut().zip(ratios.iter().zip(factors));
+        for ((rgb, (w, factor)), at) in rays.zip(&at) {
+            if *at >= shift.matrices().len() as u64 {
+                let factor = factor * eye.gain();
+                *rgb = shift.beyond(eye.ratio(*w), *rgb).map(|c| c * factor);
+            }
+        }
+    }
+}
+
+/// W of a block to where M(W) is, and whether that is beyond the table for some.
+struct Places<'a> {
     shift: &'a RgbShift,
     eye: Eye,
     ratios: &'a [f64],
-    factors: &'a [f64],
-    radiance: &'a mut [[f64; 3]],
+    at: &'a mut [u64; BLOCK],
+    rests: &'a mut Block,
+    is_beyond: &'a mut bool,
 }
 
-impl VectorLoop for Shifts<'_> {
+impl VectorLoop for Places<'_> {
     #[inline(always)]
     fn run(self) {
-        let mut seen = [[0.0; 4]; BLOCK];
-        let of_rays = self.ratios.chunks(BLOCK).zip(self.factors.chunks(BLOCK));
-        for (radiance, (ratios, factors)) in self.radiance.chunks_mut(BLOCK).zip(of_rays) {
-            // The channels of a ray in a vector.
-            for ((seen, w), rgb) in seen.iter_mut().zip(ratios).zip(&*radiance) {
-                *seen = self.shift.apply_padded(self.eye.ratio(*w), *rgb);
-            }
-            for ((radiance, factor), [r, g, b, _]) in radiance.iter_mut().zip(factors).zip(&seen) {
-                let factor = factor * self.eye.gain();
-                *radiance = [factor * r, factor * g, factor * b];
-            }
+        let count = self.shift.matrices().len() as u64;
+        let mut is_beyond = false;
+        for ((at, rest), w) in self.at.iter_mut().zip(self.rests).zip(self.ratios) {
+            (*at, *rest) = self.shift.place(self.eye.ratio(*w));
+            is_beyond |= *at >= count;
         }
+        *self.is_beyond = is_beyond;
     }
 }
 

@@ -11,14 +11,14 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 
 use super::PixelAngles;
-use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, load};
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, load, prefetch};
 
 /// An equirectangular picture in sizes of halves.
 #[derive(Debug)]
 pub struct Panorama {
     /// Of all sizes, the largest first; the last is 1 texel high. By rows, which end with their first texel again, so that two neighbours
-    /// lie side by side everywhere; of three channels and one number more.
-    texels: Vec<[f32; 4]>,
+    /// lie side by side everywhere; of three channels, and [`MORE`] numbers after all.
+    texels: Vec<f32>,
     sizes: Box<Sizes>,
     /// How many.
     count: usize,
@@ -31,12 +31,23 @@ pub struct Panorama {
 /// Sizes by their number: of more than so many the largest would have 2³¹ columns.
 const MOST: usize = 32;
 
-/// Columns and rows by size, and where its texels begin.
+/// Numbers after the last texel: two texels are read as eight numbers.
+const MORE: usize = 2;
+
+/// Columns and rows by size, and the number of its first texel.
 #[derive(Debug, Default)]
 struct Sizes {
     widths: [f32; MOST],
     heights: [f32; MOST],
     begins: [u32; MOST],
+}
+
+/// One of them.
+#[derive(Debug, Clone, Copy)]
+struct Size {
+    width: f32,
+    height: f32,
+    begin: u32,
 }
 
 /// The picture in one size.
@@ -50,11 +61,8 @@ struct Level {
 impl Panorama {
     /// The picture of `width` × `width`/2 texels by rows from the top, by `scale`, turned by `rotation` about +Y.
     pub fn new(texels: Vec<[f32; 3]>, width: usize, scale: [f64; 3], rotation: f64) -> Panorama {
-        let count: usize = sizes(width)
-            .map(|[width, height]| (width + 1) * height)
-            .sum();
         let mut panorama = Panorama {
-            texels: Vec::with_capacity(count),
+            texels: Vec::with_capacity(numbers(width)),
             sizes: Box::default(),
             count: 0,
             scale,
@@ -69,13 +77,13 @@ impl Panorama {
             next = level.half();
             panorama.add(&level);
         }
+        panorama.texels.extend([0.0; MORE]);
         panorama
     }
 
     /// Bytes of all sizes of a picture of `width` × `width`/2 texels.
     pub fn bytes(width: usize) -> u64 {
-        let texels = sizes(width).map(|[width, height]| (width as u64 + 1) * height as u64);
-        texels.sum::<u64>() * size_of::<[f32; 4]>() as u64
+        (numbers(width) * size_of::<f32>()) as u64
     }
 
     /// Adds the next size.
@@ -87,12 +95,10 @@ impl Panorama {
         } = &mut *self.sizes;
         widths[self.count] = level.width as f32;
         heights[self.count] = level.height as f32;
-        begins[self.count] = self.texels.len() as u32;
+        begins[self.count] = (self.texels.len() / 3) as u32;
         self.count += 1;
         for row in level.texels.chunks(level.width) {
-            let texels = row.iter().chain(row.first());
-            self.texels
-                .extend(texels.map(|[r, g, b]| [*r, *g, *b, 0.0]));
+            self.texels.extend(row.iter().chain(row.first()).flatten());
         }
     }
 
@@ -103,8 +109,8 @@ impl Panorama {
         let halvings = logarithm(angle as f32 * self.texels_per_angle());
         let halvings = lesser(halvings, self.last());
         let (size, weight) = whole_and_rest(halvings);
-        let fine = self.sizes.taps(size, place);
-        let coarse = self.sizes.taps(self.next(size), place);
+        let fine = self.sizes.get(size).taps(place);
+        let coarse = self.sizes.get(self.next(size)).taps(place);
         self.scaled(self.at(fine, coarse, weight))
     }
 
@@ -156,20 +162,20 @@ impl Panorama {
     fn sample(&self, taps: Taps) -> [f32; 4] {
         let mut columns = self.pair(taps.upper);
         mix(&mut columns, &self.pair(taps.lower), taps.below);
-        let [r0, g0, b0, a0, r1, g1, b1, a1] = columns;
-        let mut mean = [r0, g0, b0, a0];
-        mix(&mut mean, &[r1, g1, b1, a1], taps.right);
+        let [r0, g0, b0, r1, g1, b1, more, _] = columns;
+        let mut mean = [r0, g0, b0, r1];
+        mix(&mut mean, &[r1, g1, b1, more], taps.right);
         mean
     }
 
-    /// A texel and the next one in its row.
+    /// A texel and the next one in its row, and two numbers more.
     #[inline(always)]
     fn pair(&self, at: u32) -> [f32; 8] {
         // Checked one by one: a loop over many would gather single numbers, which takes longer.
-        let at = at as usize;
-        match self.texels[at..at + 2] {
-            [[r0, g0, b0, a0], [r1, g1, b1, a1]] => [r0, g0, b0, a0, r1, g1, b1, a1],
-            // A row ends with its first texel again.
+        let at = 3 * at as usize;
+        match self.texels[at..at + 8] {
+            [a, b, c, d, e, f, g, h] => [a, b, c, d, e, f, g, h],
+            // A row ends with its first texel again, and more comes after the last.
             _ => [0.0; 8],
         }
     }
@@ -196,17 +202,32 @@ struct Taps {
 }
 
 impl Sizes {
+    #[inline(always)]
+    fn get(&self, size: u32) -> Size {
+        let size = size as usize % MOST;
+        Size {
+            width: self.widths[size],
+            height: self.heights[size],
+            begin: self.begins[size],
+        }
+    }
+}
+
+impl Size {
     /// The texels around a place, around the longitudes.
     #[inline(always)]
-    fn taps(&self, size: u32, [u, v]: [f32; 2]) -> Taps {
-        let size = size as usize % MOST;
-        let (width, height) = (self.widths[size], self.heights[size]);
+    fn taps(self, [u, v]: [f32; 2]) -> Taps {
+        let Size {
+            width,
+            height,
+            begin,
+        } = self;
         let (x, y) = (u * width - 0.5, v * height - 0.5);
         let (left, top) = (x.floor(), y.floor());
         let column = if left < 0.0 { width - 1.0 } else { left };
         let column = integer(lesser(column, width - 1.0));
         let row = |i: f32| integer(lesser(greater(i, 0.0), height - 1.0));
-        let first = |row: u32| self.begins[size] + row * (integer(width) + 1) + column;
+        let first = |row: u32| begin + row * (integer(width) + 1) + column;
         Taps {
             upper: first(row(top)),
             lower: first(row(top + 1.0)),
@@ -286,6 +307,26 @@ impl TapsBlock {
         }
     }
 
+    /// Those around places in sizes of these numbers.
+    #[inline(always)]
+    fn fill(&mut self, sizes: &Sizes, numbers: &[u32; BLOCK], [u, v]: [&[f32; BLOCK]; 2]) {
+        let mut others = 0;
+        for number in numbers {
+            others |= number ^ numbers[0];
+        }
+        if others == 0 {
+            // Most often all are of one size, which then is looked up only once.
+            let size = sizes.get(numbers[0]);
+            for k in 0..BLOCK {
+                self.set(k, size.taps([u[k], v[k]]));
+            }
+        } else {
+            for k in 0..BLOCK {
+                self.set(k, sizes.get(numbers[k]).taps([u[k], v[k]]));
+            }
+        }
+    }
+
     #[inline(always)]
     fn set(&mut self, k: usize, taps: Taps) {
         self.upper[k] = taps.upper;
@@ -327,18 +368,19 @@ impl VectorLoop for LookUp<'_> {
                 (size[k], weight[k]) = whole_and_rest(halvings);
                 next[k] = panorama.next(size[k]);
             }
-            for k in 0..BLOCK {
-                fine.set(k, sizes.taps(size[k], [u[k], v[k]]));
-            }
+            fine.fill(sizes, &size, [&u, &v]);
             // Texels that are wider than pixels need no smaller size.
             let mut is_mixed = false;
             for weight in &weight {
                 is_mixed |= *weight > 0.0;
             }
             if is_mixed {
-                for k in 0..BLOCK {
-                    coarse.set(k, sizes.taps(next[k], [u[k], v[k]]));
+                // Others are far apart: they come from memory together, meanwhile.
+                for (upper, lower) in fine.upper.iter().zip(&fine.lower) {
+                    prefetch(&panorama.texels, 3 * *upper as usize);
+                    prefetch(&panorama.texels, 3 * *lower as usize);
                 }
+                coarse.fill(sizes, &next, [&u, &v]);
             }
             // Texels one by one, their channels in a vector.
             for k in 0..radiance.len() {
@@ -356,6 +398,12 @@ impl VectorLoop for LookUp<'_> {
 fn sizes(width: usize) -> impl Iterator<Item = [usize; 2]> {
     let first = [width, width / 2];
     std::iter::successors(Some(first), |size| half(*size)).take(MOST)
+}
+
+/// How many numbers all sizes of a picture so wide are.
+fn numbers(width: usize) -> usize {
+    let texels = sizes(width).map(|[width, height]| (width + 1) * height);
+    3 * texels.sum::<usize>() + MORE
 }
 
 /// Half of a size, as far as there are halves.
@@ -607,11 +655,11 @@ mod tests {
             .map(|k| f64::from(texels[k][0]) * weight(k / width))
             .sum();
         let sky = Panorama::new(texels, width, [1.0; 3], 0.0);
-        assert_eq!(Panorama::bytes(width), 16 * sky.texels.len() as u64);
+        assert_eq!(Panorama::bytes(width), 4 * sky.texels.len() as u64);
         let last = sky.count - 1;
         let (columns, begin) = (sky.sizes.widths[last] as usize, sky.sizes.begins[last]);
-        let row = &sky.texels[begin as usize..][..columns];
-        let got = row.iter().map(|t| f64::from(t[0])).sum::<f64>() / columns as f64;
+        let row = &sky.texels[3 * begin as usize..][..3 * columns];
+        let got = row.chunks(3).map(|t| f64::from(t[0])).sum::<f64>() / columns as f64;
         assert_eq!(sky.sizes.heights[last], 1.0);
         // Odd widths leave parts of three texels: of equal columns that is a per cent.
         assert!((got - mean).abs() < 0.05 * mean, "{got} {mean}");

@@ -116,13 +116,19 @@ impl Sky {
 
     /// Whether [`Sky::radiance`] is anything but 0.
     pub(crate) fn has_channels(&self) -> bool {
-        let is_dark = match &self.background {
-            Background::Uniform(radiance) => *radiance == [0.0; 3],
-            Background::Spectrum(_) => true,
-            Background::Gradient(_) | Background::Image(_) => false,
-        };
+        let is_dark = self.is_black() || matches!(self.background, Background::Spectrum(_));
         let stars = !self.thermal_stars && self.stars.is_some();
         !is_dark || stars || self.sun.is_some()
+    }
+
+    fn is_black(&self) -> bool {
+        matches!(self.background, Background::Uniform(radiance) if radiance == [0.0; 3])
+    }
+
+    /// The stars, where there is nothing else.
+    pub(crate) fn only_stars(&self) -> Option<&StarMap> {
+        let stars = self.stars.as_ref();
+        stars.filter(|_| self.is_black() && self.sun.is_none())
     }
 
     /// Whether [`Sky::spectral`] adds to the radiance.

@@ -121,7 +121,7 @@ impl StarMap {
     }
 
     /// Calls `each` with the numbers of the directions near which there is a star: all others lie in no disc.
-    pub(super) fn each_near(&self, directions: &Columns, mut each: impl FnMut(usize)) {
+    pub(crate) fn each_near(&self, directions: &Columns, mut each: impl FnMut(usize)) {
         let (mut cells, mut near) = ([0; BLOCK], [0; BLOCK]);
         let mut begin = 0;
         while begin < directions.len() {

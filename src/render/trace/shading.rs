@@ -106,6 +106,8 @@ impl SkySpectra {
 pub struct Shading {
     /// Rays that meet nothing, where there is a sky.
     escaped: Vec<u32>,
+    /// Those of them that look near a star.
+    near: Vec<u32>,
     /// Rays that hit a surface that shines, by patch.
     lit: Vec<u32>,
     /// The same in another order.
@@ -212,21 +214,20 @@ impl Shading {
         else {
             return;
         };
-        let escaped = &self.escaped;
+        let mut escaped = &self.escaped;
         self.emitted.start(response.clone());
+        take_directions(escaped, traced, &mut self.directions);
+        // Between stars there may be nothing to see.
+        if let Some(stars) = sky.only_stars() {
+            self.near.clear();
+            stars.each_near(&self.directions, |k| self.near.push(escaped[k]));
+            escaped = &self.near;
+            take_directions(escaped, traced, &mut self.directions);
+        }
         self.ratios.clear();
         self.ratios
             .extend(escaped.iter().map(|ray| ratios[*ray as usize]));
         let ratios = &self.ratios;
-        self.directions.resize(escaped.len());
-        for (block, rays) in escaped.chunks(BLOCK).enumerate() {
-            if let Some([x, y, z]) = self.directions.block_mut(block * BLOCK) {
-                for (k, ray) in rays.iter().enumerate() {
-                    let d = traced.rays.directions[*ray as usize];
-                    (x[k], y[k], z[k]) = (d.x, d.y, d.z);
-                }
-            }
-        }
         let weigh_all = |scaled: Scaling, factors: &mut Vec<f64>| {
             weigh(scaled, ratios, factors);
             if let Some(origins) = traced.rays.origins {
@@ -362,6 +363,19 @@ impl Shading {
             patch,
             triangle,
         });
+    }
+}
+
+/// Makes `directions` the look directions in the world of `rays`.
+fn take_directions(rays: &[u32], traced: &TracedRays, directions: &mut Columns) {
+    directions.resize(rays.len());
+    for (block, rays) in rays.chunks(BLOCK).enumerate() {
+        if let Some([x, y, z]) = directions.block_mut(block * BLOCK) {
+            for (k, ray) in rays.iter().enumerate() {
+                let d = traced.rays.directions[*ray as usize];
+                (x[k], y[k], z[k]) = (d.x, d.y, d.z);
+            }
+        }
     }
 }
 

@@ -201,17 +201,22 @@ impl Light<'_> {
         is_lit.then_some(factors)
     }
 
-    /// The irradiance at a block of points that has these factors.
+    /// Makes `irradiance` that at a block of points that has these factors.
     #[inline(always)]
-    fn irradiance(&self, begin: usize, factors: &Block) -> Vectors {
-        let mut irradiance = match self.constant {
-            Some(colour) => Vectors::splat(colour),
-            None => self.colours.load(begin),
-        };
-        for (k, factor) in factors.iter().enumerate() {
-            irradiance.set(k, irradiance.get(k) * *factor);
+    fn irradiate(&self, begin: usize, factors: &Block, irradiance: &mut Vectors) {
+        match self.constant {
+            Some(colour) => {
+                for (k, factor) in factors.iter().enumerate() {
+                    irradiance.set(k, colour * *factor);
+                }
+            }
+            None => {
+                let colours = self.colours.block(begin);
+                for (k, factor) in factors.iter().enumerate() {
+                    irradiance.set(k, colours.get(k) * *factor);
+                }
+            }
         }
-        irradiance
     }
 
     /// The wavelengths of a block.
@@ -261,13 +266,14 @@ impl VectorLoop for Gather<'_> {
     #[inline(always)]
     fn run(self) {
         let Gather { light, gathered } = self;
+        let (mut irradiance, mut sum) = (Vectors::ZERO, Vectors::ZERO);
         let mut begin = 0;
         while begin < light.factors.len() {
             if let Some(factors) = light.factors(begin) {
-                let irradiance = light.irradiance(begin, &factors);
-                let mut sum = gathered.sum.load(begin);
+                light.irradiate(begin, &factors, &mut irradiance);
+                let before = gathered.sum.block(begin);
                 for k in 0..BLOCK {
-                    sum.set(k, sum.get(k) + irradiance.get(k));
+                    sum.set(k, before.get(k) + irradiance.get(k));
                 }
                 gathered.sum.store(&sum, begin);
                 gathered.weigh(begin, &light, &factors, &irradiance);
@@ -300,15 +306,16 @@ impl VectorLoop for Gloss<'_> {
             gathered,
             added,
         } = self;
+        let (mut irradiance, mut sum) = (Vectors::ZERO, Vectors::ZERO);
         let mut begin = 0;
         while begin < light.factors.len() {
             if let Some(factors) = light.factors(begin) {
-                let irradiance = light.irradiance(begin, &factors);
+                light.irradiate(begin, &factors, &mut irradiance);
                 let (n, v, l) = (normals.block(begin), views.block(begin), l.block(begin));
                 let colours = glosses.colours.block(begin);
                 let metallic = load(&glosses.metallic, begin);
                 let roughness = load(&glosses.roughness, begin);
-                let mut sum = added.load(begin);
+                let before = added.block(begin);
                 for k in 0..BLOCK {
                     let look = [metallic[k], roughness[k]];
                     let value = metallic_roughness_value(
@@ -318,10 +325,10 @@ impl VectorLoop for Gloss<'_> {
                         look,
                         l.get(k),
                     );
-                    let more = sum.get(k) + value * irradiance.get(k);
+                    let more = before.get(k) + value * irradiance.get(k);
                     // Without light f may be no number.
                     let is_lit = factors[k] != 0.0;
-                    sum.set(k, if is_lit { more } else { sum.get(k) });
+                    sum.set(k, if is_lit { more } else { before.get(k) });
                 }
                 added.store(&sum, begin);
                 gathered.weigh(begin, &light, &factors, &irradiance);

@@ -320,10 +320,11 @@ struct Along<'a> {
 impl VectorLoop for Along<'_> {
     #[inline(always)]
     fn run(self) {
-        let mut positions = self.tangents.load(self.begin);
+        let tangents = self.tangents.block(self.begin);
         let s = load(self.s, self.begin);
+        let mut positions = Vectors::ZERO;
         for (k, s) in s.iter().enumerate() {
-            positions.set(k, self.eye + positions.get(k) * *s);
+            positions.set(k, self.eye + tangents.get(k) * *s);
         }
         self.positions.store(&positions, self.begin);
     }
@@ -340,14 +341,14 @@ struct Offsets<'a> {
 impl VectorLoop for Offsets<'_> {
     #[inline(always)]
     fn run(self) {
+        let (mut ct, mut x) = ([0.0; BLOCK], Vectors::ZERO);
         let mut begin = 0;
         while begin < self.s.len() {
-            let mut x = self.directions.load(begin);
+            let d = self.directions.block(begin);
             let s = load(self.s, begin);
-            let mut ct = [0.0; BLOCK];
             for k in 0..BLOCK {
                 ct[k] = -self.index * s[k];
-                x.set(k, x.get(k) * s[k]);
+                x.set(k, d.get(k) * s[k]);
             }
             store(&ct, &mut self.offsets.ct, begin);
             self.offsets.x.store(&x, begin);
@@ -365,11 +366,12 @@ struct Views<'a> {
 impl VectorLoop for Views<'_> {
     #[inline(always)]
     fn run(self) {
+        let mut views = Vectors::ZERO;
         let mut begin = 0;
         while begin < self.tangents.len() {
-            let mut views = self.tangents.load(begin);
+            let tangents = self.tangents.block(begin);
             for k in 0..BLOCK {
-                views.set(k, -views.get(k).normalize_or_zero());
+                views.set(k, -tangents.get(k).normalize_or_zero());
             }
             self.views.store(&views, begin);
             begin += BLOCK;

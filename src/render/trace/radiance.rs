@@ -18,7 +18,7 @@ use super::run::Run;
 use super::stats::{Counter, Meter};
 use super::time_resolved::{CapturedCube, Emitter, TimeResolved};
 use crate::accel::Converging;
-use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch};
 use crate::light::reflection::{Glosses, Reflection};
 use crate::light::time_texture::{BATCH, Capture, CaptureView, Coverage, TimeTexture};
 
@@ -516,23 +516,24 @@ struct Matte<'a> {
 impl VectorLoop for Matte<'_> {
     #[inline(always)]
     fn run(self) {
+        let mut reflected = Vectors::ZERO;
         let mut begin = 0;
         while begin < self.light.len() {
-            let mut light = self.light.load(begin);
+            let light = self.light.block(begin);
             match self.albedo {
                 Some(albedo) => {
                     for k in 0..BLOCK {
-                        light.set(k, albedo * light.get(k) * FRAC_1_PI);
+                        reflected.set(k, albedo * light.get(k) * FRAC_1_PI);
                     }
                 }
                 None => {
                     let albedos = self.albedos.block(begin);
                     for k in 0..BLOCK {
-                        light.set(k, albedos.get(k) * light.get(k) * FRAC_1_PI);
+                        reflected.set(k, albedos.get(k) * light.get(k) * FRAC_1_PI);
                     }
                 }
             }
-            self.light.store(&light, begin);
+            self.light.store(&reflected, begin);
             begin += BLOCK;
         }
     }

@@ -84,8 +84,8 @@ impl Bvh {
         let Some(ray) = ScaledRay::new(&segment.ray) else {
             return false;
         };
-        let mut query = AnyHit::new(self, &ray, segment, tally);
-        self.trace(&ray, stack, &mut query);
+        let mut query = AnyHit::new(self, &ray, segment);
+        self.trace(&ray, stack, &mut query, tally);
         query.found
     }
 
@@ -98,18 +98,24 @@ impl Bvh {
         stack: &mut [StackEntry],
         tally: &mut impl Tally,
     ) -> Option<Hit> {
-        let mut query = ClosestHit::new(self, ray, s_max, left, tally);
-        self.trace(ray, stack, &mut query);
+        let mut query = ClosestHit::new(self, ray, s_max, left);
+        self.trace(ray, stack, &mut query, tally);
         query.into_hit(ray)
     }
 
     #[inline(always)]
-    fn trace(&self, ray: &ScaledRay, stack: &mut [StackEntry], query: &mut impl Query) {
+    fn trace(
+        &self,
+        ray: &ScaledRay,
+        stack: &mut [StackEntry],
+        query: &mut impl Query,
+        tally: &mut impl Tally,
+    ) {
         if self.is_empty() {
             return;
         }
         if let Some(slabs) = SlabRay::new(&self.space, &ray.line, ray.s_min) {
-            traverse(&self.nodes, &slabs, stack, query);
+            traverse(&self.nodes, &slabs, stack, query, tally);
         }
     }
 
@@ -191,16 +197,15 @@ impl ScaledRay {
             s: rival.as_ref().map_or(f64::INFINITY, |r| r.0.s),
             left,
             found: rival,
-            tally,
         };
         let at = slot as usize;
-        let found = query.consider(slot, &bvh.corners[at], bvh.tags[at]);
+        let found = query.consider(slot, &bvh.corners[at], bvh.tags[at], tally);
         if found { query.found } else { None }
     }
 }
 
 /// The nearest hit so far.
-pub(super) struct ClosestHit<'a, T> {
+pub(super) struct ClosestHit<'a> {
     bvh: &'a Bvh,
     line: &'a Line,
     s_min: f64,
@@ -208,13 +213,12 @@ pub(super) struct ClosestHit<'a, T> {
     /// The slot of the triangle that the ray leaves.
     left: u32,
     found: Option<(Crossing, u32)>,
-    tally: &'a mut T,
 }
 
-impl<'a, T: Tally> ClosestHit<'a, T> {
+impl<'a> ClosestHit<'a> {
     /// For hits of `ray` before `s_max` of the ray as it was given, with any triangle but that in slot `left`.
     #[inline(always)]
-    pub fn new(bvh: &'a Bvh, ray: &'a ScaledRay, s_max: f64, left: u32, tally: &'a mut T) -> Self {
+    pub fn new(bvh: &'a Bvh, ray: &'a ScaledRay, s_max: f64, left: u32) -> Self {
         ClosestHit {
             bvh,
             line: &ray.line,
@@ -222,7 +226,6 @@ impl<'a, T: Tally> ClosestHit<'a, T> {
             s: s_max * ray.per_unit,
             left,
             found: None,
-            tally,
         }
     }
 
@@ -235,10 +238,16 @@ impl<'a, T: Tally> ClosestHit<'a, T> {
 
     /// Takes over the triangle in `slot` if it comes first: nearer, or as near with a smaller id.
     #[inline(always)]
-    fn consider(&mut self, slot: u32, corners: &[DVec3; 3], tag: Tag) -> bool {
+    fn consider(
+        &mut self,
+        slot: u32,
+        corners: &[DVec3; 3],
+        tag: Tag,
+        tally: &mut impl Tally,
+    ) -> bool {
         // Ties go to the smaller id, so that the order of the tree does not show.
         if slot != self.left
-            && let Some(crossing) = self.line.intersect(corners, self.tally)
+            && let Some(crossing) = self.line.intersect(corners, tally)
             && crossing.s > self.s_min
             && (crossing.s < self.s || (crossing.s == self.s && self.wins_tie(tag)))
             && tag.shows(crossing.front)
@@ -258,13 +267,13 @@ impl<'a, T: Tally> ClosestHit<'a, T> {
     }
 }
 
-impl<T: Tally> Query for ClosestHit<'_, T> {
+impl Query for ClosestHit<'_> {
     #[inline(always)]
-    fn leaf(&mut self, slot: usize) -> bool {
+    fn leaf(&mut self, slot: usize, tally: &mut impl Tally) -> bool {
         let triangles = self.bvh.corners[slot..].iter().zip(&self.bvh.tags[slot..]);
         for (i, (corners, &tag)) in triangles.enumerate() {
-            self.tally.add(Work::Triangles, 1);
-            self.consider((slot + i) as u32, corners, tag);
+            tally.add(Work::Triangles, 1);
+            self.consider((slot + i) as u32, corners, tag, tally);
             if tag.is_last() {
                 break;
             }
@@ -273,15 +282,11 @@ impl<T: Tally> Query for ClosestHit<'_, T> {
     }
 
     #[inline(always)]
-    fn triangle(&mut self, slot: usize) -> bool {
-        self.tally.add(Work::Triangles, 1);
-        self.consider(slot as u32, &self.bvh.corners[slot], self.bvh.tags[slot]);
+    fn triangle(&mut self, slot: usize, tally: &mut impl Tally) -> bool {
+        tally.add(Work::Triangles, 1);
+        let (corners, tag) = (&self.bvh.corners[slot], self.bvh.tags[slot]);
+        self.consider(slot as u32, corners, tag, tally);
         false
-    }
-
-    #[inline(always)]
-    fn node(&mut self) {
-        self.tally.add(Work::Nodes, 1);
     }
 
     #[inline(always)]
@@ -291,7 +296,7 @@ impl<T: Tally> Query for ClosestHit<'_, T> {
 }
 
 /// Whether there is a hit at all.
-pub(super) struct AnyHit<'a, T> {
+pub(super) struct AnyHit<'a> {
     bvh: &'a Bvh,
     line: &'a Line,
     s_min: f64,
@@ -299,13 +304,12 @@ pub(super) struct AnyHit<'a, T> {
     /// What doesn't count.
     own: [Option<u32>; 2],
     found: bool,
-    tally: &'a mut T,
 }
 
-impl<'a, T: Tally> AnyHit<'a, T> {
+impl<'a> AnyHit<'a> {
     /// Whether anything blocks `segment`; `ray` is its ray.
     #[inline(always)]
-    pub fn new(bvh: &'a Bvh, ray: &'a ScaledRay, segment: &Segment, tally: &'a mut T) -> Self {
+    pub fn new(bvh: &'a Bvh, ray: &'a ScaledRay, segment: &Segment) -> Self {
         AnyHit {
             bvh,
             line: &ray.line,
@@ -313,7 +317,6 @@ impl<'a, T: Tally> AnyHit<'a, T> {
             s_max: segment.s_max * ray.per_unit,
             own: [segment.skip, segment.end],
             found: false,
-            tally,
         }
     }
 
@@ -325,9 +328,9 @@ impl<'a, T: Tally> AnyHit<'a, T> {
 
     /// Whether the triangle in `slot` does.
     #[inline(always)]
-    pub fn test(&mut self, slot: usize) -> bool {
+    pub fn test(&mut self, slot: usize, tally: &mut impl Tally) -> bool {
         let tag = self.bvh.tags[slot];
-        if let Some(crossing) = self.line.intersect(&self.bvh.corners[slot], self.tally)
+        if let Some(crossing) = self.line.intersect(&self.bvh.corners[slot], tally)
             && crossing.s > self.s_min
             && crossing.s < self.s_max
             && tag.shows(crossing.front)
@@ -340,12 +343,12 @@ impl<'a, T: Tally> AnyHit<'a, T> {
     }
 }
 
-impl<T: Tally> Query for AnyHit<'_, T> {
+impl Query for AnyHit<'_> {
     #[inline(always)]
-    fn leaf(&mut self, slot: usize) -> bool {
+    fn leaf(&mut self, slot: usize, tally: &mut impl Tally) -> bool {
         for at in slot..self.bvh.tags.len() {
-            self.tally.add(Work::Triangles, 1);
-            if self.test(at) {
+            tally.add(Work::Triangles, 1);
+            if self.test(at, tally) {
                 return true;
             }
             if self.bvh.tags[at].is_last() {
@@ -356,14 +359,9 @@ impl<T: Tally> Query for AnyHit<'_, T> {
     }
 
     #[inline(always)]
-    fn triangle(&mut self, slot: usize) -> bool {
-        self.tally.add(Work::Triangles, 1);
-        self.test(slot)
-    }
-
-    #[inline(always)]
-    fn node(&mut self) {
-        self.tally.add(Work::Nodes, 1);
+    fn triangle(&mut self, slot: usize, tally: &mut impl Tally) -> bool {
+        tally.add(Work::Triangles, 1);
+        self.test(slot, tally)
     }
 
     #[inline(always)]

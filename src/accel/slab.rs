@@ -51,9 +51,26 @@ pub(super) struct SlabRay {
     start: f64,
     /// What is unknown about k s − τ₀: (S7).
     blur: f64,
-    /// r, and ρ: (S2).
+}
+
+/// Where a ray starts, as the box test sees it: without branches, for loops over many.
+pub(super) struct SlabStart {
+    /// Per axis 1/|d|.
+    pub inverse: [f64; 3],
+    /// τ₀.
+    pub start: f64,
+    /// What is unknown about k s − τ₀: (S7).
+    pub blur: f64,
+    /// r, if the start is near.
     pub base: DVec3,
+    /// ρ: (S2).
     pub unsure: f64,
+    /// Whether it certainly misses everything.
+    pub misses: bool,
+    /// Whether its numbers are within the limits.
+    pub is_valid: bool,
+    /// Whether the origin is moved in f64: (S2).
+    pub is_near: bool,
 }
 
 /// 1/|d| beyond which an axis is traversed as if it were this: (S4).
@@ -65,67 +82,65 @@ const FAR: f64 = power_of_two(100);
 /// Beyond this, rebasing needs more than f64: (S2).
 const NEAR: f64 = power_of_two(8);
 
-impl SlabRay {
-    /// The ray from parameter `s_min` on, or none where it misses everything.
+impl SlabStart {
+    /// For a ray from `origin` in tree space.
     #[inline(always)]
-    pub fn new(space: &TreeSpace, line: &Line, s_min: f64) -> Option<SlabRay> {
-        let d = line.direction;
-        let origin = space.map(line.origin);
-        let inverse = [d.x, d.y, d.z].map(|d| 1.0 / greater(d.abs(), FLAT));
+    pub fn of(space: &TreeSpace, origin: DVec3, d: DVec3, s_min: f64) -> SlabStart {
+        let inverse = [
+            1.0 / greater(d.x.abs(), FLAT),
+            1.0 / greater(d.y.abs(), FLAT),
+            1.0 / greater(d.z.abs(), FLAT),
+        ];
         let distance = greater(greater(origin.x.abs(), origin.y.abs()), origin.z.abs());
         // τ₀ (S6), and whether the ray leaves the root box before it.
         let (enter, leave) = root_interval(space, origin, d, inverse);
         let first = s_min * space.scale;
         let start = greater(enter - margin(enter, -49), first - margin(first, -36));
         let blur = margin(start, -36);
-        let certain_miss = leave < start - blur;
-        // In this form also for NaN.
-        if certain_miss || !(distance <= FAR && blur < f64::INFINITY) {
+        SlabStart {
+            inverse,
+            start,
+            blur,
+            base: origin + d * start,
+            unsure: power_of_two(-40) + power_of_two(-98) * distance,
+            misses: leave < start - blur,
+            // In this form also for NaN.
+            is_valid: (distance <= FAR) & (blur < f64::INFINITY),
+            is_near: (distance <= NEAR) & (start <= NEAR),
+        }
+    }
+}
+
+impl SlabRay {
+    /// The ray from parameter `s_min` on, or none where it misses everything.
+    #[inline(always)]
+    pub fn new(space: &TreeSpace, line: &Line, s_min: f64) -> Option<SlabRay> {
+        let d = line.direction;
+        let start = SlabStart::of(space, space.map(line.origin), d, s_min);
+        if start.misses || !start.is_valid {
             return None;
         }
-        // r, and ρ (S2).
-        let base = if distance <= NEAR && start <= NEAR {
-            origin + d * start
-        } else {
-            rebase(line, space, start)
+        // r (S2).
+        let base = match start.is_near {
+            true => start.base,
+            false => rebase(line, space, start.start),
         };
-        let unsure = power_of_two(-40) + power_of_two(-98) * distance;
+        let inverse = start.inverse;
         Some(SlabRay {
-            origin: base.to_array().map(|r| origin_lanes(r, unsure)),
+            origin: base.to_array().map(|r| origin_lanes(r, start.unsure)),
             inverse: inverse.map(inverse_lanes),
             descends: [d.x < 0.0, d.y < 0.0, d.z < 0.0],
             scale: space.scale,
-            start,
-            blur,
-            base,
-            unsure,
+            start: start.start,
+            blur: start.blur,
         })
     }
 
     /// The range to clip to while hits up to parameter `s` are of interest: (S7), and (S4) for t itself.
     #[inline(always)]
     pub fn range(&self, s: f64) -> Vec4 {
-        let far = self.far(s);
+        let far = far_of(s * self.scale - self.start, self.blur);
         Vec4::new(0.0, 0.0, -far, -far)
-    }
-
-    /// Beyond this t no box is of interest while hits up to parameter `s` are.
-    #[inline(always)]
-    pub fn far(&self, s: f64) -> f32 {
-        let t = s * self.scale - self.start;
-        (t + t.abs() * power_of_two(-22) + self.blur) as f32
-    }
-
-    /// Along an axis r₊, for planes below, and r₋, for planes above.
-    #[inline(always)]
-    pub fn origins(&self, axis: usize) -> [f32; 2] {
-        [self.origin[axis].x, -self.origin[axis].z]
-    }
-
-    /// Along an axis 1/|d| for entries and for exits.
-    #[inline(always)]
-    pub fn inverses(&self, axis: usize) -> [f32; 2] {
-        [self.inverse[axis].x, self.inverse[axis].z]
     }
 
     /// For both children of `node`: where the ray enters (lanes 0, 1) and minus where it leaves (2, 3), bounded
@@ -199,20 +214,37 @@ fn rebase(line: &Line, space: &TreeSpace, start: f64) -> DVec3 {
     DVec3::new(coordinate(0), coordinate(1), coordinate(2))
 }
 
-/// (S3).
+/// Beyond this t no box is of interest while hits up to t as k s − τ₀ are: (S7), and (S4) for t itself.
 #[inline(always)]
-fn origin_lanes(r: f64, unsure: f64) -> Vec4 {
-    const ROUNDING: f64 = power_of_two(-24) + power_of_two(-44);
-    let margin = r.abs() * ROUNDING + unsure;
-    let (above, below) = ((r + margin) as f32, (r - margin) as f32);
-    Vec4::new(above, above, -below, -below)
+pub(super) fn far_of(t: f64, blur: f64) -> f32 {
+    (t + t.abs() * power_of_two(-22) + blur) as f32
 }
 
-/// (S4).
+/// Along an axis r₊, for planes below, and r₋, for planes above: (S3).
 #[inline(always)]
-fn inverse_lanes(inverse: f64) -> Vec4 {
+pub(super) fn origins_of(r: f64, unsure: f64) -> [f32; 2] {
+    const ROUNDING: f64 = power_of_two(-24) + power_of_two(-44);
+    let margin = r.abs() * ROUNDING + unsure;
+    [(r + margin) as f32, (r - margin) as f32]
+}
+
+/// Along an axis 1/|d| for entries and for exits: (S4).
+#[inline(always)]
+pub(super) fn inverses_of(inverse: f64) -> [f32; 2] {
     let inverse = lesser(inverse, STEEP);
     let enter = (inverse * (1.0 - power_of_two(-22))) as f32;
     let leave = (inverse * (1.0 + power_of_two(-22))) as f32;
+    [enter, leave]
+}
+
+#[inline(always)]
+fn origin_lanes(r: f64, unsure: f64) -> Vec4 {
+    let [above, below] = origins_of(r, unsure);
+    Vec4::new(above, above, -below, -below)
+}
+
+#[inline(always)]
+fn inverse_lanes(inverse: f64) -> Vec4 {
+    let [enter, leave] = inverses_of(inverse);
     Vec4::new(enter, enter, leave, leave)
 }

@@ -4,17 +4,15 @@ use glam::Vec4;
 
 use super::node::{Node, NodeRef};
 use super::slab::{SlabRay, hit_children};
+use super::tally::{Tally, Work};
 
 /// What a ray asks of the tree.
 pub(super) trait Query {
     /// Tests the triangles of the leaf that starts at `slot`; true ends the traversal.
-    fn leaf(&mut self, slot: usize) -> bool;
+    fn leaf(&mut self, slot: usize, tally: &mut impl Tally) -> bool;
 
     /// Tests the triangle in `slot`; true ends the traversal.
-    fn triangle(&mut self, slot: usize) -> bool;
-
-    /// Counts a node.
-    fn node(&mut self);
+    fn triangle(&mut self, slot: usize, tally: &mut impl Tally) -> bool;
 
     /// The ray's parameter up to which boxes are of interest.
     fn limit(&self) -> f64;
@@ -34,16 +32,17 @@ pub(super) fn traverse(
     ray: &SlabRay,
     stack: &mut [StackEntry],
     query: &mut impl Query,
+    tally: &mut impl Tally,
 ) {
     match ray.descends {
-        [false, false, false] => walk::<false, false, false>(nodes, ray, stack, query),
-        [true, false, false] => walk::<true, false, false>(nodes, ray, stack, query),
-        [false, true, false] => walk::<false, true, false>(nodes, ray, stack, query),
-        [true, true, false] => walk::<true, true, false>(nodes, ray, stack, query),
-        [false, false, true] => walk::<false, false, true>(nodes, ray, stack, query),
-        [true, false, true] => walk::<true, false, true>(nodes, ray, stack, query),
-        [false, true, true] => walk::<false, true, true>(nodes, ray, stack, query),
-        [true, true, true] => walk::<true, true, true>(nodes, ray, stack, query),
+        [false, false, false] => walk::<false, false, false>(nodes, ray, stack, query, tally),
+        [true, false, false] => walk::<true, false, false>(nodes, ray, stack, query, tally),
+        [false, true, false] => walk::<false, true, false>(nodes, ray, stack, query, tally),
+        [true, true, false] => walk::<true, true, false>(nodes, ray, stack, query, tally),
+        [false, false, true] => walk::<false, false, true>(nodes, ray, stack, query, tally),
+        [true, false, true] => walk::<true, false, true>(nodes, ray, stack, query, tally),
+        [false, true, true] => walk::<false, true, true>(nodes, ray, stack, query, tally),
+        [true, true, true] => walk::<true, true, true>(nodes, ray, stack, query, tally),
     }
 }
 
@@ -52,6 +51,7 @@ fn walk<const X: bool, const Y: bool, const Z: bool>(
     ray: &SlabRay,
     stack: &mut [StackEntry],
     query: &mut impl Query,
+    tally: &mut impl Tally,
 ) {
     let mut limit = query.limit();
     let mut range = ray.range(limit);
@@ -59,7 +59,7 @@ fn walk<const X: bool, const Y: bool, const Z: bool>(
     let mut at = NodeRef::ROOT;
     loop {
         if at.is_leaf() {
-            if query.leaf(at.index()) {
+            if query.leaf(at.index(), tally) {
                 return;
             }
             // A nearer hit narrows the range.
@@ -68,7 +68,7 @@ fn walk<const X: bool, const Y: bool, const Z: bool>(
                 range = ray.range(limit);
             }
         } else {
-            query.node();
+            tally.add(Work::Nodes, 1);
             let node = &nodes[at.index()];
             let clip = ray.clip::<X, Y, Z>(node, range);
             let [first, second] = node.children;

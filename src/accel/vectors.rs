@@ -319,6 +319,27 @@ pub(crate) fn prefetch<T>(slice: &[T], at: usize) {
     let _ = (slice, at);
 }
 
+/// Loads all of an element of `first` into the cache, or of `second`, without a branch; elements are at most as large as those of `first`.
+#[inline(always)]
+pub(crate) fn prefetch_either<T, U>(is_first: bool, first: &[T], second: &[U], at: usize) {
+    const { assert!(size_of::<U>() <= size_of::<T>()) };
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        let first: *const i8 = first.as_ptr().wrapping_add(at).cast();
+        let second: *const i8 = second.as_ptr().wrapping_add(at).cast();
+        let element = std::hint::select_unpredictable(is_first, first, second);
+        let mut offset = 0;
+        while offset < size_of::<T>() {
+            // SAFETY: prefetching reads nothing, wherever it points.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(element.wrapping_add(offset)) };
+            offset += 64;
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (is_first, first, second, at);
+}
+
 /// Loads all of `what` into the cache, to be read soon.
 #[inline(always)]
 pub(crate) fn prefetch_all<T>(what: &T) {

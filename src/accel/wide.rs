@@ -44,6 +44,8 @@ pub(super) struct WideLeaf {
     pub present: u32,
     /// Those that show their front only.
     pub front_only: u32,
+    /// No coordinate of `corners` is greater.
+    pub size: f32,
 }
 
 #[derive(Debug, Clone, Default)]
@@ -97,6 +99,7 @@ impl WideLeaf {
             first: first as u32,
             present: (1 << corners.len()) - 1,
             front_only: 0,
+            size: 0.0,
         };
         // Corners to f32, by lane, and the largest error that this makes.
         let mut error = 0.0f64;
@@ -104,6 +107,7 @@ impl WideLeaf {
             let exact = corner - centre.as_dvec3();
             let kept = exact.as_vec3();
             error = error.max((kept.as_dvec3() - exact).abs().max_element());
+            leaf.size = leaf.size.max(kept.abs().max_element());
             for axis in 0..3 {
                 leaf.corners[at % 3][axis][at / 3] = kept[axis];
             }

@@ -485,8 +485,8 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
         let Some(ray) = ScaledRay::new(&segment.ray) else {
             return false;
         };
-        let mut query = AnyHit::new(self.bvh, &ray, segment, self.tally);
-        query.test(slot as usize)
+        let mut query = AnyHit::new(self.bvh, &ray, segment);
+        query.test(slot as usize, self.tally)
     }
 }
 

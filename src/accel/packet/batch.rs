@@ -10,7 +10,7 @@ use super::ray_set::{ColumnsToPoint, OwnOrigins, RAYS, RaySet, SharedOrigin};
 use super::refine::RefinedHits;
 use super::tile::Tile;
 use super::traverse::{Outcome, StackEntry};
-use super::walk::{AnySingles, ClosestSingles};
+use super::walk::{AnySingles, ClosestSingles, Waiting};
 use crate::accel::bvh::Bvh;
 use crate::accel::float::power_of_two;
 use crate::accel::node::NodeRef;
@@ -32,6 +32,7 @@ const SMALL: usize = 48;
 struct Workspace {
     block: Block,
     refined: RefinedHits,
+    waiting: Waiting,
 }
 
 impl Bvh {
@@ -93,7 +94,7 @@ impl Bvh {
             }
             Origins::Shared(origin) => {
                 let rays = SharedOrigin { origin, directions };
-                self.closest_of_tile(method, rays, directions, hits, tally, replaced);
+                self.closest_of_tile(method, rays, (from, directions), hits, tally, replaced);
             }
             Origins::Each(origins) => {
                 let rays = OwnOrigins {
@@ -101,7 +102,7 @@ impl Bvh {
                     directions,
                     left: &[],
                 };
-                self.closest_of_tile(method, rays, directions, hits, tally, replaced);
+                self.closest_of_tile(method, rays, (from, directions), hits, tally, replaced);
             }
             Origins::Leaving { origins, slots } => {
                 let rays = OwnOrigins {
@@ -109,7 +110,7 @@ impl Bvh {
                     directions,
                     left: slots,
                 };
-                self.closest_of_tile(method, rays, directions, hits, tally, replaced);
+                self.closest_of_tile(method, rays, (from, directions), hits, tally, replaced);
             }
         }
     }
@@ -169,6 +170,7 @@ impl Bvh {
         let count = blocked.len();
         blocked.fill(false);
         let mut block = Block::EMPTY;
+        let mut waiting = Waiting::default();
         // One block needs no order.
         let tile = match self.is_small() && count > RAYS {
             true => Tile::by_signs(count, |at| segments.segment(at).ray.direction),
@@ -190,24 +192,42 @@ impl Bvh {
                     });
                 }
                 if outcome == Outcome::Incoherent {
-                    method.kernel.run(AnySingles {
-                        bvh: self,
-                        segments,
-                        order: &block.order[..block.count],
-                        blocked,
-                        stack,
-                        tally,
-                    });
+                    let order = &block.order[..block.count];
+                    self.any_of_singles(method, segments, order, blocked, &mut waiting, tally);
                 }
             }
         });
+    }
+
+    /// Traces segments one by one.
+    fn any_of_singles(
+        &self,
+        method: Method,
+        segments: impl SegmentSet,
+        order: &[u32],
+        blocked: &mut [bool],
+        waiting: &mut Waiting,
+        tally: &mut impl Tally,
+    ) {
+        let walked = method.kernel.of_singles().run(AnySingles {
+            bvh: self,
+            segments,
+            order,
+            blocked,
+            waiting,
+            tally,
+        });
+        for ray in chosen(order, walked.left) {
+            let one = [(&segments.segment(ray), &mut blocked[ray])];
+            self.any_singly(one.into_iter(), tally);
+        }
     }
 
     fn closest_of_tile(
         &self,
         method: Method,
         rays: impl RaySet,
-        directions: &[DVec3],
+        (from, directions): (Origins, &[DVec3]),
         hits: &mut [Option<Hit>],
         tally: &mut impl Tally,
         mut replaced: impl FnMut(usize),
@@ -215,6 +235,7 @@ impl Bvh {
         let mut space = Workspace {
             block: Block::EMPTY,
             refined: RefinedHits::NONE,
+            waiting: Waiting::default(),
         };
         // Rays that leave surfaces go all ways: in the order of their signs, those of a block still miss boxes together.
         let tile = match rays.leaves() && self.is_small() {
@@ -237,18 +258,17 @@ impl Bvh {
                     }
                     Outcome::Incoherent => {
                         let order = &space.block.order[..space.block.count];
-                        let mut nearer = method.kernel.run(ClosestSingles {
+                        let walked = method.kernel.of_singles().run(ClosestSingles {
                             bvh: self,
                             rays,
                             order,
                             hits,
-                            stack,
+                            waiting: &mut space.waiting,
                             tally,
                         });
-                        while nearer != 0 {
-                            replaced(order[nearer.trailing_zeros() as usize] as usize);
-                            nearer &= nearer - 1;
-                        }
+                        chosen(order, walked.replaced).for_each(&mut replaced);
+                        let left = chosen(order, walked.left);
+                        self.closest_singly(left, from, directions, hits, tally, &mut replaced);
                     }
                 }
             }
@@ -272,7 +292,7 @@ impl Bvh {
         method: Method,
         rays: impl RaySet,
         hits: &[Option<Hit>],
-        Workspace { block, refined }: &mut Workspace,
+        Workspace { block, refined, .. }: &mut Workspace,
         stack: &mut [StackEntry],
         tally: &mut impl Tally,
     ) -> Outcome {
@@ -346,6 +366,13 @@ impl Workspace {
             }
         }
     }
+}
+
+/// Those of `order` that have their bit in `places`.
+fn chosen(order: &[u32], places: u64) -> impl Iterator<Item = usize> {
+    let rays = order.iter().enumerate();
+    rays.filter(move |(place, _)| places >> place & 1 != 0)
+        .map(|(_, &ray)| ray as usize)
 }
 
 /// s, u, v and front of a lane's hit, as f32 has them.

@@ -1,290 +1,685 @@
-//! Single rays through the wide tree: eight boxes, and the triangles of a leaf, at a time.
+//! Single rays through the wide tree: up to 64 at the same time, each on its own way.
+//!
+//! A ray alone waits for most of its time: for a node from the memory, or for what was decided on the node before. So the rays of
+//! a block take turns. In each round every ray makes one step, through a node or a leaf, and asks for what it needs in the next
+//! round; meanwhile the others step. A round goes through all rays at leaves, and then through all at nodes, so that the processor
+//! does not have to guess which of them a ray has come to.
 //!
 //! Boxes are tested as in [`slab`](crate::accel::slab), with its bounds. Of a leaf's triangles those that a ray certainly
 //! misses are found in f32; the others are decided in f64 as everywhere, so that results are those of the binary tree.
 //!
-//! **(W1) Nearness.** The leaf's corners A are relative to its centre, and so is the point p of the ray that is nearest to that. Moving
-//! along the ray changes no edge function. In f64 p is off by ρ of (S2) and 2⁻⁴⁶(1 + |r|), r from the centre; with the
-//! error of the corners and that of p as f32, a = A − p is off by e = error + ρ + 2⁻⁴⁶(1 + |r|) + 2⁻²⁴|p|, and by its own 2⁻²⁴|a|.
+//! **(W1) Shear.** Let z be the axis along which |d| is greatest, x and y the others, and Sx = dx/dz, Sy = dy/dz, of which none is
+//! greater than 1 (Woop, Benthin, Wald, JCGT 2(1), 2013). The leaf's corners A are relative to its centre, and so is the point p in
+//! which the ray meets the plane z = 0. With a = (Ax − px − Sx Az, Ay − py − Sy Az), b and c as well, d·((B − p) × (C − p)) is
+//! dz (bx cy − by cx): the three edge functions, but for a factor in common. Let η be the error of corners and h their
+//! largest coordinate, P = |p|∞, v = 2⁻²⁴. In f64 p is off by 2ρ, ρ of (S2), and 2⁻⁴⁶(2 + |r|); in a that rounded to f32 makes v P, the
+//! rounding of Sx v h, those of the difference, of the product and of the sum v (h + P), v h and v (2h + P). So a is off by
+//! e = 2η + 2ρ + 2⁻⁴⁶(2 + |r|) + 6 v (h + P).
 //!
-//! **(W2) Edge functions.** With m the largest coordinate of a, b and c and M = m + 2e, a product of two coordinates is off by
-//! 2 M e + 2⁻²⁴ M² of its factors and as much again for their own rounding, a component of b × c by twice that and 2⁻²³ M²; and with
-//! |d|∞ < 2, which is off by 2⁻²⁴ of itself, d·(b × c) in all by less than 36 M e + 108·2⁻²⁴ M². M (64 e + 256·2⁻²⁴ M) is more.
+//! **(W2) Edge functions.** No coordinate of a, b and c is greater than M = 2h + P + 2e. Two products of two are off by 4 M e,
+//! and with their roundings and that of their difference by 4 M e + 4.1 v M². M (6 e + 6 v M) is more.
 //! A ray hits where U, V and W have one sign: it certainly misses where one of them is below minus that, and one above.
 
 use glam::DVec3;
 
 use super::any_hits::SegmentSet;
-use super::ray_set::RaySet;
-use super::simd::{Simd, Task};
-use super::traverse::StackEntry;
+use super::ray_set::{RAYS, RaySet};
+use super::simd::{Eight, Simd, Task};
 use crate::accel::bvh::Bvh;
-use crate::accel::float::power_of_two;
+use crate::accel::float::{greater, power_of_two};
 use crate::accel::node::NodeRef;
-use crate::accel::rays::Hit;
+use crate::accel::rays::{Hit, Ray};
 use crate::accel::single::{AnyHit, ClosestHit, ScaledRay};
-use crate::accel::slab::SlabRay;
+use crate::accel::slab::{SlabStart, far_of, inverses_of, origins_of};
 use crate::accel::tally::{Tally, Work};
 use crate::accel::traverse::Query;
-use crate::accel::wide::{WIDTH, WideLeaf};
+use crate::accel::tree_space::TreeSpace;
+use crate::accel::triangle::Line;
+use crate::accel::vectors::{prefetch, prefetch_either};
+use crate::accel::wide::{WIDTH, WideLeaf, WideTree};
 
-/// The nearest hits of at most 64 rays, one by one; by place in `order`, bits say which hits were replaced.
+/// The nearest hits of rays, each by itself.
 pub(super) struct ClosestSingles<'a, R, T> {
     pub bvh: &'a Bvh,
     pub rays: R,
-    /// Which of them.
+    /// Which of them, at most 64.
     pub order: &'a [u32],
     pub hits: &'a mut [Option<Hit>],
-    pub stack: &'a mut [StackEntry],
+    pub waiting: &'a mut Waiting,
     pub tally: &'a mut T,
 }
 
-impl<R: RaySet, T: Tally> Task for ClosestSingles<'_, R, T> {
-    type Output = u64;
-
-    #[inline(always)]
-    fn run<K: Simd>(self, k: K) -> u64 {
-        self.tally.add(Work::Singles, self.order.len());
-        let mut replaced = 0;
-        for (place, ray) in self.order.iter().enumerate() {
-            let at = *ray as usize;
-            let s_max = match &self.hits[at] {
-                Some(hit) => hit.s,
-                None => f64::INFINITY,
-            };
-            let left = self.rays.left(at);
-            let Some(ray) = ScaledRay::new(&self.rays.ray(at)) else {
-                continue;
-            };
-            let mut query = ClosestHit::new(self.bvh, &ray, s_max, left, self.tally);
-            walk(k.children(), self.bvh, &ray, self.stack, &mut query);
-            if let Some(hit) = query.into_hit(&ray) {
-                self.hits[at] = Some(hit);
-                replaced |= 1 << place;
-            }
-        }
-        replaced
-    }
-}
-
-/// What blocks segments, one by one.
+/// What blocks segments, each by itself.
 pub(super) struct AnySingles<'a, S, T> {
     pub bvh: &'a Bvh,
     pub segments: S,
-    /// Which of them.
+    /// Which of them, at most 64.
     pub order: &'a [u32],
     pub blocked: &'a mut [bool],
-    pub stack: &'a mut [StackEntry],
+    pub waiting: &'a mut Waiting,
     pub tally: &'a mut T,
 }
 
-impl<S: SegmentSet, T: Tally> Task for AnySingles<'_, S, T> {
-    type Output = ();
+/// What became of rays, as bits by their place in the order.
+pub(super) struct Walked {
+    /// Those whose hits were replaced.
+    pub replaced: u64,
+    /// Those that are not traced here: their numbers are not within the limits, or they start too far away.
+    pub left: u64,
+}
+
+impl<R: RaySet, T: Tally> Task for ClosestSingles<'_, R, T> {
+    type Output = Walked;
 
     #[inline(always)]
-    fn run<K: Simd>(self, k: K) {
-        self.tally.add(Work::Singles, self.order.len());
-        for at in self.order {
-            let at = *at as usize;
-            let segment = &self.segments.segment(at);
-            let Some(ray) = ScaledRay::new(&segment.ray) else {
-                self.blocked[at] = false;
-                continue;
+    fn run<K: Simd>(self, k: K) -> Walked {
+        let (bvh, rays) = (self.bvh, self.rays);
+        let mut given = Given::NONE;
+        for (lane, &ray) in self.order.iter().enumerate().take(RAYS) {
+            given.set(lane, &rays.ray(ray as usize));
+        }
+        let mut lines = Lines::NONE;
+        lines.set_up(&bvh.space, &given);
+        let (mut walked, entering) = lines.fates(self.order.len());
+        let scaled = lines.scaled(&given, entering);
+        self.tally.add(
+            Work::Singles,
+            self.order.len() - walked.left.count_ones() as usize,
+        );
+        let mut queries = Vec::with_capacity(scaled.len());
+        let mut lanes = entering;
+        for scaled in &scaled {
+            let ray = self.order[next_lane(&mut lanes)] as usize;
+            // A hit that is known already, in another tree, ends the ray: only nearer ones replace it.
+            let s_max = match &self.hits[ray] {
+                Some(hit) => hit.s,
+                None => f64::INFINITY,
             };
-            let mut query = AnyHit::new(self.bvh, &ray, segment, self.tally);
-            walk(k.children(), self.bvh, &ray, self.stack, &mut query);
-            self.blocked[at] = query.is_found();
+            queries.push(ClosestHit::new(bvh, scaled, s_max, rays.left(ray)));
+        }
+        Walk::new(k.children(), bvh, &lines, self.waiting).run(entering, &mut queries, self.tally);
+        let mut lanes = entering;
+        for (query, scaled) in queries.into_iter().zip(&scaled) {
+            let lane = next_lane(&mut lanes);
+            if let Some(hit) = query.into_hit(scaled) {
+                self.hits[self.order[lane] as usize] = Some(hit);
+                walked.replaced |= 1 << lane;
+            }
+        }
+        walked
+    }
+}
+
+impl<S: SegmentSet, T: Tally> Task for AnySingles<'_, S, T> {
+    type Output = Walked;
+
+    #[inline(always)]
+    fn run<K: Simd>(self, k: K) -> Walked {
+        let bvh = self.bvh;
+        let mut given = Given::NONE;
+        for (lane, &ray) in self.order.iter().enumerate().take(RAYS) {
+            given.set(lane, &self.segments.segment(ray as usize).ray);
+            self.blocked[ray as usize] = false;
+        }
+        let mut lines = Lines::NONE;
+        lines.set_up(&bvh.space, &given);
+        let (walked, entering) = lines.fates(self.order.len());
+        let scaled = lines.scaled(&given, entering);
+        self.tally.add(
+            Work::Singles,
+            self.order.len() - walked.left.count_ones() as usize,
+        );
+        let mut queries = Vec::with_capacity(scaled.len());
+        let mut lanes = entering;
+        for scaled in &scaled {
+            let segment = self
+                .segments
+                .segment(self.order[next_lane(&mut lanes)] as usize);
+            queries.push(AnyHit::new(bvh, scaled, &segment));
+        }
+        Walk::new(k.children(), bvh, &lines, self.waiting).run(entering, &mut queries, self.tally);
+        let mut lanes = entering;
+        for query in &queries {
+            let ray = self.order[next_lane(&mut lanes)];
+            self.blocked[ray as usize] = query.is_found();
+        }
+        walked
+    }
+}
+
+/// Takes the first of `lanes`.
+#[inline(always)]
+fn next_lane(lanes: &mut u64) -> usize {
+    let lane = lanes.trailing_zeros() as usize % RAYS;
+    *lanes &= lanes.wrapping_sub(1);
+    lane
+}
+
+/// Children that rays visit later.
+#[derive(Default)]
+pub(super) struct Waiting {
+    /// Where they are entered, or a little before, and which they are: `room` of each ray, one ray after the other.
+    entries: Vec<u32>,
+    nodes: Vec<NodeRef>,
+    room: usize,
+}
+
+impl Waiting {
+    /// Makes room for what waits in a tree.
+    fn fit(&mut self, tree: &WideTree) {
+        if self.room == 0 {
+            // A node leaves all its children but the one that is taken next; eight are written, however many there are, and eight
+            // are read, though fewer wait.
+            self.room = (tree.depth + 2) * WIDTH;
+            self.entries = vec![0; RAYS * self.room];
+            self.nodes = vec![NodeRef::ROOT; RAYS * self.room];
         }
     }
 }
 
-/// Along one axis: which plane is nearer, and for both the origin and 1/d as (S3) and (S4) have them.
-struct Slab<F> {
-    near: usize,
-    origins: [F; 2],
-    inverse: [F; 2],
+/// Rays as they are given, by lane.
+#[repr(C, align(64))]
+struct Given {
+    origins: [[f64; RAYS]; 3],
+    directions: [[f64; RAYS]; 3],
+    s_min: [f64; RAYS],
 }
 
-/// Puts `query` to the tree along `ray`, nearer children first.
-#[inline(always)]
-fn walk<K: Simd>(
-    k: K,
-    bvh: &Bvh,
-    ray: &ScaledRay,
-    stack: &mut [StackEntry],
-    query: &mut impl Query,
-) {
-    let Some(slabs) = SlabRay::new(&bvh.space, &ray.line, ray.s_min) else {
-        return;
+impl Given {
+    const NONE: Given = Given {
+        origins: [[0.0; RAYS]; 3],
+        directions: [[0.0; RAYS]; 3],
+        s_min: [0.0; RAYS],
     };
-    let axes = [slab(k, &slabs, 0), slab(k, &slabs, 1), slab(k, &slabs, 2)];
-    let filter = Filter::new(k, &slabs, ray.line.direction);
-    let mut limit = query.limit();
-    let mut far = slabs.far(limit);
-    let mut waiting = 1;
-    stack[0] = (0.0, NodeRef::ROOT);
-    while waiting > 0 {
-        waiting -= 1;
-        let (entry, at) = stack[waiting];
-        if entry > far {
-            continue;
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, ray: &Ray) {
+        let (o, d) = (ray.origin, ray.direction);
+        let [x, y, z] = &mut self.origins;
+        (x[lane], y[lane], z[lane]) = (o.x, o.y, o.z);
+        let [x, y, z] = &mut self.directions;
+        (x[lane], y[lane], z[lane]) = (d.x, d.y, d.z);
+        self.s_min[lane] = ray.s_min;
+    }
+
+    #[inline(always)]
+    fn origin(&self, lane: usize) -> DVec3 {
+        let [x, y, z] = &self.origins;
+        DVec3::new(x[lane], y[lane], z[lane])
+    }
+
+    #[inline(always)]
+    fn direction(&self, lane: usize) -> DVec3 {
+        let [x, y, z] = &self.directions;
+        DVec3::new(x[lane], y[lane], z[lane])
+    }
+}
+
+/// Rays in f64, by lane, for the tests of boxes and leaves.
+#[repr(C, align(64))]
+struct Lines {
+    /// The factor that takes |d|∞ to [1, 2).
+    unit: [f64; RAYS],
+    /// [`MISSES`], [`ENTERS`] or [`LEFT`].
+    fate: [f64; RAYS],
+    /// τ₀, and what is unknown about k s − τ₀.
+    start: [f64; RAYS],
+    blur: [f64; RAYS],
+    /// r, ρ, and 1/|d| with the sign of d.
+    base: [[f64; RAYS]; 3],
+    unsure: [f64; RAYS],
+    inverse: [[f64; RAYS]; 3],
+    /// r along x, y and z of (W1), and the slopes Sx and Sy.
+    sheared: [[f64; RAYS]; 3],
+    slopes: [[f64; RAYS]; 2],
+    /// z of (W1): 0, 1 or 2.
+    steepest: [f64; RAYS],
+}
+
+/// A ray that certainly misses everything.
+const MISSES: f64 = 0.0;
+/// One that goes through the tree.
+const ENTERS: f64 = 1.0;
+/// One that is left to the binary tree.
+const LEFT: f64 = 2.0;
+
+impl Lines {
+    const NONE: Lines = Lines {
+        unit: [0.0; RAYS],
+        fate: [0.0; RAYS],
+        start: [0.0; RAYS],
+        blur: [0.0; RAYS],
+        base: [[0.0; RAYS]; 3],
+        unsure: [0.0; RAYS],
+        inverse: [[0.0; RAYS]; 3],
+        sheared: [[0.0; RAYS]; 3],
+        slopes: [[0.0; RAYS]; 2],
+        steepest: [0.0; RAYS],
+    };
+
+    /// The rays as `given`.
+    #[inline(always)]
+    fn set_up(&mut self, space: &TreeSpace, given: &Given) {
+        let space = *space;
+        for lane in 0..RAYS {
+            // As `ScaledRay::new` does it.
+            let (origin, direction) = (given.origin(lane), given.direction(lane));
+            let size = greatest(direction);
+            let finite = (direction.x + direction.y + direction.z) * 0.0
+                + (origin.x + origin.y + origin.z) * 0.0
+                == 0.0;
+            let usual = finite
+                & (size >= power_of_two(-500))
+                & (size < power_of_two(500))
+                & (greatest(origin) <= Bvh::MAX_COORDINATE);
+            let exponent = size.to_bits() >> 52;
+            let unit = f64::from_bits((2046u64.wrapping_sub(exponent)) << 52);
+            let per_unit = f64::from_bits(exponent << 52);
+            let d = direction * unit;
+            let start = SlabStart::of(&space, space.map(origin), d, given.s_min[lane] * per_unit);
+            let missed = usual & start.is_valid & start.misses;
+            let entered = usual & start.is_valid & start.is_near & !start.misses;
+            let fate = if missed { MISSES } else { LEFT };
+            self.fate[lane] = if entered { ENTERS } else { fate };
+            self.unit[lane] = unit;
+            self.start[lane] = start.start;
+            self.blur[lane] = start.blur;
+            self.unsure[lane] = start.unsure;
+            let base = start.base;
+            (self.base[0][lane], self.base[1][lane], self.base[2][lane]) = (base.x, base.y, base.z);
+            let inverse = [
+                start.inverse[0].copysign(d.x),
+                start.inverse[1].copysign(d.y),
+                start.inverse[2].copysign(d.z),
+            ];
+            self.inverse[0][lane] = inverse[0];
+            self.inverse[1][lane] = inverse[1];
+            self.inverse[2][lane] = inverse[2];
+            // (W1): z, and x and y as they follow it.
+            let (ax, ay, az) = (d.x.abs(), d.y.abs(), d.z.abs());
+            let by_x = (ax >= ay) & (ax >= az);
+            let by_y = !by_x & (ay >= az);
+            let by = [by_x, by_y];
+            let sheared = turned(by, [base.x, base.y, base.z]);
+            let [x, y, _] = turned(by, [d.x, d.y, d.z]);
+            let [_, _, per_z] = turned(by, inverse);
+            self.sheared[0][lane] = sheared[0];
+            self.sheared[1][lane] = sheared[1];
+            self.sheared[2][lane] = sheared[2];
+            self.slopes[0][lane] = x * per_z;
+            self.slopes[1][lane] = y * per_z;
+            self.steepest[lane] = if by_x {
+                0.0
+            } else if by_y {
+                1.0
+            } else {
+                2.0
+            };
         }
-        if at.is_leaf() {
-            let leaf = &bvh.wide.leaves[at.index()];
-            let mut candidates = filter.candidates(leaf);
-            while candidates != 0 {
-                let lane = candidates.trailing_zeros();
-                candidates &= candidates - 1;
-                if query.triangle((leaf.first + lane) as usize) {
-                    return;
-                }
-            }
-            // A nearer hit narrows the range.
-            if query.limit() < limit {
-                limit = query.limit();
-                far = slabs.far(limit);
-            }
-            continue;
+    }
+
+    /// What becomes of the first `count` rays, and which of them go through the tree, as bits.
+    #[inline(always)]
+    fn fates(&self, count: usize) -> (Walked, u64) {
+        let (mut entering, mut left) = (0, 0);
+        for (lane, &fate) in self.fate.iter().enumerate().take(count) {
+            entering |= u64::from(fate == ENTERS) << lane;
+            left |= u64::from(fate == LEFT) << lane;
         }
-        query.node();
-        let node = &bvh.wide.nodes[at.index()];
-        let (mut enter, mut leave) = (k.splat(0.0), k.splat(far));
+        (Walked { replaced: 0, left }, entering)
+    }
+
+    /// The rays of `lanes`, one after the other.
+    #[inline(always)]
+    fn scaled(&self, given: &Given, mut lanes: u64) -> Vec<ScaledRay> {
+        let mut rays = Vec::with_capacity(lanes.count_ones() as usize);
+        while lanes != 0 {
+            let lane = next_lane(&mut lanes);
+            let unit = self.unit[lane];
+            // The other power of two.
+            let per_unit = f64::from_bits((2046 << 52) - unit.to_bits());
+            rays.push(ScaledRay {
+                line: Line {
+                    origin: given.origin(lane),
+                    direction: given.direction(lane) * unit,
+                },
+                s_min: given.s_min[lane] * per_unit,
+                unit,
+                per_unit,
+            });
+        }
+        rays
+    }
+}
+
+/// |v|∞.
+#[inline(always)]
+fn greatest(v: DVec3) -> f64 {
+    greater(greater(v.x.abs(), v.y.abs()), v.z.abs())
+}
+
+/// Rays in f32, by lane.
+#[repr(C, align(64))]
+struct Boxes {
+    /// Per axis for the nearer planes and for those beyond, the origin and 1/d as (S3) and (S4) have them.
+    origins: [[[f32; RAYS]; 2]; 3],
+    inverses: [[[f32; RAYS]; 2]; 3],
+    /// Per axis which plane is nearer: 1 for that above.
+    near: [[u32; RAYS]; 3],
+    /// x, y and z of (W1), −Sx and −Sy.
+    axes: [[u32; RAYS]; 3],
+    slopes: [[f32; RAYS]; 2],
+    /// 2ρ + 2⁻⁴⁶(2 + |r|).
+    off: [f32; RAYS],
+    /// Beyond this t no box is of interest.
+    far: [f32; RAYS],
+}
+
+impl Boxes {
+    const NONE: Boxes = Boxes {
+        origins: [[[0.0; RAYS]; 2]; 3],
+        inverses: [[[0.0; RAYS]; 2]; 3],
+        near: [[0; RAYS]; 3],
+        axes: [[0; RAYS]; 3],
+        slopes: [[0.0; RAYS]; 2],
+        off: [0.0; RAYS],
+        far: [0.0; RAYS],
+    };
+
+    #[inline(always)]
+    fn set_up(&mut self, lines: &Lines) {
         let mut axis = 0;
         while axis < 3 {
-            let (slab, planes) = (&axes[axis], &node.planes[axis]);
-            let near = k.sub(k.load(&planes[slab.near]), slab.origins[0]);
-            let beyond = k.sub(k.load(&planes[1 - slab.near]), slab.origins[1]);
-            enter = k.max(enter, k.mul(near, slab.inverse[0]));
-            leave = k.min(leave, k.mul(beyond, slab.inverse[1]));
+            for lane in 0..RAYS {
+                let [above, below] = origins_of(lines.base[axis][lane], lines.unsure[lane]);
+                let inverse = lines.inverse[axis][lane];
+                let [enter, leave] = inverses_of(inverse.abs());
+                let descends = inverse < 0.0;
+                self.near[axis][lane] = u32::from(descends);
+                self.origins[axis][0][lane] = if descends { below } else { above };
+                self.origins[axis][1][lane] = if descends { above } else { below };
+                self.inverses[axis][0][lane] = if descends { -enter } else { enter };
+                self.inverses[axis][1][lane] = if descends { -leave } else { leave };
+            }
             axis += 1;
         }
-        let mut entries = [0.0; WIDTH];
-        k.store(&mut entries, enter);
-        let mut hit = k.le(enter, leave);
-        let first = waiting;
-        while hit != 0 {
-            let at = hit.trailing_zeros() as usize % WIDTH;
-            hit &= hit - 1;
-            // Insertion sort, the farthest deepest.
-            let (entry, child) = (entries[at], node.children[at]);
-            let mut place = waiting;
-            while place > first && stack[place - 1].0 < entry {
-                stack[place] = stack[place - 1];
-                place -= 1;
-            }
-            stack[place] = (entry, child);
-            waiting += 1;
+        for lane in 0..RAYS {
+            let base = DVec3::new(
+                lines.base[0][lane],
+                lines.base[1][lane],
+                lines.base[2][lane],
+            );
+            let off = 2.0 * lines.unsure[lane] + power_of_two(-46) * (2.0 + greatest(base));
+            self.off[lane] = off as f32 * (1.0 + f32::EPSILON);
+            self.slopes[0][lane] = -lines.slopes[0][lane] as f32;
+            self.slopes[1][lane] = -lines.slopes[1][lane] as f32;
+            let z = lines.steepest[lane] as i32 as u32;
+            self.axes[0][lane] = if z == 2 { 0 } else { z + 1 };
+            self.axes[1][lane] = if z == 0 { 2 } else { z - 1 };
+            self.axes[2][lane] = z;
         }
     }
 }
 
-#[inline(always)]
-fn slab<K: Simd>(k: K, ray: &SlabRay, axis: usize) -> Slab<K::F> {
-    let [above, below] = ray.origins(axis);
-    let [enter, leave] = ray.inverses(axis);
-    match ray.descends[axis] {
-        false => Slab {
-            near: 0,
-            origins: [k.splat(above), k.splat(below)],
-            inverse: [k.splat(enter), k.splat(leave)],
-        },
-        true => Slab {
-            near: 1,
-            origins: [k.splat(below), k.splat(above)],
-            inverse: [k.splat(-enter), k.splat(-leave)],
-        },
-    }
+/// Lanes in some order.
+struct Lanes {
+    lanes: [u8; RAYS],
+    count: usize,
 }
 
-/// Which triangles of leaves a ray may hit.
-struct Filter<K: Simd> {
-    kernel: K,
-    /// d, and as f32 in all lanes.
-    direction: DVec3,
-    lanes: [K::F; 3],
-    /// 1/d².
-    inverse_square: f64,
-    /// A point of the ray in tree space, and ρ.
-    base: DVec3,
-    unsure: f64,
-}
+impl Lanes {
+    const NONE: Lanes = Lanes {
+        lanes: [0; RAYS],
+        count: 0,
+    };
 
-impl<K: Simd> Filter<K> {
     #[inline(always)]
-    fn new(k: K, ray: &SlabRay, direction: DVec3) -> Self {
-        Filter {
-            kernel: k,
-            direction,
-            lanes: k.splat3([direction.x as f32, direction.y as f32, direction.z as f32]),
-            inverse_square: 1.0 / direction.length_squared(),
-            base: ray.base,
-            unsure: ray.unsure,
+    fn all(&self) -> &[u8] {
+        &self.lanes[..self.count]
+    }
+}
+
+/// Rays on their ways through a tree.
+struct Walk<'a, K: Simd> {
+    kernel: K,
+    bvh: &'a Bvh,
+    lines: &'a Lines,
+    boxes: Boxes,
+    waiting: &'a mut Waiting,
+    /// How many children wait, by lane, and what is visited next.
+    counts: [u32; RAYS],
+    next: [NodeRef; RAYS],
+    /// Rays that are at nodes and at leaves.
+    at_nodes: Lanes,
+    at_leaves: Lanes,
+}
+
+impl<'a, K: Eight> Walk<'a, K> {
+    #[inline(always)]
+    fn new(kernel: K, bvh: &'a Bvh, lines: &'a Lines, waiting: &'a mut Waiting) -> Self {
+        waiting.fit(&bvh.wide);
+        let mut boxes = Boxes::NONE;
+        boxes.set_up(lines);
+        Walk {
+            kernel,
+            bvh,
+            lines,
+            boxes,
+            waiting,
+            counts: [0; RAYS],
+            next: [NodeRef::ROOT; RAYS],
+            at_nodes: Lanes::NONE,
+            at_leaves: Lanes::NONE,
         }
+    }
+
+    /// Puts `queries` to the tree, one for each of `lanes`.
+    #[inline(always)]
+    fn run<Q: Query>(mut self, mut lanes: u64, queries: &mut [Q], tally: &mut impl Tally) {
+        let mut query_of = [0; RAYS];
+        for (at, query) in queries.iter().enumerate().take(RAYS) {
+            let lane = next_lane(&mut lanes);
+            query_of[lane] = at as u8;
+            self.narrow(lane, query.limit());
+            self.at_nodes.lanes[at] = lane as u8;
+        }
+        self.at_nodes.count = queries.len();
+        // Triangles that rays may hit: of which ray, and in which slot.
+        let mut pairs = [(0, 0); RAYS * WIDTH];
+        while self.at_nodes.count + self.at_leaves.count > 0 {
+            let leaves = std::mem::replace(&mut self.at_leaves, Lanes::NONE);
+            let mut found = 0;
+            for &lane in leaves.all() {
+                let lane = lane as usize % RAYS;
+                let leaf = &self.bvh.wide.leaves[self.next[lane].index()];
+                let mut candidates = self.candidates(lane, leaf);
+                // There is none or one, mostly: the first is noted without a branch.
+                loop {
+                    let slot = leaf.first + candidates.trailing_zeros() % WIDTH as u32;
+                    prefetch(&self.bvh.corners, slot as usize);
+                    pairs[found % (RAYS * WIDTH)] = (lane as u32, slot);
+                    found += usize::from(candidates != 0);
+                    candidates &= candidates.wrapping_sub(1);
+                    if candidates == 0 {
+                        break;
+                    }
+                }
+            }
+            for &(lane, slot) in &pairs[..found] {
+                let lane = lane as usize % RAYS;
+                if queries[query_of[lane] as usize].triangle(slot as usize, tally) {
+                    self.counts[lane] = 0;
+                }
+            }
+            let nodes = std::mem::replace(&mut self.at_nodes, Lanes::NONE);
+            for &lane in nodes.all() {
+                tally.add(Work::Nodes, 1);
+                self.enter(lane as usize % RAYS);
+            }
+            for &lane in leaves.all() {
+                let lane = lane as usize % RAYS;
+                // A nearer hit narrows the range.
+                self.narrow(lane, queries[query_of[lane] as usize].limit());
+                self.go_on(lane);
+            }
+            // After all of them: what has just been stored is not there to be loaded.
+            for &lane in nodes.all() {
+                self.go_on(lane as usize % RAYS);
+            }
+        }
+    }
+
+    /// Leaves out what is farther along a ray than hits up to `s`.
+    #[inline(always)]
+    fn narrow(&mut self, lane: usize, s: f64) {
+        let t = s * self.bvh.space.scale - self.lines.start[lane];
+        self.boxes.far[lane] = far_of(t, self.lines.blur[lane]);
+    }
+
+    /// Lets the children of the next node wait that the ray hits.
+    #[inline(always)]
+    fn enter(&mut self, lane: usize) {
+        let (k, boxes) = (self.kernel, &self.boxes);
+        let node = &self.bvh.wide.nodes[self.next[lane].index()];
+        let (mut enter, mut leave) = (k.splat(0.0), k.splat(boxes.far[lane]));
+        let mut axis = 0;
+        while axis < 3 {
+            let near = boxes.near[axis][lane] as usize & 1;
+            let planes = &node.planes[axis];
+            let origins = &boxes.origins[axis];
+            let inverses = &boxes.inverses[axis];
+            let to_near = k.sub(k.load(&planes[near]), k.splat(origins[0][lane]));
+            let to_beyond = k.sub(k.load(&planes[1 - near]), k.splat(origins[1][lane]));
+            enter = k.max(enter, k.mul(to_near, k.splat(inverses[0][lane])));
+            leave = k.min(leave, k.mul(to_beyond, k.splat(inverses[1][lane])));
+            axis += 1;
+        }
+        let count = self.counts[lane] as usize;
+        let first = lane * self.waiting.room + WIDTH + count;
+        let entries = &mut self.waiting.entries[first..first + WIDTH];
+        let nodes = &mut self.waiting.nodes[first..first + WIDTH];
+        let hit = k.push_hits(enter, leave, &node.children, entries, nodes);
+        self.counts[lane] = (count + hit) as u32;
+    }
+
+    /// Takes the nearest child that waits and is not too far; where there is none, the ray has arrived.
+    #[inline(always)]
+    fn go_on(&mut self, lane: usize) {
+        let (k, far) = (self.kernel, self.boxes.far[lane]);
+        let first = lane * self.waiting.room;
+        let mut count = self.counts[lane] as usize;
+        // Eight at a time, of which the last that is not too far; the first eight are below those of the ray.
+        loop {
+            let entries = &self.waiting.entries[first + count..first + count + WIDTH];
+            let near = k.within(entries, far);
+            let skipped = (near << 24).leading_zeros() as usize;
+            if skipped < WIDTH.min(count) {
+                count -= skipped + 1;
+                break;
+            }
+            if count <= WIDTH {
+                return;
+            }
+            count -= WIDTH;
+        }
+        let next = self.waiting.nodes[first + count + WIDTH];
+        self.counts[lane] = count as u32;
+        self.next[lane] = next;
+        // Into one of the lists, without a branch.
+        let is_leaf = next.is_leaf();
+        let (leaves, nodes) = (&mut self.at_leaves, &mut self.at_nodes);
+        leaves.lanes[leaves.count % RAYS] = lane as u8;
+        leaves.count += usize::from(is_leaf);
+        nodes.lanes[nodes.count % RAYS] = lane as u8;
+        nodes.count += usize::from(!is_leaf);
+        let tree = &self.bvh.wide;
+        prefetch_either(is_leaf, &tree.leaves, &tree.nodes, next.index());
     }
 
     /// The triangles of `leaf` that the ray does not certainly miss, as bits.
     #[inline(always)]
-    fn candidates(&self, leaf: &WideLeaf) -> u32 {
-        let k = self.kernel;
-        // p and e: (W1).
-        let [x, y, z] = leaf.centre;
-        let r = self.base - DVec3::new(f64::from(x), f64::from(y), f64::from(z));
-        let p = r - self.direction * (r.dot(self.direction) * self.inverse_square);
-        let (far, near) = (r.abs().max_element(), p.abs().max_element());
-        let off = self.unsure + power_of_two(-46) * (1.0 + far) + power_of_two(-24) * near;
-        let e = k.splat(leaf.error + off as f32 * (1.0 + f32::EPSILON));
-        let p = k.splat3([p.x as f32, p.y as f32, p.z as f32]);
-
-        // Corners from p, and their largest coordinate.
-        let [a, b, c] = [
-            self.corner(leaf, 0, &p),
-            self.corner(leaf, 1, &p),
-            self.corner(leaf, 2, &p),
+    fn candidates(&self, lane: usize, leaf: &WideLeaf) -> u32 {
+        let (k, lines, boxes) = (self.kernel, self.lines, &self.boxes);
+        // p: (W1).
+        let [x, y, z] = &boxes.axes;
+        let (x, y, z) = (x[lane] as usize, y[lane] as usize, z[lane] as usize);
+        let centre = &leaf.centre;
+        let height = f64::from(centre[z]) - lines.sheared[2][lane];
+        let px = (lines.sheared[0][lane] - f64::from(centre[x])) + height * lines.slopes[0][lane];
+        let py = (lines.sheared[1][lane] - f64::from(centre[y])) + height * lines.slopes[1][lane];
+        let (px, py) = (px as f32, py as f32);
+        // e and M, and the bound of (W2).
+        const V: f32 = power_of_two(-24) as f32;
+        let from = if px.abs() > py.abs() {
+            px.abs()
+        } else {
+            py.abs()
+        };
+        let e = 2.0 * leaf.error + boxes.off[lane] + 6.0 * V * (leaf.size + from);
+        let m = 2.0 * leaf.size + from + 2.0 * e;
+        let bound = k.splat(m * (6.0 * e + 6.0 * V * m));
+        // a, b and c.
+        let p = [k.splat(px), k.splat(py)];
+        let slopes = [
+            k.splat(boxes.slopes[0][lane]),
+            k.splat(boxes.slopes[1][lane]),
         ];
-        let mut m = k.splat(0.0);
-        let mut axis = 0;
-        while axis < 3 {
-            let of_two = k.max(k.abs(a[axis]), k.abs(b[axis]));
-            m = k.max(m, k.max(of_two, k.abs(c[axis])));
-            axis += 1;
-        }
-        // (W2).
-        let m = k.add(m, k.add(e, e));
-        let part = k.mul_add(
-            m,
-            k.splat(256.0 * power_of_two(-24) as f32),
-            k.mul(e, k.splat(64.0)),
-        );
-        let bound = k.mul(m, part);
-        let (u, v, w) = (self.edge(&b, &c), self.edge(&c, &a), self.edge(&a, &b));
+        let [a, b, c] = &leaf.corners;
+        let a = sheared(k, [&a[x], &a[y], &a[z]], &p, &slopes);
+        let b = sheared(k, [&b[x], &b[y], &b[z]], &p, &slopes);
+        let c = sheared(k, [&c[x], &c[y], &c[z]], &p, &slopes);
+        let u = k.mul_sub(b[0], c[1], k.mul(b[1], c[0]));
+        let v = k.mul_sub(c[0], a[1], k.mul(c[1], a[0]));
+        let w = k.mul_sub(a[0], b[1], k.mul(a[1], b[0]));
         let least = k.min(u, k.min(v, w));
         let greatest = k.max(u, k.max(v, w));
         let none_below = k.le(k.splat(0.0), k.add(least, bound));
         let none_above = k.le(greatest, bound);
         (none_below | none_above) & leaf.present
     }
+}
 
-    #[inline(always)]
-    fn corner(&self, leaf: &WideLeaf, corner: usize, p: &[K::F; 3]) -> [K::F; 3] {
-        let (k, from) = (self.kernel, &leaf.corners[corner]);
-        [
-            k.sub(k.load(&from[0]), p[0]),
-            k.sub(k.load(&from[1]), p[1]),
-            k.sub(k.load(&from[2]), p[2]),
-        ]
-    }
+/// Corners relative to p, sheared: (W1).
+#[inline(always)]
+fn sheared<K: Simd>(
+    k: K,
+    [x, y, z]: [&[f32; WIDTH]; 3],
+    p: &[K::F; 2],
+    slopes: &[K::F; 2],
+) -> [K::F; 2] {
+    let z = k.load(z);
+    [
+        k.mul_add(slopes[0], z, k.sub(k.load(x), p[0])),
+        k.mul_add(slopes[1], z, k.sub(k.load(y), p[1])),
+    ]
+}
 
-    /// d·(x × y).
-    #[inline(always)]
-    fn edge(&self, x: &[K::F; 3], y: &[K::F; 3]) -> K::F {
-        let (k, d) = (self.kernel, &self.lanes);
-        let cross = [
-            k.mul_sub(x[1], y[2], k.mul(x[2], y[1])),
-            k.mul_sub(x[2], y[0], k.mul(x[0], y[2])),
-            k.mul_sub(x[0], y[1], k.mul(x[1], y[0])),
-        ];
-        k.dot(d, &cross, k.splat(0.0))
-    }
+/// By axes x, y and z of (W1), where z is the steepest.
+#[inline(always)]
+fn turned([by_x, by_y]: [bool; 2], v: [f64; 3]) -> [f64; 3] {
+    [
+        if by_x {
+            v[1]
+        } else if by_y {
+            v[2]
+        } else {
+            v[0]
+        },
+        if by_x {
+            v[2]
+        } else if by_y {
+            v[0]
+        } else {
+            v[1]
+        },
+        if by_x {
+            v[0]
+        } else if by_y {
+            v[1]
+        } else {
+            v[2]
+        },
+    ]
 }
 
 #[cfg(test)]

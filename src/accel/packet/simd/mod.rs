@@ -8,6 +8,8 @@
 
 use glam::DVec3;
 
+use crate::accel::node::NodeRef;
+
 mod portable;
 #[cfg(target_arch = "x86_64")]
 mod x86;
@@ -29,7 +31,7 @@ pub(super) trait Simd: Copy {
     /// The numbers.
     type F: Copy;
     /// Eight lanes: one per child of a node.
-    type Children: Simd;
+    type Children: Eight;
     /// How many numbers.
     const LANES: usize;
 
@@ -100,6 +102,27 @@ pub(super) trait Simd: Copy {
     fn greatest(self, x: Self::F) -> f32;
     /// The smallest lane.
     fn smallest(self, x: Self::F) -> f32;
+}
+
+/// Bits that number eight children.
+pub(super) const LOWEST: u32 = 7;
+
+/// Kernels of eight lanes.
+pub(super) trait Eight: Simd {
+    /// Puts those of `nodes` for which enter ≤ leave into the first places of `to`, the nearest last, and into `entries` the bits of
+    /// where they are entered, of which the lowest three ([`LOWEST`]) say instead which of the eight it is, so that no two are equal. The
+    /// other places up to the eighth are filled with what has no meaning. Returns how many there are. None is entered before 0.
+    fn push_hits(
+        self,
+        enter: Self::F,
+        leave: Self::F,
+        nodes: &[NodeRef; 8],
+        entries: &mut [u32],
+        to: &mut [NodeRef],
+    ) -> usize;
+
+    /// Which of the first eight of `entries`, as [`Eight::push_hits`] makes them, are entered at `limit` or before, as bits.
+    fn within(self, entries: &[u32], limit: f32) -> u32;
 }
 
 /// The vectors of a packet: those in `LANES` places from `first` on.

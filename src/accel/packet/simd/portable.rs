@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::{Simd, Task};
+use super::{Eight, LOWEST, Simd, Task};
+use crate::accel::node::NodeRef;
 
 /// Eight lanes on any processor.
 #[derive(Debug, Clone, Copy)]
@@ -139,5 +140,39 @@ impl Simd for Portable {
     fn smallest(self, x: Lanes) -> f32 {
         x.into_iter()
             .fold(f32::INFINITY, |s, x| if x < s { x } else { s })
+    }
+}
+
+impl Eight for Portable {
+    #[inline(always)]
+    fn push_hits(
+        self,
+        enter: Lanes,
+        leave: Lanes,
+        nodes: &[NodeRef; 8],
+        entries: &mut [u32],
+        to: &mut [NodeRef],
+    ) -> usize {
+        let mut count = 0;
+        for i in 0..8 {
+            if enter[i] <= leave[i] {
+                // Insertion sort, the farthest first.
+                let entry = enter[i].to_bits() & !SIGN & !LOWEST | i as u32;
+                let mut place = count;
+                while place > 0 && entries[place - 1] < entry {
+                    (entries[place], to[place]) = (entries[place - 1], to[place - 1]);
+                    place -= 1;
+                }
+                (entries[place], to[place]) = (entry, nodes[i]);
+                count += 1;
+            }
+        }
+        count
+    }
+
+    #[inline(always)]
+    fn within(self, entries: &[u32], limit: f32) -> u32 {
+        let entries = &entries[..8];
+        mask(|i| f32::from_bits(entries[i] & !LOWEST) <= limit)
     }
 }

@@ -4,7 +4,8 @@ use std::arch::x86_64::*;
 
 use glam::DVec3;
 
-use super::{Simd, Task};
+use super::{Eight, LOWEST, Simd, Task};
+use crate::accel::node::NodeRef;
 
 /// A kernel: its lanes, the processor features that it needs, the intrinsics of operations that need no more than
 /// one, and the rest of its operations.
@@ -221,6 +222,67 @@ impl Avx2 {
         unsafe {
             let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
             _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(mask as i32), bits), bits)
+        }
+    }
+}
+
+impl Eight for Avx2 {
+    #[inline(always)]
+    fn push_hits(
+        self,
+        enter: __m256,
+        leave: __m256,
+        nodes: &[NodeRef; 8],
+        entries: &mut [u32],
+        to: &mut [NodeRef],
+    ) -> usize {
+        let (entries, to) = (&mut entries[..8], &mut to[..8]);
+        // SAFETY: as `run`; `nodes`, `entries` and `to` are eight of 32 bits each.
+        unsafe {
+            // Numbers that are not negative are in the order of their bits; what is missed is −1, and comes last.
+            let hit = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave);
+            let bits = _mm256_and_si256(_mm256_castps_si256(enter), _mm256_set1_epi32(0x7fff_fff8));
+            let keys = _mm256_or_si256(bits, _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+            let missed = _mm256_andnot_si256(_mm256_castps_si256(hit), _mm256_set1_epi32(-1));
+            let x = _mm256_or_si256(keys, missed);
+            // A network of six rounds: pairs, fours and eights, each of two sorted halves of which one is reversed.
+            let y = _mm256_shuffle_epi32::<0b10_11_00_01>(x);
+            let x =
+                _mm256_blend_epi32::<0b1010_1010>(_mm256_max_epi32(x, y), _mm256_min_epi32(x, y));
+            let y = _mm256_shuffle_epi32::<0b00_01_10_11>(x);
+            let x =
+                _mm256_blend_epi32::<0b1100_1100>(_mm256_max_epi32(x, y), _mm256_min_epi32(x, y));
+            let y = _mm256_shuffle_epi32::<0b10_11_00_01>(x);
+            let x =
+                _mm256_blend_epi32::<0b1010_1010>(_mm256_max_epi32(x, y), _mm256_min_epi32(x, y));
+            let y = _mm256_permutevar8x32_epi32(x, _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0));
+            let x =
+                _mm256_blend_epi32::<0b1111_0000>(_mm256_max_epi32(x, y), _mm256_min_epi32(x, y));
+            let y = _mm256_shuffle_epi32::<0b01_00_11_10>(x);
+            let x =
+                _mm256_blend_epi32::<0b1100_1100>(_mm256_max_epi32(x, y), _mm256_min_epi32(x, y));
+            let y = _mm256_shuffle_epi32::<0b10_11_00_01>(x);
+            let x =
+                _mm256_blend_epi32::<0b1010_1010>(_mm256_max_epi32(x, y), _mm256_min_epi32(x, y));
+            // The lowest three bits choose the nodes.
+            let nodes = _mm256_loadu_si256(nodes.as_ptr().cast());
+            _mm256_storeu_si256(entries.as_mut_ptr().cast(), x);
+            let chosen = _mm256_permutevar8x32_epi32(nodes, x);
+            _mm256_storeu_si256(to.as_mut_ptr().cast(), chosen);
+            _mm256_movemask_ps(hit).count_ones() as usize
+        }
+    }
+
+    #[inline(always)]
+    fn within(self, entries: &[u32], limit: f32) -> u32 {
+        let entries = &entries[..8];
+        // SAFETY: as `run`; `entries` holds eight.
+        unsafe {
+            let bits = _mm256_loadu_si256(entries.as_ptr().cast());
+            let lowest = _mm256_set1_epi32(LOWEST as i32);
+            let entry = _mm256_castsi256_ps(_mm256_andnot_si256(lowest, bits));
+            let near = _mm256_cmp_ps::<_CMP_LE_OQ>(entry, _mm256_set1_ps(limit));
+            _mm256_movemask_ps(near) as u32
         }
     }
 }

@@ -181,7 +181,8 @@ impl Bvh {
                 tile.select(at, &mut block);
                 // Blocks that are too small, or go all ways, are traced ray by ray.
                 let mut outcome = Outcome::Incoherent;
-                if block.count >= FEW {
+                let direction = |at| segments.segment(at).ray.direction;
+                if block.count >= FEW && !block.is_certainly_incoherent(self, direction) {
                     outcome = method.kernel.run(AnyHits {
                         bvh: self,
                         segments,
@@ -246,8 +247,12 @@ impl Bvh {
             for at in 0..tile.blocks() {
                 tile.select(at, &mut space.block);
                 // Packets pay where their rays share nodes; the others are traced one by one.
-                let outcome = match space.block.count {
+                let block = &space.block;
+                let outcome = match block.count {
                     0..FEW => Outcome::Incoherent,
+                    _ if block.is_certainly_incoherent(self, |ray| rays.direction(ray)) => {
+                        Outcome::Incoherent
+                    }
                     _ => self.closest_of_block(method, rays, hits, &mut space, stack, tally),
                 };
                 match outcome {

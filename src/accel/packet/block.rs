@@ -149,6 +149,28 @@ impl Block {
         Some(bounds)
     }
 
+    /// Whether some of the rays in `order` differ so much that [`Block::load`] has none of it in a large tree. A few are looked at, in
+    /// plain numbers: blocks of incoherent rays end here, before wide vectors, for which some processors slow their clock.
+    #[inline(always)]
+    pub fn is_certainly_incoherent(&self, bvh: &Bvh, direction: impl Fn(usize) -> DVec3) -> bool {
+        const STRIDE: usize = 9;
+        // A little more than in `load`, where directions are rounded to f32.
+        const APART: f64 = COHERENT as f64 * (1.0 + power_of_two(-20));
+        let first = direction(self.order[0] as usize);
+        let size = first.abs().max_element();
+        if bvh.is_small() || !(power_of_two(-500)..power_of_two(500)).contains(&size) {
+            return false;
+        }
+        // In the unit of (K1).
+        let apart = APART * power_of_two(exponent(size));
+        let mut differs = false;
+        for lane in (STRIDE..RAYS).step_by(STRIDE) {
+            let other = direction(self.order[lane] as usize);
+            differs |= (other - first).abs().max_element() > apart;
+        }
+        differs
+    }
+
     /// Notes which triangles rays leave.
     #[inline(always)]
     fn load_left<R: RaySet>(&mut self, rays: R) {

@@ -142,6 +142,7 @@ pub(super) fn load_vectors<K: Simd, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accel::numbers;
 
     /// Checks each operation of `k` against plain f32, lane by lane. Numbers are small halves: sums of products
     /// are exact, whether fused or not.
@@ -213,16 +214,67 @@ mod tests {
         }
     }
 
+    /// Checks what only kernels of eight lanes do, against the portable one.
+    struct CheckEight;
+
+    impl Task for CheckEight {
+        type Output = ();
+
+        fn run<K: Simd>(self, k: K) {
+            let (k, mut next) = (k.children(), numbers(5));
+            let nodes: [NodeRef; 8] = std::array::from_fn(NodeRef::inner);
+            for round in 0..500 {
+                // Some are entered at once or nearly so, some at 0, and some nowhere.
+                let mut entry = |_| match next() {
+                    x if x < -0.5 => 0.25,
+                    x if x < 0.0 => 0.0,
+                    x if round % 3 == 0 => 0.25 + (x * 8.0).floor() as f32 * f32::EPSILON,
+                    x => x as f32,
+                };
+                let enter: [f32; 8] = std::array::from_fn(&mut entry);
+                let leave: [f32; 8] = std::array::from_fn(&mut entry);
+                let (mut entries, mut to) = ([0; 8], [NodeRef::ROOT; 8]);
+                let (enters, leaves) = (k.load(&enter), k.load(&leave));
+                let count = k.push_hits(enters, leaves, &nodes, &mut entries, &mut to);
+                let (mut expected, mut expected_to) = ([0; 8], [NodeRef::ROOT; 8]);
+                let (bits, nodes_to) = (&mut expected, &mut expected_to);
+                assert_eq!(
+                    count,
+                    Portable.push_hits(enter, leave, &nodes, bits, nodes_to)
+                );
+                assert_eq!(entries[..count], expected[..count]);
+                assert_eq!(to[..count], expected_to[..count]);
+                // The farthest first, and none later than it is entered.
+                for pair in entries[..count].windows(2) {
+                    assert!(pair[0] > pair[1]);
+                }
+                for (bits, node) in entries[..count].iter().zip(&to) {
+                    let at = node.index();
+                    assert_eq!(bits & LOWEST, at as u32);
+                    assert!(f32::from_bits(bits & !LOWEST) <= enter[at] && enter[at] <= leave[at]);
+                }
+                let hit = (0..8).filter(|&i| enter[i] <= leave[i]).count();
+                assert_eq!(count, hit);
+                let within = k.within(&expected, leave[0]);
+                let near = |i: usize| f32::from_bits(expected[i] & !LOWEST) <= leave[0];
+                assert!((0..32).all(|i| (within >> i & 1 != 0) == (i < 8 && near(i))));
+            }
+        }
+    }
+
     #[test]
     fn every_kernel_computes_what_plain_numbers_do() {
         Portable.run(Check);
+        Portable.run(CheckEight);
         #[cfg(target_arch = "x86_64")]
         {
             if let Some(k) = Avx2::detect() {
                 k.run(Check);
+                k.run(CheckEight);
             }
             if let Some(k) = Avx512::detect() {
                 k.run(Check);
+                k.run(CheckEight);
             }
         }
     }

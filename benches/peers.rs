@@ -1,4 +1,5 @@
-//! Certified packets beside Embree, in turn: primary rays, shadow rays, single rays, builds, whole pictures against Embree's
+//! Certified packets beside Embree, in turn: primary rays, shadow rays, single rays, incoherent rays (those of the camera in another
+//! order, and from anywhere in the mesh's box any way), builds, whole pictures against Embree's
 //! bare rate, and the first picture of a mesh, tree included, against Embree's medium tree and bare rays.
 //!
 //! ```sh
@@ -204,6 +205,7 @@ fn measure(
     let shuffled: Vec<DVec3> = (0..rays)
         .map(|k| camera.directions[k * 40_503 % rays])
         .collect();
+    let random = random_rays(&bvh, rays);
     let files = Files::write(folder, triangles, [256, 256, 64]);
     let place = Place::of(name);
     let pictures =
@@ -259,6 +261,10 @@ fn measure(
         let shuffled = &shuffled;
         let trace = move || trace(bvh, camera.origin, shuffled, certified);
         works.push((row, Box::new(trace)));
+        let row = Row::new(called("certified, random rays,"), "random 1", camera.rays());
+        let (origins, directions) = &random;
+        let trace = move || trace_each(bvh, origins, directions, certified);
+        works.push((row, Box::new(trace)));
         let count = shadows.iter().map(Vec::len).sum();
         let row = Row::new(called("certified, shadow rays,"), "shadow 16", count);
         works.push((row, Box::new(move || block(bvh, shadows, certified))));
@@ -277,6 +283,8 @@ fn measure(
         "closest 8",
         "closest 1",
         "shuffled 1",
+        "random 1",
+        "random 16",
         "shadow 16",
     ];
     let mut theirs = rivals.map(|kind| (kind, Vec::new(), 0));
@@ -378,6 +386,37 @@ fn trace(bvh: &Bvh, origin: DVec3, directions: &[DVec3], method: Method) {
         );
         std::hint::black_box(&hits);
     }
+}
+
+/// The same for rays that start anywhere.
+fn trace_each(bvh: &Bvh, origins: &[DVec3], directions: &[DVec3], method: Method) {
+    let batches = origins.chunks(TILE * TILE);
+    for (origins, directions) in batches.zip(directions.chunks(TILE * TILE)) {
+        let mut hits: [Option<Hit>; TILE * TILE] = [None; TILE * TILE];
+        let (from, entries) = (Origins::Each(origins), &mut hits[..origins.len()]);
+        bvh.closest_by(method, from, directions, entries, &mut NoTally, |_| ());
+        std::hint::black_box(&hits);
+    }
+}
+
+/// Rays from anywhere in the box of the mesh any way: origins and directions. `peers/embree.cpp` makes the same.
+fn random_rays(bvh: &Bvh, count: usize) -> (Vec<DVec3>, Vec<DVec3>) {
+    let (lo, hi) = bvh.bounds().expect("a mesh");
+    let mut state = 1u64;
+    let mut next = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let (mut origins, mut directions) = (Vec::new(), Vec::new());
+    while origins.len() < count {
+        let origin = lo + (hi - lo) * DVec3::new(next(), next(), next());
+        let direction = DVec3::new(next(), next(), next()) * 2.0 - 1.0;
+        if (1e-4..=1.0).contains(&direction.length_squared()) {
+            origins.push(origin);
+            directions.push(direction.normalize());
+        }
+    }
+    (origins, directions)
 }
 
 /// Asks what blocks the segments, tile by tile.

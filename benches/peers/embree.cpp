@@ -4,9 +4,10 @@
 //
 // MESH.tri: little-endian f32, nine per triangle. The camera looks along -z from c + (0, 0, DISTANCE R), with c the centre of the
 // bounding box and R half its diagonal, HALF_WIDTH of the image plane at distance 1, through the centres of SIZE x SIZE pixels.
-// For each line of the input, one of "closest 1", "closest 8", "closest 16", "shuffled 1", "shadow 1", "shadow 16", all rays are traced once, and
+// For each line of the input, one of "closest 1", "closest 8", "closest 16", "shuffled 1", "random 1", "random 16", "shadow 1", "shadow 16", all rays are traced once, and
 // a line of the output says how long that took in seconds and how many rays hit something. The first line says how long the
-// tree took to build, at Embree's highest quality and at its medium one. Shuffled rays are those to every 40,503rd pixel. Shadow rays go from what is seen to c + (0.5, 0.8, 0.6) R.
+// tree took to build, at Embree's highest quality and at its medium one. Shuffled rays are those to every 40,503rd pixel,
+// random ones go from any point of the bounding box any way, as many as there are pixels. Shadow rays go from what is seen to c + (0.5, 0.8, 0.6) R.
 #include <embree3/rtcore.h>
 #include <pmmintrin.h>
 #include <xmmintrin.h>
@@ -101,8 +102,23 @@ int main(int argc, char** argv) {
       rays.push_back({{c[0], c[1], c[2] + distance * radius}, {px * l, py * l, -l}, 0, 1e30f});
     }
   for (size_t i = 0, at = 0; i < rays.size(); i++, at = (at + 40503) % rays.size()) shuffled.push_back(rays[at]);
-  RTCIntersectContext coherent, single;
-  rtcInitIntersectContext(&coherent), rtcInitIntersectContext(&single);
+  // The numbers of `random_rays` in peers.rs.
+  std::vector<Ray> random;
+  unsigned long long state = 1;
+  auto next = [&] {
+    state = state * 6364136223846793005ull + 1;
+    return (state >> 11) / (double)(1ull << 53);
+  };
+  while (random.size() < rays.size()) {
+    double o[3], d[3], l = 0;
+    for (int i = 0; i < 3; i++) o[i] = lo[i] + ((double)hi[i] - lo[i]) * next();
+    for (int i = 0; i < 3; i++) d[i] = next() * 2 - 1, l += d[i] * d[i];
+    if (l > 1 || l < 1e-4) continue;
+    l = std::sqrt(l);
+    random.push_back({{(float)o[0], (float)o[1], (float)o[2]}, {(float)(d[0] / l), (float)(d[1] / l), (float)(d[2] / l)}, 0, 1e30f});
+  }
+  RTCIntersectContext coherent, incoherent, single;
+  rtcInitIntersectContext(&coherent), rtcInitIntersectContext(&incoherent), rtcInitIntersectContext(&single);
   coherent.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   auto closest = [&](const Ray& r, float& at) {
     RTCRayHit p;
@@ -131,7 +147,8 @@ int main(int argc, char** argv) {
   int width;
   while (scanf("%15s %d", kind, &width) == 2) {
     bool shadow = std::string(kind) == "shadow";
-    const std::vector<Ray>& traced = shadow ? shadows : std::string(kind) == "shuffled" ? shuffled : rays;
+    bool any_way = std::string(kind) == "random";
+    const std::vector<Ray>& traced = shadow ? shadows : any_way ? random : std::string(kind) == "shuffled" ? shuffled : rays;
     size_t hits = 0;
     auto begin = Clock::now();
     auto count = [](auto& p, int n) {
@@ -150,7 +167,7 @@ int main(int argc, char** argv) {
       });
     else if (width == 16)
       hits = packets<RTCRayHit16, 16>(traced, [&](int* v, RTCRayHit16& p) {
-        return rtcIntersect16(v, scene, &coherent, &p), count(p, 16);
+        return rtcIntersect16(v, scene, any_way ? &incoherent : &coherent, &p), count(p, 16);
       });
     else if (width == 8)
       hits = packets<RTCRayHit8, 8>(traced, [&](int* v, RTCRayHit8& p) {

@@ -772,4 +772,63 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn of_triangles_in_one_plane_the_first_is_hit_and_rays_beyond_the_limits_are_traced() {
+        let mut next = numbers(8);
+        // Many lie over one another, in a few planes along the axes.
+        let triangles: Vec<[DVec3; 3]> = (0..400)
+            .map(|k| {
+                let height = 0.1 + f64::from(k as u8 % 5) * 0.17;
+                [0, 1, 2].map(|_| match k % 3 {
+                    0 => DVec3::new(next(), next(), height),
+                    1 => DVec3::new(height, next(), next()),
+                    _ => DVec3::new(next(), height, next()),
+                })
+            })
+            .collect();
+        let bvh = Bvh::build(triangles, |_| Facing::TwoSided);
+        let (origins, directions): (Vec<_>, Vec<_>) = (0..4000)
+            .map(|k| {
+                let (from, to) = (
+                    DVec3::new(next(), next(), next()),
+                    DVec3::new(next(), next(), next()),
+                );
+                match k % 40 {
+                    // From far away, from nowhere, to nowhere, and with lengths beyond the limits.
+                    0 => (from * 1e4, to - from * 1e4),
+                    1 => (from * 1e28, to - from * 1e28),
+                    2 => (from * f64::NAN, to),
+                    3 => (from, to * f64::INFINITY),
+                    4 => (from, DVec3::ZERO),
+                    5 => (from, to * 1e-200),
+                    _ => (from, to),
+                }
+            })
+            .unzip();
+        let trace = |kernel| {
+            let method = Method {
+                kernel,
+                precision: Precision::Certified,
+            };
+            let mut hits = vec![None; origins.len()];
+            let mut replaced = Vec::new();
+            bvh.closest_by(
+                method,
+                Origins::Each(&origins),
+                &directions,
+                &mut hits,
+                &mut NoTally,
+                |ray| replaced.push(ray),
+            );
+            replaced.sort_unstable();
+            (hits, replaced)
+        };
+        let expected = trace(Kernel::Scalar);
+        let far = (0..4000).step_by(40);
+        assert!(far.filter(|&k| expected.0[k].is_some()).count() > 50);
+        for kernel in Kernel::ALL.into_iter().filter(|k| k.is_supported()) {
+            assert!(trace(kernel) == expected, "{kernel:?}");
+        }
+    }
 }

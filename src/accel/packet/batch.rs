@@ -24,6 +24,10 @@ const USUAL_STACK: usize = 256;
 /// A block with fewer rays is traced ray by ray.
 const FEW: usize = 8;
 
+/// Fewer rays do not go through the tree in turn, each does by itself: to set the others up costs more than they gain by it (measured in batches
+/// of 1 to 32).
+const TOGETHER: usize = 12;
+
 /// In a tree of no more leaves than these they may differ as they like: all triangles of such a tree, tested for 64 rays together, cost
 /// less than 64 ways through it (measured on boxes in a room).
 const SMALL: usize = 48;
@@ -210,6 +214,9 @@ impl Bvh {
         waiting: &mut Waiting,
         tally: &mut impl Tally,
     ) {
+        if order.len() < TOGETHER {
+            return self.any_one_by_one(segments, chosen(order, u64::MAX), blocked, tally);
+        }
         let walked = method.kernel.of_singles().run(AnySingles {
             bvh: self,
             segments,
@@ -218,7 +225,17 @@ impl Bvh {
             waiting,
             tally,
         });
-        for ray in chosen(order, walked.left) {
+        self.any_one_by_one(segments, chosen(order, walked.left), blocked, tally);
+    }
+
+    fn any_one_by_one(
+        &self,
+        segments: impl SegmentSet,
+        rays: impl Iterator<Item = usize>,
+        blocked: &mut [bool],
+        tally: &mut impl Tally,
+    ) {
+        for ray in rays {
             let one = [(&segments.segment(ray), &mut blocked[ray])];
             self.any_singly(one.into_iter(), tally);
         }
@@ -263,6 +280,11 @@ impl Bvh {
                     }
                     Outcome::Incoherent => {
                         let order = &space.block.order[..space.block.count];
+                        if order.len() < TOGETHER {
+                            let all = chosen(order, u64::MAX);
+                            self.closest_singly(all, from, directions, hits, tally, &mut replaced);
+                            continue;
+                        }
                         let walked = method.kernel.of_singles().run(ClosestSingles {
                             bvh: self,
                             rays,

@@ -79,13 +79,12 @@ impl<R: RaySet, T: Tally> Task for ClosestSingles<'_, R, T> {
             given.set(lane, &rays.ray(ray as usize));
         }
         let mut lines = Lines::NONE;
-        lines.set_up(&bvh.space, &given);
-        let (mut walked, entering) = lines.fates(self.order.len());
+        let count = self.order.len().min(RAYS);
+        lines.set_up(&bvh.space, &given, count);
+        let (mut walked, entering) = lines.fates(count);
         let scaled = lines.scaled(&given, entering);
-        self.tally.add(
-            Work::Singles,
-            self.order.len() - walked.left.count_ones() as usize,
-        );
+        self.tally
+            .add(Work::Singles, count - walked.left.count_ones() as usize);
         let mut queries = Vec::with_capacity(scaled.len());
         let mut lanes = entering;
         for scaled in &scaled {
@@ -97,7 +96,11 @@ impl<R: RaySet, T: Tally> Task for ClosestSingles<'_, R, T> {
             };
             queries.push(ClosestHit::new(bvh, scaled, s_max, rays.left(ray)));
         }
-        Walk::new(k.children(), bvh, &lines, self.waiting).run(entering, &mut queries, self.tally);
+        Walk::new(k.children(), bvh, &lines, count, self.waiting).run(
+            entering,
+            &mut queries,
+            self.tally,
+        );
         let mut lanes = entering;
         for (query, scaled) in queries.into_iter().zip(&scaled) {
             let lane = next_lane(&mut lanes);
@@ -122,13 +125,12 @@ impl<S: SegmentSet, T: Tally> Task for AnySingles<'_, S, T> {
             self.blocked[ray as usize] = false;
         }
         let mut lines = Lines::NONE;
-        lines.set_up(&bvh.space, &given);
-        let (walked, entering) = lines.fates(self.order.len());
+        let count = self.order.len().min(RAYS);
+        lines.set_up(&bvh.space, &given, count);
+        let (walked, entering) = lines.fates(count);
         let scaled = lines.scaled(&given, entering);
-        self.tally.add(
-            Work::Singles,
-            self.order.len() - walked.left.count_ones() as usize,
-        );
+        self.tally
+            .add(Work::Singles, count - walked.left.count_ones() as usize);
         let mut queries = Vec::with_capacity(scaled.len());
         let mut lanes = entering;
         for scaled in &scaled {
@@ -137,7 +139,11 @@ impl<S: SegmentSet, T: Tally> Task for AnySingles<'_, S, T> {
                 .segment(self.order[next_lane(&mut lanes)] as usize);
             queries.push(AnyHit::new(bvh, scaled, &segment));
         }
-        Walk::new(k.children(), bvh, &lines, self.waiting).run(entering, &mut queries, self.tally);
+        Walk::new(k.children(), bvh, &lines, count, self.waiting).run(
+            entering,
+            &mut queries,
+            self.tally,
+        );
         let mut lanes = entering;
         for query in &queries {
             let ray = self.order[next_lane(&mut lanes)];
@@ -165,14 +171,14 @@ pub(super) struct Waiting {
 }
 
 impl Waiting {
-    /// Makes room for what waits in a tree.
-    fn fit(&mut self, tree: &WideTree) {
-        if self.room == 0 {
-            // A node leaves all its children but the one that is taken next; eight are written, however many there are, and eight
-            // are read, though fewer wait.
-            self.room = (tree.depth + 2) * WIDTH;
-            self.entries = vec![0; RAYS * self.room];
-            self.nodes = vec![NodeRef::ROOT; RAYS * self.room];
+    /// Makes room for what waits in a tree for so many rays.
+    fn fit(&mut self, tree: &WideTree, rays: usize) {
+        // A node leaves all its children but the one that is taken next; eight are written, however many there are, and eight
+        // are read, though fewer wait.
+        self.room = (tree.depth + 2) * WIDTH;
+        if self.entries.len() < rays * self.room {
+            self.entries = vec![0; rays * self.room];
+            self.nodes = vec![NodeRef::ROOT; rays * self.room];
         }
     }
 }
@@ -257,11 +263,11 @@ impl Lines {
         steepest: [0.0; RAYS],
     };
 
-    /// The rays as `given`.
+    /// The first `count` rays as `given`.
     #[inline(always)]
-    fn set_up(&mut self, space: &TreeSpace, given: &Given) {
+    fn set_up(&mut self, space: &TreeSpace, given: &Given, count: usize) {
         let space = *space;
-        for lane in 0..RAYS {
+        for lane in 0..whole_eights(count) {
             // As `ScaledRay::new` does it.
             let (origin, direction) = (given.origin(lane), given.direction(lane));
             let size = greatest(direction);
@@ -352,6 +358,12 @@ impl Lines {
     }
 }
 
+/// As many lanes as loops over vectors go through for `count` rays.
+#[inline(always)]
+fn whole_eights(count: usize) -> usize {
+    (count.div_ceil(8) * 8).min(RAYS)
+}
+
 /// |v|∞.
 #[inline(always)]
 fn greatest(v: DVec3) -> f64 {
@@ -387,10 +399,11 @@ impl Boxes {
     };
 
     #[inline(always)]
-    fn set_up(&mut self, lines: &Lines) {
+    fn set_up(&mut self, lines: &Lines, count: usize) {
+        let count = whole_eights(count);
         let mut axis = 0;
         while axis < 3 {
-            for lane in 0..RAYS {
+            for lane in 0..count {
                 let [above, below] = origins_of(lines.base[axis][lane], lines.unsure[lane]);
                 let inverse = lines.inverse[axis][lane];
                 let [enter, leave] = inverses_of(inverse.abs());
@@ -403,7 +416,7 @@ impl Boxes {
             }
             axis += 1;
         }
-        for lane in 0..RAYS {
+        for lane in 0..count {
             let base = DVec3::new(
                 lines.base[0][lane],
                 lines.base[1][lane],
@@ -456,10 +469,16 @@ struct Walk<'a, K: Simd> {
 
 impl<'a, K: Eight> Walk<'a, K> {
     #[inline(always)]
-    fn new(kernel: K, bvh: &'a Bvh, lines: &'a Lines, waiting: &'a mut Waiting) -> Self {
-        waiting.fit(&bvh.wide);
+    fn new(
+        kernel: K,
+        bvh: &'a Bvh,
+        lines: &'a Lines,
+        count: usize,
+        waiting: &'a mut Waiting,
+    ) -> Self {
+        waiting.fit(&bvh.wide, count);
         let mut boxes = Boxes::NONE;
-        boxes.set_up(lines);
+        boxes.set_up(lines, count);
         Walk {
             kernel,
             bvh,

@@ -21,12 +21,9 @@ use crate::accel::wide::WIDTH;
 
 /// Stack entries that are kept without allocation.
 const USUAL_STACK: usize = 256;
-/// A block with fewer rays is traced ray by ray.
+/// A block with fewer rays is traced ray by ray. They do not take turns either: to set them up for that costs more than they gain by it (measured in
+/// batches of 1 to 32).
 const FEW: usize = 8;
-
-/// Fewer rays do not go through the tree in turn, each does by itself: to set the others up costs more than they gain by it (measured in batches
-/// of 1 to 32).
-const TOGETHER: usize = 12;
 
 /// In a tree of no more leaves than these they may differ as they like: all triangles of such a tree, tested for 64 rays together, cost
 /// less than 64 ways through it (measured on boxes in a room).
@@ -214,7 +211,7 @@ impl Bvh {
         waiting: &mut Waiting,
         tally: &mut impl Tally,
     ) {
-        if order.len() < TOGETHER {
+        if order.len() < FEW {
             return self.any_one_by_one(segments, chosen(order, u64::MAX), blocked, tally);
         }
         let walked = method.kernel.of_singles().run(AnySingles {
@@ -280,7 +277,7 @@ impl Bvh {
                     }
                     Outcome::Incoherent => {
                         let order = &space.block.order[..space.block.count];
-                        if order.len() < TOGETHER {
+                        if order.len() < FEW {
                             let all = chosen(order, u64::MAX);
                             self.closest_singly(all, from, directions, hits, tally, &mut replaced);
                             continue;

@@ -172,6 +172,8 @@ impl Bvh {
         blocked.fill(false);
         let mut block = Block::EMPTY;
         let mut waiting = Waiting::default();
+        // Where one block was incoherent the next is asked beforehand: of others that would only be one more wait for their directions.
+        let mut was_incoherent = false;
         // One block needs no order.
         let tile = match self.is_small() && count > RAYS {
             true => Tile::by_signs(count, |at| segments.segment(at).ray.direction),
@@ -183,7 +185,9 @@ impl Bvh {
                 // Blocks that are too small, or go all ways, are traced ray by ray.
                 let mut outcome = Outcome::Incoherent;
                 let direction = |at| segments.segment(at).ray.direction;
-                if block.count >= FEW && !block.is_certainly_incoherent(self, direction) {
+                let is_packet = block.count >= FEW
+                    && !(was_incoherent && block.is_certainly_incoherent(self, direction));
+                if is_packet {
                     outcome = method.kernel.run(AnyHits {
                         bvh: self,
                         segments,
@@ -193,7 +197,8 @@ impl Bvh {
                         tally,
                     });
                 }
-                if outcome == Outcome::Incoherent {
+                was_incoherent = outcome == Outcome::Incoherent;
+                if was_incoherent {
                     let order = &block.order[..block.count];
                     self.any_of_singles(method, segments, order, blocked, &mut waiting, tally);
                 }
@@ -238,10 +243,10 @@ impl Bvh {
         }
     }
 
-    fn closest_of_tile(
+    fn closest_of_tile<R: RaySet>(
         &self,
         method: Method,
-        rays: impl RaySet,
+        rays: R,
         (from, directions): (Origins, &[DVec3]),
         hits: &mut [Option<Hit>],
         tally: &mut impl Tally,
@@ -252,6 +257,8 @@ impl Bvh {
             refined: RefinedHits::NONE,
             waiting: Waiting::default(),
         };
+        // As in `any_of_whole`; of rays with origins of their own the first block is asked, too.
+        let mut was_incoherent = R::OWN_ORIGINS;
         // Rays that leave surfaces go all ways: in the order of their signs, those of a block still miss boxes together.
         let tile = match rays.leaves() && self.is_small() {
             true => Tile::by_signs(directions.len(), |ray| directions[ray]),
@@ -264,11 +271,14 @@ impl Bvh {
                 let block = &space.block;
                 let outcome = match block.count {
                     0..FEW => Outcome::Incoherent,
-                    _ if block.is_certainly_incoherent(self, |ray| rays.direction(ray)) => {
+                    _ if was_incoherent
+                        && block.is_certainly_incoherent(self, |ray| rays.direction(ray)) =>
+                    {
                         Outcome::Incoherent
                     }
                     _ => self.closest_of_block(method, rays, hits, &mut space, stack, tally),
                 };
+                was_incoherent = outcome == Outcome::Incoherent;
                 match outcome {
                     Outcome::Missed => {}
                     Outcome::Traced => {

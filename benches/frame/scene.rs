@@ -221,15 +221,16 @@ impl Files {
         self.prepare_as(text, |_| Request::default())
     }
 
-    /// The same where the memory lacks this part of its cube's bytes, or one byte, so that it is read in bricks.
-    pub fn prepare_in_bricks(&self, text: &str, lacking: f64) -> Prepared {
-        self.prepare_as(text, |plan| {
-            let cube = plan.cubes.iter().flatten().map(|c| c.bytes).sum::<u64>();
+    /// The same where the memory lacks this part of its cube's bytes, or one byte, so that it is read in bricks; none of a cube that takes less
+    /// than the least room for bricks.
+    pub fn prepare_in_bricks(&self, text: &str, lacking: f64) -> Option<Prepared> {
+        let cube = self.folder.join("cube.npy").metadata().expect("cube").len();
+        (cube > MOST_ALWAYS_HELD).then(|| {
             let lacking = ((cube as f64 * lacking) as u64).max(1);
-            Request {
+            self.prepare_as(text, |plan| Request {
                 memory_limit: plan.memory.total() - lacking,
                 ..Request::default()
-            }
+            })
         })
     }
 
@@ -241,6 +242,9 @@ impl Files {
         Prepared::new(&scene, &plan, &Silent).expect("a prepared scene")
     }
 }
+
+/// Half of a cube of more bytes than this is more than the least room for bricks, 8 MiB.
+const MOST_ALWAYS_HELD: u64 = 16 << 20;
 
 /// A Radiance picture of all directions, this many texels wide.
 fn panorama(width: usize) -> Vec<u8> {

@@ -189,6 +189,7 @@ impl Sky {
         radiance: &mut Vec<[f64; 3]>,
     ) {
         radiance.resize(directions.len(), [0.0; 3]);
+        // What is everywhere comes first: it overwrites what is there, and stars and sun are added to it.
         match &self.background {
             Background::Uniform(everywhere) => radiance.fill(*everywhere),
             Background::Gradient(gradient) => dispatch(Gradients {
@@ -241,6 +242,7 @@ impl Gradient {
     /// Along directions of this height.
     #[inline(always)]
     fn radiance(&self, y: f64) -> [f64; 3] {
+        // The zenith's part is 1 − (1 − y)⁴: most of the change is near the horizon. The ground is chosen without a branch.
         let square = (1.0 - y) * (1.0 - y);
         let weight = 1.0 - square * square;
         let mut radiance = self.ground;

@@ -313,6 +313,28 @@ mod tests {
         }
     }
 
+    /// Cells of directions are found in single precision, which takes those closer to a cell's edge than its rounding for the next cell's.
+    #[test]
+    fn a_disc_that_ends_before_the_edge_of_a_cell_is_found_beyond_it() {
+        const RADIUS: f64 = 3e-7;
+        // On the face z = 1, where x = 0 is an edge between cells: directions just before it, and for each a star whose disc ends little beyond the
+        // direction. Near x = 0 an angle is as wide there as du / √(1 + y²).
+        let places = (0..2000).map(|k| {
+            let (before, y) = (
+                (f64::from(k) + 0.5) / 2000.0 * 4e-8,
+                0.3 + f64::from(k) * 1e-4,
+            );
+            let along = |x: f64| DVec3::new(-x, y, 1.0).normalize();
+            let star = along(before + 0.98 * RADIUS * (1.0 + y * y).sqrt());
+            (along(before), Star::new(star, 5000.0, 1.0))
+        });
+        let (directions, stars): (Vec<_>, Vec<_>) = places.unzip();
+        let map = StarMap::new(stars, RADIUS);
+        for d in directions {
+            assert!(map.radiance(d, |_| [1.0; 3]) != [0.0; 3], "{d}");
+        }
+    }
+
     #[test]
     fn every_direction_finds_the_stars_that_it_lies_in() {
         let mut state = 1u64;

@@ -6,7 +6,7 @@
 //! (`refine`): the triangle that is hit, and s, u and v, are those of single rays, bit for bit, with every kernel.
 //!
 //! Rays may share their origin or have their own; the farther those are from one another, the less a block
-//! culls. Rays that are incoherent go through the wide tree each on its own way, 64 in turn (`walk`), but in a small tree together, 64 whose directions have
+//! culls. Rays that are incoherent go through the wide tree each on its own way, 64 in turn (`walk`; `lanes`: their set-up), but in a small tree together, 64 whose directions have
 //! signs in common (`tile`); origins more than 2¹⁰ scene sizes away go through the binary tree.
 
 mod any_hits;
@@ -14,6 +14,7 @@ mod batch;
 mod beam;
 mod block;
 mod closest_hits;
+mod lanes;
 mod method;
 mod ray_set;
 mod refine;

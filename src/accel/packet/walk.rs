@@ -20,21 +20,18 @@
 //! and with their roundings and that of their difference by 4 M e + 4.1 v M². M (6 e + 6 v M) is more.
 //! A ray hits where U, V and W have one sign: it certainly misses where one of them is below minus that, and one above.
 
-use glam::DVec3;
-
 use super::any_hits::SegmentSet;
+use super::lanes::{Boxes, Given, Lines, next_lane};
 use super::ray_set::{RAYS, RaySet};
 use super::simd::{Eight, Simd, Task};
 use crate::accel::bvh::Bvh;
-use crate::accel::float::{greater, power_of_two};
+use crate::accel::float::power_of_two;
 use crate::accel::node::NodeRef;
-use crate::accel::rays::{Hit, Ray};
-use crate::accel::single::{AnyHit, ClosestHit, ScaledRay};
-use crate::accel::slab::{SlabStart, far_of, inverses_of, origins_of};
+use crate::accel::rays::Hit;
+use crate::accel::single::{AnyHit, ClosestHit};
+use crate::accel::slab::far_of;
 use crate::accel::tally::{Tally, Work};
 use crate::accel::traverse::Query;
-use crate::accel::tree_space::TreeSpace;
-use crate::accel::triangle::Line;
 use crate::accel::vectors::{prefetch, prefetch_either};
 use crate::accel::wide::{WIDTH, WideLeaf, WideTree};
 
@@ -81,7 +78,8 @@ impl<R: RaySet, T: Tally> Task for ClosestSingles<'_, R, T> {
         let mut lines = Lines::NONE;
         let count = self.order.len().min(RAYS);
         lines.set_up(&bvh.space, &given, count);
-        let (mut walked, entering) = lines.fates(count);
+        let [entering, left] = lines.fates(count);
+        let mut walked = Walked { replaced: 0, left };
         let scaled = lines.scaled(&given, entering);
         self.tally
             .add(Work::Singles, count - walked.left.count_ones() as usize);
@@ -127,7 +125,8 @@ impl<S: SegmentSet, T: Tally> Task for AnySingles<'_, S, T> {
         let mut lines = Lines::NONE;
         let count = self.order.len().min(RAYS);
         lines.set_up(&bvh.space, &given, count);
-        let (walked, entering) = lines.fates(count);
+        let [entering, left] = lines.fates(count);
+        let walked = Walked { replaced: 0, left };
         let scaled = lines.scaled(&given, entering);
         self.tally
             .add(Work::Singles, count - walked.left.count_ones() as usize);
@@ -153,14 +152,6 @@ impl<S: SegmentSet, T: Tally> Task for AnySingles<'_, S, T> {
     }
 }
 
-/// Takes the first of `lanes`.
-#[inline(always)]
-fn next_lane(lanes: &mut u64) -> usize {
-    let lane = lanes.trailing_zeros() as usize % RAYS;
-    *lanes &= lanes.wrapping_sub(1);
-    lane
-}
-
 /// Children that rays visit later.
 #[derive(Default)]
 pub(super) struct Waiting {
@@ -179,257 +170,6 @@ impl Waiting {
         if self.entries.len() < rays * self.room {
             self.entries = vec![0; rays * self.room];
             self.nodes = vec![NodeRef::ROOT; rays * self.room];
-        }
-    }
-}
-
-/// Rays as they are given, by lane.
-#[repr(C, align(64))]
-struct Given {
-    origins: [[f64; RAYS]; 3],
-    directions: [[f64; RAYS]; 3],
-    s_min: [f64; RAYS],
-}
-
-impl Given {
-    const NONE: Given = Given {
-        origins: [[0.0; RAYS]; 3],
-        directions: [[0.0; RAYS]; 3],
-        s_min: [0.0; RAYS],
-    };
-
-    #[inline(always)]
-    fn set(&mut self, lane: usize, ray: &Ray) {
-        let (o, d) = (ray.origin, ray.direction);
-        let [x, y, z] = &mut self.origins;
-        (x[lane], y[lane], z[lane]) = (o.x, o.y, o.z);
-        let [x, y, z] = &mut self.directions;
-        (x[lane], y[lane], z[lane]) = (d.x, d.y, d.z);
-        self.s_min[lane] = ray.s_min;
-    }
-
-    #[inline(always)]
-    fn origin(&self, lane: usize) -> DVec3 {
-        let [x, y, z] = &self.origins;
-        DVec3::new(x[lane], y[lane], z[lane])
-    }
-
-    #[inline(always)]
-    fn direction(&self, lane: usize) -> DVec3 {
-        let [x, y, z] = &self.directions;
-        DVec3::new(x[lane], y[lane], z[lane])
-    }
-}
-
-/// Rays in f64, by lane, for the tests of boxes and leaves.
-#[repr(C, align(64))]
-struct Lines {
-    /// The factor that takes |d|∞ to [1, 2).
-    unit: [f64; RAYS],
-    /// [`MISSES`], [`ENTERS`] or [`LEFT`].
-    fate: [f64; RAYS],
-    /// τ₀, and what is unknown about k s − τ₀.
-    start: [f64; RAYS],
-    blur: [f64; RAYS],
-    /// r, ρ, and 1/|d| with the sign of d.
-    base: [[f64; RAYS]; 3],
-    unsure: [f64; RAYS],
-    inverse: [[f64; RAYS]; 3],
-    /// r along x, y and z of (W1), and the slopes Sx and Sy.
-    sheared: [[f64; RAYS]; 3],
-    slopes: [[f64; RAYS]; 2],
-    /// z of (W1): 0, 1 or 2.
-    steepest: [f64; RAYS],
-}
-
-/// A ray that certainly misses everything.
-const MISSES: f64 = 0.0;
-/// One that goes through the tree.
-const ENTERS: f64 = 1.0;
-/// One that is left to the binary tree.
-const LEFT: f64 = 2.0;
-
-impl Lines {
-    const NONE: Lines = Lines {
-        unit: [0.0; RAYS],
-        fate: [0.0; RAYS],
-        start: [0.0; RAYS],
-        blur: [0.0; RAYS],
-        base: [[0.0; RAYS]; 3],
-        unsure: [0.0; RAYS],
-        inverse: [[0.0; RAYS]; 3],
-        sheared: [[0.0; RAYS]; 3],
-        slopes: [[0.0; RAYS]; 2],
-        steepest: [0.0; RAYS],
-    };
-
-    /// The first `count` rays as `given`.
-    #[inline(always)]
-    fn set_up(&mut self, space: &TreeSpace, given: &Given, count: usize) {
-        let space = *space;
-        for lane in 0..whole_eights(count) {
-            // As `ScaledRay::new` does it.
-            let (origin, direction) = (given.origin(lane), given.direction(lane));
-            let size = greatest(direction);
-            let finite = (direction.x + direction.y + direction.z) * 0.0
-                + (origin.x + origin.y + origin.z) * 0.0
-                == 0.0;
-            let usual = finite
-                & (size >= power_of_two(-500))
-                & (size < power_of_two(500))
-                & (greatest(origin) <= Bvh::MAX_COORDINATE);
-            let exponent = size.to_bits() >> 52;
-            let unit = f64::from_bits((2046u64.wrapping_sub(exponent)) << 52);
-            let per_unit = f64::from_bits(exponent << 52);
-            let d = direction * unit;
-            let start = SlabStart::of(&space, space.map(origin), d, given.s_min[lane] * per_unit);
-            let missed = usual & start.is_valid & start.misses;
-            let entered = usual & start.is_valid & start.is_near & !start.misses;
-            let fate = if missed { MISSES } else { LEFT };
-            self.fate[lane] = if entered { ENTERS } else { fate };
-            self.unit[lane] = unit;
-            self.start[lane] = start.start;
-            self.blur[lane] = start.blur;
-            self.unsure[lane] = start.unsure;
-            let base = start.base;
-            (self.base[0][lane], self.base[1][lane], self.base[2][lane]) = (base.x, base.y, base.z);
-            let inverse = [
-                start.inverse[0].copysign(d.x),
-                start.inverse[1].copysign(d.y),
-                start.inverse[2].copysign(d.z),
-            ];
-            self.inverse[0][lane] = inverse[0];
-            self.inverse[1][lane] = inverse[1];
-            self.inverse[2][lane] = inverse[2];
-            // (W1): z, and x and y as they follow it.
-            let (ax, ay, az) = (d.x.abs(), d.y.abs(), d.z.abs());
-            let by_x = (ax >= ay) & (ax >= az);
-            let by_y = !by_x & (ay >= az);
-            let by = [by_x, by_y];
-            let sheared = turned(by, [base.x, base.y, base.z]);
-            let [x, y, _] = turned(by, [d.x, d.y, d.z]);
-            let [_, _, per_z] = turned(by, inverse);
-            self.sheared[0][lane] = sheared[0];
-            self.sheared[1][lane] = sheared[1];
-            self.sheared[2][lane] = sheared[2];
-            self.slopes[0][lane] = x * per_z;
-            self.slopes[1][lane] = y * per_z;
-            self.steepest[lane] = if by_x {
-                0.0
-            } else if by_y {
-                1.0
-            } else {
-                2.0
-            };
-        }
-    }
-
-    /// What becomes of the first `count` rays, and which of them go through the tree, as bits.
-    #[inline(always)]
-    fn fates(&self, count: usize) -> (Walked, u64) {
-        let (mut entering, mut left) = (0, 0);
-        for (lane, &fate) in self.fate.iter().enumerate().take(count) {
-            entering |= u64::from(fate == ENTERS) << lane;
-            left |= u64::from(fate == LEFT) << lane;
-        }
-        (Walked { replaced: 0, left }, entering)
-    }
-
-    /// The rays of `lanes`, one after the other.
-    #[inline(always)]
-    fn scaled(&self, given: &Given, mut lanes: u64) -> Vec<ScaledRay> {
-        let mut rays = Vec::with_capacity(lanes.count_ones() as usize);
-        while lanes != 0 {
-            let lane = next_lane(&mut lanes);
-            let unit = self.unit[lane];
-            // The other power of two.
-            let per_unit = f64::from_bits((2046 << 52) - unit.to_bits());
-            rays.push(ScaledRay {
-                line: Line {
-                    origin: given.origin(lane),
-                    direction: given.direction(lane) * unit,
-                },
-                s_min: given.s_min[lane] * per_unit,
-                unit,
-                per_unit,
-            });
-        }
-        rays
-    }
-}
-
-/// As many lanes as loops over vectors go through for `count` rays.
-#[inline(always)]
-fn whole_eights(count: usize) -> usize {
-    (count.div_ceil(8) * 8).min(RAYS)
-}
-
-/// |v|∞.
-#[inline(always)]
-fn greatest(v: DVec3) -> f64 {
-    greater(greater(v.x.abs(), v.y.abs()), v.z.abs())
-}
-
-/// Rays in f32, by lane.
-#[repr(C, align(64))]
-struct Boxes {
-    /// Per axis for the nearer planes and for those beyond, the origin and 1/d as (S3) and (S4) have them.
-    origins: [[[f32; RAYS]; 2]; 3],
-    inverses: [[[f32; RAYS]; 2]; 3],
-    /// Per axis which plane is nearer: 1 for that above.
-    near: [[u32; RAYS]; 3],
-    /// x, y and z of (W1), −Sx and −Sy.
-    axes: [[u32; RAYS]; 3],
-    slopes: [[f32; RAYS]; 2],
-    /// 2ρ + 2⁻⁴⁶(2 + |r|).
-    off: [f32; RAYS],
-    /// Beyond this t no box is of interest.
-    far: [f32; RAYS],
-}
-
-impl Boxes {
-    const NONE: Boxes = Boxes {
-        origins: [[[0.0; RAYS]; 2]; 3],
-        inverses: [[[0.0; RAYS]; 2]; 3],
-        near: [[0; RAYS]; 3],
-        axes: [[0; RAYS]; 3],
-        slopes: [[0.0; RAYS]; 2],
-        off: [0.0; RAYS],
-        far: [0.0; RAYS],
-    };
-
-    #[inline(always)]
-    fn set_up(&mut self, lines: &Lines, count: usize) {
-        let count = whole_eights(count);
-        let mut axis = 0;
-        while axis < 3 {
-            for lane in 0..count {
-                let [above, below] = origins_of(lines.base[axis][lane], lines.unsure[lane]);
-                let inverse = lines.inverse[axis][lane];
-                let [enter, leave] = inverses_of(inverse.abs());
-                let descends = inverse < 0.0;
-                self.near[axis][lane] = u32::from(descends);
-                self.origins[axis][0][lane] = if descends { below } else { above };
-                self.origins[axis][1][lane] = if descends { above } else { below };
-                self.inverses[axis][0][lane] = if descends { -enter } else { enter };
-                self.inverses[axis][1][lane] = if descends { -leave } else { leave };
-            }
-            axis += 1;
-        }
-        for lane in 0..count {
-            let base = DVec3::new(
-                lines.base[0][lane],
-                lines.base[1][lane],
-                lines.base[2][lane],
-            );
-            let off = 2.0 * lines.unsure[lane] + power_of_two(-46) * (2.0 + greatest(base));
-            self.off[lane] = off as f32 * (1.0 + f32::EPSILON);
-            self.slopes[0][lane] = -lines.slopes[0][lane] as f32;
-            self.slopes[1][lane] = -lines.slopes[1][lane] as f32;
-            let z = lines.steepest[lane] as i32 as u32;
-            self.axes[0][lane] = if z == 2 { 0 } else { z + 1 };
-            self.axes[1][lane] = if z == 0 { 2 } else { z - 1 };
-            self.axes[2][lane] = z;
         }
     }
 }
@@ -673,39 +413,37 @@ fn sheared<K: Simd>(
     ]
 }
 
-/// By axes x, y and z of (W1), where z is the steepest.
-#[inline(always)]
-fn turned([by_x, by_y]: [bool; 2], v: [f64; 3]) -> [f64; 3] {
-    [
-        if by_x {
-            v[1]
-        } else if by_y {
-            v[2]
-        } else {
-            v[0]
-        },
-        if by_x {
-            v[2]
-        } else if by_y {
-            v[0]
-        } else {
-            v[1]
-        },
-        if by_x {
-            v[0]
-        } else if by_y {
-            v[1]
-        } else {
-            v[2]
-        },
-    ]
-}
-
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::accel::packet::method::{Kernel, Method, Precision};
     use crate::accel::{Facing, NoTally, Origins, Ray, Segment, numbers};
+
+    fn certified(kernel: Kernel) -> Method {
+        Method {
+            kernel,
+            precision: Precision::Certified,
+        }
+    }
+
+    /// The nearest hits of these rays, and which rays have one, in order.
+    fn closest(
+        bvh: &Bvh,
+        method: Method,
+        origins: &[DVec3],
+        directions: &[DVec3],
+    ) -> (Vec<Option<Hit>>, Vec<usize>) {
+        let mut hits = vec![None; origins.len()];
+        let mut replaced = Vec::new();
+        let from = Origins::Each(origins);
+        bvh.closest_by(method, from, directions, &mut hits, &mut NoTally, |ray| {
+            replaced.push(ray);
+        });
+        replaced.sort_unstable();
+        (hits, replaced)
+    }
 
     #[test]
     fn incoherent_rays_and_segments_find_what_the_binary_tree_finds() {
@@ -764,19 +502,8 @@ mod tests {
                 })
                 .collect();
             let trace = |kernel| {
-                let method = Method {
-                    kernel,
-                    precision: Precision::Certified,
-                };
-                let mut hits = vec![None; rays.len()];
-                bvh.closest_by(
-                    method,
-                    Origins::Each(&origins),
-                    &directions,
-                    &mut hits,
-                    &mut NoTally,
-                    |_| (),
-                );
+                let method = certified(kernel);
+                let (hits, _) = closest(&bvh, method, &origins, &directions);
                 let mut blocked = vec![false; rays.len()];
                 bvh.any_by(method, &segments, &mut blocked, &mut NoTally);
                 (hits, blocked)
@@ -825,24 +552,7 @@ mod tests {
                 }
             })
             .unzip();
-        let trace = |kernel| {
-            let method = Method {
-                kernel,
-                precision: Precision::Certified,
-            };
-            let mut hits = vec![None; origins.len()];
-            let mut replaced = Vec::new();
-            bvh.closest_by(
-                method,
-                Origins::Each(&origins),
-                &directions,
-                &mut hits,
-                &mut NoTally,
-                |ray| replaced.push(ray),
-            );
-            replaced.sort_unstable();
-            (hits, replaced)
-        };
+        let trace = |kernel| closest(&bvh, certified(kernel), &origins, &directions);
         let expected = trace(Kernel::Scalar);
         let far = (0..4000).step_by(40);
         assert!(far.filter(|&k| expected.0[k].is_some()).count() > 50);

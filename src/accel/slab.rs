@@ -74,7 +74,7 @@ pub(super) struct SlabStart {
 }
 
 /// 1/|d| beyond which an axis is traversed as if it were this: (S4).
-const STEEP: f64 = power_of_two(60);
+pub(super) const STEEP: f64 = power_of_two(60);
 /// |d| below which the ray stays between the planes of an axis for all distances that matter.
 const FLAT: f64 = power_of_two(-500);
 /// Origins farther than this many scene sizes hit nothing.
@@ -222,7 +222,7 @@ pub(super) fn far_of(t: f64, blur: f64) -> f32 {
 
 /// Along an axis r₊, for planes below, and r₋, for planes above: (S3).
 #[inline(always)]
-pub(super) fn origins_of(r: f64, unsure: f64) -> [f32; 2] {
+fn origins_of(r: f64, unsure: f64) -> [f32; 2] {
     const ROUNDING: f64 = power_of_two(-24) + power_of_two(-44);
     let margin = r.abs() * ROUNDING + unsure;
     [(r + margin) as f32, (r - margin) as f32]
@@ -230,7 +230,7 @@ pub(super) fn origins_of(r: f64, unsure: f64) -> [f32; 2] {
 
 /// Along an axis 1/|d| for entries and for exits: (S4).
 #[inline(always)]
-pub(super) fn inverses_of(inverse: f64) -> [f32; 2] {
+fn inverses_of(inverse: f64) -> [f32; 2] {
     let inverse = lesser(inverse, STEEP);
     let enter = (inverse * (1.0 - power_of_two(-22))) as f32;
     let leave = (inverse * (1.0 + power_of_two(-22))) as f32;

@@ -10,7 +10,7 @@ use super::ray_set::{ColumnsToPoint, OwnOrigins, RAYS, RaySet, SharedOrigin};
 use super::refine::RefinedHits;
 use super::tile::Tile;
 use super::traverse::{Outcome, StackEntry};
-use super::walk::{AnySingles, ClosestSingles, Waiting};
+use super::walk::{AnySingles, ClosestSingles, Room};
 use crate::accel::bvh::Bvh;
 use crate::accel::float::power_of_two;
 use crate::accel::node::NodeRef;
@@ -33,7 +33,7 @@ const SMALL: usize = 48;
 struct Workspace {
     block: Block,
     refined: RefinedHits,
-    waiting: Waiting,
+    singles: Option<Box<Room>>,
 }
 
 impl Bvh {
@@ -171,7 +171,7 @@ impl Bvh {
         let count = blocked.len();
         blocked.fill(false);
         let mut block = Block::EMPTY;
-        let mut waiting = Waiting::default();
+        let mut room = None;
         // Where one block was incoherent the next is asked beforehand: of others that would only be one more wait for their directions.
         let mut was_incoherent = false;
         // One block needs no order.
@@ -200,7 +200,7 @@ impl Bvh {
                 was_incoherent = outcome == Outcome::Incoherent;
                 if was_incoherent {
                     let order = &block.order[..block.count];
-                    self.any_of_singles(method, segments, order, blocked, &mut waiting, tally);
+                    self.any_of_singles(method, segments, order, blocked, &mut room, tally);
                 }
             }
         });
@@ -213,7 +213,7 @@ impl Bvh {
         segments: impl SegmentSet,
         order: &[u32],
         blocked: &mut [bool],
-        waiting: &mut Waiting,
+        room: &mut Option<Box<Room>>,
         tally: &mut impl Tally,
     ) {
         if order.len() < FEW {
@@ -224,7 +224,7 @@ impl Bvh {
             segments,
             order,
             blocked,
-            waiting,
+            room,
             tally,
         });
         self.any_one_by_one(segments, chosen(order, walked.left), blocked, tally);
@@ -255,7 +255,7 @@ impl Bvh {
         let mut space = Workspace {
             block: Block::EMPTY,
             refined: RefinedHits::NONE,
-            waiting: Waiting::default(),
+            singles: None,
         };
         // As in `any_of_whole`; of rays with origins of their own the first block is asked, too.
         let mut was_incoherent = R::OWN_ORIGINS;
@@ -297,7 +297,7 @@ impl Bvh {
                             rays,
                             order,
                             hits,
-                            waiting: &mut space.waiting,
+                            room: &mut space.singles,
                             tally,
                         });
                         chosen(order, walked.replaced).for_each(&mut replaced);

@@ -6,12 +6,13 @@ use glam::DVec3;
 
 use super::ray_set::RAYS;
 use crate::accel::bvh::Bvh;
-use crate::accel::float::{greater, power_of_two};
+use crate::accel::float::{greater, lesser, power_of_two};
 use crate::accel::rays::Ray;
 use crate::accel::single::ScaledRay;
-use crate::accel::slab::{SlabStart, inverses_of, origins_of};
+use crate::accel::slab::{STEEP, SlabStart};
 use crate::accel::tree_space::TreeSpace;
 use crate::accel::triangle::Line;
+use crate::accel::wide::WIDTH;
 
 /// Takes the first of `lanes`.
 #[inline(always)]
@@ -211,10 +212,10 @@ pub(super) fn greatest(v: DVec3) -> f64 {
 /// Rays in f32, by lane.
 #[repr(C, align(64))]
 pub(super) struct Boxes {
-    /// Per axis for the nearer planes and for those beyond, the origin and 1/d as (S3) and (S4) have them.
-    pub origins: [[[f32; RAYS]; 2]; 3],
-    pub inverses: [[[f32; RAYS]; 2]; 3],
-    /// Per axis which plane is nearer: 1 for that above.
+    /// Per axis 1/d, and r/d for the nearer planes and for those beyond: (W3).
+    pub inverses: [[f32; RAYS]; 3],
+    pub offsets: [[[f32; RAYS]; 2]; 3],
+    /// Per axis where the nearer planes of a node begin: with those below, or after them.
     pub near: [[u32; RAYS]; 3],
     /// x, y and z of (W1), −Sx and −Sy.
     pub axes: [[u32; RAYS]; 3],
@@ -227,8 +228,8 @@ pub(super) struct Boxes {
 
 impl Boxes {
     pub const NONE: Boxes = Boxes {
-        origins: [[[0.0; RAYS]; 2]; 3],
-        inverses: [[[0.0; RAYS]; 2]; 3],
+        inverses: [[0.0; RAYS]; 3],
+        offsets: [[[0.0; RAYS]; 2]; 3],
         near: [[0; RAYS]; 3],
         axes: [[0; RAYS]; 3],
         slopes: [[0.0; RAYS]; 2],
@@ -242,15 +243,17 @@ impl Boxes {
         let mut axis = 0;
         while axis < 3 {
             for lane in 0..count {
-                let [above, below] = origins_of(lines.base[axis][lane], lines.unsure[lane]);
-                let inverse = lines.inverse[axis][lane];
-                let [enter, leave] = inverses_of(inverse.abs());
+                let (r, inverse) = (lines.base[axis][lane], lines.inverse[axis][lane]);
+                let steepness = lesser(inverse.abs(), STEEP);
                 let descends = inverse < 0.0;
-                self.near[axis][lane] = u32::from(descends);
-                self.origins[axis][0][lane] = if descends { below } else { above };
-                self.origins[axis][1][lane] = if descends { above } else { below };
-                self.inverses[axis][0][lane] = if descends { -enter } else { enter };
-                self.inverses[axis][1][lane] = if descends { -leave } else { leave };
+                // (W3): m.
+                let off = power_of_two(-24) * (2.1 + 1.1 * r.abs()) + lines.unsure[lane];
+                let inverse = if descends { -steepness } else { steepness };
+                let offset = r * inverse;
+                self.inverses[axis][lane] = inverse as f32;
+                self.offsets[axis][0][lane] = (offset + steepness * off) as f32;
+                self.offsets[axis][1][lane] = (offset - steepness * off) as f32;
+                self.near[axis][lane] = if descends { WIDTH as u32 } else { 0 };
             }
             axis += 1;
         }

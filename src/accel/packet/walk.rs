@@ -1,11 +1,11 @@
-//! Single rays through the wide tree: up to 64 at the same time, each on its own way.
+//! Single rays through the wide tree: up to 32 at the same time, each on its own way.
 //!
-//! A ray alone waits for most of its time: for a node from the memory, or for what was decided on the node before. So the rays of
-//! a block take turns. In each round every ray makes one step, through a node or a leaf, and asks for what it needs in the next
+//! A ray alone waits for most of its time: for a node from the memory, or for what was decided on the node before. So rays of
+//! a block take turns, and where one has arrived the next one starts. In each round every ray makes one step, through a node or a leaf, and asks for what it needs in the next
 //! round; meanwhile the others step. A round goes through all rays at leaves, and then through all at nodes, so that the processor
 //! does not have to guess which of them a ray has come to.
 //!
-//! Boxes are tested as in [`slab`](crate::accel::slab), with its bounds. Of a leaf's triangles those that a ray certainly
+//! Boxes are tested with the start and the bounds of [`slab`](crate::accel::slab), but for (W3). Of a leaf's triangles those that a ray certainly
 //! misses are found in f32; the others are decided in f64 as everywhere, so that results are those of the binary tree.
 //!
 //! **(W1) Shear.** Let z be the axis along which |d| is greatest, x and y the others, and Sx = dx/dz, Sy = dy/dz, of which none is
@@ -19,6 +19,11 @@
 //! **(W2) Edge functions.** No coordinate of a, b and c is greater than M = 2h + P + 2e. Two products of two are off by 4 M e,
 //! and with their roundings and that of their difference by 4 M e + 4.1 v M². M (6 e + 6 v M) is more.
 //! A ray hits where U, V and W have one sign: it certainly misses where one of them is below minus that, and one above.
+//!
+//! **(W3) Slabs.** The ray is at a plane p at t = p/d − r/d, one multiplication and subtraction with 1/d and r/d in f32, |d| not below
+//! 2⁻⁶⁰ (S4). With |p| ≤ 1 the rounding of 1/d makes v/|d|, that of the product, where it is rounded, as much, that of r/d
+//! v |r/d|, and r is off by ρ: less than m = (v (2.1 + 1.1 |r|) + ρ)/|d| in all. Planes where the ray enters take r/d + m, those where it
+//! leaves r/d − m. What is then rounded last are a number that is not late, and one that is not early; and rounding keeps their order.
 
 use super::any_hits::SegmentSet;
 use super::lanes::{Boxes, Given, Lines, next_lane};
@@ -33,7 +38,7 @@ use crate::accel::slab::far_of;
 use crate::accel::tally::{Tally, Work};
 use crate::accel::traverse::Query;
 use crate::accel::vectors::{prefetch, prefetch_either};
-use crate::accel::wide::{WIDTH, WideLeaf, WideTree};
+use crate::accel::wide::{WIDTH, WideLeaf};
 
 /// The nearest hits of rays, each by itself.
 pub(super) struct ClosestSingles<'a, R, T> {
@@ -42,7 +47,7 @@ pub(super) struct ClosestSingles<'a, R, T> {
     /// Which of them, at most 64.
     pub order: &'a [u32],
     pub hits: &'a mut [Option<Hit>],
-    pub waiting: &'a mut Waiting,
+    pub room: &'a mut Option<Box<Room>>,
     pub tally: &'a mut T,
 }
 
@@ -53,7 +58,7 @@ pub(super) struct AnySingles<'a, S, T> {
     /// Which of them, at most 64.
     pub order: &'a [u32],
     pub blocked: &'a mut [bool],
-    pub waiting: &'a mut Waiting,
+    pub room: &'a mut Option<Box<Room>>,
     pub tally: &'a mut T,
 }
 
@@ -71,18 +76,15 @@ impl<R: RaySet, T: Tally> Task for ClosestSingles<'_, R, T> {
     #[inline(always)]
     fn run<K: Simd>(self, k: K) -> Walked {
         let (bvh, rays) = (self.bvh, self.rays);
-        let mut given = Given::NONE;
+        let room = self.room.get_or_insert_with(Room::new);
         for (lane, &ray) in self.order.iter().enumerate().take(RAYS) {
-            given.set(lane, &rays.ray(ray as usize));
+            room.given.set(lane, &rays.ray(ray as usize));
         }
-        let mut lines = Lines::NONE;
-        let count = self.order.len().min(RAYS);
-        lines.set_up(&bvh.space, &given, count);
-        let [entering, left] = lines.fates(count);
+        let [entering, left] = room.set_up(bvh, self.order.len());
         let mut walked = Walked { replaced: 0, left };
-        let scaled = lines.scaled(&given, entering);
-        self.tally
-            .add(Work::Singles, count - walked.left.count_ones() as usize);
+        let scaled = room.lines.scaled(&room.given, entering);
+        let traced = self.order.len().min(RAYS) - left.count_ones() as usize;
+        self.tally.add(Work::Singles, traced);
         let mut queries = Vec::with_capacity(scaled.len());
         let mut lanes = entering;
         for scaled in &scaled {
@@ -94,11 +96,7 @@ impl<R: RaySet, T: Tally> Task for ClosestSingles<'_, R, T> {
             };
             queries.push(ClosestHit::new(bvh, scaled, s_max, rays.left(ray)));
         }
-        Walk::new(k.children(), bvh, &lines, count, self.waiting).run(
-            entering,
-            &mut queries,
-            self.tally,
-        );
+        Walk::new(k.children(), bvh, room, entering).run(&mut queries, self.tally);
         let mut lanes = entering;
         for (query, scaled) in queries.into_iter().zip(&scaled) {
             let lane = next_lane(&mut lanes);
@@ -117,19 +115,17 @@ impl<S: SegmentSet, T: Tally> Task for AnySingles<'_, S, T> {
     #[inline(always)]
     fn run<K: Simd>(self, k: K) -> Walked {
         let bvh = self.bvh;
-        let mut given = Given::NONE;
+        let room = self.room.get_or_insert_with(Room::new);
         for (lane, &ray) in self.order.iter().enumerate().take(RAYS) {
-            given.set(lane, &self.segments.segment(ray as usize).ray);
+            room.given
+                .set(lane, &self.segments.segment(ray as usize).ray);
             self.blocked[ray as usize] = false;
         }
-        let mut lines = Lines::NONE;
-        let count = self.order.len().min(RAYS);
-        lines.set_up(&bvh.space, &given, count);
-        let [entering, left] = lines.fates(count);
+        let [entering, left] = room.set_up(bvh, self.order.len());
         let walked = Walked { replaced: 0, left };
-        let scaled = lines.scaled(&given, entering);
-        self.tally
-            .add(Work::Singles, count - walked.left.count_ones() as usize);
+        let scaled = room.lines.scaled(&room.given, entering);
+        let traced = self.order.len().min(RAYS) - left.count_ones() as usize;
+        self.tally.add(Work::Singles, traced);
         let mut queries = Vec::with_capacity(scaled.len());
         let mut lanes = entering;
         for scaled in &scaled {
@@ -138,11 +134,7 @@ impl<S: SegmentSet, T: Tally> Task for AnySingles<'_, S, T> {
                 .segment(self.order[next_lane(&mut lanes)] as usize);
             queries.push(AnyHit::new(bvh, scaled, &segment));
         }
-        Walk::new(k.children(), bvh, &lines, count, self.waiting).run(
-            entering,
-            &mut queries,
-            self.tally,
-        );
+        Walk::new(k.children(), bvh, room, entering).run(&mut queries, self.tally);
         let mut lanes = entering;
         for query in &queries {
             let ray = self.order[next_lane(&mut lanes)];
@@ -152,25 +144,57 @@ impl<S: SegmentSet, T: Tally> Task for AnySingles<'_, S, T> {
     }
 }
 
-/// Children that rays visit later.
-#[derive(Default)]
-pub(super) struct Waiting {
-    /// Where they are entered, or a little before, and which they are: `room` of each ray, one ray after the other.
-    entries: Vec<u32>,
-    nodes: Vec<NodeRef>,
-    room: usize,
+/// So many rays are on their ways at the same time: enough that none waits for the memory alone, and so few that what has come for one is
+/// still in the nearest cache at its turn (measured with 8 to 64).
+const SLOTS: usize = 32;
+
+/// So many children may wait for each ray. A node leaves all its children but the one that is taken next; eight are written, however many
+/// there are, and eight are read, though fewer wait.
+const STACK: usize = 256;
+/// Levels of nodes for which that is enough. Rays through deeper trees, which are rare, are left.
+const DEPTH: usize = STACK / WIDTH - 2;
+
+/// What is reused from block to block.
+#[repr(align(64))]
+pub(super) struct Room {
+    given: Given,
+    lines: Lines,
+    boxes: Boxes,
+    stacks: [Stack; SLOTS],
 }
 
-impl Waiting {
-    /// Makes room for what waits in a tree for so many rays.
-    fn fit(&mut self, tree: &WideTree, rays: usize) {
-        // A node leaves all its children but the one that is taken next; eight are written, however many there are, and eight
-        // are read, though fewer wait.
-        self.room = (tree.depth + 2) * WIDTH;
-        if self.entries.len() < rays * self.room {
-            self.entries = vec![0; rays * self.room];
-            self.nodes = vec![NodeRef::ROOT; rays * self.room];
+/// Children that a ray visits later.
+#[derive(Clone, Copy)]
+struct Stack {
+    /// Where they are entered, or a little before, and which they are. The first eight are none.
+    entries: [u32; STACK + WIDTH],
+    nodes: [NodeRef; STACK + WIDTH],
+}
+
+impl Room {
+    fn new() -> Box<Room> {
+        Box::new(Room {
+            given: Given::NONE,
+            lines: Lines::NONE,
+            boxes: Boxes::NONE,
+            stacks: [Stack {
+                entries: [0; STACK + WIDTH],
+                nodes: [NodeRef::ROOT; STACK + WIDTH],
+            }; SLOTS],
+        })
+    }
+
+    /// The first `count` rays as given: which of them go through the tree, and which are left to the binary one, as bits.
+    #[inline(always)]
+    fn set_up(&mut self, bvh: &Bvh, count: usize) -> [u64; 2] {
+        let count = count.min(RAYS);
+        self.lines.set_up(&bvh.space, &self.given, count);
+        let [entering, left] = self.lines.fates(count);
+        if bvh.wide.depth > DEPTH {
+            return [0, left | entering];
         }
+        self.boxes.set_up(&self.lines, count);
+        [entering, left]
     }
 }
 
@@ -190,6 +214,17 @@ impl Lanes {
     fn all(&self) -> &[u8] {
         &self.lanes[..self.count]
     }
+
+    #[inline(always)]
+    fn push(&mut self, lane: usize) {
+        self.push_if(true, lane);
+    }
+
+    #[inline(always)]
+    fn push_if(&mut self, is_pushed: bool, lane: usize) {
+        self.lanes[self.count % RAYS] = lane as u8;
+        self.count += usize::from(is_pushed);
+    }
 }
 
 /// Rays on their ways through a tree.
@@ -197,11 +232,15 @@ struct Walk<'a, K: Simd> {
     kernel: K,
     bvh: &'a Bvh,
     lines: &'a Lines,
-    boxes: Boxes,
-    waiting: &'a mut Waiting,
-    /// How many children wait, by lane, and what is visited next.
+    boxes: &'a mut Boxes,
+    stacks: &'a mut [Stack; SLOTS],
+    /// By lane which stack is the ray's, how many children wait there, and what is visited next.
+    slots: [u8; RAYS],
     counts: [u32; RAYS],
     next: [NodeRef; RAYS],
+    /// Rays that go through the tree, and those of them that have still to start, as bits.
+    entering: u64,
+    coming: u64,
     /// Rays that are at nodes and at leaves.
     at_nodes: Lanes,
     at_leaves: Lanes,
@@ -209,42 +248,40 @@ struct Walk<'a, K: Simd> {
 
 impl<'a, K: Eight> Walk<'a, K> {
     #[inline(always)]
-    fn new(
-        kernel: K,
-        bvh: &'a Bvh,
-        lines: &'a Lines,
-        count: usize,
-        waiting: &'a mut Waiting,
-    ) -> Self {
-        waiting.fit(&bvh.wide, count);
-        let mut boxes = Boxes::NONE;
-        boxes.set_up(lines, count);
+    fn new(kernel: K, bvh: &'a Bvh, room: &'a mut Room, entering: u64) -> Self {
         Walk {
             kernel,
             bvh,
-            lines,
-            boxes,
-            waiting,
+            lines: &room.lines,
+            boxes: &mut room.boxes,
+            stacks: &mut room.stacks,
+            slots: [0; RAYS],
             counts: [0; RAYS],
             next: [NodeRef::ROOT; RAYS],
+            entering,
+            coming: entering,
             at_nodes: Lanes::NONE,
             at_leaves: Lanes::NONE,
         }
     }
 
-    /// Puts `queries` to the tree, one for each of `lanes`.
+    /// Puts `queries` to the tree, one for each ray that goes through it.
     #[inline(always)]
-    fn run<Q: Query>(mut self, mut lanes: u64, queries: &mut [Q], tally: &mut impl Tally) {
+    fn run<Q: Query>(mut self, queries: &mut [Q], tally: &mut impl Tally) {
         let mut query_of = [0; RAYS];
+        let mut lanes = self.entering;
         for (at, query) in queries.iter().enumerate().take(RAYS) {
             let lane = next_lane(&mut lanes);
             query_of[lane] = at as u8;
             self.narrow(lane, query.limit());
-            self.at_nodes.lanes[at] = lane as u8;
         }
-        self.at_nodes.count = queries.len();
+        for slot in 0..queries.len().min(SLOTS) {
+            let lane = next_lane(&mut self.coming);
+            self.slots[lane] = slot as u8;
+            self.at_nodes.push(lane);
+        }
         // Triangles that rays may hit: of which ray, and in which slot.
-        let mut pairs = [(0, 0); RAYS * WIDTH];
+        let mut pairs = [(0, 0); SLOTS * WIDTH];
         while self.at_nodes.count + self.at_leaves.count > 0 {
             let leaves = std::mem::replace(&mut self.at_leaves, Lanes::NONE);
             let mut found = 0;
@@ -256,7 +293,7 @@ impl<'a, K: Eight> Walk<'a, K> {
                 loop {
                     let slot = leaf.first + candidates.trailing_zeros() % WIDTH as u32;
                     prefetch(&self.bvh.corners, slot as usize);
-                    pairs[found % (RAYS * WIDTH)] = (lane as u32, slot);
+                    pairs[found.min(SLOTS * WIDTH - 1)] = (lane as u32, slot);
                     found += usize::from(candidates != 0);
                     candidates &= candidates.wrapping_sub(1);
                     if candidates == 0 {
@@ -298,67 +335,76 @@ impl<'a, K: Eight> Walk<'a, K> {
     /// Lets the children of the next node wait that the ray hits.
     #[inline(always)]
     fn enter(&mut self, lane: usize) {
-        let (k, boxes) = (self.kernel, &self.boxes);
+        let (k, boxes) = (self.kernel, &*self.boxes);
         let node = &self.bvh.wide.nodes[self.next[lane].index()];
         let (mut enter, mut leave) = (k.splat(0.0), k.splat(boxes.far[lane]));
+        // (W3).
         let mut axis = 0;
         while axis < 3 {
-            let near = boxes.near[axis][lane] as usize & 1;
-            let planes = &node.planes[axis];
-            let origins = &boxes.origins[axis];
-            let inverses = &boxes.inverses[axis];
-            let to_near = k.sub(k.load(&planes[near]), k.splat(origins[0][lane]));
-            let to_beyond = k.sub(k.load(&planes[1 - near]), k.splat(origins[1][lane]));
-            enter = k.max(enter, k.mul(to_near, k.splat(inverses[0][lane])));
-            leave = k.min(leave, k.mul(to_beyond, k.splat(inverses[1][lane])));
+            let planes = node.planes[axis].as_flattened();
+            let near = boxes.near[axis][lane] as usize & WIDTH;
+            let inverse = k.splat(boxes.inverses[axis][lane]);
+            let [offset, beyond] = &boxes.offsets[axis];
+            let (offset, beyond) = (k.splat(offset[lane]), k.splat(beyond[lane]));
+            let nearer = k.load(&planes[near..near + WIDTH]);
+            let farther = k.load(&planes[WIDTH - near..2 * WIDTH - near]);
+            enter = k.max(enter, k.mul_sub(nearer, inverse, offset));
+            leave = k.min(leave, k.mul_sub(farther, inverse, beyond));
             axis += 1;
         }
-        let count = self.counts[lane] as usize;
-        let first = lane * self.waiting.room + WIDTH + count;
-        let entries = &mut self.waiting.entries[first..first + WIDTH];
-        let nodes = &mut self.waiting.nodes[first..first + WIDTH];
+        let count = self.counts[lane];
+        let stack = &mut self.stacks[self.slots[lane] as usize % SLOTS];
+        let first = WIDTH + count as usize % (STACK - WIDTH);
+        let entries = &mut stack.entries[first..first + WIDTH];
+        let nodes = &mut stack.nodes[first..first + WIDTH];
         let hit = k.push_hits(enter, leave, &node.children, entries, nodes);
-        self.counts[lane] = (count + hit) as u32;
+        self.counts[lane] = count + hit as u32;
     }
 
-    /// Takes the nearest child that waits and is not too far; where there is none, the ray has arrived.
+    /// Takes the nearest child that waits and is not too far; where there is none, the ray has arrived, and another starts.
     #[inline(always)]
     fn go_on(&mut self, lane: usize) {
         let (k, far) = (self.kernel, self.boxes.far[lane]);
-        let first = lane * self.waiting.room;
-        let mut count = self.counts[lane] as usize;
+        let stack = &self.stacks[self.slots[lane] as usize % SLOTS];
+        let mut count = self.counts[lane] as usize % STACK;
         // Eight at a time, of which the last that is not too far; the first eight are below those of the ray.
         loop {
-            let entries = &self.waiting.entries[first + count..first + count + WIDTH];
-            let near = k.within(entries, far);
+            let near = k.within(&stack.entries[count..count + WIDTH], far);
             let skipped = (near << 24).leading_zeros() as usize;
             if skipped < WIDTH.min(count) {
                 count -= skipped + 1;
                 break;
             }
             if count <= WIDTH {
-                return;
+                return self.start_next(self.slots[lane]);
             }
             count -= WIDTH;
         }
-        let next = self.waiting.nodes[first + count + WIDTH];
+        let next = stack.nodes[count + WIDTH];
         self.counts[lane] = count as u32;
         self.next[lane] = next;
         // Into one of the lists, without a branch.
         let is_leaf = next.is_leaf();
-        let (leaves, nodes) = (&mut self.at_leaves, &mut self.at_nodes);
-        leaves.lanes[leaves.count % RAYS] = lane as u8;
-        leaves.count += usize::from(is_leaf);
-        nodes.lanes[nodes.count % RAYS] = lane as u8;
-        nodes.count += usize::from(!is_leaf);
+        self.at_leaves.push_if(is_leaf, lane);
+        self.at_nodes.push_if(!is_leaf, lane);
         let tree = &self.bvh.wide;
         prefetch_either(is_leaf, &tree.leaves, &tree.nodes, next.index());
+    }
+
+    /// Starts the next ray, with a stack that has become free.
+    #[inline(always)]
+    fn start_next(&mut self, slot: u8) {
+        if self.coming != 0 {
+            let lane = next_lane(&mut self.coming);
+            self.slots[lane] = slot;
+            self.at_nodes.push(lane);
+        }
     }
 
     /// The triangles of `leaf` that the ray does not certainly miss, as bits.
     #[inline(always)]
     fn candidates(&self, lane: usize, leaf: &WideLeaf) -> u32 {
-        let (k, lines, boxes) = (self.kernel, self.lines, &self.boxes);
+        let (k, lines, boxes) = (self.kernel, self.lines, &*self.boxes);
         // p: (W1).
         let [x, y, z] = &boxes.axes;
         let (x, y, z) = (x[lane] as usize, y[lane] as usize, z[lane] as usize);
@@ -419,7 +465,7 @@ mod tests {
 
     use super::*;
     use crate::accel::packet::method::{Kernel, Method, Precision};
-    use crate::accel::{Facing, NoTally, Origins, Ray, Segment, numbers};
+    use crate::accel::{Counts, Facing, NoTally, Origins, Ray, Segment, numbers};
 
     fn certified(kernel: Kernel) -> Method {
         Method {
@@ -516,6 +562,37 @@ mod tests {
             for kernel in Kernel::ALL.into_iter().filter(|k| k.is_supported()) {
                 assert!(trace(kernel) == expected, "{kernel:?}, size {size}");
             }
+        }
+    }
+
+    #[test]
+    fn rays_through_a_tree_that_is_deeper_than_their_stacks_are_left_to_the_binary_one() {
+        let mut next = numbers(5);
+        let mut point = |size: f64| DVec3::new(next(), next(), next()) * size;
+        let triangles: Vec<[DVec3; 3]> = (0..500)
+            .map(|_| {
+                let corner = point(1.0);
+                [corner, corner + point(0.3), corner + point(0.3)]
+            })
+            .collect();
+        let (origins, directions): (Vec<_>, Vec<_>) =
+            (0..500).map(|_| (point(1.5), point(1.0))).unzip();
+        let mut bvh = Bvh::build(triangles, |_| Facing::TwoSided);
+        let expected = closest(&bvh, certified(Kernel::Scalar), &origins, &directions);
+        assert!(expected.1.len() > 100);
+        let vector_kernels = Kernel::ALL.into_iter().filter(|k| k.is_supported());
+        for kernel in vector_kernels.filter(|k| *k != Kernel::Scalar) {
+            let [usual, deep] = [DEPTH, DEPTH + 1].map(|depth| {
+                bvh.wide.depth = depth;
+                let mut counts = Counts::default();
+                let mut hits = vec![None; origins.len()];
+                let (method, from) = (certified(kernel), Origins::Each(&origins));
+                bvh.closest_by(method, from, &directions, &mut hits, &mut counts, |_| ());
+                assert!(hits == expected.0, "{kernel:?}, depth {depth}");
+                counts.nodes
+            });
+            // The binary tree has smaller nodes, and more of them.
+            assert!(deep > 2 * usual, "{kernel:?}: {usual}, {deep}");
         }
     }
 

@@ -1,5 +1,5 @@
 //! Certified packets beside Embree, in turn: primary rays, shadow rays, single rays, incoherent rays (those of the camera in another
-//! order, and from anywhere in the mesh's box any way), builds, whole pictures against Embree's
+//! order, and from anywhere in the mesh's box any way; through the balanced tree and the thorough one, which is made for many such rays), builds, whole pictures against Embree's
 //! bare rate, and the first picture of a mesh, tree included, against Embree's medium tree and bare rays.
 //!
 //! ```sh
@@ -178,6 +178,7 @@ fn measure(
     };
     let (bvh, build) = built(Preset::Balanced);
     let (_, quick_build) = built(Preset::Quick);
+    let (thorough, thorough_build) = built(Preset::Thorough);
     let mesh = folder.join("mesh.tri");
     let numbers = triangles
         .iter()
@@ -190,10 +191,11 @@ fn measure(
     .expect("a mesh");
     let mut embree = Embree::start(program, &mesh, view);
     println!(
-        "{name}: {} triangles; trees built in {:.0} ms (balanced) and {:.0} (quick), Embree's in {:.0} (high quality) and {:.0} (medium)",
+        "{name}: {} triangles; trees built in {:.0} ms (balanced), {:.0} (quick) and {:.0} (thorough), Embree's in {:.0} (high quality) and {:.0} (medium)",
         triangles.len(),
         1e3 * build,
         1e3 * quick_build,
+        1e3 * thorough_build,
         1e3 * embree.built[0],
         1e3 * embree.built[1],
     );
@@ -253,18 +255,17 @@ fn measure(
             let trace = move || trace(bvh, camera.origin, &camera.directions, method);
             works.push((row, Box::new(trace)));
         }
-        let row = Row::new(
-            called("certified, shuffled rays,"),
-            "shuffled 1",
-            camera.rays(),
-        );
-        let shuffled = &shuffled;
-        let trace = move || trace(bvh, camera.origin, shuffled, certified);
-        works.push((row, Box::new(trace)));
-        let row = Row::new(called("certified, random rays,"), "random 1", camera.rays());
-        let (origins, directions) = &random;
-        let trace = move || trace_each(bvh, origins, directions, certified);
-        works.push((row, Box::new(trace)));
+        let (shuffled, (origins, directions)) = (&shuffled, &random);
+        for (bvh, tree) in [(bvh, ""), (&thorough, " thorough tree,")] {
+            let what = format!("certified, shuffled rays,{tree}");
+            let row = Row::new(called(&what), "shuffled 1", camera.rays());
+            let trace = move || trace(bvh, camera.origin, shuffled, certified);
+            works.push((row, Box::new(trace)));
+            let what = format!("certified, random rays,{tree}");
+            let row = Row::new(called(&what), "random 1", camera.rays());
+            let trace = move || trace_each(bvh, origins, directions, certified);
+            works.push((row, Box::new(trace)));
+        }
         let count = shadows.iter().map(Vec::len).sum();
         let row = Row::new(called("certified, shadow rays,"), "shadow 16", count);
         works.push((row, Box::new(move || block(bvh, shadows, certified))));

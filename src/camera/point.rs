@@ -2,7 +2,7 @@
 
 use super::any_projection::AnyProjection;
 use super::projection::Projection;
-use super::{CameraRay, RayOrigin, Shot, View};
+use super::{CameraRay, FilmPoints, RayOrigin, RaySlices, Shot, View};
 use crate::spacetime::{Boost, Camera, Direction, World};
 
 /// A camera at rest in the world: no boost.
@@ -48,6 +48,11 @@ impl View for Still {
             origin: RayOrigin::AT_SHOT,
         }
     }
+
+    #[inline(always)]
+    fn rays<P: Projection>(&self, film: &P, points: &FilmPoints, mut rays: RaySlices) {
+        rays.fill_from_point(film, points, None);
+    }
 }
 
 impl View for Moving {
@@ -68,6 +73,11 @@ impl View for Moving {
             ratio,
             origin: RayOrigin::AT_SHOT,
         }
+    }
+
+    #[inline(always)]
+    fn rays<P: Projection>(&self, film: &P, points: &FilmPoints, mut rays: RaySlices) {
+        rays.fill_from_point(film, points, Some(&self.world_from_camera));
     }
 }
 

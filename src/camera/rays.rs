@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::{CameraRay, Projection, RayOrigin, View};
-use crate::accel::vectors::{BLOCK, Block, Vectors, load};
-use crate::spacetime::Displacement;
+use crate::accel::vectors::{BLOCK, Block, Vectors, load, store};
+use crate::spacetime::{Boost, Camera, Direction, Displacement, World};
 
 /// Film points, pixels, and moments of the exposure, 0 to 1; no moments where a view does not use them.
 #[derive(Debug, Clone, Copy)]
@@ -56,6 +56,39 @@ impl RaySlices<'_> {
             ratios[k] = ray.ratio;
             if !V::SHARED_ORIGIN {
                 self.origins[k] = ray.origin;
+            }
+        }
+    }
+
+    /// The rays of a point camera, block by block; `boost` takes its look directions to the world, if it moves.
+    #[inline(always)]
+    pub(super) fn fill_from_point<P: Projection>(
+        &mut self,
+        film: &P,
+        points: &FilmPoints,
+        boost: Option<&Boost<World, Camera>>,
+    ) {
+        // Asked once: with a branch at each direction the loop would not go in vectors.
+        let boost = boost.filter(|boost| !boost.is_identity());
+        let (mut d, mut ratios) = (Vectors::ZERO, [1.0; BLOCK]);
+        for (block, directions) in self.directions.chunks_mut(BLOCK).enumerate() {
+            let begin = block * BLOCK;
+            let (x, y) = (load(points.x, begin), load(points.y, begin));
+            // Two loops: roots and quotients wait for each other, and more rays of a short loop are under way at once.
+            for k in 0..BLOCK {
+                d.set(k, film.direction(x[k], y[k]).unit());
+            }
+            if let Some(boost) = boost {
+                for (k, ratio) in ratios.iter_mut().enumerate() {
+                    let seen = Direction::from_unit(d.get(k));
+                    let in_world;
+                    (in_world, *ratio) = boost.direction_of_moving(seen);
+                    d.set(k, in_world.unit());
+                }
+            }
+            store(&ratios, self.ratios, begin);
+            for (k, direction) in directions.iter_mut().enumerate() {
+                *direction = d.get(k);
             }
         }
     }

@@ -343,8 +343,8 @@ fn jitter(
     let (x, y) = (&mut x[..count], &mut y[..count]);
     for k in 0..count {
         // 32 random bits per axis place the sample in its sub-cell.
-        let noise = hash(hash(pixels[k]) ^ salt);
-        let (in_x, in_y) = (x[k] + unit(noise as u32), y[k] + unit((noise >> 32) as u32));
+        let [for_x, for_y] = halves(hash(hash(pixels[k]) ^ salt));
+        let (in_x, in_y) = (x[k] + for_x * UNIT, y[k] + for_y * UNIT);
         // x = (i + (sub-column + noise) / rows) / columns, and y likewise.
         x[k] = (i + in_x * height) * width;
         y[k] = (j + in_y * width) * height;
@@ -501,7 +501,22 @@ fn coprime(mut a: u32, mut b: u32) -> bool {
 /// A number in [0, 1) from 32 random bits.
 #[inline(always)]
 fn unit(bits: u32) -> f64 {
-    bits as f64 * (1.0 / 4_294_967_296.0)
+    bits as f64 * UNIT
+}
+
+/// 2⁻³²: takes 32 bits to [0, 1), exactly.
+const UNIT: f64 = 1.0 / 4_294_967_296.0;
+
+/// The lower and the upper 32 bits of `x` as numbers. AVX2 has no vector instruction that converts these: below 2⁵² a whole number is the
+/// fraction of 2⁵² plus it, exactly.
+#[inline(always)]
+pub(crate) fn halves(x: u64) -> [f64; 2] {
+    const BEFORE: f64 = (1u64 << 52) as f64;
+    let [lower, upper] = [x & 0xffff_ffff, x >> 32];
+    [
+        f64::from_bits(BEFORE.to_bits() | lower) - BEFORE,
+        f64::from_bits(BEFORE.to_bits() | upper) - BEFORE,
+    ]
 }
 
 /// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): every input bit cones every output bit.
@@ -528,6 +543,23 @@ mod tests {
                 direction ^= direction >> 1;
             }
             assert_eq!(second_dimension(index), digits, "{index}");
+        }
+    }
+
+    #[test]
+    fn halves_are_converted_exactly() {
+        for x in [
+            0,
+            1,
+            u64::MAX,
+            1 << 31,
+            1 << 63,
+            0xffff_ffff,
+            hash(3),
+            hash(4),
+        ] {
+            let expected = [f64::from(x as u32), f64::from((x >> 32) as u32)];
+            assert_eq!(halves(x), expected, "{x:x}");
         }
     }
 

@@ -166,11 +166,16 @@ impl<To: Frame, From: Frame> Boost<To, From> {
     /// For camera → world the ratio is W = γ(1 − β·d′) = λ′/λ of a world-static source.
     #[inline(always)]
     pub fn direction(&self, d: Direction<From>) -> (Direction<To>, f64) {
-        // Read ahead of the question, so that loops over directions read it once.
-        let Boost { n, up, down, .. } = *self;
         if self.is_identity() {
             return (Direction::from_unit(d.unit()), 1.0);
         }
+        self.direction_of_moving(d)
+    }
+
+    /// [`Boost::direction`] where [`Boost::is_identity`] is false: a loop that asks that beforehand goes in vectors.
+    #[inline(always)]
+    pub(crate) fn direction_of_moving(&self, d: Direction<From>) -> (Direction<To>, f64) {
+        let Boost { n, up, down, .. } = *self;
         // W = ½ (e^(−φ)(1 + c∥) + e^φ (1 − c∥)): both terms positive.
         let parts = Parts::of(d.unit(), n);
         let back = down * parts.one_plus;
@@ -192,10 +197,16 @@ impl<To: Frame, From: Frame> Boost<To, From> {
     /// [`Boost::tangent`] and the ratio of [`Boost::direction`].
     #[inline(always)]
     pub fn tangent_and_ratio(&self, index: f64, d: Direction<From>) -> (Displacement<To>, f64) {
-        let Boost { n, up, down, .. } = *self;
         if self.is_identity() {
             return (Displacement::new(-index, d.unit()), 1.0);
         }
+        self.tangent_of_moving(index, d)
+    }
+
+    /// [`Boost::tangent_and_ratio`] where [`Boost::is_identity`] is false.
+    #[inline(always)]
+    fn tangent_of_moving(&self, index: f64, d: Direction<From>) -> (Displacement<To>, f64) {
+        let Boost { n, up, down, .. } = *self;
         let parts = Parts::of(d.unit(), n);
         let ratio = 0.5 * (down * parts.one_plus + up * parts.one_minus);
         // t + x∥ = −η + c∥ and t − x∥ = −η − c∥, from the stable 1 ∓ c∥. For η ≥ 1 no sign differs.
@@ -224,9 +235,17 @@ impl<To: Frame, From: Frame> Boost<To, From> {
         let count = directions.len();
         let (index, space) = (&index[..count], &mut to.space[..count]);
         let (time, ratio) = (&mut to.time[..count], &mut to.ratio[..count]);
+        // Asked once: with a branch at each direction the loop would not go in vectors.
+        if self.is_identity() {
+            space.copy_from_slice(directions);
+            for i in 0..count {
+                (time[i], ratio[i]) = (-index[i], 1.0);
+            }
+            return;
+        }
         for i in 0..count {
             let d = Direction::<From>::from_unit(directions[i]);
-            let (tangent, ratio_of_one) = self.tangent_and_ratio(index[i], d);
+            let (tangent, ratio_of_one) = self.tangent_of_moving(index[i], d);
             space[i] = tangent.x;
             time[i] = tangent.ct;
             ratio[i] = ratio_of_one;
@@ -296,6 +315,42 @@ impl<F: Frame> InertialFrame<F> {
         NullRay {
             origin: self.event_from_world(origin),
             tangent: self.frame_from_world.tangent(index, d),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spacetime::Rest;
+
+    #[test]
+    fn tangents_of_many_paths_are_those_of_each_bit_for_bit() {
+        let directions: Vec<DVec3> = (0..37)
+            .map(|k| DVec3::new(f64::from(k) - 18.0, 3.0, f64::from(k % 5)).normalize())
+            .collect();
+        let index: Vec<f64> = (0..37).map(|k| 1.0 + 0.01 * f64::from(k)).collect();
+        for rapidity in [
+            DVec3::ZERO,
+            DVec3::new(1e-9, 0.0, 0.0),
+            DVec3::new(1.0, -3.0, 0.5),
+        ] {
+            let boost = Boost::<Rest, World>::new(Velocity::from_rapidity(rapidity).unwrap());
+            let (mut space, mut time, mut ratio) =
+                (vec![DVec3::NAN; 37], vec![0.0; 37], vec![0.0; 37]);
+            let to = Tangents {
+                space: &mut space,
+                time: &mut time,
+                ratio: &mut ratio,
+            };
+            boost.tangents(&index, &directions, to);
+            for k in 0..37 {
+                let d = Direction::from_unit(directions[k]);
+                let (tangent, of_one) = boost.tangent_and_ratio(index[k], d);
+                let bits = |x: DVec3, t: f64, w: f64| [x.x, x.y, x.z, t, w].map(f64::to_bits);
+                let alone = bits(tangent.x, tangent.ct, of_one);
+                assert_eq!(bits(space[k], time[k], ratio[k]), alone, "{rapidity} {k}");
+            }
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::camera::{AnyProjection, AnyView, FilmPoints, Projection, RayOrigin, RaySlices, View};
 use crate::render::film::Tile;
 use crate::render::sampler::{
-    Sampler, pixel_key, sobol, sobol_among, sobol_of_each, sobol_of_each_at,
+    Sampler, halves, pixel_key, sobol, sobol_among, sobol_of_each, sobol_of_each_at,
 };
 
 /// Camera rays of one sample, or of some samples one after the other, of every pixel of a tile.
@@ -418,7 +418,54 @@ fn film_points(pixels: &[u64], in_x: &[f64], in_y: &[f64], x: &mut [f64], y: &mu
     let (x, y) = (&mut x[..count], &mut y[..count]);
     for k in 0..count {
         // A key has the column in its lower half and the row in its upper one.
-        x[k] = f64::from(pixels[k] as u32) + in_x[k];
-        y[k] = f64::from((pixels[k] >> 32) as u32) + in_y[k];
+        let [column, row] = halves(pixels[k]);
+        (x[k], y[k]) = (column + in_x[k], row + in_y[k]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::camera::Camera;
+    use crate::scene::{Overrides, parse};
+
+    /// The view of a camera at this speed.
+    fn view(beta: f64, more: &str) -> AnyView {
+        let text = format!(
+            "[camera]\neye = [1, 2, 3]\nlook_at = [0, 0.5, -1]\nhfov = \"80 deg\"\nsize = [90, 70]\n\
+             velocity = {{ beta = [0, {beta}, 0] }}\n{more}\
+             [[object]]\nname = \"ball\"\nshape = {{ sphere = {{ radius = 1, subdivisions = 1 }} }}\n"
+        );
+        let scene = parse(&text, "camera", Path::new("."), &Overrides::default()).unwrap();
+        Camera::new(&scene).unwrap().view
+    }
+
+    #[test]
+    fn rays_of_a_tile_are_those_of_their_film_points_bit_for_bit() {
+        let fisheye = "projection = \"fisheye_equidistant\"\n";
+        for (beta, more) in [(0.0, ""), (0.9, ""), (-0.999_999, ""), (0.5, fisheye)] {
+            let view = view(beta, more);
+            for (samples, size) in [(1, [16, 16]), (4, [16, 16]), (3, [7, 11]), (1, [1, 1])] {
+                let corner = [64, 48];
+                let (tile, sampler) = (Tile { corner, size }, Sampler::stratified(samples));
+                let mut rays = CameraRays::default();
+                view.generate(&mut rays, &sampler, tile, 0..samples);
+                let pixels = || tile.coordinates();
+                let all = (0..samples).flat_map(|sample| pixels().map(move |at| (sample, at)));
+                let mut count = 0;
+                for (k, (sample, (column, row))) in all.enumerate() {
+                    let [x, y] = sampler.offset(column, row, sample);
+                    let alone = view.ray(f64::from(column) + x, f64::from(row) + y, 0.5);
+                    let bits = |d: DVec3, w: f64| [d.x, d.y, d.z, w].map(f64::to_bits);
+                    let together = bits(rays.directions[k], rays.ratios[k]);
+                    let alone = bits(alone.d.unit(), alone.ratio);
+                    assert_eq!(together, alone, "{beta} {more} {samples}: {column} {row}");
+                    count += 1;
+                }
+                assert_eq!(rays.directions.len(), count);
+            }
+        }
     }
 }

@@ -311,6 +311,24 @@ impl TileFilm {
         }
     }
 
+    /// Adds the radiance of as many rays in a row, the first of them `first`, times their factors, each to its pixel.
+    pub(crate) fn add_scaled(&mut self, first: usize, radiance: &[[f64; 3]], factors: &[f64]) {
+        let scaled = radiance.iter().zip(factors);
+        let pixels = first..first + radiance.len();
+        // Rays of one sample are so many pixels in a row.
+        if let Some(sums) = self.radiance.get_mut(pixels) {
+            for (sum, (rgb, factor)) in sums.iter_mut().zip(scaled) {
+                for (sum, value) in sum.iter_mut().zip(rgb) {
+                    *sum += factor * value;
+                }
+            }
+            return;
+        }
+        for (ray, (rgb, factor)) in (first..).zip(scaled) {
+            self.add(ray, rgb.map(|value| factor * value));
+        }
+    }
+
     /// An empty film of `tile` for any number of passes, each of them a part.
     pub(super) fn of_passes(tile: Tile, layout: &Layout) -> Self {
         TileFilm {
@@ -713,5 +731,40 @@ fn stored(aov: Aov, values: &[f64]) -> Samples {
         Samples::I32(values.iter().map(|v| *v as i32).collect())
     } else {
         Samples::F64(values.to_vec())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_in_a_row_are_added_as_each_of_them_is() {
+        let layout = Layout {
+            size: [5, 3],
+            samples: 2,
+            pixel_centers: false,
+            precision: Precision::Certified,
+            channels: Vec::new(),
+            has_gaps: false,
+        };
+        let radiance: Vec<[f64; 3]> = (1..20)
+            .map(|k| [1.0, 0.1, 0.7].map(|c| c / f64::from(k)))
+            .collect();
+        let factors: Vec<f64> = (1..20).map(|k| 1.0 + 0.3 / f64::from(k)).collect();
+        // Some rays of the first sample, the last one of it, and rays of both samples.
+        for (first, count) in [(0, 15), (3, 4), (14, 1), (10, 19), (20, 3), (2, 0)] {
+            let tile = Tile::of_image(layout.size, 0);
+            let [mut together, mut alone] = [(); 2].map(|()| TileFilm::new(tile, &layout));
+            // Twice, so that there are sums.
+            for _ in 0..2 {
+                together.add_scaled(first, &radiance[..count], &factors[..count]);
+                for k in 0..count {
+                    alone.add(first + k, radiance[k].map(|c| factors[k] * c));
+                }
+            }
+            assert_eq!(together.radiance, alone.radiance, "{first} {count}");
+            assert_eq!(count == 0, together.radiance == [[0.0; 3]; 15]);
+        }
     }
 }

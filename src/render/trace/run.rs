@@ -1,5 +1,7 @@
 //! Runs: points of one patch that consecutive rays of a batch have hit.
 
+use std::ops::Range;
+
 use super::camera_rays::Rays;
 use super::hits::{HitBuffer, SurfaceHit};
 use super::point::{EmissionClock, ObservedPoint, SurfacePoint};
@@ -144,9 +146,17 @@ impl<'a> Run<'a> {
     #[inline(always)]
     pub(super) fn ratios(&self, world: &[f64], ratios: &mut Vec<f64>) {
         ratios.clear();
-        if let Some(known) = self.traced.surfaces.ratios(self.traced.hits) {
-            let members = self.members.iter().map(|ray| *ray as usize);
-            return ratios.extend(members.map(|ray| world[ray] * known[ray]));
+        let members = || self.members.iter().map(|ray| *ray as usize);
+        let TracedRays { surfaces, hits, .. } = self.traced;
+        if let Some(known) = surfaces.ratios(hits) {
+            return ratios.extend(members().map(|ray| world[ray] * known[ray]));
+        }
+        // At rest in the world there is no second part.
+        if surfaces.at_rest().is_some() {
+            return match in_a_row(self.members).and_then(|rays| world.get(rays)) {
+                Some(row) => ratios.extend_from_slice(row),
+                None => ratios.extend(members().map(|ray| world[ray])),
+            };
         }
         self.each_local(self.members, |k, _, rho| {
             ratios.push(world[self.members[k] as usize] * rho);
@@ -221,5 +231,35 @@ impl<'a> Run<'a> {
         let ray = self.members[k] as usize;
         let samples = &self.traced.rays.samples;
         samples.one_of(ray, dimension, number, count)
+    }
+}
+
+/// The rays that `members` are, where they are some in a row, as where all rays of a batch meet one patch.
+pub(super) fn in_a_row(members: &[u32]) -> Option<Range<usize>> {
+    let first = *members.first()?;
+    // Without an early end, so that the loop goes in vectors.
+    let numbers = members.iter().zip(first..);
+    let are_others = numbers.fold(false, |others, (ray, n)| others | (*ray != n));
+    (!are_others).then(|| first as usize..first as usize + members.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_a_row;
+
+    #[test]
+    fn rays_in_a_row_are_told_from_others() {
+        assert_eq!(in_a_row(&[3, 4, 5]), Some(3..6));
+        assert_eq!(in_a_row(&[7]), Some(7..8));
+        for others in [
+            &[][..],
+            &[3, 5, 6],
+            &[3, 4, 6],
+            &[3, 3],
+            &[4, 3],
+            &[0, 2, 1, 3],
+        ] {
+            assert_eq!(in_a_row(others), None, "{others:?}");
+        }
     }
 }

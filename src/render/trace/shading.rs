@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::emitted::{Colouring, Detail, Emitted, Eye, Response, Scaling};
 use super::radiance::Radiance;
-use super::run::{Run, TracedRays};
+use super::run::{Run, TracedRays, in_a_row};
 use super::stats::{Counter, Meter, Stage};
 use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, dispatch, shift_each};
 use crate::colour::{self, RgbShift};
@@ -20,6 +20,12 @@ use crate::spacetime::Quantity;
 pub trait RadianceSink {
     /// Adds the radiance of ray `ray`.
     fn add(&mut self, ray: usize, radiance: [f64; 3]);
+    /// Adds the radiance of as many rays in a row, the first of them `first`, times their factors.
+    fn add_scaled(&mut self, first: usize, radiance: &[[f64; 3]], factors: &[f64]) {
+        for ((ray, rgb), factor) in (first..).zip(radiance).zip(factors) {
+            self.add(ray, rgb.map(|c| factor * c));
+        }
+    }
     /// Adds how much of the radiance of ray `ray` is known.
     fn add_coverage(&mut self, ray: usize, coverage: Coverage);
     /// Notes rays whose radiance is fully known.
@@ -43,6 +49,10 @@ impl RadianceSink for TileFilm {
     #[inline(always)]
     fn add(&mut self, ray: usize, radiance: [f64; 3]) {
         TileFilm::add(self, ray, radiance);
+    }
+
+    fn add_scaled(&mut self, first: usize, radiance: &[[f64; 3]], factors: &[f64]) {
+        TileFilm::add_scaled(self, first, radiance, factors);
     }
 
     #[inline(always)]
@@ -499,6 +509,9 @@ fn add_scaled(
     members: &[u32],
     sink: &mut impl RadianceSink,
 ) {
+    if let Some(rays) = in_a_row(members) {
+        return sink.add_scaled(rays.start, radiance, factors);
+    }
     for ((ray, [r, g, b]), factor) in members.iter().zip(radiance).zip(factors) {
         sink.add(*ray as usize, [factor * r, factor * g, factor * b]);
     }

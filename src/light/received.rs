@@ -44,14 +44,28 @@ impl Received {
         }
     }
 
-    /// [`Received::irradiance_factor`] in place of each W. A plain loop, to be compiled for wide vectors.
+    /// By [`Received::irradiance_factor`] times `above` over `below`, with one division.
+    #[inline]
+    pub(crate) fn irradiance_over(&self, w: f64, above: f64, below: f64) -> f64 {
+        let mut all = [w];
+        self.irradiances_over(&mut all, [above], [below]);
+        let [all] = all;
+        all
+    }
+
+    /// The same in place of each W. A plain loop, to be compiled for wide vectors.
     #[inline(always)]
-    pub(crate) fn irradiance_factors(&self, ratios: &mut [f64]) {
+    pub(crate) fn irradiances_over<const N: usize>(
+        &self,
+        ratios: &mut [f64; N],
+        above: [f64; N],
+        below: [f64; N],
+    ) {
         match self {
-            Received::Scaled(quantity) => quantity.irradiance_factors(ratios),
+            Received::Scaled(quantity) => quantity.irradiances_over(ratios, above, below),
             Received::Rgb(_) => {
-                for w in ratios {
-                    *w *= *w;
+                for (k, w) in ratios.iter_mut().enumerate() {
+                    *w = *w * *w * above[k] / below[k];
                 }
             }
         }
@@ -72,6 +86,37 @@ impl Received {
         match self {
             Received::Scaled(_) => w,
             Received::Rgb(_) => 1.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::colour::Continuation;
+
+    #[test]
+    fn irradiance_with_one_division_is_the_factor_times_the_quotient() {
+        // Six products and quotients of either way are rounded.
+        let of = |quantity| Received::Scaled(quantity);
+        let all = [
+            of(Quantity::PerWavelength),
+            of(Quantity::Integrated),
+            of(Quantity::PerFrequency),
+            of(Quantity::PhotonsPerFrequency),
+            Received::Rgb(RgbShift::of(Continuation::Blackbody)),
+        ];
+        for received in all {
+            for k in 1..200 {
+                let (w, above) = (0.017 * f64::from(k), 3.0 - 0.013 * f64::from(k));
+                let below = 0.3 + 0.7 * f64::from(k * 7 % 11);
+                let expected = received.irradiance_factor(w) * above / below;
+                let one = received.irradiance_over(w, above, below);
+                assert!(
+                    (one - expected).abs() <= 8.0 * f64::EPSILON * expected,
+                    "{w}"
+                );
+            }
         }
     }
 }

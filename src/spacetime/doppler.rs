@@ -157,14 +157,24 @@ impl Quantity {
         1.0 / power(w.0, self.exponent() - 2)
     }
 
-    /// [`Quantity::irradiance_factor`] in place of each wavelength ratio. A plain loop, to be compiled for wide vectors.
+    /// [`Quantity::irradiance_factor`] times `above` over `below` in place of each wavelength ratio, with one division. A plain loop, to
+    /// be compiled for wide vectors.
     #[inline(always)]
-    pub(crate) fn irradiance_factors(self, ratios: &mut [f64]) {
+    pub(crate) fn irradiances_over<const N: usize>(
+        self,
+        ratios: &mut [f64; N],
+        above: [f64; N],
+        below: [f64; N],
+    ) {
         match self.exponent() - 2 {
-            3 => factors::<3>(ratios),
-            2 => factors::<2>(ratios),
-            1 => factors::<1>(ratios),
-            p => ratios.iter_mut().for_each(|w| *w = 1.0 / power(*w, p)),
+            3 => over::<3, N>(ratios, above, below),
+            2 => over::<2, N>(ratios, above, below),
+            1 => over::<1, N>(ratios, above, below),
+            p => {
+                for (k, w) in ratios.iter_mut().enumerate() {
+                    *w = above[k] / (power(*w, p) * below[k]);
+                }
+            }
         }
     }
 
@@ -179,6 +189,13 @@ impl Quantity {
 fn factors<const P: u32>(ratios: &mut [f64]) {
     for w in ratios {
         *w = 1.0 / power(*w, P);
+    }
+}
+
+#[inline(always)]
+fn over<const P: u32, const N: usize>(ratios: &mut [f64; N], above: [f64; N], below: [f64; N]) {
+    for (k, w) in ratios.iter_mut().enumerate() {
+        *w = above[k] / (power(*w, P) * below[k]);
     }
 }
 

@@ -127,8 +127,9 @@ fn arrive(emitter: &impl Emitter, from: Event<World>, points: &PointsOnRays, to:
 
 /// From a lamp's own event to where rays leave.
 trait Starts {
-    /// Of rays from `begin` on.
+    /// Of a block of rays.
     type Block;
+    /// Those from `begin` on.
     fn load(&self, begin: usize) -> Self::Block;
     fn at(&self, block: &Self::Block, k: usize) -> Displacement<World>;
 }
@@ -163,6 +164,29 @@ impl Starts for Each<'_> {
     }
 }
 
+/// Arrivals at a block of points, as if the lamp were steady and shone everywhere, and the proper times at which they left. On the stack,
+/// and by number: only loops over such blocks become vector code.
+pub(super) struct ArrivalsBlock {
+    pub d: Vectors,
+    pub in_lamp: Vectors,
+    pub distance: Block,
+    pub times: Block,
+    pub ratio: Block,
+    pub reach: Block,
+}
+
+impl ArrivalsBlock {
+    /// To be written.
+    const ZERO: ArrivalsBlock = ArrivalsBlock {
+        d: Vectors::ZERO,
+        in_lamp: Vectors::ZERO,
+        distance: [0.0; BLOCK],
+        times: [0.0; BLOCK],
+        ratio: [0.0; BLOCK],
+        reach: [0.0; BLOCK],
+    };
+}
+
 /// The loop over points.
 struct Arrive<'a, E, S> {
     emitter: &'a E,
@@ -180,33 +204,27 @@ impl<E: Emitter, S: Starts> VectorLoop for Arrive<'_, E, S> {
             offsets,
             to,
         } = self;
-        // Into blocks on the stack, number by number: only such loops become vector code.
-        let (mut d, mut in_lamp) = (Vectors::ZERO, Vectors::ZERO);
-        let (mut distance, mut times) = ([0.0; BLOCK], [0.0; BLOCK]);
-        let (mut ratio, mut reach) = ([0.0; BLOCK], [0.0; BLOCK]);
+        let mut block = ArrivalsBlock::ZERO;
+        let (mut way_times, mut ways) = ([0.0; BLOCK], Vectors::ZERO);
         let mut begin = 0;
         while begin < offsets.ct.len() {
             let (ct, x) = (load(&offsets.ct, begin), offsets.x.block(begin));
             let from = starts.load(begin);
             for k in 0..BLOCK {
-                let offset = Displacement::new(ct[k], x.get(k));
-                let (arrival, time) = emitter.arrival(starts.at(&from, k) + offset);
-                d.set(k, arrival.d.unit());
-                distance[k] = arrival.distance;
-                times[k] = time;
-                ratio[k] = arrival.ratio;
-                reach[k] = arrival.reach;
-                in_lamp.set(k, arrival.in_lamp);
+                let way = starts.at(&from, k) + Displacement::new(ct[k], x.get(k));
+                way_times[k] = way.ct;
+                ways.set(k, way.x);
             }
-            to.d.store(&d, begin);
+            emitter.arrivals(&way_times, &ways, &mut block);
+            to.d.store(&block.d, begin);
             if to.is_aimed {
-                to.in_lamp.store(&in_lamp, begin);
+                to.in_lamp.store(&block.in_lamp, begin);
             }
-            store(&distance, &mut to.distance, begin);
+            store(&block.distance, &mut to.distance, begin);
             // `strength` holds proper times until the emission at them replaces them.
-            store(&times, &mut to.strength, begin);
-            store(&ratio, &mut to.ratio, begin);
-            store(&reach, &mut to.reach, begin);
+            store(&block.times, &mut to.strength, begin);
+            store(&block.ratio, &mut to.ratio, begin);
+            store(&block.reach, &mut to.reach, begin);
             begin += BLOCK;
         }
     }

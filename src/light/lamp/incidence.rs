@@ -102,12 +102,16 @@ impl VectorLoop for Fall<'_> {
             }
             store(&ratio, &mut to.ratios, begin);
             let mut factor = ratio;
-            received.irradiance_factors(&mut factor);
+            let (mut above, mut below) = ([0.0; BLOCK], [0.0; BLOCK]);
+            for k in 0..BLOCK {
+                above[k] = strength[k] * cosine[k];
+                below[k] = reach[k] * reach[k];
+            }
+            received.irradiances_over(&mut factor, above, below);
             for (k, factor) in factor.iter_mut().enumerate() {
-                let all = strength[k] * *factor * cosine[k] / (reach[k] * reach[k]);
                 // On the side that the camera sees. Cosines are NaN where no light comes.
                 let is_lit = (strength[k] != 0.0) & (cosine[k] > 0.0);
-                *factor = if is_lit { all } else { 0.0 };
+                *factor = if is_lit { *factor } else { 0.0 };
             }
             store(&factor, &mut to.factors, begin);
             begin += BLOCK;

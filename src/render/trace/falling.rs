@@ -19,6 +19,7 @@ pub(super) struct Falling {
 #[derive(Debug, Default)]
 pub(super) struct Gathered {
     pub sum: Columns,
+    /// Empty where wavelengths are not weighed.
     pub weight: Vec<f64>,
     pub weighted: Vec<f64>,
     /// Whether anything depends on the wavelengths.
@@ -30,9 +31,10 @@ impl Gathered {
     pub fn start(&mut self, count: usize, weighs: bool) {
         self.weighs = weighs;
         self.sum.fill(count, glam::DVec3::ZERO);
+        let weighed = if weighs { count } else { 0 };
         for column in [&mut self.weight, &mut self.weighted] {
             column.clear();
-            column.resize(count.next_multiple_of(BLOCK), 0.0);
+            column.resize(weighed.next_multiple_of(BLOCK), 0.0);
         }
     }
 
@@ -40,7 +42,11 @@ impl Gathered {
     #[inline]
     pub fn get(&self, k: usize) -> Irradiance {
         let sum = self.sum.get(k).to_array();
-        Irradiance::from_parts(sum, [self.weight[k], self.weighted[k]])
+        let weights = match self.weighs {
+            true => [self.weight[k], self.weighted[k]],
+            false => [0.0; 2],
+        };
+        Irradiance::from_parts(sum, weights)
     }
 
     /// Adds light to that of point `k`.
@@ -56,6 +62,8 @@ impl Gathered {
     pub fn set(&mut self, k: usize, light: &Irradiance) {
         let (sum, weights) = light.parts();
         self.sum.set(k, sum.into());
-        [self.weight[k], self.weighted[k]] = weights;
+        if self.weighs {
+            [self.weight[k], self.weighted[k]] = weights;
+        }
     }
 }

@@ -22,6 +22,8 @@ pub(super) struct Points {
     pub normals: Columns,
     /// Tangents of the rays that hit them, in the rest frame, where the whole points were taken over.
     tangents: Columns,
+    /// Whether those are unit vectors.
+    are_unit: bool,
     /// Directions of those rays, where they are asked for.
     directions: Columns,
     /// Where the rays leave that hit them, in the rest frame: one for all, or each.
@@ -36,6 +38,15 @@ pub(super) struct Points {
     own_origins: bool,
     /// Room for the triangles of a block of points.
     triangle_block: Box<TriangleBlock>,
+}
+
+/// What of points is taken over.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Taken {
+    /// Where they are, and how the rays came that hit them.
+    All,
+    Positions,
+    Tangents,
 }
 
 /// Triangles of a block of points: two edges, and 1 for hits on the front, −1 for those on the back.
@@ -56,8 +67,17 @@ impl Points {
 
     /// Takes over the points of `run`.
     pub(super) fn fill(&mut self, run: &Run) {
+        self.fill_all(run, Taken::All);
+    }
+
+    /// The same, but for positions where they are not at hand: where nothing can be in the way of light.
+    pub(super) fn fill_unshadowed(&mut self, run: &Run) {
+        self.fill_all(run, Taken::Tangents);
+    }
+
+    fn fill_all(&mut self, run: &Run, taken: Taken) {
         self.tangents.resize(run.count());
-        self.fill_rest(run, true);
+        self.fill_rest(run, taken);
         let TracedRays {
             surfaces,
             rays,
@@ -104,16 +124,17 @@ impl Points {
 
     /// Takes over the points of `run` as they are in their rest frame, and nothing of the world.
     pub(super) fn fill_places(&mut self, run: &Run) {
-        self.fill_rest(run, false);
+        self.fill_rest(run, Taken::Positions);
     }
 
-    /// The same, with tangents if asked.
-    fn fill_rest(&mut self, run: &Run, with_tangents: bool) {
+    fn fill_rest(&mut self, run: &Run, taken: Taken) {
+        let with_tangents = taken != Taken::Positions;
         let count = run.count();
         self.own_origins = run.traced.rays.origins.is_some();
         self.resize(count);
 
         let TracedRays { surfaces, rays, .. } = run.traced;
+        self.are_unit = surfaces.at_rest().is_some();
         let shared = surfaces.shared_origin(rays, run.traced.hits);
         let hits = run.traced.hits.hits();
         for (block, members) in run.members.chunks(BLOCK).enumerate() {
@@ -149,13 +170,15 @@ impl Points {
                         (x[k], y[k], z[k]) = (t.x, t.y, t.z);
                     }
                 }
-                dispatch(Along {
-                    eye,
-                    tangents: &self.tangents,
-                    s: &self.s,
-                    begin,
-                    positions: &mut self.positions,
-                });
+                if taken == Taken::All {
+                    dispatch(Along {
+                        eye,
+                        tangents: &self.tangents,
+                        s: &self.s,
+                        begin,
+                        positions: &mut self.positions,
+                    });
+                }
                 continue;
             }
             if let Some((eye, tangents)) = shared {
@@ -194,6 +217,7 @@ impl Points {
         views.resize(self.count());
         dispatch(Views {
             tangents: &self.tangents,
+            are_unit: self.are_unit,
             views,
         });
     }
@@ -269,6 +293,7 @@ impl Default for Points {
             slots: Vec::new(),
             positions: Columns::default(),
             tangents: Columns::default(),
+            are_unit: false,
             directions: Columns::default(),
             normals: Columns::default(),
             eye: DVec3::ZERO,
@@ -360,6 +385,7 @@ impl VectorLoop for Offsets<'_> {
 /// Tangents of rays to unit vectors back along them.
 struct Views<'a> {
     tangents: &'a Columns,
+    are_unit: bool,
     views: &'a mut Columns,
 }
 
@@ -370,8 +396,14 @@ impl VectorLoop for Views<'_> {
         let mut begin = 0;
         while begin < self.tangents.len() {
             let tangents = self.tangents.block(begin);
-            for k in 0..BLOCK {
-                views.set(k, -tangents.get(k).normalize_or_zero());
+            if self.are_unit {
+                for k in 0..BLOCK {
+                    views.set(k, -tangents.get(k));
+                }
+            } else {
+                for k in 0..BLOCK {
+                    views.set(k, -tangents.get(k).normalize_or_zero());
+                }
             }
             self.views.store(&views, begin);
             begin += BLOCK;

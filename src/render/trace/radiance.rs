@@ -398,6 +398,13 @@ impl TimeResolved {
         emitted: &mut Emitted,
         meter: &mut Meter,
     ) {
+        let mut lamps_that_shine = lamps.iter().filter_map(|k| self.lamps[*k].as_ref());
+        let has_shadows = lamps_that_shine.any(|lamp| lamp.shadows);
+        // Drawn points of areas and of the sky start from where points are, too.
+        match has_shadows || self.areas.is_some() || self.sky.is_some() {
+            true => emitted.points.fill(run),
+            false => emitted.points.fill_unshadowed(run),
+        }
         self.start(finish, run, emitted);
         // Matte surfaces gather irradiance here and take their colour once, below; others reflect light as it arrives.
         for lamp in lamps.iter().filter_map(|k| self.lamps[*k].as_ref()) {
@@ -457,9 +464,8 @@ impl TimeResolved {
         }
     }
 
-    /// Forgets the light of the last run, and notes how the points of `run` reflect where they are not diffuse.
+    /// Forgets the light of the last run, and notes how the points of `run`, which were taken over, reflect where they are not diffuse.
     fn start(&self, finish: &Finish, run: &Run, emitted: &mut Emitted) {
-        emitted.points.fill(run);
         // Nothing but the colour of a line depends on wavelengths.
         let is_line = matches!(emitted.response.colour, Colouring::ShiftedLine(_));
         emitted.incident.start(run.count(), is_line);

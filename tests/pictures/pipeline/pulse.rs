@@ -152,6 +152,17 @@ pulse = { position = [0.9, 2.4, -0.7], sigma = \"100 m\" }
 }
 
 #[test]
+fn where_nothing_is_in_the_way_light_is_the_same_without_shadows() {
+    // Then where points are is not worked out for shadow rays: nothing else may ask for it.
+    let mut scene = floor();
+    let [with, without] = [true, false].map(|shadows| {
+        pulse(&mut scene).shadows = shadows;
+        stage::film(&scene)
+    });
+    assert_eq!(with.radiance(), without.radiance());
+}
+
+#[test]
 fn a_surface_does_not_shadow_itself_along_the_edges_of_its_triangles() {
     // A square is two triangles; a camera straight above it has pixel centres on their common edge. The
     // point of emission is rounded, on either side of the plane.

@@ -11,7 +11,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 
 use super::PixelAngles;
-use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, load, prefetch};
+use crate::accel::vectors::{
+    BLOCK, Block, Columns, Taps, TapsBlock, VectorLoop, VectorsRef, dispatch, load, mixed,
+    mixed_each, prefetch,
+};
 
 /// An equirectangular picture in sizes of halves.
 #[derive(Debug)]
@@ -111,7 +114,7 @@ impl Panorama {
         let (size, weight) = whole_and_rest(halvings);
         let fine = self.sizes.get(size).taps(place);
         let coarse = self.sizes.get(self.next(size)).taps(place);
-        self.scaled(self.at(fine, coarse, weight))
+        mixed(&self.texels, [fine, coarse], weight, self.scale)
     }
 
     /// Sets `radiance` to that along `directions`, each in texels about as wide as `angles` says: [`Panorama::radiance`] in vector loops.
@@ -146,59 +149,6 @@ impl Panorama {
     fn next(&self, size: u32) -> u32 {
         (size + 1).min(self.count as u32 - 1)
     }
-
-    /// The picture at places of two sizes, of which the second counts with `weight`, and a fourth number that does not count.
-    #[inline(always)]
-    fn at(&self, fine: Taps, coarse: Taps, weight: f32) -> [f32; 4] {
-        let mut mean = self.sample(fine);
-        if weight > 0.0 {
-            mix(&mut mean, &self.sample(coarse), weight);
-        }
-        mean
-    }
-
-    /// Bilinear between texels: between rows, for both columns at once, then between columns.
-    #[inline(always)]
-    fn sample(&self, taps: Taps) -> [f32; 4] {
-        let mut columns = self.pair(taps.upper);
-        mix(&mut columns, &self.pair(taps.lower), taps.below);
-        let [r0, g0, b0, r1, g1, b1, more, _] = columns;
-        let mut mean = [r0, g0, b0, r1];
-        mix(&mut mean, &[r1, g1, b1, more], taps.right);
-        mean
-    }
-
-    /// A texel and the next one in its row, and two numbers more.
-    #[inline(always)]
-    fn pair(&self, at: u32) -> [f32; 8] {
-        // Checked one by one: a loop over many would gather single numbers, which takes longer.
-        let at = 3 * at as usize;
-        match self.texels[at..at + 8] {
-            [a, b, c, d, e, f, g, h] => [a, b, c, d, e, f, g, h],
-            // A row ends with its first texel again, and more comes after the last.
-            _ => [0.0; 8],
-        }
-    }
-
-    #[inline(always)]
-    fn scaled(&self, [r, g, b, _]: [f32; 4]) -> [f64; 3] {
-        let [by_r, by_g, by_b] = self.scale;
-        [
-            f64::from(r) * by_r,
-            f64::from(g) * by_g,
-            f64::from(b) * by_b,
-        ]
-    }
-}
-
-/// Four texels around a place, and the weights of those to the right and below.
-#[derive(Debug, Clone, Copy)]
-struct Taps {
-    /// The left ones.
-    upper: u32,
-    lower: u32,
-    right: f32,
-    below: f32,
 }
 
 impl Sizes {
@@ -214,6 +164,20 @@ impl Sizes {
 }
 
 impl Size {
+    /// The first, or else the second, without a branch.
+    #[inline(always)]
+    fn choose(is_first: bool, first: Size, second: Size) -> Size {
+        Size {
+            width: if is_first { first.width } else { second.width },
+            height: if is_first {
+                first.height
+            } else {
+                second.height
+            },
+            begin: if is_first { first.begin } else { second.begin },
+        }
+    }
+
     /// The texels around a place, around the longitudes.
     #[inline(always)]
     fn taps(self, [u, v]: [f32; 2]) -> Taps {
@@ -281,43 +245,20 @@ struct LookUp<'a> {
     radiance: &'a mut [[f64; 3]],
 }
 
-/// [`Taps`] of a block, by component.
-struct TapsBlock {
-    upper: [u32; BLOCK],
-    lower: [u32; BLOCK],
-    right: [f32; BLOCK],
-    below: [f32; BLOCK],
-}
-
 impl TapsBlock {
-    const ZERO: TapsBlock = TapsBlock {
-        upper: [0; BLOCK],
-        lower: [0; BLOCK],
-        right: [0.0; BLOCK],
-        below: [0.0; BLOCK],
-    };
-
-    #[inline(always)]
-    fn get(&self, k: usize) -> Taps {
-        Taps {
-            upper: self.upper[k],
-            lower: self.lower[k],
-            right: self.right[k],
-            below: self.below[k],
-        }
-    }
-
     /// Those around places in sizes of these numbers.
     #[inline(always)]
     fn fill(&mut self, sizes: &Sizes, numbers: &[u32; BLOCK], [u, v]: [&[f32; BLOCK]; 2]) {
-        let mut others = 0;
+        let (mut first, mut last) = (u32::MAX, 0);
         for number in numbers {
-            others |= number ^ numbers[0];
+            first = first.min(*number);
+            last = last.max(*number);
         }
-        if others == 0 {
-            // Most often all are of one size, which then is looked up only once.
-            let size = sizes.get(numbers[0]);
+        let [one, other] = [sizes.get(first), sizes.get(last)];
+        if last - first <= 1 {
+            // Neighbours most often are of one size or two, which then are looked up only once.
             for k in 0..BLOCK {
+                let size = Size::choose(numbers[k] == first, one, other);
                 self.set(k, size.taps([u[k], v[k]]));
             }
         } else {
@@ -334,61 +275,92 @@ impl TapsBlock {
         self.right[k] = taps.right;
         self.below[k] = taps.below;
     }
+
+    /// Has their texels come from memory.
+    #[inline(always)]
+    fn prefetch(&self, texels: &[f32]) {
+        for (upper, lower) in self.upper.iter().zip(&self.lower) {
+            prefetch(texels, 3 * *upper as usize);
+            prefetch(texels, 3 * *lower as usize);
+        }
+    }
+}
+
+/// Where a block of directions lies in two sizes, of which the second counts with `weight`.
+struct PlacesBlock {
+    fine: TapsBlock,
+    coarse: TapsBlock,
+    weight: [f32; BLOCK],
+}
+
+impl PlacesBlock {
+    const ZERO: PlacesBlock = PlacesBlock {
+        fine: TapsBlock::ZERO,
+        coarse: TapsBlock::ZERO,
+        weight: [0.0; BLOCK],
+    };
+
+    /// Those of directions in texels that are so wide, radians.
+    #[inline(always)]
+    fn fill(&mut self, panorama: &Panorama, directions: VectorsRef, widths: &Block) {
+        // To single precision by itself: a loop that has both goes by vectors of half as many numbers.
+        let (mut x, mut y, mut z) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+        let mut width = [0.0; BLOCK];
+        for k in 0..BLOCK {
+            let d = directions.get(k).as_vec3();
+            (x[k], y[k], z[k]) = (d.x, d.y, d.z);
+            width[k] = widths[k] as f32;
+        }
+        let (turn, last) = (panorama.turn, panorama.last());
+        let (mut u, mut v) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for k in 0..BLOCK {
+            [u[k], v[k]] = place(turn, [x[k], y[k], z[k]]);
+        }
+        let texels_per_angle = panorama.texels_per_angle();
+        let (mut size, mut next) = ([0; BLOCK], [0; BLOCK]);
+        for k in 0..BLOCK {
+            let halvings = lesser(logarithm(width[k] * texels_per_angle), last);
+            (size[k], self.weight[k]) = whole_and_rest(halvings);
+            next[k] = panorama.next(size[k]);
+        }
+        let sizes = &*panorama.sizes;
+        self.fine.fill(sizes, &size, [&u, &v]);
+        self.fine.prefetch(&panorama.texels);
+        // Texels that are wider than pixels need no smaller size.
+        let mut is_mixed = false;
+        for weight in &self.weight {
+            is_mixed |= *weight > 0.0;
+        }
+        if is_mixed {
+            self.coarse.fill(sizes, &next, [&u, &v]);
+            self.coarse.prefetch(&panorama.texels);
+        }
+    }
 }
 
 impl VectorLoop for LookUp<'_> {
     #[inline(always)]
     fn run(self) {
         let panorama = self.panorama;
-        let (turn, last) = (panorama.turn, panorama.last());
-        let texels_per_angle = panorama.texels_per_angle();
-        let sizes = &*panorama.sizes;
         let PixelAngles { angle, ratios } = self.angles;
-        let (mut x, mut y, mut z) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
-        let (mut u, mut v) = ([0.0; BLOCK], [0.0; BLOCK]);
-        let (mut size, mut next, mut weight) = ([0; BLOCK], [0; BLOCK], [0.0; BLOCK]);
-        let (mut fine, mut coarse) = (TapsBlock::ZERO, TapsBlock::ZERO);
-        let mut texels = [[0.0; 4]; BLOCK];
+        let mut places = PlacesBlock::ZERO;
         let mut begin = 0;
         for radiance in self.radiance.chunks_mut(BLOCK) {
             // Places of a block in vectors.
-            let d = self.directions.block(begin);
-            // To single precision by itself: a loop that has both goes by vectors of half as many numbers.
-            for k in 0..BLOCK {
-                let d = d.get(k).as_vec3();
-                (x[k], y[k], z[k]) = (d.x, d.y, d.z);
+            let mut widths = load(ratios, begin);
+            for width in &mut widths {
+                *width = angle / *width;
             }
-            for k in 0..BLOCK {
-                [u[k], v[k]] = place(turn, [x[k], y[k], z[k]]);
-            }
-            let ratios = load(ratios, begin);
-            for k in 0..BLOCK {
-                let width = (angle / ratios[k]) as f32;
-                let halvings = lesser(logarithm(width * texels_per_angle), last);
-                (size[k], weight[k]) = whole_and_rest(halvings);
-                next[k] = panorama.next(size[k]);
-            }
-            fine.fill(sizes, &size, [&u, &v]);
-            // Texels that are wider than pixels need no smaller size.
-            let mut is_mixed = false;
-            for weight in &weight {
-                is_mixed |= *weight > 0.0;
-            }
-            if is_mixed {
-                // Others are far apart: they come from memory together, meanwhile.
-                for (upper, lower) in fine.upper.iter().zip(&fine.lower) {
-                    prefetch(&panorama.texels, 3 * *upper as usize);
-                    prefetch(&panorama.texels, 3 * *lower as usize);
-                }
-                coarse.fill(sizes, &next, [&u, &v]);
-            }
+            places.fill(panorama, self.directions.block(begin), &widths);
             // Texels one by one, their channels in a vector.
-            for k in 0..radiance.len() {
-                texels[k] = panorama.at(fine.get(k), coarse.get(k), weight[k]);
-            }
-            for (radiance, texel) in radiance.iter_mut().zip(&texels) {
-                *radiance = panorama.scaled(*texel);
-            }
+            let taps = [&places.fine, &places.coarse];
+            mixed_each(
+                &panorama.texels,
+                taps,
+                &places.weight,
+                panorama.scale,
+                radiance,
+            );
             begin += BLOCK;
         }
     }
@@ -456,14 +428,6 @@ fn shares(from: usize, to: usize, measure: impl Fn(usize) -> f64) -> Vec<Vec<(us
     (0..to).map(part).collect()
 }
 
-/// Takes `a` to `b` as far as `weight` says.
-#[inline(always)]
-fn mix<const N: usize>(a: &mut [f32; N], b: &[f32; N], weight: f32) {
-    for c in 0..N {
-        a[c] += (b[c] - a[c]) * weight;
-    }
-}
-
 /// The angle of (x, y) from +x to y, right to 2·10⁻⁸ rad, which is far below a texel: Abramowitz and Stegun 4.4.49.
 #[inline(always)]
 pub(super) fn arctan(y: f64, x: f64) -> f64 {
@@ -492,13 +456,11 @@ fn arctan_f32(y: f32, x: f32) -> f32 {
     let (small, large) = if a < b { (a, b) } else { (b, a) };
     let t = small / greater(large, f32::MIN_POSITIVE);
     let s = t * t;
-    let series = 1.0
-        + s * (-0.333_331_45
-            + s * (0.199_935_51
-                + s * (-0.142_089
-                    + s * (0.106_562_64
-                        + s * (-0.075_289_64
-                            + s * (0.042_909_614 + s * (-0.016_165_737 + s * 0.002_866_225_7)))))));
+    // In pairs, which need not wait for each other.
+    let (s2, s4) = (s * s, (s * s) * (s * s));
+    let low = (1.0 - 0.333_331_45 * s) + (0.199_935_51 - 0.142_089 * s) * s2;
+    let high = (0.106_562_64 - 0.075_289_64 * s) + (0.042_909_614 - 0.016_165_737 * s) * s2;
+    let series = low + (high + 0.002_866_225_7 * s4) * s4;
     let angle = t * series;
     let angle = if a < b {
         std::f32::consts::FRAC_PI_2 - angle

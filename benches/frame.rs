@@ -79,6 +79,7 @@ fn main() {
         bench.mesh(&format!("{name}x16"), &triangles, place, scene::MAIN_CASES);
     }
     bench.several_velocities();
+    bench.wide_views();
 }
 
 struct Bench {
@@ -213,6 +214,21 @@ impl Bench {
                 let text = scene::spheres(frames, self.size.image);
                 let prepared = Files::none(self.folder.path()).prepare(&text);
                 self.measure(&name, &prepared, Way::default(), None);
+            }
+        }
+    }
+
+    /// Wide views of a panorama alone, most of whose pixels are wider than its texels, and of nothing.
+    fn wide_views(&mut self) {
+        scene::write_panorama(self.folder.path());
+        for view in scene::WIDE {
+            for (what, sky) in [("nothing", ""), ("panorama", scene::PANORAMA)] {
+                let name = format!("sky/0.9c, {}, {what}", view.0);
+                if self.chooses(&name) {
+                    let text = scene::wide(*view, sky, self.size.image);
+                    let prepared = Files::none(self.folder.path()).prepare(&text);
+                    self.measure(&name, &prepared, Way::default(), None);
+                }
             }
         }
     }

@@ -208,7 +208,7 @@ impl Files {
             std::fs::write(folder.join(name), mesh).expect("mesh");
         }
         std::fs::write(folder.join("cube.npy"), npy(cube)).expect("cube");
-        std::fs::write(folder.join("sky.hdr"), panorama(2048)).expect("sky");
+        write_panorama(folder);
         Files {
             folder: folder.into(),
             centre: (lo + hi) / 2.0,
@@ -245,6 +245,11 @@ impl Files {
 
 /// Half of a cube of more bytes than this is more than the least room for bricks, 8 MiB.
 const MOST_ALWAYS_HELD: u64 = 16 << 20;
+
+/// Writes `sky.hdr`.
+pub fn write_panorama(folder: &Path) {
+    std::fs::write(folder.join("sky.hdr"), panorama(2048)).expect("sky");
+}
 
 /// A Radiance picture of all directions, this many texels wide.
 fn panorama(width: usize) -> Vec<u8> {
@@ -320,7 +325,7 @@ fn source(light: &Light, c: DVec3, r: f64, eye: DVec3) -> String {
                 "[[source]]\n{bins}clock = \"capture\"\nfilter = \"cubic\"\ncapture = {camera}\n"
             )
         }
-        Light::Panorama => "[sky]\nimage = { file = \"sky.hdr\" }\nlights = false\n".into(),
+        Light::Panorama => PANORAMA.into(),
         Light::Sky => "[sky]\ngradient = {}\nlights = false\n".into(),
         Light::Lamp { shadows, count, .. } => {
             let lamp = |k| {
@@ -340,6 +345,22 @@ fn source(light: &Light, c: DVec3, r: f64, eye: DVec3) -> String {
             )
         }
     }
+}
+
+/// A sky that is seen, and lights nothing.
+pub const PANORAMA: &str = "[sky]\nimage = { file = \"sky.hdr\" }\nlights = false\n";
+
+/// A projection at 0.9 c in the direction of its middle, and its field of view in degrees.
+pub const WIDE: &[(&str, u32)] = &[("equirectangular", 360), ("fisheye_equidistant", 180)];
+
+/// `sky` as such a camera sees it, and a speck: a scene has an object.
+pub fn wide((projection, degrees): (&str, u32), sky: &str, width: u32) -> String {
+    let size = [width, width * 180 / degrees];
+    format!(
+        "[display]\nsamples_per_pixel = 1\n[camera]\neye = [0, 0, 0]\nlook_at = [0, 0, -1]\n\
+         projection = \"{projection}\"\nhfov = \"{degrees} deg\"\nsize = {size:?}\nvelocity = {{ beta = [0, 0, -0.9] }}\n\
+         [[object]]\nname = \"speck\"\nshape = {{ box = {{ size = [0.01, 0.01, 0.01] }} }}\norigin = {{ position = [0, 900, 0] }}\n{sky}"
+    )
 }
 
 /// Sixteen spheres in front of a camera at rest, at as many different velocities as `frames` says.

@@ -20,8 +20,9 @@ use glam::DVec3;
 use super::any_projection::AnyProjection;
 use super::inertial::ExposureTime;
 use super::projection::Projection;
-use super::rays::SimpleRays;
+use super::rays::{RayBlock, SimpleRays};
 use super::{CameraRay, FilmPoints, RayOrigin, RaySlices, Shot, View};
+use crate::accel::vectors::{BLOCK, Block};
 use crate::scene::model::{Assembly, CameraModel, Sensor};
 use crate::spacetime::worldline::{Anchor, State, Stretch, Vicinity, WorldLine};
 use crate::spacetime::{Boost, Camera, Direction, Displacement, Event, Frame, World};
@@ -270,19 +271,15 @@ impl Placed {
     /// What `element` of a rigid sensor sees of light that passed the pinhole in `vicinity`, and whether there is any.
     #[inline(always)]
     fn nearby_on_body(&self, vicinity: &Vicinity, element: DVec3) -> (ElementRay, bool) {
-        let apex = Displacement::new(0.0, element);
-        let (own, crosses) = vicinity.crossing_or_not(apex, element.length_squared());
-        let (seen, is_usual) = along_usual(own.x - element);
-        let ray = self.element_ray(seen, vicinity.in_world(own));
-        (ray, crosses & is_usual)
+        let (seen, own, is_seen) = passage_on_body(vicinity, element);
+        (self.element_ray(seen, vicinity.in_world(own)), is_seen)
     }
 
     /// The same of an element that is a ship of its own.
     #[inline(always)]
     fn nearby_ship(&self, vicinity: &Vicinity, element: DVec3) -> (ElementRay, bool) {
-        let apex = Displacement::new(0.0, element);
-        let apex = self.state.frame().frame_from_world().displacement(apex);
-        let (own, crosses) = vicinity.crossing_or_not(apex, element.length_squared());
+        let (own, crosses) =
+            passage_of_ship(self.state.frame().frame_from_world(), vicinity, element);
         let from = vicinity.in_world(own);
         let (d, is_usual) = along_usual(from.x - element);
         (self.ray_of_ship(d, from), crosses & is_usual)
@@ -311,6 +308,29 @@ impl Placed {
             from,
         }
     }
+}
+
+/// The look direction of `element` of a rigid sensor, the event at which its light passed the pinhole in `vicinity`, and whether they are.
+#[inline(always)]
+fn passage_on_body(
+    vicinity: &Vicinity,
+    element: DVec3,
+) -> (Direction<Camera>, Displacement<Camera>, bool) {
+    let apex = Displacement::new(0.0, element);
+    let (own, crosses) = vicinity.crossing_or_not(apex, element.length_squared());
+    let (seen, is_usual) = along_usual(own.x - element);
+    (seen, own, crosses & is_usual)
+}
+
+/// The event at which light of `element`, a ship of its own, passed the pinhole, and whether it did.
+#[inline(always)]
+fn passage_of_ship(
+    frame_from_world: &Boost<Camera, World>,
+    vicinity: &Vicinity,
+    element: DVec3,
+) -> (Displacement<Camera>, bool) {
+    let apex = frame_from_world.displacement(Displacement::new(0.0, element));
+    vicinity.crossing_or_not(apex, element.length_squared())
 }
 
 /// The direction of `way`.
@@ -425,13 +445,37 @@ struct Moments<'a> {
 
 impl SimpleRays for Moments<'_> {
     #[inline(always)]
-    fn ray<P: Projection>(&self, film: &P, at: [f64; 2], moment: f64) -> (CameraRay, bool) {
-        let seen = film.direction(at[0], at[1]);
-        let (moved, d, ratio) = self.anchor.look(self.camera.moment(moment), seen);
-        (
-            self.camera.point_ray(film, at, (seen, d, ratio, moved)),
-            true,
-        )
+    fn rays<P: Projection>(
+        &self,
+        film: &P,
+        [x, y]: [&Block; 2],
+        moments: &Block,
+        to: &mut RayBlock,
+    ) {
+        let Accelerated { time, exposure, .. } = *self.camera;
+        let anchor = self.anchor.clone();
+        for k in 0..BLOCK {
+            to.d.set(k, film.direction(x[k], y[k]).unit());
+        }
+        // Without aberration the look directions of the camera are those of the world.
+        let seen = to.d;
+        let mut ratios = [0.0; BLOCK];
+        for k in 0..BLOCK {
+            let time = time + moments[k] * exposure.duration;
+            let (d, ratio) = anchor.turned(time, Direction::from_unit(to.d.get(k)));
+            to.d.set(k, d.unit());
+            ratios[k] = ratio;
+        }
+        to.look(anchor.world_from_comoving(), true);
+        if !self.camera.aberration {
+            to.d = seen;
+        }
+        for k in 0..BLOCK {
+            let time = time + moments[k] * exposure.duration;
+            to.set_place(k, anchor.event(time));
+            to.ratio[k] *= ratios[k];
+            to.weight[k] = exposure.weight_at(film, x[k], y[k]);
+        }
     }
 }
 
@@ -445,11 +489,21 @@ struct Body<'a> {
 
 impl SimpleRays for Body<'_> {
     #[inline(always)]
-    fn ray<P: Projection>(&self, film: &P, at: [f64; 2], _: f64) -> (CameraRay, bool) {
-        let (ray, is_seen) = self
-            .placed
-            .nearby_on_body(self.vicinity, self.placed.on_body(film, &self.sensor, at));
-        (self.camera.camera_ray(self.placed, ray), is_seen)
+    fn rays<P: Projection>(&self, film: &P, [x, y]: [&Block; 2], _: &Block, to: &mut RayBlock) {
+        let (vicinity, sensor) = (*self.vicinity, self.sensor);
+        for k in 0..BLOCK {
+            let element = self.placed.on_body(film, &sensor, [x[k], y[k]]);
+            let (seen, own, is_seen) = passage_on_body(&vicinity, element);
+            to.d.set(k, seen.unit());
+            to.set_place(k, own);
+            to.set_simple(k, is_seen);
+        }
+        to.look(&self.placed.world_from_camera, self.camera.aberration);
+        let moved = self.placed.moved;
+        for k in 0..BLOCK {
+            to.set_place(k, moved + vicinity.in_world(to.place(k)));
+        }
+        to.weight = [self.camera.exposure.weight; BLOCK];
     }
 }
 
@@ -463,10 +517,33 @@ struct Ships<'a> {
 
 impl SimpleRays for Ships<'_> {
     #[inline(always)]
-    fn ray<P: Projection>(&self, film: &P, at: [f64; 2], _: f64) -> (CameraRay, bool) {
-        let (ray, is_seen) = self
-            .placed
-            .nearby_ship(self.vicinity, element(film, &self.sensor, at));
-        (self.camera.camera_ray(self.placed, ray), is_seen)
+    fn rays<P: Projection>(&self, film: &P, [x, y]: [&Block; 2], _: &Block, to: &mut RayBlock) {
+        let (vicinity, sensor) = (*self.vicinity, self.sensor);
+        let boost = *self.placed.state.frame().frame_from_world();
+        for k in 0..BLOCK {
+            let element = element(film, &sensor, [x[k], y[k]]);
+            let (own, crosses) = passage_of_ship(&boost, &vicinity, element);
+            to.set_place(k, own);
+            to.set_simple(k, crosses);
+        }
+        for k in 0..BLOCK {
+            let from = vicinity.in_world(to.place(k));
+            let (d, is_usual) = along_usual::<World>(from.x - element(film, &sensor, [x[k], y[k]]));
+            to.d.set(k, d.unit());
+            to.set_place(k, from);
+            to.set_simple(k, is_usual & (to.is_simple[k] != 0.0));
+        }
+        let (moved, aberration) = (self.placed.moved, self.camera.aberration);
+        for k in 0..BLOCK {
+            let (seen, ratio) = boost.direction(Direction::from_unit(to.d.get(k)));
+            to.ratio[k] = 1.0 / ratio;
+            if !aberration {
+                to.d.set(k, seen.unit());
+            }
+        }
+        for k in 0..BLOCK {
+            to.set_place(k, moved + to.place(k));
+        }
+        to.weight = [self.camera.exposure.weight; BLOCK];
     }
 }

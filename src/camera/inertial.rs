@@ -21,7 +21,9 @@ use glam::DVec3;
 
 use super::any_projection::AnyProjection;
 use super::projection::Projection;
-use super::{CameraRay, RayOrigin, Shot, View};
+use super::rays::{RayBlock, SimpleRays};
+use super::{CameraRay, FilmPoints, RayOrigin, RaySlices, Shot, View};
+use crate::accel::vectors::{BLOCK, Block};
 use crate::scene::model::{CameraModel, Records};
 use crate::spacetime::{Boost, Camera, Direction, Displacement, World};
 
@@ -123,6 +125,35 @@ impl View for Inertial {
                 delay: 1.0,
                 weight: self.exposure.weight_at(film, x, y),
             },
+        }
+    }
+
+    #[inline(always)]
+    fn rays<P: Projection>(&self, film: &P, points: &FilmPoints, mut rays: RaySlices) {
+        rays.fill_by(self, self, film, points);
+    }
+}
+
+impl SimpleRays for Inertial {
+    #[inline(always)]
+    fn rays<P: Projection>(
+        &self,
+        film: &P,
+        [x, y]: [&Block; 2],
+        moments: &Block,
+        to: &mut RayBlock,
+    ) {
+        let (duration, focal_length) = (self.exposure.duration, self.focal_length);
+        for k in 0..BLOCK {
+            let (seen, length) = film.direction_and_length(x[k], y[k]);
+            to.d.set(k, seen.unit());
+            to.ct[k] = moments[k] * duration - focal_length * length;
+        }
+        to.look(&self.world_from_camera, self.aberration);
+        let (four_velocity, exposure) = (self.four_velocity, self.exposure);
+        for k in 0..BLOCK {
+            to.set_place(k, four_velocity * to.ct[k]);
+            to.weight[k] = exposure.weight_at(film, x[k], y[k]);
         }
     }
 }

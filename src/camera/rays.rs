@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use super::{CameraRay, Projection, RayOrigin, View};
+use super::{Projection, RayOrigin, View};
 use crate::accel::vectors::{BLOCK, Block, Vectors, load, store};
-use crate::spacetime::{Boost, Camera, Direction, Displacement, World};
+use crate::spacetime::{Boost, Camera, Direction, Displacement, Frame, World};
 
 /// Film points, pixels, and moments of the exposure, 0 to 1; no moments where a view does not use them.
 #[derive(Debug, Clone, Copy)]
@@ -30,8 +30,10 @@ pub struct RaySlices<'a> {
 
 /// What a view does at almost all film points, without branches.
 pub(super) trait SimpleRays {
-    /// The ray of film point `(x, y)` at `moment`, and whether it is: false where [`View::ray_through`] has to find it.
-    fn ray<P: Projection>(&self, film: &P, at: [f64; 2], moment: f64) -> (CameraRay, bool);
+    /// The rays of a block of film points at their moments, with the same bits as by [`View::ray_through`], which finds those that are
+    /// marked as not simple. In short loops, one step after the other, with copies of what is the same for all: of a long loop, or one that
+    /// reads behind references, compilers make no vector code for AVX2.
+    fn rays<P: Projection>(&self, film: &P, at: [&Block; 2], moments: &Block, to: &mut RayBlock);
 }
 
 impl FilmPoints<'_> {
@@ -103,6 +105,7 @@ impl RaySlices<'_> {
         points: &FilmPoints,
     ) {
         let count = points.x.len();
+        let mut rays = RayBlock::SIMPLE;
         let mut begin = 0;
         while begin < count {
             let (x, y) = (load(points.x, begin), load(points.y, begin));
@@ -110,12 +113,7 @@ impl RaySlices<'_> {
                 true => load(points.moments, begin),
                 false => [0.0; BLOCK],
             };
-            // Without a branch, so that the loop becomes vector code; rays that are not simple come out as anything.
-            let mut rays = RayBlock::EMPTY;
-            for k in 0..BLOCK {
-                let (ray, is_simple) = simple.ray(film, [x[k], y[k]], moments[k]);
-                rays.set(k, &ray, is_simple);
-            }
+            simple.rays(film, [&x, &y], &moments, &mut rays);
             let end = (begin + BLOCK).min(count);
             for k in begin..end {
                 self.directions[k] = rays.d.get(k - begin);
@@ -138,44 +136,71 @@ impl RaySlices<'_> {
 }
 
 /// Rays by component.
-struct RayBlock {
-    d: Vectors,
-    ratio: Block,
-    ct: Block,
-    x: Vectors,
-    weight: Block,
-    delay: Block,
-    /// 1 for those that are.
-    is_simple: Block,
+pub(super) struct RayBlock {
+    /// Look directions: while they are worked out of the camera, then in the world.
+    pub d: Vectors,
+    pub ratio: Block,
+    /// Where the rays leave: [`RayOrigin`].
+    pub ct: Block,
+    pub x: Vectors,
+    pub weight: Block,
+    /// 1 for those that are, 0 for others, which come out as anything.
+    pub is_simple: Block,
 }
 
 impl RayBlock {
-    const EMPTY: RayBlock = RayBlock {
+    /// To be written, but that all are simple.
+    const SIMPLE: RayBlock = RayBlock {
         d: Vectors::ZERO,
         ratio: [0.0; BLOCK],
         ct: [0.0; BLOCK],
         x: Vectors::ZERO,
         weight: [0.0; BLOCK],
-        delay: [0.0; BLOCK],
-        is_simple: [0.0; BLOCK],
+        is_simple: [1.0; BLOCK],
     };
 
+    /// Takes look directions to the world by `boost`, and sets their ratios; without `aberration` the directions stay what they are.
     #[inline(always)]
-    fn set(&mut self, k: usize, ray: &CameraRay, is_simple: bool) {
-        self.d.set(k, ray.d.unit());
-        self.ratio[k] = ray.ratio;
-        self.ct[k] = ray.origin.displacement.ct;
-        self.x.set(k, ray.origin.displacement.x);
-        self.weight[k] = ray.origin.weight;
-        self.delay[k] = ray.origin.delay;
+    pub fn look(&mut self, boost: &Boost<World, Camera>, aberration: bool) {
+        let boost = *boost;
+        let seen = |d: &Vectors, k: usize| Direction::<Camera>::from_unit(d.get(k));
+        if aberration {
+            for k in 0..BLOCK {
+                let (d, ratio) = boost.direction(seen(&self.d, k));
+                self.d.set(k, d.unit());
+                self.ratio[k] = ratio;
+            }
+        } else {
+            for k in 0..BLOCK {
+                (_, self.ratio[k]) = boost.direction(seen(&self.d, k));
+            }
+        }
+    }
+
+    /// Where ray `k` leaves so far.
+    #[inline(always)]
+    pub fn place<F: Frame>(&self, k: usize) -> Displacement<F> {
+        Displacement::new(self.ct[k], self.x.get(k))
+    }
+
+    /// Has ray `k` leave there.
+    #[inline(always)]
+    pub fn set_place<F: Frame>(&mut self, k: usize, place: Displacement<F>) {
+        self.ct[k] = place.ct;
+        self.x.set(k, place.x);
+    }
+
+    /// Notes whether ray `k` is simple.
+    #[inline(always)]
+    pub fn set_simple(&mut self, k: usize, is_simple: bool) {
         self.is_simple[k] = if is_simple { 1.0 } else { 0.0 };
     }
 
     #[inline(always)]
     fn origin(&self, k: usize) -> RayOrigin {
         RayOrigin {
-            displacement: Displacement::new(self.ct[k], self.x.get(k)),
-            delay: self.delay[k],
+            displacement: self.place(k),
+            delay: 1.0,
             weight: self.weight[k],
         }
     }

@@ -41,8 +41,9 @@ use glam::{DMat3, DVec3};
 use super::any_projection::AnyProjection;
 use super::inertial::ExposureTime;
 use super::projection::{Projection, rotation_matrix};
-use super::rays::SimpleRays;
+use super::rays::{RayBlock, SimpleRays};
 use super::{CameraRay, FilmPoints, RayOrigin, RaySlices, Shot, View};
+use crate::accel::vectors::{BLOCK, Block};
 use crate::scene::model::{CameraModel, Elements, Equations, Pivot, Rotation};
 use crate::spacetime::{Boost, Camera, Direction, Displacement, World, paper2015};
 
@@ -259,16 +260,24 @@ struct Exact<'a> {
 
 impl SimpleRays for Exact<'_> {
     #[inline(always)]
-    fn ray<P: Projection>(&self, film: &P, [x, y]: [f64; 2], _: f64) -> (CameraRay, bool) {
+    fn rays<P: Projection>(&self, film: &P, [x, y]: [&Block; 2], _: &Block, to: &mut RayBlock) {
         let Exact { camera, turn } = self;
-        let (r, v) = camera.place(film.vector(x, y), turn);
-        let element = exact(r, v, -r, 0.0);
-        let origin = RayOrigin {
-            displacement: camera.world_from_camera.displacement(element.from),
-            delay: 1.0,
-            weight: camera.exposure.weight,
-        };
-        (camera.camera_ray(&element, origin), film.sees(x, y))
+        let mut ratios = [0.0; BLOCK];
+        for k in 0..BLOCK {
+            let (r, v) = camera.place(film.vector(x[k], y[k]), turn);
+            let element = exact(r, v, -r, 0.0);
+            to.d.set(k, element.l);
+            to.set_place(k, element.from);
+            ratios[k] = element.ratio;
+        }
+        to.look(&camera.world_from_camera, camera.aberration);
+        let boost = camera.world_from_camera;
+        for k in 0..BLOCK {
+            to.set_place(k, boost.displacement(to.place(k)));
+            to.ratio[k] *= ratios[k];
+            to.set_simple(k, film.sees(x[k], y[k]));
+        }
+        to.weight = [camera.exposure.weight; BLOCK];
     }
 }
 

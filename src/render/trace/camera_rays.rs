@@ -431,11 +431,11 @@ mod tests {
     use crate::camera::Camera;
     use crate::scene::{Overrides, parse};
 
-    /// The view of a camera at this speed.
-    fn view(beta: f64, more: &str) -> AnyView {
+    /// The view of a camera at this speed, with what else is said of it and of the scene.
+    fn view(beta: f64, camera: &str, more: &str) -> AnyView {
         let text = format!(
             "[camera]\neye = [1, 2, 3]\nlook_at = [0, 0.5, -1]\nhfov = \"80 deg\"\nsize = [90, 70]\n\
-             velocity = {{ beta = [0, {beta}, 0] }}\n{more}\
+             velocity = {{ beta = [0, {beta}, 0] }}\n{camera}\n{more}\n\
              [[object]]\nname = \"ball\"\nshape = {{ sphere = {{ radius = 1, subdivisions = 1 }} }}\n"
         );
         let scene = parse(&text, "camera", Path::new("."), &Overrides::default()).unwrap();
@@ -444,9 +444,45 @@ mod tests {
 
     #[test]
     fn rays_of_a_tile_are_those_of_their_film_points_bit_for_bit() {
-        let fisheye = "projection = \"fisheye_equidistant\"\n";
-        for (beta, more) in [(0.0, ""), (0.9, ""), (-0.999_999, ""), (0.5, fisheye)] {
-            let view = view(beta, more);
+        let sensor = "sensor = { focal_length = \"0.1 m\" }";
+        let lens = |more: &str| format!("sensor = {{ focal_length = \"0.1 m\"{more} }}");
+        let shutter = "shutter = { duration = \"0.3 m\" }";
+        let turn = "rotation = { axis = [0, 1, 0], rate = \"0.2 rad/m\" }";
+        let push = "motion = { acceleration = { proper = \"0.1 /m\", direction = [0, 0, 1] } }";
+        let dark = "[effects]\naberration = false";
+        let views = [
+            view(0.0, "", ""),
+            view(0.9, "", ""),
+            view(-0.999_999, "", ""),
+            view(0.5, "projection = \"fisheye_equidistant\"", ""),
+            view(0.9, sensor, ""),
+            view(0.0, sensor, ""),
+            view(0.9, &lens(", assembly = \"world_length\""), ""),
+            view(0.9, shutter, ""),
+            view(0.9, shutter, dark),
+            view(0.9, &format!("{push}\n{sensor}"), ""),
+            view(0.9, &format!("{push}\n{sensor}"), dark),
+            view(
+                0.9,
+                &format!("{push}\n{}", lens(", assembly = \"bell\"")),
+                "",
+            ),
+            view(
+                0.9,
+                &format!("{push}\n{}", lens(", assembly = \"bell\"")),
+                dark,
+            ),
+            view(0.9, &format!("{push}\n{shutter}"), ""),
+            view(0.9, &format!("{push}\n{shutter}"), dark),
+            view(0.9, &format!("{turn}\n{sensor}"), ""),
+            view(0.0, &format!("{turn}\n{sensor}"), dark),
+            view(0.5, &format!("{turn}\n{shutter}"), ""),
+        ];
+        let count = |is: fn(&AnyView) -> bool| views.iter().filter(|view| is(view)).count();
+        assert_eq!(count(|view| matches!(view, AnyView::Inertial(_))), 5);
+        assert_eq!(count(|view| matches!(view, AnyView::Accelerated(_))), 6);
+        assert_eq!(count(|view| matches!(view, AnyView::Turning(_))), 3);
+        for (number, view) in views.iter().enumerate() {
             for (samples, size) in [(1, [16, 16]), (4, [16, 16]), (3, [7, 11]), (1, [1, 1])] {
                 let corner = [64, 48];
                 let (tile, sampler) = (Tile { corner, size }, Sampler::stratified(samples));
@@ -457,11 +493,17 @@ mod tests {
                 let mut count = 0;
                 for (k, (sample, (column, row))) in all.enumerate() {
                     let [x, y] = sampler.offset(column, row, sample);
-                    let alone = view.ray(f64::from(column) + x, f64::from(row) + y, 0.5);
-                    let bits = |d: DVec3, w: f64| [d.x, d.y, d.z, w].map(f64::to_bits);
-                    let together = bits(rays.directions[k], rays.ratios[k]);
-                    let alone = bits(alone.d.unit(), alone.ratio);
-                    assert_eq!(together, alone, "{beta} {more} {samples}: {column} {row}");
+                    let moment = rays.moments.get(k).copied().unwrap_or(0.5);
+                    let alone = view.ray(f64::from(column) + x, f64::from(row) + y, moment);
+                    let origin = rays.origins.get(k).copied().unwrap_or(RayOrigin::AT_SHOT);
+                    let bits = |d: DVec3, w: f64, from: RayOrigin| {
+                        let (ct, at) = (from.displacement.ct, from.displacement.x);
+                        let numbers = [d.x, d.y, d.z, w, ct, at.x, at.y, at.z];
+                        (numbers.map(f64::to_bits), from.delay, from.weight)
+                    };
+                    let together = bits(rays.directions[k], rays.ratios[k], origin);
+                    let alone = bits(alone.d.unit(), alone.ratio, alone.origin);
+                    assert_eq!(together, alone, "view {number}, {samples}: {column} {row}");
                     count += 1;
                 }
                 assert_eq!(rays.directions.len(), count);

@@ -133,6 +133,18 @@ impl Anchor {
         proper_time: f64,
         seen: Direction<Camera>,
     ) -> (Displacement<World>, Direction<World>, f64) {
+        let (d, ratio) = self.turned(proper_time, seen);
+        let (d, onward) = self.world_from_comoving.direction(d);
+        (self.event(proper_time), d, ratio * onward)
+    }
+
+    /// The first part of [`Anchor::look`]: the look direction in the anchor's frame, and ω_anchor/ω_comoving.
+    #[inline(always)]
+    pub(crate) fn turned(
+        &self,
+        proper_time: f64,
+        seen: Direction<Camera>,
+    ) -> (Direction<Camera>, f64) {
         let since = proper_time - self.proper_time;
         let Series { phi, q, odd, even } = self.series(since);
         // To the axes that were carried along.
@@ -143,12 +155,23 @@ impl Anchor {
         let across = gibbs.cross(c);
         let c = c + (across + gibbs.cross(across)) * (2.0 / (1.0 + gibbs.length_squared()));
 
-        // To the anchor's frame, by increments, as the rapidity is small, and on to the world.
+        // To the anchor's frame, by increments, as the rapidity is small.
         let along = self.n.dot(c);
         let ratio = (1.0 + rise) - sinh * along;
         let d = (c + self.n * (rise * along - sinh)) * (1.0 / ratio);
-        let (d, onward) = self.world_from_comoving.direction(Direction::from_unit(d));
-        (self.moved + self.way(since), d, ratio * onward)
+        (Direction::from_unit(d), ratio)
+    }
+
+    /// The boost of the second part: from the anchor's frame to the world.
+    #[inline(always)]
+    pub(crate) fn world_from_comoving(&self) -> &Boost<World, Camera> {
+        &self.world_from_comoving
+    }
+
+    /// From the stretch's reference to the line's event at a proper time near this one.
+    #[inline(always)]
+    pub(crate) fn event(&self, proper_time: f64) -> Displacement<World> {
+        self.moved + self.way(proper_time - self.proper_time)
     }
 
     /// From the anchor's event to that of `since` after it.

@@ -52,8 +52,8 @@ fn every_kernel_finds_the_nearest_hit_that_is_no_hole() {
     let (origins, wild): (Vec<DVec3>, Vec<DVec3>) = (0..256)
         .map(|_| (random.vector() * 2.0, random.direction()))
         .unzip();
-    let mut through_holes = 0;
     for kernel in Kernel::ALL.into_iter().filter(|k| k.is_supported()) {
+        let mut through_holes = 0;
         let method = Method {
             kernel,
             precision: Precision::Certified,
@@ -116,6 +116,6 @@ fn every_kernel_finds_the_nearest_hit_that_is_no_hole() {
                 through_holes += usize::from(expected.is_some_and(|hit| hit.s > first));
             }
         }
+        assert!(through_holes > 25, "{kernel:?}: {through_holes}");
     }
-    assert!(through_holes > 100, "{through_holes}");
 }

@@ -20,7 +20,7 @@
 //! From bottom to top: `float` and `exact` are arithmetic; `triangle` intersects a ray with a triangle; `node` and
 //! `wide` are the two trees, in the coordinates of `tree_space`; `bvh` holds them, `cluster`, `leaves`, `layout` and
 //! `build` make them, `alpha` makes holes;
-//! `slab`, `traverse` and `single` trace single rays; `packet` traces batches.
+//! `slab`, `traverse` and `single` trace single rays; `packet` traces batches. `vectors` and `texels` are loops of all rooms above.
 
 #[doc = include_str!("guide.md")]
 pub mod guide {}
@@ -39,6 +39,7 @@ mod rays;
 mod single;
 mod slab;
 mod tally;
+pub(crate) mod texels;
 mod traverse;
 mod tree_space;
 mod triangle;

@@ -9,6 +9,7 @@ mod planck;
 mod rgb_basis;
 mod rgb_sums;
 mod shift;
+mod shift_matrix;
 mod spectrum;
 mod srgb;
 
@@ -17,8 +18,8 @@ pub use line::{OUTSIDE_GREY, VISIBLE, line_colour};
 pub use observer::colour_matching;
 pub use planck::planck;
 pub use rgb_basis::Continuation;
-pub(crate) use shift::ShiftMatrix;
 pub use shift::{ColourTable, ReflectionTable, RgbShift, blackbody_colour};
+pub(crate) use shift_matrix::ShiftMatrix;
 pub use spectrum::{Scale, Shape, Spectrum};
 pub use srgb::{
     RGB_FROM_XYZ, rgb_from_xyz, srgb_decode, srgb_encode, srgb_encode_8, srgb_encode_16,

@@ -12,6 +12,7 @@
 //! continuation goes on as W⁻⁵, exactly; a thermal one as the blackbody that it is, whose colours are in the same table from W = 1/4096 to 4 (h²/8
 //! of the second derivative is 4e-5 of the value at W = 4, x² of Planck's x = 16, and less below).
 
+use super::shift_matrix::ShiftMatrix;
 use std::array::from_fn;
 use std::sync::{LazyLock, OnceLock};
 
@@ -250,42 +251,6 @@ fn thermal_shift(w: f64) -> [[f64; 3]; 3] {
     let factors = rgb_basis::thermal()[usize::from(w < 1.0)];
     let colour = BLACKBODIES.get().colour(WHITE_TEMPERATURE / w);
     colour.map(|c| factors.map(|factor| c * factor))
-}
-
-/// M(W) at a step: by column, its three numbers and a fourth of 0, and how much they grow up to the next step. All that a ray needs lies together.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ShiftMatrix {
-    pub columns: [[f32; 8]; 3],
-}
-
-impl ShiftMatrix {
-    /// Of the columns at a step and at the next.
-    fn new(entries: &[[f32; 12]]) -> ShiftMatrix {
-        let (below, above) = (&entries[0], &entries[1]);
-        let number = |at: usize, k: usize| match k < 4 {
-            true => below[at],
-            false => above[at] - below[at],
-        };
-        ShiftMatrix {
-            columns: from_fn(|column| from_fn(|k| number(4 * column + k % 4, k))),
-        }
-    }
-
-    /// The one of this number, if there is one.
-    #[inline(always)]
-    pub fn of(matrices: &[ShiftMatrix], at: u64) -> Option<&ShiftMatrix> {
-        matrices.get(usize::try_from(at).unwrap_or(usize::MAX))
-    }
-
-    /// The matrix that is `rest` of the way to the next step, times `v`.
-    #[inline(always)]
-    pub fn times(&self, rest: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
-        let [a, b, c] = &self.columns;
-        from_fn(|row| {
-            let at = |column: &[f32; 8]| f64::from(column[row]) + f64::from(column[4 + row]) * rest;
-            at(a) * x + at(b) * y + at(c) * z
-        })
-    }
 }
 
 /// The colour of a radiance of 1 per metre at all wavelengths.

@@ -18,6 +18,28 @@ mod accel {
             println!("kernels: portable, AVX2 {avx2}, AVX-512 {avx512}");
         }
     }
+    #[path = "../../../src/accel/node.rs"]
+    pub mod node;
+    #[path = "../../../src/accel/rays.rs"]
+    pub mod rays;
+    #[path = "../../../src/accel/texels.rs"]
+    pub mod texels;
     #[path = "../../../src/accel/vectors.rs"]
     pub mod vectors;
+
+    /// Numbers from −1 to 1 that look random, as the tests of nullray's own `accel` have them.
+    #[cfg(test)]
+    pub(crate) fn numbers(mut state: u64) -> impl FnMut() -> f64 {
+        move || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+    }
+}
+
+#[path = "."]
+mod colour {
+    #[path = "../../../src/colour/shift_matrix.rs"]
+    mod shift_matrix;
+    pub(crate) use shift_matrix::ShiftMatrix;
 }

@@ -11,9 +11,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 
 use super::PixelAngles;
+use crate::accel::texels::{Taps, TapsBlock, mixed, mixed_each};
 use crate::accel::vectors::{
-    BLOCK, Block, Columns, Taps, TapsBlock, VectorLoop, VectorsRef, dispatch, load, mixed,
-    mixed_each, prefetch,
+    BLOCK, Block, Columns, VectorLoop, VectorsRef, dispatch, load, prefetch,
 };
 
 /// An equirectangular picture in sizes of halves.

@@ -27,7 +27,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 use nullray::accel::{
-    Bvh, Facing, Hit, Kernel, Method, NoTally, Origins, Precision, Preset, Ray, Segment,
+    Bvh, Converging, Facing, Hit, Kernel, Method, NoTally, Origins, Precision, Preset, Ray, Segment,
 };
 use nullray::render::progress::Silent;
 use nullray::render::render;
@@ -202,6 +202,7 @@ fn measure(
 
     let camera = Camera::new(&bvh, view[0], view[1], SIZE);
     let shadows = shadows(&bvh, &camera);
+    let segments: Vec<Vec<Segment>> = shadows.iter().map(Shadows::segments).collect();
     // Rays that have nothing to do with one another: every 40,503rd.
     let rays = camera.rays();
     let shuffled: Vec<DVec3> = (0..rays)
@@ -230,7 +231,7 @@ fn measure(
     // What is measured, in the order of a round.
     let mut works: Vec<(Row, Box<dyn Fn() + '_>)> = Vec::new();
     for kernel in kernels {
-        let (bvh, camera, shadows) = (&bvh, &camera, &shadows);
+        let (bvh, camera, shadows, segments) = (&bvh, &camera, &shadows, &segments);
         let called = |what: &str| format!("{what} {kernel:?}").to_lowercase();
         let certified = Method {
             kernel,
@@ -266,9 +267,18 @@ fn measure(
             let trace = move || trace_each(bvh, origins, directions, certified);
             works.push((row, Box::new(trace)));
         }
-        let count = shadows.iter().map(Vec::len).sum();
+        let count = shadows.iter().map(Shadows::len).sum();
         let row = Row::new(called("certified, shadow rays,"), "shadow 16", count);
         works.push((row, Box::new(move || block(bvh, shadows, certified))));
+        let row = Row::new(
+            called("certified, the same as single segments,"),
+            "shadow 16",
+            count,
+        );
+        works.push((
+            row,
+            Box::new(move || block_segments(bvh, segments, certified)),
+        ));
     }
     for (called, picture) in &pictures {
         let row = Row::new(called.to_string(), "closest 16", camera.rays());
@@ -306,7 +316,7 @@ fn measure(
     let least = |seconds: &[f64]| seconds.iter().copied().fold(f64::INFINITY, f64::min);
     for (kind, seconds, hits) in &theirs {
         let rays = if kind.starts_with("shadow") {
-            shadows.iter().map(Vec::len).sum()
+            shadows.iter().map(Shadows::len).sum()
         } else {
             camera.rays()
         };
@@ -420,52 +430,91 @@ fn random_rays(bvh: &Bvh, count: usize) -> (Vec<DVec3>, Vec<DVec3>) {
     (origins, directions)
 }
 
-/// Asks what blocks the segments, tile by tile.
-fn block(bvh: &Bvh, tiles: &[Vec<Segment>], method: Method) {
+/// Ways from what a tile shows to the lamp, as the renderer keeps them.
+struct Shadows {
+    lamp: DVec3,
+    from: [Vec<f64>; 3],
+    s_min: Vec<f64>,
+    /// The triangles that they leave.
+    skip: Vec<u32>,
+}
+
+impl Shadows {
+    fn len(&self) -> usize {
+        self.skip.len()
+    }
+
+    /// The same, each by itself.
+    fn segments(&self) -> Vec<Segment> {
+        let [x, y, z] = &self.from;
+        let segment = |at: usize| {
+            let origin = DVec3::new(x[at], y[at], z[at]);
+            Segment {
+                ray: Ray {
+                    origin,
+                    direction: self.lamp - origin,
+                    s_min: self.s_min[at],
+                },
+                s_max: 1.0,
+                skip: Some(self.skip[at]),
+                end: None,
+            }
+        };
+        (0..self.len()).map(segment).collect()
+    }
+}
+
+/// Asks what is in the way to the lamp, tile by tile.
+fn block(bvh: &Bvh, tiles: &[Shadows], method: Method) {
+    for tile in tiles {
+        let mut blocked = [false; TILE * TILE];
+        let segments = Converging {
+            end: tile.lamp,
+            from: tile.from.each_ref().map(Vec::as_slice),
+            s_min: &tile.s_min,
+            skip: &tile.skip,
+            at: None,
+        };
+        bvh.any_to_point(method, segments, &mut blocked, &mut NoTally);
+        std::hint::black_box(&blocked);
+    }
+}
+
+/// The same for segments that may go anywhere.
+fn block_segments(bvh: &Bvh, tiles: &[Vec<Segment>], method: Method) {
     for segments in tiles {
         let mut blocked = [false; TILE * TILE];
-        bvh.any_by(
-            method,
-            segments,
-            &mut blocked[..segments.len()],
-            &mut NoTally,
-        );
+        bvh.any_by(method, segments, &mut blocked, &mut NoTally);
         std::hint::black_box(&blocked);
     }
 }
 
 /// From what the camera sees to the lamp, by tiles.
-fn shadows(bvh: &Bvh, camera: &Camera) -> Vec<Vec<Segment>> {
+fn shadows(bvh: &Bvh, camera: &Camera) -> Vec<Shadows> {
     let (lo, hi) = bvh.bounds().expect("a mesh");
     let lamp = (lo + hi) / 2.0 + DVec3::new(0.5, 0.8, 0.6) * ((hi - lo).length() / 2.0);
     let of_tile = |tile: &[DVec3]| {
         let mut hits = vec![None; tile.len()];
         let from = Origins::Shared(camera.origin);
-        bvh.closest_by(
-            Method::default(),
-            from,
-            tile,
-            &mut hits,
-            &mut NoTally,
-            |_| (),
-        );
-        let seen = tile.iter().zip(hits).filter_map(|(d, hit)| Some((d, hit?)));
-        let segment = |(d, hit): (&DVec3, Hit)| {
-            let origin = camera.origin + *d * hit.s;
-            let direction = lamp - origin;
-            let s_min = 1e-12 * origin.length() / direction.length();
-            Segment {
-                ray: Ray {
-                    origin,
-                    direction,
-                    s_min,
-                },
-                s_max: 1.0,
-                skip: Some(hit.triangle),
-                end: None,
-            }
+        let method = Method::default();
+        bvh.closest_by(method, from, tile, &mut hits, &mut NoTally, |_| ());
+        let mut shadows = Shadows {
+            lamp,
+            from: Default::default(),
+            s_min: Vec::new(),
+            skip: Vec::new(),
         };
-        seen.map(segment).collect()
+        for (direction, hit) in tile.iter().zip(hits) {
+            let Some(hit) = hit else { continue };
+            let origin = camera.origin + *direction * hit.s;
+            for (axis, x) in shadows.from.iter_mut().zip(origin.to_array()) {
+                axis.push(x);
+            }
+            let size = 1e-12 * origin.length();
+            shadows.s_min.push(size / (lamp - origin).length());
+            shadows.skip.push(hit.triangle);
+        }
+        shadows
     };
     camera.directions.chunks(TILE * TILE).map(of_tile).collect()
 }

@@ -51,8 +51,8 @@ pub use build::{ExpectedRays, Preset};
 pub use bvh::Bvh;
 pub(crate) use bvh::unit_normal;
 pub use packet::{Kernel, Method, Precision};
-pub(crate) use rays::Converging;
-pub use rays::{Facing, Hit, NO_SLOT, Origins, Ray, Segment};
+
+pub use rays::{Converging, Facing, Hit, NO_SLOT, Origins, Ray, Segment};
 pub use tally::{Counts, NoTally, Tally, Work};
 
 /// Numbers from −1 to 1 that look random, for tests: a linear congruential generator.

@@ -2,8 +2,6 @@
 
 use glam::DVec3;
 
-use super::vectors::Columns;
-
 /// A ray origin + s · direction, s > `s_min`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
@@ -50,11 +48,11 @@ pub struct Segment {
 /// What may stand between points and one place: segments that all end there, at s = 1, without the triangle that each leaves, and that which
 /// all end at.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Converging<'a> {
+pub struct Converging<'a> {
     /// Where they end, metres.
     pub end: DVec3,
-    /// Where they start, metres.
-    pub from: &'a Columns,
+    /// Where they start, metres: x, y and z of all. There are as many segments as the shortest of the slices has entries.
+    pub from: [&'a [f64]; 3],
     /// Hits at these parameters or before don't count.
     pub s_min: &'a [f64],
     /// Ids of the triangles that they leave.
@@ -92,13 +90,22 @@ pub enum Facing {
 impl Converging<'_> {
     /// How many there are.
     pub(super) fn count(&self) -> usize {
-        self.from.len().min(self.s_min.len()).min(self.skip.len())
+        let [x, y, z] = self.from;
+        let starts = x.len().min(y.len()).min(z.len());
+        starts.min(self.s_min.len()).min(self.skip.len())
+    }
+
+    /// Where segment `at` starts.
+    #[inline(always)]
+    pub(super) fn start(&self, at: usize) -> DVec3 {
+        let [x, y, z] = self.from;
+        DVec3::new(x[at], y[at], z[at])
     }
 
     /// Segment `at`.
     #[inline(always)]
     pub(super) fn segment(&self, at: usize) -> Segment {
-        let from = self.from.get(at);
+        let from = self.start(at);
         Segment {
             ray: Ray {
                 origin: from,

@@ -141,7 +141,7 @@ impl<'a> ColumnsToPoint<'a> {
     pub fn new(segments: Converging<'a>, space: &TreeSpace) -> Option<Self> {
         let mut starts = Extent::NONE;
         dispatch(Extents {
-            from: segments.from.axes(),
+            from: segments.from,
             extent: &mut starts,
         });
         // ρ of (A2), metres: the ends have no extent.
@@ -541,7 +541,7 @@ mod tests {
                     }
                     let segments = Converging {
                         end,
-                        from: &from,
+                        from: from.axes(),
                         s_min: &s_min,
                         skip: &skip,
                         // Also on a triangle that is not in the way.

@@ -141,8 +141,9 @@ impl Bvh {
         }
     }
 
-    /// The same for segments that all end in one point.
-    pub(crate) fn any_to_point(
+    /// For each of these segments, which all end in one point as those to a lamp or a pinhole do, whether something blocks it. They are traced
+    /// from there, which is faster than [`Bvh::any_by`]; the answers are the same. `tally` counts the work.
+    pub fn any_to_point(
         &self,
         method: Method,
         segments: Converging,

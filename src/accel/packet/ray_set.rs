@@ -307,7 +307,7 @@ impl RaySet for ColumnsToPoint<'_> {
 
     #[inline(always)]
     fn targets(&self) -> Option<[&[f64]; 3]> {
-        Some(self.segments.from.axes())
+        Some(self.segments.from)
     }
 
     #[inline(always)]
@@ -323,7 +323,7 @@ impl RaySet for ColumnsToPoint<'_> {
 
     #[inline(always)]
     fn direction(self, ray: usize) -> DVec3 {
-        self.segments.from.get(ray) - self.segments.end
+        self.segments.start(ray) - self.segments.end
     }
 
     #[inline(always)]
@@ -333,7 +333,7 @@ impl RaySet for ColumnsToPoint<'_> {
 
     #[inline(always)]
     fn origin(self, ray: usize) -> DVec3 {
-        self.segments.from.get(ray)
+        self.segments.start(ray)
     }
 }
 

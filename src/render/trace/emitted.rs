@@ -229,7 +229,7 @@ impl Leaving {
     pub fn towards(&self, end: DVec3) -> Converging<'_> {
         Converging {
             end,
-            from: &self.from,
+            from: self.from.axes(),
             s_min: &self.s_min,
             skip: &self.triangles,
             at: None,

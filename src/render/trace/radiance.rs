@@ -244,7 +244,7 @@ fn locate(
     if seen.is_all_plain() {
         let all = Converging {
             end: eye,
-            from: &points.positions,
+            from: points.positions.axes(),
             s_min: starts,
             skip: &points.triangles,
             at: None,

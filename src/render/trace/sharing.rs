@@ -368,7 +368,7 @@ impl Receivers {
         });
         let segments = Converging {
             end,
-            from: &self.positions,
+            from: self.positions.axes(),
             s_min: &self.starts,
             skip: &self.triangles,
             at: Some(triangle),

@@ -13,6 +13,7 @@ use super::bvh::Bvh;
 use super::cluster::cluster;
 use super::layout::{LAST, Layout};
 use super::node::Tag;
+use super::pages::Pages;
 use super::rays::Facing;
 use super::tree_space::TreeSpace;
 use super::wide::{BinaryTree, WideTree};
@@ -136,18 +137,19 @@ impl Bvh {
         let layout = Layout::of(&tree);
         drop(tree);
         let id = |place: &u32| solid[(place & !LAST) as usize];
-        let corner = |place| triangles[id(place) as usize];
-        let corners = layout.order.par_iter().map(corner).collect();
+        let order = &layout.order;
+        let corners = Pages::build(order.len(), |slot| triangles[id(&order[slot]) as usize]);
         drop(triangles);
         // A leaf is read up to the tag that ends it.
-        let tag = |place| {
+        let tag = |slot: usize| {
+            let place = &order[slot];
             let tag = Tag::new(id(place), facing(id(place)));
             match place & LAST {
                 0 => tag,
                 _ => tag.ending_leaf(),
             }
         };
-        let tags = layout.order.par_iter().map(tag).collect();
+        let tags = Pages::build(order.len(), tag);
         drop(solid);
         let mut bvh = Bvh {
             corners,

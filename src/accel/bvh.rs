@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::alpha::AlphaTest;
 use super::float::{exponent, power_of_two};
 use super::node::{Node, Tag};
+use super::pages::Pages;
 use super::rays::{Facing, Hit};
 use super::tree_space::TreeSpace;
 use super::wide::{WideLeaf, WideNode, WideTree};
@@ -15,10 +16,10 @@ use super::wide::{WideLeaf, WideNode, WideTree};
 #[derive(Debug, Clone)]
 pub struct Bvh {
     /// Corners by slot.
-    pub(super) corners: Vec<[DVec3; 3]>,
+    pub(super) corners: Pages<[DVec3; 3]>,
     /// Ids by slot.
-    pub(super) tags: Vec<Tag>,
-    pub(super) nodes: Vec<Node>,
+    pub(super) tags: Pages<Tag>,
+    pub(super) nodes: Pages<Node>,
     /// Levels of nodes.
     pub(super) depth: usize,
     /// The same tree for packets.
@@ -38,9 +39,9 @@ impl Bvh {
 
     pub(super) fn empty() -> Bvh {
         Bvh {
-            corners: Vec::new(),
-            tags: Vec::new(),
-            nodes: Vec::new(),
+            corners: Pages::default(),
+            tags: Pages::default(),
+            nodes: Pages::default(),
             depth: 0,
             wide: WideTree::default(),
             space: TreeSpace::new(DVec3::ZERO, DVec3::ZERO),
@@ -62,11 +63,11 @@ impl Bvh {
     /// Bytes that the tree holds.
     pub fn bytes(&self) -> usize {
         size_of::<Bvh>()
-            + self.corners.capacity() * size_of::<[DVec3; 3]>()
-            + self.tags.capacity() * size_of::<Tag>()
-            + self.nodes.capacity() * size_of::<Node>()
-            + self.wide.nodes.capacity() * size_of::<WideNode>()
-            + self.wide.leaves.capacity() * size_of::<WideLeaf>()
+            + size_of_val::<[_]>(&self.corners)
+            + size_of_val::<[_]>(&self.tags)
+            + size_of_val::<[_]>(&self.nodes)
+            + size_of_val::<[_]>(&self.wide.nodes)
+            + size_of_val::<[_]>(&self.wide.leaves)
     }
 
     /// An upper estimate of [`Bvh::bytes`] for so many triangles.

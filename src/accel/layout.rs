@@ -8,6 +8,7 @@ use obvhs::bvh2::node::Bvh2Node;
 
 use super::leaves::{Extent, extents};
 use super::node::{Child, Node, NodeRef};
+use super::pages::Pages;
 
 /// Fewer triangles are laid out by one thread.
 const MANY: u32 = 4096;
@@ -16,7 +17,7 @@ const SHARED_LEVELS: usize = 32;
 
 /// A tree as rays traverse it, without its triangles.
 pub(super) struct Layout {
-    pub nodes: Vec<Node>,
+    pub nodes: Pages<Node>,
     /// By slot the index of a box, with [`LAST`] where it is the last of its leaf.
     pub order: Vec<u32>,
     /// Levels of nodes.
@@ -49,7 +50,7 @@ impl Layout {
         };
         let whole = source.extents.first().copied().unwrap_or_default();
         let mut layout = Layout {
-            nodes: vec![Node::EMPTY; whole.inner.max(1) as usize],
+            nodes: Pages::build(whole.inner.max(1) as usize, |_| Node::EMPTY),
             order: vec![0; whole.boxes as usize],
             depth: 1,
         };

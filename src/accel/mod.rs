@@ -17,7 +17,7 @@
 //! sizes away. What is outside, or NaN, hits nothing. This is the only module that knows obvhs, and the only one
 //! that takes rays from f64 to f32.
 //!
-//! From bottom to top: `float` and `exact` are arithmetic; `triangle` intersects a ray with a triangle; `node` and
+//! From bottom to top: `float` and `exact` are arithmetic, `pages` long arrays; `triangle` intersects a ray with a triangle; `node` and
 //! `wide` are the two trees, in the coordinates of `tree_space`; `bvh` holds them, `cluster`, `leaves`, `layout` and
 //! `build` make them, `alpha` makes holes;
 //! `slab`, `traverse` and `single` trace single rays; `packet` traces batches. `vectors` and `texels` are loops of all rooms above.
@@ -35,6 +35,9 @@ mod layout;
 mod leaves;
 mod node;
 mod packet;
+// A memory map, and nothing else.
+#[allow(unsafe_code)]
+pub(crate) mod pages;
 mod rays;
 mod single;
 mod slab;
@@ -51,7 +54,6 @@ pub use build::{ExpectedRays, Preset};
 pub use bvh::Bvh;
 pub(crate) use bvh::unit_normal;
 pub use packet::{Kernel, Method, Precision};
-
 pub use rays::{Converging, Facing, Hit, NO_SLOT, Origins, Ray, Segment};
 pub use tally::{Counts, NoTally, Tally, Work};
 

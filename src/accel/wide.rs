@@ -9,10 +9,10 @@
 //! before (differences and products with |y| ≤ 1).
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::float::power_of_two;
 use super::node::{Child, Node, NodeRef, Tag};
+use super::pages::Pages;
 use super::tree_space::TreeSpace;
 
 /// Children of a node, and triangles of a leaf.
@@ -50,8 +50,8 @@ pub(super) struct WideLeaf {
 
 #[derive(Debug, Clone, Default)]
 pub(super) struct WideTree {
-    pub nodes: Vec<WideNode>,
-    pub leaves: Vec<WideLeaf>,
+    pub nodes: Pages<WideNode>,
+    pub leaves: Pages<WideLeaf>,
     /// Levels of nodes.
     pub depth: usize,
 }
@@ -126,39 +126,40 @@ impl WideTree {
     /// `tree`, collapsed.
     pub fn collapsed(tree: BinaryTree) -> WideTree {
         let ranges = tree.ranges();
-        let mut wide = WideTree {
-            nodes: Vec::with_capacity(tree.nodes.len() / 16 + 1),
-            leaves: Vec::new(),
-            depth: 0,
-        };
+        let (mut nodes, mut depth) = (Vec::with_capacity(tree.nodes.len() / 16 + 1), 0);
         // Depth-first by a list of nodes whose children are still to be set: source, target, level. Leaves are made after,
         // of their slots.
         let mut slots = Vec::with_capacity(tree.corners.len() / 5 + 1);
         let mut pending = Vec::new();
         if !tree.nodes.is_empty() {
-            wide.nodes.push(WideNode::EMPTY);
+            nodes.push(WideNode::EMPTY);
             pending.push((0, 0, 1));
         }
         while let Some((source, target, level)) = pending.pop() {
-            wide.depth = wide.depth.max(level);
+            depth = level.max(depth);
             for (at, child) in tree.descendants(&ranges, source).all().iter().enumerate() {
                 let (first, count) = tree.range(&ranges, child.node);
                 let node = if count <= WIDTH {
                     slots.push((first, count));
                     NodeRef::leaf(slots.len() - 1)
                 } else {
-                    pending.push((child.node.index(), wide.nodes.len(), level + 1));
-                    wide.nodes.push(WideNode::EMPTY);
-                    NodeRef::inner(wide.nodes.len() - 1)
+                    pending.push((child.node.index(), nodes.len(), level + 1));
+                    nodes.push(WideNode::EMPTY);
+                    NodeRef::inner(nodes.len() - 1)
                 };
-                wide.nodes[target].set_child(at, child, node);
+                nodes[target].set_child(at, child, node);
             }
         }
         drop(ranges);
-        let leaf = |&(first, count): &(usize, usize)| tree.leaf(first, count);
-        wide.leaves = slots.par_iter().map(leaf).collect();
-        wide.nodes.shrink_to_fit();
-        wide
+        let leaf = |at: usize| {
+            let (first, count): (usize, usize) = slots[at];
+            tree.leaf(first, count)
+        };
+        WideTree {
+            nodes: Pages::build(nodes.len(), |at| nodes[at]),
+            leaves: Pages::build(slots.len(), leaf),
+            depth,
+        }
     }
 }
 

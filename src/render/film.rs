@@ -32,6 +32,7 @@ use std::ops::Range;
 use serde::Serialize;
 
 use crate::accel::Precision;
+use crate::accel::pages::Pages;
 use crate::io::image::{Channel, Samples};
 use crate::light::time_texture::Coverage;
 use crate::render::aov::{Aov, Combine};
@@ -559,7 +560,7 @@ fn mean([r, g, b]: [f64; 3]) -> f64 {
 #[derive(Debug, Clone)]
 pub struct Film {
     layout: Layout,
-    radiance: Vec<[f64; 3]>,
+    radiance: Pages<[f64; 3]>,
     /// Sum over pixels of the part of their samples that met nothing, times the samples of the layout.
     unmet: f64,
     /// Passes of that many samples, and the relative error that they were to reach.
@@ -580,7 +581,7 @@ impl Film {
             0
         };
         Film {
-            radiance: vec![[0.0; 3]; n],
+            radiance: Pages::zeroed(n),
             unmet: 0.0,
             passes: 1,
             error: None,

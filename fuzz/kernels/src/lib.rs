@@ -20,6 +20,9 @@ mod accel {
     }
     #[path = "../../../src/accel/node.rs"]
     pub mod node;
+    #[allow(unsafe_code)]
+    #[path = "../../../src/accel/pages.rs"]
+    pub mod pages;
     #[path = "../../../src/accel/rays.rs"]
     pub mod rays;
     #[path = "../../../src/accel/texels.rs"]

@@ -1,37 +1,29 @@
-//! Emitters: base colours, cubes with their capture cameras, lamps.
+//! Emitters: base colours, the cubes that light them, lamps.
 
 use std::collections::HashMap;
-use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glam::DVec3;
-
-use super::backs::{Backs, backs};
+use super::area::{area_light, area_lights, area_radiance};
 use super::response::{eye, received, response, response_to, without};
-use crate::accel::{Facing, Ray};
+use super::stores::Stores;
+use crate::accel::Facing;
 use crate::colour::{ColourTable, Spectrum};
 use crate::error::{Error, Result};
-use crate::io::cube::{
-    self as cubes, Bricks, BytesRead, Channel, Channels, Cube, CubeStore, Wanted,
-};
+use crate::io::cube::{Bricks, BytesRead};
 use crate::io::gltf::EncodedImage;
 use crate::io::image::Texture;
 use crate::light::lamp::{Emission, Lamp};
 use crate::light::sky::Sky;
-use crate::light::time_texture::survey::{self, Order};
-use crate::light::time_texture::{Capture, SeenPoint, TimeAxis, TimeTexture};
 use crate::mesh::{AlphaMode, Material, Mesh, TextureRef};
 use crate::render::plan::{Lit, Plan, shown_by};
 use crate::render::progress::Progress;
 use crate::render::trace::{
-    AlphaMask, AreaLights, BaseColour, BaseColours, CapturedCube, Colouring, Element,
-    EmissionClock, Emitter, Finish, Glass, Gloss, PathTraced, Radiance, Response, RestFrame,
-    Scaling, TextureLookup, TimeResolved,
+    AlphaMask, AreaLights, BaseColour, BaseColours, Colouring, Element, Emitter, Finish, Glass,
+    Gloss, PathTraced, Radiance, Response, RestFrame, Scaling, TextureLookup, TimeResolved,
 };
 use crate::scene::model::{
-    Binding, Brightness, CaptureCamera, Clock, CubeData, CubeFile, CubeSource, Effects,
-    EmissionProfile, Fill, Geometry, LightKind, Mapping, Reconstruction, Scene, SourceKind,
+    Effects, EmissionProfile, Geometry, LightKind, Reconstruction, Scene, SourceKind,
 };
 use crate::spacetime::{Event, Quantity, World};
 
@@ -260,10 +252,7 @@ impl<'a> Builder<'a> {
         if !plan.time_resolved {
             return Ok(Light::Constant(base));
         }
-        let mut stores = Stores {
-            counts_only: plan.counts_only,
-            ..Stores::default()
-        };
+        let mut stores = Stores::new(plan.counts_only);
         let mut sources = Vec::new();
         for (index, source) in scene.sources.iter().enumerate() {
             progress.check()?;
@@ -437,62 +426,6 @@ fn emission(
     area.or_else(|| shines.then(own))
 }
 
-/// Objects that are area lights, and the numbers of their lights after the sources.
-fn area_lights(scene: &Scene) -> Vec<(u32, usize)> {
-    let lights = (scene.sources.len()..).zip(&scene.lights);
-    let area = |(number, light): (usize, &crate::scene::model::Light)| match light.kind {
-        LightKind::Area { object, .. } => Some((object as u32, number)),
-        LightKind::Lamp(_) => None,
-    };
-    lights.filter_map(area).collect()
-}
-
-/// An object that is an area light: how bright, when, and whether surfaces shadow it.
-struct AreaLight<'a> {
-    brightness: Brightness,
-    emission: &'a EmissionProfile,
-    shadows: bool,
-}
-
-fn area_light(scene: &Scene, object: usize) -> Option<AreaLight<'_>> {
-    scene.lights.iter().find_map(|light| match &light.kind {
-        LightKind::Area {
-            object: lit,
-            brightness,
-            emission,
-        } if *lit == object => Some(AreaLight {
-            brightness: *brightness,
-            emission,
-            shadows: light.shadows,
-        }),
-        _ => None,
-    })
-}
-
-/// The radiance of an object that is an area light, whose mesh in its rest frame is `mesh`: of the power Φ, Φ/(π A) with the area
-/// A of all sides that shine, for a side sends ∫ L cos θ dω = π L per area.
-fn area_radiance(scene: &Scene, object: usize, mesh: &Mesh) -> Option<[f64; 3]> {
-    let power = match area_light(scene, object)?.brightness {
-        Brightness::Radiance(radiance) => return Some(radiance),
-        Brightness::Power(power) => power,
-    };
-    let mut area = 0.0;
-    for part in &mesh.parts {
-        let sides = match backs(scene, &mesh.materials[part.material as usize]) {
-            Backs::Same => 2.0,
-            Backs::Culled | Backs::Black => 1.0,
-        };
-        for index in part.first_triangle..part.first_triangle + part.triangles {
-            let [a, b, c] = mesh.corners(index);
-            area += sides * 0.5 * (b - a).cross(c - a).length();
-        }
-    }
-    Some(match area > 0.0 {
-        true => power.map(|c| c / (PI * area)),
-        false => [0.0; 3],
-    })
-}
-
 fn mean([r, g, b]: [f64; 3]) -> f64 {
     (r + g + b) / 3.0
 }
@@ -555,267 +488,5 @@ impl Textures {
         self.decoded.push(Arc::new(texture));
         self.indices.insert(key, self.decoded.len() - 1);
         Ok(self.decoded.len() - 1)
-    }
-}
-
-/// A file, what is said of its channels, and which companions are taken of it.
-type FileParts = (CubeFile, Option<Channels>, Vec<Channel>);
-
-/// Cubes and capture cameras, each file loaded once.
-#[derive(Default)]
-struct Stores {
-    files: HashMap<FileParts, (CubeStore, Vec<CubeStore>)>,
-    /// Whether the parts of cubes that are read as they are needed are only counted.
-    counts_only: bool,
-    cubes: Vec<TimeTexture>,
-    /// By cube: the source that it is.
-    sources: Vec<usize>,
-    captures: Vec<Capture>,
-    /// What looks wrong about them.
-    warnings: Vec<String>,
-}
-
-impl Stores {
-    fn cube(
-        &mut self,
-        scene: &Scene,
-        source: usize,
-        (cube, held): (&CubeSource, Option<u64>),
-        frames: &[RestFrame],
-    ) -> Result<Emitter> {
-        let companions = scene.companions_of(cube);
-        let (colours, others) = self.load(cube, &companions, held)?;
-        let texture = |store: CubeStore| {
-            let texture = TimeTexture::new(store, TimeAxis::from(cube), scene.outside)
-                .map_err(|e| refused(scene, source, e))?
-                .with_reconstruction(cube.reconstruction);
-            // Sums along time, for lookups that are means over spans of it.
-            Ok(match cube.is_read_over_spans(&scene.camera) {
-                true => texture.with_sums(),
-                false => texture,
-            })
-        };
-        let others = others.into_iter().map(texture);
-        let others: Vec<TimeTexture> = others.collect::<Result<_>>()?;
-        let texture = texture(colours)?;
-        let size = texture.size();
-        // What looks wrong about the samples, or was assumed of them.
-        let (mut assumed, mut negative) = (Order::Stated, None);
-        if let CubeData::File(file) = &cube.data {
-            negative = file.negative;
-            let info = cubes::inspect(&file.path, file.wanted(cube.channels.as_ref()))?;
-            assumed = match (info.assumed, cubes::is_sequence(&file.path)) {
-                (false, _) => Order::Stated,
-                (true, true) => Order::Pictures,
-                (true, false) => Order::Array,
-            };
-            self.warn(scene, source, info.remarks);
-        }
-        let is_held = [scene.outside.before, scene.outside.after] == [Fill::Hold; 2];
-        let remarks = survey::of_samples_with(texture.cube(), assumed, negative, is_held);
-        self.warn(scene, source, remarks);
-        for (channel, companion) in companions.iter().zip(&others) {
-            let cube = companion.cube();
-            let remarks = survey::of_samples_with(cube, Order::Stated, negative, is_held);
-            let named = |remark| format!("channel {}: {remark}", channel.name());
-            self.warn(scene, source, remarks.into_iter().map(named).collect());
-        }
-        // Cameras and clocks of the file are of the world or of the objects; lookups are in the rest frame.
-        let place = Place::of(scene, source, frames);
-        let clock = place.clock(cube.clock);
-        // The colours, and their companions after them.
-        let index = self.cubes.len();
-        let companions = Channel::COMPANIONS.map(|channel| {
-            let place = companions.iter().position(|own| *own == channel);
-            place.map(|place| index + 1 + place)
-        });
-        let emitter = match &cube.mapping {
-            Mapping::Uv { set } => Emitter::Uv {
-                cube: index,
-                companions,
-                set: *set,
-                clock,
-            },
-            Mapping::Capture(camera) => {
-                let camera = CaptureCamera {
-                    eye: place.eye(camera.eye),
-                    ..camera.clone()
-                };
-                // Times of arrival get the delay to the capture camera taken off.
-                let warped = cube.clock == Clock::Capture;
-                let trace = |origin, direction| place.seen(origin, direction);
-                let capture = Capture::new(&camera, size, warped, scene.medium_index, trace);
-                let capture = match cube.reconstruction {
-                    Reconstruction::Bilinear | Reconstruction::Footprint => capture,
-                    Reconstruction::Sharp => capture.with_neighbours(),
-                };
-                self.warn(
-                    scene,
-                    source,
-                    survey::of_capture(&texture, &capture, scene.medium_index),
-                );
-                self.captures.push(capture);
-                Emitter::Captured(vec![CapturedCube {
-                    cube: index,
-                    companions,
-                    capture: self.captures.len() - 1,
-                    clock,
-                }])
-            }
-        };
-        for texture in [texture].into_iter().chain(others) {
-            self.cubes.push(texture);
-            self.sources.push(source);
-        }
-        Ok(emitter)
-    }
-
-    fn warn(&mut self, scene: &Scene, source: usize, remarks: Vec<String>) {
-        let name = &scene.sources[source].name;
-        let named = |remark| format!("source \"{name}\": {remark}");
-        self.warnings.extend(remarks.into_iter().map(named));
-    }
-
-    /// The cube, whole; or on disk, with room for `held` bytes of it: its colours, and one cube for each of these companions.
-    fn load(
-        &mut self,
-        cube: &CubeSource,
-        companions: &[Channel],
-        held: Option<u64>,
-    ) -> Result<(CubeStore, Vec<CubeStore>)> {
-        let file = match &cube.data {
-            CubeData::File(file) => file,
-            CubeData::Memory(whole) => {
-                return Ok(match &cube.channels {
-                    Some(channels) => split(whole, channels, companions),
-                    None => (whole.clone().into(), Vec::new()),
-                });
-            }
-        };
-        let key = (file.clone(), cube.channels.clone(), companions.to_vec());
-        if let Some(loaded) = self.files.get(&key) {
-            return Ok(loaded.clone());
-        }
-        let wanted = file.wanted(cube.channels.as_ref());
-        let loaded = match (held, &cube.channels) {
-            (Some(room), None) => (self.bricks(file, wanted, room)?.into(), Vec::new()),
-            (Some(room), Some(channels)) => {
-                // Each has its part of the room.
-                let parts = 1 + companions.len() as u64;
-                let bricks = |places: &[usize]| {
-                    let bricks = self.bricks(file, wanted, room / parts)?;
-                    Ok(bricks.taking(places).into())
-                };
-                let others = companions.iter();
-                let others = others.filter_map(|channel| channels.place(*channel));
-                let others = others.map(|place| bricks(&[place]));
-                (bricks(&channels.colours())?, others.collect::<Result<_>>()?)
-            }
-            (None, None) => (cubes::load(&file.path, wanted)?.into(), Vec::new()),
-            (None, Some(channels)) => {
-                let whole = Arc::new(cubes::load(&file.path, wanted)?);
-                split(&whole, channels, companions)
-            }
-        };
-        self.files.insert(key, loaded.clone());
-        Ok(loaded)
-    }
-
-    fn bricks(&self, file: &CubeFile, wanted: Wanted, room: u64) -> Result<Bricks> {
-        if self.counts_only
-            && let Some(bricks) = Bricks::counting(&file.path, wanted, room)?
-        {
-            return Ok(bricks);
-        }
-        Bricks::open(&file.path, wanted, room)
-    }
-}
-
-/// The colours of a cube with these channels, and each of these companions.
-fn split(
-    cube: &Arc<Cube>,
-    channels: &Channels,
-    companions: &[Channel],
-) -> (CubeStore, Vec<CubeStore>) {
-    let places = companions.iter();
-    let places = places.filter_map(|channel| channels.place(*channel));
-    let others = places.map(|place| cube.taking(&[place]).into()).collect();
-    // What are red, green and blue already stay where they are.
-    let colours = match channels.names().as_slice() {
-        ["R", "G", "B"] => cube.clone().into(),
-        _ => cube.taking(&channels.colours()).into(),
-    };
-    (colours, others)
-}
-
-fn refused(scene: &Scene, source: usize, error: impl std::fmt::Display) -> Error {
-    let place = format!("source \"{}\"", scene.sources[source].name);
-    Error::invalid(
-        &scene.name,
-        place,
-        error.to_string(),
-        "a cube (H, W, T) or (H, W, T, 1 or 3), or one whose `channels` are named, and a time axis that fits it",
-    )
-}
-
-/// The rest frame of the objects that a source is bound to, and the first of these objects.
-struct Place<'a> {
-    rest: Option<&'a RestFrame>,
-    /// Origin of the object in the frame.
-    object: DVec3,
-    /// World coordinates of the frame's origin where the frame rests in the world.
-    world: Option<DVec3>,
-}
-
-impl<'a> Place<'a> {
-    fn of(scene: &Scene, source: usize, frames: &'a [RestFrame]) -> Self {
-        let object = match &scene.sources[source].binding {
-            Binding::All => 0,
-            Binding::Only { objects, .. } => objects.first().copied().unwrap_or(0),
-        };
-        let has = |f: &&RestFrame| f.patches.iter().any(|p| p.object as usize == object);
-        let rest = frames.iter().find(has);
-        let origin = rest
-            .and_then(|f| f.patches.iter().find(|p| p.object as usize == object))
-            .map(|p| p.object_origin);
-        let still = rest.filter(|f| f.frame.velocity().is_rest());
-        Place {
-            rest,
-            object: origin.map_or(DVec3::ZERO, |o| o.x),
-            world: still.map(|f| f.frame.origin().x),
-        }
-    }
-
-    /// A cube's clock where it is bound. A capture camera's clock runs in world time for objects at
-    /// rest in the world, and in the object's own for others.
-    fn clock(&self, clock: Clock) -> EmissionClock {
-        match (clock, self.world) {
-            (Clock::World, _) | (Clock::Capture, Some(_)) => EmissionClock::World,
-            (Clock::Object, _) | (Clock::Capture, None) => EmissionClock::Object,
-        }
-    }
-
-    /// The capture pinhole in frame coordinates.
-    fn eye(&self, eye: DVec3) -> DVec3 {
-        match self.world {
-            Some(frame_origin) => eye - frame_origin,
-            None => eye + self.object,
-        }
-    }
-
-    fn seen(&self, origin: DVec3, direction: DVec3) -> Option<SeenPoint> {
-        let bvh = &self.rest?.bvh;
-        let hit = bvh.closest(
-            &Ray {
-                origin,
-                direction,
-                s_min: 0.0,
-            },
-            f64::INFINITY,
-        )?;
-        Some(SeenPoint {
-            distance: hit.s,
-            normal: bvh.normal(&hit),
-        })
     }
 }

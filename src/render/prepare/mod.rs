@@ -1,11 +1,13 @@
 //! Loads and builds what the plan lists, and nothing else.
 
+mod area;
 mod backs;
 mod emitters;
 mod files;
 mod geometry;
 mod response;
 mod sky;
+mod stores;
 
 pub use emitters::Light;
 pub use files::check_files;

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use super::area_lights::AreaLights;
 use super::base_colours::{BaseColour, BaseColours, Finish};
 use super::emitted::Response;
-use super::lights::{AreaLights, SkyLight};
 use super::point::EmissionClock;
 use super::rest_frame::RestFrame;
+use super::sky_light::SkyLight;
 use crate::io::cube::Bricks;
 use crate::light::lamp::Lamp;
 use crate::light::time_texture::{Capture, TimeTexture};

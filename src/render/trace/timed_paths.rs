@@ -23,9 +23,9 @@
 
 use glam::DVec3;
 
+use super::area_lights::SHORTER;
 use super::camera_rays::Samples;
 use super::emitted::Colouring;
-use super::lights::SHORTER;
 use super::occlusion::shadow_ray;
 use super::onward::{CHOICE, ONWARD};
 use super::paths::{AREA, balance, diffuse_part, reflection};

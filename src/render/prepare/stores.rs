@@ -1,0 +1,288 @@
+//! Cubes with their capture cameras, each file loaded once, and what they are in the rest frames that they light.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::accel::Ray;
+use crate::error::{Error, Result};
+use crate::io::cube::{self as cubes, Bricks, Channel, Channels, Cube, CubeStore, Wanted};
+use crate::light::time_texture::survey::{self, Order};
+use crate::light::time_texture::{Capture, SeenPoint, TimeAxis, TimeTexture};
+use crate::render::trace::{CapturedCube, EmissionClock, Emitter, RestFrame};
+use crate::scene::model::{
+    Binding, CaptureCamera, Clock, CubeData, CubeFile, CubeSource, Fill, Mapping, Reconstruction,
+    Scene,
+};
+
+/// A file, what is said of its channels, and which companions are taken of it.
+type FileParts = (CubeFile, Option<Channels>, Vec<Channel>);
+
+/// Cubes and capture cameras, each file loaded once.
+#[derive(Default)]
+pub(super) struct Stores {
+    files: HashMap<FileParts, (CubeStore, Vec<CubeStore>)>,
+    /// Whether the parts of cubes that are read as they are needed are only counted.
+    counts_only: bool,
+    pub cubes: Vec<TimeTexture>,
+    /// By cube: the source that it is.
+    pub sources: Vec<usize>,
+    pub captures: Vec<Capture>,
+    /// What looks wrong about them.
+    pub warnings: Vec<String>,
+}
+
+impl Stores {
+    /// None yet. Parts of cubes that are read as they are needed may be `counts_only`.
+    pub fn new(counts_only: bool) -> Stores {
+        Stores {
+            counts_only,
+            ..Stores::default()
+        }
+    }
+
+    /// What `source` of `scene` makes of its cube, which may have `held` bytes in memory where it is read as it is needed.
+    pub fn cube(
+        &mut self,
+        scene: &Scene,
+        source: usize,
+        (cube, held): (&CubeSource, Option<u64>),
+        frames: &[RestFrame],
+    ) -> Result<Emitter> {
+        let companions = scene.companions_of(cube);
+        let (colours, others) = self.load(cube, &companions, held)?;
+        let texture = |store: CubeStore| {
+            let texture = TimeTexture::new(store, TimeAxis::from(cube), scene.outside)
+                .map_err(|e| refused(scene, source, e))?
+                .with_reconstruction(cube.reconstruction);
+            // Sums along time, for lookups that are means over spans of it.
+            Ok(match cube.is_read_over_spans(&scene.camera) {
+                true => texture.with_sums(),
+                false => texture,
+            })
+        };
+        let others = others.into_iter().map(texture);
+        let others: Vec<TimeTexture> = others.collect::<Result<_>>()?;
+        let texture = texture(colours)?;
+        let size = texture.size();
+        // What looks wrong about the samples, or was assumed of them.
+        let (mut assumed, mut negative) = (Order::Stated, None);
+        if let CubeData::File(file) = &cube.data {
+            negative = file.negative;
+            let info = cubes::inspect(&file.path, file.wanted(cube.channels.as_ref()))?;
+            assumed = match (info.assumed, cubes::is_sequence(&file.path)) {
+                (false, _) => Order::Stated,
+                (true, true) => Order::Pictures,
+                (true, false) => Order::Array,
+            };
+            self.warn(scene, source, info.remarks);
+        }
+        let is_held = [scene.outside.before, scene.outside.after] == [Fill::Hold; 2];
+        let remarks = survey::of_samples_with(texture.cube(), assumed, negative, is_held);
+        self.warn(scene, source, remarks);
+        for (channel, companion) in companions.iter().zip(&others) {
+            let cube = companion.cube();
+            let remarks = survey::of_samples_with(cube, Order::Stated, negative, is_held);
+            let named = |remark| format!("channel {}: {remark}", channel.name());
+            self.warn(scene, source, remarks.into_iter().map(named).collect());
+        }
+        // Cameras and clocks of the file are of the world or of the objects; lookups are in the rest frame.
+        let place = Place::of(scene, source, frames);
+        let clock = place.clock(cube.clock);
+        // The colours, and their companions after them.
+        let index = self.cubes.len();
+        let companions = Channel::COMPANIONS.map(|channel| {
+            let place = companions.iter().position(|own| *own == channel);
+            place.map(|place| index + 1 + place)
+        });
+        let emitter = match &cube.mapping {
+            Mapping::Uv { set } => Emitter::Uv {
+                cube: index,
+                companions,
+                set: *set,
+                clock,
+            },
+            Mapping::Capture(camera) => {
+                let camera = CaptureCamera {
+                    eye: place.eye(camera.eye),
+                    ..camera.clone()
+                };
+                // Times of arrival get the delay to the capture camera taken off.
+                let warped = cube.clock == Clock::Capture;
+                let trace = |origin, direction| place.seen(origin, direction);
+                let capture = Capture::new(&camera, size, warped, scene.medium_index, trace);
+                let capture = match cube.reconstruction {
+                    Reconstruction::Bilinear | Reconstruction::Footprint => capture,
+                    Reconstruction::Sharp => capture.with_neighbours(),
+                };
+                self.warn(
+                    scene,
+                    source,
+                    survey::of_capture(&texture, &capture, scene.medium_index),
+                );
+                self.captures.push(capture);
+                Emitter::Captured(vec![CapturedCube {
+                    cube: index,
+                    companions,
+                    capture: self.captures.len() - 1,
+                    clock,
+                }])
+            }
+        };
+        for texture in [texture].into_iter().chain(others) {
+            self.cubes.push(texture);
+            self.sources.push(source);
+        }
+        Ok(emitter)
+    }
+
+    fn warn(&mut self, scene: &Scene, source: usize, remarks: Vec<String>) {
+        let name = &scene.sources[source].name;
+        let named = |remark| format!("source \"{name}\": {remark}");
+        self.warnings.extend(remarks.into_iter().map(named));
+    }
+
+    /// The cube, whole; or on disk, with room for `held` bytes of it: its colours, and one cube for each of these companions.
+    fn load(
+        &mut self,
+        cube: &CubeSource,
+        companions: &[Channel],
+        held: Option<u64>,
+    ) -> Result<(CubeStore, Vec<CubeStore>)> {
+        let file = match &cube.data {
+            CubeData::File(file) => file,
+            CubeData::Memory(whole) => {
+                return Ok(match &cube.channels {
+                    Some(channels) => split(whole, channels, companions),
+                    None => (whole.clone().into(), Vec::new()),
+                });
+            }
+        };
+        let key = (file.clone(), cube.channels.clone(), companions.to_vec());
+        if let Some(loaded) = self.files.get(&key) {
+            return Ok(loaded.clone());
+        }
+        let wanted = file.wanted(cube.channels.as_ref());
+        let loaded = match (held, &cube.channels) {
+            (Some(room), None) => (self.bricks(file, wanted, room)?.into(), Vec::new()),
+            (Some(room), Some(channels)) => {
+                // Each has its part of the room.
+                let parts = 1 + companions.len() as u64;
+                let bricks = |places: &[usize]| {
+                    let bricks = self.bricks(file, wanted, room / parts)?;
+                    Ok(bricks.taking(places).into())
+                };
+                let others = companions.iter();
+                let others = others.filter_map(|channel| channels.place(*channel));
+                let others = others.map(|place| bricks(&[place]));
+                (bricks(&channels.colours())?, others.collect::<Result<_>>()?)
+            }
+            (None, None) => (cubes::load(&file.path, wanted)?.into(), Vec::new()),
+            (None, Some(channels)) => {
+                let whole = Arc::new(cubes::load(&file.path, wanted)?);
+                split(&whole, channels, companions)
+            }
+        };
+        self.files.insert(key, loaded.clone());
+        Ok(loaded)
+    }
+
+    fn bricks(&self, file: &CubeFile, wanted: Wanted, room: u64) -> Result<Bricks> {
+        if self.counts_only
+            && let Some(bricks) = Bricks::counting(&file.path, wanted, room)?
+        {
+            return Ok(bricks);
+        }
+        Bricks::open(&file.path, wanted, room)
+    }
+}
+
+/// The colours of a cube with these channels, and each of these companions.
+fn split(
+    cube: &Arc<Cube>,
+    channels: &Channels,
+    companions: &[Channel],
+) -> (CubeStore, Vec<CubeStore>) {
+    let places = companions.iter();
+    let places = places.filter_map(|channel| channels.place(*channel));
+    let others = places.map(|place| cube.taking(&[place]).into()).collect();
+    // What are red, green and blue already stay where they are.
+    let colours = match channels.names().as_slice() {
+        ["R", "G", "B"] => cube.clone().into(),
+        _ => cube.taking(&channels.colours()).into(),
+    };
+    (colours, others)
+}
+
+fn refused(scene: &Scene, source: usize, error: impl std::fmt::Display) -> Error {
+    let place = format!("source \"{}\"", scene.sources[source].name);
+    Error::invalid(
+        &scene.name,
+        place,
+        error.to_string(),
+        "a cube (H, W, T) or (H, W, T, 1 or 3), or one whose `channels` are named, and a time axis that fits it",
+    )
+}
+
+/// The rest frame of the objects that a source is bound to, and the first of these objects.
+struct Place<'a> {
+    rest: Option<&'a RestFrame>,
+    /// Origin of the object in the frame.
+    object: DVec3,
+    /// World coordinates of the frame's origin where the frame rests in the world.
+    world: Option<DVec3>,
+}
+
+impl<'a> Place<'a> {
+    fn of(scene: &Scene, source: usize, frames: &'a [RestFrame]) -> Self {
+        let object = match &scene.sources[source].binding {
+            Binding::All => 0,
+            Binding::Only { objects, .. } => objects.first().copied().unwrap_or(0),
+        };
+        let has = |f: &&RestFrame| f.patches.iter().any(|p| p.object as usize == object);
+        let rest = frames.iter().find(has);
+        let origin = rest
+            .and_then(|f| f.patches.iter().find(|p| p.object as usize == object))
+            .map(|p| p.object_origin);
+        let still = rest.filter(|f| f.frame.velocity().is_rest());
+        Place {
+            rest,
+            object: origin.map_or(DVec3::ZERO, |o| o.x),
+            world: still.map(|f| f.frame.origin().x),
+        }
+    }
+
+    /// A cube's clock where it is bound. A capture camera's clock runs in world time for objects at
+    /// rest in the world, and in the object's own for others.
+    fn clock(&self, clock: Clock) -> EmissionClock {
+        match (clock, self.world) {
+            (Clock::World, _) | (Clock::Capture, Some(_)) => EmissionClock::World,
+            (Clock::Object, _) | (Clock::Capture, None) => EmissionClock::Object,
+        }
+    }
+
+    /// The capture pinhole in frame coordinates.
+    fn eye(&self, eye: DVec3) -> DVec3 {
+        match self.world {
+            Some(frame_origin) => eye - frame_origin,
+            None => eye + self.object,
+        }
+    }
+
+    fn seen(&self, origin: DVec3, direction: DVec3) -> Option<SeenPoint> {
+        let bvh = &self.rest?.bvh;
+        let hit = bvh.closest(
+            &Ray {
+                origin,
+                direction,
+                s_min: 0.0,
+            },
+            f64::INFINITY,
+        )?;
+        Some(SeenPoint {
+            distance: hit.s,
+            normal: bvh.normal(&hit),
+        })
+    }
+}

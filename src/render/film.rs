@@ -339,7 +339,7 @@ impl TileFilm {
     }
 
     /// The first of `samples` that can be added before any is ended, at most `most` of them.
-    pub(super) fn together(&self, samples: Range<u32>, most: u32) -> Range<u32> {
+    pub(crate) fn together(&self, samples: Range<u32>, most: u32) -> Range<u32> {
         let first = samples.start;
         // Samples of different parts are kept apart.
         let left = self

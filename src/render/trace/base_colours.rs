@@ -11,6 +11,17 @@ use crate::io::image::Texture;
 use crate::light::lamp;
 use crate::mesh::TextureSampler;
 
+/// What of a point its radiance depends on, beside its wavelength ratio: each kind on all that come before it, too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Dependence {
+    /// On the patch alone.
+    Patch,
+    /// On the place and the time of emission, and on the triangle.
+    Event,
+    /// On barycentric weights on the triangle.
+    Weights,
+}
+
 /// Radiance or reflectance: a factor, a texture, colours of vertices, and for what shines a profile in time.
 #[derive(Debug, Clone)]
 pub struct BaseColour {
@@ -55,6 +66,15 @@ impl BaseColour {
     #[inline]
     pub(super) fn constant(&self) -> Option<[f64; 3]> {
         (self.texture.is_none() && !self.vertex_colours).then_some(self.factor)
+    }
+
+    /// What it depends on.
+    pub(super) fn dependence(&self) -> Dependence {
+        match (self.constant(), &self.profile) {
+            (None, _) => Dependence::Weights,
+            (Some(_), Some(_)) => Dependence::Event,
+            (Some(_), None) => Dependence::Patch,
+        }
     }
 
     /// The factor at a proper time of the object.
@@ -110,6 +130,18 @@ pub struct BaseColours {
 }
 
 impl BaseColours {
+    /// What the factors of `finish` depend on.
+    pub(super) fn dependence_of(&self, finish: &Finish) -> Dependence {
+        let is_textured = finish.gloss.is_some_and(|gloss| gloss.texture.is_some());
+        let colours = [Some(&self.colours[finish.colour]), finish.emission.as_ref()];
+        let all = colours.into_iter().flatten().map(BaseColour::dependence);
+        let rest = match is_textured || finish.glass.is_some() {
+            true => Dependence::Weights,
+            false => Dependence::Patch,
+        };
+        all.fold(rest, Dependence::max)
+    }
+
     /// What colour `index` emits at `hit`.
     pub(super) fn radiance(&self, index: usize, run: &Run, hit: &Hit) -> [f64; 3] {
         self.colour_at(&self.colours[index], run.rest, run.patch, hit)

@@ -7,7 +7,7 @@ use std::fmt::Debug;
 
 use glam::DVec3;
 
-use super::base_colours::{BaseColours, Finish};
+use super::base_colours::{BaseColour, BaseColours, Dependence, Finish};
 use super::captures::captured_point;
 use super::emitted::{Colouring, Detail, Emission, Emitted};
 use super::footprint::{self, Recorded};
@@ -24,6 +24,11 @@ use crate::light::time_texture::{BATCH, Capture, CaptureView, Coverage, TimeText
 
 /// Radiance of surfaces, run by run.
 pub trait Radiance: Debug + Send + Sync {
+    /// What radiance depends on: of all else, hits need not tell. Channels may ask for more.
+    fn dependence(&self) -> Dependence {
+        Dependence::Weights
+    }
+
     /// Whether coverage can be other than full.
     fn has_gaps(&self) -> bool;
 
@@ -49,6 +54,11 @@ pub trait Radiance: Debug + Send + Sync {
 }
 
 impl Radiance for BaseColours {
+    fn dependence(&self) -> Dependence {
+        let all = self.colours.iter().map(BaseColour::dependence);
+        all.max().unwrap_or(Dependence::Patch)
+    }
+
     fn has_gaps(&self) -> bool {
         false
     }
@@ -62,6 +72,20 @@ impl Radiance for BaseColours {
 }
 
 impl Radiance for TimeResolved {
+    fn dependence(&self) -> Dependence {
+        // Random numbers of lights that are drawn from are not known to depend on less.
+        if self.areas.is_some() || self.sky.is_some() {
+            return Dependence::Weights;
+        }
+        let all = self.emitters.iter().map(|(emitter, _)| match emitter {
+            Emitter::Base(colour) => self.base.colours[*colour].dependence(),
+            Emitter::Uv { .. } => Dependence::Weights,
+            Emitter::Captured(_) => Dependence::Event,
+            Emitter::Lit { finish, .. } => self.base.dependence_of(finish).max(Dependence::Event),
+        });
+        all.max().unwrap_or(Dependence::Patch)
+    }
+
     fn has_gaps(&self) -> bool {
         true
     }

@@ -35,12 +35,12 @@ impl Batch {
     /// The corners of a piece, where `shared` are the vertices of its frame.
     #[inline(always)]
     pub fn corners<'a>(&'a self, shared: &'a [Vertex], piece: &Piece) -> [&'a Vertex; 3] {
-        piece
-            .corners
-            .map(|index| match index.checked_sub(self.shared) {
-                None => &shared[index as usize],
-                Some(own) => &self.cuts[own as usize],
-            })
+        let vertex = |index: u32| match index.checked_sub(self.shared) {
+            None => &shared[index as usize],
+            Some(own) => &self.cuts[own as usize],
+        };
+        let [a, b, c] = piece.corners;
+        [vertex(a), vertex(b), vertex(c)]
     }
 }
 
@@ -143,13 +143,88 @@ impl Bins {
         }
     }
 
-    /// The triangles that may reach `tile` of an image of `size` pixels.
-    pub fn of(&self, size: [u32; 2], tile: Tile) -> &[u32] {
-        let row = tile.index(size).checked_sub(self.first);
+    /// The triangles that may reach the tile of this index.
+    pub fn of(&self, tile: u64) -> &[u32] {
+        let row = tile.checked_sub(self.first);
         let bounds = row.and_then(|row| self.starts.get(row as usize..row as usize + 2));
         let Some(&[start, end]) = bounds else {
             return &[];
         };
         &self.triangles[start as usize..end as usize]
+    }
+}
+
+/// By tile, the batches with triangles that may reach it, in compressed rows.
+#[derive(Debug, Default)]
+pub(super) struct TileBatches {
+    starts: Vec<u32>,
+    batches: Vec<u32>,
+}
+
+impl TileBatches {
+    /// Sorts `batches` by the tiles of an image that has so many.
+    pub fn new(batches: &[Batch], tiles: u64) -> Self {
+        let mut starts = vec![0; tiles as usize + 1];
+        for (_, tile) in reached(batches) {
+            starts[tile as usize + 1] += 1;
+        }
+        for at in 1..starts.len() {
+            starts[at] += starts[at - 1];
+        }
+        let mut next = starts.clone();
+        let mut sorted = vec![0; starts.last().map_or(0, |all| *all as usize)];
+        for (batch, tile) in reached(batches) {
+            let place = &mut next[tile as usize];
+            sorted[*place as usize] = batch;
+            *place += 1;
+        }
+        TileBatches {
+            starts,
+            batches: sorted,
+        }
+    }
+
+    /// The batches for the tile of this index, in order.
+    pub fn of(&self, tile: u64) -> &[u32] {
+        let [start, end] = [0, 1].map(|k| self.starts[tile as usize + k] as usize);
+        &self.batches[start..end]
+    }
+}
+
+/// All batches with the tiles that their triangles may reach.
+fn reached(batches: &[Batch]) -> impl Iterator<Item = (u32, u64)> {
+    (0..).zip(batches).flat_map(|(index, batch)| {
+        let Bins { first, starts, .. } = &batch.bins;
+        let rows = (*first..).zip(starts.windows(2));
+        let full = rows.filter(|(_, row)| row[0] < row[1]);
+        full.map(move |(tile, _)| (index, tile))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_know_the_batches_that_reach_them() {
+        let batch = |first: u64, starts: &[u32]| Batch {
+            frame: 0,
+            shared: 0,
+            cuts: Vec::new(),
+            places: Vec::new(),
+            pieces: Vec::new(),
+            bins: Bins {
+                first,
+                starts: starts.to_vec(),
+                triangles: vec![0; starts.last().map_or(0, |n| *n as usize)],
+            },
+        };
+        // Of tiles 1 to 3 the one in the middle has no triangle; nothing at all; tile 3 alone.
+        let batches = [batch(1, &[0, 2, 2, 5]), batch(0, &[]), batch(3, &[0, 1])];
+        let by_tile = TileBatches::new(&batches, 5);
+        let expected: [&[u32]; 5] = [&[], &[0], &[], &[0, 2], &[]];
+        for (tile, expected) in (0..).zip(expected) {
+            assert_eq!(by_tile.of(tile), expected, "tile {tile}");
+        }
     }
 }

@@ -17,6 +17,9 @@ use crate::approximate::projection::Projection;
 use crate::camera::Projection as _;
 use crate::spacetime::Displacement;
 
+/// So far beside a triangle samples may be taken to be inside, pixels: twice the bound on edge functions in f32 (`tile`).
+const BESIDE: f64 = 2e-5;
+
 /// The part of the film's surroundings where a triangle's image is to be looked for.
 #[derive(Debug)]
 pub(super) struct Frustum {
@@ -75,15 +78,14 @@ impl Frustum {
         };
         let [width, height] = self.size;
         let [left, top, right, bottom] = bounds;
-        // Samples at the very edge of a pixel belong to it; a rounding more does no harm.
-        let outside = right < -1e-6 || bottom < -1e-6 || left > width || top > height;
+        let outside = right < -BESIDE || bottom < -BESIDE || left > width || top > height;
         let pixel = |x: f64, size: f64| x.clamp(0.0, size - 1.0) as u16;
         (!outside).then(|| {
             [
-                pixel(left - 1e-6, width),
-                pixel(top - 1e-6, height),
-                pixel(right + 1e-6, width),
-                pixel(bottom + 1e-6, height),
+                pixel(left - BESIDE, width),
+                pixel(top - BESIDE, height),
+                pixel(right + BESIDE, width),
+                pixel(bottom + BESIDE, height),
             ]
         })
     }

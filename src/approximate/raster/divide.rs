@@ -194,9 +194,10 @@ impl<'a> BatchBuilder<'a> {
         self.level.push(Part { corners, slot });
     }
 
-    /// Divides until there are enough triangles to foretell by, or none that is to be divided.
+    /// Divides until there are enough triangles to foretell by, or none that is to be divided. Most are straight enough as they are:
+    /// those are kept at once, and not asked again.
     pub fn begin(&mut self) {
-        while self.level.len() < ENOUGH && self.is_unfinished() {
+        while (self.depth == 0 || self.level.len() < ENOUGH) && self.is_unfinished() {
             self.descend();
         }
         self.count();

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::camera::RayOrigin;
 use crate::error::{Error, Result};
 use crate::light::time_texture::Coverage;
-use crate::render::film::{Film, Tile, TileFilm};
+use crate::render::film::{Film, TILE, Tile, TileFilm};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::trace::{
@@ -17,7 +17,7 @@ use crate::render::trace::{
 };
 use crate::spacetime::{Direction, World};
 
-/// One sample of each pixel of a tile: one ray for each pixel, in order, or several with their parts of its sample.
+/// Samples of a strip, pixel by pixel: one ray for each sample, in order, or several with their parts of it.
 #[derive(Debug, Default)]
 pub(super) struct RayBatch {
     /// Look directions in the world, unit vectors.
@@ -28,9 +28,9 @@ pub(super) struct RayBatch {
     pub origins: Vec<RayOrigin>,
     /// What the rays meet.
     pub hits: HitBuffer,
-    /// Of each ray, its pixel and its part of the pixel's sample; empty where each pixel has one ray.
+    /// Of each ray, its sample and its part of it; empty where each sample has one ray.
     parts: Vec<(u32, f64)>,
-    /// The first ray of each pixel, whose channels are recorded; empty where each pixel has one.
+    /// The first ray of each sample, whose channels are recorded; empty where each sample has one.
     firsts: Vec<u32>,
 }
 
@@ -45,51 +45,173 @@ impl RayBatch {
         self.firsts.clear();
     }
 
-    /// The rays that are added from now on are the next pixel's.
-    pub fn next_pixel(&mut self) {
+    /// The rays that are added from now on are the next sample's.
+    pub fn next_sample(&mut self) {
         self.firsts.push(self.ratios.len() as u32);
     }
 
-    /// Adds a ray along `d`, which is `part` of its pixel's sample.
+    /// Adds a ray along `d`, which is `part` of its sample.
     #[inline]
     pub fn add(&mut self, d: DVec3, ratio: f64, hit: Option<SurfaceHit>, part: f64) {
-        let pixel = (self.firsts.len() - 1) as u32;
+        let sample = (self.firsts.len() - 1) as u32;
         self.directions.push(d);
         self.ratios.push(ratio);
         self.hits.push(hit);
-        self.parts.push((pixel, part));
+        self.parts.push((sample, part));
     }
 }
 
-/// Adds up rays to samples of pixels.
-pub(super) struct Blend<'a> {
-    parts: &'a [(u32, f64)],
-    sums: &'a mut [[f64; 3]],
+/// Some rows of a tile, and how many samples of each of its pixels go together.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Strip {
+    /// The rows, as a tile of their own.
+    pub rows: Tile,
+    /// The first of them, counted from the tile's first.
+    pub first: u32,
+    /// Samples of each pixel.
+    pub each: usize,
+}
+
+impl Strip {
+    /// So many samples of a strip are a batch of shading, at most, unless a row of pixels has more.
+    const SAMPLES: u32 = TILE * TILE;
+
+    /// Rows of a strip whose pixels have `each` samples.
+    fn height(each: u32) -> u32 {
+        (Strip::SAMPLES / (TILE * each.max(1))).max(1)
+    }
+
+    /// The strips of `tile`, `height` rows each, from the top.
+    fn of(tile: Tile, height: u32, each: usize) -> impl Iterator<Item = Strip> {
+        let [left, top] = tile.corner;
+        let [width, rows] = tile.size;
+        (0..rows).step_by(height as usize).map(move |first| Strip {
+            rows: Tile {
+                corner: [left, top + first],
+                size: [width, height.min(rows - first)],
+            },
+            first,
+            each,
+        })
+    }
+
+    /// All samples.
+    pub fn samples(&self) -> usize {
+        self.rows.pixels() * self.each
+    }
+
+    /// The pixel of the tile that has sample `sample`.
+    #[inline(always)]
+    fn pixel(&self, sample: usize) -> usize {
+        (self.first * self.rows.size[0]) as usize + sample / self.each
+    }
+
+    /// Whether there is one sample for each pixel of `tile`.
+    fn is_all_of(&self, tile: Tile) -> bool {
+        self.each == 1 && self.rows.size == tile.size
+    }
+}
+
+/// Sums of rays by sample, which go onto the film in the order of the samples of each pixel.
+struct SampleSums<'a> {
+    strip: Strip,
+    sums: &'a mut Vec<[f64; 3]>,
+    /// A buffer.
+    pixels: &'a mut Vec<u32>,
     film: &'a mut TileFilm,
 }
 
-impl Blend<'_> {
-    /// Puts the samples onto the film.
-    pub fn finish(self) {
-        for (pixel, sum) in self.sums.iter().enumerate() {
-            self.film.add(pixel, *sum);
+impl<'a> SampleSums<'a> {
+    fn new(
+        strip: Strip,
+        sums: &'a mut Vec<[f64; 3]>,
+        pixels: &'a mut Vec<u32>,
+        film: &'a mut TileFilm,
+    ) -> Self {
+        sums.clear();
+        sums.resize(strip.samples(), [0.0; 3]);
+        SampleSums {
+            strip,
+            sums,
+            pixels,
+            film,
         }
+    }
+
+    /// Puts the samples onto the film.
+    fn finish(self) {
+        let first = self.strip.pixel(0);
+        for (pixel, sums) in (first..).zip(self.sums.chunks(self.strip.each)) {
+            for sum in sums {
+                self.film.add(pixel, *sum);
+            }
+        }
+    }
+
+    /// Makes the buffer the pixels of `samples`.
+    fn take_pixels(&mut self, samples: &[u32]) {
+        let strip = self.strip;
+        self.pixels.clear();
+        let pixels = samples.iter().map(|s| strip.pixel(*s as usize) as u32);
+        self.pixels.extend(pixels);
     }
 }
 
-impl RadianceSink for Blend<'_> {
+impl RadianceSink for SampleSums<'_> {
     #[inline(always)]
     fn add(&mut self, ray: usize, radiance: [f64; 3]) {
-        let (pixel, part) = self.parts[ray];
-        for (sum, value) in self.sums[pixel as usize].iter_mut().zip(radiance) {
-            *sum += value * part;
+        for (sum, value) in self.sums[ray].iter_mut().zip(radiance) {
+            *sum += value;
+        }
+    }
+
+    fn add_scaled(&mut self, first: usize, radiance: &[[f64; 3]], factors: &[f64]) {
+        let sums = self.sums[first..].iter_mut();
+        for (sum, (rgb, factor)) in sums.zip(radiance.iter().zip(factors)) {
+            for (sum, value) in sum.iter_mut().zip(rgb) {
+                *sum += factor * value;
+            }
         }
     }
 
     #[inline(always)]
     fn add_coverage(&mut self, ray: usize, coverage: Coverage) {
-        let (pixel, part) = self.parts[ray];
-        self.film.add_coverage(pixel as usize, coverage * part);
+        self.film.add_coverage(self.strip.pixel(ray), coverage);
+    }
+
+    fn add_held(&mut self, rays: &[u32]) {
+        self.take_pixels(rays);
+        self.film.add_held(self.pixels);
+    }
+
+    fn cover(&mut self, rays: &[u32], parts: impl Iterator<Item = (usize, Coverage)>) {
+        self.take_pixels(rays);
+        self.film.cover(self.pixels, parts);
+    }
+
+    fn add_unmet(&mut self, rays: u64) {
+        self.film.add_unmet(rays);
+    }
+}
+
+/// Adds up parts of samples to samples.
+struct Blend<'a> {
+    parts: &'a [(u32, f64)],
+    sums: SampleSums<'a>,
+}
+
+impl RadianceSink for Blend<'_> {
+    #[inline(always)]
+    fn add(&mut self, ray: usize, radiance: [f64; 3]) {
+        let (sample, part) = self.parts[ray];
+        self.sums
+            .add(sample as usize, radiance.map(|value| value * part));
+    }
+
+    #[inline(always)]
+    fn add_coverage(&mut self, ray: usize, coverage: Coverage) {
+        let (sample, part) = self.parts[ray];
+        self.sums.add_coverage(sample as usize, coverage * part);
     }
 
     fn add_held(&mut self, rays: &[u32]) {
@@ -112,40 +234,84 @@ pub(super) trait Visibility: Sync {
         false
     }
 
-    /// Gets ready for `tile`.
-    fn begin(&self, tile: Tile, buffers: &mut Self::TileBuffers);
+    /// How many samples of a pixel are painted together, at most.
+    fn samples_at_once(&self) -> u32 {
+        1
+    }
 
-    /// Fills `rays` with what one sample of every pixel of `tile` sees.
-    fn paint(
-        &self,
-        samples: &TileSamples,
-        tile: Tile,
-        buffers: &mut Self::TileBuffers,
-        rays: &mut RayBatch,
-    );
+    /// Gets ready for `tile`, which is painted in strips of so many rows.
+    fn begin(&self, tile: Tile, rows: u32, buffers: &mut Self::TileBuffers);
+
+    /// Fills `rays`, which holds none, with what `samples` see.
+    fn paint(&self, samples: &StripSamples, buffers: &mut Self::TileBuffers, rays: &mut RayBatch);
 }
 
-/// One sample of each pixel of a tile: its camera ray.
-pub(super) struct TileSamples<'a> {
-    pub camera_rays: &'a CameraRays,
+/// Samples of the pixels of a strip, pixel by pixel: their camera rays.
+pub(super) struct StripSamples<'a> {
+    pub strip: Strip,
+    /// Sample by sample.
+    camera_rays: &'a CameraRays,
     surfaces: &'a Surfaces<'a>,
     /// World time that light takes per metre; 0 where retardation is turned off.
     pub index: f64,
 }
 
-impl TileSamples<'_> {
-    /// The look direction of a pixel's sample.
+impl StripSamples<'_> {
+    /// Where sample `sample` is among the camera rays.
+    #[inline(always)]
+    fn place(&self, sample: usize) -> usize {
+        let (pixel, number) = (sample / self.strip.each, sample % self.strip.each);
+        number * self.strip.rows.pixels() + pixel
+    }
+
+    /// Fills `x` and `y` with where the samples are on the film, pixels from the corner of the tile.
+    pub fn points(&self, x: &mut Vec<f64>, y: &mut Vec<f64>) {
+        let Strip { rows, first, each } = self.strip;
+        let (width, pixels) = (rows.size[0] as usize, rows.pixels());
+        x.resize(pixels * each, 0.0);
+        y.resize(pixels * each, 0.0);
+        let places = x.chunks_mut(each).zip(y.chunks_mut(each));
+        for (pixel, (x, y)) in places.enumerate() {
+            let (column, row) = (pixel % width, pixel / width + first as usize);
+            for (number, (x, y)) in x.iter_mut().zip(y).enumerate() {
+                let [in_x, in_y] = self.camera_rays.offset(number * pixels + pixel);
+                (*x, *y) = (column as f64 + in_x, row as f64 + in_y);
+            }
+        }
+    }
+
+    /// Fills `ratios` and `directions` with those of the camera rays.
+    pub fn looks(&self, ratios: &mut Vec<f64>, directions: &mut Vec<DVec3>) {
+        let CameraRays {
+            ratios: all_ratios,
+            directions: all_directions,
+            ..
+        } = self.camera_rays;
+        let each = self.strip.each;
+        if each == 1 {
+            ratios.extend_from_slice(all_ratios);
+            return directions.extend_from_slice(all_directions);
+        }
+        let pixels = self.strip.rows.pixels();
+        for pixel in 0..pixels {
+            let places = (0..each).map(|number| number * pixels + pixel);
+            ratios.extend(places.clone().map(|place| all_ratios[place]));
+            directions.extend(places.map(|place| all_directions[place]));
+        }
+    }
+
+    /// The look direction of a sample.
     #[inline]
-    pub fn direction(&self, pixel: usize) -> Direction<World> {
-        Direction::from_unit(self.camera_rays.directions[pixel])
+    pub fn direction(&self, sample: usize) -> Direction<World> {
+        Direction::from_unit(self.camera_rays.directions[self.place(sample)])
     }
 
     /// The W that a ray along `d` must have for a source at rest in the world, so that what it meets in rest
-    /// frame `frame` is seen with the wavelength that the pixel's own direction gives.
+    /// frame `frame` is seen with the wavelength that the sample's own direction gives.
     #[inline]
-    pub fn ratio(&self, pixel: usize, frame: u32, d: Direction<World>) -> f64 {
-        let (_, rho) = self.surfaces.direction(frame, self.direction(pixel));
-        self.ratio_of(self.camera_rays.ratios[pixel] * rho, frame, d)
+    pub fn ratio(&self, sample: usize, frame: u32, d: Direction<World>) -> f64 {
+        let (_, rho) = self.surfaces.direction(frame, self.direction(sample));
+        self.ratio_of(self.camera_rays.ratios[self.place(sample)] * rho, frame, d)
     }
 
     /// The same where what is met is seen with wavelength ratio `w`.
@@ -170,6 +336,7 @@ struct Buffers<T> {
     camera_rays: CameraRays,
     rays: RayBatch,
     sums: Vec<[f64; 3]>,
+    pixels: Vec<u32>,
     shading: Shading,
     tile: T,
 }
@@ -201,26 +368,36 @@ pub(super) fn film<P: Visibility>(
         .try_for_each_init(Buffers::<P::TileBuffers>::default, |buffers, index| {
             let tile = Tile::of_image(layout.size, index);
             let mut tile_film = TileFilm::new(tile, layout);
-            visibility.begin(tile, &mut buffers.tile);
-            for sample in 0..layout.samples {
-                if progress.is_cancelled() || scene.light.has_failed() {
-                    return Err(Error::Cancelled);
+            // As many samples together as a film takes between ends of its parts.
+            let most = visibility.samples_at_once();
+            let all = 0..layout.samples;
+            let rows = Strip::height(tile_film.together(all.clone(), most).len() as u32);
+            visibility.begin(tile, rows, &mut buffers.tile);
+            let mut left = all;
+            while !left.is_empty() {
+                let samples = tile_film.together(left.clone(), most);
+                for strip in Strip::of(tile, rows, samples.len()) {
+                    if progress.is_cancelled() || scene.light.has_failed() {
+                        return Err(Error::Cancelled);
+                    }
+                    let Buffers {
+                        camera_rays, rays, ..
+                    } = buffers;
+                    let view = &scene.camera.view;
+                    view.generate(camera_rays, &scene.sampler, strip.rows, samples.clone());
+                    let strip_samples = StripSamples {
+                        strip,
+                        camera_rays,
+                        surfaces: &stage.surfaces,
+                        index: scene.ray_index,
+                    };
+                    rays.clear();
+                    visibility.paint(&strip_samples, &mut buffers.tile, rays);
+                    stage.shade(strip, tile, buffers, &mut tile_film);
+                    progress.rays_done(strip.samples() as u64);
                 }
-                let Buffers {
-                    camera_rays, rays, ..
-                } = buffers;
-                let view = &scene.camera.view;
-                view.generate(camera_rays, &scene.sampler, tile, sample..sample + 1);
-                let samples = TileSamples {
-                    camera_rays,
-                    surfaces: &stage.surfaces,
-                    index: scene.ray_index,
-                };
-                rays.clear();
-                visibility.paint(&samples, tile, &mut buffers.tile, rays);
-                stage.shade(buffers, &mut tile_film);
-                tile_film.end_samples(sample..sample + 1);
-                progress.rays_done(tile.pixels() as u64);
+                left.start = samples.end;
+                tile_film.end_samples(samples);
             }
             // A poisoned lock means a panic elsewhere, which rayon passes on.
             let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
@@ -233,12 +410,13 @@ pub(super) fn film<P: Visibility>(
 }
 
 impl Stage<'_> {
-    /// Adds the radiance of the rays to `film`.
-    fn shade<T>(&self, buffers: &mut Buffers<T>, film: &mut TileFilm) {
+    /// Adds the radiance of the rays of `strip`, which is of `tile`, to `film`.
+    fn shade<T>(&self, strip: Strip, tile: Tile, buffers: &mut Buffers<T>, film: &mut TileFilm) {
         let Buffers {
             camera_rays,
             rays,
             sums,
+            pixels,
             shading,
             ..
         } = buffers;
@@ -258,30 +436,41 @@ impl Stage<'_> {
         };
         let (radiance, background) = (scene.light.radiance(), &scene.background);
         let (ratios, meter) = (&rays.ratios, &mut Meter::off());
-        // One ray for each pixel, or several parts that are blended: then background counts by pixel, not by part.
-        if rays.parts.is_empty() {
-            shading.shade(radiance, &traced, background, ratios, film, meter);
-        } else {
+        // One ray for each pixel or sample, or several parts that are blended: then background counts by sample, not by part.
+        if !rays.parts.is_empty() {
             let firsts = rays.firsts.iter();
             let unmet = firsts.filter(|ray| rays.hits.hit(**ray as usize).is_none());
             film.add_unmet(unmet.count() as u64);
-            sums.clear();
-            sums.resize(rays.firsts.len(), [0.0; 3]);
-            let parts = &rays.parts;
-            let mut blend = Blend { parts, sums, film };
+            let mut blend = Blend {
+                parts: &rays.parts,
+                sums: SampleSums::new(strip, sums, pixels, film),
+            };
             shading.shade(radiance, &traced, background, ratios, &mut blend, meter);
-            blend.finish();
+            blend.sums.finish();
+        } else if strip.is_all_of(tile) {
+            shading.shade(radiance, &traced, background, ratios, film, meter);
+        } else {
+            let mut sums = SampleSums::new(strip, sums, pixels, film);
+            shading.shade(radiance, &traced, background, ratios, &mut sums, meter);
+            sums.finish();
         }
-        // Channels have one value for a pixel, that of its first part.
+        // Channels have one value for a sample, that of its first part.
         let channels = scene.layout.channels.as_slice();
         if channels.is_empty() {
             return;
         }
-        for (pixel, direction) in camera_rays.directions.iter().enumerate() {
-            let ray = rays.firsts.get(pixel).map_or(pixel, |ray| *ray as usize);
+        let samples = StripSamples {
+            strip,
+            camera_rays,
+            surfaces: &self.surfaces,
+            index: self.index,
+        };
+        for sample in 0..strip.samples() {
+            let ray = rays.firsts.get(sample).map_or(sample, |ray| *ray as usize);
             let observed = traced.observed(ray, ratios[ray]);
-            let d = Direction::from_unit(*direction);
-            let offset = camera_rays.offset(pixel);
+            let d = samples.direction(sample);
+            let offset = camera_rays.offset(samples.place(sample));
+            let pixel = strip.pixel(sample);
             record(
                 channels,
                 radiance,

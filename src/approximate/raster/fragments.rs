@@ -7,19 +7,20 @@
 //! ```
 //!
 //! six linear functions of the film point over a seventh, which are worked out once for each triangle that is seen at
-//! all. From c the look direction and the distance follow.
+//! all. From c the look direction and the distance follow. All samples in a row that see one triangle are a run, through which
+//! a loop goes with its functions at hand. What neither radiance nor channels depend on is left out.
 
 use glam::DVec3;
 
-use super::draw::{RayBatch, TileSamples};
-use super::tile::Gathered;
+use super::draw::{RayBatch, StripSamples};
+use super::tile::{Gathered, NOTHING};
 use super::triangles::{Triangles, is_front};
 use crate::accel::Hit;
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::approximate::projection::{Apparent, Projection};
 use crate::camera::RayOrigin;
 use crate::render::film::Tile;
-use crate::render::trace::{HitBuffer, SurfaceHit};
+use crate::render::trace::{Dependence, SurfaceHit};
 use crate::spacetime::{Boost, Direction, Displacement, Rest, World};
 
 /// A small triangle that is seen, as functions of the point (x, y, 1) of the tile.
@@ -42,7 +43,7 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// What is seen of a triangle of `tile`.
+    /// What is seen of a triangle of `tile`: its functions as far as they are needed.
     pub fn of(all: &Triangles, triangle: &Gathered, tile: Tile) -> Surface {
         let batch = &all.batches[triangle.batch as usize];
         let piece = &batch.pieces[triangle.piece as usize];
@@ -50,6 +51,20 @@ impl Surface {
             &all.frames[batch.frame as usize],
             &all.projections[batch.frame as usize],
         );
+        let corners = rest.bvh.corners(piece.slot);
+        let plain = Surface {
+            sum: DVec3::ZERO,
+            c: [DVec3::ZERO; 3],
+            weights: [DVec3::ZERO; 2],
+            attributes: None,
+            frame: batch.frame,
+            slot: piece.slot,
+            triangle: rest.bvh.triangle(piece.slot).0,
+            front: is_front(corners, projection),
+        };
+        if all.needed == Dependence::Patch && !all.has_holes {
+            return plain;
+        }
         let vertices = batch.corners(&all.seen[batch.frame as usize], piece);
         // eᵢ relative to the tile's corner.
         let [left, top] = tile.corner.map(f64::from);
@@ -57,7 +72,18 @@ impl Surface {
         let [a, b, c] = film.map(|h| DVec3::new(h.x - left * h.z, h.y - top * h.z, h.z));
         let e = [b.cross(c), c.cross(a), a.cross(b)];
         let sum_of = |values: [f64; 3]| e[0] * values[0] + e[1] * values[1] + e[2] * values[2];
-        let corners = rest.bvh.corners(piece.slot);
+        let plain = Surface {
+            sum: e[0] + e[1] + e[2],
+            c: [
+                sum_of(vertices.map(|v| v.c.x)),
+                sum_of(vertices.map(|v| v.c.y)),
+                sum_of(vertices.map(|v| v.c.z)),
+            ],
+            ..plain
+        };
+        if all.needed < Dependence::Weights && !all.has_holes {
+            return plain;
+        }
         let known = rest.shared_vertices().corners[piece.slot as usize];
         let weights = piece.corners.map(|index| {
             match (
@@ -75,18 +101,9 @@ impl Surface {
             [0, 1].map(|k| sum_of(known.map(|values| values[k])))
         });
         Surface {
-            sum: e[0] + e[1] + e[2],
-            c: [
-                sum_of(vertices.map(|v| v.c.x)),
-                sum_of(vertices.map(|v| v.c.y)),
-                sum_of(vertices.map(|v| v.c.z)),
-            ],
             weights: [0, 1].map(|k| sum_of(weights.map(|weights| weights[k]))),
             attributes,
-            frame: batch.frame,
-            slot: piece.slot,
-            triangle: rest.bvh.triangle(piece.slot).0,
-            front: is_front(corners, projection),
+            ..plain
         }
     }
 
@@ -131,121 +148,256 @@ fn attributes(projection: &Projection, x: DVec3) -> [f64; 2] {
     })
 }
 
-/// The fragments of one sample of each pixel of a tile.
+/// So many samples of a run are worked out together: four f64 are a vector of AVX2. Most runs of small triangles are not much longer.
+const LANES: usize = 4;
+
+/// Samples in a row that see one surface.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    /// Its index, or [`NOTHING`].
+    surface: u32,
+    begin: usize,
+    end: usize,
+}
+
+/// The fragments of a strip: what its samples see.
 #[derive(Debug, Default)]
 pub(super) struct Fragments {
-    /// Their places c, metres; a unit vector where nothing is seen.
-    c: Vec<DVec3>,
+    /// How many samples. Lists of what there is for each have room for [`LANES`] more.
+    count: usize,
+    /// Their points of the tile.
+    x: Vec<f64>,
+    y: Vec<f64>,
+    runs: Vec<Run>,
+    /// Places c, metres.
+    c: [Vec<f64>; 3],
+    /// Barycentric weights.
+    weights: [Vec<f64>; 2],
     /// World distances, metres.
     distances: Vec<f64>,
-    /// Runs of fragments in one rest frame: the frame, and where the run begins.
-    runs: Vec<(u32, usize)>,
-    /// Interpolated time of emission and W.
-    attributes: Vec<[f64; 2]>,
+    /// ω_rest/ω_world along the look directions of the samples.
+    rhos: Vec<f64>,
 }
 
 impl Fragments {
-    /// Forgets all.
-    pub fn start(&mut self) {
-        self.c.clear();
+    /// Takes `samples` over, and fills `rays` with their camera rays.
+    pub fn start(&mut self, samples: &StripSamples, rays: &mut RayBatch) {
+        self.count = samples.strip.samples();
+        samples.points(&mut self.x, &mut self.y);
+        for places in [&mut self.x, &mut self.y] {
+            places.resize(self.count + LANES, 0.0);
+        }
+        samples.looks(&mut rays.ratios, &mut rays.directions);
         self.runs.clear();
-        self.attributes.clear();
     }
 
-    /// Adds what the sample at point (x, y) of the tile sees of `surface`, and what is known of it to `hits`.
-    #[inline]
-    pub fn add(&mut self, surface: Option<&Surface>, x: f64, y: f64, hits: &mut HitBuffer) {
-        let fragment = surface.and_then(|surface| {
-            let p = DVec3::new(x, y, 1.0);
-            let scale = 1.0 / surface.sum.dot(p);
-            let [cx, cy, cz] = &surface.c;
-            let c = DVec3::new(cx.dot(p) * scale, cy.dot(p) * scale, cz.dot(p) * scale);
-            // None at the camera's own place.
-            let is_seen = c.is_finite() && c != DVec3::ZERO;
-            is_seen.then_some((surface, p * scale, c))
+    /// The points of the samples.
+    pub fn points(&self) -> (&[f64], &[f64]) {
+        (&self.x[..self.count], &self.y[..self.count])
+    }
+
+    /// Says which surface the next `samples` samples see, by its index.
+    #[inline(always)]
+    pub fn see(&mut self, surface: Option<u32>, samples: usize) {
+        let begin = self.runs.last().map_or(0, |run| run.end);
+        self.runs.push(Run {
+            surface: surface.unwrap_or(NOTHING),
+            begin,
+            end: begin + samples,
         });
-        let Some((surface, p, c)) = fragment else {
-            self.c.push(DVec3::Z);
-            self.attributes.push([f64::NAN; 2]);
-            return hits.push(None);
-        };
-        if self.runs.last().is_none_or(|run| run.0 != surface.frame) {
-            self.runs.push((surface.frame, self.c.len()));
-        }
-        self.c.push(c);
-        if let Some(known) = surface.attributes {
-            self.attributes.push(known.map(|value| value.dot(p)));
-        }
-        let [u, v] = surface.barycentric(p);
-        let hit = Hit {
-            s: 0.0,
-            u,
-            v,
-            triangle: surface.triangle,
-            slot: surface.slot,
-            front: surface.front,
-        };
-        hits.push(Some(SurfaceHit {
-            hit,
-            frame: surface.frame,
-        }));
     }
 
-    /// Fills `rays` with the rays that meet the fragments at their own events of emission, or at those that are
-    /// interpolated.
-    pub fn finish(&mut self, all: &Triangles, samples: &TileSamples, rays: &mut RayBatch) {
-        let count = self.c.len();
-        rays.directions.resize(count, DVec3::Z);
-        self.distances.resize(count, 0.0);
-        rays.ratios.extend_from_slice(&samples.camera_rays.ratios);
-        // What comes before the first run sees nothing.
-        let ends = self.runs.iter().skip(1).map(|run| run.1).chain([count]);
-        for ((frame, begin), end) in self.runs.iter().zip(ends) {
-            let projection = &all.projections[*frame as usize];
-            let boost = all.frames[*frame as usize].frame.frame_from_world();
+    /// Turns `rays` to the fragments on `surfaces`, where these are needed, and says what they meet there: at the fragments' own
+    /// events of emission, or at those that are interpolated.
+    pub fn finish(
+        &mut self,
+        all: &Triangles,
+        samples: &StripSamples,
+        surfaces: &[Surface],
+        rays: &mut RayBatch,
+    ) {
+        self.distances.resize(self.count + LANES, 0.0);
+        for places in self.c.iter_mut().chain(&mut self.weights) {
+            places.resize(self.count + LANES, 0.0);
+        }
+        if all.needed > Dependence::Patch {
+            dispatch(Interpolate {
+                runs: &self.runs,
+                surfaces,
+                points: [&self.x, &self.y],
+                c: &mut self.c,
+                weights: (all.needed == Dependence::Weights).then_some(&mut self.weights),
+            });
+            self.look(all, surfaces, rays);
+        }
+        self.meet(all, samples, surfaces, rays);
+        if all.has_interpolated_attributes() {
+            self.interpolate(all, samples, surfaces, rays);
+        }
+    }
+
+    /// Turns the rays to the fragments.
+    fn look(&mut self, all: &Triangles, surfaces: &[Surface], rays: &mut RayBatch) {
+        self.rhos.resize(self.count, 0.0);
+        let frame_of = |run: &Run| surfaces.get(run.surface as usize).map(|s| s.frame);
+        for runs in self.runs.chunk_by(|a, b| frame_of(a) == frame_of(b)) {
+            let (Some(frame), [first, ..], [.., last]) = (frame_of(&runs[0]), runs, runs) else {
+                continue;
+            };
+            let samples = first.begin..last.end;
             dispatch(Look {
-                apparent: projection.apparent(),
-                boost,
-                c: &self.c[*begin..end],
-                sampled: &samples.camera_rays.directions[*begin..end],
-                directions: &mut rays.directions[*begin..end],
-                distances: &mut self.distances[*begin..end],
-                ratios: &mut rays.ratios[*begin..end],
+                apparent: all.projections[frame as usize].apparent(),
+                boost: all.frames[frame as usize].frame.frame_from_world(),
+                c: self.c.each_ref().map(|c| &c[samples.clone()]),
+                directions: &mut rays.directions[samples.clone()],
+                distances: &mut self.distances[samples.clone()],
+                ratios: &mut rays.ratios[samples.clone()],
+                rhos: &mut self.rhos[samples],
             });
         }
-        rays.hits.set_distances(&self.distances);
-        if all.has_interpolated_attributes() {
-            self.interpolate(all, samples, rays);
+    }
+
+    /// Says what the rays meet.
+    fn meet(
+        &self,
+        all: &Triangles,
+        samples: &StripSamples,
+        surfaces: &[Surface],
+        rays: &mut RayBatch,
+    ) {
+        let is_placed = all.needed > Dependence::Patch;
+        for run in &self.runs {
+            let Some(surface) = surfaces.get(run.surface as usize) else {
+                for _ in run.begin..run.end {
+                    rays.hits.push(None);
+                }
+                continue;
+            };
+            for ray in run.begin..run.end {
+                let s = self.distances[ray];
+                // None at the camera's own place.
+                if is_placed && !(s > 0.0 && s < f64::INFINITY) {
+                    rays.directions[ray] = samples.direction(ray).unit();
+                    rays.hits.push(None);
+                    continue;
+                }
+                let hit = Hit {
+                    s,
+                    u: self.weights[0][ray],
+                    v: self.weights[1][ray],
+                    triangle: surface.triangle,
+                    slot: surface.slot,
+                    front: surface.front,
+                };
+                let frame = surface.frame;
+                rays.hits.push(Some(SurfaceHit { hit, frame }));
+            }
         }
     }
 
     /// Turns rays to those that meet the fragments at interpolated times, and have interpolated W.
-    fn interpolate(&self, all: &Triangles, samples: &TileSamples, rays: &mut RayBatch) {
+    fn interpolate(
+        &self,
+        all: &Triangles,
+        samples: &StripSamples,
+        surfaces: &[Surface],
+        rays: &mut RayBatch,
+    ) {
         let at_shot = RayOrigin {
             delay: samples.index,
             ..RayOrigin::AT_SHOT
         };
-        rays.origins.resize(self.c.len(), at_shot);
-        for (ray, [time, w]) in self.attributes.iter().enumerate() {
-            let Some(SurfaceHit { hit, frame }) = rays.hits.hit(ray) else {
+        rays.origins.resize(self.count, at_shot);
+        for run in &self.runs {
+            let known = surfaces.get(run.surface as usize);
+            let Some((surface, known)) = known.and_then(|s| Some((s, s.attributes?))) else {
                 continue;
             };
-            let rest = &all.frames[frame as usize];
-            // The point of the triangle, at the interpolated time in place of its retarded one, from the camera.
-            let x = place(rest.bvh.corners(hit.slot), [hit.u, hit.v]);
-            let from = x - all.projections[frame as usize].origin();
-            let world = rest
-                .frame
-                .world_from_frame()
-                .displacement(Displacement::new(*time, from));
-            let s = world.x.length();
-            if let Some(d) = Direction::new(world.x) {
-                rays.directions[ray] = d.unit();
-                // The time that light would have had to take, per metre of its way.
-                rays.origins[ray].delay = -world.ct / s;
-                rays.ratios[ray] = samples.ratio_of(*w, frame, d);
-                rays.hits.set_distance(ray, s);
+            for ray in run.begin..run.end {
+                let Some(SurfaceHit { hit, frame }) = rays.hits.hit(ray) else {
+                    continue;
+                };
+                let p = DVec3::new(self.x[ray], self.y[ray], 1.0);
+                let p = p * (1.0 / surface.sum.dot(p));
+                let [time, w] = known.map(|value| value.dot(p));
+                let rest = &all.frames[frame as usize];
+                // The point of the triangle, at the interpolated time in place of its retarded one, from the camera.
+                let x = place(rest.bvh.corners(hit.slot), [hit.u, hit.v]);
+                let from = x - all.projections[frame as usize].origin();
+                let world = rest
+                    .frame
+                    .world_from_frame()
+                    .displacement(Displacement::new(time, from));
+                let s = world.x.length();
+                if let Some(d) = Direction::new(world.x) {
+                    rays.directions[ray] = d.unit();
+                    // The time that light would have had to take, per metre of its way.
+                    rays.origins[ray].delay = -world.ct / s;
+                    rays.ratios[ray] = samples.ratio_of(w, frame, d);
+                    rays.hits.set_distance(ray, s);
+                }
             }
+        }
+    }
+}
+
+/// The loop over runs that finds where fragments are on their surfaces.
+struct Interpolate<'a> {
+    runs: &'a [Run],
+    surfaces: &'a [Surface],
+    points: [&'a [f64]; 2],
+    c: &'a mut [Vec<f64>; 3],
+    weights: Option<&'a mut [Vec<f64>; 2]>,
+}
+
+impl VectorLoop for Interpolate<'_> {
+    #[inline(always)]
+    fn run(mut self) {
+        for run in self.runs {
+            let Some(surface) = self.surfaces.get(run.surface as usize) else {
+                continue;
+            };
+            // Beyond the end of a run comes the next, which is worked out later.
+            let mut begin = run.begin;
+            while begin < run.end {
+                self.lanes(surface, begin);
+                begin += LANES;
+            }
+        }
+    }
+}
+
+impl Interpolate<'_> {
+    #[inline(always)]
+    fn lanes(&mut self, surface: &Surface, begin: usize) {
+        let [x, y] = self.points.map(|all| all[begin..].first_chunk::<LANES>());
+        let (Some(x), Some(y)) = (x, y) else {
+            return;
+        };
+        // 1/Σ eᵢ·p, and with it c.
+        let Surface { sum, c, .. } = surface;
+        let mut scale = [0.0; LANES];
+        for k in 0..LANES {
+            scale[k] = 1.0 / (sum.x * x[k] + sum.y * y[k] + sum.z);
+        }
+        for (c, to) in c.iter().zip(&mut *self.c) {
+            if let Some(to) = to[begin..].first_chunk_mut::<LANES>() {
+                for k in 0..LANES {
+                    to[k] = (c.x * x[k] + c.y * y[k] + c.z) * scale[k];
+                }
+            }
+        }
+        let Some([u, v]) = &mut self.weights else {
+            return;
+        };
+        let both = (u[begin..].first_chunk_mut(), v[begin..].first_chunk_mut());
+        let (Some(u), Some(v)): (Option<&mut [f64; LANES]>, Option<&mut [f64; LANES]>) = both
+        else {
+            return;
+        };
+        for k in 0..LANES {
+            let p = DVec3::new(x[k], y[k], 1.0) * scale[k];
+            [u[k], v[k]] = surface.barycentric(p);
         }
     }
 }
@@ -254,34 +406,41 @@ impl Fragments {
 struct Look<'a> {
     apparent: &'a Apparent,
     boost: &'a Boost<Rest, World>,
-    c: &'a [DVec3],
-    /// The look directions of the samples.
-    sampled: &'a [DVec3],
+    c: [&'a [f64]; 3],
+    /// The look directions of the samples, and then those of the fragments.
     directions: &'a mut [DVec3],
     distances: &'a mut [f64],
     ratios: &'a mut [f64],
+    /// A buffer.
+    rhos: &'a mut [f64],
 }
 
 impl VectorLoop for Look<'_> {
     #[inline(always)]
     fn run(self) {
-        let count = self.c.len();
+        let count = self.directions.len();
+        let [x, y, z] = self.c.map(|c| &c[..count]);
         let (directions, distances) = (&mut self.directions[..count], &mut self.distances[..count]);
+        let (ratios, rhos) = (&mut self.ratios[..count], &mut self.rhos[..count]);
+        let is_moving = !self.boost.is_identity();
+        if is_moving {
+            for k in 0..count {
+                let sampled = Direction::from_unit(directions[k]);
+                rhos[k] = self.boost.direction(sampled).1;
+            }
+        }
         for k in 0..count {
-            let c = self.c[k];
+            let c = DVec3::new(x[k], y[k], z[k]);
             let (d, s) = self.apparent.look(c, c.length());
             directions[k] = d.unit();
             distances[k] = s;
         }
-        if self.boost.is_identity() {
-            return;
-        }
         // W as the sample's own direction gives it: shading multiplies by what the fragment's direction gives.
-        let (sampled, ratios) = (&self.sampled[..count], &mut self.ratios[..count]);
-        for k in 0..count {
-            let (_, own) = self.boost.direction(Direction::from_unit(sampled[k]));
-            let (_, taken) = self.boost.direction(Direction::from_unit(directions[k]));
-            ratios[k] *= own / taken;
+        if is_moving {
+            for k in 0..count {
+                let (_, taken) = self.boost.direction(Direction::from_unit(directions[k]));
+                ratios[k] *= rhos[k] / taken;
+            }
         }
     }
 }

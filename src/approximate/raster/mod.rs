@@ -25,9 +25,9 @@
 //!
 //! It goes the way that fast rasterizers go: each distinct vertex is transformed once, in loops over one array per
 //! coordinate (`vertices`); triangles are divided level by level (`divide`), culled (`cull`) and sorted by the tiles
-//! that they may reach (`batch`); a tile's depths stay in the cache while its triangles cover it in f32, and in f64 where
-//! that is in doubt (`tile`); what is seen at all, and only that, is interpolated (`fragments`) and shaded, a tile
-//! at a time, by the loops of the ray tracer.
+//! that they may reach (`batch`). A tile is painted in strips of rows (`draw`), all samples of a pixel together: their depths stay in
+//! the cache while triangles cover them in f32, and in f64 where that is in doubt (`tile`); what is seen at all, and of that only
+//! what radiance depends on, is interpolated (`fragments`), and shaded by the loops of the ray tracer.
 //!
 //! *Attributes.* By fragment, time and place of emission are those of X itself, whose world line meets the
 //! light cone of the shot somewhere, and W that of the look direction. By vertex, the rest frame's time

@@ -151,7 +151,7 @@ fn triangle_bytes(triangles: u64, vertices: u64) -> [u64; 2] {
     let shared = (2 * 24 * vertices).saturating_add(12 * triangles);
     let table = 75 * triangles;
     // By triangle: its piece, its place in the level, its index in the tiles, and what a tile gathers of it.
-    let pieces = 2 * size_of::<Piece>() as u64 + 2 * 16 + 8 + 96;
+    let pieces = 2 * size_of::<Piece>() as u64 + 2 * 16 + 8 + 112;
     let drawn = (size_of::<Vertex>() as u64 * vertices).saturating_add(pieces * triangles);
     [shared, table.max(drawn)]
 }

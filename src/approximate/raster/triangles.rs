@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::batch::{Batch, Grid};
+use super::batch::{Batch, Grid, TileBatches};
 use super::cull::Frustum;
 use super::divide::{BatchBuilder, Cuts, Divider, FrameVertices, Outlook};
 use super::method::{Attributes, Raster, Tessellation};
@@ -13,9 +13,10 @@ use super::vertices::{Vertex, transformed};
 use crate::accel::Facing;
 use crate::approximate::projection::{Observer, Projection};
 use crate::error::Result;
+use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
-use crate::render::trace::RestFrame;
+use crate::render::trace::{Dependence, RestFrame};
 
 /// So many triangles make a batch, in scenes that have enough of them.
 const BATCH: u32 = 4096;
@@ -31,11 +32,15 @@ pub(super) struct Triangles<'a> {
     /// By rest frame, the vertices of its triangles.
     pub seen: Vec<Vec<Vertex>>,
     pub batches: Vec<Batch>,
+    /// The batches by tile.
+    pub by_tile: TileBatches,
     attributes: Attributes,
     /// What depths are measured in, metres: of the order of the farthest vertex.
     pub unit: f64,
     /// Whether some have holes.
     pub has_holes: bool,
+    /// What radiance, or a channel, depends on.
+    pub needed: Dependence,
 }
 
 impl<'a> Triangles<'a> {
@@ -86,10 +91,17 @@ impl<'a> Triangles<'a> {
             frames,
             projections,
             seen,
+            by_tile: TileBatches::new(&batches, Tile::count(size)),
             batches,
             attributes: raster.attributes,
             unit: if farthest.is_normal() { farthest } else { 1.0 },
             has_holes: frames.iter().any(|rest| rest.bvh.has_holes()),
+            needed: match scene.layout.channels.is_empty()
+                && raster.attributes == Attributes::Fragment
+            {
+                true => scene.light.radiance().dependence(),
+                false => Dependence::Weights,
+            },
         })
     }
 }
@@ -158,6 +170,8 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::approximate::raster::Method;
+    use crate::render::aov::Aov;
     use crate::render::plan::{Plan, Request};
     use crate::render::progress::Silent;
     use crate::scene::{self, Overrides};
@@ -208,5 +222,35 @@ mod tests {
             assert_eq!(divide(frame..frame + 1), (true, true));
         }
         assert_eq!(divide(0..4), (true, false));
+    }
+
+    #[test]
+    fn hits_tell_what_radiance_or_a_channel_depends_on() {
+        let body = "[[object]]\nshape = { box = { size = [1, 1, 1] } }\n";
+        let pulse = "[[source]]\npulse = { position = [1, 3, 2], time = \"0 m\", sigma = \"9 m\", intensity = 20.0 }\n";
+        let needed = |more: &str, aovs: &[Aov], method: &str| {
+            let text = format!(
+                "[camera]\neye = [0, 0, 4]\nlook_at = [0, 0, 0]\nsize = [16, 16]\n{body}{more}"
+            );
+            let scene = scene::parse(&text, "box", Path::new("."), &Overrides::default()).unwrap();
+            let request = Request {
+                aovs: aovs.to_vec(),
+                ..Request::default()
+            };
+            let plan = Plan::new(&scene, &request).unwrap();
+            let scene = Prepared::new(&scene, &plan, &Silent).unwrap();
+            let observer = Observer::new(&scene).unwrap();
+            let Ok(Method::Raster(raster)) = method.parse() else {
+                panic!("{method}");
+            };
+            let triangles = Triangles::new(&scene, &observer, &raster, &Silent).unwrap();
+            triangles.needed
+        };
+        let plain = "raster:none";
+        assert_eq!(needed("", &[], plain), Dependence::Patch);
+        assert_eq!(needed(pulse, &[], plain), Dependence::Event);
+        assert_eq!(needed("", &[Aov::Distance], plain), Dependence::Weights);
+        let by_vertex = "raster:none,attributes=vertex";
+        assert_eq!(needed("", &[], by_vertex), Dependence::Weights);
     }
 }

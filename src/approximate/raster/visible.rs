@@ -1,15 +1,17 @@
 //! Which triangle each sample of a tile sees, and what it sees of it.
 
-use super::draw::{RayBatch, TileSamples, Visibility};
+use super::draw::{RayBatch, StripSamples, Visibility};
 use super::fragments::{Fragments, Surface};
-use super::tile::{NOTHING, TileBuffers};
+use super::tile::{MOST_TOGETHER, NOTHING, TileBuffers};
 use super::triangles::Triangles;
 use crate::render::film::Tile;
 
 /// What is reused from tile to tile.
 #[derive(Debug, Default)]
 pub(super) struct Buffers {
-    tile: TileBuffers,
+    /// The tile that was begun last.
+    tile: Option<Tile>,
+    triangles: TileBuffers,
     seen: SeenSurfaces,
     fragments: Fragments,
 }
@@ -30,7 +32,7 @@ impl SeenSurfaces {
         self.surfaces.clear();
     }
 
-    /// That of triangle `index` of `triangles`, which are those of `tile`; none for no triangle.
+    /// The index of that of triangle `index` of `triangles`, which are those of `tile`; none for no triangle.
     #[inline(always)]
     fn of(
         &mut self,
@@ -38,14 +40,14 @@ impl SeenSurfaces {
         tile: Tile,
         triangles: &TileBuffers,
         index: u32,
-    ) -> Option<&Surface> {
+    ) -> Option<u32> {
         let known = self.seen_as.get_mut(index as usize)?;
         if *known == NOTHING {
             *known = self.surfaces.len() as u32;
             let triangle = &triangles.triangles[index as usize];
             self.surfaces.push(Surface::of(all, triangle, tile));
         }
-        self.surfaces.get(*known as usize)
+        Some(*known)
     }
 }
 
@@ -56,42 +58,53 @@ impl Visibility for Triangles<'_> {
         self.has_interpolated_attributes()
     }
 
-    fn begin(&self, tile: Tile, buffers: &mut Buffers) {
-        let (batches, seen) = (&self.batches, &self.seen);
-        buffers
-            .tile
-            .gather(self.size, tile, batches, seen, self.unit);
-        buffers.seen.start(buffers.tile.triangles.len());
+    fn samples_at_once(&self) -> u32 {
+        MOST_TOGETHER
     }
 
-    /// Which triangle each sample of the tile shows, by depth, and the fragments of these.
-    fn paint(&self, samples: &TileSamples, tile: Tile, buffers: &mut Buffers, rays: &mut RayBatch) {
+    fn begin(&self, tile: Tile, rows: u32, buffers: &mut Buffers) {
+        let (strips, batches) = ((tile, rows), (self.batches.as_slice(), &self.by_tile));
+        buffers
+            .triangles
+            .gather(self.size, strips, batches, &self.seen, self.unit);
+        buffers.tile = Some(tile);
+        buffers.seen.start(buffers.triangles.triangles.len());
+    }
+
+    /// Which triangle each sample shows, by depth, and the fragments of these.
+    fn paint(&self, samples: &StripSamples, buffers: &mut Buffers, rays: &mut RayBatch) {
         let Buffers {
-            tile: triangles,
+            tile,
+            triangles,
             seen,
             fragments,
         } = buffers;
-        triangles.cover(tile, |pixel| samples.camera_rays.offset(pixel));
-        fragments.start();
-        let [width, height] = tile.size.map(|n| n as usize);
-        for row in 0..height {
-            for column in 0..width {
-                let [x, y] = samples.camera_rays.offset(row * width + column);
-                let (x, y) = (column as f64 + x, row as f64 + y);
-                let mut nearest = triangles.nearest(column, row);
-                if self.has_holes {
-                    let mut is_opaque = |triangle: u32| {
-                        let surface = seen.of(self, tile, triangles, triangle);
-                        surface.is_some_and(|surface| surface.is_opaque(self, x, y))
-                    };
-                    if nearest != NOTHING && !is_opaque(nearest) {
-                        nearest = triangles.nearest_of(column, row, is_opaque);
-                    }
+        let Some(tile) = *tile else {
+            return;
+        };
+        fragments.start(samples, rays);
+        let (x, y) = fragments.points();
+        triangles.cover(&samples.strip, x, y);
+        let count = x.len();
+        if self.has_holes {
+            for (sample, (x, y)) in x.iter().zip(y).enumerate() {
+                let mut is_opaque = |triangle: u32| {
+                    let surface = seen.of(self, tile, triangles, triangle);
+                    let surface = surface.map(|known| &seen.surfaces[known as usize]);
+                    surface.is_some_and(|surface| surface.is_opaque(self, *x, *y))
+                };
+                let nearest = triangles.nearest()[sample];
+                if nearest != NOTHING && !is_opaque(nearest) {
+                    let behind = triangles.nearest_of(sample, is_opaque);
+                    triangles.set_nearest(sample, behind);
                 }
-                let surface = seen.of(self, tile, triangles, nearest);
-                fragments.add(surface, x, y, &mut rays.hits);
             }
         }
-        fragments.finish(self, samples, rays);
+        // Samples in a row that see one triangle, or none, are one run.
+        for of_one in triangles.nearest()[..count].chunk_by(|a, b| a == b) {
+            let surface = seen.of(self, tile, triangles, of_one[0]);
+            fragments.see(surface, of_one.len());
+        }
+        fragments.finish(self, samples, &seen.surfaces, rays);
     }
 }

@@ -8,7 +8,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::draw::{RayBatch, TileSamples, Visibility};
+use super::draw::{RayBatch, StripSamples, Visibility};
 use super::method::{Lookup, Map, Warp, moves};
 use crate::accel::Method;
 use crate::error::Result;
@@ -84,16 +84,17 @@ fn fill(
 impl Visibility for Warped {
     type TileBuffers = ();
 
-    fn begin(&self, _: Tile, (): &mut ()) {}
+    fn begin(&self, _: Tile, _: u32, (): &mut ()) {}
 
-    fn paint(&self, samples: &TileSamples, tile: Tile, (): &mut (), rays: &mut RayBatch) {
-        for pixel in 0..tile.pixels() {
-            rays.next_pixel();
-            let taps = self.map.taps(self.lookup, samples.direction(pixel).unit());
+    fn paint(&self, samples: &StripSamples, (): &mut (), rays: &mut RayBatch) {
+        for sample in 0..samples.strip.samples() {
+            rays.next_sample();
+            let direction = samples.direction(sample).unit();
+            let taps = self.map.taps(self.lookup, direction);
             for (texel, part) in taps.into_iter().filter(|tap| tap.1 > 0.0) {
                 let hit = self.texels[texel as usize];
                 let d = Direction::from_unit(self.map.direction(texel.into()));
-                let ratio = hit.map_or(1.0, |hit| samples.ratio(pixel, hit.frame, d));
+                let ratio = hit.map_or(1.0, |hit| samples.ratio(sample, hit.frame, d));
                 rays.add(d.unit(), ratio, hit, part);
             }
         }

@@ -7,4 +7,5 @@ mod forecast;
 mod refusals;
 mod same;
 pub mod stage;
+mod together;
 mod warp;

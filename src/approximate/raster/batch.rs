@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::vertices::Vertex;
-use crate::render::film::{TILE, Tile};
+use crate::render::film::TILE;
 
 /// A small triangle, one of the tree's or a part of it.
 #[derive(Debug, Clone, Copy)]

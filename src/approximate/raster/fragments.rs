@@ -267,30 +267,35 @@ impl Fragments {
     ) {
         let is_placed = all.needed > Dependence::Patch;
         for run in &self.runs {
-            let Some(surface) = surfaces.get(run.surface as usize) else {
-                for _ in run.begin..run.end {
-                    rays.hits.push(None);
-                }
-                continue;
-            };
-            for ray in run.begin..run.end {
-                let s = self.distances[ray];
-                // None at the camera's own place.
-                if is_placed && !(s > 0.0 && s < f64::INFINITY) {
-                    rays.directions[ray] = samples.direction(ray).unit();
-                    rays.hits.push(None);
-                    continue;
-                }
-                let hit = Hit {
+            let on_surface = |surface: &Surface, s: f64, [u, v]: [f64; 2]| SurfaceHit {
+                hit: Hit {
                     s,
-                    u: self.weights[0][ray],
-                    v: self.weights[1][ray],
+                    u,
+                    v,
                     triangle: surface.triangle,
                     slot: surface.slot,
                     front: surface.front,
-                };
-                let frame = surface.frame;
-                rays.hits.push(Some(SurfaceHit { hit, frame }));
+                },
+                frame: surface.frame,
+            };
+            let surface = match surfaces.get(run.surface as usize) {
+                Some(surface) if is_placed => surface,
+                // Nobody asks where.
+                found => {
+                    let hit = found.map(|surface| on_surface(surface, 0.0, [0.0; 2]));
+                    rays.hits.push_alike(hit, run.end - run.begin);
+                    continue;
+                }
+            };
+            for ray in run.begin..run.end {
+                let s = self.distances[ray];
+                let weights = self.weights.each_ref().map(|weights| weights[ray]);
+                // None at the camera's own place.
+                let hit = (s > 0.0 && s < f64::INFINITY).then(|| on_surface(surface, s, weights));
+                if hit.is_none() {
+                    rays.directions[ray] = samples.direction(ray).unit();
+                }
+                rays.hits.push(hit);
             }
         }
     }

@@ -69,13 +69,13 @@ impl HitBuffer {
         self.frames.push(hit.map_or(0, |found| found.frame));
     }
 
-    /// Says how far the hits are.
-    pub(crate) fn set_distances(&mut self, distances: &[f64]) {
-        for (hit, distance) in self.hits.iter_mut().zip(distances) {
-            if let Some(hit) = hit {
-                hit.s = *distance;
-            }
-        }
+    /// Takes over what the next `rays` rays hit, all of them at the same place or at nothing.
+    #[inline(always)]
+    pub(crate) fn push_alike(&mut self, hit: Option<SurfaceHit>, rays: usize) {
+        let count = self.hits.len() + rays;
+        self.hits.resize(count, hit.map(|found| found.hit));
+        self.frames
+            .resize(count, hit.map_or(0, |found| found.frame));
     }
 
     /// Says how far the hit of ray `ray` is.

@@ -137,9 +137,19 @@ fn mixed_singly(
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{BLOCK, TapsBlock};
+    use std::arch::x86_64::{
+        __m128, __m256, _CMP_GT_OQ, _mm256_add_ps, _mm256_blend_pd, _mm256_blendv_ps,
+        _mm256_castps256_ps128, _mm256_cmp_ps, _mm256_cvtps_pd, _mm256_extractf128_ps,
+        _mm256_loadu_ps, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_permute2f128_pd,
+        _mm256_permute2f128_ps, _mm256_set1_pd, _mm256_set1_ps, _mm256_setzero_ps,
+        _mm256_shuffle_pd, _mm256_shuffle_ps, _mm256_storeu_pd, _mm256_sub_ps, _mm256_unpackhi_pd,
+        _mm256_unpackhi_ps, _mm256_unpacklo_pd, _mm256_unpacklo_ps,
+    };
 
-    /// Two texels are loaded at a time, in a vector.
+    use super::{BLOCK, TapsBlock, mixed};
+
+    /// Eight places go together: the channels of each are brought between its rows in a vector, and those of all eight are then
+    /// in vectors by channel.
     ///
     /// # Safety
     ///
@@ -152,44 +162,141 @@ mod x86 {
         scale: [f64; 3],
         to: &mut [[f64; 3]],
     ) {
-        use std::arch::x86_64::{
-            __m128, _mm_add_ps, _mm_alignr_epi8, _mm_castps_si128, _mm_castsi128_ps, _mm_mul_ps,
-            _mm_set1_ps, _mm_store_sd, _mm_storeu_pd, _mm_sub_ps, _mm256_add_ps,
-            _mm256_castpd256_pd128, _mm256_castps256_ps128, _mm256_cvtps_pd, _mm256_extractf128_pd,
-            _mm256_extractf128_ps, _mm256_loadu_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_set_pd,
-            _mm256_set1_ps, _mm256_sub_ps,
-        };
+        let whole = to.len() / 8;
+        let mut eights = to.chunks_exact_mut(8);
+        for (group, to) in eights.by_ref().enumerate() {
+            // SAFETY: the caller has said so of the texels, and a block has as many eights as that.
+            let (mut mean, weight) = unsafe {
+                let mean = bilinear(texels, first, 8 * group);
+                (mean, load(weights, 8 * group))
+            };
+            let counts = _mm256_cmp_ps::<_CMP_GT_OQ>(weight, _mm256_setzero_ps());
+            if _mm256_movemask_ps(counts) != 0 {
+                // SAFETY: as above.
+                let other = unsafe { bilinear(texels, second, 8 * group) };
+                for (mean, other) in mean.iter_mut().zip(other) {
+                    *mean = _mm256_blendv_ps(*mean, mix(*mean, other, weight), counts);
+                }
+            }
+            let (left, right) = to.split_at_mut(4);
+            put(mean.map(|c| _mm256_castps256_ps128(c)), scale, left);
+            put(mean.map(|c| _mm256_extractf128_ps::<1>(c)), scale, right);
+        }
+        // What is left is less than eight: one by one.
+        let begin = 8 * whole;
+        for (k, to) in (begin..).zip(eights.into_remainder()) {
+            *to = mixed(texels, [first.get(k), second.get(k)], weights[k], scale);
+        }
+    }
+
+    /// `a` to `b` as far as `weight` says.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn mix(a: __m256, b: __m256, weight: __m256) -> __m256 {
+        _mm256_add_ps(a, _mm256_mul_ps(_mm256_sub_ps(b, a), weight))
+    }
+
+    /// The eight numbers from `begin` on.
+    ///
+    /// # Safety
+    ///
+    /// There are as many.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    unsafe fn load(numbers: &[f32; BLOCK], begin: usize) -> __m256 {
+        // SAFETY: the caller has said so; they need no alignment.
+        unsafe { _mm256_loadu_ps(numbers.as_ptr().add(begin)) }
+    }
+
+    /// Between the texels at eight places from `begin` on, by channel.
+    ///
+    /// # Safety
+    ///
+    /// There are as many places, and eight numbers of `texels` from each of their texels on.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    unsafe fn bilinear(texels: &[f32], taps: &TapsBlock, begin: usize) -> [__m256; 3] {
         let texels = texels.as_ptr();
-        let pair = |at: u32| {
-            // SAFETY: the caller has said so; they need no alignment.
-            unsafe { _mm256_loadu_ps(texels.add(3 * at as usize)) }
+        // Between rows: a texel, the next one, and two numbers that do not count.
+        let columns = |k: usize| {
+            let k = begin + k;
+            let pair = |at: u32| {
+                // SAFETY: the caller has said so; they need no alignment.
+                unsafe { _mm256_loadu_ps(texels.add(3 * at as usize)) }
+            };
+            let below = _mm256_set1_ps(taps.below[k]);
+            mix(pair(taps.upper[k]), pair(taps.lower[k]), below)
         };
-        let mix = |a: __m128, b: __m128, weight: f32| {
-            _mm_add_ps(a, _mm_mul_ps(_mm_sub_ps(b, a), _mm_set1_ps(weight)))
-        };
-        // Between rows, for both columns at once, then between columns.
-        let bilinear = |taps: &TapsBlock, k: usize| {
-            let (upper, lower) = (pair(taps.upper[k]), pair(taps.lower[k]));
-            let more = _mm256_mul_ps(_mm256_sub_ps(lower, upper), _mm256_set1_ps(taps.below[k]));
-            let columns = _mm256_add_ps(upper, more);
-            let left = _mm256_castps256_ps128(columns);
-            let rest = _mm_castps_si128(_mm256_extractf128_ps::<1>(columns));
-            let right = _mm_alignr_epi8::<12>(rest, _mm_castps_si128(left));
-            mix(left, _mm_castsi128_ps(right), taps.right[k])
-        };
-        let scale = _mm256_set_pd(0.0, scale[2], scale[1], scale[0]);
-        for (k, (to, weight)) in to.iter_mut().zip(weights).enumerate() {
-            let mut mean = bilinear(first, k);
-            if *weight > 0.0 {
-                mean = mix(mean, bilinear(second, k), *weight);
-            }
-            let scaled = _mm256_mul_pd(_mm256_cvtps_pd(mean), scale);
-            let to = to.as_mut_ptr();
-            // SAFETY: two numbers and one are stored to three, which needs no alignment.
-            unsafe {
-                _mm_storeu_pd(to, _mm256_castpd256_pd128(scaled));
-                _mm_store_sd(to.add(2), _mm256_extractf128_pd::<1>(scaled));
-            }
+        let mut c = [_mm256_setzero_ps(); 8];
+        for (k, c) in c.iter_mut().enumerate() {
+            *c = columns(k);
+        }
+        // Of two places the numbers 0 1 and 4 5, and 2 3; then of four 0 and 4, 1 and 5, 2, 3.
+        let low = [
+            _mm256_unpacklo_ps(c[0], c[1]),
+            _mm256_unpacklo_ps(c[2], c[3]),
+            _mm256_unpacklo_ps(c[4], c[5]),
+            _mm256_unpacklo_ps(c[6], c[7]),
+        ];
+        let high = [
+            _mm256_unpackhi_ps(c[0], c[1]),
+            _mm256_unpackhi_ps(c[2], c[3]),
+            _mm256_unpackhi_ps(c[4], c[5]),
+            _mm256_unpackhi_ps(c[6], c[7]),
+        ];
+        let (r0g1, r0g1_last) = (
+            _mm256_shuffle_ps::<0x44>(low[0], low[1]),
+            _mm256_shuffle_ps::<0x44>(low[2], low[3]),
+        );
+        let (g0b1, g0b1_last) = (
+            _mm256_shuffle_ps::<0xee>(low[0], low[1]),
+            _mm256_shuffle_ps::<0xee>(low[2], low[3]),
+        );
+        let (b0, b0_last) = (
+            _mm256_shuffle_ps::<0x44>(high[0], high[1]),
+            _mm256_shuffle_ps::<0x44>(high[2], high[3]),
+        );
+        let (r1, r1_last) = (
+            _mm256_shuffle_ps::<0xee>(high[0], high[1]),
+            _mm256_shuffle_ps::<0xee>(high[2], high[3]),
+        );
+        let left = [
+            _mm256_permute2f128_ps::<0x20>(r0g1, r0g1_last),
+            _mm256_permute2f128_ps::<0x20>(g0b1, g0b1_last),
+            _mm256_permute2f128_ps::<0x20>(b0, b0_last),
+        ];
+        let right = [
+            _mm256_permute2f128_ps::<0x20>(r1, r1_last),
+            _mm256_permute2f128_ps::<0x31>(r0g1, r0g1_last),
+            _mm256_permute2f128_ps::<0x31>(g0b1, g0b1_last),
+        ];
+        // Between columns.
+        // SAFETY: as above.
+        let weight = unsafe { load(&taps.right, begin) };
+        let [r, g, b] = left;
+        let [r1, g1, b1] = right;
+        [mix(r, r1, weight), mix(g, g1, weight), mix(b, b1, weight)]
+    }
+
+    /// Puts four places by channel, times `scale`, to `to` one after the other.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn put(channels: [__m128; 3], scale: [f64; 3], to: &mut [[f64; 3]]) {
+        let times =
+            |c: usize| _mm256_mul_pd(_mm256_cvtps_pd(channels[c]), _mm256_set1_pd(scale[c]));
+        let (r, g, b) = (times(0), times(1), times(2));
+        // r0 g0 r2 g2, b0 r1 b2 r3 and g1 b1 g3 b3.
+        let rg = _mm256_unpacklo_pd(r, g);
+        let br = _mm256_shuffle_pd::<0b1010>(b, r);
+        let gb = _mm256_unpackhi_pd(g, b);
+        let rows = [
+            _mm256_permute2f128_pd::<0x20>(rg, br),
+            _mm256_blend_pd::<0b1100>(gb, rg),
+            _mm256_permute2f128_pd::<0x31>(br, gb),
+        ];
+        for (to, row) in to.as_flattened_mut().chunks_exact_mut(4).zip(rows) {
+            // SAFETY: the slice has as many numbers as are stored, which needs no alignment.
+            unsafe { _mm256_storeu_pd(to.as_mut_ptr(), row) };
         }
     }
 }

@@ -73,6 +73,23 @@ pub(crate) struct PixelAngles<'a> {
     pub ratios: &'a [f64],
 }
 
+/// Look directions in the world: those of some rays.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Looks<'a> {
+    /// Of all rays.
+    pub directions: &'a [DVec3],
+    /// Which of them.
+    pub rays: &'a [u32],
+}
+
+impl Looks<'_> {
+    /// Number `k` of them.
+    #[inline(always)]
+    fn get(&self, k: usize) -> DVec3 {
+        self.directions[self.rays[k] as usize]
+    }
+}
+
 impl Sky {
     /// `sky`, with its picture, where it has one, and its stars, which are seen as blackbodies where `thermal_stars` says so.
     pub fn new(
@@ -131,6 +148,15 @@ impl Sky {
         stars.filter(|_| self.is_black() && self.sun.is_none())
     }
 
+    /// Whether loops over directions take them by component; pictures and what is uniform take them where they lie.
+    pub(crate) fn takes_columns(&self) -> bool {
+        let is_plain = matches!(
+            self.background,
+            Background::Uniform(_) | Background::Image(_)
+        );
+        !is_plain || self.stars.is_some()
+    }
+
     /// Whether [`Sky::spectral`] adds to the radiance.
     #[inline]
     pub fn has_spectra(&self) -> bool {
@@ -181,14 +207,16 @@ impl Sky {
         radiance
     }
 
-    /// What [`Sky::radiance`] says of each of `directions`, with pixels as wide as `angles` says, in vector loops.
+    /// What [`Sky::radiance`] says of each of `looks`, with pixels as wide as `angles` says, in vector loops. `directions` are the same by
+    /// component where [`Sky::takes_columns`] asks for them.
     pub(crate) fn radiance_each(
         &self,
+        looks: Looks,
         directions: &Columns,
         angles: PixelAngles,
         radiance: &mut Vec<[f64; 3]>,
     ) {
-        radiance.resize(directions.len(), [0.0; 3]);
+        radiance.resize(looks.rays.len(), [0.0; 3]);
         // What is everywhere comes first: it overwrites what is there, and stars and sun are added to it.
         match &self.background {
             Background::Uniform(everywhere) => radiance.fill(*everywhere),
@@ -197,7 +225,7 @@ impl Sky {
                 directions,
                 radiance,
             }),
-            Background::Image(panorama) => panorama.radiance_each(directions, angles, radiance),
+            Background::Image(panorama) => panorama.radiance_each(looks, angles, radiance),
             Background::Spectrum(_) => radiance.fill([0.0; 3]),
         }
         if let Some(stars) = self.stars.as_ref().filter(|_| !self.thermal_stars) {
@@ -208,7 +236,7 @@ impl Sky {
         }
         if let Some(sun) = &self.sun {
             for (k, radiance) in radiance.iter_mut().enumerate() {
-                if directions.get(k).dot(sun.direction) > sun.cosine {
+                if looks.get(k).dot(sun.direction) > sun.cosine {
                     *radiance = sum(*radiance, sun.radiance);
                 }
             }

@@ -10,11 +10,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 
-use super::PixelAngles;
+use super::{Looks, PixelAngles};
 use crate::accel::texels::{Taps, TapsBlock, mixed, mixed_each};
-use crate::accel::vectors::{
-    BLOCK, Block, Columns, VectorLoop, VectorsRef, dispatch, load, prefetch,
-};
+use crate::accel::vectors::{BLOCK, VectorLoop, dispatch, prefetch};
 
 /// An equirectangular picture in sizes of halves.
 #[derive(Debug)]
@@ -117,16 +115,16 @@ impl Panorama {
         mixed(&self.texels, [fine, coarse], weight, self.scale)
     }
 
-    /// Sets `radiance` to that along `directions`, each in texels about as wide as `angles` says: [`Panorama::radiance`] in vector loops.
+    /// Sets `radiance` to that along `looks`, each in texels about as wide as `angles` says: [`Panorama::radiance`] in vector loops.
     pub(super) fn radiance_each(
         &self,
-        directions: &Columns,
+        looks: Looks,
         angles: PixelAngles,
         radiance: &mut [[f64; 3]],
     ) {
         dispatch(LookUp {
             panorama: self,
-            directions,
+            looks,
             angles,
             radiance,
         });
@@ -240,7 +238,7 @@ fn whole_and_rest(x: f32) -> (u32, f32) {
 /// Directions to radiance.
 struct LookUp<'a> {
     panorama: &'a Panorama,
-    directions: &'a Columns,
+    looks: Looks<'a>,
     angles: PixelAngles<'a>,
     radiance: &'a mut [[f64; 3]],
 }
@@ -300,17 +298,9 @@ impl PlacesBlock {
         weight: [0.0; BLOCK],
     };
 
-    /// Those of directions in texels that are so wide, radians.
+    /// Those of directions, by component, in texels that are so wide, radians.
     #[inline(always)]
-    fn fill(&mut self, panorama: &Panorama, directions: VectorsRef, widths: &Block) {
-        // To single precision by itself: a loop that has both goes by vectors of half as many numbers.
-        let (mut x, mut y, mut z) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
-        let mut width = [0.0; BLOCK];
-        for k in 0..BLOCK {
-            let d = directions.get(k).as_vec3();
-            (x[k], y[k], z[k]) = (d.x, d.y, d.z);
-            width[k] = widths[k] as f32;
-        }
+    fn fill(&mut self, panorama: &Panorama, [x, y, z]: [&[f32; BLOCK]; 3], width: &[f32; BLOCK]) {
         let (turn, last) = (panorama.turn, panorama.last());
         let (mut u, mut v) = ([0.0; BLOCK], [0.0; BLOCK]);
         for k in 0..BLOCK {
@@ -343,16 +333,23 @@ impl VectorLoop for LookUp<'_> {
     fn run(self) {
         let panorama = self.panorama;
         let PixelAngles { angle, ratios } = self.angles;
+        let Looks { directions, rays } = self.looks;
+        let (mut x, mut y, mut z) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+        let mut widths = [0.0; BLOCK];
         let mut places = PlacesBlock::ZERO;
-        let mut begin = 0;
-        for radiance in self.radiance.chunks_mut(BLOCK) {
-            // Places of a block in vectors.
-            let mut widths = load(ratios, begin);
-            for width in &mut widths {
-                *width = angle / *width;
+        let blocks = rays.chunks(BLOCK).zip(ratios.chunks(BLOCK));
+        for (radiance, (rays, ratios)) in self.radiance.chunks_mut(BLOCK).zip(blocks) {
+            // To single precision by itself: a loop that has both goes by vectors of half as many numbers.
+            for (k, ray) in rays.iter().enumerate() {
+                let d = directions[*ray as usize].as_vec3();
+                (x[k], y[k], z[k]) = (d.x, d.y, d.z);
             }
-            places.fill(panorama, self.directions.block(begin), &widths);
-            // Texels one by one, their channels in a vector.
+            for (width, ratio) in widths.iter_mut().zip(ratios) {
+                *width = (angle / *ratio) as f32;
+            }
+            // Places of a block in vectors.
+            places.fill(panorama, [&x, &y, &z], &widths);
+            // Texels by eights.
             let taps = [&places.fine, &places.coarse];
             mixed_each(
                 &panorama.texels,
@@ -361,7 +358,6 @@ impl VectorLoop for LookUp<'_> {
                 panorama.scale,
                 radiance,
             );
-            begin += BLOCK;
         }
     }
 }
@@ -537,7 +533,6 @@ mod tests {
             .map(|k| [value(k), value(k + 1), value(k + 2)])
             .collect();
         let sky = Panorama::new(texels, width, [1.0, 2.0, 3.0], 0.7);
-        let mut directions = Columns::default();
         // The poles, the seam, and what lies between, as parts of texels and as many of them.
         let all: Vec<DVec3> = (0..=180)
             .flat_map(|i| {
@@ -547,15 +542,27 @@ mod tests {
         let ratios: Vec<f64> = (0..all.len())
             .map(|k| 1e3 / 1.007f64.powi(k as i32))
             .collect();
-        all.iter().for_each(|d| directions.push(*d));
-        let mut radiance = vec![[0.0; 3]; all.len()];
         let angles = PixelAngles {
             angle: 0.7,
             ratios: &ratios,
         };
-        sky.radiance_each(&directions, angles, &mut radiance);
-        for ((d, w), together) in all.iter().zip(&ratios).zip(radiance) {
-            assert_eq!(sky.radiance(*d, 0.7 / w), together, "{d}, {w}");
+        // Rays in a row, and in another order.
+        let count = all.len() as u32;
+        let orders: [Vec<u32>; 2] = [
+            (0..count).collect(),
+            (0..count).map(|k| k * 11 % count).collect(),
+        ];
+        for rays in orders {
+            let looks = Looks {
+                directions: &all,
+                rays: &rays,
+            };
+            let mut radiance = vec![[0.0; 3]; all.len()];
+            sky.radiance_each(looks, angles, &mut radiance);
+            for ((ray, w), together) in rays.iter().zip(&ratios).zip(radiance) {
+                let d = all[*ray as usize];
+                assert_eq!(sky.radiance(d, 0.7 / w), together, "{d}, {w}");
+            }
         }
     }
 

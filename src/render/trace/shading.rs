@@ -11,7 +11,7 @@ use super::run::{Run, TracedRays, in_a_row};
 use super::stats::{Counter, Meter, Stage};
 use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, dispatch, shift_each};
 use crate::colour::{self, RgbShift};
-use crate::light::sky::{PixelAngles, Sky};
+use crate::light::sky::{Looks, PixelAngles, Sky};
 use crate::light::time_texture::Coverage;
 use crate::render::film::TileFilm;
 use crate::spacetime::Quantity;
@@ -226,7 +226,9 @@ impl Shading {
         };
         let mut escaped = &self.escaped;
         self.emitted.start(response.clone());
-        take_directions(escaped, traced, &mut self.directions);
+        if sky.takes_columns() {
+            take_directions(escaped, traced, &mut self.directions);
+        }
         // Between stars there may be nothing to see.
         if let Some(stars) = sky.only_stars() {
             self.near.clear();
@@ -235,8 +237,10 @@ impl Shading {
             take_directions(escaped, traced, &mut self.directions);
         }
         self.ratios.clear();
-        self.ratios
-            .extend(escaped.iter().map(|ray| ratios[*ray as usize]));
+        match in_a_row(escaped).and_then(|rays| ratios.get(rays)) {
+            Some(row) => self.ratios.extend_from_slice(row),
+            None => (self.ratios).extend(escaped.iter().map(|ray| ratios[*ray as usize])),
+        }
         let ratios = &self.ratios;
         let weigh_all = |scaled: Scaling, factors: &mut Vec<f64>| {
             weigh(scaled, ratios, factors);
@@ -252,7 +256,12 @@ impl Shading {
                 angle: *angle,
                 ratios,
             };
-            sky.radiance_each(&self.directions, pixels, &mut self.emitted.radiance);
+            let looks = Looks {
+                directions: traced.rays.directions,
+                rays: escaped,
+            };
+            let radiance = &mut self.emitted.radiance;
+            sky.radiance_each(looks, &self.directions, pixels, radiance);
             weigh_all(self.emitted.response.scaled, &mut self.factors);
             add_colours(&mut self.emitted, ratios, &self.factors, escaped, sink);
         }

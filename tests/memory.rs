@@ -1,8 +1,8 @@
 //! What a prepared scene holds: at most 200 bytes per triangle of mesh and BVH, and every cube once. What a picture takes
 //! while it is made: no more than its plan says, and not much less.
 //!
-//! Of a prepared scene the capacities of all that grows with triangles are counted: BVH, indices, texture coordinates; of a
-//! picture whatever is allocated.
+//! Of a prepared scene the capacities of all that grows with triangles are counted: BVH, normals, indices, texture coordinates; of
+//! a picture whatever is allocated.
 
 #[path = "common/counting.rs"]
 mod counting;
@@ -67,11 +67,15 @@ fn bytes(frame: &RestFrame) -> usize {
             + 12 * mesh.triangles.capacity()
             + mesh.uvs.iter().map(|uvs| 8 * uvs.capacity()).sum::<usize>()
     });
-    frame.bvh.bytes() + meshes.sum::<usize>()
+    frame.bvh.bytes() + 24 * frame.normals.capacity() + meshes.sum::<usize>()
 }
 
 fn bytes_per_triangle(shape: &str, sources: usize) -> f64 {
-    let (plan, prepared) = prepare(&object(0, shape, 0.5), sources);
+    bytes_per_triangle_of(&object(0, shape, 0.5), sources)
+}
+
+fn bytes_per_triangle_of(shape: &str, sources: usize) -> f64 {
+    let (plan, prepared) = prepare(shape, sources);
     let held: usize = prepared.frames.iter().map(bytes).sum();
     assert!(
         held as u64 <= plan.memory.geometry,
@@ -100,6 +104,18 @@ fn a_mesh_that_no_cube_lies_on_is_its_bvh_alone() {
     // of packets: 256 bytes for at least six triangles or so.
     let held = bytes_per_triangle(SPHERE, 0);
     assert!(held <= 72.0 + 4.0 + 64.0 + 256.0 / 6.0, "{held} bytes");
+}
+
+#[test]
+fn a_mesh_that_lamps_light_has_its_normals_beside_and_takes_at_most_200_bytes_per_triangle() {
+    let _alone = ALONE.lock();
+    let lamp = "[[light]]\nposition = [0, 9, 9]\n";
+    for shape in [SPHERE, LATTICE] {
+        let object = object(0, shape, 0.5);
+        let [dark, lit] = [&object, &(object.clone() + lamp)].map(|o| bytes_per_triangle_of(o, 0));
+        assert_eq!(lit - dark, 24.0, "{shape}");
+        assert!(lit <= 200.0, "{shape}: {lit} bytes");
+    }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::alpha::AlphaTest;
 use super::float::{exponent, power_of_two};
@@ -147,14 +148,49 @@ impl Bvh {
         let [a, b, c] = self.corners(hit.slot);
         unit_normal(b - a, c - a)
     }
+
+    /// The same of all triangles, by slot.
+    pub(crate) fn normals(&self) -> Vec<DVec3> {
+        let normal = |[a, b, c]: &[DVec3; 3]| unit_normal(*b - *a, *c - *a);
+        self.corners.par_iter().map(normal).collect()
+    }
 }
 
 /// The unit normal of a triangle by two of its edges, on the side from which its corners run counter-clockwise; 0 where it
 /// has no area.
 #[inline(always)]
-pub(crate) fn unit_normal(e1: DVec3, e2: DVec3) -> DVec3 {
+fn unit_normal(e1: DVec3, e2: DVec3) -> DVec3 {
     // Equal powers of two leave the direction as it is and the squares within range.
     let size = e1.abs().max(e2.abs()).max_element();
     let scale = power_of_two(-exponent(size).clamp(-900, 900));
     (e1 * scale).cross(e2 * scale).normalize_or_zero()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn normals_of_all_triangles_are_those_of_hits_on_each() {
+        let part = |k: u32| f64::from((31 * k * k + 7919 * k) % 1009) / 1009.0 - 0.5;
+        let corner = |k: u32| DVec3::new(part(3 * k), part(3 * k + 1), part(3 * k + 2));
+        let triangles = (0..100).map(|k| [3 * k, 3 * k + 1, 3 * k + 2].map(corner));
+        let bvh = Bvh::build(triangles.collect(), |_| Facing::TwoSided);
+        let normals = bvh.normals();
+        assert_eq!(normals.len(), 100);
+        for (slot, normal) in (0..).zip(normals) {
+            let hit = Hit {
+                s: 1.0,
+                u: 0.2,
+                v: 0.3,
+                triangle: bvh.triangle(slot).0,
+                slot,
+                front: true,
+            };
+            assert_eq!(normal, bvh.normal(&hit));
+            let [a, b, c] = bvh.corners(slot);
+            let cross = (b - a).cross(c - a);
+            assert!((normal - cross / cross.length()).length() < 1e-12);
+        }
+    }
 }

@@ -52,7 +52,6 @@ mod wide;
 pub use alpha::AlphaTest;
 pub use build::{ExpectedRays, Preset};
 pub use bvh::Bvh;
-pub(crate) use bvh::unit_normal;
 pub use packet::{Kernel, Method, Precision};
 pub use rays::{Converging, Facing, Hit, NO_SLOT, Origins, Ray, Segment};
 pub use tally::{Counts, NoTally, Tally, Work};

@@ -1,5 +1,7 @@
 //! How much memory a plan takes.
 
+use glam::DVec3;
+
 use super::planned::{Memory, PlannedCube, PlannedFrame, PlannedObject, Request};
 use crate::accel::Bvh;
 use crate::io::cube::{BRICK, LEAST_ROOM};
@@ -60,9 +62,10 @@ pub(super) fn read_in_parts(
     }
 }
 
-/// What the parts of a plan take.
+/// What the parts of a plan take, with `normals` of triangles or without.
 pub(super) fn memory(
     frames: &[PlannedFrame],
+    normals: bool,
     objects: &[PlannedObject],
     cubes: &[Option<PlannedCube>],
     layout: &Layout,
@@ -72,6 +75,10 @@ pub(super) fn memory(
         .iter()
         .map(|f| Bvh::estimate_bytes(f.triangles as usize) as u64)
         .sum::<u64>();
+    let normals = match normals {
+        true => frames.iter().map(|f| f.triangles).sum::<u64>() * size_of::<DVec3>() as u64,
+        false => 0,
+    };
     let uvs = objects
         .iter()
         .filter(|o| o.uvs)
@@ -102,7 +109,7 @@ pub(super) fn memory(
     files.sort();
     files.dedup();
     Memory {
-        geometry: bvhs + uvs,
+        geometry: bvhs + normals + uvs,
         cubes: files.iter().map(|f| f.2).sum::<u64>() + captures.sum::<u64>(),
         film: layout.bytes(),
         temporary: temporary(frames, layout).max(splitting),

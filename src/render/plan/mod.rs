@@ -52,7 +52,9 @@ impl Plan {
         let layout = layout(scene, request, &objects);
         let rays = rays(scene, &layout, &objects, &cubes);
         let trees = trees(request, &rays, &objects);
-        let memory = |cubes: &_| memory::memory(&frames, &objects, cubes, &layout, request);
+        let normals = keeps_normals(scene, &objects, &cubes);
+        let memory =
+            |cubes: &_| memory::memory(&frames, normals, &objects, cubes, &layout, request);
         memory::read_in_parts(&mut cubes, request.memory_limit, &memory);
         let memory = memory(&cubes);
         let view = Camera::new(scene)?.view.kind();
@@ -135,6 +137,19 @@ fn is_time_resolved(scene: &Scene, objects: &[PlannedObject]) -> bool {
         materials.any(|m| !matches!(lit_by(scene, o, m), Lit::Base | Lit::Spectrum))
     };
     (0..objects.len()).any(varies)
+}
+
+/// Whether the normals of all triangles are kept: where surfaces reflect light, or capture cameras see them.
+pub(crate) fn keeps_normals(
+    scene: &Scene,
+    objects: &[PlannedObject],
+    cubes: &[Option<PlannedCube>],
+) -> bool {
+    let reflects = |o: usize| {
+        let mut materials = objects[o].materials.iter();
+        materials.any(|m| matches!(lit_by(scene, o, m), Lit::Reflecting(_)))
+    };
+    cubes.iter().flatten().any(|c| c.capture_rays > 0) || (0..objects.len()).any(reflects)
 }
 
 /// Whether the camera's sensor can hide the pinhole from parts of itself.

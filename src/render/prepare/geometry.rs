@@ -14,7 +14,9 @@ use crate::io::budget::Budget;
 use crate::io::{gltf, npy};
 use crate::mesh::atlas::Corners;
 use crate::mesh::{Material, Mesh, shapes};
-use crate::render::plan::{BUILT_TOGETHER, Lit, Plan, PlannedFrame, PlannedObject, lit_by};
+use crate::render::plan::{
+    BUILT_TOGETHER, Lit, Plan, PlannedFrame, PlannedObject, keeps_normals, lit_by,
+};
 use crate::render::progress::Progress;
 use crate::render::trace::{AlphaMasks, MaskedRun, Patch, RestFrame};
 use crate::scene::MADE_FOR_MODEL;
@@ -33,6 +35,7 @@ pub(super) fn frames(
     warnings: &mut Vec<String>,
     progress: &dyn Progress,
 ) -> Result<(Vec<RestFrame>, f64)> {
+    let normals = keeps_normals(scene, &plan.objects, &plan.cubes);
     let mut frames = Vec::with_capacity(plan.frames.len());
     let mut built_in = 0.0;
     let mut gathered = Vec::new();
@@ -44,7 +47,9 @@ pub(super) fn frames(
         gathered.push(frame);
         if triangles >= BUILT_TOGETHER || index + 1 == plan.frames.len() {
             let begin = Instant::now();
-            let built = gathered.par_drain(..).map(|frame| frame.built(plan.trees));
+            let built = gathered
+                .par_drain(..)
+                .map(|frame| frame.built(plan.trees, normals));
             frames.par_extend(built);
             built_in += begin.elapsed().as_secs_f64();
             triangles = 0;
@@ -275,8 +280,8 @@ impl Gathered {
         }
     }
 
-    /// The same with its tree.
-    fn built(self, trees: Preset) -> RestFrame {
+    /// The same with its tree, and with `normals` or without.
+    fn built(self, trees: Preset, normals: bool) -> RestFrame {
         // Patches stand in the order of their triangles.
         let (patches, culled) = (self.patches, self.culled);
         let facing = |triangle: u32| {
@@ -297,6 +302,7 @@ impl Gathered {
         };
         RestFrame {
             frame: self.frame,
+            normals: if normals { bvh.normals() } else { Vec::new() },
             bvh,
             patches,
             meshes,

@@ -3,8 +3,7 @@
 use glam::DVec3;
 
 use super::run::{Run, TracedRays};
-use crate::accel::unit_normal;
-use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, Vectors, dispatch, load, store};
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch, load, store};
 use crate::light::lamp::{EventColumns, PointsOnRays};
 use crate::light::time_texture::SurfacePoint as CapturePoint;
 use crate::spacetime::{Displacement, Event, World};
@@ -36,8 +35,6 @@ pub(super) struct Points {
     pub s: Vec<f64>,
     /// Whether rays leave each from its own event.
     own_origins: bool,
-    /// Room for the triangles of a block of points.
-    triangle_block: Box<TriangleBlock>,
 }
 
 /// What of points is taken over.
@@ -47,13 +44,6 @@ enum Taken {
     All,
     Positions,
     Tangents,
-}
-
-/// Triangles of a block of points: two edges, and 1 for hits on the front, −1 for those on the back.
-#[derive(Debug)]
-struct TriangleBlock {
-    edges: [[Block; 3]; 2],
-    sides: Block,
 }
 
 impl Points {
@@ -139,8 +129,10 @@ impl Points {
         let hits = run.traced.hits.hits();
         for (block, members) in run.members.chunks(BLOCK).enumerate() {
             let begin = block * BLOCK;
-            // Triangles lie apart in memory: their corners are gathered first.
-            let TriangleBlock { edges, sides } = &mut *self.triangle_block;
+            // What the hits say, and the normals of their triangles on the side that is seen.
+            let Some([x, y, z]) = self.normals.block_mut(begin) else {
+                continue;
+            };
             let of_points = self.triangles[begin..].iter_mut();
             let of_points = of_points.zip(&mut self.slots[begin..]);
             let of_points = of_points.zip(&mut self.s[begin..]);
@@ -148,18 +140,10 @@ impl Points {
                 let Some(hit) = &hits[*ray as usize] else {
                     continue;
                 };
-                let [a, b, c] = run.rest.bvh.corners(hit.slot);
-                for ([x, y, z], e) in edges.iter_mut().zip([b - a, c - a]) {
-                    (x[k], y[k], z[k]) = (e.x, e.y, e.z);
-                }
-                sides[k] = if hit.front { 1.0 } else { -1.0 };
+                let normal = run.rest.normal(hit) * if hit.front { 1.0 } else { -1.0 };
+                (x[k], y[k], z[k]) = (normal.x, normal.y, normal.z);
                 (*triangle, *slot, *s) = (hit.triangle, hit.slot, hit.s);
             }
-            dispatch(Normals {
-                triangles: &self.triangle_block,
-                begin,
-                normals: &mut self.normals,
-            });
 
             // Where they are: in one frame, whose rays are at hand, in a loop that does nothing else.
             if let (Some((eye, tangents)), true) = (shared, with_tangents) {
@@ -303,33 +287,7 @@ impl Default for Points {
             offsets: EventColumns::default(),
             s: Vec::new(),
             own_origins: false,
-            triangle_block: Box::new(TriangleBlock {
-                edges: [[[0.0; BLOCK]; 3]; 2],
-                sides: [1.0; BLOCK],
-            }),
         }
-    }
-}
-
-/// Edges of the triangles of a block to unit normals, on the side that is seen.
-struct Normals<'a> {
-    triangles: &'a TriangleBlock,
-    begin: usize,
-    normals: &'a mut Columns,
-}
-
-impl VectorLoop for Normals<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let TriangleBlock { edges, sides } = self.triangles;
-        let [[x1, y1, z1], [x2, y2, z2]] = edges;
-        let mut normals = Vectors::ZERO;
-        for (k, side) in sides.iter().enumerate() {
-            let e1 = DVec3::new(x1[k], y1[k], z1[k]);
-            let e2 = DVec3::new(x2[k], y2[k], z2[k]);
-            normals.set(k, unit_normal(e1, e2) * *side);
-        }
-        self.normals.store(&normals, self.begin);
     }
 }
 

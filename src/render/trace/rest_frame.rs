@@ -17,6 +17,8 @@ pub struct RestFrame {
     pub frame: InertialFrame<Rest>,
     /// All triangles, in rest-frame coordinates relative to the frame's origin.
     pub bvh: Bvh,
+    /// Unit normals by slot of the tree, where many points ask for them; otherwise empty.
+    pub normals: Vec<DVec3>,
     /// Runs of triangles that look alike, ascending by first triangle.
     pub patches: Vec<Patch>,
     /// Per object of the frame: triangles and texture coordinates, where something needs them.
@@ -104,6 +106,15 @@ impl RestFrame {
     /// The corners of its triangles, each place once.
     pub(crate) fn shared_vertices(&self) -> &SharedVertices {
         self.vertices.get_or_init(|| SharedVertices::of(&self.bvh))
+    }
+
+    /// The unit normal of the triangle that was hit, on the side from which its corners run counter-clockwise.
+    #[inline(always)]
+    pub(super) fn normal(&self, hit: &Hit) -> DVec3 {
+        match self.normals.get(hit.slot as usize) {
+            Some(normal) => *normal,
+            None => self.bvh.normal(hit),
+        }
     }
 
     /// The patch that triangle `triangle` belongs to.

@@ -141,13 +141,33 @@ impl<To: Frame, From: Frame> Boost<To, From> {
             return Displacement::new(d.ct, d.x);
         }
         // Slow: increments γ − 1 and sinh φ. Fast: t ± x∥ scale by e^(±φ), and nothing cancels.
-        let along = self.n.dot(d.x);
-        if self.up < SLOW {
-            return Displacement::new(
-                d.ct + (self.gamma_minus_one * d.ct + self.sinh * along),
-                d.x + self.n * (self.gamma_minus_one * along + self.sinh * d.ct),
-            );
+        match self.is_slow() {
+            true => self.displacement_of_slow(d),
+            false => self.displacement_of_fast(d),
         }
+    }
+
+    /// Whether displacements are boosted by increments.
+    #[inline(always)]
+    pub(crate) fn is_slow(&self) -> bool {
+        self.up < SLOW
+    }
+
+    /// [`Boost::displacement`] where [`Boost::is_slow`] is true and [`Boost::is_identity`] false: a loop that asks that beforehand goes in
+    /// vectors.
+    #[inline(always)]
+    pub(crate) fn displacement_of_slow(&self, d: Displacement<From>) -> Displacement<To> {
+        let along = self.n.dot(d.x);
+        Displacement::new(
+            d.ct + (self.gamma_minus_one * d.ct + self.sinh * along),
+            d.x + self.n * (self.gamma_minus_one * along + self.sinh * d.ct),
+        )
+    }
+
+    /// The same where both are false.
+    #[inline(always)]
+    pub(crate) fn displacement_of_fast(&self, d: Displacement<From>) -> Displacement<To> {
+        let along = self.n.dot(d.x);
         let across = d.x - self.n * along;
         self.light_cone(d.ct + along, d.ct - along, across)
     }
@@ -175,6 +195,16 @@ impl<To: Frame, From: Frame> Boost<To, From> {
     /// [`Boost::direction`] where [`Boost::is_identity`] is false: a loop that asks that beforehand goes in vectors.
     #[inline(always)]
     pub(crate) fn direction_of_moving(&self, d: Direction<From>) -> (Direction<To>, f64) {
+        let (d, [ratio, _]) = self.direction_and_inverse_of_moving(d);
+        (d, ratio)
+    }
+
+    /// The same with 1 over the ratio beside it.
+    #[inline(always)]
+    pub(crate) fn direction_and_inverse_of_moving(
+        &self,
+        d: Direction<From>,
+    ) -> (Direction<To>, [f64; 2]) {
         let Boost { n, up, down, .. } = *self;
         // W = ½ (e^(−φ)(1 + c∥) + e^φ (1 − c∥)): both terms positive.
         let parts = Parts::of(d.unit(), n);
@@ -182,8 +212,9 @@ impl<To: Frame, From: Frame> Boost<To, From> {
         let ahead = up * parts.one_minus;
         let ratio = 0.5 * (back + ahead);
         // One division for the three components: half an eps more in their common length.
-        let unit = (parts.across + n * (0.5 * (back - ahead))) * (1.0 / ratio);
-        (Direction::from_unit(unit), ratio)
+        let inverse = 1.0 / ratio;
+        let unit = (parts.across + n * (0.5 * (back - ahead))) * inverse;
+        (Direction::from_unit(unit), [ratio, inverse])
     }
 
     /// The tangent (−η, d) of a light path in `To`, with the same parameter.

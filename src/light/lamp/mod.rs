@@ -354,15 +354,26 @@ trait Emitter {
     /// The same at a block of points, whose ways are `times` and `ways`.
     #[inline(always)]
     fn arrivals(&self, times: &Block, ways: &Vectors, to: &mut ArrivalsBlock) {
-        for (k, ct) in times.iter().enumerate() {
-            let (arrival, time) = self.arrival(Displacement::new(*ct, ways.get(k)));
-            to.d.set(k, arrival.d.unit());
-            to.distance[k] = arrival.distance;
-            to.times[k] = time;
-            to.ratio[k] = arrival.ratio;
-            to.reach[k] = arrival.reach;
-            to.in_lamp.set(k, arrival.in_lamp);
-        }
+        arrivals_singly(self, times, ways, to);
+    }
+}
+
+/// [`Emitter::arrival`] at each point of a block.
+#[inline(always)]
+fn arrivals_singly(
+    emitter: &(impl Emitter + ?Sized),
+    times: &Block,
+    ways: &Vectors,
+    to: &mut ArrivalsBlock,
+) {
+    for (k, ct) in times.iter().enumerate() {
+        let (arrival, time) = emitter.arrival(Displacement::new(*ct, ways.get(k)));
+        to.d.set(k, arrival.d.unit());
+        to.distance[k] = arrival.distance;
+        to.times[k] = time;
+        to.ratio[k] = arrival.ratio;
+        to.reach[k] = arrival.reach;
+        to.in_lamp.set(k, arrival.in_lamp);
     }
 }
 
@@ -417,10 +428,21 @@ impl Emitter for Inertial<'_> {
             *self.frame.frame_from_world(),
             *self.frame.world_from_frame(),
         );
-        for (k, ct) in times.iter().enumerate() {
-            let way = boost.displacement(Displacement::new(*ct, ways.get(k)));
-            to.times[k] = way.ct;
-            to.in_lamp.set(k, -way.x);
+        if boost.is_identity() | back.is_identity() {
+            return arrivals_singly(self, times, ways, to);
+        }
+        if boost.is_slow() {
+            for (k, ct) in times.iter().enumerate() {
+                let way = boost.displacement_of_slow(Displacement::new(*ct, ways.get(k)));
+                to.times[k] = way.ct;
+                to.in_lamp.set(k, -way.x);
+            }
+        } else {
+            for (k, ct) in times.iter().enumerate() {
+                let way = boost.displacement_of_fast(Displacement::new(*ct, ways.get(k)));
+                to.times[k] = way.ct;
+                to.in_lamp.set(k, -way.x);
+            }
         }
         for k in 0..BLOCK {
             let (in_lamp, reach) = nearly_unit_and_length_or_nan(to.in_lamp.get(k));
@@ -430,13 +452,10 @@ impl Emitter for Inertial<'_> {
         }
         for k in 0..BLOCK {
             let look = Direction::<Camera>::from_unit(to.in_lamp.get(k));
-            let (d, world) = back.direction(look);
+            let (d, [world, inverse]) = back.direction_and_inverse_of_moving(look);
             to.d.set(k, d.unit());
-            to.ratio[k] = world;
-        }
-        for (k, ratio) in to.ratio.iter_mut().enumerate() {
-            to.distance[k] = to.reach[k] * *ratio;
-            *ratio = 1.0 / *ratio;
+            to.distance[k] = to.reach[k] * world;
+            to.ratio[k] = inverse;
         }
     }
 }

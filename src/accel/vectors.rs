@@ -53,6 +53,18 @@ pub(crate) fn load(from: &[f64], begin: usize) -> Block {
     }
 }
 
+/// The same where they lie, or the last ones in `last`.
+#[inline(always)]
+pub(crate) fn block_of<'a>(from: &'a [f64], begin: usize, last: &'a mut Block) -> &'a Block {
+    match from.get(begin..).and_then(<[f64]>::first_chunk) {
+        Some(block) => block,
+        None => {
+            *last = load_last(from, begin);
+            last
+        }
+    }
+}
+
 #[cold]
 #[inline(never)]
 fn load_last(from: &[f64], begin: usize) -> Block {

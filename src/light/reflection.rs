@@ -185,13 +185,13 @@ impl Reflection {
         if self.is_mirror {
             return self.diffuse_value(l);
         }
-        DVec3::to_array(&self.glossy_value(DVec3::from_array(f0), l))
+        DVec3::to_array(&self.glossy_value::<false>(DVec3::from_array(f0), l))
     }
 
-    /// f of a surface of this f₀.
+    /// f of a surface of this f₀; `ROUGHEST` says that α is 1.
     #[inline(always)]
-    fn glossy_value(&self, f0: DVec3, l: DVec3) -> DVec3 {
-        let (gloss, along) = self.gloss_and_cosine(l);
+    fn glossy_value<const ROUGHEST: bool>(&self, f0: DVec3, l: DVec3) -> DVec3 {
+        let (gloss, along) = self.gloss_and_cosine::<ROUGHEST>(l);
         let weight = schlick(along);
         let f = f0 + (DVec3::ONE - f0) * weight;
         (DVec3::ONE - f) * DVec3::from_array(self.diffuse) * FRAC_1_PI + f * gloss
@@ -411,8 +411,10 @@ impl Reflection {
     /// D V and v·h, with one division: with s = v + l, h = s/|s|, and v·h = |s|/2 as v and l are unit vectors,
     ///
     /// D = α² |s|⁴/(π ((n·s)² (α² − 1) + |s|²)²).
+    ///
+    /// With α = 1 the roots of V are 1, and what is left has the same bits without them.
     #[inline(always)]
-    fn gloss_and_cosine(&self, l: DVec3) -> (f64, f64) {
+    fn gloss_and_cosine<const ROUGHEST: bool>(&self, l: DVec3) -> (f64, f64) {
         let sum = self.view + l;
         let (square, height) = (sum.length_squared(), self.normal.dot(sum));
         // Light that grazes from behind may have no h: n stands for it.
@@ -424,11 +426,16 @@ impl Reflection {
         };
         let along = 0.5 * square.sqrt();
         let along = if has_half { along } else { self.facing };
-        let alpha = self.alpha * self.alpha;
+        let cosine = self.normal.dot(l);
+        let (alpha, masking) = match ROUGHEST {
+            true => (1.0, cosine + self.facing),
+            false => (
+                self.alpha * self.alpha,
+                cosine * self.root(self.facing) + self.facing * self.root(cosine),
+            ),
+        };
         // Its terms cancel at the peak of a smooth surface only as far as α² is small.
         let spread = height * height * (alpha - 1.0) + norm;
-        let cosine = self.normal.dot(l);
-        let masking = cosine * self.root(self.facing) + self.facing * self.root(cosine);
         let gloss = 0.5 * alpha * (norm * norm) / (PI * (spread * spread) * masking);
         (gloss, along)
     }
@@ -479,9 +486,10 @@ impl Glosses {
     }
 }
 
-/// [`Reflection::value`] of a surface of this base colour, metalness and roughness, for loops over many.
+/// [`Reflection::value`] of a surface of this base colour, metalness and roughness, for loops over many; `ROUGHEST` says that the roughness
+/// is 1.
 #[inline(always)]
-pub(crate) fn metallic_roughness_value(
+pub(crate) fn metallic_roughness_value<const ROUGHEST: bool>(
     normal: DVec3,
     view: DVec3,
     colour: DVec3,
@@ -492,7 +500,7 @@ pub(crate) fn metallic_roughness_value(
     let of = Reflection::metallic_roughness(normal, view, colour, metallic, roughness);
     // There is one: taken apart only because none would be diffuse.
     let f0 = colour.map(|c| 0.04 * (1.0 - metallic) + c * metallic);
-    of.glossy_value(DVec3::from_array(f0), l)
+    of.glossy_value::<ROUGHEST>(DVec3::from_array(f0), l)
 }
 
 /// The loop over points: their reflections are brought together by component first.
@@ -536,7 +544,7 @@ impl VectorLoop for Values<'_> {
                     through: None,
                     near: 1.0,
                 };
-                values.set(k, of.glossy_value(specular.get(k), l.get(k)));
+                values.set(k, of.glossy_value::<false>(specular.get(k), l.get(k)));
             }
             // The others one by one.
             for (k, point) in chosen.iter().enumerate() {
@@ -685,7 +693,12 @@ mod tests {
             let l = DVec3::new(-part(11), part(13), 0.01 + part(17)).normalize();
             let (colour, look) = ([part(19), part(23), part(29)], [part(31), part(37)]);
             let one = Reflection::metallic_roughness(n, v, colour, look[0], look[1]).value(l);
-            let many = metallic_roughness_value(n, v, colour.into(), look, l).to_array();
+            let many = metallic_roughness_value::<false>(n, v, colour.into(), look, l).to_array();
+            assert_eq!(one.map(f64::to_bits), many.map(f64::to_bits));
+            // Surfaces as rough as can be have a loop of their own.
+            let look = [look[0], 1.0];
+            let one = Reflection::metallic_roughness(n, v, colour, look[0], look[1]).value(l);
+            let many = metallic_roughness_value::<true>(n, v, colour.into(), look, l).to_array();
             assert_eq!(one.map(f64::to_bits), many.map(f64::to_bits));
         }
     }

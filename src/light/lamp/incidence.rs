@@ -1,7 +1,7 @@
 //! How the light of one lamp falls on surfaces of one rest frame, in loops over arrays: what [`Lamp::incident`] says of each.
 
 use super::{Arrivals, Lamp};
-use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, load, store};
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, block_of, dispatch, load, store};
 use crate::light::Received;
 use crate::spacetime::{Boost, Direction, Rest, World};
 
@@ -74,12 +74,14 @@ impl VectorLoop for Fall<'_> {
             to,
         } = self;
         let mut cosine = [0.0; BLOCK];
+        let mut last = [[0.0; BLOCK]; 2];
         let mut begin = 0;
         while begin < to.factors.len() {
             let normals = normals.block(begin);
+            let [last_strength, last_reach] = &mut last;
             let (strength, reach) = (
-                load(&arrivals.strength, begin),
-                load(&arrivals.reach, begin),
+                block_of(&arrivals.strength, begin, last_strength),
+                block_of(&arrivals.reach, begin, last_reach),
             );
             let mut ratio = load(&arrivals.ratio, begin);
             // W = (ω_G/ω_world)/(ω_F/ω_world).

@@ -10,7 +10,9 @@ use super::falling::{Falling, Gathered};
 use super::occlusion::any_to_point;
 use super::run::Run;
 use super::stats::Meter;
-use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, Vectors, dispatch, load, store};
+use crate::accel::vectors::{
+    BLOCK, Block, Columns, VectorLoop, Vectors, VectorsRef, block_of, dispatch, load, store,
+};
 use crate::light::lamp::{Incident, Lamp};
 use crate::light::reflection::{Glosses, Reflection, metallic_roughness_value};
 
@@ -294,6 +296,39 @@ struct Gloss<'a> {
     added: &'a mut Columns,
 }
 
+/// A block of points of glossy surfaces.
+struct Glossy<'a> {
+    n: VectorsRef<'a>,
+    v: VectorsRef<'a>,
+    l: VectorsRef<'a>,
+    colours: VectorsRef<'a>,
+    metallic: &'a Block,
+    roughness: &'a Block,
+}
+
+impl Glossy<'_> {
+    /// Makes `sum` what is `before` and what they reflect of `irradiance`, whose factors these are; `ROUGHEST` says that all roughnesses are 1.
+    #[inline(always)]
+    fn add<const ROUGHEST: bool>(
+        &self,
+        factors: &Block,
+        irradiance: &Vectors,
+        before: VectorsRef,
+        sum: &mut Vectors,
+    ) {
+        for (k, factor) in factors.iter().enumerate() {
+            let look = [self.metallic[k], self.roughness[k]];
+            let (n, v, l) = (self.n.get(k), self.v.get(k), self.l.get(k));
+            let colour = self.colours.get(k);
+            let value = metallic_roughness_value::<ROUGHEST>(n, v, colour, look, l);
+            let more = before.get(k) + value * irradiance.get(k);
+            // Without light f may be no number.
+            let is_lit = *factor != 0.0;
+            sum.set(k, if is_lit { more } else { before.get(k) });
+        }
+    }
+}
+
 impl VectorLoop for Gloss<'_> {
     #[inline(always)]
     fn run(self) {
@@ -307,28 +342,31 @@ impl VectorLoop for Gloss<'_> {
             added,
         } = self;
         let (mut irradiance, mut sum) = (Vectors::ZERO, Vectors::ZERO);
+        let mut last = [[0.0; BLOCK]; 2];
         let mut begin = 0;
         while begin < light.factors.len() {
             if let Some(factors) = light.factors(begin) {
                 light.irradiate(begin, &factors, &mut irradiance);
-                let (n, v, l) = (normals.block(begin), views.block(begin), l.block(begin));
-                let colours = glosses.colours.block(begin);
-                let metallic = load(&glosses.metallic, begin);
-                let roughness = load(&glosses.roughness, begin);
+                let [last_metallic, last_roughness] = &mut last;
+                let metallic = block_of(&glosses.metallic, begin, last_metallic);
+                let roughness = block_of(&glosses.roughness, begin, last_roughness);
+                let points = Glossy {
+                    n: normals.block(begin),
+                    v: views.block(begin),
+                    l: l.block(begin),
+                    colours: glosses.colours.block(begin),
+                    metallic,
+                    roughness,
+                };
                 let before = added.block(begin);
-                for k in 0..BLOCK {
-                    let look = [metallic[k], roughness[k]];
-                    let value = metallic_roughness_value(
-                        n.get(k),
-                        v.get(k),
-                        colours.get(k),
-                        look,
-                        l.get(k),
-                    );
-                    let more = before.get(k) + value * irradiance.get(k);
-                    // Without light f may be no number.
-                    let is_lit = factors[k] != 0.0;
-                    sum.set(k, if is_lit { more } else { before.get(k) });
+                // The roughest surfaces, as all are that say nothing of it, take fewer roots.
+                let mut is_roughest = true;
+                for roughness in roughness {
+                    is_roughest &= *roughness == 1.0;
+                }
+                match is_roughest {
+                    true => points.add::<true>(&factors, &irradiance, before, &mut sum),
+                    false => points.add::<false>(&factors, &irradiance, before, &mut sum),
                 }
                 added.store(&sum, begin);
                 gathered.weigh(begin, &light, &factors, &irradiance);

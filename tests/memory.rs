@@ -67,7 +67,7 @@ fn bytes(frame: &RestFrame) -> usize {
             + 12 * mesh.triangles.capacity()
             + mesh.uvs.iter().map(|uvs| 8 * uvs.capacity()).sum::<usize>()
     });
-    frame.bvh.bytes() + 24 * frame.normals.capacity() + meshes.sum::<usize>()
+    frame.bvh.bytes() + 24 * frame.normals().len() + meshes.sum::<usize>()
 }
 
 fn bytes_per_triangle(shape: &str, sources: usize) -> f64 {
@@ -115,7 +115,7 @@ fn a_mesh_that_lamps_light_has_its_normals_beside_and_takes_at_most_200_bytes_pe
         for (text, normals) in [(object.clone(), 0), (object.clone() + lamp, 1)] {
             let (_, prepared) = prepare(&text, 0);
             let frame = &prepared.frames[0];
-            assert_eq!(frame.normals.capacity(), normals * frame.bvh.len());
+            assert_eq!(frame.normals().len(), normals * frame.bvh.len());
         }
         let lit = bytes_per_triangle_of(&(object + lamp), 0);
         assert!(lit <= 200.0, "{shape}: {lit} bytes");

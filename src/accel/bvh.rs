@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::alpha::AlphaTest;
 use super::float::{exponent, power_of_two};
@@ -150,9 +149,12 @@ impl Bvh {
     }
 
     /// The same of all triangles, by slot.
-    pub(crate) fn normals(&self) -> Vec<DVec3> {
-        let normal = |[a, b, c]: &[DVec3; 3]| unit_normal(*b - *a, *c - *a);
-        self.corners.par_iter().map(normal).collect()
+    pub(crate) fn normals(&self) -> Pages<DVec3> {
+        let corners = &self.corners;
+        Pages::build(corners.len(), |slot| {
+            let [a, b, c] = corners[slot];
+            unit_normal(b - a, c - a)
+        })
     }
 }
 
@@ -178,7 +180,7 @@ mod tests {
         let bvh = Bvh::build(triangles.collect(), |_| Facing::TwoSided);
         let normals = bvh.normals();
         assert_eq!(normals.len(), 100);
-        for (slot, normal) in (0..).zip(normals) {
+        for (slot, &normal) in (0..).zip(normals.iter()) {
             let hit = Hit {
                 s: 1.0,
                 u: 0.2,

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::backs::{Backs, backs};
 use super::emitters::Builder;
+use crate::accel::pages::Pages;
 use crate::accel::{Bvh, Facing, Preset};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
@@ -302,7 +303,11 @@ impl Gathered {
         };
         RestFrame {
             frame: self.frame,
-            normals: if normals { bvh.normals() } else { Vec::new() },
+            normals: if normals {
+                bvh.normals()
+            } else {
+                Pages::default()
+            },
             bvh,
             patches,
             meshes,

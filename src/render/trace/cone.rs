@@ -143,7 +143,7 @@ mod tests {
         RestFrame {
             frame: InertialFrame::new(velocity, Event::new(next(), vector(next))),
             bvh: Bvh::build(vec![corners], |_| Facing::TwoSided),
-            normals: Vec::new(),
+            normals: Default::default(),
             patches: Vec::new(),
             meshes: Default::default(),
             vertices: Default::default(),

@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{DVec2, DVec3};
 
+use crate::accel::pages::Pages;
 use crate::accel::{Bvh, Hit};
 use crate::mesh::Mesh;
 use crate::spacetime::{Event, InertialFrame, Rest};
@@ -18,7 +19,7 @@ pub struct RestFrame {
     /// All triangles, in rest-frame coordinates relative to the frame's origin.
     pub bvh: Bvh,
     /// Unit normals by slot of the tree, where many points ask for them; otherwise empty.
-    pub normals: Vec<DVec3>,
+    pub(crate) normals: Pages<DVec3>,
     /// Runs of triangles that look alike, ascending by first triangle.
     pub patches: Vec<Patch>,
     /// Per object of the frame: triangles and texture coordinates, where something needs them.
@@ -106,6 +107,12 @@ impl RestFrame {
     /// The corners of its triangles, each place once.
     pub(crate) fn shared_vertices(&self) -> &SharedVertices {
         self.vertices.get_or_init(|| SharedVertices::of(&self.bvh))
+    }
+
+    /// Unit normals of triangles by their slot in the tree, on the side from which their corners run counter-clockwise; none where few
+    /// points ask for them.
+    pub fn normals(&self) -> &[DVec3] {
+        &self.normals
     }
 
     /// The unit normal of the triangle that was hit, on the side from which its corners run counter-clockwise.

@@ -118,7 +118,7 @@ mod tests {
             let rest = RestFrame {
                 frame: InertialFrame::new(velocity, Event::new(vector().x, vector())),
                 bvh: Bvh::build(vec![corners], |_| Facing::TwoSided),
-                normals: Vec::new(),
+                normals: Default::default(),
                 patches: Vec::new(),
                 meshes: Default::default(),
                 vertices: Default::default(),

@@ -23,8 +23,9 @@ use crate::spacetime::Velocity;
 
 /// No more moving objects are asked about.
 const MOST_OBJECTS: usize = 8;
-/// How far away what is left out goes, metres.
-const FAR: f64 = 1e7;
+/// How far away what is left out goes, in sizes of the scene: far out of view, and so near that boxes in f32 around all that rests together,
+/// 6e-8 of their distance wide, still tell the other objects apart.
+const FAR: f64 = 1e3;
 /// Samples per pixel at most, and rays of a picture: edges alone need more.
 const MOST_SAMPLES: u32 = 16;
 const MOST_RAYS: usize = 4_000_000;
@@ -43,13 +44,14 @@ struct Mistake {
 pub(super) fn changes(case: &Case) -> Option<Diagnosis> {
     let scene = case.scene?;
     let lit = lit(case)?;
-    if told(&lit, |_, r| r).tally.error() <= NOTABLE || !is_that_of(case, scene, &lit) {
+    if told(&lit, |_, r| r).tally.error() <= NOTABLE {
         return None;
     }
+    let size = size_where_light_is_that_of(case, scene, &lit)?;
     let mut mistakes = Vec::new();
     if !case.has_places() {
         // Before other mistakes that leave an object out of view.
-        mistakes.extend(absences(scene));
+        mistakes.extend(absences(scene, FAR * size));
         mistakes.extend(motions(scene));
     }
     let asked = mistakes.into_iter().filter_map(|mistake| {
@@ -81,6 +83,11 @@ impl Light {
 
 /// The light of a scene in the candidate's pixels.
 fn light_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<Light> {
+    light_and_size_of(case, scene, lit).map(|(light, _)| light)
+}
+
+/// The same, and how far from the origins of their rest frames surfaces reach, metres.
+fn light_and_size_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<(Light, f64)> {
     let mut scene = scene.clone();
     let [width, height] = case.points[0].size();
     let most = (MOST_RAYS / (width * height).max(1)).clamp(1, MOST_SAMPLES as usize);
@@ -93,24 +100,32 @@ fn light_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<Light> {
         request.memory_limit = MEMORY;
     }
     let plan = Plan::new(&scene, &request).ok()?;
-    let film = render(&Prepared::new(&scene, &plan, &Silent).ok()?, &Silent).ok()?;
+    let prepared = Prepared::new(&scene, &plan, &Silent).ok()?;
+    let reach = |(lo, hi): (DVec3, DVec3)| lo.abs().max(hi.abs()).max_element();
+    let bounds = prepared
+        .frames
+        .iter()
+        .filter_map(|frame| frame.bvh.bounds());
+    let size = bounds.map(reach).fold(0.0, f64::max);
+    let film = render(&prepared, &Silent).ok()?;
     let light = film.radiance().to_vec();
     let last = lit.iter().map(|(i, _)| *i).max()?;
-    (light.len() == width * height && last < light.len()).then_some(Light(light))
+    (light.len() == width * height && last < light.len()).then_some((Light(light), size))
 }
 
 /// Of a scene that is the reference's, half of the pixels have its light up to this part, whatever their samples.
 const SAME_LIGHT: f64 = 0.05;
 
-fn is_that_of(case: &Case, scene: &Scene, lit: &[Lit]) -> bool {
-    let Some(Light(light)) = light_of(case, scene, lit) else {
-        return false;
-    };
+/// The size of the scene, where its light is the reference's.
+fn size_where_light_is_that_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<f64> {
+    let (Light(light), size) = light_and_size_of(case, scene, lit)?;
     let sum = |light: &[f64; 3]| light.iter().sum::<f64>();
     let off = lit
         .iter()
         .map(|(i, [r, _])| (sum(&light[*i]) / sum(r) - 1.0).abs());
-    median(off.collect()).is_some_and(|off| off <= SAME_LIGHT)
+    median(off.collect())
+        .filter(|off| *off <= SAME_LIGHT)
+        .map(|_| size)
 }
 
 /// Steps from the size that is nearest of those that are tried.
@@ -318,12 +333,12 @@ fn motions(scene: &Scene) -> Vec<Mistake> {
     mistakes
 }
 
-/// The scene with an object far out of view.
-fn absences(scene: &Scene) -> Vec<Mistake> {
+/// The scene with an object out of view, `far` metres away along each axis.
+fn absences(scene: &Scene, far: f64) -> Vec<Mistake> {
     let without = |k: usize| {
         let mut without = scene.clone();
         let origin = &mut without.objects[k].origin;
-        origin.x += DVec3::splat(FAR);
+        origin.x += DVec3::splat(far);
         Mistake {
             kind: Kind::ObjectMissing,
             what: format!(

@@ -89,7 +89,7 @@ pub enum Facing {
 
 impl Converging<'_> {
     /// How many there are.
-    pub(super) fn count(&self) -> usize {
+    pub fn count(&self) -> usize {
         let [x, y, z] = self.from;
         let starts = x.len().min(y.len()).min(z.len());
         starts.min(self.s_min.len()).min(self.skip.len())

@@ -307,7 +307,7 @@ pub(super) fn any_to_point(
     counts: Option<&mut Counts>,
 ) {
     blocked.clear();
-    blocked.resize(segments.from.len(), false);
+    blocked.resize(segments.count(), false);
     match counts {
         None => bvh.any_to_point(method, segments, blocked, &mut NoTally),
         Some(counts) => bvh.any_to_point(method, segments, blocked, counts),

@@ -191,6 +191,7 @@ fn takes_files(option: &str, path: &Path, directory: &Path) -> Result<()> {
             "make the directory first, or write elsewhere",
         ));
     }
+    // Permissions do not tell: the disk may be read-only or full, or the network gone.
     let made = tempfile::tempfile_in(directory);
     let made = made.map(drop);
     made.map_err(Error::io(path, "no file can be written into its directory"))

@@ -57,6 +57,7 @@ pub fn times(
     let [width, height] = scene.camera.size.map(u64::from);
     let bar = Bar::new(width * height, quiet).named("retarded times".into());
     let film = centred(prepared, times_need(scene), &bar)?.film;
+    // The bar leaves the terminal first, so that what is said next has a line of its own.
     drop(bar);
     interrupt::check()?;
     Ok(Some(film))
@@ -102,6 +103,7 @@ impl Rendered {
         say(quiet, &remarks::coverage(&self.film, plan))?;
         say(quiet, &remarks::blackness(scene, &self.film))?;
         say(quiet, &remarks::enclosed(scene, &self.prepared))?;
+        // These look at the scene again, which is worth its time only where nothing is seen.
         if remarks::is_black(&self.film) {
             say(quiet, &remarks::times(scene, &mut self.prepared))?;
             say(quiet, &remarks::shift(scene, &self.prepared))?;

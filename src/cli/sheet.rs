@@ -206,6 +206,7 @@ impl Part {
         let plan = Plan::new(&self.scene, &self.request)?;
         let mut rendered = film::film(&self.scene, &plan, &Method::Trace, quiet, None)?;
         let prepared = &mut rendered.prepared;
+        // The name is never written: only that it is a picture matters to `times`.
         let shown = Outputs {
             images: vec![PathBuf::from("panel.png")],
             ..self.outputs.clone()
@@ -234,6 +235,7 @@ fn make_directory(arguments: &SheetArguments) -> Result<()> {
 
 /// Refuses what cannot be written before anything is rendered.
 fn check(figures: &[Figure]) -> Result<()> {
+    // Of all figures: the page of one must not replace what another is still to read.
     let mut read = Vec::new();
     for figure in figures {
         read.extend(figure.inputs()?);

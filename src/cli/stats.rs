@@ -82,6 +82,7 @@ impl Account {
 
     fn stage(&self, stage: Stage) -> String {
         let spent = self.stats.seconds[stage as usize];
+        // Without a ray or a measured second the shares are 0, not NaN.
         let share = 100.0 * spent / self.stats.total_seconds().max(f64::MIN_POSITIVE);
         let per_ray = 1e9 * spent / (self.stats.rays.max(1)) as f64;
         let text = format!(

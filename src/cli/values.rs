@@ -65,6 +65,7 @@ pub fn heading(text: &str) -> Result<Heading, String> {
         (_, "away") => return Ok(Heading::Away),
         _ => {}
     }
+    // Of the whole text: the minus that was taken off may be that of the first component.
     let numbers = text.split(',').map(|n| n.trim().parse::<f64>().ok());
     let numbers: Option<Vec<f64>> = numbers.collect();
     match numbers.as_deref() {
@@ -88,6 +89,7 @@ pub fn vector(text: &str) -> Result<DVec3, String> {
 /// Columns and rows of a grid.
 pub fn grid(text: &str) -> Result<[u32; 2], String> {
     match size(text)? {
+        // Each pixel adds a diagram to the page: 400 keep it of a size that a browser opens.
         [columns, rows] if columns.saturating_mul(rows) <= 400 => Ok([columns, rows]),
         _ => Err("more than 400 pixels; write columns and rows like 4x3".into()),
     }
@@ -131,6 +133,7 @@ pub fn assignment(text: &str) -> Result<(String, String), String> {
 /// An amount of memory.
 pub fn bytes(text: &str) -> Result<u64, String> {
     let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    // Powers of 1024 however the unit is written.
     let unit = match text[digits.len()..].to_ascii_lowercase().as_str() {
         "" | "b" => 1,
         "k" | "kb" | "kib" => 1 << 10,
@@ -161,6 +164,7 @@ pub fn relative_error(text: &str) -> Result<f64, String> {
         Some(digits) => (digits, 0.01),
         None => (text, 1.0),
     };
+    // The range is that of the number as it is written, so it is divided by the unit.
     number(digits, f64::MIN_POSITIVE..=1.0 / unit, help).map(|number| number * unit)
 }
 
@@ -202,6 +206,7 @@ pub fn precision(text: &str) -> Result<Precision, String> {
 
 /// A percentage; a bare number is one too.
 pub fn percentage(text: &str) -> Result<String, String> {
+    // A text with a unit is left as it is: a scene file has the same key, and reads it the same way.
     let text = match text.trim().parse::<f64>() {
         Ok(number) => format!("{number} %"),
         Err(_) => text.into(),
@@ -219,6 +224,7 @@ pub fn frames(text: &str) -> Result<Range<u64>, String> {
     let (first, end) = text.split_once("..").ok_or(help)?;
     let number = |t: &str| t.trim().parse::<u32>().map(u64::from);
     match (number(first), number(end)) {
+        // Numbers are u32, so this sum cannot overflow.
         (Ok(first), Ok(end)) if end > first + MOST_FRAMES => Err(format!(
             "{} frames are more than {MOST_FRAMES}: render a part of them",
             end - first

@@ -90,6 +90,7 @@ impl Spectrum {
             Scale::Luminance(wanted) => wanted / unscaled.xyz_at(1.0)[1],
             Scale::Total(wanted) => wanted / unscaled.total()?,
         };
+        // A luminance of 0 at rest gives a factor that is infinite, or NaN.
         (factor.is_finite() && factor >= 0.0).then_some(Spectrum { factor, ..unscaled })
     }
 
@@ -185,6 +186,7 @@ impl Spectrum {
         for node in NODES.iter() {
             let radiance = self.factor * planck(node.wavelength, temperature);
             for (sum, f) in sums.iter_mut().zip(f(node)) {
+                // The products in the order of `add_panel`, so that both ways round alike.
                 *sum += node.weight * (f * radiance);
             }
         }
@@ -198,6 +200,7 @@ impl Spectrum {
         }
         match &self.shape {
             Shape::Lines(lines) => {
+                // W⁻⁵ of the radiance, times the W of δ(λ/W − λ₀).
                 let scale = self.factor / (w * w * w * w);
                 lines.iter().fold([0.0; N], |sum, [wavelength, energy]| {
                     let seen = f(wavelength * w);
@@ -255,6 +258,7 @@ fn between(rows: &[[f64; 2]], at: f64) -> f64 {
     let after = rows.partition_point(|row| row[0] < at);
     match (after.checked_sub(1).map(|k| rows[k]), rows.get(after)) {
         (Some([x0, y0]), Some([x1, y1])) => y0 + (y1 - y0) * ((at - x0) / (x1 - x0)),
+        // At the first row itself nothing is before it.
         (None, Some([x, y])) if *x == at => *y,
         _ => 0.0,
     }
@@ -280,6 +284,7 @@ static NODES: LazyLock<Vec<Node>> = LazyLock::new(|| {
     let mut nodes = Vec::new();
     let mut from = FIRST * 1e-9;
     for nanometre in FIRST as u32 + 1..=LAST as u32 {
+        // From the whole nanometre, as in `integrate`: no rounding adds up, and both have the same nodes.
         let to = f64::from(nanometre) * 1e-9;
         let width = to - from;
         nodes.extend(GAUSS.map(|(at, weight)| {
@@ -300,6 +305,7 @@ static NODES: LazyLock<Vec<Node>> = LazyLock::new(|| {
 /// smooth.
 pub(super) fn integrate<const N: usize>(knots: &[f64], f: impl Fn(f64) -> [f64; N]) -> [f64; N] {
     let (first, last) = (FIRST * 1e-9, LAST * 1e-9);
+    // What is below the observer's range is not seen, and makes no panel.
     let begin = knots.partition_point(|knot| *knot <= first);
     let mut own = knots[begin..].iter().copied().peekable();
     let mut sum = [0.0; N];

@@ -90,6 +90,7 @@ impl Builder {
     pub fn set(mut self, key: &str, value: impl Into<Value>) -> Self {
         let file = self.name.clone();
         let refuse = |what, help| Error::invalid(&file, key, what, help);
+        // As `--set` of the command line does it, so that both take the same keys.
         let set = overrides::set(&mut self.document, key, value.into().0, &refuse);
         if let Err(Error::Invalid(problem)) = set {
             self.refuse(&problem.place, &problem.what, &problem.help);
@@ -145,6 +146,7 @@ impl Builder {
     /// Adds the source `name`, a cube in memory, which is shared. Its bins are `bin_width` metres (ct) wide.
     pub fn cube(mut self, name: &str, cube: Arc<Cube>, bin_width: f64) -> Self {
         let file = self.memory.add_cube(cube).into();
+        // The shortest text that reads back as the same f64.
         let width = format!("{bin_width} m").into();
         let keys = Value::table([("file", file), ("bin_width", width)]);
         self.add("source", name, "cube", keys)
@@ -171,6 +173,7 @@ impl Builder {
             text: self.document.to_string().into(),
             edits: Vec::new(),
         };
+        // `report` holds the text; the file gives the folder and the arrays in memory.
         let mut file = SceneFile::of_text("", &report.name, &self.base);
         file.memory = self.memory;
         load::scene(report, &file, false)
@@ -199,6 +202,7 @@ impl Builder {
         entry.insert("name", Item::Value(name.into()));
         entry.insert(key, Item::Value(value.0));
         let item = self.document.entry(list).or_insert_with(new_list);
+        // What a key has set under this name, and is no list of tables, is replaced.
         let mut tables = std::mem::take(item)
             .into_array_of_tables()
             .unwrap_or_default();
@@ -269,6 +273,7 @@ impl From<DVec3> for Value {
 
 impl From<Velocity> for Value {
     fn from(velocity: Velocity) -> Self {
+        // β of a text loses 1 − β near the speed of light; the rapidity keeps it.
         Value::table([("rapidity", velocity.rapidity().into())])
     }
 }

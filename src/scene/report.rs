@@ -30,6 +30,7 @@ impl Report {
         tree::read(&self.text).map_err(|error| {
             let span = error.span.unwrap_or(0..0);
             let place = place_of(&self.text, &span);
+            // An error of syntax has no key, as there is no tree yet.
             if place == Place::default() && toml_edit::Document::parse(&*self.text).is_err() {
                 return self.not_toml(span, &error.message);
             }
@@ -138,6 +139,7 @@ fn explain(schema: &Value, message: &str, place: &Place) -> (String, String) {
             schema::description(node)?
         ))
     };
+    // serde gives no kinds of errors, only messages: these are told apart by how they begin.
     if message.starts_with("unknown field") {
         return unknown_key(schema, place);
     }
@@ -157,6 +159,7 @@ fn explain(schema: &Value, message: &str, place: &Place) -> (String, String) {
         let help = meant + &described(&place.0).unwrap_or_default();
         return (what, help);
     }
+    // Of the key itself, or of the nearest table around it that is described.
     let help = (0..place.0.len())
         .rev()
         .find_map(|n| described(place.0.get(..=n)?));

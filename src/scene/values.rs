@@ -62,6 +62,7 @@ impl Visitor<'_> for NumberVisitor {
     }
 
     fn visit_i64<E: Error>(self, value: i64) -> Result<f64, E> {
+        // Above 2⁵³ this rounds, as a text with a decimal point would.
         checked(value as f64)
     }
 
@@ -88,6 +89,7 @@ fn array<'de, const N: usize, A: SeqAccess<'de>>(
             .ok_or_else(|| A::Error::invalid_length(i, expected))?
             .0;
     }
+    // Reads to the end to count: the message says how many there are.
     let mut found = N;
     while seq.next_element::<Number>()?.is_some() {
         found += 1;

@@ -127,6 +127,7 @@ impl Changes {
             "display.exposure",
             "display.logarithmic",
         ];
+        // `--set display={...}` may set any of them.
         let is_set = |(key, _): &(String, String)| keys.contains(&key.as_str());
         self.white.is_some() || self.exposure.is_some() || self.edits.set.iter().any(is_set)
     }
@@ -267,6 +268,7 @@ pub struct ExposureArgument {
 impl ExposureArgument {
     /// Whether all have one exposure; `default` where neither is asked for.
     pub fn is_same(&self, default: bool) -> bool {
+        // The two flags exclude each other.
         self.same_exposure || default && !self.own_exposure
     }
 }

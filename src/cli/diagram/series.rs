@@ -74,6 +74,7 @@ fn pictures(pages: &Pages, series: Series, frames: &Range<u64>) -> Result<()> {
     for (k, drawing) in (0..frames.end).zip(series) {
         interrupt::check()?;
         let drawing = pages.signed(drawing?);
+        // It had to be drawn: where labels of later pictures go depends on it.
         if k < frames.start {
             continue;
         }

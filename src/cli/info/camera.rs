@@ -115,6 +115,7 @@ fn motion_text(motion: &Motion) -> Option<String> {
         ),
         Motion::Segments(segments) => {
             let end: f64 = segments.iter().map(|s| s.duration).sum();
+            // A last segment without a duration goes on: it is infinite.
             let last = match end.is_finite() {
                 true => format!("to {end} m, and coasts then"),
                 false => "on, for ever".into(),

@@ -77,6 +77,7 @@ pub struct Diagram {
 pub(crate) fn part_across(direction: DVec3, v: DVec3) -> Option<DVec3> {
     let v = Direction::<World>::new(v)?.unit();
     let part = v - direction * direction.dot(v);
+    // Below this, v is along the direction but for rounding, and the rest of it points anywhere.
     let is_some = part.length() > 1e-6;
     is_some
         .then(|| Direction::<World>::new(part))?
@@ -416,9 +417,11 @@ impl TryFrom<String> for Colour {
         if let Some((_, colour)) = named {
             return Ok(*colour);
         }
+        // All digits are checked first: `from_str_radix` would take a sign as one.
         let digits = text.strip_prefix('#').filter(|hex| hex.len() == 6);
         let digits = digits.filter(|hex| hex.bytes().all(|b| b.is_ascii_hexdigit()));
         let number = digits.and_then(|hex| u32::from_str_radix(hex, 16).ok());
+        // Big-endian: the highest of four bytes is 0, then red, green, blue as they are written.
         if let Some([_, r, g, b]) = number.map(u32::to_be_bytes) {
             return Ok(Colour::Rgb([r, g, b]));
         }

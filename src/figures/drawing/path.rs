@@ -156,6 +156,7 @@ fn monotone_slopes(nodes: &[Node], axis: usize) -> Vec<f64> {
 /// The weighted harmonic mean of the slopes on both sides.
 fn inner_slope([h0, h1]: [f64; 2], [d0, d1]: [f64; 2]) -> f64 {
     if d0 * d1 <= 0.0 {
+        // A turning point: any other slope would overshoot it.
         return 0.0;
     }
     let (w0, w1) = (2.0 * h1 + h0, h1 + 2.0 * h0);
@@ -168,6 +169,7 @@ fn end_slope([h0, h1]: [f64; 2], [d0, d1]: [f64; 2]) -> f64 {
     if slope * d0 <= 0.0 {
         0.0
     } else if d0 * d1 <= 0.0 && slope.abs() > 3.0 * d0.abs() {
+        // Three times the chord's slope is the most that a monotone cubic may have (Fritsch and Carlson 1980).
         3.0 * d0
     } else {
         slope

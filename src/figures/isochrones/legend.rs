@@ -57,6 +57,7 @@ impl Legend {
                 Scale::new(RichText::plain("")?, Vec::new(), em)?,
             ),
         };
+        // Edges on whole pixels keep the bar sharp. An arrow needs 0.7 em beyond its end.
         let left = (x + distance.width + 0.5 * em).round();
         let room = |more: bool| if more { 0.7 * em } else { 0.2 * em };
         Ok(Legend {
@@ -164,6 +165,7 @@ impl Scale {
     fn distance(range: &Range, room: f64, em: f64) -> Result<Scale> {
         let unit = Unit::metres(range.low.abs().max(range.high.abs()));
         let every = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].into_iter();
+        // Labels whose baselines are 1.7 em apart have air between them.
         let fits = |every: &i64| range.line_count() / *every as f64 <= room / 1.7;
         let every = every.clone().find(fits).unwrap_or(1000);
         let chosen = range.lines().filter(|line| line % every == 0);
@@ -198,6 +200,7 @@ impl Scale {
         let (low, high) = (range.low / c, range.high / c);
         let unit = Unit::prefixed("s", low.abs().max(high.abs()));
         let (low, high) = (unit.count(low), unit.count(high));
+        // Times stand farther apart than the labels of the lines, and there are nine steps at most.
         let step = round_step((high - low) / (room / 2.5).min(9.0));
         let base = unit.count(1.0 / c);
         let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);

@@ -52,6 +52,7 @@ impl DeadBins {
         let mended = |bin: usize| {
             let before = (0..bin).rev().find(|other| !is_dead[*other]);
             let after = (bin..bins).find(|other| !is_dead[*other]);
+            // At an end of the axis both are the same live bin, and the line is constant.
             let [first, last] = [before.or(after), after.or(before)].map(|bin| bin.unwrap_or(0));
             let part = match last - first {
                 0 => 0.0,
@@ -106,6 +107,7 @@ impl DeadBins {
             }
             let at = (dead.bin - bins.start) * channels;
             for (c, sample) in line[at..at + channels].iter_mut().enumerate() {
+                // Rounded as a cube in memory stores it, so that both ways of reading give the same bits.
                 *sample = rounded(dtype, dead.between(ends[0][c], ends[1][c]));
             }
         }

@@ -63,6 +63,7 @@ impl Picture {
     pub fn read(frame: &Frame, wanted: Wanted) -> Result<Picture> {
         let (file, transfer) = (&*frame.file, wanted.transfer);
         let extension = extension(file);
+        // Only EXR stores channels by name.
         if wanted.channels.is_some() && extension != "exr" {
             let what = "the channels of this picture are grey or red, green and blue";
             let help = "leave `channels` out, or store others in an EXR picture under their names";
@@ -98,6 +99,7 @@ impl Picture {
                 ));
             }
         };
+        // From the place in the list of samples to that in the picture, which the message can name.
         let width = picture.size[0] * picture.channels;
         match picture
             .samples
@@ -123,6 +125,7 @@ impl Picture {
         let mut planes = Vec::with_capacity(channels.count());
         for (name, stored) in channels.names().into_iter().zip(channels.in_pictures()) {
             let Some(channel) = layers.channel(stored) else {
+                // A picture may have thousands of channels: ten show what kind it is.
                 let names: Vec<_> = (layers.channels.iter().take(10))
                     .map(|c| c.name.as_str())
                     .collect();
@@ -154,6 +157,7 @@ impl Picture {
                 samples: rgb.into_iter().flatten().map(|x| x as f32).collect(),
             });
         }
+        // These are stored beside a radiance, and measure something else.
         let others = ["A", "alpha", "Z", "distance"];
         let mut grey = layers
             .channels
@@ -195,6 +199,7 @@ impl Picture {
         let linear = linear_of(file, transfer)?;
         let is_grey = image::png::inspect(file)?.colour.starts_with("grey");
         let layers = image::png::read(file, &Budget::default())?;
+        // The reader makes three equal channels of grey: one of them is enough.
         let channels = if is_grey { 1 } else { 3 };
         let rgb = layers.radiance().unwrap_or_default();
         let samples = rgb.iter().flat_map(|rgb| &rgb[..channels]);
@@ -302,6 +307,7 @@ fn bytes(file: &Path) -> Result<Vec<u8>> {
         ));
     }
     let mut bytes = Vec::new();
+    // The file may have grown since its length was read.
     reader
         .take(LONGEST)
         .read_to_end(&mut bytes)

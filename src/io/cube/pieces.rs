@@ -106,6 +106,7 @@ impl Pieces {
     }
 
     #[inline(never)]
+    // Once per brick, not per run: not inlined, so that the loop around `find` stays short.
     fn look_for(
         &mut self,
         bricks: &Bricks,
@@ -140,6 +141,7 @@ impl Pieces {
     pub fn fetch(&mut self, bricks: &Bricks, held: &Held) {
         let copies = self.pieces.iter().filter(|p| matches!(p, Piece::Copied(_)));
         let room = copies.count() * self.count;
+        // The buffer keeps its room from batch to batch while cubes hold numbers of the same type.
         let same = |samples: &Samples| discriminant(samples) == discriminant(bricks.sample_type());
         if !same(&self.copied) {
             self.copied = bricks.zeros(0);
@@ -155,6 +157,7 @@ impl Pieces {
                 }
                 Piece::Copied(origin) => {
                     bricks.runs_from(origin, self.count, |brick, from, count| {
+                        // Holds a brick that is not at hand until its run is copied; the cache may drop it meanwhile.
                         let far;
                         let samples = match bricks.of(held, brick) {
                             Some(samples) => samples,

@@ -68,6 +68,7 @@ impl Reader<'_> {
                 "keep vertex data in a .bin or .glb file, not in data URIs",
             ));
         }
+        // Grows with what is there: a length that a broken file claims reserves nothing.
         let mut data = Vec::new();
         (self.storage.seek(SeekFrom::Start(offset)))
             .and_then(|_| (&mut *self.storage).take(bytes).read_to_end(&mut data))

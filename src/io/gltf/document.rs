@@ -75,6 +75,7 @@ impl<'a> Document<'a> {
     fn check_version(&self) -> Result<()> {
         let asset = &self.root.asset;
         let needed = asset.min_version.as_deref().unwrap_or(&asset.version);
+        // Minor versions only add what readers may ignore, so without a least version any 2.x will do.
         let readable = match asset.min_version {
             Some(_) => needed == "2.0",
             None => needed.starts_with("2."),

@@ -105,6 +105,7 @@ struct Totals {
 
 impl Totals {
     fn add(&mut self, pieces: &[Piece], instances: u64) -> &Self {
+        // Saturating: counts of a hostile file can be beyond u64, and are then refused as too many.
         let parts = (pieces.len() as u64).saturating_mul(instances);
         self.parts = self.parts.saturating_add(parts);
         for piece in pieces {

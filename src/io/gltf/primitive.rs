@@ -126,6 +126,7 @@ impl Place<'_, '_> {
     fn piece(&self, topology: Topology, wanted: Wanted) -> Result<Piece> {
         let material = self.primitive.material.map(|material| material.value());
         let (positions, indices) = (self.positions()?, self.indices()?);
+        // Without indices the vertices are the corners, in their order.
         let corners = indices.as_ref().unwrap_or(&positions).count;
         Ok(Piece {
             topology,
@@ -231,6 +232,7 @@ impl Topology {
     pub fn corners(self, i: usize) -> [usize; 3] {
         match self {
             Topology::Triangles => [3 * i, 3 * i + 1, 3 * i + 2],
+            // Each odd triangle swaps two corners, or it would face the other way.
             Topology::Strip => [i, i + 1 + i % 2, i + 2 - i % 2],
             Topology::Fan => [i + 1, i + 2, 0],
         }

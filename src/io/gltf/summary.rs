@@ -129,12 +129,14 @@ fn used_materials(draft: &Draft) -> Vec<&Material> {
 fn bounds(document: &Document, pieces: &Pieces) -> Option<[DVec3; 2]> {
     let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     for (at, piece) in pieces.all() {
+        // Where instances are stands in a buffer, and no buffer is read here.
         if at.instances.is_some() {
             return None;
         }
         let accessor = document.root.accessors.get(piece.positions.accessor)?;
         let least = corner(accessor.min.as_ref()?)?;
         let greatest = corner(accessor.max.as_ref()?)?;
+        // A rotated box is held by the box around its eight corners.
         for which in 0..8 {
             let pick = |axis: usize| [least, greatest][which >> axis & 1][axis];
             let corner = DVec3::new(pick(0), pick(1), pick(2));

@@ -76,6 +76,7 @@ impl Vertices {
         if let Some(&base) = self.blocks.get(&key) {
             return Ok(base);
         }
+        // Positions first: coordinates and colours that are bad take a vertex away by its position.
         let base = self.positions.len();
         self.read_positions(buffers, &piece.positions, at.placed.world)?;
         for (&set, uvs) in &piece.uvs {
@@ -140,6 +141,7 @@ impl Vertices {
         let uvs = &mut self.uvs[set];
         let positions = &mut self.positions[base..];
         let mut bad = None;
+        // Vertices before these that lack the set have no coordinates.
         uvs.resize(base + layout.count as usize, [f32::NAN; 2]);
         accessor::read::<2>(buffers, layout, &mut |at, uv| {
             let placed = transform.map_or(uv, |transform| transform.apply(uv));
@@ -165,6 +167,7 @@ impl Vertices {
         let Colours { layout, alpha } = from;
         let (colours, positions) = (&mut self.colours, &mut self.positions[base..]);
         let mut bad = None;
+        // Primitives before this one that have no colours are white.
         colours.resize(base, WHITE);
         colours.resize(base + layout.count as usize, WHITE);
         let mut take = |at: u64, colour: [f64; 4]| {

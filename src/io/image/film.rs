@@ -93,6 +93,7 @@ impl<W: Write> FilmWriter<W> {
     ) -> Result<Self> {
         checked(size, count, delay)?;
         let mut set_up = || {
+            // 0 plays: for ever. Each picture replaces the whole of the one before.
             encoder.set_animated(count, 0)?;
             encoder.set_frame_delay(delay.numerator, delay.denominator)?;
             encoder.set_dispose_op(DisposeOp::None)?;
@@ -116,6 +117,7 @@ impl<W: Write> FilmWriter<W> {
     pub fn y4m(mut writer: W, size: [u32; 2], count: u32, delay: Delay) -> Result<Self> {
         checked(size, count, delay)?;
         let [width, height] = size;
+        // The header has the rate, which is one over the delay.
         let (numerator, denominator) = (delay.denominator, delay.numerator);
         writeln!(
             writer,

@@ -35,6 +35,7 @@ pub fn lit_by(scene: &Scene, object: usize, material: &str) -> Lit {
                 && (materials.is_empty() || materials.iter().any(|m| m == material))
         }
     };
+    // Cubes hold the light that was recorded, so they come before pulses, which still have to be reflected.
     let (mut cubes, mut pulses) = (Vec::new(), Vec::new());
     for (index, source) in scene.sources.iter().enumerate().filter(|(_, s)| bound(s)) {
         match source.kind {
@@ -42,6 +43,7 @@ pub fn lit_by(scene: &Scene, object: usize, material: &str) -> Lit {
             SourceKind::Pulse(_) => pulses.push(index),
         }
     }
+    // Several cubes on one surface are all captures: others were refused when the scene was resolved.
     match cubes.as_slice() {
         [] => {}
         [only] => return Lit::Cube(*only),
@@ -61,6 +63,7 @@ pub fn shown_by(scene: &Scene, object: usize, (material, is_unlit): (&str, bool)
         LightKind::Lamp(lamp) => lamp.emission == EmissionProfile::Steady,
         LightKind::Area { emission, .. } => *emission == EmissionProfile::Steady,
     };
+    // The surface of an area light shows that light, so its base colour is no recorded radiance.
     let own =
         |light: &Light| matches!(light.kind, LightKind::Area { object: o, .. } if o == object);
     let has_steady =
@@ -101,6 +104,7 @@ pub(super) fn most_captures(scene: &Scene, objects: &[PlannedObject]) -> u64 {
         };
         matches!(cube.mapping, Mapping::Capture(_))
     };
+    // Rays and memory grow with the captures of one surface, not with all of the scene.
     let of_surface = |object: usize, material: &String| match lit_by(scene, object, material) {
         Lit::Cube(source) => usize::from(is_projected(source)),
         Lit::Captures(sources) => sources.len(),
@@ -155,6 +159,7 @@ fn needs(
                 format!("base colour lit by {}", names.join(", ")),
             )
         }
+        // Projection goes by the capture camera: it needs no coordinates.
         Lit::Captures(sources) => {
             let names: Vec<_> = sources.iter().map(name).collect();
             (false, false, format!("{} by projection", names.join(", ")))
@@ -248,6 +253,7 @@ fn check_quantities(scene: &Scene, sources: &[usize], object: &PlannedObject) ->
         return Ok(());
     };
     match sources.find(|s| s.quantity != first.quantity) {
+        // Lights of the scene fall on the same surfaces as pulses, in the scene's own quantity.
         None if scene.is_lit() && is_pulse(first) && first.quantity != scene.quantity => {
             let what = format!(
                 "lights object \"{}\" with another quantity than the scene's lights",
@@ -274,6 +280,7 @@ fn check_companions(scene: &Scene, sources: &[usize], object: &PlannedObject) ->
         SourceKind::Cube(cube) => scene.companions_of(cube),
         SourceKind::Pulse(_) => Vec::new(),
     };
+    // Neighbours that are equal make all equal.
     let mut pairs = sources.windows(2);
     let Some(pair) = pairs.find(|pair| companions(pair[0]) != companions(pair[1])) else {
         return Ok(());

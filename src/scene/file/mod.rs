@@ -245,6 +245,7 @@ impl Serialize for Outside {
 
 struct OutsideVisitor;
 
+// A visitor rather than serde's `untagged`, which loses where in the table an error is.
 impl<'de> Visitor<'de> for OutsideVisitor {
     type Value = Outside;
 

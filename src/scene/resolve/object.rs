@@ -137,6 +137,7 @@ fn geometry(cx: &Context, at: &At<file::Object>) -> Result<Geometry> {
     let object = &at.value;
     cx.exclusive((&object.gltf, "gltf"), (&object.shape, "shape"))?;
     if let Some(gltf) = &object.gltf {
+        // These describe the one material of a built-in shape; a mesh brings its own.
         cx.exclusive((&object.gltf, "gltf"), (&object.colour, "colour"))?;
         cx.exclusive((&object.gltf, "gltf"), (&object.metallic, "metallic"))?;
         cx.exclusive((&object.gltf, "gltf"), (&object.roughness, "roughness"))?;
@@ -188,6 +189,7 @@ fn part(cx: &Context, at: &Option<At<Number>>, key: &str, default: f32) -> Resul
 /// A refractive index.
 fn ior(cx: &Context, at: &Option<At<Number>>) -> Result<f32> {
     match at.as_ref().map(|at| (at, at.value.0)) {
+        // Glass, the default of KHR_materials_ior.
         None => Ok(1.5),
         Some((_, ior)) if (1.0..=f64::from(MOST_INDEX)).contains(&ior) => Ok(ior as f32),
         Some((at, ior)) => {

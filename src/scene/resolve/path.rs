@@ -59,6 +59,7 @@ pub(super) fn animation(cx: &Context, at: &At<Animation>) -> Result<Motion> {
     let track = cx.gltf_track(gltf)?;
     let metres = |seconds: f64| seconds * cx.speed_of_light;
     for pair in track.points.windows(2) {
+        // A curve between two events is longer than the chord: where that is too fast, every motion is.
         let ((from, a), (to, b)) = (pair[0], pair[1]);
         let beta = (b - a).length() / (metres(to) - metres(from));
         if beta < 1.0 {

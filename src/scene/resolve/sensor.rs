@@ -189,6 +189,7 @@ fn refuse_horizon(
     at: &At<file::Sensor>,
     model: &CameraModel,
 ) -> Result<()> {
+    // Those that the file gives, and those at both ends of the exposure, which other motions have as well.
     let mut accelerations = match &model.motion {
         Motion::Accelerated(a) => vec![*a],
         Motion::Segments(segments) => segments.iter().map(|s| s.acceleration).collect(),
@@ -201,6 +202,7 @@ fn refuse_horizon(
     let (Some(corners), Some(motion)) = (model.sensor_corners(), &file.motion) else {
         return Ok(());
     };
+    // 1 + a·p is linear in p, so its least value on a flat sensor is at a corner.
     let reaches = |a: &&DVec3| corners.iter().any(|&p| 1.0 + a.dot(p) <= 0.0);
     let Some(a) = accelerations.iter().find(reaches) else {
         return Ok(());

@@ -112,6 +112,7 @@ impl WorldLine {
     /// f64's range or the rapidity is above [`MAX_RAPIDITY`](crate::spacetime::MAX_RAPIDITY).
     pub fn state(&self, proper_time: f64) -> Option<State> {
         let [first, last] = self.span();
+        // NaN is neither below nor above anything, so it is asked for by itself.
         if !proper_time.is_finite() || proper_time < first || proper_time > last {
             return None;
         }
@@ -131,6 +132,7 @@ impl WorldLine {
             let state = self.state(proper_time)?;
             return Some((state.event, state.velocity));
         };
+        // Arcs have no end, so only a time that is not finite is outside their span.
         let place = line.place(proper_time).filter(|_| proper_time.is_finite());
         place.filter(|(event, _)| event.ct.is_finite() && event.x.is_finite())
     }

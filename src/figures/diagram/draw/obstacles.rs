@@ -65,6 +65,7 @@ fn areas(ground: &mut Ground, panel: &Panel, map: &Map, theme: &Theme) {
         let points = map.points(&area.edge);
         sides(ground, &points, map.rect());
         ground.area(points, area_fill(panel, theme, area));
+        // Back to the first point: an edge is closed.
         let edge = area.edge.iter().chain(area.edge.first());
         ground.line(edge.map(|point| map.at(*point)).collect(), THIN);
     }
@@ -74,6 +75,7 @@ fn areas(ground: &mut Ground, panel: &Panel, map: &Map, theme: &Theme) {
 fn sides(ground: &mut Ground, edge: &[[f64; 2]], Rect { min, max }: Rect) {
     let height = |k: u32| min[1] + (max[1] - min[1]) * f64::from(k) / f64::from(PIECES);
     for (x, inner) in [(min[0], min[0] + INNER), (max[0], max[0] - INNER)] {
+        // Just within the panel: on its very side the shade's own edge decides either way.
         let is_shaded = |k: u32| is_inside([inner, 0.5 * (height(k) + height(k + 1))], edge);
         let mut from = 0;
         while from < PIECES {

@@ -138,6 +138,7 @@ fn add_body(diagram: &mut Diagram, name: String, track: Track) {
     let (n, across) = (diagram.direction, diagram.across.unwrap_or_default());
     let place = |event: Event<World>| [event.ct, n.dot(event.x), across.dot(event.x)];
     let at = |track: &Track, time| track.at(time).map(|m| place(m.event));
+    // Objects are inertial: lines that agree at two of their own times are the same.
     let same = |other: &NamedLine| {
         [0.0, 1.0]
             .iter()
@@ -213,6 +214,7 @@ pub(super) fn refuse_empty_limits(
         let [from, to] = at.value.0.map(|number| number * diagram.unit.metres);
         let within = |p: [f64; 3]| (from..=to).contains(&p[axis]);
         let mut points = points(diagram).peekable();
+        // A line without ends is not sampled, so the points cannot show that it stays outside.
         let straight = diagram.lines.iter().any(|l| l.track.span() == ENDLESS);
         if points.peek().is_some() && !straight && !points.any(within) {
             let what = "nothing of the diagram is within these limits";

@@ -147,6 +147,7 @@ fn from_event(names: &mut Names, at: &At<DiagramLine>) -> Result<Track> {
 
 fn knots(names: &Names, at: &At<Vec<At<Numbers<2>>>>) -> Vec<(f64, DVec3)> {
     let knots = at.value.iter().map(|knot| knot.value.0);
+    // With c = 1 an acceleration is per length.
     let n = names.direction / names.unit;
     knots
         .map(|[time, acceleration]| (time * names.unit, n * acceleration))
@@ -158,6 +159,7 @@ fn circle(names: &Names, at: &At<LineCircle>, zero: Event<World>) -> Result<Trac
     let metres = |at, name| Ok(names.cx.positive(at, name)? * names.unit);
     let (radius, time) = (metres(radius, "`radius`")?, metres(period, "`period`")?);
     let n = names.direction;
+    // At `zero` it is farthest along n, so its centre is a radius back; any plane that holds n looks the same from the side.
     let rate = std::f64::consts::TAU / time;
     let track = WorldLine::circular(zero, zero.x - n * radius, n.any_orthogonal_vector(), rate);
     let help = "a world line is slower than light: give a longer period";

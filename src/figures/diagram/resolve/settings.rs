@@ -41,6 +41,7 @@ pub(super) fn unit(diagram: &file::Diagram) -> Unit {
         U::Min => time(60.0, ["min", "light-minutes"]),
         U::H => time(3600.0, ["h", "light-hours"]),
         U::D => time(86400.0, ["d", "light-days"]),
+        // The Julian year of 365.25 days, by which light-years are defined.
         U::Yr => time(31_557_600.0, ["yr", "ly"]),
     };
     Unit {

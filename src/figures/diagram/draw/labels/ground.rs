@@ -193,6 +193,7 @@ fn seen(points: &[[f64; 2]], clip: Rect) -> Vec<Vec<[f64; 2]>> {
             end = None;
             continue;
         };
+        // A step that the edge has cut ends a part: the next begins elsewhere.
         match parts.last_mut().filter(|_| end == Some(from)) {
             Some(part) => part.push(to),
             None => parts.push(vec![from, to]),

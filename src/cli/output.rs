@@ -16,6 +16,7 @@ use nullray::figures::isochrones;
 use nullray::figures::overlay::{self, Parts};
 use nullray::io::files;
 use nullray::io::image::{self, Layers, RgbImage};
+use nullray::io::sealed::hexadecimal;
 use nullray::render::aov::Aov;
 use nullray::render::film::Film;
 use nullray::render::metadata::metadata;
@@ -522,10 +523,6 @@ fn content(path: &Path) -> Option<Vec<u8>> {
     }
 }
 
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
 /// Tells the files of a frame from all others.
 #[derive(Debug, Clone)]
 pub struct Identity {
@@ -587,7 +584,7 @@ impl Identity {
         if let Some(step) = step {
             parts.add(&step.to_le_bytes());
         }
-        hex(&parts.finish())
+        hexadecimal(&parts.finish())
     }
 }
 

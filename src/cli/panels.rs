@@ -7,6 +7,7 @@ use nullray::render::plan::Request;
 use nullray::scene::model::{Exposure, Panel, Scene};
 use nullray::scene::{Overrides, SceneFile};
 
+use super::args::{Changes, ExposureArgument};
 use super::failure::refused;
 use super::{builtin, exposure};
 
@@ -62,19 +63,29 @@ fn unknown(scene: &Scene, name: &str) -> nullray::Error {
     refused(format!("--panel {}", name.escape_debug()), what, &help)
 }
 
-/// The scenes of all panels, in their order.
+/// The scenes of all panels, in their order, with one exposure where that is chosen.
 ///
 /// # Errors
-/// What is wrong with any of them.
-pub fn load_all(file: &SceneFile, whole: &Scene, overrides: &Overrides) -> Result<Vec<Scene>> {
+/// What is wrong with any of them, and with the previews that an exposure is measured in.
+pub fn load_all(
+    file: &SceneFile,
+    whole: &Scene,
+    changes: &Changes,
+    exposure: &ExposureArgument,
+    threads: Option<u16>,
+) -> Result<Vec<Scene>> {
+    let overrides = changes.overrides();
     let panels = whole.panels.iter();
-    panels
-        .map(|panel| file.panel(whole, panel, overrides))
-        .collect()
+    let scenes = panels.map(|panel| file.panel(whole, panel, &overrides));
+    let mut scenes = scenes.collect::<Result<Vec<_>>>()?;
+    if exposure.is_same(false) {
+        same_exposure(&mut scenes, &changes.request(threads))?;
+    }
+    Ok(scenes)
 }
 
 /// Gives all panels one exposure, unless they say the radiance of white themselves.
-pub fn same_exposure(scenes: &mut [Scene], request: &Request) -> Result<()> {
+fn same_exposure(scenes: &mut [Scene], request: &Request) -> Result<()> {
     if let Some(white) = exposure::of_panels(scenes, request)? {
         let exposure = Exposure::White(white);
         scenes

@@ -311,13 +311,8 @@ fn all_panels(
     mut account: Option<&mut Account>,
 ) -> Result<()> {
     let chosen = panels::chosen(whole, &arguments.panel)?;
-    let mut scenes = panels::load_all(file, whole, &arguments.changes.overrides())?;
-    if arguments.exposure.is_same(false) {
-        panels::same_exposure(
-            &mut scenes,
-            &arguments.changes.request(arguments.work.threads.count),
-        )?;
-    }
+    let (changes, threads) = (&arguments.changes, arguments.work.threads.count);
+    let scenes = panels::load_all(file, whole, changes, &arguments.exposure, threads)?;
     // With one panel and a name for it there is nothing to be told apart.
     let exact = arguments.panel.len() == 1 && !arguments.output.is_empty();
     let mut jobs = Vec::new();

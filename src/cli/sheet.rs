@@ -164,13 +164,8 @@ fn parts(
         };
         return Ok(vec![part(whole.clone(), &alone, arguments, beside.into())]);
     }
-    let mut scenes = panels::load_all(file, whole, &arguments.changes.overrides())?;
-    if arguments.exposure.is_same(false) {
-        panels::same_exposure(
-            &mut scenes,
-            &arguments.changes.request(arguments.work.threads.count),
-        )?;
-    }
+    let (changes, threads) = (&arguments.changes, arguments.work.threads.count);
+    let scenes = panels::load_all(file, whole, changes, &arguments.exposure, threads)?;
     let part = |(panel, scene): (&Panel, Scene)| {
         let file = suffixed(beside, &panel.name);
         part(scene, panel, arguments, file)

@@ -168,6 +168,9 @@ pub fn relative_error(text: &str) -> Result<f64, String> {
     number(digits, f64::MIN_POSITIVE..=1.0 / unit, help).map(|number| number * unit)
 }
 
+/// The longest time to work, seconds: a month.
+const MONTH: f64 = 2.6e6;
+
 /// A time to work, in seconds: "60 s", "5 min" or "1 h", up to a month.
 pub fn work_time(text: &str) -> Result<f64, String> {
     let help = "a time with its unit, like \"60 s\", \"5 min\" or \"1 h\"";
@@ -179,7 +182,7 @@ pub fn work_time(text: &str) -> Result<f64, String> {
         "h" => 3600.0,
         _ => return Err(help.into()),
     };
-    number(digits, 0.0..=2.6e6 / unit, help).map(|number| number * unit)
+    number(digits, 0.0..=MONTH / unit, help).map(|number| number * unit)
 }
 
 /// How many passes: pairs, one for each half of the samples.
@@ -191,7 +194,7 @@ pub fn passes(text: &str) -> Result<u32, String> {
 
 /// A number of seconds, up to a month.
 pub fn seconds(text: &str) -> Result<f64, String> {
-    number(text, 0.0..=2.6e6, "a number of seconds, like 60")
+    number(text, 0.0..=MONTH, "a number of seconds, like 60")
 }
 
 pub fn aovs(text: &str) -> Result<AovList, String> {

@@ -115,7 +115,8 @@ fn uri(out: &mut String, kind: &str, file: &[u8]) {
     push_base64(out, file);
 }
 
-fn escaped(text: &str) -> String {
+/// `text` as HTML shows it, within elements and attributes; control characters, which HTML does not allow, are left out.
+pub(crate) fn escaped(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {
         match c {

@@ -84,6 +84,11 @@ fn place(file: &mut (impl Read + Seek)) -> io::Result<Option<u64>> {
     }
 }
 
+/// Two digits for each byte.
+pub fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 /// The SHA-256 of the file with zeros for digits from `at` on.
 fn digest(file: &mut (impl Read + Seek), at: u64) -> io::Result<String> {
     file.rewind()?;
@@ -95,7 +100,7 @@ fn digest(file: &mut (impl Read + Seek), at: u64) -> io::Result<String> {
         let read = file.by_ref().take(BLOCK as u64).read_to_end(&mut block)?;
         if read == 0 {
             let sum = hash.finalize();
-            return Ok(sum.iter().map(|byte| format!("{byte:02x}")).collect());
+            return Ok(hexadecimal(&sum));
         }
         let within = |place: u64| place.saturating_sub(start).min(read as u64) as usize;
         if let Some(digits) = block.get_mut(within(at)..within(at + DIGITS as u64)) {

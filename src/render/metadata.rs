@@ -5,6 +5,7 @@ use std::io::{self, Read};
 use sha2::{Digest, Sha256};
 
 use crate::colour::{Continuation, INFRARED, ULTRAVIOLET};
+use crate::io::sealed::hexadecimal;
 use crate::render::bake::{Baked, Bins};
 use crate::render::film::Film;
 use crate::scene::model::{
@@ -288,9 +289,4 @@ pub(crate) fn sha256_of(reader: &mut impl Read) -> io::Result<(u64, String)> {
             }
         }
     }
-}
-
-/// Two digits for each byte.
-fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -81,6 +81,11 @@ impl<F: Frame> Event<F> {
         }
     }
 
+    /// (ct, x, y, z), metres.
+    pub fn to_array(self) -> [f64; 4] {
+        [self.ct, self.x.x, self.x.y, self.x.z]
+    }
+
     /// The frame's origin at its time 0.
     pub const ORIGIN: Self = Event::new(0.0, DVec3::ZERO);
 }

@@ -5,7 +5,7 @@ use std::fmt;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{Error, MapAccess, SeqAccess, Visitor};
+use serde::de::{Error, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::scene::model::SPEED_OF_LIGHT;
@@ -60,10 +60,7 @@ impl Visitor<'_> for ProperAccelerationVisitor {
     }
 
     fn visit_f64<E: Error>(self, value: f64) -> Result<ProperAcceleration, E> {
-        match value.is_finite() {
-            true => Ok(ProperAcceleration::PerUnit(Number(value))),
-            false => Err(E::custom(format!("{value} is not a finite number"))),
-        }
+        Number::deserialize(value.into_deserializer()).map(ProperAcceleration::PerUnit)
     }
 
     fn visit_i64<E: Error>(self, value: i64) -> Result<ProperAcceleration, E> {
@@ -130,10 +127,7 @@ impl<'de> Visitor<'de> for SpeedVisitor {
     }
 
     fn visit_f64<E: Error>(self, value: f64) -> Result<Speed, E> {
-        match value.is_finite() {
-            true => Ok(Speed::Beta(Number(value))),
-            false => Err(E::custom(format!("{value} is not a finite number"))),
-        }
+        Number::deserialize(value.into_deserializer()).map(Speed::Beta)
     }
 
     fn visit_i64<E: Error>(self, value: i64) -> Result<Speed, E> {

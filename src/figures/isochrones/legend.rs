@@ -151,6 +151,14 @@ impl Legend {
     }
 }
 
+/// Every how many lines one has a label, in `room` em.
+fn every(range: &Range, room: f64) -> i64 {
+    let steps = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
+    // Labels whose baselines are 1.7 em apart have air between them.
+    let fits = |every: &i64| range.line_count() / *every as f64 <= room / 1.7;
+    steps.into_iter().find(fits).unwrap_or(1000)
+}
+
 /// A positive number in three significant digits.
 fn three_digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
@@ -164,10 +172,7 @@ impl Scale {
     /// ct at the lines themselves, as many as there is room for; `room` in em.
     fn distance(range: &Range, room: f64, em: f64) -> Result<Scale> {
         let unit = Unit::metres(range.low.abs().max(range.high.abs()));
-        let every = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].into_iter();
-        // Labels whose baselines are 1.7 em apart have air between them.
-        let fits = |every: &i64| range.line_count() / *every as f64 <= room / 1.7;
-        let every = every.clone().find(fits).unwrap_or(1000);
+        let every = every(range, room);
         let chosen = range.lines().filter(|line| line % every == 0);
         let step = unit.count(range.step * every as f64);
         let ticks = chosen.map(|line| {
@@ -180,9 +185,7 @@ impl Scale {
 
     /// Luminances at the lines, whose values are their logarithms.
     fn luminance(range: &Range, room: f64, em: f64) -> Result<Scale> {
-        let every = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].into_iter();
-        let fits = |every: &i64| range.line_count() / *every as f64 <= room / 1.7;
-        let every = every.clone().find(fits).unwrap_or(1000);
+        let every = every(range, room);
         let chosen = range.lines().filter(|line| line % every == 0);
         let ticks = chosen.map(|line| {
             let logarithm = line as f64 * range.step;

@@ -9,19 +9,15 @@ use super::{Hit, Probe};
 use crate::spacetime::units::quoted;
 use crate::spacetime::{self, Direction, Event, InertialFrame, Velocity, World};
 
-fn four(event: &Event<World>) -> [f64; 4] {
-    [event.ct, event.x.x, event.x.y, event.x.z]
-}
-
 pub(super) fn event<S: Serializer>(event: &Event<World>, s: S) -> Result<S::Ok, S::Error> {
-    four(event).serialize(s)
+    event.to_array().serialize(s)
 }
 
 pub(super) fn maybe_event<S: Serializer>(
     event: &Option<Event<World>>,
     s: S,
 ) -> Result<S::Ok, S::Error> {
-    event.as_ref().map(four).serialize(s)
+    event.map(Event::to_array).serialize(s)
 }
 
 pub(super) fn vector<S: Serializer>(vector: &DVec3, s: S) -> Result<S::Ok, S::Error> {
@@ -60,8 +56,8 @@ impl fmt::Display for Probe {
             "pixel {column},{row}: events (ct, x, y, z) in the world, metres"
         )?;
         let arrival = &self.reception;
-        let mut passed = |what: &str, event, clock: f64| {
-            let event = tuple(four(event));
+        let mut passed = |what: &str, event: &Event<World>, clock: f64| {
+            let event = tuple(event.to_array());
             writeln!(f, "  {what:<14}{event}, camera's clock {clock:.6}")
         };
         passed("reception", &arrival.event, arrival.time)?;
@@ -82,7 +78,7 @@ impl fmt::Display for Probe {
 
 impl fmt::Display for Hit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, emission) = (quoted(&self.name), tuple(four(&self.emission)));
+        let (name, emission) = (quoted(&self.name), tuple(self.emission.to_array()));
         writeln!(f, "  meets         {name}, triangle {}", self.triangle)?;
         writeln!(
             f,
@@ -97,11 +93,11 @@ impl fmt::Display for Hit {
         ];
         for (what, event) in nows {
             if let Some(event) = event {
-                writeln!(f, "  {what}  {}", tuple(four(event)))?;
+                writeln!(f, "  {what}  {}", tuple(event.to_array()))?;
             }
         }
         for pulse in &self.pulses {
-            let (name, left) = (quoted(&pulse.name), tuple(four(&pulse.left)));
+            let (name, left) = (quoted(&pulse.name), tuple(pulse.left.to_array()));
             let (share, after) = (100.0 * pulse.share, pulse.deviations);
             writeln!(
                 f,

@@ -100,16 +100,22 @@ impl CubeFormat {
 
     /// Whether the file begins as those of this format do, or is called so and begins as no array does; leaves the reader at the start.
     pub(super) fn is(&self, reader: &mut dyn ReadSeek, file: &Path) -> Result<bool> {
-        let mut start = Vec::new();
-        (&mut *reader)
-            .take(8)
-            .read_to_end(&mut start)
-            .and_then(|_| reader.rewind())
-            .map_err(Error::io(file, "cannot read"))?;
+        let start = first_bytes(reader, file)?;
         // What stands before HDF5 in its file may be anything.
         let is_called = || self.named && self.has_name_of(file) && !start.starts_with(b"\x93NUMPY");
         Ok(self.magic.iter().any(|magic| start.starts_with(magic)) || is_called())
     }
+}
+
+/// The bytes by which formats are told apart; leaves the reader at the start.
+pub(super) fn first_bytes(reader: &mut dyn ReadSeek, file: &Path) -> Result<Vec<u8>> {
+    let mut start = Vec::new();
+    (&mut *reader)
+        .take(8)
+        .read_to_end(&mut start)
+        .and_then(|_| reader.rewind())
+        .map_err(Error::io(file, "cannot read"))?;
+    Ok(start)
 }
 
 impl CubeInfo {

@@ -35,7 +35,8 @@ pub fn frame_count(file: &Path) -> Result<usize> {
     }
 }
 
-fn extension(file: &Path) -> String {
+/// The end of its name, lower case; empty for none.
+pub(super) fn extension(file: &Path) -> String {
     let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("");
     extension.to_ascii_lowercase()
 }

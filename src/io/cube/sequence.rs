@@ -21,7 +21,7 @@ use super::axes::{Arrangement, Axes};
 use super::format::{CubeInfo, Transfer, Wanted};
 use super::layout::StoredLayout;
 use super::number::Number;
-use super::picture::{Frame, Picture, file_name, frame_count};
+use super::picture::{Frame, Picture, extension, file_name, frame_count};
 use super::samples::{Cube, Samples};
 use crate::error::{Error, Result};
 use crate::io::npy::Dtype;
@@ -46,10 +46,7 @@ pub fn is_sequence(path: &Path) -> bool {
 
 /// Whether `path` names a single picture, which is steady unless its axes have time.
 pub fn is_picture(path: &Path) -> bool {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-    PICTURES.contains(&extension.to_ascii_lowercase().as_str())
-        && Pattern::of(path).is_none()
-        && !path.is_dir()
+    PICTURES.contains(&extension(path).as_str()) && Pattern::of(path).is_none() && !path.is_dir()
 }
 
 /// Whether `path` is the folder of a Zarr array or of a group of them.

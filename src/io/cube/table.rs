@@ -1,14 +1,14 @@
 //! All formats of cubes, and reading a file of whichever it is.
 
-use std::io::{BufReader, Cursor, Read};
+use std::io::{BufReader, Cursor};
 use std::path::Path;
 
 use super::dead::DeadBins;
-use super::format::{CubeFormat, CubeInfo, FileTimes, Wanted};
+use super::format::{CubeFormat, CubeInfo, FileTimes, Wanted, first_bytes};
 use super::samples::Cube;
 use super::wall::Wall;
 use super::{hdf5, npy, sequence, transient_image, zarr};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::io::files::{ReadSeek, Reader};
 use crate::io::npy::Header;
 use crate::io::open::open_regular;
@@ -128,11 +128,6 @@ fn opened(path: &Path) -> Result<(Reader, &'static CubeFormat)> {
 
 /// The format by the first bytes; leaves the reader at the start.
 fn told_apart(reader: &mut dyn ReadSeek, file: &Path) -> Result<&'static CubeFormat> {
-    let mut start = Vec::new();
-    (&mut *reader)
-        .take(8)
-        .read_to_end(&mut start)
-        .and_then(|_| reader.rewind())
-        .map_err(Error::io(file, "cannot read"))?;
+    let start = first_bytes(reader, file)?;
     Ok(format_of(&start, file).unwrap_or(&FORMATS[0]))
 }

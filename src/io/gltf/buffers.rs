@@ -9,6 +9,7 @@ use super::document::Document;
 use super::uri::{self, Target};
 use crate::io::files::Reader;
 use crate::io::open::open_regular;
+use crate::spacetime::units::quoted;
 use crate::{Error, Result};
 
 /// A range of a buffer that has been checked against what the document says of it.
@@ -168,7 +169,7 @@ pub(super) fn resource(document: &Document, uri: &str, place: &str) -> Result<Re
         Target::File(relative) => relative,
     };
     let Some(directory) = &document.directory else {
-        let what = format!("it refers to the file {}", uri::quoted(uri));
+        let what = format!("it refers to the file {}", quoted(uri));
         let help = "a document in memory must embed its data";
         return Err(document.invalid(place, what, help));
     };

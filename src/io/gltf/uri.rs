@@ -3,6 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::spacetime::units::quoted;
+
 /// What a URI means.
 #[derive(Debug, PartialEq)]
 pub(super) enum Target {
@@ -43,15 +45,6 @@ pub(super) fn parse(uri: &str) -> Result<Target, BadUri> {
         _ if scheme => bad(format!("the URI {} is not relative", quoted(uri))),
         _ if Path::new(&path).has_root() => bad(format!("the path {} is absolute", quoted(uri))),
         _ => Ok(Target::File(PathBuf::from(path))),
-    }
-}
-
-/// A URI for a message, cut to a readable length.
-pub(super) fn quoted(uri: &str) -> String {
-    const MOST: usize = 60;
-    match uri.char_indices().nth(MOST) {
-        Some((end, _)) => format!("{:?}…", uri.split_at(end).0),
-        None => format!("{uri:?}"),
     }
 }
 

@@ -20,9 +20,10 @@ pub(super) struct Bindings<'a> {
     cx: &'a Context,
     objects: &'a [Object],
     index: HashMap<&'a str, usize>,
-    /// By object: all its surfaces, or some.
+    /// By object, claims of all its surfaces. Those of one object share them, so they are of one kind: the latest stands for all.
     whole: HashMap<usize, Claim>,
-    partly: HashMap<usize, Claim>,
+    /// By object and kind, claims of some of its surfaces: different surfaces may have different kinds.
+    partly: HashMap<(usize, Kind), Claim>,
     /// By object and material.
     surfaces: HashMap<(usize, &'a str), Claim>,
     /// How many surfaces all sources have named.
@@ -47,7 +48,7 @@ struct Claim {
 }
 
 /// With what else a source shares a surface.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Kind {
     /// With nothing.
     Texture,
@@ -162,6 +163,7 @@ impl<'a> Bindings<'a> {
         let (Some(capture), Some(first)) = (capture, objects.next()) else {
             return Ok(());
         };
+        // Objects at rest share the coordinates of the world, wherever their origins are.
         let same_frame = |object: &&Object| {
             let at_rest = object.velocity.is_rest() && first.velocity.is_rest();
             at_rest || (object.velocity == first.velocity && object.origin == first.origin)
@@ -189,6 +191,7 @@ impl<'a> Bindings<'a> {
             span: span(at),
             kind: kind(&at.value),
         };
+        // A scene of a few kilobytes could name billions of pairs.
         self.claimed += bound.len().saturating_mul(materials.len().max(1));
         if self.claimed > MOST_SURFACES {
             let what = "the sources name too many surfaces (objects × materials)";
@@ -209,12 +212,17 @@ impl<'a> Bindings<'a> {
 
     /// The source that has some of the object already, if any.
     fn claim_whole(&mut self, object: usize, here: &Claim) -> Option<Claim> {
-        let partly = self.partly.get(&object).cloned();
-        let whole = self.whole.insert(object, here.clone());
-        whole
+        let kinds = [Kind::Texture, Kind::Capture, Kind::Pulse].into_iter();
+        let partly = kinds.filter_map(|kind| self.partly.get(&(object, kind)));
+        let taken = self
+            .whole
+            .get(&object)
             .into_iter()
             .chain(partly)
             .find(|other| other.excludes(here))
+            .cloned();
+        self.whole.insert(object, here.clone());
+        taken
     }
 
     fn claim_materials(
@@ -223,7 +231,7 @@ impl<'a> Bindings<'a> {
         materials: &[&'a str],
         here: &Claim,
     ) -> Option<Claim> {
-        self.partly.insert(object, here.clone());
+        self.partly.insert((object, here.kind), here.clone());
         let whole = self.whole.get(&object).cloned();
         let claimed = materials.iter().take(MOST_SURFACES + 1);
         let mut earlier = claimed.map(|name| self.surfaces.insert((object, name), here.clone()));

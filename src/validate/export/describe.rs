@@ -15,7 +15,7 @@ use crate::render::metadata;
 use crate::render::plan::{Lit, shown_by};
 use crate::render::prepare::scaling;
 use crate::scene::model::{Mapping, Object, ProjectionKind, Pulse, Scene, Sensor};
-use crate::spacetime::{Boost, Displacement, Event, Frame, Quantity, Velocity, World};
+use crate::spacetime::{Boost, Displacement, Frame, Quantity, Velocity, World};
 
 /// What holds for all of `scene`, whose text is in `text`, and of whose light `undescribed` is not in the bundle.
 pub(super) fn scene(
@@ -75,9 +75,9 @@ pub(super) fn camera(scene: &Scene, camera: &Camera) -> CameraEntry {
         right,
         up,
         forward: film.forward().to_array(),
-        shot_event: four(camera.shot.event),
+        shot_event: camera.shot.event.to_array(),
         time: model.time,
-        clock_zero_event: four(model.origin),
+        clock_zero_event: model.origin.to_array(),
         velocity: self::velocity(velocity),
         world_from_camera: matrix(camera.shot.frame.world_from_frame()),
         motion: metadata::motion(&model.motion),
@@ -121,7 +121,7 @@ pub(super) fn object(
         vertices: mesh.positions.len() as u64,
         triangles: mesh.triangles.len() as u64,
         velocity: velocity(object.velocity),
-        origin: four(object.origin),
+        origin: object.origin.to_array(),
         world_from_object: matrix(object.frame().world_from_frame()),
         parts: runs
             .iter()
@@ -172,7 +172,7 @@ pub(super) fn radiometry(scene: &Scene, quantity: Quantity) -> Radiometry {
 
 pub(super) fn pulse(pulse: &Pulse) -> LightEntry {
     LightEntry::Pulse(PulseEntry {
-        event: four(pulse.origin),
+        event: pulse.origin.to_array(),
         sigma: pulse.sigma,
         intensity: pulse.intensity,
         shadows: pulse.shadows,
@@ -247,10 +247,6 @@ pub(super) fn matrix<F: Frame>(boost: &Boost<World, F>) -> Matrix {
     };
     let columns: [FourVector; 4] = std::array::from_fn(unit);
     std::array::from_fn(|row| std::array::from_fn(|column| columns[column][row]))
-}
-
-pub(super) fn four(event: Event<World>) -> FourVector {
-    [event.ct, event.x.x, event.x.y, event.x.z]
 }
 
 fn unit(v: DVec3) -> ([f64; 3], f64) {

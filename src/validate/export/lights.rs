@@ -1,7 +1,7 @@
 //! Lights in the words of the bundle, and what of them it has no words for.
 
 use super::bundle::{EmissionEntry, LampEntry};
-use super::describe::{four, matrix, velocity};
+use super::describe::{matrix, velocity};
 use crate::mesh::Material;
 use crate::scene::model::{Beam, EmissionProfile, Lamp, Light, LightKind, Scene};
 use crate::spacetime::Quantity;
@@ -29,7 +29,7 @@ fn describe(light: &Light, lamp: &Lamp) -> Option<LampEntry> {
         cone,
         intensity: lamp.intensity,
         emission: emission(&lamp.emission),
-        origin: four(frame.origin()),
+        origin: frame.origin().to_array(),
         velocity: velocity(frame.velocity()),
         world_from_lamp: matrix(frame.world_from_frame()),
         shadows: light.shadows,

@@ -103,7 +103,7 @@ pub(super) fn of_object(
             Some(Vector {
                 vertex,
                 position: p.to_array(),
-                event: [event.ct, event.x.x, event.x.y, event.x.z],
+                event: event.to_array(),
                 film: image.film_point(),
                 wavelength_ratio: projection.wavelength_ratio(image.d),
             })

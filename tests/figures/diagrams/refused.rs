@@ -51,6 +51,16 @@ fn an_unknown_world_line_is_refused() {
 }
 
 #[test]
+fn numbers_have_the_range_of_all_other_numbers_of_a_scene() {
+    check(
+        "worldline = [{ name = \"w\", acceleration = 1e31 }]\n",
+        "diagram.worldline[0].acceleration",
+        "1e31 is beyond 1e30",
+        "",
+    );
+}
+
+#[test]
 fn a_spacelike_world_line_is_refused_at_the_event_that_cannot_be_reached() {
     check(
         "worldline = [{ name = \"w\", through = [[0, 0], [1, 0], [2, 3]] }]\n",

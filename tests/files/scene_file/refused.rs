@@ -116,6 +116,7 @@ cases! { SOURCES:
     "objects = [\"floor\"]" => "objects = [\"wheel\"]" at "source[1].name" "\"flash\"": "same surface of \"wheel\"", "`materials`";
     "objects = [\"floor\"]" => "" at "source[1].name" "\"flash\"": "same surface of \"wheel\"", "one cube";
     "objects = [\"floor\"]" => "objects = [\"wheel\"]\nmaterials = [\"hub\", \"rim\"]" at "source[1].name" "\"flash\"": "same surface", "one cube";
+    "objects = [\"floor\"]" => "objects = [\"wheel\"]\nmaterials = [\"hub\"]\npulse = { position = [0, 1, 0], sigma = \"1 cm\" }\n[[source]]\nname = \"third\"\nobjects = [\"wheel\"]" at "source[2].name" "\"third\"": "same surface of \"wheel\"", "`materials`";
     "objects = [\"wheel\"]" => "objects = [\"wheel\", \"ship\"]" at "source[0].cube.capture" "{ eye": "both \"wheel\" and \"ship\"", "share one frame";
     PULSE => "" at "source[1]" "[[source]]": "neither a cube nor a pulse", "add cube";
     PULSE => "pulse = { position = [0, 2, 0], sigma = \"2 cm\" }\ncube = { file = \"a.npy\", bin_width = \"1 m\" }" at "source[1].pulse" "{ position": "exclude each other", "keep one";

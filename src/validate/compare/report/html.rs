@@ -7,6 +7,7 @@ use super::table::{lines, notes, rows};
 use crate::error::Result;
 use crate::figures::drawing::png::{self, Raster};
 use crate::figures::drawing::push_base64;
+use crate::figures::page::escaped;
 use crate::io::image::RgbImage;
 use crate::validate::compare::comparison::Comparison;
 use crate::validate::compare::errors::Histogram;
@@ -290,11 +291,4 @@ fn bars(html: &mut String, name: &str, histogram: &Histogram) {
         escaped(name),
         histogram.zeros
     );
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }

@@ -91,7 +91,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
             if journal.forgot() {
                 let name = job.unfinished();
                 let text = format!(
-                    "{} held parts of another bake (other options or another scene), and is begun anew",
+                    "{} held parts of another bake (other options or another scene), and starts again",
                     name.display()
                 );
                 warn(quiet, &[text])?;
@@ -150,7 +150,7 @@ fn jobs(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<Job>> {
         None => named_after(arguments.scene.path(), "-light.npz"),
     };
     if !["npy", "npz"].contains(&extension(&path).as_str()) {
-        let what = "a cube is written as .npy, or as .npz with what it is of";
+        let what = "a cube is written as .npy, or as .npz with its metadata";
         return Err(refused(
             format!("-o {}", path.display()),
             what,
@@ -194,7 +194,7 @@ fn choose_coordinates(arguments: &BakeArguments, plan: &Plan, jobs: &mut [Job]) 
         }
         if surface.coordinates == Coordinates::Atlas && extension(&job.path) != "npz" {
             let what =
-                "a .npy file has no room for the texture coordinates that are made for the light";
+                "a .npy file cannot hold the texture coordinates that are made for the light";
             return Err(refused(
                 format!("-o {}", job.path.display()),
                 what,
@@ -265,7 +265,7 @@ fn planned(
         let samples = u64::from(w) * u64::from(h) * bins.count as u64 * 3;
         let bytes = samples * if half { 2 } else { 4 };
         text += &format!(
-            "{}: {h} rows × {w} columns × {} bins, {:.1} MB, and as much for its parts while it is made\n",
+            "{}: {h} rows × {w} columns × {} bins, {:.1} MB, and as much again for its parts while it is being made\n",
             job.path.display(),
             bins.count,
             bytes as f64 / 1e6

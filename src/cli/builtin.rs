@@ -100,7 +100,7 @@ pub fn model_as<'a>(
                 true => "--flyby",
                 false => "--beta",
             };
-            let what = "it tells how a model without a scene is looked at, and this is a scene";
+            let what = "it sets the view of a model without a scene, and this is a scene";
             let help =
                 "set the camera's velocity: --set camera.velocity={beta=0.9,direction=[1,0,0]}";
             Err(refused(option, what, help))

@@ -76,7 +76,7 @@ pub fn check_page(output: &Path, count: usize) -> Result<()> {
 impl Names {
     /// With the files of a scene, of which pictures are made.
     fn of_scene(read: &[PathBuf]) -> Names {
-        let overwritten = "this is a file that the scene is made of: it would be overwritten";
+        let overwritten = "the scene is made from this file, which would be overwritten";
         Names::new(read, overwritten, " picture")
     }
 
@@ -110,7 +110,7 @@ impl Names {
         refuse_dangling(option, path)?;
         if path.exists() && !path.is_file() {
             let what = "something that is not a file has this name";
-            let help = "name a file that is new, or that may be replaced";
+            let help = "name a new file, or one that may be replaced";
             return Err(refused(option, what, help));
         }
         let directory = inputs::directory(path);
@@ -126,7 +126,7 @@ pub fn refuse_dangling(option: &str, path: &Path) -> Result<()> {
     match std::fs::read_link(path) {
         Ok(link) if !path.exists() => {
             let what = format!("this is a link to {}, which is not there", link.display());
-            let help = "remove the link, or make what it leads to";
+            let help = "remove the link, or create its target";
             Err(refused(option, what, help))
         }
         _ => Ok(()),

@@ -55,10 +55,11 @@ Examples:
 An .apng plays in every browser. A .y4m is 8-bit YCbCr 4:4:4 by BT.709 in the limited range, for any encoder. The finished \
 pictures of a film are kept in FILE.frames until it is complete: to resume after an interruption, run the same command again. \
 All pictures share one exposure, except with --speeds, where each has its own. It is that of the film's middle third: the scene's \
-percentile over small previews, so that a few bright pictures at an end do not leave the others black. The scene's display.white holds for its own camera, with \
+percentile over small previews, so that a few bright pictures at an end do not leave the others black. The scene's display.white \
+holds for its own camera, with \
 --light; --white R sets that of any film, and --set \"display.logarithmic=[1e-6,1e4]\" shows any speeds on one scale.
 
---time gives the moment at which --flyby passes the camera's position, and at which the others begin, as world time after camera.clock_zero.";
+--time sets when --flyby passes the camera's position, and when the other motions begin, as world time after camera.clock_zero.";
 
 pub const PAGE: &str = "\
 Examples:
@@ -67,8 +68,8 @@ Examples:
   nullray page scene.toml -o page --from \"0 m\" --to \"6 m\" --times 7 --steps 7
   nullray page scene.toml -o page --grid 4x3
 
-DIR/index.html holds pictures, diagrams and script in one file and loads nothing else, so that it opens from a disk and goes \
-onto any course page. Finished pictures are kept in DIR/index.html.frames until the page is complete.";
+DIR/index.html holds pictures, diagrams and script in one file and loads nothing else, so that it can be opened from a disk and \
+put on any course page. Finished pictures are kept in DIR/index.html.frames until the page is complete.";
 
 pub const SHEET: &str = "\
 Examples:
@@ -90,8 +91,8 @@ Examples:
   nullray diagram scene.toml --pixel 320,240 -o pixel.svg
   nullray diagram scene.toml --pixel 320,240 --dimensions 2+1 -o cone.pdf
 
-A file may contain nothing but a [diagram] table. A scene without one is drawn as the world lines of the camera and the \
-objects, the pulses with their light, and the light by which the camera sees the objects at its time. Meshes \
+A file may contain nothing but a [diagram] table. For a scene without one, the diagram shows the world lines of the camera and \
+the objects, the pulses with their light, and the light by which the camera sees the objects at its time. Meshes \
 and cubes are not read.
 
 --pixel draws the light that reaches one pixel, from emission to reception: the clocks of camera and object, \
@@ -113,9 +114,9 @@ Examples:
   nullray bake scene.toml --object floor --texels 512x512 --bin-width \"5 cm\" --bins 1000 --plan
   nullray bake scene.toml --object floor --texels 128x128 --bin-width \"5 cm\" -o floor.npy
 
-Each sample is a path of `render.bounces` surfaces after the first, and its light goes into all bins of time in which it arrives. \
-`bake` prints the [[source]] table that reads its file in a scene, and how much of the energy the bins miss: if it is much, move \
---start, or give more or wider bins.";
+Each sample is a path over `render.bounces` surfaces after the first; its light is added to every time bin in which it arrives. \
+`bake` prints the [[source]] table with which a scene reads the file, and how much of the energy the bins miss: if that is much, \
+move --start, or give more or wider bins.";
 
 pub const CONVERT: &str = "\
 Examples:
@@ -126,16 +127,17 @@ Examples:
 
 Files larger than memory are converted in parts; archives and pictures are unpacked to a temporary file first. \
 To make a picture of distances, render the scene as the capture camera sees it: \
-nullray render scene.toml --aovs distance --pixel-centers -o seen.npz. Where a shift splits a bin, both halves get their share, so that \
-sums stay the same. Outputs appear once they are complete.";
+nullray render scene.toml --aovs distance --pixel-centers -o seen.npz. Where a shift splits a bin, its energy is divided between \
+the two bins that it reaches, so that sums stay the same. Outputs appear once they are complete.";
 
 pub const MESH_FROM_DEPTH: &str = "\
 Examples:
   nullray mesh-from-depth capture.npz --eye 3.2,3,4.6 --look-at -0.4,1,-0.6 --fov \"45 deg\" --start \"7.2 m\" --bin-width \"0.05 m\" --lamp 1.2,2.8,1 -o wall.glb
   nullray mesh-from-depth seen.npz --from distance --eye 0,1,5 --look-at 0,0,0 --fov \"60 deg\" -o seen.glb
 
-There is a vertex at the centre of each pixel, with the texture coordinates of that place in the picture. For a cube of the same camera \
-by times of emission use `uv = 0`, for one by times of arrival `capture` with the same camera. The mesh is torn where one surface ends \
+There is a vertex at the centre of each pixel, with the texture coordinates of that place in the picture. If a cube of the same \
+camera holds times of emission, use `uv = 0`; if it holds times of arrival, use `capture` with the same camera. The mesh is torn \
+where one surface ends \
 in front of another. The distance is that of the light that came first, straight from the surface. Dark pixels are left out (--least): \
 where only indirect light arrives, the distance would be too long.";
 
@@ -185,7 +187,7 @@ halved; the largest error without any cuts; and the triangle and the pixel that 
 pub const INFO: &str = "\
 For a mesh: triangles, materials, nodes, cameras. For arrays: shape, type, and whether they can be used as \
 time-resolved radiance. For pictures: size, channels with their ranges, metadata. For a scene: camera, \
-objects, sources. Samples of arrays are checked, of large ones a part.";
+objects, sources. The samples of arrays are checked; of large arrays, a part of them.";
 
 pub const SELFTEST: &str = "\
 Each line tests one regime near the limits of f64: the worst error found, the derived bound, the unit, and the \

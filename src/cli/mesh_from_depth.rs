@@ -48,7 +48,7 @@ pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
     let made = rays.mesh(&distances, arguments.tear);
     if made.mesh.triangles.is_empty() {
         let what = "no three neighbouring pixels lie on one surface";
-        let help = "check the camera, the lamp and the times; --tear joins what lies farther apart";
+        let help = "check the camera, the lamp and the times; a larger --tear joins pixels that are farther apart";
         return Err(Error::invalid(&arguments.input, "", what, help));
     }
     gltf::save(&output, "surface", &made.mesh)?;
@@ -99,7 +99,7 @@ fn by_first_light(
     budget: &Budget,
 ) -> Result<(PixelRays, Vec<f64>)> {
     let Some(position) = arguments.lamp else {
-        let what = "where the pulse of light was sent is not known";
+        let what = "it is not known where the pulse of light was emitted";
         return Err(refused(
             "--lamp",
             what,

@@ -60,7 +60,7 @@ fn check(arguments: &PageArguments, scene: &Scene, option: &str, path: &Path) ->
         &arguments.changes.request(arguments.work.threads.count),
     )?;
     let read = inputs::of(scene, &plan);
-    let overwritten = "this is a file that the page is made of: it would be overwritten";
+    let overwritten = "the page is made from this file, which would be overwritten";
     Names::new(&read, overwritten, " page").check(option, path)
 }
 
@@ -143,7 +143,7 @@ fn check_size(megabytes: f64, arguments: &PageArguments) -> Result<()> {
         "the page would have {megabytes:.3} MB, more than {}",
         arguments.max_size
     );
-    let help = "make it of fewer --steps, with a smaller --size or --grid, or with more --spp (less noise), or give a larger --max-size";
+    let help = "use fewer --steps, a smaller --size or --grid, or more --spp (less noise), or give a larger --max-size";
     Err(refused("--max-size", what, help))
 }
 

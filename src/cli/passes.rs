@@ -120,7 +120,7 @@ impl Work<'_> {
         } else {
             if self.sums.exists() {
                 let text = format!(
-                    "{} holds passes of another picture (other options or another scene), and is begun anew",
+                    "{} holds passes of another picture (other options or another scene), and starts again",
                     self.sums.display()
                 );
                 warn(self.quiet, &[text])?;

@@ -46,7 +46,7 @@ pub fn is_pipe(path: &Path) -> bool {
 
 /// Refuses names that are no films, and those that could not be written or would be written over what is `read`.
 pub fn check(films: &[PathBuf], read: &[PathBuf]) -> Result<()> {
-    let overwritten = "this is a file that the film is made of: it would be overwritten";
+    let overwritten = "the film is made from this file, which would be overwritten";
     let mut names = Names::new(read, overwritten, " film");
     let mut pipes = 0;
     for path in films {

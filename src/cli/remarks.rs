@@ -116,7 +116,7 @@ fn missing(c: Coverage) -> &'static str {
         ),
         (
             c.off_texture,
-            "most of it lies off the texture: check `uv`, or the capture camera's pose and hfov",
+            "most of it is off the texture: check `uv`, or the capture camera's pose and hfov",
         ),
         (
             c.occluded,

@@ -195,7 +195,7 @@ impl Film<'_> {
 fn check_caption(arguments: &RenderArguments, outputs: &Outputs, films: &[PathBuf]) -> Result<()> {
     let shown = outputs.files().any(|(_, kind)| kind == Kind::Display);
     if arguments.caption.is_some() && !shown && films.is_empty() {
-        let what = "it stands beneath pictures, and none of these files is one";
+        let what = "it is written below pictures, and none of these files is one";
         return Err(refused(
             "--caption",
             what,
@@ -252,8 +252,8 @@ fn check_passes(option: &str, arguments: &RenderArguments, is_sequence: bool) ->
     let refuse = |what: &str, help: &str| Err(refused(option, what, help));
     match () {
         () if is_sequence => refuse(
-            "it improves pictures, and this is a sequence of them",
-            "one --time, or samples for all frames: --spp N",
+            "it improves one picture, and this is a sequence",
+            "give one --time, or the samples of all frames: --spp N",
         ),
         () if arguments.method.method != Method::Trace => refuse(
             "it improves pictures of the ray tracer",

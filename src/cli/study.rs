@@ -66,7 +66,7 @@ fn outputs(arguments: &StudyArguments, read: &[PathBuf]) -> Result<Vec<PathBuf>>
         let endings = ["-study.csv", "-study.json", "-study.svg"];
         return Ok(endings.map(|ending| named_after(path, ending)).into());
     }
-    let overwritten = "this is a file that the scene is made of: it would be overwritten";
+    let overwritten = "the scene is made from this file, which would be overwritten";
     let mut names = Names::new(read, overwritten, "");
     for output in &arguments.output {
         let option = format!("-o {}", output.display());

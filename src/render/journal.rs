@@ -50,7 +50,7 @@ impl Journal {
             ));
         }
         if !is_journal(&mut file).map_err(failed())? {
-            let what = "this is no file of finished parts, and would be written over";
+            let what = "this is not a file of finished parts, and would be overwritten";
             return Err(Error::invalid(
                 path,
                 "",
@@ -236,7 +236,7 @@ mod tests {
         ] {
             std::fs::write(&path, text).unwrap();
             let error = Journal::open(&path, &[1; 32]).unwrap_err();
-            assert!(error.to_string().contains("written over"), "{error}");
+            assert!(error.to_string().contains("overwritten"), "{error}");
             assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
         }
         std::fs::write(&path, &FORMAT[..7]).unwrap();

@@ -230,7 +230,7 @@ impl Passes {
             .read_to_end(&mut head)
             .map_err(failed)?;
         if !head.starts_with(FORMAT) {
-            let what = "this is no file of finished passes, and would be written over";
+            let what = "this is not a file of finished passes, and would be overwritten";
             return Err(Error::invalid(
                 path,
                 "",
@@ -317,12 +317,7 @@ fn means(tiles: &[TileFilm]) -> [f64; 2] {
 }
 
 fn damaged(path: &Path) -> Error {
-    Error::invalid(
-        path,
-        "",
-        DAMAGED,
-        "remove it, and the picture is begun anew",
-    )
+    Error::invalid(path, "", DAMAGED, "remove it to start the picture again")
 }
 
 fn read_eight(reader: &mut impl Read) -> io::Result<[u8; 8]> {

@@ -69,7 +69,7 @@ fn frames_without_numbers_between_are_refused_by_name() {
         .unwrap();
     }
     let error = load(folder.path(), None, None).unwrap_err();
-    assert!(error.contains("are missing: 2"), "{error}");
+    assert!(error.contains("the first and the last: 2"), "{error}");
     fs::write(folder.path().join("002.exr"), "no picture").unwrap();
     let error = load(folder.path(), None, None).unwrap_err();
     assert!(error.contains("002.exr"), "{error}");

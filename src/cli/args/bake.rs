@@ -12,13 +12,14 @@ use crate::cli::values;
 pub struct BakeArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
-    /// Where to write: .npz with the array radiance (H, W, T, 3) of energies per bin, f32, its standard_error by bin and
-    /// metadata, or .npy with the energies alone; with several objects, one file for each, by their names. Finished parts are kept in
-    /// FILE.parts until the bake is complete: run the same command again to resume.
-    /// Default: the scene's name with -light.npz, in the current directory.
+    /// Where to write: .npz with the array radiance (H, W, T, 3) of energies per bin, f32, its standard_error by bin
+    /// and metadata, or .npy with the energies alone; with several objects, one file for each, by their names. Finished
+    /// parts are kept in FILE.parts until the bake is complete: run the same command again to resume. Default: the
+    /// scene's name with -light.npz, in the current directory.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Bake what the scene's camera sees, by times of arrival, instead of the objects' surfaces. The camera has to be at rest relative to the objects.
+    /// Bake what the scene's camera sees, by times of arrival, instead of the objects' surfaces. The camera has to be
+    /// at rest relative to the objects.
     #[arg(long, conflicts_with_all = ["object", "texels", "uv", "atlas"])]
     pub camera: bool,
     /// Bake the surface of this object. Default: all objects that reflect light. Repeatable.
@@ -27,7 +28,7 @@ pub struct BakeArguments {
     /// Columns and rows of texels of a surface.
     #[arg(long, value_name = "WxH", value_parser = values::size, default_value = "64x64", allow_hyphen_values = true)]
     pub texels: [u32; 2],
-    /// The set of texture coordinates, in which no two places of an object may overlap. Default: 0, or an atlas for objects
+    /// The set of texture coordinates; no two places of an object may overlap in it. Default: 0, or an atlas for objects
     /// without any.
     #[arg(long, value_name = "SET")]
     pub uv: Option<u8>,

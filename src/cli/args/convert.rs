@@ -19,7 +19,7 @@ pub struct ConvertArguments {
     /// frames.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// The array of an .npz or HDF5 file that holds several; with the entry of axes named L, like "H[3]".
+    /// The array of an .npz or HDF5 file that holds several; with the number of an entry for axes named L, like "H[3]".
     #[arg(long, value_name = "NAME")]
     pub array: Option<String>,
     /// The order of the input's axes, like "T H W". Default: "H W T [C]"; for pictures "T H W".
@@ -28,7 +28,7 @@ pub struct ConvertArguments {
     /// What the input's channels are, in its order, like "R,G,B,IR,UV". Default: one is grey, three are red, green and blue.
     #[arg(long, value_name = "NAMES")]
     pub channels: Option<Channels>,
-    /// How codes of PNG and TIFF pictures stand for radiance.
+    /// How the codes of PNG and TIFF pictures encode radiance.
     #[arg(long, value_name = "HOW")]
     pub transfer: Option<TransferArgument>,
     /// Bins in which the sensor counted nothing, counted from 0: they are filled from their neighbours in time.
@@ -49,7 +49,7 @@ pub struct ConvertArguments {
     /// Keep these time bins.
     #[arg(long, value_name = "FROM:TO", value_parser = values::range)]
     pub bins: Option<Range<usize>>,
-    /// Merge each N neighbouring bins into one, their sum.
+    /// Merge every N neighbouring bins into one: their sum.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub merge: Option<u32>,
     /// Values are per metre, not per bin: merged bins are means.

@@ -64,7 +64,7 @@ pub struct DiagramArguments {
     mut_arg("allow_outside", |arg| arg.requires("pixel"))
 )]
 pub struct PixelArguments {
-    /// Probe the pixel in column J and row I (from the top left, from 0): trace its centre, and draw where and when its
+    /// Probe the pixel in column J and row I, counted from 0 at the top left: trace its centre, and draw where and when its
     /// light was emitted, and where its source is now. Loads the scene's geometry, but no cubes and textures.
     #[arg(long, value_name = "J,I", value_parser = values::pixel, allow_hyphen_values = true)]
     pub pixel: Option<[u32; 2]>,

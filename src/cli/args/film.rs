@@ -18,7 +18,7 @@ pub struct FilmArguments {
     /// Default: the scene's name with .apng, in the current directory.
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
-    /// Pictures of the film.
+    /// Number of pictures in the film.
     #[arg(long, value_name = "N", default_value_t = 72, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub pictures: u32,
     /// Pictures per second.
@@ -49,8 +49,8 @@ pub struct FilmArguments {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Motions")]
 pub struct MotionArguments {
-    /// Pass the scene's camera position at this speed v/c. Half way through the film, the point that the camera looks at is in the middle
-    /// of the picture; because of aberration, that is long after the camera has passed it.
+    /// Pass the scene's camera position at this speed v/c. Halfway through the film, the point that the camera looks at
+    /// is in the middle of the picture; because of aberration, that is long after the camera has passed it.
     #[arg(
         long,
         value_name = "BETA",
@@ -66,7 +66,7 @@ pub struct MotionArguments {
         allow_negative_numbers = true
     )]
     pub accelerate: Option<f64>,
-    /// Stay at one place and moment, seen at speeds from 0 to this v/c in equal steps of rapidity.
+    /// Stay at one place and moment, and show it at speeds from 0 to this v/c, in equal steps of rapidity.
     #[arg(
         long,
         value_name = "BETA",
@@ -80,11 +80,12 @@ pub struct MotionArguments {
     /// Where the camera moves to: x, y, z, -x, -y, -z or a vector like 1,0,-1. Default: to its right for --flyby, else ahead.
     #[arg(long, value_name = "DIRECTION", value_parser = values::heading, allow_hyphen_values = true, conflicts_with = "light")]
     pub direction: Option<Heading>,
-    /// How far the camera goes, with its unit: "6 m". Default: nine tenths of the way to the point that it looks at; for --flyby twice the distance, times γ.
+    /// How far the camera goes, with its unit: "6 m". Default: nine tenths of the way to the point that it looks at;
+    /// for --flyby twice the distance to that point, times γ.
     #[arg(long, value_name = "LENGTH", conflicts_with_all = ["light", "speeds"])]
     pub distance: Option<Time>,
-    /// The camera's time of the first picture of --light. Default: when light comes into view, until it has left; light that
-    /// shines on ten times as long as a flash does not count.
+    /// The camera's time of the first picture of --light. Default: from when light comes into view until it has left,
+    /// not counting light that lasts ten times as long as a flash.
     #[arg(long, value_name = "TIME", requires = "to", conflicts_with_all = ["flyby", "accelerate", "speeds"], allow_hyphen_values = true)]
     pub from: Option<Time>,
     /// The camera's time of the last picture of --light.

@@ -61,14 +61,13 @@ pub struct MeshFromDepthArguments {
     /// Refractive index of the medium.
     #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = values::positive)]
     pub medium_index: f64,
-    /// The first maximum of a pixel counts only above this part of its highest value.
+    /// Take a pixel's first maximum only above this part of its highest value.
     #[arg(long, value_name = "PART", default_value_t = 0.2, value_parser = values::positive)]
     pub rise: f64,
-    /// Pixels below this part of the brightest are left out: they lie in shadow, where only indirect light arrives.
+    /// Leave out pixels below this part of the brightest: they are in shadow, where only indirect light arrives.
     #[arg(long, value_name = "PART", default_value_t = 0.02, value_parser = values::positive)]
     pub least: f64,
-    /// Neighbours are not joined if their distances differ by more than this many pixel widths, and by more than on a
-    /// plane.
+    /// Do not join neighbours whose distances differ by more than this many pixel widths, and by more than on a plane.
     #[arg(long, value_name = "PIXELS", default_value_t = 4.0, value_parser = values::positive)]
     pub tear: f64,
     #[command(flatten)]

@@ -65,7 +65,8 @@ pub enum Command {
     /// Render the panels of scenes to contact sheets: one labelled page for each scene.
     #[command(after_help = help::SHEET)]
     Sheet(SheetArguments),
-    /// Bake the light of pulsed lamps, with its delays and bounces, into cubes for [[source]]; lamps and objects have to rest relative to each other.
+    /// Bake the light of pulsed lamps, with its delays and bounces, into cubes for [[source]]; lamps and objects have
+    /// to rest relative to each other.
     #[command(after_help = help::BAKE)]
     Bake(BakeArguments),
     /// Draw the space-time diagram of a scene's world lines, or of a file's own [diagram].

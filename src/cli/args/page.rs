@@ -24,13 +24,13 @@ pub struct PageArguments {
         allow_negative_numbers = true
     )]
     pub beta: f64,
-    /// Speeds of the slider, from 0, in equal steps of rapidity.
+    /// Number of speeds on the slider, from 0 in equal steps of rapidity.
     #[arg(long, value_name = "N", default_value_t = 13, value_parser = clap::value_parser!(u32).range(2..=200))]
     pub steps: u32,
     /// Where the camera moves to: x, y, z, -x, -y, -z or a vector like 1,0,-1. Default: ahead.
     #[arg(long, value_name = "DIRECTION", value_parser = values::heading, allow_hyphen_values = true)]
     pub direction: Option<Heading>,
-    /// A second slider, for the camera's time, from here …
+    /// Add a second slider, for the camera's time, that starts here …
     #[arg(
         long,
         value_name = "TIME",
@@ -39,7 +39,7 @@ pub struct PageArguments {
         allow_hyphen_values = true
     )]
     pub from: Option<Time>,
-    /// … to here.
+    /// … and ends here.
     #[arg(
         long,
         value_name = "TIME",
@@ -47,10 +47,10 @@ pub struct PageArguments {
         allow_hyphen_values = true
     )]
     pub to: Option<Time>,
-    /// Times of the second slider.
+    /// Number of camera times on the second slider.
     #[arg(long, value_name = "N", default_value_t = 9, requires = "from", value_parser = clap::value_parser!(u32).range(2..=200))]
     pub times: u32,
-    /// A grid of pixels, columns x rows, with a diagram each that a click on the picture shows: 4x3.
+    /// Make a diagram for each pixel of a grid, columns x rows; a click on the picture shows it: 4x3.
     #[arg(long, value_name = "CxR", value_parser = values::grid, allow_hyphen_values = true)]
     pub grid: Option<[u32; 2]>,
     /// No space-time diagram beside the picture.

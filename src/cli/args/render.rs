@@ -50,8 +50,8 @@ pub struct RenderArguments {
     pub half: bool,
     #[command(flatten)]
     pub exposure: ExposureArgument,
-    /// Write beneath each picture (.png, films): these words, the camera's time and, where it moves, its speed (β and γ);
-    /// "" for time and speed alone. Default: the scene's display.caption, or nothing.
+    /// Write below each picture (.png, films) this text, the camera's time and, where it moves, its speed (β and γ); ""
+    /// for time and speed alone. Default: the scene's display.caption, or nothing.
     #[arg(long, value_name = "TEXT")]
     pub caption: Option<String>,
     /// Pictures per second of a film when it is played. Default: 24.
@@ -68,8 +68,8 @@ pub struct RenderArguments {
     /// Write the same statistics as JSON.
     #[arg(long, value_name = "FILE.json")]
     pub stats_json: Option<PathBuf>,
-    /// Print the scene with all changes made by options, and render nothing. For a model without a scene, prints the
-    /// scene that it stands for; saved in the current directory, this renders the same picture.
+    /// Print the scene with all changes made by options, and render nothing. For a model without a scene, print the
+    /// scene that is made for it; saved in the current directory, that scene renders the same picture.
     #[arg(long)]
     pub print_scene: bool,
     #[command(flatten)]
@@ -84,15 +84,16 @@ pub struct RenderArguments {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Pictures that improve")]
 pub struct PassArguments {
-    /// Render passes of --spp samples until the standard error of each tile of 16 x 16 pixels is at most this part of its radiance, or of
-    /// the picture's mean where that is more: "1 %". Noisy tiles get more passes. The files improve with every pass; after
-    /// Ctrl-C, run the same command again to resume.
+    /// Render passes of --spp samples until the standard error of each tile of 16 x 16 pixels is at most this part of
+    /// its radiance, or of the picture's mean where that is more: "1 %". Noisy tiles get more passes. The files improve
+    /// with every pass; after Ctrl-C, run the same command again to resume.
     #[arg(long, value_name = "PERCENT", value_parser = values::relative_error)]
     pub error: Option<f64>,
     /// Render passes for this long: "60 s", "5 min" or "1 h"; two at least.
     #[arg(long, value_name = "TIME", value_parser = values::work_time)]
     pub budget: Option<f64>,
-    /// Render at most this many passes, an even number. `nullray info` says how many a file has; the same number gives the same bits.
+    /// Render at most this many passes, an even number. `nullray info` says how many a file has; the same number gives
+    /// the same bits.
     #[arg(long, value_name = "N", value_parser = values::passes)]
     pub passes: Option<u32>,
 }
@@ -114,7 +115,7 @@ impl PassArguments {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Models without a scene (.glb, .gltf)")]
 pub struct ModelArguments {
-    /// The camera's speed v/c, from -1 to 1, both not included. Default: at rest; 0.9 for --flyby.
+    /// The camera's speed v/c, above -1 and below 1. Default: at rest; 0.9 for --flyby.
     #[arg(long, value_name = "BETA", allow_negative_numbers = true)]
     pub beta: Option<f64>,
     /// Where the camera moves to: x, y, z, -x, -y, -z, a vector like 1,0,-1, or "towards" the model or "away" from it. Default: x.

@@ -159,7 +159,7 @@ pub struct Edits {
 /// How much memory may be taken.
 #[derive(Debug, Args)]
 pub struct MemoryLimit {
-    /// Memory limit, also --memory; renders read cubes that do not fit from disk in parts. Default: three quarters of what
+    /// Memory limit, also --memory; cubes that do not fit are read from disk in parts. Default: three quarters of what
     /// is available.
     #[arg(long, alias = "memory", value_name = "SIZE", value_parser = values::bytes)]
     max_memory: Option<u64>,
@@ -200,7 +200,7 @@ pub struct Threads {
 /// Whether little is printed.
 #[derive(Debug, Args)]
 pub struct Quiet {
-    /// Print nothing but errors and results that are asked for.
+    /// Print only errors, and results that options request.
     #[arg(id = "quiet", short, long)]
     pub on: bool,
 }
@@ -255,12 +255,12 @@ impl LineArguments {
 /// How several pictures are exposed.
 #[derive(Debug, Args)]
 pub struct ExposureArgument {
-    /// One exposure for all pictures, so that they can be compared and do not flicker: the scene's percentile over small
+    /// Use one exposure for all pictures, so that they can be compared and do not flicker: the scene's percentile over small
     /// previews, of all panels, or of the middle third of frames, films and pages. The default for these; parts of a series
     /// that are rendered apart need --white.
     #[arg(long)]
     same_exposure: bool,
-    /// An exposure of its own for each picture. The default for panels, and for films of --speeds.
+    /// Give each picture an exposure of its own. The default for panels, and for films of --speeds.
     #[arg(long, conflicts_with = "same_exposure")]
     own_exposure: bool,
 }

@@ -18,10 +18,10 @@ pub struct StudyArguments {
     /// Default: the scene's name with -study.csv, -study.json and -study.svg, in the current directory.
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
-    /// The methods, separated by semicolons or spaces, as --method of render has them; trace:fast too.
+    /// The methods, separated by semicolons or spaces: those of render's --method, and trace:fast.
     #[arg(long, value_name = "LIST", default_value = study::METHODS, value_parser = values::methods)]
     pub methods: MethodList,
-    /// Samples per pixel to measure each method with.
+    /// Numbers of samples per pixel to measure each method with.
     #[arg(long, value_name = "LIST", default_value = "1,4,16,64", value_parser = values::samples)]
     pub samples: SampleList,
     /// Runs of each method and number of samples, as far as the budget allows.

@@ -137,7 +137,7 @@ fn outputs(arguments: &DiagramArguments) -> Result<Vec<Output>> {
         [] => vec![Output::of(&named_after(path, ".svg"))],
         said => said.iter().map(|path| Output::of(path)).collect(),
     };
-    let overwritten = "this is the file that the diagram is made of: it would be overwritten";
+    let overwritten = "the diagram is made from this file, which would be overwritten";
     let mut names = Names::new(arguments.scene.path(), overwritten, " drawing");
     for output in &outputs {
         let option = format!("-o {}", output.path.display());

@@ -109,7 +109,7 @@ fn within(scene: &Scene, pixel: [u32; 2]) -> Result<()> {
     }
     let what = format!("this is outside the picture of {width} × {height} pixels");
     let help = format!(
-        "columns go from 0 to {} (left to right), rows from 0 to {} (from the top)",
+        "columns are 0 to {} (from the left), rows 0 to {} (from the top)",
         width - 1,
         height - 1
     );

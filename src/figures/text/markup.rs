@@ -184,7 +184,7 @@ impl Parser<'_> {
             Some(c) if !c.is_whitespace() && c != '*' => self.element(c, level),
             _ => Err(self.wrong(
                 at,
-                "nothing stands in this script",
+                "this script is empty",
                 "_a or _{…}; \\_ and \\^ are the characters",
             )),
         }
@@ -371,8 +371,8 @@ mod tests {
     #[test]
     fn scripts_of_scripts_and_of_nothing_are_refused() {
         assert!(refusal("x^{a_b}").contains("no scripts"));
-        assert!(refusal("x^").contains("nothing stands"));
-        assert!(refusal("x_ a").contains("nothing stands"));
+        assert!(refusal("x^").contains("is empty"));
+        assert!(refusal("x_ a").contains("is empty"));
     }
 
     #[test]

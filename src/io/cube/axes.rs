@@ -200,7 +200,7 @@ impl FromStr for Axes {
             };
             let is_one_of_many = matches!(axis, Axis::Single | Axis::Sum | Axis::Choice);
             if !is_one_of_many && axes.contains(axis) {
-                return Err(format!("the axis {letter} stands twice"));
+                return Err(format!("the axis {letter} is named twice"));
             }
             axes.push(*axis);
         }

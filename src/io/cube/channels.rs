@@ -70,7 +70,7 @@ impl Channels {
                 return Err(format!("{name:?} is not the name of a channel"));
             };
             if channels.contains(channel) {
-                return Err(format!("the channel {name} stands twice"));
+                return Err(format!("the channel {name} is named twice"));
             }
             channels.push(*channel);
         }
@@ -202,7 +202,7 @@ mod tests {
         assert_eq!(all.companions(), Channel::COMPANIONS);
         assert_eq!(all.to_string(), "UV, B, G, R, IR");
         for (names, wrong) in [
-            (&["R", "G", "B", "B"][..], "B stands twice"),
+            (&["R", "G", "B", "B"][..], "B is named twice"),
             (&["R", "G", "IR"], "no channel B"),
             (&["r", "g", "b"], "\"r\" is not"),
             (&["R", "G", "B", "NIR"], "\"NIR\" is not"),

@@ -343,7 +343,7 @@ fn no_radiance(place: &Place, descr: &str) -> crate::Error {
     let what = match descr.as_str() {
         "|O" => "the array holds Python objects, which are never unpickled".to_owned(),
         "<c8" | "<c16" | ">c8" | ">c16" => {
-            "the array holds complex numbers, as phasor films do, which are no radiance in time"
+            "the array holds complex numbers, as phasor films do, which are not radiance over time"
                 .to_owned()
         }
         _ => format!("samples of type {descr:?} cannot hold radiance"),

@@ -67,7 +67,7 @@ impl Picture {
         // Only EXR stores channels by name.
         if wanted.channels.is_some() && extension != "exr" {
             let what = "the channels of this picture are grey or red, green and blue";
-            let help = "leave `channels` out, or store others in an EXR picture under their names";
+            let help = "leave `channels` out, or store named channels in an EXR picture";
             return Err(Error::invalid(file, "channels", what, help));
         }
         let picture = match extension.as_str() {
@@ -134,7 +134,7 @@ impl Picture {
                     "it has no channel {name}; its channels are {}",
                     names.join(", ")
                 );
-                let help = "name in `channels` those that the picture has";
+                let help = "name channels that the picture has";
                 return Err(Error::invalid(file, "channels", what, help));
             };
             planes.push(channel.samples.to_f64());
@@ -240,7 +240,7 @@ impl Picture {
     fn of_tiff(frame: &Frame, _: Option<Transfer>) -> Result<Picture> {
         let file = &*frame.file;
         let what = "this program was built without TIFF";
-        let help = "build it with that (cargo install nullray --features tiff), or convert the frames to EXR";
+        let help = "install it with TIFF (cargo install nullray --features tiff), or convert the frames to EXR";
         Err(Error::unsupported(file, "", what, help))
     }
 
@@ -277,7 +277,7 @@ fn linear_of(file: &Path, transfer: Option<Transfer>) -> Result<fn(f64) -> f32> 
         None => {
             let what = "the codes of this picture are not radiance by themselves";
             let help =
-                "declare how they stand for it: transfer = \"linear\" or \"srgb\" in the source";
+                "declare how the codes encode it: transfer = \"linear\" or \"srgb\" in the source";
             Err(Error::invalid(file, "", what, help))
         }
     }

@@ -77,7 +77,7 @@ pub fn pictures(path: &Path) -> Result<Vec<PathBuf>> {
     }
     let missing = missing(&numbered);
     if !missing.is_empty() {
-        let what = format!("between the first picture and the last are missing: {missing}");
+        let what = format!("pictures are missing between the first and the last: {missing}");
         let help = "add these files; a frame without light is a black picture";
         return Err(Error::invalid(path, "", what, help));
     }
@@ -509,7 +509,10 @@ mod tests {
             .collect();
         assert_eq!(names, ["f8.exr", "f9.exr", "f10.exr"]);
         for (names, wrong) in [
-            (&["f1.exr", "f4.exr", "f05.exr"][..], "missing: 2, 3"),
+            (
+                &["f1.exr", "f4.exr", "f05.exr"][..],
+                "between the first and the last: 2, 3",
+            ),
             (&["f1.exr", "f01.exr"], "same number"),
             (&["f1.exr", "g1.exr"], "several sequences"),
             (&["f1.exr", "f1.png"], "several sequences"),

@@ -243,7 +243,7 @@ impl Store {
                 path,
                 "samples",
                 "the file has become shorter while it was read",
-                "let nobody write to it meanwhile",
+                "make sure that no program writes to it meanwhile",
             ),
             _ => Error::io(path, "cannot read")(error),
         }

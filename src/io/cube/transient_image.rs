@@ -196,7 +196,7 @@ fn grid(reader: &mut dyn ReadSeek, file: &Path, header: Header) -> Result<Header
     let [columns, rows] = sizes.map(|size| u32::from_le_bytes(size) as usize);
     if rows.checked_mul(columns) != Some(header.columns) {
         let what = format!(
-            "a grid of {columns} columns and {rows} rows has not the {} pixels of the header",
+            "a grid of {columns} columns and {rows} rows does not have the {} pixels of the header",
             header.columns
         );
         return Err(Error::invalid(file, "block", what, HELP));

@@ -133,7 +133,10 @@ impl Check<'_, '_> {
         let (Checked::Valid(kind), Checked::Valid(component)) =
             (&self.accessor.type_, &self.accessor.component_type)
         else {
-            return Err(self.invalid("its type or componentType is not of glTF", EXPORT_AGAIN));
+            return Err(self.invalid(
+                "its type or componentType is not valid in glTF",
+                EXPORT_AGAIN,
+            ));
         };
         let (component, normalized) = (component.0, self.accessor.normalized);
         // Types by purpose: those of §3.7.2.1 and §3.11, and as the extension widens them.
@@ -162,7 +165,7 @@ impl Check<'_, '_> {
             }),
             false => Err(self.invalid(
                 &format!(
-                    "{} of type {kind:?}, component type {component:?}{} are not of glTF{needed}",
+                    "{} of type {kind:?}, component type {component:?}{} are not valid in glTF{needed}",
                     purpose.plural(),
                     if normalized { ", normalized" } else { "" },
                 ),
@@ -222,7 +225,10 @@ impl Check<'_, '_> {
             return Err(self.invalid(&what, "sparse.count must be from 1 to count"));
         }
         let Checked::Valid(index) = sparse.indices.component_type else {
-            return Err(self.invalid("its sparse indices are of no type of glTF", EXPORT_AGAIN));
+            return Err(self.invalid(
+                "the type of its sparse indices is not valid in glTF",
+                EXPORT_AGAIN,
+            ));
         };
         let index_format = Format {
             component: index.0,

@@ -74,7 +74,7 @@ pub(super) fn track(document: &mut Document, node: &str, animation: Option<&str>
     }
     if points.len() > MOST || !points.iter().all(|(_, x)| x.is_finite()) {
         let what = format!(
-            "its way has {} points, or leaves the range of numbers",
+            "its path has {} points, or goes beyond the range of numbers",
             points.len()
         );
         return Err(document.invalid(place, what, format!("at most {MOST} finite points")));
@@ -194,10 +194,10 @@ fn channels(document: &mut Document, animation: usize, nodes: &[usize]) -> Resul
         let (input, output, interpolation) = (*input, *output, *interpolation);
         let Checked::Valid(interpolation) = interpolation else {
             let help = "\"LINEAR\", \"STEP\" or \"CUBICSPLINE\"";
-            return Err(document.invalid(place, "its interpolation is not of glTF", help));
+            return Err(document.invalid(place, "its interpolation is not valid in glTF", help));
         };
         if interpolation == Interpolation::Step {
-            let what = "it goes in steps (STEP): what jumps is faster than light";
+            let what = "it moves in steps (STEP), and a jump is faster than light";
             return Err(document.invalid(place, what, "export the animation with linear keys"));
         }
         channels.push(read(

@@ -97,7 +97,7 @@ impl<'a> Document<'a> {
             Some(name) => Err(self.unsupported(
                 "extensionsRequired",
                 format!(
-                    "the file needs the extension {:?}, which is not read",
+                    "the file needs the extension {:?}, which is not supported",
                     shortened(name)
                 ),
                 "export the model without it (without compression, for most such extensions)",

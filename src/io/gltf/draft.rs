@@ -67,11 +67,11 @@ pub(crate) const LIGHTS_UNREAD: &str = "the lights of a scene are its [[light]] 
 /// Says what of the file is passed over as a whole.
 fn warn_of_unread(document: &Document, placed: &[Placed], want: Want, warnings: &mut Warnings) {
     for name in document.unread_extensions() {
-        let what = format!("the extension {:?} is not read", shortened(name));
+        let what = format!("the extension {:?} is not supported", shortened(name));
         warnings.add(what, "extensionsUsed");
     }
     let animations = document.root.animations.len() as u64;
-    let what = "animations of meshes are not played: nodes are where they rest (cameras and lights follow them by \
+    let what = "animations of meshes are not played: nodes stay at rest (cameras and lights follow them by \
                 motion.animation)";
     warnings.add_many(what, "animation 0", animations);
     let has_light = |&placed: &Placed| lights::index_of(document, placed.node).is_some();

@@ -132,7 +132,7 @@ fn one(document: &Document, light: &Light, world: DAffine3, place: &str) -> Resu
         }
         (Checked::Invalid, _) => {
             let help = "a light is \"point\", \"spot\" or \"directional\"";
-            return invalid("the type of its light is not of glTF".into(), help);
+            return invalid("the type of its light is not valid in glTF".into(), help);
         }
     };
     let Some(direction) = Direction::<World>::new(-world.matrix3.z_axis) else {

@@ -160,7 +160,7 @@ impl Reader<'_, '_> {
     /// Says what of it is passed over.
     fn warn(&self, material: &material::Material, warnings: &mut Warnings) {
         if material.alpha_mode == Checked::Valid(JsonAlphaMode::Blend) {
-            let what = "blending by alpha is not done: the surface is opaque";
+            let what = "alpha blending is not supported: the surface is opaque";
             warnings.add(what, &self.place);
         }
         if self.number(material, TRANSMISSION, "transmissionFactor", 0.0) > 0.0 {
@@ -169,7 +169,7 @@ impl Reader<'_, '_> {
                 warnings.add("rough glass is taken as smooth", &self.place);
             }
             if self.number(material, "KHR_materials_volume", "attenuationDistance", 0.0) > 0.0 {
-                warnings.add("what a body of glass absorbs is not computed", &self.place);
+                warnings.add("absorption in glass is not computed", &self.place);
             }
         }
         if material.normal_texture.is_some() {
@@ -281,7 +281,11 @@ impl Reader<'_, '_> {
         };
         let [Some(wrap_u), Some(wrap_v)] = wrap else {
             let help = "wrapS and wrapT must be 10497, 33071 or 33648";
-            return Err(document.invalid(place, "its sampler's wrapping is not of glTF", help));
+            return Err(document.invalid(
+                place,
+                "its sampler's wrapping is not valid in glTF",
+                help,
+            ));
         };
         // Without a filter the choice is free (ibid.).
         let filter = match mag_filter {
@@ -289,7 +293,11 @@ impl Reader<'_, '_> {
             Some(Checked::Valid(MagFilter::Linear)) | None => TextureFilter::Linear,
             Some(Checked::Invalid) => {
                 let help = "magFilter must be 9728 or 9729";
-                return Err(document.invalid(place, "its sampler's filter is not of glTF", help));
+                return Err(document.invalid(
+                    place,
+                    "its sampler's filter is not valid in glTF",
+                    help,
+                ));
             }
         };
         // The extension may name another set than the texture does, so the limit is on that one.

@@ -47,7 +47,7 @@ impl Hierarchy {
             };
             let world = parent * local(document, node, index, warnings)?;
             if !world.is_finite() {
-                let what = "its transform leaves the range of numbers";
+                let what = "its transform goes beyond the range of numbers";
                 return Err(document.invalid(document.node_label(index), what, FINITE));
             }
             hierarchy.worlds[index] = world;
@@ -149,7 +149,7 @@ impl Hierarchy {
         for node in scene.nodes.iter().map(|node| node.value()) {
             let what = match seen.get_mut(node) {
                 None => format!("it refers to node {node}, which is not there"),
-                Some(true) => format!("node {node} stands in it twice"),
+                Some(true) => format!("it lists node {node} twice"),
                 Some(_) if self.has_parent.get(node) == Some(&true) => {
                     format!("node {node} is the child of another node")
                 }

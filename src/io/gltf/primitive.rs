@@ -99,7 +99,7 @@ impl Place<'_, '_> {
             }
             Checked::Invalid => {
                 let help = "mode must be 0 to 6; 4 is triangles";
-                return Err(self.invalid("its mode is not of glTF", help));
+                return Err(self.invalid("its mode is not valid in glTF", help));
             }
         };
         if !has(Semantic::Positions) {

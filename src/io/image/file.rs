@@ -43,7 +43,7 @@ fn target(path: &Path) -> Result<PathBuf> {
         Err(_) => match fs::read_link(path) {
             Ok(link) => {
                 let what = format!("this is a link to {}, which is not there", link.display());
-                return refused(what, "remove the link, or make what it leads to");
+                return refused(what, "remove the link, or create its target");
             }
             Err(_) => path.to_path_buf(),
         },
@@ -51,7 +51,7 @@ fn target(path: &Path) -> Result<PathBuf> {
     match fs::metadata(&target) {
         Ok(found) if !found.is_file() => refused(
             "something that is not a file has this name".into(),
-            "name a file that is new, or that may be replaced",
+            "name a new file, or one that may be replaced",
         ),
         _ => Ok(target),
     }

@@ -190,7 +190,7 @@ fn checked([width, height]: [u32; 2], count: u32, delay: Delay) -> Result<()> {
     if width == 0 || height == 0 || count == 0 {
         return Err(wrong(
             "a film without a pixel",
-            "one picture or more of one pixel or more",
+            "at least one picture of at least one pixel",
         ));
     }
     Ok(())

@@ -203,7 +203,7 @@ fn layers(path: &Path, info: PngInfo, samples: usize, bytes: &[u8], wide: bool) 
     let pixels = pixel_count(info.width, info.height)?;
     let size = if wide { 2 } else { 1 };
     if bytes.len() != pixels * samples * size {
-        return Err(broken(path, "it has fewer pixels than it says"));
+        return Err(broken(path, "it has fewer pixels than it declares"));
     }
     let code = |i: usize| match wide {
         true => f32::from(u16::from_be_bytes([bytes[2 * i], bytes[2 * i + 1]])) / 65535.0,

@@ -188,7 +188,7 @@ pub fn eye(scene: &Scene, prepared: &Prepared) -> DVec3 {
 fn check_camera(scene: &Scene) -> Result<()> {
     let camera = &scene.camera;
     let refuse = |what: &str| {
-        let help = "a plain camera that rests with the objects; the cube can then be looked at by any other";
+        let help = "use a plain camera at rest with the objects; any other camera can then look at the cube";
         Err(Error::invalid(&scene.name, "camera", what, help))
     };
     let objects = scene.objects.first().map(|o| o.velocity.rapidity());
@@ -206,7 +206,7 @@ fn check_camera(scene: &Scene) -> Result<()> {
         || camera.stereo.is_some()
     {
         return refuse(
-            "a cube is that of one pinhole, without a shutter, a moving sensor or a second eye",
+            "a cube belongs to one pinhole, without a shutter, a moving sensor or a second eye",
         );
     }
     Ok(())

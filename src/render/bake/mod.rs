@@ -129,13 +129,13 @@ pub fn check(scene: &Scene) -> Result<()> {
     };
     if let Some(other) = scene.objects.iter().find(|o| moves(o.velocity)) {
         let what = format!("it moves relative to \"{}\"", first.name);
-        let help = "bake what rests relative to each other, each in a scene of its own, or follow light with `render.bounces`";
+        let help = "bake objects that are at rest relative to each other, each group in a scene of its own, or follow light with `render.bounces`";
         return refuse(format!("object \"{}\"", other.name), what, help);
     }
     // Light that never ends would need infinitely many bins.
     for light in &scene.lights {
         let place = format!("light \"{}\"", light.name);
-        let for_ever = "it shines for ever, which has no place in bins of time";
+        let for_ever = "it shines for ever, which does not fit into bins of time";
         let with_an_end = "give it an emission with an end, like emission = { gaussian = { sigma = \"5 cm\" } }, or follow light with `render.bounces`";
         let lamp = match &light.kind {
             LightKind::Lamp(lamp) => lamp,
@@ -156,7 +156,7 @@ pub fn check(scene: &Scene) -> Result<()> {
         }
     }
     if scene.sky.as_ref().is_some_and(|sky| sky.lights) {
-        let what = "it lights surfaces steadily, which has no place in bins of time";
+        let what = "it lights surfaces steadily, which does not fit into bins of time";
         return refuse("sky".into(), what.into(), "set sky.lights = false");
     }
     // Pulses have their place in the world's frame, which the objects have to share.

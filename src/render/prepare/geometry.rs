@@ -87,7 +87,7 @@ fn gathered_frame(
         };
         if !scene.is_lit() && mesh.materials.iter().any(shines) {
             warnings.push(format!(
-                "object {:?}: what its materials emit is seen in lit scenes alone: add a [[light]], or [sky] with radiance = 0",
+                "object {:?}: only lit scenes show what its materials emit: add a [[light]], or [sky] with radiance = 0",
                 object.name
             ));
         }
@@ -227,7 +227,7 @@ fn check_reach(object: &Object, mesh: &mut Mesh, warnings: &mut Vec<String>) -> 
     };
     if object.bad_vertices == BadVertices::Refuse {
         let place = format!("object \"{}\", vertex {at}", object.name);
-        let what = format!("lies at {} m, after its transform", mesh.positions[at]);
+        let what = format!("is at {} m after its transform", mesh.positions[at]);
         let help = format!(
             "coordinates must be within {:.0e} m; bad_vertices = \"drop\" leaves such triangles out",
             Bvh::MAX_COORDINATE
@@ -244,7 +244,7 @@ fn check_reach(object: &Object, mesh: &mut Mesh, warnings: &mut Vec<String>) -> 
     let bad = mesh.positions.iter_mut().filter(|p| !is_reached(p));
     bad.for_each(|p| *p = DVec3::ZERO);
     warnings.push(format!(
-        "object \"{}\": {dropped} triangles with a vertex that is out of reach are dropped",
+        "object \"{}\": {dropped} triangles with a vertex that is out of range are dropped",
         object.name
     ));
     Ok(())

@@ -196,7 +196,7 @@ pub(super) fn give_spectra(
         let said = &at.value;
         let (seen, object) = (&mut lit[*object], &mut objects[*object]);
         if std::mem::replace(seen, true) {
-            let what = format!("{} shines by another light already", quoted(&object.name));
+            let what = format!("{} already shines with another light", quoted(&object.name));
             let help = "an object is one area light: leave one of them out";
             return Err(cx.report.refuse(&light.span, what, help));
         }
@@ -257,7 +257,7 @@ pub(super) fn refuse_those_of_cubes(
         };
         if let Some(cube) = cubes().find(shows) {
             let what = format!(
-                "{} shows a cube, which is all light that leaves it, what it shines with among it",
+                "{} shows a cube, which already holds all light that leaves it",
                 quoted(&objects[*object].name)
             );
             let help = "leave out this light, or give the cube's source `objects` without that one";

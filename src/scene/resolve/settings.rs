@@ -177,13 +177,13 @@ pub(super) fn isochrones(
     let file::Isochrones { flash, time, clock } = &at.value;
     if let Some(object) = objects.iter().find(|object| !object.velocity.is_rest()) {
         let what = format!(
-            "isochrones of a flash are of bodies at rest, and {} moves",
+            "isochrones of a flash need bodies at rest, and {} moves",
             quoted(&object.name)
         );
         return Err(cx.refuse(
             at,
             what,
-            "leave `isochrones` out: those of the light in the picture are of any bodies",
+            "leave `isochrones` out: isochrones of the picture's own light take any bodies",
         ));
     }
     // Times of arrival are of one place: a pinhole that stays where it is.
@@ -197,7 +197,7 @@ pub(super) fn isochrones(
         }
         Some(file::Receiver::Named(file::NamedReceiver::Camera)) => {
             let what =
-                "these isochrones are of a camera with one pinhole at rest, and this one is not";
+                "these isochrones need a camera with one pinhole at rest, and this one is not";
             let help = "give clock = \"world\", or a camera at rest";
             return Err(cx.refuse(at, what, help));
         }

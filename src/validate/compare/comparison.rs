@@ -114,7 +114,7 @@ pub fn compare(
     let mut notes = matched.notes.clone();
     let field = Field::new(&points, known.as_ref());
     if let Some(Field::Search(_)) = &field {
-        notes.push("the reference does not say of which scene it is: geometric errors are searched on the surfaces that it shows (--scene tells)".into());
+        notes.push("the reference does not say which scene it shows: geometric errors are measured on the surfaces that it shows (--scene names the scene)".into());
     }
     let (surface, geometric_map) =
         surface::compare([r, c], &points, field.as_ref(), region, options.bin_width);
@@ -165,10 +165,10 @@ fn known_of(
     match &known {
         Some(known) if has_points && !known.is_that_of(points) => {
             let what = format!(
-                "it is not a picture of {}: its points are not seen where that scene says",
+                "it is not a picture of {}: its points are not where that scene says",
                 scene.name
             );
-            let help = "name the scene of which the reference is, at the time of the shot";
+            let help = "name the scene that the reference shows, at the time of its shot";
             Err(Error::invalid(&reference.name, "scene", what, help))
         }
         _ => Ok(known),

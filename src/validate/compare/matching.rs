@@ -477,12 +477,12 @@ fn usable(
         dropped += u64::from(!mask[i]);
     }
     if !mask.contains(&true) {
-        let what = "light is a finite number at no pixel".to_string();
+        let what = "no pixel has finite light".to_string();
         return refuse(
             pair[1],
             "pixels",
             what,
-            "--nan count-as=0 counts what is not as a value",
+            "--nan count-as=0 counts such samples as a value",
         );
     }
     if dropped > 0 {

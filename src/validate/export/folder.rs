@@ -120,7 +120,7 @@ fn check(target: &Path, overwrite: bool) -> Result<Option<Listed>> {
     let refused = |what: String, help: &str| Err(Error::invalid(target, "", what, help));
     if target.file_name().is_none() {
         return refused(
-            "this is not the name of a directory to be made".into(),
+            "no directory can be made with this name".into(),
             "name a new directory",
         );
     }
@@ -153,7 +153,7 @@ fn check(target: &Path, overwrite: bool) -> Result<Option<Listed>> {
         None => Ok(Some(listed)),
         Some(name) => refused(
             format!(
-                "{} lies in it and is not of the export: it would be lost",
+                "{} is in it and does not belong to the export: it would be lost",
                 name.display()
             ),
             "move it elsewhere, or name a new directory",

@@ -269,7 +269,7 @@ fn vertices_beyond_the_reach_of_rays_are_bad_too() {
     let dropping = format!("{far}\nbad_vertices = \"drop\"");
     let (film, warnings) = film(folder.path(), &dropping).unwrap();
     assert!(
-        warnings[0].contains("1 triangles with a vertex that is out of reach"),
+        warnings[0].contains("1 triangles with a vertex that is out of range"),
         "{warnings:?}"
     );
     assert!(film.aov(Aov::Primitive).unwrap().contains(&2.0));

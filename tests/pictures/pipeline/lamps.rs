@@ -417,7 +417,7 @@ fn what_no_light_can_be_is_refused_in_words() {
         ),
         (
             "[[light]]\ntype = \"area\"\nobject = \"plane\"\n[[light]]\ntype = \"area\"\nobject = \"plane\"",
-            "shines by another light already",
+            "already shines with another light",
         ),
         (
             "[[light]]\ntype = \"area\"\nobject = \"plane\"\nspectrum = { line = \"589 nm\" }",
@@ -468,7 +468,7 @@ fn emission_of_a_file_that_no_light_lets_be_seen_is_named() {
         let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
         let warnings = prepared.warnings.join("\n");
         assert_eq!(
-            warnings.contains("lit scenes alone"),
+            warnings.contains("only lit scenes"),
             said,
             "{lights} {emissive:?}: {warnings}"
         );

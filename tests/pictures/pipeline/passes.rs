@@ -200,7 +200,7 @@ fn passes_that_are_taken_up_again_have_the_bits_of_those_that_were_not_stopped()
         for text in ["notes", &"notes that are long ".repeat(5)] {
             std::fs::write(&path, text).unwrap();
             let error = stopped.resume(&path, &[7; 32]).unwrap_err().to_string();
-            assert!(error.contains("written over"), "{error}");
+            assert!(error.contains("overwritten"), "{error}");
         }
     }
 }

@@ -629,7 +629,7 @@ fn channels_that_cannot_be_are_refused_in_their_place() {
         (
             5,
             format!("channels = [\"R\", \"G\", \"B\", \"IR\", \"IR\"]\n{RGB}"),
-            &["IR stands twice"],
+            &["IR is named twice"],
         ),
         (
             5,

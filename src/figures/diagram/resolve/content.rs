@@ -218,7 +218,7 @@ pub(super) fn refuse_empty_limits(
         let straight = diagram.lines.iter().any(|l| l.track.span() == ENDLESS);
         if points.peek().is_some() && !straight && !points.any(within) {
             let what = "nothing of the diagram is within these limits";
-            let help = "leave them out, and they are chosen by the contents";
+            let help = "leave them out to have them chosen by the contents";
             return Err(cx.refuse(at, what, help));
         }
     }

@@ -96,7 +96,7 @@ fn signals(names: &mut Names, at: &At<file::Signal>) -> Result<Vec<Segment>> {
     }
     if all.is_empty() {
         let what = "no light of these emissions reaches the world line";
-        let help = "let it exist long enough, and nearer";
+        let help = "let it last longer, or bring it nearer";
         return Err(names.cx.refuse(&signal.to, what, help));
     }
     Ok(all)

@@ -116,7 +116,7 @@ pub(super) fn at_own_time(
     track.at(time * names.unit).ok_or_else(|| {
         let [first, last] = track.span().map(|end| end / names.unit);
         let what = "the world line does not have this time";
-        let help = format!("its own clock goes from {first} to {last}");
+        let help = format!("its own clock shows {first} to {last}");
         names.cx.report.refuse(span, what, help)
     })
 }

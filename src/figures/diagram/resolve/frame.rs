@@ -53,7 +53,7 @@ fn moment(names: &mut Names, frame: &DiagramFrame) -> Result<Option<Moment>> {
     let moment = track.at(time).ok_or_else(|| {
         let [first, last] = track.span().map(|end| end / names.unit);
         let what = "the world line does not have this time";
-        let help = format!("its own clock goes from {first} to {last}");
+        let help = format!("its own clock shows {first} to {last}");
         match &frame.proper_time {
             Some(at) => names.cx.refuse(at, what, help),
             None => names.cx.refuse(of, what, help),

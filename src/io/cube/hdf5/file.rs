@@ -115,7 +115,7 @@ impl File {
         match dataset.num_elements().map_err(failed)? {
             0 => Ok(None),
             count if count > MOST_NUMBERS => {
-                let what = format!("{count} numbers are more than describe a capture");
+                let what = format!("{count} numbers are more than a capture is described by");
                 Err(Error::invalid(&self.path, name, what, "check the file"))
             }
             _ => {
@@ -319,7 +319,7 @@ impl Windows for Array {
             false => Err(Error::invalid(
                 &self.path,
                 &self.name,
-                "the array has fewer samples than it says",
+                "the array has fewer samples than it declares",
                 AGAIN,
             )),
         }
@@ -362,7 +362,7 @@ fn refused(path: &Path, place: &str, error: hdf5_reader::error::Error) -> Error 
         Reading::UnsupportedFilter(filter) => Error::unsupported(
             path,
             place,
-            format!("its chunks are compressed in a way that is not read ({filter})"),
+            format!("its chunks are compressed by a filter that is not supported ({filter})"),
             "write it again with gzip: h5repack -f GZIP=4 IN OUT",
         ),
         Reading::ResourceLimit(what) => Error::unsupported(
@@ -380,7 +380,7 @@ fn refused(path: &Path, place: &str, error: hdf5_reader::error::Error) -> Error 
         other => Error::invalid(
             path,
             place,
-            format!("it is broken, or of a kind that is not read: {other}"),
+            format!("it is damaged, or of a kind that is not supported: {other}"),
             AGAIN,
         ),
     }

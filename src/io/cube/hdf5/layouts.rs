@@ -290,7 +290,7 @@ fn tal(file: &File, names: &[String]) -> Result<Layout> {
         notes.extend(confocal(file, ["laser_grid_xyz", "sensor_grid_xyz"])?);
     }
     if start.is_none() {
-        notes.push("t_start is not said: 0 m is assumed".into());
+        notes.push("t_start is not given: 0 m is assumed".into());
     }
     Ok(Layout {
         array: "H".into(),

@@ -60,7 +60,7 @@ pub(super) fn decode(bytes: &[u8], most: u64) -> Result<Vec<u8>, Broken> {
             }
         }
         if own.len() != length {
-            return Err("a block has another length than it says".into());
+            return Err("a block has another length than it declares".into());
         }
         match () {
             () if flags & BY_BYTES != 0 && width > 1 => unshuffle(&own, width, &mut out),
@@ -84,7 +84,8 @@ fn decompressed(stream: &[u8], codec: u8, length: usize) -> Result<Vec<u8>, Brok
         1 => lz4(stream, length)?,
         2 => {
             return Err(
-                "it is compressed by Snappy, which is not read: write it with LZ4 or zstd".into(),
+                "it is compressed by Snappy, which is not supported: write it with LZ4 or zstd"
+                    .into(),
             );
         }
         3 => zlib(stream, length as u64)?,
@@ -93,7 +94,7 @@ fn decompressed(stream: &[u8], codec: u8, length: usize) -> Result<Vec<u8>, Brok
     };
     match bytes.len() == length {
         true => Ok(bytes),
-        false => Err("a stream has another length than it says".into()),
+        false => Err("a stream has another length than it declares".into()),
     }
 }
 

@@ -126,7 +126,7 @@ impl Reading<'_> {
         // Chunks: a regular grid, in files named by their places.
         let (name, grid) = self.named(document.get("chunk_grid"), "chunk_grid")?;
         if name != "regular" {
-            let what = format!("chunks in a grid called {name:?} are not read");
+            let what = format!("chunk grids of the kind {name:?} are not supported");
             return Err(self.unsupported("chunk_grid", what, "write it with chunks of one size"));
         }
         let chunk = self.chunk(grid.get("chunk_shape"), shape.len(), number)?;
@@ -135,7 +135,7 @@ impl Reading<'_> {
             "default" => true,
             "v2" => false,
             _ => {
-                let what = format!("names of chunks called {name:?} are not known");
+                let what = format!("the encoding {name:?} of chunk keys is not known");
                 return Err(self.unsupported(
                     "chunk_key_encoding",
                     what,
@@ -322,7 +322,7 @@ impl Reading<'_> {
                         Some("big") => true,
                         Some("little") => false,
                         None if number.bytes() == 1 => false,
-                        _ => return Err(self.invalid("codecs", "the order of bytes is not said")),
+                        _ => return Err(self.invalid("codecs", "the order of bytes is not given")),
                     },
                 },
                 ("transpose", false) => {
@@ -365,7 +365,7 @@ impl Reading<'_> {
                     {
                         return Err(self.unsupported(
                             "codecs",
-                            "shards in shards are not read",
+                            "shards within shards are not supported",
                             "write it with shards of one level",
                         ));
                     }
@@ -400,17 +400,17 @@ impl Reading<'_> {
                     }
                 }
                 ("bytes" | "transpose" | "sharding_indexed", true) => {
-                    return Err(self.invalid("codecs", format!("{name} stands in the wrong place")));
+                    return Err(self.invalid("codecs", format!("{name} is in the wrong place")));
                 }
                 _ => match compressor(name) {
                     Some(codec) if has_bytes => codec,
                     Some(_) => {
-                        let what = format!("{name} stands in the wrong place");
+                        let what = format!("{name} is in the wrong place");
                         return Err(self.invalid("codecs", what));
                     }
                     None => {
                         let name = name.trim_start_matches(NUMCODECS);
-                        let what = format!("chunks encoded by {name:?} are not read");
+                        let what = format!("the codec {name:?} is not supported");
                         let help = "bytes, transpose, blosc, gzip, zlib, lz4, zstd, crc32c and sharding_indexed are: write it with zarr's default codecs";
                         return Err(self.unsupported("codecs", what, help));
                     }

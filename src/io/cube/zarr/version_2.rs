@@ -53,7 +53,7 @@ pub(super) fn as_version_3(folder: &Path) -> Result<Map<String, Value>> {
         .and_then(|filters| filters.first())
     {
         let name = filter.get("id").and_then(Value::as_str).unwrap_or_default();
-        let what = format!("chunks with the filter {name:?} are not read");
+        let what = format!("the filter {name:?} is not supported");
         let help = "write it without filters: zarr.create_array(..., filters=None)";
         return Err(unsupported("filters", what, help));
     }

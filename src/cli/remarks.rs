@@ -5,7 +5,7 @@ use nullray::light::time_texture::Coverage;
 use nullray::render::film::Film;
 use nullray::render::plan::{self, Plan};
 use nullray::render::prepare::Prepared;
-use nullray::render::survey;
+use nullray::render::{enclosed, survey};
 use nullray::scene::model::Scene;
 use nullray::spacetime::Quantity;
 
@@ -78,8 +78,8 @@ pub fn shift(scene: &Scene, prepared: &Prepared) -> String {
 
 /// Which lamps are inside objects.
 pub fn enclosed(scene: &Scene, prepared: &Prepared) -> String {
-    let lamps = survey::enclosed_lamps(scene, prepared).into_iter();
-    let line = |lamp: survey::EnclosedLamp| {
+    let lamps = enclosed::enclosed_lamps(scene, prepared).into_iter();
+    let line = |lamp: enclosed::EnclosedLamp| {
         let object = scene
             .objects
             .get(lamp.object)

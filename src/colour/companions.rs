@@ -26,8 +26,9 @@
 
 use super::observer::{FIRST, LAST};
 use super::rgb_basis::{self, Continuation};
-use super::shift::{MadeOnce, RgbShift, Table};
+use super::shift::RgbShift;
 use super::spectrum::integrate;
+use super::table::{MadeOnce, Table};
 use super::{colour_matching, rgb_from_xyz};
 
 /// Between which wavelengths the infrared channel shines, metres.

@@ -2,6 +2,7 @@
 //!
 //! RGB is linear, with the primaries and the white point (D65) of sRGB, unless "8-bit" is said.
 
+mod blackbodies;
 mod companions;
 mod line;
 mod observer;
@@ -12,13 +13,15 @@ mod shift;
 mod shift_matrix;
 mod spectrum;
 mod srgb;
+mod table;
 
+pub use blackbodies::blackbody_colour;
 pub use companions::{CompanionShift, INFRARED, ULTRAVIOLET};
 pub use line::{OUTSIDE_GREY, VISIBLE, line_colour};
 pub use observer::colour_matching;
 pub use planck::planck;
 pub use rgb_basis::Continuation;
-pub use shift::{ColourTable, ReflectionTable, RgbShift, blackbody_colour};
+pub use shift::{ColourTable, ReflectionTable, RgbShift};
 pub(crate) use shift_matrix::ShiftMatrix;
 pub use spectrum::{Scale, Shape, Spectrum};
 pub use srgb::{

@@ -1,8 +1,7 @@
 //! Colours as functions of W = λ′/λ, tabulated for rendering.
 //!
 //! [`Spectrum::colour_at`] and [`Spectrum::reflected_at`] integrate over the observer's range. Here their values lie
-//! ready at 1024 steps per factor of 2 of W, equal ones between two powers of 2 (found by the exponent and the
-//! first digits of W alone, without a logarithm), and are linear between: off by at most 1e-4 of
+//! ready in [tables](super::table) with 1024 steps per factor of 2 of W, and are linear between: off by at most 1e-4 of
 //! the colour's largest component, or of W⁻⁵ where that is more. The step is h = 1/1024 at most, and linear
 //! interpolation is off by h²/8 of the second derivative, which is below 400 times the value for the observer's
 //! functions and the basis of RGB, and for Gaussians of σ/λ above 0.01 or so; what is narrower gets worse. Lines are
@@ -12,134 +11,17 @@
 //! continuation goes on as W⁻⁵, exactly; a thermal one as the blackbody that it is, whose colours are in the same table from W = 1/4096 to 4 (h²/8
 //! of the second derivative is 4e-5 of the value at W = 4, x² of Planck's x = 16, and less below).
 
-use super::shift_matrix::ShiftMatrix;
 use std::array::from_fn;
-use std::sync::{LazyLock, OnceLock};
+use std::sync::LazyLock;
 
-use rayon::prelude::*;
-
+use super::blackbodies::BLACKBODIES;
 use super::observer::{FIRST, LAST};
 use super::rgb_basis::{self, Continuation, WHITE_TEMPERATURE};
 use super::rgb_sums::xyz_of_primaries;
+use super::shift_matrix::ShiftMatrix;
 use super::spectrum::{Shape, Spectrum, integrate};
+use super::table::{MOST_OCTAVES, MadeOnce, Table, place};
 use super::{colour_matching, rgb_from_xyz};
-
-/// Bits of the mantissa that number the steps of a factor of 2.
-const STEP_BITS: u32 = 10;
-
-/// What an f64 is shifted right by to leave sign, exponent and these bits.
-const SHIFT: u32 = 52 - STEP_BITS;
-
-/// The most factors of 2 that a table spans: 1 to 32 times what lies between γ = 1 and 500.
-const MOST_OCTAVES: u32 = 20;
-
-/// N numbers at equal steps between powers of 2.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Table<const N: usize> {
-    /// The shifted bits of the argument of the first entry.
-    first: u64,
-    /// One less than there are entries.
-    steps: u64,
-    entries: Vec<[f32; N]>,
-}
-
-/// Of steps from that of the shifted bits `first` on, the number of the one at or below `x`, and how far `x` is on the way to the next; below the
-/// first, for NaN and below 0 a number of no step, larger than all.
-#[inline(always)]
-fn place(first: u64, x: f64) -> (u64, f64) {
-    let bits = x.to_bits();
-    // The last digits as those of a number from 1 to 2, exactly.
-    let rest = (bits << STEP_BITS) & ((1 << 52) - 1) | 1.0f64.to_bits();
-    (
-        (bits >> SHIFT).wrapping_sub(first),
-        f64::from_bits(rest) - 1.0,
-    )
-}
-
-/// `count` values of `f`, from that of the argument with shifted bits `first` on; the loop over threads is compiled once for each N.
-fn entries<const N: usize>(
-    first: u64,
-    count: usize,
-    f: &(dyn Fn(f64) -> [f64; N] + Sync),
-) -> Vec<[f32; N]> {
-    let entry = |at| f(f64::from_bits((first + at as u64) << SHIFT)).map(|x| x as f32);
-    (0..count).into_par_iter().map(entry).collect()
-}
-
-impl<const N: usize> Table<N> {
-    /// `f` from the step at or below `from` to that above `to`.
-    pub(super) fn new([from, to]: [f64; 2], f: impl Fn(f64) -> [f64; N] + Sync) -> Self {
-        let last = (to.to_bits() >> SHIFT) + 1;
-        let most = u64::from(MOST_OCTAVES) << STEP_BITS;
-        let first = (from.to_bits() >> SHIFT).max(last.saturating_sub(most));
-        Table {
-            first,
-            steps: last - first,
-            entries: entries(first, (last - first + 1) as usize, &f),
-        }
-    }
-
-    /// A table of nothing.
-    fn empty() -> Self {
-        Table {
-            first: 0,
-            steps: 0,
-            entries: Vec::new(),
-        }
-    }
-
-    /// The number of the entry at or below `x`, and how far `x` is on the way to the next; none beyond the ends, for
-    /// NaN and below 0.
-    #[inline(always)]
-    fn place(&self, x: f64) -> Option<(usize, f64)> {
-        let (index, rest) = place(self.first, x);
-        (index < self.steps).then_some((index as usize, rest))
-    }
-
-    /// Linear between entries.
-    #[inline(always)]
-    pub(super) fn at(&self, x: f64) -> Option<[f64; N]> {
-        let (index, rest) = self.place(x)?;
-        let (below, above) = (&self.entries[index], &self.entries[index + 1]);
-        // Loops, no closures: they are compiled for the vectors of the loop that calls.
-        let mut between = [0.0; N];
-        for k in 0..N {
-            let (a, b) = (f64::from(below[k]), f64::from(above[k]));
-            between[k] = a + (b - a) * rest;
-        }
-        Some(between)
-    }
-}
-
-/// What is made in parallel when it is first asked for. It is not made within a lock: a thread that waits for the others' parts of it may take
-/// up another task in the meantime, which asks for the same. So some threads may make it, all alike, and one is kept.
-pub(super) struct MadeOnce<T> {
-    kept: OnceLock<T>,
-    make: fn() -> T,
-}
-
-impl<T> MadeOnce<T> {
-    pub(super) const fn new(make: fn() -> T) -> Self {
-        MadeOnce {
-            kept: OnceLock::new(),
-            make,
-        }
-    }
-
-    #[inline]
-    pub(super) fn get(&self) -> &T {
-        match self.kept.get() {
-            Some(kept) => kept,
-            None => self.make(),
-        }
-    }
-
-    #[cold]
-    fn make(&self) -> &T {
-        let made = (self.make)();
-        self.kept.get_or_init(|| made)
-    }
-}
 
 /// Of RGB: M(W), by which linear RGB at rest is multiplied.
 #[derive(Debug)]
@@ -264,113 +146,6 @@ fn rgb_shift(w: f64, continuation: Continuation) -> [[f64; 3]; 3] {
         // It is the unit matrix by the making of the basis; without the rounding of it.
         true => m.map(|row: [f64; 3]| row.map(f64::round)),
         false => m,
-    }
-}
-
-/// The colours of all blackbodies, by temperature.
-struct Blackbodies {
-    /// By temperature in kelvin, divided by `reference` of [`SHORT`].
-    table: Table<3>,
-    /// The same of those that are colder, and of [`LONG`].
-    cold: Table<3>,
-}
-
-/// A wavelength at which Planck's law varies as the colours of blackbodies do, metres.
-const SHORT: f64 = 600e-9;
-
-/// The same of cold ones: the end of the observer's functions, where nearly all that is seen of these is.
-const LONG: f64 = LAST * 1e-9;
-
-static BLACKBODIES: MadeOnce<Blackbodies> = MadeOnce::new(Blackbodies::new);
-
-impl Blackbodies {
-    /// Below, colours are those of the table of cold ones.
-    const COLD: f64 = 512.0;
-
-    /// Below, they are taken as 0: colours, with the luminance that the eye's functions and Planck's law give them, are 1e-301 at 25 K, and
-    /// from 24 K on less than f64 has. What f32 has, in which pictures are written, ends at 163 K. The eye, which needs some 1e-6 cd/m²,
-    /// sees nothing glow below 600 K.
-    const COLDEST: f64 = 16.0;
-
-    /// Above, all grows with the temperature plus a constant (Rayleigh and Jeans, to 1e-8).
-    const HOTTEST: f64 = 16_777_216.0;
-
-    /// Exact colours per factor of 2; between them, cubic in the logarithm of the temperature.
-    const EXACT: u32 = 64;
-
-    fn new() -> Blackbodies {
-        Blackbodies {
-            table: Self::between(Self::COLD, Self::HOTTEST, SHORT),
-            cold: Self::between(Self::COLDEST, Self::COLD, LONG),
-        }
-    }
-
-    /// The ratios to `reference` at `wavelength` from the temperature `coldest` to `hottest`, which is some power of 2 times it.
-    fn between(coldest: f64, hottest: f64, wavelength: f64) -> Table<3> {
-        let exact = |k: u32| {
-            let power = (f64::from(k) - 1.0) / f64::from(Self::EXACT);
-            ratio(coldest * libm::exp2(power), wavelength)
-        };
-        let octaves = libm::log2(hottest / coldest).round() as u32;
-        let count = octaves * Self::EXACT + 4;
-        let ratios: Vec<[f64; 3]> = (0..count).into_par_iter().map(exact).collect();
-        // Short of the end, above which the table would ask for one entry more.
-        Table::new([coldest, hottest * 0.999], |t| {
-            let at = libm::log2(t / coldest) * f64::from(Self::EXACT);
-            let first = (at.max(0.0) as usize).min(ratios.len() - 4);
-            let f = at - first as f64;
-            // Lagrange through the points at −1, 0, 1 and 2.
-            let weights = [
-                -f * (f - 1.0) * (f - 2.0) / 6.0,
-                (f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0,
-                -(f + 1.0) * f * (f - 2.0) / 2.0,
-                (f + 1.0) * f * (f - 1.0) / 6.0,
-            ];
-            let value = |j| (0..4).fold(0.0, |sum, k| sum + weights[k] * ratios[first + k][j]);
-            [value(0), value(1), value(2)]
-        })
-    }
-
-    /// Linear sRGB of Planck's law at `t` kelvin.
-    fn colour(&self, t: f64) -> [f64; 3] {
-        let hottest = Self::HOTTEST * 0.999;
-        match self.table.at(t) {
-            Some(ratio) => ratio.map(|c| c * reference(t, SHORT)),
-            // a t + b, by the values at two temperatures below.
-            None if t >= hottest => {
-                let [a, b] = [hottest * 0.5, hottest * 0.999].map(|t| (t, self.colour(t)));
-                let along = (t - a.0) / (b.0 - a.0);
-                from_fn(|k| a.1[k] + (b.1[k] - a.1[k]) * along)
-            }
-            None => self.cold_colour(t),
-        }
-    }
-
-    #[cold]
-    fn cold_colour(&self, t: f64) -> [f64; 3] {
-        let ratio = self.cold.at(t).unwrap_or_default();
-        ratio.map(|c| c * reference(t, LONG))
-    }
-}
-
-/// Linear sRGB of Planck's law, W m⁻² sr⁻¹ per metre, at `t` kelvin, by the table: below 0 outside the gamut.
-#[inline]
-pub fn blackbody_colour(t: f64) -> [f64; 3] {
-    BLACKBODIES.get().colour(t)
-}
-
-/// What varies most about the colours of blackbodies: Planck's law at a wavelength.
-fn reference(t: f64, wavelength: f64) -> f64 {
-    super::planck(wavelength, t)
-}
-
-/// The colour of a blackbody, divided by [`reference`]; where that is below what f64 has, it is not asked for.
-fn ratio(t: f64, wavelength: f64) -> [f64; 3] {
-    let colour = Spectrum::with_factor(Shape::Blackbody(t), 1.0).colour_at(1.0);
-    let reference = reference(t, wavelength);
-    match reference > 0.0 {
-        true => colour.map(|c| c / reference),
-        false => [0.0; 3],
     }
 }
 
@@ -526,10 +301,6 @@ fn peak(spectrum: &Spectrum, [from, to]: [f64; 2]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::{AtomicBool, Ordering};
-    use std::sync::mpsc;
-    use std::time::Duration;
-
     use super::*;
     use crate::colour::Scale;
 
@@ -546,33 +317,6 @@ mod tests {
 
     fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
         values.into_iter().fold(0.0, |a, x| a.max(x.abs()))
-    }
-
-    #[test]
-    fn what_is_made_in_parallel_may_be_asked_for_meanwhile() {
-        // The thread that makes it waits for the second part, which another has taken, and takes up a task that asks for the same.
-        static BEGUN: AtomicBool = AtomicBool::new(false);
-        static MADE: MadeOnce<u32> = MadeOnce::new(|| {
-            let first = || {
-                while !BEGUN.load(Ordering::SeqCst) {
-                    std::thread::yield_now();
-                }
-            };
-            let second = || {
-                if !BEGUN.swap(true, Ordering::SeqCst) {
-                    rayon::spawn(|| assert_eq!(*MADE.get(), 7));
-                    std::thread::sleep(Duration::from_millis(200));
-                }
-            };
-            rayon::join(first, second);
-            7
-        });
-        let (send, receive) = mpsc::channel();
-        std::thread::spawn(move || {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
-            send.send(pool.unwrap().install(|| *MADE.get()))
-        });
-        assert_eq!(receive.recv_timeout(Duration::from_secs(30)), Ok(7));
     }
 
     #[test]
@@ -633,45 +377,6 @@ mod tests {
             }
             assert!(worst < 1e-4, "{spectrum:?}: {worst:e}");
         }
-    }
-
-    /// Planck's law written out here, summed with the CIE's own numbers (linear between them) over 0.005 nm; and seen with W, that
-    /// of T/W.
-    #[test]
-    fn blackbodies_too_cold_to_glow_have_the_colour_of_plancks_law() {
-        let rows = crate::colour::observer::numbers();
-        for t in [
-            26.0, 31.0, 77.0, 128.5, 300.0, 450.0, 511.0, 512.7, 700.0, 2000.0,
-        ] {
-            let mut xyz = [0.0; 3];
-            for pair in rows.windows(2) {
-                for k in 0..200 {
-                    let part = (f64::from(k) + 0.5) / 200.0;
-                    let l = (pair[0][0] + part * (pair[1][0] - pair[0][0])) * 1e-9;
-                    let x = 6.62607015e-34 * 299792458.0 / (l * 1.380649e-23 * t);
-                    let radiance =
-                        2.0 * 6.62607015e-34 * 299792458.0f64.powi(2) / l.powi(5) / x.exp_m1();
-                    let width = (pair[1][0] - pair[0][0]) / 200.0 * 1e-9;
-                    for j in 0..3 {
-                        let cmf = pair[0][j + 1] + part * (pair[1][j + 1] - pair[0][j + 1]);
-                        xyz[j] += width * cmf * radiance;
-                    }
-                }
-            }
-            let expected = rgb_from_xyz(xyz);
-            assert!(expected[0] > 0.0);
-            for (at_rest, w) in [(t, 1.0), (3.0 * t, 3.0), (6500.0, 6500.0 / t)] {
-                let body = Spectrum::new(Shape::Blackbody(at_rest), Scale::Factor(1.0)).unwrap();
-                let seen = ColourTable::new(&body).colour(w);
-                for j in 0..3 {
-                    let error = (seen[j] - expected[j]).abs() / largest(expected);
-                    assert!(error < 2e-5, "{t} {w}: {seen:?} {expected:?}");
-                }
-            }
-        }
-        // Below all that f64 has.
-        assert_eq!(blackbody_colour(2.725), [0.0; 3]);
-        assert_eq!(blackbody_colour(0.0), [0.0; 3]);
     }
 
     #[test]

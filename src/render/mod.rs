@@ -6,6 +6,7 @@
 
 pub mod aov;
 pub mod bake;
+pub mod enclosed;
 pub mod film;
 mod foretell;
 pub(crate) mod identities;

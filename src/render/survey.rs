@@ -11,12 +11,8 @@
 //! Later shots see later light. Where the range of times moves by r per metre of the camera's own time,
 //! found by a second survey, it reaches data [c, d] from [a, b] at camera times t + (c − b)/r to t + (d − a)/r.
 
-use std::collections::HashMap;
-
-use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::accel::{Bvh, Facing, Ray};
 use crate::light::lamp::Emission;
 use crate::light::time_texture::survey::{lit_span, rounded};
 use crate::render::film::Tile;
@@ -24,12 +20,9 @@ use crate::render::prepare::Prepared;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{
     Background, CameraRays, EmissionClock, Emitter, HitBuffer, Meter, ObservedPoint, RayGenerator,
-    Rays, SurfacePoint, Surfaces, TimeResolved,
+    SurfacePoint, Surfaces, TimeResolved,
 };
-use crate::scene::model::{
-    Beam, Clock, CubeSource, LightKind, Mapping, Scene, SourceKind, TimeBins,
-};
-use crate::spacetime::{Event, World};
+use crate::scene::model::{Clock, CubeSource, LightKind, Mapping, Scene, SourceKind, TimeBins};
 
 /// How many standard deviations of a pulse count as its duration, on either side.
 const PULSE_REACH: f64 = 4.0;
@@ -411,164 +404,6 @@ fn tile(scene: &Prepared, surfaces: &Surfaces, light: &TimeResolved, tile: Tile)
     let each = |observed: &ObservedPoint| at_point(light, surfaces, observed, &mut all);
     each_point(scene, surfaces, tile, each, |_| {});
     all
-}
-
-/// A lamp inside a body, whose outside it does not light but through openings.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct EnclosedLamp {
-    /// The name of the light, or of the pulse.
-    pub lamp: String,
-    /// Index of an object that is around it.
-    pub object: usize,
-}
-
-/// The lamps of which no ray gets out, and most meet the inside of a surface first, at the event at which the camera sees them: 26 rays along their past
-/// light cone, towards the faces, edges and corners of a cube. Of bodies whose back faces are not there, no ray meets the inside, though
-/// shadow rays to the lamp meet the outside: they are around what more of their faces are turned away from than towards, along most of these rays. A body that is around the camera too is a room, and left out.
-pub fn enclosed_lamps(scene: &Scene, prepared: &Prepared) -> Vec<EnclosedLamp> {
-    let shot = prepared.camera.shot.event;
-    let lights = scene.lights.iter().filter(|light| light.shadows);
-    let lamps = lights.filter_map(|light| match &light.kind {
-        LightKind::Lamp(lamp) if !matches!(lamp.beam, Beam::Parallel(_)) => {
-            let near = lamp.line.state(0.0);
-            // Where and when the camera sees the lamp; where it cannot be told, the place that the scene gives.
-            let seen = near.and_then(|near| {
-                let crossing = lamp.line.on_past_light_cone(&near, shot - near.event)?;
-                Some(near.event + crossing.displacement)
-            });
-            Some((&light.name, seen.unwrap_or(lamp.origin)))
-        }
-        _ => None,
-    });
-    let pulses = scene
-        .sources
-        .iter()
-        .filter_map(|source| match &source.kind {
-            SourceKind::Pulse(pulse) if pulse.shadows => Some((&source.name, pulse.origin)),
-            _ => None,
-        });
-    let mut room = None;
-    let found = lamps.chain(pulses).filter_map(|(name, at)| {
-        let object = enclosing(prepared, at)?;
-        // In a room that holds camera and lamp the lamp is not enclosed.
-        let room = *room.get_or_insert_with(|| enclosing(prepared, shot));
-        (room != Some(object)).then(|| EnclosedLamp {
-            lamp: name.clone(),
-            object: object as usize,
-        })
-    });
-    found.collect()
-}
-
-fn enclosing(prepared: &Prepared, at: Event<World>) -> Option<u32> {
-    around(prepared, at).or_else(|| around_without_backs(prepared, at))
-}
-
-/// 26 directions, towards the faces, edges and corners of a cube; turned a little, so that edges of boxes are not on their way.
-fn directions() -> Vec<DVec3> {
-    let steps = [-1.0, 0.0, 1.0];
-    let all = steps.into_iter().flat_map(|x| {
-        steps
-            .into_iter()
-            .flat_map(move |y| steps.map(|z| DVec3::new(x, y, z)))
-    });
-    let turn = glam::DMat3::from_rotation_y(0.11) * glam::DMat3::from_rotation_x(0.07);
-    all.filter_map(|d| (turn * d).try_normalize()).collect()
-}
-
-/// The object of faces without backs that is around `at` along most of these directions. A closed body has one face more that is turned
-/// away than towards a point inside, and as many of both elsewhere.
-fn around_without_backs(prepared: &Prepared, at: Event<World>) -> Option<u32> {
-    let directions = directions();
-    for rest in prepared.frames.iter() {
-        let Some((low, high)) = rest.bvh.bounds() else {
-            continue;
-        };
-        let at = rest.frame.event_from_world(at).x;
-        // No face is farther away.
-        let reach = (at - low).abs().max((high - at).abs()).length();
-        let is_within = at.cmpge(low).all() && at.cmple(high).all();
-        if !is_within || !reach.is_finite() {
-            continue;
-        }
-        let mut found: Vec<u32> = Vec::new();
-        for d in &directions {
-            let mut turned: HashMap<u32, i32> = HashMap::new();
-            let mut count = |origin: DVec3, direction: DVec3, step: i32| {
-                each_front(&rest.bvh, origin, direction, reach, |triangle| {
-                    *turned.entry(rest.patch(triangle).object).or_default() += step;
-                });
-            };
-            count(at + *d * reach, -*d, 1);
-            count(at, *d, -1);
-            found.extend(
-                turned
-                    .into_iter()
-                    .filter(|(_, n)| *n > 0)
-                    .map(|(object, _)| object),
-            );
-        }
-        found.sort_unstable();
-        let most = found
-            .chunk_by(|a, b| a == b)
-            .max_by_key(|same| same.len())
-            .filter(|same| 2 * same.len() > directions.len());
-        if let Some(same) = most {
-            return same.first().copied();
-        }
-    }
-    None
-}
-
-/// The triangles without backs whose fronts a ray meets, from the nearest on, up to a distance.
-fn each_front(bvh: &Bvh, origin: DVec3, direction: DVec3, reach: f64, mut each: impl FnMut(u32)) {
-    /// As many as a body has that tells anything.
-    const MOST: usize = 256;
-    let mut s_min = 0.0;
-    for _ in 0..MOST {
-        let ray = Ray {
-            origin,
-            direction,
-            s_min,
-        };
-        let Some(hit) = bvh.closest(&ray, reach) else {
-            return;
-        };
-        if bvh.triangle(hit.slot).1 == Facing::FrontOnly {
-            each(hit.triangle);
-        }
-        s_min = hit.s;
-    }
-}
-
-/// The object whose inside most of the rays from `at` meet first, where all of them meet something and most of them an inside: a
-/// body that stands on a floor has that for its ground.
-fn around(prepared: &Prepared, at: Event<World>) -> Option<u32> {
-    let directions = directions();
-    let surfaces = Surfaces::unbuffered(&prepared.frames, at, prepared.ray_index);
-    let rays = Rays {
-        directions: &directions,
-        origins: None,
-        left: &[],
-        method: prepared.method,
-        samples: Default::default(),
-    };
-    let mut hits = HitBuffer::default();
-    surfaces.nearest(&rays, &mut hits, &mut Meter::off());
-    let met = (0..directions.len()).map(|ray| hits.hit(ray));
-    let met: Vec<_> = met.collect::<Option<_>>()?;
-    let inside = met.iter().filter(|met| !met.hit.front);
-    let mut objects: Vec<u32> = inside
-        .map(|met| surfaces.rest(met.frame).patch(met.hit.triangle).object)
-        .collect();
-    if 2 * objects.len() <= met.len() {
-        return None;
-    }
-    objects.sort_unstable();
-    let most = objects
-        .chunk_by(|a, b| a == b)
-        .max_by_key(|same| same.len());
-    most.and_then(|same| same.first().copied())
 }
 
 /// What the rays through the centres of a tile's pixels meet, and W of what is at rest in the world for those that meet nothing.

@@ -3,12 +3,13 @@
 //! n = a·b samples fill an a × b grid of cells, one each; within its cell a sample takes a sub-row and
 //! a sub-column of its own, so that the n samples also project onto n different strata of x and of y
 //! (Chiu, Shirley, Wang, "Multi-jittered sampling", Graphics Gems IV, 1994). A prime n is 1 × n, which
-//! is N-rooks. Nothing depends on threads, tiles or the order of rendering.
+//! is N-rooks.
 //!
 //! Samples beyond the n-th are those of further replicates: sample k n + i is sample i of replicate k, which is the same set of strata
 //! with random numbers of its own, independent of all other replicates. The mean of R replicates has the variance of one of them over R,
 //! which R means tell without bias however well the samples of each are spread (Owen, "Monte Carlo theory, methods and examples", § 17.3).
 
+use super::random::{UNIT, halves, hash, pixel_key, unit};
 use crate::accel::vectors::{VectorLoop, dispatch};
 
 /// The sample positions of every pixel.
@@ -146,148 +147,6 @@ pub(crate) fn samples_per_part(samples: u32, parts: u32) -> u32 {
         .into_iter()
         .find(|r| *r > 0 && samples.is_multiple_of(*r));
     samples / parts.unwrap_or(1)
-}
-
-/// Two numbers in [0, 1) of sample `index` of a pixel, for what `dimension` counts: the first two dimensions of Sobol's
-/// sequence in an order and with digits that are scrambled as Owen does (1995) by pixel and dimension, so that any 2ᵐ
-/// samples in a row from a multiple of 2ᵐ on fill all elementary intervals of area 2⁻ᵐ once, and dimensions are independent.
-/// Scrambling by hashing reversed bits: Laine and Karras 2011; Burley, "Practical hash-based Owen scrambling", JCGT 9(4), 2020.
-#[inline(always)]
-pub(crate) fn sobol(pixel: u64, index: u32, dimension: u32) -> [f64; 2] {
-    let noise = hash(hash(!pixel) ^ u64::from(dimension + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    let index = scrambled(index, noise as u32);
-    let digits = hash(noise);
-    // The first dimension is van der Corput's, with the bits reversed.
-    let second = second_dimension(index);
-    [
-        unit(scrambled(index.reverse_bits(), digits as u32)),
-        unit(scrambled(second, (digits >> 32) as u32)),
-    ]
-}
-
-/// [`sobol`] for many pixels, in loops.
-pub(crate) fn sobol_of_each(
-    pixels: &[u64],
-    index: u32,
-    dimension: u32,
-    [x, y]: &mut [Vec<f64>; 2],
-) {
-    x.resize(pixels.len(), 0.0);
-    y.resize(pixels.len(), 0.0);
-    dispatch(SobolOfEach {
-        pixels,
-        index,
-        dimension,
-        x,
-        y,
-    });
-}
-
-struct SobolOfEach<'a> {
-    pixels: &'a [u64],
-    index: u32,
-    dimension: u32,
-    x: &'a mut [f64],
-    y: &'a mut [f64],
-}
-
-impl VectorLoop for SobolOfEach<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let count = self.pixels.len();
-        let (x, y) = (&mut self.x[..count], &mut self.y[..count]);
-        for k in 0..count {
-            [x[k], y[k]] = sobol(self.pixels[k], self.index, self.dimension);
-        }
-    }
-}
-
-/// The same with an index for each pixel.
-pub(crate) fn sobol_of_each_at(
-    pixels: &[u64],
-    indices: &[u32],
-    dimension: u32,
-    [x, y]: &mut [Vec<f64>; 2],
-) {
-    x.resize(pixels.len(), 0.0);
-    y.resize(pixels.len(), 0.0);
-    dispatch(SobolOfEachAt {
-        pixels,
-        indices,
-        dimension,
-        x,
-        y,
-    });
-}
-
-struct SobolOfEachAt<'a> {
-    pixels: &'a [u64],
-    indices: &'a [u32],
-    dimension: u32,
-    x: &'a mut [f64],
-    y: &'a mut [f64],
-}
-
-impl VectorLoop for SobolOfEachAt<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let count = self.pixels.len();
-        let indices = &self.indices[..count];
-        let (x, y) = (&mut self.x[..count], &mut self.y[..count]);
-        for k in 0..count {
-            [x[k], y[k]] = sobol(self.pixels[k], indices[k], self.dimension);
-        }
-    }
-}
-
-/// The digits of the second dimension of Sobol's sequence. Its direction numbers are (1 + s)ᵏ, s a shift by one digit, so that with the index as a
-/// polynomial f over two elements they are f(1 + s): block by block, as (1 + s)ᵐ = 1 + sᵐ for powers of two (Ahmed, "An
-/// implementation algorithm of 2D Sobol sequence fast, elegant, and compact", EGSR 2024).
-#[inline(always)]
-fn second_dimension(index: u32) -> u32 {
-    let mut digits = index;
-    for (m, low) in [
-        (16, 0x0000_ffff),
-        (8, 0x00ff_00ff),
-        (4, 0x0f0f_0f0f),
-        (2, 0x3333_3333),
-        (1, 0x5555_5555),
-    ] {
-        digits ^= (digits >> m) & low;
-    }
-    digits.reverse_bits()
-}
-
-/// The same for one of `count` numbers of each pixel, of a sequence that 4 × 4 pixels share: along a curve that goes through them in Zs
-/// (Morton 1966) each takes as many points in a row as fill the intervals of its own, and those of 2 × 2 and of 4 × 4 pixels
-/// fill finer ones. Errors of neighbours then make up for each other, and noise is fine-grained (Ahmed and Wonka, "Screen-space
-/// blue-noise diffusion of Monte Carlo sampling error via hierarchical ordering of pixels", SIGGRAPH Asia 2020).
-#[inline]
-pub(crate) fn sobol_among(pixel: u64, index: u32, count: u32, dimension: u32) -> [f64; 2] {
-    const WITHIN: u64 = 3 | 3 << 32;
-    let (x, y) = (pixel as u32 & 3, (pixel >> 32) as u32 & 3);
-    let place = x & 1 | (y & 1) << 1 | (x & 2) << 1 | (y & 2) << 2;
-    let first = place.wrapping_mul(count.next_power_of_two());
-    sobol(pixel & !WITHIN, first.wrapping_add(index), dimension)
-}
-
-/// Owen's scrambling of the digits of x, the highest first: each is flipped or not by a hash of those above it.
-#[inline(always)]
-fn scrambled(x: u32, seed: u32) -> u32 {
-    let mut x = x.reverse_bits();
-    // Only products with even numbers and sums: each bit changes by those below it alone (Vegdahl 2021).
-    x ^= x.wrapping_mul(0x3d20_adea);
-    x = x.wrapping_add(seed);
-    x = x.wrapping_mul((seed >> 16) | 1);
-    x ^= x.wrapping_mul(0x0552_6c56);
-    x ^= x.wrapping_mul(0x53a2_2864);
-    x.reverse_bits()
-}
-
-/// What a pixel's random numbers come from.
-#[inline(always)]
-pub(crate) fn pixel_key(column: u32, row: u32) -> u64 {
-    column as u64 | ((row as u64) << 32)
 }
 
 /// The sub-column of row `of[0]` and the sub-row of column `of[1]` in each pixel, where there are powers of two of them.
@@ -498,70 +357,9 @@ fn coprime(mut a: u32, mut b: u32) -> bool {
     a == 1
 }
 
-/// A number in [0, 1) from 32 random bits.
-#[inline(always)]
-fn unit(bits: u32) -> f64 {
-    bits as f64 * UNIT
-}
-
-/// 2⁻³²: takes 32 bits to [0, 1), exactly.
-const UNIT: f64 = 1.0 / 4_294_967_296.0;
-
-/// The lower and the upper 32 bits of `x` as numbers. AVX2 has no vector instruction that converts these: below 2⁵² a whole number is the
-/// fraction of 2⁵² plus it, exactly.
-#[inline(always)]
-pub(crate) fn halves(x: u64) -> [f64; 2] {
-    const BEFORE: f64 = (1u64 << 52) as f64;
-    let [lower, upper] = [x & 0xffff_ffff, x >> 32];
-    [
-        f64::from_bits(BEFORE.to_bits() | lower) - BEFORE,
-        f64::from_bits(BEFORE.to_bits() | upper) - BEFORE,
-    ]
-}
-
-/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): every input bit cones every output bit.
-#[inline(always)]
-fn hash(x: u64) -> u64 {
-    let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^ (x >> 31)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_second_dimension_is_made_of_its_direction_numbers() {
-        for index in (0..4096).chain((0..4096).map(|k: u32| k.wrapping_mul(0x9e37_79b9))) {
-            let (mut digits, mut direction) = (0, 1u32 << 31);
-            for bit in 0..32 {
-                if index >> bit & 1 == 1 {
-                    digits ^= direction;
-                }
-                direction ^= direction >> 1;
-            }
-            assert_eq!(second_dimension(index), digits, "{index}");
-        }
-    }
-
-    #[test]
-    fn halves_are_converted_exactly() {
-        for x in [
-            0,
-            1,
-            u64::MAX,
-            1 << 31,
-            1 << 63,
-            0xffff_ffff,
-            hash(3),
-            hash(4),
-        ] {
-            let expected = [f64::from(x as u32), f64::from((x >> 32) as u32)];
-            assert_eq!(halves(x), expected, "{x:x}");
-        }
-    }
 
     #[test]
     fn sub_cells_among_powers_of_two_are_an_affine_permutation_modulo_that() {
@@ -675,60 +473,6 @@ mod tests {
                     "{n} {signs:?}"
                 );
             }
-        }
-    }
-
-    #[test]
-    fn scrambled_points_fill_all_elementary_intervals_once() {
-        // 2⁶ points, in rectangles of 2ᵃ × 2⁶⁻ᵃ: one in each. Also of a part that begins at a multiple of 2⁶.
-        for (pixel, dimension) in [(0, 0), (7, 3), (1 << 33, 11)] {
-            for first in [0, 64, 640] {
-                let points: Vec<_> = (first..first + 64)
-                    .map(|k| sobol(pixel, k, dimension))
-                    .collect();
-                for a in 0..=6 {
-                    let [columns, rows] = [1u32 << a, 64 >> a];
-                    let mut cells: Vec<u32> = points
-                        .iter()
-                        .map(|[x, y]| {
-                            (x * f64::from(columns)) as u32 * rows + (y * f64::from(rows)) as u32
-                        })
-                        .collect();
-                    cells.sort_unstable();
-                    assert_eq!(cells, (0..64).collect::<Vec<_>>(), "{pixel} {first} {a}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn neighbouring_pixels_share_one_set_of_points() {
-        // 16 numbers of each of 4 × 4 pixels: each pixel's fill 4 × 4 cells once, those of all 16 × 16, in any replicate. Of
-        // 12 numbers each is in a cell of its own.
-        for (salt, count) in [(0, 16), (hash(7), 16), (0, 12)] {
-            let mut all = [0; 256];
-            for key in 0..16 {
-                let pixel = pixel_key(40 + key % 4, 80 + key / 4) ^ salt;
-                let mut own = [0; 16];
-                for index in 0..count {
-                    let [x, y] = sobol_among(pixel, index, count, 1);
-                    let cell = |n: f64| (x * n) as usize * n as usize + (y * n) as usize;
-                    own[cell(4.0)] += 1;
-                    all[cell(16.0)] += 1;
-                }
-                assert!(own.iter().all(|n| *n <= 1));
-            }
-            assert!(all.iter().all(|n| *n <= 1));
-        }
-    }
-
-    #[test]
-    fn scrambled_dimensions_are_independent() {
-        // Products of centred coordinates over 4096 points have the variance (1/12)²: the mean is within 5 of 1.3e-3.
-        for (a, b) in [(0, 1), (2, 9)] {
-            let product = |k| (sobol(3, k, a)[0] - 0.5) * (sobol(3, k, b)[0] - 0.5);
-            let mean = (0..4096).map(product).sum::<f64>() / 4096.0;
-            assert!(mean.abs() < 5.0 / (12.0 * 64.0), "{a} {b}: {mean}");
         }
     }
 

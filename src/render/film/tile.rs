@@ -1,7 +1,4 @@
-//! The film: sums of samples per pixel, box filter, in f64 and in a fixed order.
-//!
-//! A tile is rendered by one thread, each of its pixels sample by sample; tiles do not overlap. So the
-//! film's bits do not depend on the number of threads.
+//! The sums of a tile, sample by sample.
 //!
 //! # The standard error
 //!
@@ -29,135 +26,25 @@
 
 use std::ops::Range;
 
-use serde::Serialize;
-
-use crate::accel::Precision;
-use crate::accel::pages::Pages;
-use crate::io::image::{Channel, Samples};
+use super::layout::{Layout, Tile};
 use crate::light::time_texture::Coverage;
 use crate::render::aov::{Aov, Combine};
-use crate::render::sampler::samples_per_part;
-
-/// Edge length of a tile in pixels.
-pub const TILE: u32 = 16;
-
-/// A rectangle of pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Tile {
-    /// Leftmost column and topmost row.
-    pub corner: [u32; 2],
-    /// Columns and rows.
-    pub size: [u32; 2],
-}
-
-impl Tile {
-    /// Tile `index` of an image of `size` pixels, row by row.
-    pub fn of_image(size: [u32; 2], index: u64) -> Self {
-        let across = size[0].div_ceil(TILE) as u64;
-        let corner = [
-            (index % across) as u32 * TILE,
-            (index / across) as u32 * TILE,
-        ];
-        Tile {
-            corner,
-            size: std::array::from_fn(|a| TILE.min(size[a] - corner[a])),
-        }
-    }
-
-    /// The tile's index in an image of `size` pixels.
-    pub fn index(self, size: [u32; 2]) -> u64 {
-        let across = size[0].div_ceil(TILE) as u64;
-        (self.corner[1] / TILE) as u64 * across + (self.corner[0] / TILE) as u64
-    }
-
-    /// The index of the tile of an image of `size` pixels that holds this pixel.
-    pub(crate) fn holding(size: [u32; 2], [column, row]: [u32; 2]) -> u64 {
-        let corner = [column / TILE * TILE, row / TILE * TILE];
-        let tile = Tile {
-            corner,
-            size: [1, 1],
-        };
-        tile.index(size)
-    }
-
-    /// How many tiles cover an image of `size` pixels.
-    pub fn count(size: [u32; 2]) -> u64 {
-        size[0].div_ceil(TILE) as u64 * size[1].div_ceil(TILE) as u64
-    }
-
-    /// How many pixels.
-    pub fn pixels(self) -> usize {
-        (self.size[0] * self.size[1]) as usize
-    }
-
-    /// Column and row of each pixel, row by row.
-    pub fn coordinates(self) -> impl Iterator<Item = (u32, u32)> {
-        let Tile {
-            corner: [left, top],
-            size: [width, height],
-        } = self;
-        (top..top + height)
-            .flat_map(move |row| (left..left + width).map(move |column| (column, row)))
-    }
-}
-
-/// What the film has to hold.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Layout {
-    /// Columns and rows.
-    pub size: [u32; 2],
-    /// Samples per pixel.
-    pub samples: u32,
-    /// Whether the one sample of each pixel is at its centre.
-    pub pixel_centers: bool,
-    /// What visibility is worth.
-    pub precision: Precision,
-    /// Auxiliary channels.
-    pub channels: Vec<Aov>,
-    /// Whether radiance can be missing, so that coverage has to be summed.
-    pub has_gaps: bool,
-}
-
-impl Layout {
-    /// Bytes of a film of this layout.
-    pub fn bytes(&self) -> u64 {
-        let pixel = 24 + 8 * self.channels.len();
-        self.size[0] as u64 * self.size[1] as u64 * pixel as u64
-    }
-
-    /// Bytes of the sums of all tiles, where they are kept from pass to pass.
-    pub(crate) fn bytes_of_passes(&self) -> u64 {
-        // Radiance, its halves and their spread; what is missing and its parts; hits and the nearest.
-        let pixel = 24 + 48 + 40 + 40 + 12 + 8 * self.channels.len();
-        self.size[0] as u64 * self.size[1] as u64 * pixel as u64
-    }
-
-    /// Samples of each of the independent parts of a pixel: all of them, unless the standard error is asked for, which takes 8 parts, or as
-    /// many more as divide the samples, or one for each sample.
-    pub fn samples_per_part(&self) -> u32 {
-        const PARTS: u32 = 8;
-        if !self.channels.contains(&Aov::StandardError) {
-            return self.samples;
-        }
-        samples_per_part(self.samples, PARTS)
-    }
-}
 
 /// The sums of one tile.
 #[derive(Debug)]
 pub struct TileFilm {
-    tile: Tile,
-    radiance: Vec<[f64; 3]>,
+    pub(super) tile: Tile,
+    pub(super) radiance: Vec<[f64; 3]>,
     /// Samples that hit nothing.
-    unmet: u64,
+    pub(super) unmet: u64,
     /// Of all samples of the tile.
-    coverage: Coverage,
+    pub(super) coverage: Coverage,
     /// Σ of the known parts, for the channel.
     held: Vec<f64>,
     /// Σ of the missing parts by reason, for the channels: before, after, off the texture, occluded.
     missing: Vec<[f64; 4]>,
     /// The parts that are done, where there are several.
-    parts: Option<Parts>,
+    pub(super) parts: Option<Parts>,
     /// Samples that hit a surface.
     hits: Vec<u32>,
     /// Squared distance from the pixel's centre of the nearest sample so far.
@@ -167,19 +54,19 @@ pub struct TileFilm {
 
 /// Independent parts of the samples of a tile: the even ones and the odd ones.
 #[derive(Debug)]
-pub(super) struct Parts {
+pub(in crate::render) struct Parts {
     /// Samples of each.
     samples: u32,
     /// How many are done.
-    pub(super) taken: u32,
+    pub(in crate::render) taken: u32,
     /// By half, how many of it count in the radiance.
-    pub(super) counted: [u32; 2],
+    pub(in crate::render) counted: [u32; 2],
     /// By half, whether that is settled.
-    pub(super) settled: [bool; 2],
+    pub(in crate::render) settled: [bool; 2],
     /// By half and pixel, Σ of the means of those that count.
-    pub(super) halves: [Vec<[f64; 3]>; 2],
+    pub(in crate::render) halves: [Vec<[f64; 3]>; 2],
     /// With m the mean of R, G, B of a part: m₀ of the first, and by half Σ (m − m₀) and Σ (m − m₀)². Equal parts give exactly 0.
-    pub(super) spread: Vec<[f64; 5]>,
+    pub(in crate::render) spread: Vec<[f64; 5]>,
 }
 
 impl Parts {
@@ -220,7 +107,7 @@ impl Parts {
     }
 
     /// The mean of a pixel.
-    fn mean(&self, pixel: usize) -> [f64; 3] {
+    pub(super) fn mean(&self, pixel: usize) -> [f64; 3] {
         let [a, b] = self.counted.map(f64::from);
         let [x, y] = std::array::from_fn(|half| self.halves[half][pixel]);
         match self.settled.contains(&true) {
@@ -231,7 +118,7 @@ impl Parts {
     }
 
     /// The standard error of a pixel: (1), or (2) where a half is settled.
-    pub(super) fn standard_error(&self, pixel: usize) -> f64 {
+    pub(in crate::render) fn standard_error(&self, pixel: usize) -> f64 {
         if self.taken < 2 {
             return f64::NAN;
         }
@@ -256,7 +143,7 @@ impl Parts {
     }
 
     /// The mean radiance that one half has of the tile, and its standard error as the root of the mean square over pixels.
-    pub(super) fn tile_judgement(&self, half: usize) -> [f64; 2] {
+    pub(in crate::render) fn tile_judgement(&self, half: usize) -> [f64; 2] {
         let count = self.spread.len() as f64;
         let mut sums = [0.0; 2];
         for pixel in 0..self.spread.len() {
@@ -267,7 +154,7 @@ impl Parts {
     }
 
     /// Whether both halves are settled.
-    pub(super) fn is_settled(&self) -> bool {
+    pub(in crate::render) fn is_settled(&self) -> bool {
         self.settled == [true; 2]
     }
 }
@@ -331,7 +218,7 @@ impl TileFilm {
     }
 
     /// An empty film of `tile` for any number of passes, each of them a part.
-    pub(super) fn of_passes(tile: Tile, layout: &Layout) -> Self {
+    pub(in crate::render) fn of_passes(tile: Tile, layout: &Layout) -> Self {
         TileFilm {
             parts: Some(Parts::new(tile.pixels(), layout.samples)),
             ..TileFilm::new(tile, layout)
@@ -360,22 +247,22 @@ impl TileFilm {
     }
 
     /// The parts, where there are several.
-    pub(super) fn parts(&self) -> Option<&Parts> {
+    pub(in crate::render) fn parts(&self) -> Option<&Parts> {
         self.parts.as_ref()
     }
 
     /// The same, to be changed.
-    pub(super) fn parts_mut(&mut self) -> Option<&mut Parts> {
+    pub(in crate::render) fn parts_mut(&mut self) -> Option<&mut Parts> {
         self.parts.as_mut()
     }
 
     /// The tile.
-    pub(super) fn tile(&self) -> Tile {
+    pub(in crate::render) fn tile(&self) -> Tile {
         self.tile
     }
 
     /// All that is kept from pass to pass, in a fixed order: numbers by `f64`s, and counts by `u64`s.
-    pub(super) fn each_sum(
+    pub(in crate::render) fn each_sum(
         &mut self,
         numbers: &mut dyn FnMut(&mut [f64]),
         counts: &mut dyn FnMut(&mut u64),
@@ -513,7 +400,7 @@ impl TileFilm {
     }
 
     /// The finished value of `aov` in `pixel` after `samples` samples.
-    fn aov(&self, channel: usize, aov: Aov, pixel: usize, samples: u32) -> f64 {
+    pub(super) fn aov(&self, channel: usize, aov: Aov, pixel: usize, samples: u32) -> f64 {
         let sum = self.aovs[channel][pixel];
         match aov.combine() {
             Combine::Coverage => self
@@ -541,7 +428,7 @@ impl TileFilm {
     }
 
     /// Samples that were taken of each pixel.
-    fn taken(&self, layout: &Layout) -> u32 {
+    pub(super) fn taken(&self, layout: &Layout) -> u32 {
         let parts = self.parts.as_ref();
         parts.map_or(layout.samples, |parts| parts.taken * parts.samples)
     }
@@ -554,185 +441,6 @@ fn is_missing_wanted(layout: &Layout) -> bool {
 
 fn mean([r, g, b]: [f64; 3]) -> f64 {
     (r + g + b) / 3.0
-}
-
-/// The whole image, pixel means.
-#[derive(Debug, Clone)]
-pub struct Film {
-    layout: Layout,
-    radiance: Pages<[f64; 3]>,
-    /// Sum over pixels of the part of their samples that met nothing, times the samples of the layout.
-    unmet: f64,
-    /// Passes of that many samples, and the relative error that they were to reach.
-    passes: u32,
-    error: Option<f64>,
-    /// Per tile, the same sum of its coverage: added up in the order of tiles, whoever rendered them.
-    coverage: Vec<Coverage>,
-    aovs: Vec<Vec<f64>>,
-}
-
-impl Film {
-    /// A film that nothing has been placed on.
-    pub fn new(layout: Layout) -> Self {
-        let n = layout.size[0] as usize * layout.size[1] as usize;
-        let tiles = if layout.has_gaps {
-            Tile::count(layout.size) as usize
-        } else {
-            0
-        };
-        Film {
-            radiance: Pages::zeroed(n),
-            unmet: 0.0,
-            passes: 1,
-            error: None,
-            coverage: vec![Coverage::NONE; tiles],
-            aovs: vec![vec![0.0; n]; layout.channels.len()],
-            layout,
-        }
-    }
-
-    /// Places a finished tile.
-    pub fn place(&mut self, tile: &TileFilm) {
-        let samples = tile.taken(&self.layout);
-        // 1 where there is one pass.
-        let share = f64::from(self.layout.samples) / f64::from(samples);
-        self.unmet += tile.unmet as f64 * share;
-        let index = tile.tile.index(self.layout.size) as usize;
-        if let Some(coverage) = self.coverage.get_mut(index) {
-            *coverage = tile.coverage * share;
-        }
-        let scale = 1.0 / samples as f64;
-        let [left, top] = tile.tile.corner.map(|c| c as usize);
-        let (width, across) = (self.layout.size[0] as usize, tile.tile.size[0] as usize);
-        // Sums to means, row by row of the tile.
-        for (row, sums) in tile.radiance.chunks(across.max(1)).enumerate() {
-            let first = (top + row) * width + left;
-            let means = self.radiance[first..].iter_mut();
-            match &tile.parts {
-                None => {
-                    for (mean, sum) in means.zip(sums) {
-                        *mean = sum.map(|sum| sum * scale);
-                    }
-                }
-                Some(parts) => {
-                    for (at, mean) in means.take(sums.len()).enumerate() {
-                        *mean = parts.mean(row * across + at);
-                    }
-                }
-            }
-        }
-        for (channel, aov) in self.layout.channels.iter().enumerate() {
-            for (pixel, (column, row)) in tile.tile.coordinates().enumerate() {
-                let at = row as usize * width + column as usize;
-                self.aovs[channel][at] = tile.aov(channel, *aov, pixel, samples);
-            }
-        }
-    }
-
-    /// Samples per pixel of each pass.
-    pub fn samples(&self) -> u32 {
-        self.layout.samples
-    }
-
-    /// The most passes that any pixel has had.
-    pub fn passes(&self) -> u32 {
-        self.passes
-    }
-
-    /// The relative error that tiles were to reach, where they were.
-    pub(crate) fn error_asked_for(&self) -> Option<f64> {
-        self.error
-    }
-
-    /// The same film, of so many passes that were to reach this error.
-    pub(super) fn with_passes(self, passes: u32, error: Option<f64>) -> Self {
-        Film {
-            passes,
-            error,
-            ..self
-        }
-    }
-
-    /// Whether the one sample of each pixel is at its centre.
-    pub(crate) fn is_centred(&self) -> bool {
-        self.layout.pixel_centers
-    }
-
-    /// What the visibility in it is worth.
-    pub fn precision(&self) -> Precision {
-        self.layout.precision
-    }
-
-    /// Columns and rows.
-    pub fn size(&self) -> [u32; 2] {
-        self.layout.size
-    }
-
-    /// Mean linear RGB radiance per pixel, row by row from the top.
-    pub fn radiance(&self) -> &[[f64; 3]] {
-        &self.radiance
-    }
-
-    /// The radiance as an array: its shape (height, width, 3), and its numbers in C order.
-    pub fn radiance_array(&self) -> ([usize; 3], &[f64]) {
-        let [width, height] = self.size().map(|n| n as usize);
-        ([height, width, 3], self.radiance().as_flattened())
-    }
-
-    /// An auxiliary channel as an array of shape (height, width), where it was asked for.
-    pub fn aov_array(&self, aov: Aov) -> Option<([usize; 2], &[f64])> {
-        let [width, height] = self.size().map(|n| n as usize);
-        Some(([height, width], self.aov(aov)?))
-    }
-
-    /// The values of an auxiliary channel, where it was asked for.
-    pub fn aov(&self, aov: Aov) -> Option<&[f64]> {
-        let channel = self.layout.channels.iter().position(|c| *c == aov)?;
-        Some(&self.aovs[channel])
-    }
-
-    /// The part of all samples that hit a surface, 0 to 1.
-    pub fn met(&self) -> f64 {
-        let samples = self.radiance.len() as f64 * self.layout.samples as f64;
-        1.0 - self.unmet / samples
-    }
-
-    /// Mean coverage of the image, or none where nothing could be missing.
-    pub fn mean_coverage(&self) -> Option<Coverage> {
-        let sum = self.coverage.iter().fold(Coverage::NONE, |mut sum, c| {
-            sum += *c;
-            sum
-        });
-        let samples = self.radiance.len() as f64 * self.layout.samples as f64;
-        (!self.coverage.is_empty()).then(|| sum * (1.0 / samples))
-    }
-
-    /// The film as named channels: radiance and those of `channels` that were asked for.
-    pub fn channels(&self, channels: &[Aov]) -> Vec<Channel> {
-        let rgb = (0..3).map(|c| {
-            let values = self.radiance.iter().map(|rgb| rgb[c]).collect();
-            Channel {
-                name: ["radiance.R", "radiance.G", "radiance.B"][c].into(),
-                samples: Samples::F64(values),
-            }
-        });
-        let aovs = channels
-            .iter()
-            .filter_map(|aov| Some((aov, self.aov(*aov)?)));
-        rgb.chain(aovs.map(|(aov, values)| Channel {
-            name: aov.name().into(),
-            samples: stored(*aov, values),
-        }))
-        .collect()
-    }
-}
-
-fn stored(aov: Aov, values: &[f64]) -> Samples {
-    if aov.is_identity() {
-        Samples::I32(values.iter().map(|v| *v as i32).collect())
-    } else {
-        Samples::F64(values.to_vec())
-    }
 }
 
 #[cfg(test)]

@@ -1,0 +1,165 @@
+//! The colours of blackbodies, tabulated by temperature.
+
+use std::array::from_fn;
+
+use rayon::prelude::*;
+
+use super::observer::LAST;
+use super::spectrum::{Shape, Spectrum};
+use super::table::{MadeOnce, Table};
+
+/// The colours of all blackbodies, by temperature.
+pub(super) struct Blackbodies {
+    /// By temperature in kelvin, divided by `reference` of [`SHORT`].
+    table: Table<3>,
+    /// The same of those that are colder, and of [`LONG`].
+    cold: Table<3>,
+}
+
+/// A wavelength at which Planck's law varies as the colours of blackbodies do, metres.
+const SHORT: f64 = 600e-9;
+
+/// The same of cold ones: the end of the observer's functions, where nearly all that is seen of these is.
+const LONG: f64 = LAST * 1e-9;
+
+pub(super) static BLACKBODIES: MadeOnce<Blackbodies> = MadeOnce::new(Blackbodies::new);
+
+impl Blackbodies {
+    /// Below, colours are those of the table of cold ones.
+    const COLD: f64 = 512.0;
+
+    /// Below, they are taken as 0: colours, with the luminance that the eye's functions and Planck's law give them, are 1e-301 at 25 K, and
+    /// from 24 K on less than f64 has. What f32 has, in which pictures are written, ends at 163 K. The eye, which needs some 1e-6 cd/m²,
+    /// sees nothing glow below 600 K.
+    const COLDEST: f64 = 16.0;
+
+    /// Above, all grows with the temperature plus a constant (Rayleigh and Jeans, to 1e-8).
+    const HOTTEST: f64 = 16_777_216.0;
+
+    /// Exact colours per factor of 2; between them, cubic in the logarithm of the temperature.
+    const EXACT: u32 = 64;
+
+    fn new() -> Blackbodies {
+        Blackbodies {
+            table: Self::between(Self::COLD, Self::HOTTEST, SHORT),
+            cold: Self::between(Self::COLDEST, Self::COLD, LONG),
+        }
+    }
+
+    /// The ratios to `reference` at `wavelength` from the temperature `coldest` to `hottest`, which is some power of 2 times it.
+    fn between(coldest: f64, hottest: f64, wavelength: f64) -> Table<3> {
+        let exact = |k: u32| {
+            let power = (f64::from(k) - 1.0) / f64::from(Self::EXACT);
+            ratio(coldest * libm::exp2(power), wavelength)
+        };
+        let octaves = libm::log2(hottest / coldest).round() as u32;
+        let count = octaves * Self::EXACT + 4;
+        let ratios: Vec<[f64; 3]> = (0..count).into_par_iter().map(exact).collect();
+        // Short of the end, above which the table would ask for one entry more.
+        Table::new([coldest, hottest * 0.999], |t| {
+            let at = libm::log2(t / coldest) * f64::from(Self::EXACT);
+            let first = (at.max(0.0) as usize).min(ratios.len() - 4);
+            let f = at - first as f64;
+            // Lagrange through the points at −1, 0, 1 and 2.
+            let weights = [
+                -f * (f - 1.0) * (f - 2.0) / 6.0,
+                (f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0,
+                -(f + 1.0) * f * (f - 2.0) / 2.0,
+                (f + 1.0) * f * (f - 1.0) / 6.0,
+            ];
+            let value = |j| (0..4).fold(0.0, |sum, k| sum + weights[k] * ratios[first + k][j]);
+            [value(0), value(1), value(2)]
+        })
+    }
+
+    /// Linear sRGB of Planck's law at `t` kelvin.
+    pub(super) fn colour(&self, t: f64) -> [f64; 3] {
+        let hottest = Self::HOTTEST * 0.999;
+        match self.table.at(t) {
+            Some(ratio) => ratio.map(|c| c * reference(t, SHORT)),
+            // a t + b, by the values at two temperatures below.
+            None if t >= hottest => {
+                let [a, b] = [hottest * 0.5, hottest * 0.999].map(|t| (t, self.colour(t)));
+                let along = (t - a.0) / (b.0 - a.0);
+                from_fn(|k| a.1[k] + (b.1[k] - a.1[k]) * along)
+            }
+            None => self.cold_colour(t),
+        }
+    }
+
+    #[cold]
+    fn cold_colour(&self, t: f64) -> [f64; 3] {
+        let ratio = self.cold.at(t).unwrap_or_default();
+        ratio.map(|c| c * reference(t, LONG))
+    }
+}
+
+/// Linear sRGB of Planck's law, W m⁻² sr⁻¹ per metre, at `t` kelvin, by the table: below 0 outside the gamut.
+#[inline]
+pub fn blackbody_colour(t: f64) -> [f64; 3] {
+    BLACKBODIES.get().colour(t)
+}
+
+/// What varies most about the colours of blackbodies: Planck's law at a wavelength.
+fn reference(t: f64, wavelength: f64) -> f64 {
+    super::planck(wavelength, t)
+}
+
+/// The colour of a blackbody, divided by [`reference`]; where that is below what f64 has, it is not asked for.
+fn ratio(t: f64, wavelength: f64) -> [f64; 3] {
+    let colour = Spectrum::with_factor(Shape::Blackbody(t), 1.0).colour_at(1.0);
+    let reference = reference(t, wavelength);
+    match reference > 0.0 {
+        true => colour.map(|c| c / reference),
+        false => [0.0; 3],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::colour::{ColourTable, Scale, rgb_from_xyz};
+
+    /// Planck's law written out here, summed with the CIE's own numbers (linear between them) over 0.005 nm; and seen with W, that
+    /// of T/W.
+    #[test]
+    fn blackbodies_too_cold_to_glow_have_the_colour_of_plancks_law() {
+        let rows = crate::colour::observer::numbers();
+        for t in [
+            26.0, 31.0, 77.0, 128.5, 300.0, 450.0, 511.0, 512.7, 700.0, 2000.0,
+        ] {
+            let mut xyz = [0.0; 3];
+            for pair in rows.windows(2) {
+                for k in 0..200 {
+                    let part = (f64::from(k) + 0.5) / 200.0;
+                    let l = (pair[0][0] + part * (pair[1][0] - pair[0][0])) * 1e-9;
+                    let x = 6.62607015e-34 * 299792458.0 / (l * 1.380649e-23 * t);
+                    let radiance =
+                        2.0 * 6.62607015e-34 * 299792458.0f64.powi(2) / l.powi(5) / x.exp_m1();
+                    let width = (pair[1][0] - pair[0][0]) / 200.0 * 1e-9;
+                    for j in 0..3 {
+                        let cmf = pair[0][j + 1] + part * (pair[1][j + 1] - pair[0][j + 1]);
+                        xyz[j] += width * cmf * radiance;
+                    }
+                }
+            }
+            let expected = rgb_from_xyz(xyz);
+            assert!(expected[0] > 0.0);
+            for (at_rest, w) in [(t, 1.0), (3.0 * t, 3.0), (6500.0, 6500.0 / t)] {
+                let body = Spectrum::new(Shape::Blackbody(at_rest), Scale::Factor(1.0)).unwrap();
+                let seen = ColourTable::new(&body).colour(w);
+                for j in 0..3 {
+                    let error = (seen[j] - expected[j]).abs()
+                        / expected[0]
+                            .abs()
+                            .max(expected[1].abs())
+                            .max(expected[2].abs());
+                    assert!(error < 2e-5, "{t} {w}: {seen:?} {expected:?}");
+                }
+            }
+        }
+        // Below all that f64 has.
+        assert_eq!(blackbody_colour(2.725), [0.0; 3]);
+        assert_eq!(blackbody_colour(0.0), [0.0; 3]);
+    }
+}

@@ -1,0 +1,112 @@
+//! What a film has to hold, and the tiles that it is made of.
+
+use serde::Serialize;
+
+use crate::accel::Precision;
+use crate::render::aov::Aov;
+use crate::render::sampler::samples_per_part;
+
+/// Edge length of a tile in pixels.
+pub const TILE: u32 = 16;
+
+/// A rectangle of pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tile {
+    /// Leftmost column and topmost row.
+    pub corner: [u32; 2],
+    /// Columns and rows.
+    pub size: [u32; 2],
+}
+
+impl Tile {
+    /// Tile `index` of an image of `size` pixels, row by row.
+    pub fn of_image(size: [u32; 2], index: u64) -> Self {
+        let across = size[0].div_ceil(TILE) as u64;
+        let corner = [
+            (index % across) as u32 * TILE,
+            (index / across) as u32 * TILE,
+        ];
+        Tile {
+            corner,
+            size: std::array::from_fn(|a| TILE.min(size[a] - corner[a])),
+        }
+    }
+
+    /// The tile's index in an image of `size` pixels.
+    pub fn index(self, size: [u32; 2]) -> u64 {
+        let across = size[0].div_ceil(TILE) as u64;
+        (self.corner[1] / TILE) as u64 * across + (self.corner[0] / TILE) as u64
+    }
+
+    /// The index of the tile of an image of `size` pixels that holds this pixel.
+    pub(crate) fn holding(size: [u32; 2], [column, row]: [u32; 2]) -> u64 {
+        let corner = [column / TILE * TILE, row / TILE * TILE];
+        let tile = Tile {
+            corner,
+            size: [1, 1],
+        };
+        tile.index(size)
+    }
+
+    /// How many tiles cover an image of `size` pixels.
+    pub fn count(size: [u32; 2]) -> u64 {
+        size[0].div_ceil(TILE) as u64 * size[1].div_ceil(TILE) as u64
+    }
+
+    /// How many pixels.
+    pub fn pixels(self) -> usize {
+        (self.size[0] * self.size[1]) as usize
+    }
+
+    /// Column and row of each pixel, row by row.
+    pub fn coordinates(self) -> impl Iterator<Item = (u32, u32)> {
+        let Tile {
+            corner: [left, top],
+            size: [width, height],
+        } = self;
+        (top..top + height)
+            .flat_map(move |row| (left..left + width).map(move |column| (column, row)))
+    }
+}
+
+/// What the film has to hold.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Layout {
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// Samples per pixel.
+    pub samples: u32,
+    /// Whether the one sample of each pixel is at its centre.
+    pub pixel_centers: bool,
+    /// What visibility is worth.
+    pub precision: Precision,
+    /// Auxiliary channels.
+    pub channels: Vec<Aov>,
+    /// Whether radiance can be missing, so that coverage has to be summed.
+    pub has_gaps: bool,
+}
+
+impl Layout {
+    /// Bytes of a film of this layout.
+    pub fn bytes(&self) -> u64 {
+        let pixel = 24 + 8 * self.channels.len();
+        self.size[0] as u64 * self.size[1] as u64 * pixel as u64
+    }
+
+    /// Bytes of the sums of all tiles, where they are kept from pass to pass.
+    pub(crate) fn bytes_of_passes(&self) -> u64 {
+        // Radiance, its halves and their spread; what is missing and its parts; hits and the nearest.
+        let pixel = 24 + 48 + 40 + 40 + 12 + 8 * self.channels.len();
+        self.size[0] as u64 * self.size[1] as u64 * pixel as u64
+    }
+
+    /// Samples of each of the independent parts of a pixel: all of them, unless the standard error is asked for, which takes 8 parts, or as
+    /// many more as divide the samples, or one for each sample.
+    pub fn samples_per_part(&self) -> u32 {
+        const PARTS: u32 = 8;
+        if !self.channels.contains(&Aov::StandardError) {
+            return self.samples;
+        }
+        samples_per_part(self.samples, PARTS)
+    }
+}

@@ -1,0 +1,195 @@
+//! The film: sums of samples per pixel, box filter, in f64 and in a fixed order.
+//!
+//! A tile is rendered by one thread, each of its pixels sample by sample; tiles do not overlap. So the
+//! film's bits do not depend on the number of threads.
+
+mod layout;
+mod tile;
+
+pub use layout::{Layout, TILE, Tile};
+pub use tile::TileFilm;
+
+use crate::accel::Precision;
+use crate::accel::pages::Pages;
+use crate::io::image::{Channel, Samples};
+use crate::light::time_texture::Coverage;
+use crate::render::aov::Aov;
+
+/// The whole image, pixel means.
+#[derive(Debug, Clone)]
+pub struct Film {
+    layout: Layout,
+    radiance: Pages<[f64; 3]>,
+    /// Sum over pixels of the part of their samples that met nothing, times the samples of the layout.
+    unmet: f64,
+    /// Passes of that many samples, and the relative error that they were to reach.
+    passes: u32,
+    error: Option<f64>,
+    /// Per tile, the same sum of its coverage: added up in the order of tiles, whoever rendered them.
+    coverage: Vec<Coverage>,
+    aovs: Vec<Vec<f64>>,
+}
+
+impl Film {
+    /// A film that nothing has been placed on.
+    pub fn new(layout: Layout) -> Self {
+        let n = layout.size[0] as usize * layout.size[1] as usize;
+        let tiles = if layout.has_gaps {
+            Tile::count(layout.size) as usize
+        } else {
+            0
+        };
+        Film {
+            radiance: Pages::zeroed(n),
+            unmet: 0.0,
+            passes: 1,
+            error: None,
+            coverage: vec![Coverage::NONE; tiles],
+            aovs: vec![vec![0.0; n]; layout.channels.len()],
+            layout,
+        }
+    }
+
+    /// Places a finished tile.
+    pub fn place(&mut self, tile: &TileFilm) {
+        let samples = tile.taken(&self.layout);
+        // 1 where there is one pass.
+        let share = f64::from(self.layout.samples) / f64::from(samples);
+        self.unmet += tile.unmet as f64 * share;
+        let index = tile.tile.index(self.layout.size) as usize;
+        if let Some(coverage) = self.coverage.get_mut(index) {
+            *coverage = tile.coverage * share;
+        }
+        let scale = 1.0 / samples as f64;
+        let [left, top] = tile.tile.corner.map(|c| c as usize);
+        let (width, across) = (self.layout.size[0] as usize, tile.tile.size[0] as usize);
+        // Sums to means, row by row of the tile.
+        for (row, sums) in tile.radiance.chunks(across.max(1)).enumerate() {
+            let first = (top + row) * width + left;
+            let means = self.radiance[first..].iter_mut();
+            match &tile.parts {
+                None => {
+                    for (mean, sum) in means.zip(sums) {
+                        *mean = sum.map(|sum| sum * scale);
+                    }
+                }
+                Some(parts) => {
+                    for (at, mean) in means.take(sums.len()).enumerate() {
+                        *mean = parts.mean(row * across + at);
+                    }
+                }
+            }
+        }
+        for (channel, aov) in self.layout.channels.iter().enumerate() {
+            for (pixel, (column, row)) in tile.tile.coordinates().enumerate() {
+                let at = row as usize * width + column as usize;
+                self.aovs[channel][at] = tile.aov(channel, *aov, pixel, samples);
+            }
+        }
+    }
+
+    /// Samples per pixel of each pass.
+    pub fn samples(&self) -> u32 {
+        self.layout.samples
+    }
+
+    /// The most passes that any pixel has had.
+    pub fn passes(&self) -> u32 {
+        self.passes
+    }
+
+    /// The relative error that tiles were to reach, where they were.
+    pub(crate) fn error_asked_for(&self) -> Option<f64> {
+        self.error
+    }
+
+    /// The same film, of so many passes that were to reach this error.
+    pub(super) fn with_passes(self, passes: u32, error: Option<f64>) -> Self {
+        Film {
+            passes,
+            error,
+            ..self
+        }
+    }
+
+    /// Whether the one sample of each pixel is at its centre.
+    pub(crate) fn is_centred(&self) -> bool {
+        self.layout.pixel_centers
+    }
+
+    /// What the visibility in it is worth.
+    pub fn precision(&self) -> Precision {
+        self.layout.precision
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> [u32; 2] {
+        self.layout.size
+    }
+
+    /// Mean linear RGB radiance per pixel, row by row from the top.
+    pub fn radiance(&self) -> &[[f64; 3]] {
+        &self.radiance
+    }
+
+    /// The radiance as an array: its shape (height, width, 3), and its numbers in C order.
+    pub fn radiance_array(&self) -> ([usize; 3], &[f64]) {
+        let [width, height] = self.size().map(|n| n as usize);
+        ([height, width, 3], self.radiance().as_flattened())
+    }
+
+    /// An auxiliary channel as an array of shape (height, width), where it was asked for.
+    pub fn aov_array(&self, aov: Aov) -> Option<([usize; 2], &[f64])> {
+        let [width, height] = self.size().map(|n| n as usize);
+        Some(([height, width], self.aov(aov)?))
+    }
+
+    /// The values of an auxiliary channel, where it was asked for.
+    pub fn aov(&self, aov: Aov) -> Option<&[f64]> {
+        let channel = self.layout.channels.iter().position(|c| *c == aov)?;
+        Some(&self.aovs[channel])
+    }
+
+    /// The part of all samples that hit a surface, 0 to 1.
+    pub fn met(&self) -> f64 {
+        let samples = self.radiance.len() as f64 * self.layout.samples as f64;
+        1.0 - self.unmet / samples
+    }
+
+    /// Mean coverage of the image, or none where nothing could be missing.
+    pub fn mean_coverage(&self) -> Option<Coverage> {
+        let sum = self.coverage.iter().fold(Coverage::NONE, |mut sum, c| {
+            sum += *c;
+            sum
+        });
+        let samples = self.radiance.len() as f64 * self.layout.samples as f64;
+        (!self.coverage.is_empty()).then(|| sum * (1.0 / samples))
+    }
+
+    /// The film as named channels: radiance and those of `channels` that were asked for.
+    pub fn channels(&self, channels: &[Aov]) -> Vec<Channel> {
+        let rgb = (0..3).map(|c| {
+            let values = self.radiance.iter().map(|rgb| rgb[c]).collect();
+            Channel {
+                name: ["radiance.R", "radiance.G", "radiance.B"][c].into(),
+                samples: Samples::F64(values),
+            }
+        });
+        let aovs = channels
+            .iter()
+            .filter_map(|aov| Some((aov, self.aov(*aov)?)));
+        rgb.chain(aovs.map(|(aov, values)| Channel {
+            name: aov.name().into(),
+            samples: stored(*aov, values),
+        }))
+        .collect()
+    }
+}
+
+fn stored(aov: Aov, values: &[f64]) -> Samples {
+    if aov.is_identity() {
+        Samples::I32(values.iter().map(|v| *v as i32).collect())
+    } else {
+        Samples::F64(values.to_vec())
+    }
+}

@@ -446,6 +446,7 @@ fn mean([r, g, b]: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accel::Precision;
 
     #[test]
     fn rays_in_a_row_are_added_as_each_of_them_is() {

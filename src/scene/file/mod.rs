@@ -55,7 +55,7 @@ pub(in crate::scene) struct Scene<D = AnyTable> {
     /// Default: "exact".
     #[serde(default)]
     pub model: At<Equations>,
-    /// What to do where a file that the scene names is not there, like the command that makes it: words that the error then says.
+    /// What to do if a file that the scene names is missing, like the command that makes it: the error quotes it.
     pub if_missing: Option<At<String>>,
     /// What light travels through.
     #[serde(default)]
@@ -362,7 +362,7 @@ pub(in crate::scene) struct Display {
     /// Words beneath pictures (.png), with the camera's time and, where it moves, its speed (β and γ); "" for these alone.
     /// Default: nothing stands beneath them.
     pub caption: Option<At<String>>,
-    /// Of what light isochrones are. Default: of the light that makes the picture, by the time at which it left.
+    /// Which light isochrones show. Default: the light that makes the picture, by the time at which it left.
     pub isochrones: Option<At<Isochrones>>,
     /// The observed wavelength that is shown as the eye sees 555 nm, like "10 um", with all others in proportion: false
     /// colours of what is invisible. Of lines, spectra and quantity = "rgb". Default: colours as they are seen.

@@ -110,6 +110,7 @@ impl Outputs {
         // The tracer takes another picture for isochrones, but foresees this one too.
         if self.files().any(|(_, kind)| kind == Kind::Isochrones) {
             needed.extend(times_need(scene));
+            // Each once, in the order asked for, in which files list them.
             let mut seen = Vec::new();
             needed.retain(|aov| {
                 !seen.contains(aov) && {
@@ -357,6 +358,7 @@ impl Deep {
         let panels = [panel(black, label)];
         let layout = Layout::new(&panels, &SheetOptions::default())?;
         let page = contact_sheet::compose(&panels, &SheetOptions::default())?;
+        // 255 · 257 = 65535: codes of 8 bits as those of 16.
         let mut rgb: Vec<u16> = page.rgb.iter().map(|code| u16::from(*code) * 257).collect();
         if let Some(cell) = layout.cells.first() {
             let scale = layout.scale as usize;
@@ -497,6 +499,7 @@ impl Stamp {
 
 fn mark(path: &Path) -> Option<Mark> {
     let metadata = std::fs::metadata(path).ok()?;
+    // Copying can set the time of the content back, but not that of the file's own entry.
     #[cfg(unix)]
     let more = {
         use std::os::unix::fs::MetadataExt;
@@ -545,6 +548,7 @@ impl Identity {
         }
         parts.add(&[u8::from(request.pixel_centers)]);
         parts.add(&[u8::from(outputs.half)]);
+        // It may be measured over a whole sequence, and is not in the scene's text then.
         if let Exposure::White(white) = scene.exposure {
             parts.add(&white.to_le_bytes());
         }

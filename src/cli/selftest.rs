@@ -37,6 +37,7 @@ pub fn run(arguments: &SelftestArguments) -> Result<Done> {
         }
         let mut lines = Vec::new();
         for check in checks {
+            // Each line is printed once it is known: thorough checks take minutes.
             let line = Line::of(check, effort)?;
             if !arguments.json.on {
                 print(&line.to_string())?;

@@ -181,6 +181,7 @@ pub fn parse(list: &str) -> Result<Vec<Aov>, String> {
         }
         chosen.extend(named);
     }
+    // In the order of the table, each once, however the list names them.
     chosen.sort_unstable();
     chosen.dedup();
     Ok(chosen)

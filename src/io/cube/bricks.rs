@@ -119,6 +119,7 @@ impl Room {
     #[cfg(any(feature = "hdf5", feature = "zarr"))]
     fn new(bytes: u64, each: u64) -> Room {
         let bricks = bytes / each;
+        // An eighth of the room for each kind of lookup, shared among threads; the cache has the rest.
         let at_hand = (bricks / 8 / threads()).clamp(1, AT_HAND as u64);
         let shards = (bricks / 16).clamp(1, SHARDS as u64);
         let kept = bricks.saturating_sub(3 * at_hand * threads() + shards);
@@ -188,6 +189,7 @@ impl Bricks {
                 .mended(path, wanted)
                 .map(Some);
         }
+        // Counting needs no room but for chunks, which only these features have.
         let _ = room;
         let Some((located, layout)) = Store::locate_in_place(path, wanted)? else {
             return Ok(None);
@@ -282,6 +284,7 @@ impl Bricks {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let words = form.bricks().div_ceil(GROUP);
         Bricks {
+            // Numbers only have to differ.
             number: NEXT.fetch_add(1, Ordering::Relaxed),
             shape,
             sample_bytes,
@@ -383,6 +386,7 @@ impl Bricks {
         let mut at = 0;
         let bins = to.len() / self.shape[3];
         self.runs(pixel, bin, bins, |brick, from, count| {
+            // All at once: nothing tells which of them will be needed again.
             if near.0.len() as u64 * self.form.per_brick() > MOST {
                 near.0.clear();
             }

@@ -150,6 +150,7 @@ fn count_in_batches(
     errors: impl Fn(u64) -> u64 + Sync,
 ) -> Result<Outcome> {
     use rayon::prelude::*;
+    // Whole batches, so that there may be a few cases more.
     let batches = cases.div_ceil(size);
     let worst = (0..batches).into_par_iter().map(|batch| {
         if progress.is_cancelled() {

@@ -290,6 +290,7 @@ fn choose(labels: &mut [Label], i: usize, places: &Places, ground: &Ground) -> O
     let mut candidates = std::mem::take(&mut labels.get_mut(i)?.candidates);
     let mut best: Option<(f64, usize)> = None;
     for (k, candidate) in candidates.iter_mut().enumerate() {
+        // They ascend by preference, to which costs only add: none after this one is cheaper.
         if best.is_some_and(|(cost, _)| candidate.preference >= cost) {
             break;
         }
@@ -304,6 +305,7 @@ fn choose(labels: &mut [Label], i: usize, places: &Places, ground: &Ground) -> O
 
 /// Takes away what may be left out and has no good place.
 fn leave_out(labels: &mut [Label], places: &mut Places, ground: &Ground) {
+    // The least important first, so that it makes room for those before.
     for i in (0..labels.len()).rev() {
         let (true, Some(candidate)) = (labels[i].request.optional, labels[i].chosen()) else {
             continue;
@@ -376,6 +378,7 @@ impl Candidate {
         places: &Places,
         ground: &Ground,
     ) -> Option<f64> {
+        // What is under it does not change while labels choose: it is looked up once.
         let airy = widened(self.rect, AIR);
         let under = *self
             .under
@@ -484,6 +487,7 @@ impl<'a> Label<'a> {
         let way = [0, 1].map(|i| there[i] - before.middle[i]);
         let length = way[0].hypot(way[1]);
         if length > before.step {
+            // There plus this is one step from before.
             self.late = way.map(|part| part * (before.step / length - 1.0));
         }
     }

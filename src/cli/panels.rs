@@ -7,7 +7,6 @@ use nullray::render::plan::Request;
 use nullray::scene::model::{Exposure, Panel, Scene};
 use nullray::scene::{Overrides, SceneFile};
 
-use super::args::{Changes, ExposureArgument};
 use super::failure::refused;
 use super::{builtin, exposure};
 
@@ -63,29 +62,19 @@ fn unknown(scene: &Scene, name: &str) -> nullray::Error {
     refused(format!("--panel {}", name.escape_debug()), what, &help)
 }
 
-/// The scenes of all panels, in their order, with one exposure where that is chosen.
+/// The scenes of all panels, in their order.
 ///
 /// # Errors
-/// What is wrong with any of them, and with the previews that an exposure is measured in.
-pub fn load_all(
-    file: &SceneFile,
-    whole: &Scene,
-    changes: &Changes,
-    exposure: &ExposureArgument,
-    threads: Option<u16>,
-) -> Result<Vec<Scene>> {
-    let overrides = changes.overrides();
+/// What is wrong with any of them.
+pub fn load_all(file: &SceneFile, whole: &Scene, overrides: &Overrides) -> Result<Vec<Scene>> {
     let panels = whole.panels.iter();
-    let scenes = panels.map(|panel| file.panel(whole, panel, &overrides));
-    let mut scenes = scenes.collect::<Result<Vec<_>>>()?;
-    if exposure.is_same(false) {
-        same_exposure(&mut scenes, &changes.request(threads))?;
-    }
-    Ok(scenes)
+    panels
+        .map(|panel| file.panel(whole, panel, overrides))
+        .collect()
 }
 
 /// Gives all panels one exposure, unless they say the radiance of white themselves.
-fn same_exposure(scenes: &mut [Scene], request: &Request) -> Result<()> {
+pub fn same_exposure(scenes: &mut [Scene], request: &Request) -> Result<()> {
     if let Some(white) = exposure::of_panels(scenes, request)? {
         let exposure = Exposure::White(white);
         scenes

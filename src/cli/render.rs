@@ -312,7 +312,7 @@ fn all_panels(
 ) -> Result<()> {
     let chosen = panels::chosen(whole, &arguments.panel)?;
     let (changes, threads) = (&arguments.changes, arguments.work.threads.count);
-    let scenes = panels::load_all(file, whole, changes, &arguments.exposure, threads)?;
+    let scenes = arguments.exposure.panels(file, whole, changes, threads)?;
     // With one panel and a name for it there is nothing to be told apart.
     let exact = arguments.panel.len() == 1 && !arguments.output.is_empty();
     let mut jobs = Vec::new();

@@ -17,7 +17,7 @@ use super::check::{check_all, check_page};
 use super::names::{named_after, stem, suffixed};
 use super::output::{Outputs, Picture, picture};
 use super::progress::Bar;
-use super::{builtin, film, inputs, interrupt, panels, say};
+use super::{builtin, film, inputs, interrupt, say};
 
 pub fn run(arguments: &SheetArguments) -> Result<()> {
     if let Some(output) = &arguments.output {
@@ -165,7 +165,7 @@ fn parts(
         return Ok(vec![part(whole.clone(), &alone, arguments, beside.into())]);
     }
     let (changes, threads) = (&arguments.changes, arguments.work.threads.count);
-    let scenes = panels::load_all(file, whole, changes, &arguments.exposure, threads)?;
+    let scenes = arguments.exposure.panels(file, whole, changes, threads)?;
     let part = |(panel, scene): (&Panel, Scene)| {
         let file = suffixed(beside, &panel.name);
         part(scene, panel, arguments, file)

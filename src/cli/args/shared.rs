@@ -266,6 +266,21 @@ pub struct ExposureArgument {
 }
 
 impl ExposureArgument {
+    /// The scenes of all panels of `file`, in their order, with one exposure where that is chosen.
+    pub fn panels(
+        &self,
+        file: &SceneFile,
+        whole: &Scene,
+        changes: &Changes,
+        threads: Option<u16>,
+    ) -> Result<Vec<Scene>> {
+        let mut scenes = panels::load_all(file, whole, &changes.overrides())?;
+        if self.is_same(false) {
+            panels::same_exposure(&mut scenes, &changes.request(threads))?;
+        }
+        Ok(scenes)
+    }
+
     /// Whether all have one exposure; `default` where neither is asked for.
     pub fn is_same(&self, default: bool) -> bool {
         // The two flags exclude each other.

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::alpha::AlphaTest;
 use super::float::{exponent, power_of_two};
 use super::node::{Node, Tag};
-use super::pages::Pages;
+use super::pages::{PageSize, Pages};
 use super::rays::{Facing, Hit};
 use super::tree_space::TreeSpace;
 use super::wide::{WideLeaf, WideNode, WideTree};
@@ -26,6 +26,8 @@ pub struct Bvh {
     pub(super) wide: WideTree,
     pub(super) space: TreeSpace,
     pub(super) bounds: (DVec3, DVec3),
+    /// In which its arrays lie.
+    pub(super) pages: PageSize,
     /// Where triangles have holes; none where all are whole.
     pub(super) alpha: Option<Arc<dyn AlphaTest>>,
 }
@@ -46,6 +48,7 @@ impl Bvh {
             wide: WideTree::default(),
             space: TreeSpace::new(DVec3::ZERO, DVec3::ZERO),
             bounds: (DVec3::ZERO, DVec3::ZERO),
+            pages: PageSize::Usual,
             alpha: None,
         }
     }
@@ -151,7 +154,7 @@ impl Bvh {
     /// The same of all triangles, by slot.
     pub(crate) fn normals(&self) -> Pages<DVec3> {
         let corners = &self.corners;
-        Pages::build(corners.len(), |slot| {
+        Pages::build(self.pages, corners.len(), |slot| {
             let [a, b, c] = corners[slot];
             unit_normal(b - a, c - a)
         })

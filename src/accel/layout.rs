@@ -8,7 +8,7 @@ use obvhs::bvh2::node::Bvh2Node;
 
 use super::leaves::{Extent, extents};
 use super::node::{Child, Node, NodeRef};
-use super::pages::Pages;
+use super::pages::{PageSize, Pages};
 
 /// Fewer triangles are laid out by one thread.
 const MANY: u32 = 4096;
@@ -42,15 +42,15 @@ struct Places<'a> {
 }
 
 impl Layout {
-    /// That of `tree`, whose leaves hold one box each: leaves of several are made here.
-    pub fn of(tree: &Bvh2) -> Layout {
+    /// That of `tree`, whose leaves hold one box each: leaves of several are made here. Its nodes lie in these `pages`.
+    pub fn of(tree: &Bvh2, pages: PageSize) -> Layout {
         let source = Source {
             tree,
             extents: extents(tree),
         };
         let whole = source.extents.first().copied().unwrap_or_default();
         let mut layout = Layout {
-            nodes: Pages::build(whole.inner.max(1) as usize, |_| Node::EMPTY),
+            nodes: Pages::build(pages, whole.inner.max(1) as usize, |_| Node::EMPTY),
             order: vec![0; whole.boxes as usize],
             depth: 1,
         };
@@ -197,7 +197,7 @@ mod tests {
     #[test]
     fn threads_lay_out_what_one_walk_does() {
         let tree = tree(50_000);
-        let shared = Layout::of(&tree);
+        let shared = Layout::of(&tree, PageSize::Usual);
         let source = Source {
             extents: extents(&tree),
             tree: &tree,
@@ -221,7 +221,7 @@ mod tests {
     #[test]
     fn every_box_has_a_slot_and_leaves_end() {
         for count in [1, 2, 5, 9, 64, 10_000] {
-            let layout = Layout::of(&tree(count));
+            let layout = Layout::of(&tree(count), PageSize::Usual);
             let mut boxes: Vec<u32> = layout.order.iter().map(|place| place & !LAST).collect();
             boxes.sort_unstable();
             assert!(boxes.into_iter().eq(0..count as u32), "{count}");

@@ -12,7 +12,7 @@ use glam::DVec3;
 
 use super::float::power_of_two;
 use super::node::{Child, Node, NodeRef, Tag};
-use super::pages::Pages;
+use super::pages::{PageSize, Pages};
 use super::tree_space::TreeSpace;
 
 /// Children of a node, and triangles of a leaf.
@@ -123,8 +123,8 @@ impl WideLeaf {
 }
 
 impl WideTree {
-    /// `tree`, collapsed.
-    pub fn collapsed(tree: BinaryTree) -> WideTree {
+    /// `tree`, collapsed, in these `pages`.
+    pub fn collapsed(tree: BinaryTree, pages: PageSize) -> WideTree {
         let ranges = tree.ranges();
         let (mut nodes, mut depth) = (Vec::with_capacity(tree.nodes.len() / 16 + 1), 0);
         // Depth-first by a list of nodes whose children are still to be set: source, target, level. Leaves are made after,
@@ -156,8 +156,8 @@ impl WideTree {
             tree.leaf(first, count)
         };
         WideTree {
-            nodes: Pages::build(nodes.len(), |at| nodes[at]),
-            leaves: Pages::build(slots.len(), leaf),
+            nodes: Pages::build(pages, nodes.len(), |at| nodes[at]),
+            leaves: Pages::build(pages, slots.len(), leaf),
             depth,
         }
     }

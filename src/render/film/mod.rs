@@ -10,7 +10,6 @@ pub use layout::{Layout, TILE, Tile};
 pub use tile::TileFilm;
 
 use crate::accel::Precision;
-use crate::accel::pages::Pages;
 use crate::io::image::{Channel, Samples};
 use crate::light::time_texture::Coverage;
 use crate::render::aov::Aov;
@@ -19,7 +18,7 @@ use crate::render::aov::Aov;
 #[derive(Debug, Clone)]
 pub struct Film {
     layout: Layout,
-    radiance: Pages<[f64; 3]>,
+    radiance: Vec<[f64; 3]>,
     /// Sum over pixels of the part of their samples that met nothing, times the samples of the layout.
     unmet: f64,
     /// Passes of that many samples, and the relative error that they were to reach.
@@ -40,7 +39,7 @@ impl Film {
             0
         };
         Film {
-            radiance: Pages::zeroed(n),
+            radiance: vec![[0.0; 3]; n],
             unmet: 0.0,
             passes: 1,
             error: None,

@@ -9,8 +9,9 @@ use rayon::prelude::*;
 use robust::{Coord, orient2d};
 use serde::Serialize;
 
-use super::bvh::Bvh;
+use super::bvh::{Bvh, Tree};
 use super::cluster::cluster;
+use super::islands::{Bounds, Island, islands};
 use super::layout::{LAST, Layout};
 use super::node::Tag;
 use super::pages::{PageSize, Pages};
@@ -131,51 +132,63 @@ impl Bvh {
     ) -> Bvh {
         let count = triangles.len().min(Bvh::MAX_TRIANGLES);
         let solid = solid_triangles(&triangles[..count]);
-        let Some((lo, hi)) = bounds(&triangles, &solid) else {
+        let Some(whole) = Bounds::of_all(&triangles, &solid) else {
             return Bvh::empty();
         };
         // Each list is dropped once the next one is made from it: meshes of 10⁸ triangles have to fit.
-        let space = TreeSpace::new(lo, hi);
-        let tree = build_tree(&triangles, &solid, &space, preset);
         let pages = preset.effort().pages;
-        let layout = Layout::of(&tree, pages);
-        drop(tree);
-        let id = |place: &u32| solid[(place & !LAST) as usize];
-        let order = &layout.order;
-        let corners = Pages::build(pages, order.len(), |slot| {
-            triangles[id(&order[slot]) as usize]
-        });
+        let mut order = Vec::new();
+        let mut layouts = Vec::new();
+        for Island { ids, bounds } in islands(&triangles, solid) {
+            let space = TreeSpace::new(bounds.lo, bounds.hi);
+            let tree = build_tree(&triangles, &ids, &space, preset);
+            let layout = Layout::of(&tree, order.len(), pages);
+            drop(tree);
+            let id = |place: &u32| ids[(place & !LAST) as usize] | place & LAST;
+            order.par_extend(layout.order.par_iter().map(id));
+            layouts.push((layout.nodes, layout.depth, space));
+        }
+        let id = |slot: usize| order[slot] & !LAST;
+        let corners = Pages::build(pages, order.len(), |slot| triangles[id(slot) as usize]);
         drop(triangles);
         // A leaf is read up to the tag that ends it.
         let tag = |slot: usize| {
-            let place = &order[slot];
-            let tag = Tag::new(id(place), facing(id(place)));
-            match place & LAST {
+            let tag = Tag::new(id(slot), facing(id(slot)));
+            match order[slot] & LAST {
                 0 => tag,
                 _ => tag.ending_leaf(),
             }
         };
         let tags = Pages::build(pages, order.len(), tag);
-        drop(solid);
-        let mut bvh = Bvh {
+        drop(order);
+        let mut trees = layouts.into_iter().map(|(nodes, depth, space)| {
+            let binary = BinaryTree {
+                nodes: &nodes,
+                corners: &corners,
+                tags: &tags,
+                space: &space,
+            };
+            let wide = WideTree::collapsed(binary, pages);
+            Tree {
+                nodes,
+                depth,
+                wide,
+                space,
+            }
+        });
+        let Some(tree) = trees.next() else {
+            return Bvh::empty();
+        };
+        let islands = trees.collect();
+        Bvh {
             corners,
             tags,
-            nodes: layout.nodes,
-            depth: layout.depth,
-            wide: WideTree::default(),
-            space,
-            bounds: (lo, hi),
+            tree,
+            islands,
+            bounds: (whole.lo, whole.hi),
             pages,
             alpha: None,
-        };
-        let binary = BinaryTree {
-            nodes: &bvh.nodes,
-            corners: &bvh.corners,
-            tags: &bvh.tags,
-            space: &bvh.space,
-        };
-        bvh.wide = WideTree::collapsed(binary, pages);
-        bvh
+        }
     }
 }
 
@@ -200,15 +213,6 @@ fn has_area(corners: &[DVec3; 3]) -> bool {
         orient2d(a, b, c)
     };
     projected(0, 1) != 0.0 || projected(1, 2) != 0.0 || projected(2, 0) != 0.0
-}
-
-fn bounds(triangles: &[[DVec3; 3]], ids: &[u32]) -> Option<(DVec3, DVec3)> {
-    ids.par_iter()
-        .map(|&id| {
-            let [a, b, c] = triangles[id as usize];
-            (a.min(b).min(c), a.max(b).max(c))
-        })
-        .reduce_with(|x, y| (x.0.min(y.0), x.1.max(y.1)))
 }
 
 fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], space: &TreeSpace, preset: Preset) -> Bvh2 {
@@ -272,7 +276,7 @@ mod tests {
     fn is_searched(count: usize, triangle: impl Fn(usize) -> [DVec3; 3]) -> bool {
         let triangles: Vec<_> = (0..count).map(triangle).collect();
         let ids: Vec<u32> = (0..count as u32).collect();
-        let (lo, hi) = bounds(&triangles, &ids).unwrap();
+        let Bounds { lo, hi } = Bounds::of_all(&triangles, &ids).unwrap();
         let space = TreeSpace::new(lo, hi);
         let leaf = |(index, corners): (usize, &[DVec3; 3])| {
             let (lo, hi) = space.bounds(corners);

@@ -1,5 +1,6 @@
 //! The acceleration structure: triangles, and the trees over them.
 
+use std::ops::Deref;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -19,17 +20,64 @@ pub struct Bvh {
     pub(super) corners: Pages<[DVec3; 3]>,
     /// Ids by slot.
     pub(super) tags: Pages<Tag>,
-    pub(super) nodes: Pages<Node>,
-    /// Levels of nodes.
-    pub(super) depth: usize,
-    /// The same tree for packets.
-    pub(super) wide: WideTree,
-    pub(super) space: TreeSpace,
+    /// The tree over all of them, or over those that are in none of the islands.
+    pub(super) tree: Tree,
+    /// Trees over geometry that is too fine for that one: see [`islands`](super::islands).
+    pub(super) islands: Vec<Tree>,
     pub(super) bounds: (DVec3, DVec3),
     /// In which its arrays lie.
     pub(super) pages: PageSize,
     /// Where triangles have holes; none where all are whole.
     pub(super) alpha: Option<Arc<dyn AlphaTest>>,
+}
+
+/// Boxes over some of the triangles, in the coordinates of their own tree space.
+#[derive(Debug, Clone)]
+pub(super) struct Tree {
+    pub nodes: Pages<Node>,
+    /// Levels of nodes.
+    pub depth: usize,
+    /// The same tree for packets.
+    pub wide: WideTree,
+    pub space: TreeSpace,
+}
+
+/// One of the trees, with the triangles of all.
+#[derive(Clone, Copy)]
+pub(super) struct View<'a> {
+    pub bvh: &'a Bvh,
+    pub tree: &'a Tree,
+}
+
+impl Deref for View<'_> {
+    type Target = Bvh;
+
+    #[inline(always)]
+    fn deref(&self) -> &Bvh {
+        self.bvh
+    }
+}
+
+impl Tree {
+    /// Whether the line from `origin` comes near what is in the tree; it may not, where that is uncertain.
+    #[inline(always)]
+    pub fn comes_near(&self, origin: DVec3, direction: DVec3) -> bool {
+        // The sphere around the tree's box, with more than the roundings of the offset and of the moment add to its distance.
+        let offset = self.space.centre - origin;
+        let reach = self.space.radius()
+            + power_of_two(-40) * (self.space.centre.length() + origin.length());
+        let moment = offset.cross(direction).length_squared();
+        let reached = reach * reach * direction.length_squared() * (1.0 + power_of_two(-40));
+        // Not so for NaN, and for squares beyond f64: such lines may come near.
+        let misses = moment > reached;
+        !misses
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val::<[_]>(&self.nodes)
+            + size_of_val::<[_]>(&self.wide.nodes)
+            + size_of_val::<[_]>(&self.wide.leaves)
+    }
 }
 
 impl Bvh {
@@ -43,14 +91,37 @@ impl Bvh {
         Bvh {
             corners: Pages::default(),
             tags: Pages::default(),
-            nodes: Pages::default(),
-            depth: 0,
-            wide: WideTree::default(),
-            space: TreeSpace::new(DVec3::ZERO, DVec3::ZERO),
+            tree: Tree {
+                nodes: Pages::default(),
+                depth: 0,
+                wide: WideTree::default(),
+                space: TreeSpace::new(DVec3::ZERO, DVec3::ZERO),
+            },
+            islands: Vec::new(),
             bounds: (DVec3::ZERO, DVec3::ZERO),
             pages: PageSize::Usual,
             alpha: None,
         }
+    }
+
+    /// The tree that most triangles are in.
+    #[inline(always)]
+    pub(super) fn main(&self) -> View<'_> {
+        View {
+            bvh: self,
+            tree: &self.tree,
+        }
+    }
+
+    /// The other trees.
+    pub(super) fn islands(&self) -> impl Iterator<Item = View<'_>> {
+        let view = |tree| View { bvh: self, tree };
+        self.islands.iter().map(view)
+    }
+
+    /// All trees.
+    pub(super) fn trees(&self) -> impl Iterator<Item = View<'_>> {
+        std::iter::once(self.main()).chain(self.islands())
     }
 
     /// How many triangles can be hit: those that were given, without the degenerate ones.
@@ -68,9 +139,7 @@ impl Bvh {
         size_of::<Bvh>()
             + size_of_val::<[_]>(&self.corners)
             + size_of_val::<[_]>(&self.tags)
-            + size_of_val::<[_]>(&self.nodes)
-            + size_of_val::<[_]>(&self.wide.nodes)
-            + size_of_val::<[_]>(&self.wide.leaves)
+            + self.trees().map(|view| view.tree.bytes()).sum::<usize>()
     }
 
     /// An upper estimate of [`Bvh::bytes`] for so many triangles.

@@ -42,8 +42,9 @@ struct Places<'a> {
 }
 
 impl Layout {
-    /// That of `tree`, whose leaves hold one box each: leaves of several are made here. Its nodes lie in these `pages`.
-    pub fn of(tree: &Bvh2, pages: PageSize) -> Layout {
+    /// That of `tree`, whose leaves hold one box each: leaves of several are made here. Its slots
+    /// begin at `first_slot`, its nodes lie in these `pages`.
+    pub fn of(tree: &Bvh2, first_slot: usize, pages: PageSize) -> Layout {
         let source = Source {
             tree,
             extents: extents(tree),
@@ -62,7 +63,7 @@ impl Layout {
             nodes: below,
             first_node: 1,
             order: &mut layout.order,
-            first_slot: 0,
+            first_slot,
         };
         if whole.inner == 0 {
             let leaf = places.leaf(&source, 0, &mut 0);
@@ -197,7 +198,7 @@ mod tests {
     #[test]
     fn threads_lay_out_what_one_walk_does() {
         let tree = tree(50_000);
-        let shared = Layout::of(&tree, PageSize::Usual);
+        let shared = Layout::of(&tree, 0, PageSize::Usual);
         let source = Source {
             extents: extents(&tree),
             tree: &tree,
@@ -221,7 +222,7 @@ mod tests {
     #[test]
     fn every_box_has_a_slot_and_leaves_end() {
         for count in [1, 2, 5, 9, 64, 10_000] {
-            let layout = Layout::of(&tree(count), PageSize::Usual);
+            let layout = Layout::of(&tree(count), 0, PageSize::Usual);
             let mut boxes: Vec<u32> = layout.order.iter().map(|place| place & !LAST).collect();
             boxes.sort_unstable();
             assert!(boxes.into_iter().eq(0..count as u32), "{count}");

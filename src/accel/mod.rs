@@ -18,8 +18,8 @@
 //! that takes rays from f64 to f32.
 //!
 //! From bottom to top: `float` and `exact` are arithmetic, `pages` long arrays; `triangle` intersects a ray with a triangle; `node` and
-//! `wide` are the two trees, in the coordinates of `tree_space`; `bvh` holds them, `cluster`, `leaves`, `layout` and
-//! `build` make them, `alpha` makes holes;
+//! `wide` are the two trees, in the coordinates of `tree_space`; `bvh` holds them, `islands` says how many there are,
+//! `cluster`, `leaves`, `layout` and `build` make them, `alpha` makes holes;
 //! `slab`, `traverse` and `single` trace single rays; `packet` traces batches. `vectors` and `texels` are loops of all rooms above.
 
 #[doc = include_str!("guide.md")]
@@ -31,6 +31,7 @@ mod bvh;
 mod cluster;
 mod exact;
 mod float;
+mod islands;
 mod layout;
 mod leaves;
 mod node;

@@ -87,6 +87,25 @@ pub enum Facing {
     FrontOnly,
 }
 
+impl Hit {
+    /// The same, a little farther: what is nearer than that is as near as this, or nearer.
+    pub(super) fn up_to(self) -> Hit {
+        Hit {
+            s: self.s.next_up(),
+            ..self
+        }
+    }
+
+    /// The nearer of two hits, of equal ones that with the smaller id.
+    pub(super) fn first(one: Option<Hit>, other: Option<Hit>) -> Option<Hit> {
+        let (Some(a), Some(b)) = (one, other) else {
+            return one.or(other);
+        };
+        let is_other = b.s < a.s || (b.s == a.s && b.triangle < a.triangle);
+        if is_other { other } else { one }
+    }
+}
+
 impl Converging<'_> {
     /// How many there are.
     pub fn count(&self) -> usize {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::bvh::Bvh;
+use super::bvh::{Bvh, View};
 use super::float::{exponent, power_of_two};
 use super::node::{NodeRef, Tag};
 use super::rays::{Hit, NO_SLOT, Origins, Ray, Segment};
@@ -15,7 +15,14 @@ impl Bvh {
     /// The first hit with `ray.s_min` < s < `s_max`.
     pub fn closest(&self, ray: &Ray, s_max: f64) -> Option<Hit> {
         let ray = ScaledRay::new(ray)?;
-        self.with_stack(|stack| self.closest_of(&ray, s_max, NO_SLOT, stack, &mut NoTally))
+        let mut nearest: Option<Hit> = None;
+        for tree in self.trees() {
+            let s_max = nearest.map_or(s_max, |hit| hit.up_to().s);
+            let hit =
+                tree.with_stack(|stack| tree.closest_of(&ray, s_max, NO_SLOT, stack, &mut NoTally));
+            nearest = Hit::first(nearest, hit);
+        }
+        nearest
     }
 
     /// Whether there is a hit with `ray.s_min` < s < `s_max` on any triangle but `skip`.
@@ -26,12 +33,15 @@ impl Bvh {
             skip,
             end: None,
         };
-        self.with_stack(|stack| self.is_blocked(&segment, stack, &mut NoTally))
+        self.trees()
+            .any(|tree| tree.with_stack(|stack| tree.is_blocked(&segment, stack, &mut NoTally)))
     }
+}
 
+impl View<'_> {
     /// [`Bvh::closest_by`] of `rays`, one by one.
     pub(super) fn closest_singly(
-        &self,
+        self,
         rays: impl Iterator<Item = usize>,
         from: Origins,
         directions: &[DVec3],
@@ -63,7 +73,7 @@ impl Bvh {
 
     /// [`Bvh::any_by`] of these segments, one by one.
     pub(super) fn any_singly<'a>(
-        &self,
+        self,
         segments: impl Iterator<Item = (&'a Segment, &'a mut bool)>,
         tally: &mut impl Tally,
     ) {
@@ -76,7 +86,7 @@ impl Bvh {
     }
 
     fn is_blocked(
-        &self,
+        self,
         segment: &Segment,
         stack: &mut [StackEntry],
         tally: &mut impl Tally,
@@ -84,28 +94,28 @@ impl Bvh {
         let Some(ray) = ScaledRay::new(&segment.ray) else {
             return false;
         };
-        let mut query = AnyHit::new(self, &ray, segment);
+        let mut query = AnyHit::new(self.bvh, &ray, segment);
         self.trace(&ray, stack, &mut query, tally);
         query.found
     }
 
     #[inline(always)]
     fn closest_of(
-        &self,
+        self,
         ray: &ScaledRay,
         s_max: f64,
         left: u32,
         stack: &mut [StackEntry],
         tally: &mut impl Tally,
     ) -> Option<Hit> {
-        let mut query = ClosestHit::new(self, ray, s_max, left);
+        let mut query = ClosestHit::new(self.bvh, ray, s_max, left);
         self.trace(ray, stack, &mut query, tally);
         query.into_hit(ray)
     }
 
     #[inline(always)]
     fn trace(
-        &self,
+        self,
         ray: &ScaledRay,
         stack: &mut [StackEntry],
         query: &mut impl Query,
@@ -114,19 +124,19 @@ impl Bvh {
         if self.is_empty() {
             return;
         }
-        if let Some(slabs) = SlabRay::new(&self.space, &ray.line, ray.s_min) {
-            traverse(&self.nodes, &slabs, stack, query, tally);
+        if let Some(slabs) = SlabRay::new(&self.tree.space, &ray.line, ray.s_min) {
+            traverse(&self.tree.nodes, &slabs, stack, query, tally);
         }
     }
 
     /// A stack as deep as the tree; on the heap only if the tree is deeper than trees are.
     #[inline(always)]
-    fn with_stack<T>(&self, run: impl FnOnce(&mut [StackEntry]) -> T) -> T {
+    fn with_stack<T>(self, run: impl FnOnce(&mut [StackEntry]) -> T) -> T {
         const NONE: StackEntry = (NodeRef::ROOT, 0.0);
-        if self.depth <= USUAL_DEPTH {
+        if self.tree.depth <= USUAL_DEPTH {
             run(&mut [NONE; USUAL_DEPTH])
         } else {
-            run(&mut vec![NONE; self.depth])
+            run(&mut vec![NONE; self.tree.depth])
         }
     }
 }
@@ -387,7 +397,7 @@ mod tests {
             direction: -DVec3::Z,
             s_min: 0.0,
         };
-        bvh.depth = 10 * USUAL_DEPTH;
+        bvh.tree.depth = 10 * USUAL_DEPTH;
         for i in 0..100 {
             let hit = bvh.closest(&ray(f64::from(i)), f64::INFINITY);
             assert_eq!(hit.map(|h| h.triangle), Some(i));

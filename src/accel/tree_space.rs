@@ -34,6 +34,12 @@ impl TreeSpace {
         }
     }
 
+    /// No corner is farther from the centre, metres.
+    #[inline(always)]
+    pub fn radius(&self) -> f64 {
+        0.5 * (self.hi - self.lo).length() / self.scale
+    }
+
     /// `point`, metres, in tree space.
     #[inline(always)]
     pub fn map(&self, point: DVec3) -> DVec3 {

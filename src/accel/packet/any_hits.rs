@@ -25,7 +25,7 @@ use super::ray_set::{Blockable, ColumnsToPoint, RAYS, Segments, SegmentsToPoint}
 use super::setup::{LeafTriangles, PacketTriangle};
 use super::simd::{Simd, Task, load_vectors};
 use super::traverse::{BlockQuery, Outcome, StackEntry, traverse};
-use crate::accel::bvh::Bvh;
+use crate::accel::bvh::View;
 use crate::accel::float::{greater, lesser, norm1, power_of_two};
 use crate::accel::rays::{Converging, Segment};
 use crate::accel::single::{AnyHit, ScaledRay};
@@ -41,7 +41,7 @@ const MOST: f64 = f32::MAX as f64;
 
 /// Finds which of the segments in a block's order are blocked.
 pub(super) struct AnyHits<'a, S, T> {
-    pub bvh: &'a Bvh,
+    pub bvh: View<'a>,
     pub segments: S,
     pub blocked: &'a mut [bool],
     pub block: &'a mut Block,
@@ -68,7 +68,7 @@ impl SegmentSet for &[Segment] {
     #[inline(always)]
     fn trace<K: Simd, T: Tally>(k: K, task: AnyHits<Self, T>) -> Outcome {
         let segments = task.segments;
-        match Way::of(segments, &task.block.order, &task.bvh.space) {
+        match Way::of(segments, &task.block.order, &task.bvh.tree.space) {
             Way::ToPoint(rays) => task.trace(k, rays),
             Way::FromStart => task.trace(
                 k,
@@ -131,7 +131,7 @@ impl<S, T: Tally> AnyHits<'_, S, T> {
             block,
             tally: self.tally,
         };
-        traverse(k, &bvh.wide, &beam, &bounds, self.stack, &mut query);
+        traverse(k, &bvh.tree.wide, &beam, &bounds, self.stack, &mut query);
         Outcome::Traced
     }
 }
@@ -302,7 +302,7 @@ fn set_limits<K: Simd, R: Blockable>(k: K, block: &mut Block, rays: R) -> Option
 }
 
 struct AnyQuery<'a, R, T> {
-    bvh: &'a Bvh,
+    bvh: View<'a>,
     rays: R,
     blocked: &'a mut [bool],
     /// Rays that nothing blocks so far, as bits.
@@ -485,7 +485,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
         let Some(ray) = ScaledRay::new(&segment.ray) else {
             return false;
         };
-        let mut query = AnyHit::new(self.bvh, &ray, segment);
+        let mut query = AnyHit::new(self.bvh.bvh, &ray, segment);
         query.test(slot as usize, self.tally)
     }
 }
@@ -495,7 +495,7 @@ mod tests {
     use super::*;
     use crate::accel::packet::method::{Kernel, Method, Precision};
     use crate::accel::vectors::Columns;
-    use crate::accel::{Facing, NoTally, numbers};
+    use crate::accel::{Bvh, Facing, NoTally, numbers};
 
     #[test]
     fn segments_to_one_point_are_blocked_as_single_ones_are() {

@@ -11,7 +11,7 @@ use super::refine::RefinedHits;
 use super::tile::Tile;
 use super::traverse::{Outcome, StackEntry};
 use super::walk::{AnySingles, ClosestSingles, Room};
-use crate::accel::bvh::Bvh;
+use crate::accel::bvh::{Bvh, View};
 use crate::accel::float::power_of_two;
 use crate::accel::node::NodeRef;
 use crate::accel::rays::{Converging, Hit, Origins, Segment};
@@ -54,6 +54,70 @@ impl Bvh {
         let count = from.limit(directions.len().min(hits.len()));
         let (directions, hits) = (&directions[..count], &mut hits[..count]);
         tally.add(Work::Rays, count);
+        self.main()
+            .closest_of_batch(method, from, directions, hits, tally, &mut replaced);
+        for island in self.islands() {
+            island.closest_of_some(method, from, directions, hits, tally, &mut replaced);
+        }
+    }
+
+    /// For each segment whether something blocks it. `tally` counts the work.
+    ///
+    /// Fastest where the segments leave the points that a tile of pixels shows, row by row, for one
+    /// point in common or nearly so. Results are certified, whatever `method` says.
+    pub fn any_by(
+        &self,
+        method: Method,
+        segments: &[Segment],
+        blocked: &mut [bool],
+        tally: &mut impl Tally,
+    ) {
+        let count = segments.len().min(blocked.len());
+        let (segments, blocked) = (&segments[..count], &mut blocked[..count]);
+        tally.add(Work::Rays, count);
+        self.main().any_of_batch(method, segments, blocked, tally);
+        for island in self.islands() {
+            island.any_of_some(method, segments, blocked, tally);
+        }
+    }
+
+    /// For each of these segments, which all end in one point as those to a lamp or a pinhole do, whether something blocks it. They are traced
+    /// from there, which is faster than [`Bvh::any_by`]; the answers are the same. `tally` counts the work.
+    pub fn any_to_point(
+        &self,
+        method: Method,
+        segments: Converging,
+        blocked: &mut [bool],
+        tally: &mut impl Tally,
+    ) {
+        let count = segments.count().min(blocked.len());
+        let main = self.main();
+        let is_usual = method.kernel != Kernel::Scalar && main.suits_packets() && !self.has_holes();
+        let rays = ColumnsToPoint::new(segments, &main.tree.space).filter(|_| is_usual);
+        let Some(rays) = rays else {
+            let segments: Vec<_> = (0..count).map(|at| segments.segment(at)).collect();
+            return self.any_by(method, &segments, blocked, tally);
+        };
+        tally.add(Work::Rays, count);
+        let blocked = &mut blocked[..count];
+        main.any_of_whole(method, rays, blocked, tally);
+        for island in self.islands() {
+            island.any_of_some(method, rays, blocked, tally);
+        }
+    }
+}
+
+impl View<'_> {
+    /// [`Bvh::closest_by`] of this tree.
+    fn closest_of_batch(
+        self,
+        method: Method,
+        from: Origins,
+        directions: &[DVec3],
+        hits: &mut [Option<Hit>],
+        tally: &mut impl Tally,
+        mut replaced: impl FnMut(usize),
+    ) {
         if !self.has_holes() {
             return self.closest_of_whole(method, from, directions, hits, tally, replaced);
         }
@@ -74,9 +138,54 @@ impl Bvh {
         self.closest_singly(again, from, directions, hits, tally, replaced);
     }
 
+    /// The same where few of the rays come near the tree: the others are left out.
+    fn closest_of_some(
+        self,
+        method: Method,
+        from: Origins,
+        directions: &[DVec3],
+        hits: &mut [Option<Hit>],
+        tally: &mut impl Tally,
+        mut replaced: impl FnMut(usize),
+    ) {
+        let all = 0..directions.len();
+        let near: Vec<usize> = all
+            .filter(|&ray| self.tree.comes_near(from.of(ray), directions[ray]))
+            .collect();
+        if near.is_empty() {
+            return;
+        }
+        let origins: Vec<_> = near.iter().map(|&ray| from.of(ray)).collect();
+        let slots: Vec<_> = near.iter().map(|&ray| from.left(ray)).collect();
+        let from = match from {
+            Origins::Shared(origin) => Origins::Shared(origin),
+            Origins::Each(_) => Origins::Each(&origins),
+            Origins::Leaving { .. } => Origins::Leaving {
+                origins: &origins,
+                slots: &slots,
+            },
+        };
+        let directions: Vec<_> = near.iter().map(|&ray| directions[ray]).collect();
+        // What is as near as a known hit is asked for, too: of two the smaller id wins.
+        let known = |&ray: &usize| hits[ray].map(|hit| hit.up_to());
+        let mut found: Vec<_> = near.iter().map(known).collect();
+        let mut nearer = Vec::new();
+        self.closest_of_batch(method, from, &directions, &mut found, tally, |place| {
+            nearer.push(place);
+        });
+        for place in nearer {
+            let ray = near[place];
+            let first = Hit::first(hits[ray], found[place]);
+            if first != hits[ray] {
+                hits[ray] = first;
+                replaced(ray);
+            }
+        }
+    }
+
     /// [`Bvh::closest_by`] but for holes, on which some of the hits may be.
     fn closest_of_whole(
-        &self,
+        self,
         method: Method,
         from: Origins,
         directions: &[DVec3],
@@ -90,7 +199,7 @@ impl Bvh {
             return self.closest_singly(all, from, directions, hits, tally, replaced);
         }
         match from {
-            Origins::Shared(origin) if is_far(self.space.map(origin)) => {
+            Origins::Shared(origin) if is_far(self.tree.space.map(origin)) => {
                 self.closest_singly(all, from, directions, hits, tally, replaced);
             }
             Origins::Shared(origin) => {
@@ -116,20 +225,14 @@ impl Bvh {
         }
     }
 
-    /// For each segment whether something blocks it. `tally` counts the work.
-    ///
-    /// Fastest where the segments leave the points that a tile of pixels shows, row by row, for one
-    /// point in common or nearly so. Results are certified, whatever `method` says.
-    pub fn any_by(
-        &self,
+    /// [`Bvh::any_by`] of this tree.
+    fn any_of_batch(
+        self,
         method: Method,
         segments: &[Segment],
         blocked: &mut [bool],
         tally: &mut impl Tally,
     ) {
-        let count = segments.len().min(blocked.len());
-        let (segments, blocked) = (&segments[..count], &mut blocked[..count]);
-        tally.add(Work::Rays, count);
         if method.kernel == Kernel::Scalar || !self.suits_packets() {
             return self.any_singly(segments.iter().zip(blocked), tally);
         }
@@ -141,29 +244,39 @@ impl Bvh {
         }
     }
 
-    /// For each of these segments, which all end in one point as those to a lamp or a pinhole do, whether something blocks it. They are traced
-    /// from there, which is faster than [`Bvh::any_by`]; the answers are the same. `tally` counts the work.
-    pub fn any_to_point(
-        &self,
+    /// What blocks those of the segments that nothing has blocked yet, where few of them come near the tree.
+    fn any_of_some(
+        self,
         method: Method,
-        segments: Converging,
+        segments: impl SegmentSet,
         blocked: &mut [bool],
         tally: &mut impl Tally,
     ) {
-        let count = segments.count().min(blocked.len());
-        let is_usual = method.kernel != Kernel::Scalar && self.suits_packets() && !self.has_holes();
-        let rays = ColumnsToPoint::new(segments, &self.space).filter(|_| is_usual);
-        let Some(rays) = rays else {
-            let segments: Vec<_> = (0..count).map(|at| segments.segment(at)).collect();
-            return self.any_by(method, &segments, blocked, tally);
-        };
-        tally.add(Work::Rays, count);
-        self.any_of_whole(method, rays, &mut blocked[..count], tally);
+        let mut near = Vec::new();
+        let mut open = Vec::new();
+        for (at, _) in blocked.iter().enumerate().filter(|(_, blocked)| !**blocked) {
+            let segment = segments.segment(at);
+            if self
+                .tree
+                .comes_near(segment.ray.origin, segment.ray.direction)
+            {
+                near.push(at);
+                open.push(segment);
+            }
+        }
+        if open.is_empty() {
+            return;
+        }
+        let mut found = vec![false; open.len()];
+        self.any_of_batch(method, &open, &mut found, tally);
+        for (at, found) in near.into_iter().zip(found) {
+            blocked[at] = found;
+        }
     }
 
     /// [`Bvh::any_by`] but for holes, which may be all that blocks some of the segments.
     fn any_of_whole(
-        &self,
+        self,
         method: Method,
         segments: impl SegmentSet,
         blocked: &mut [bool],
@@ -209,7 +322,7 @@ impl Bvh {
 
     /// Traces segments one by one.
     fn any_of_singles(
-        &self,
+        self,
         method: Method,
         segments: impl SegmentSet,
         order: &[u32],
@@ -232,7 +345,7 @@ impl Bvh {
     }
 
     fn any_one_by_one(
-        &self,
+        self,
         segments: impl SegmentSet,
         rays: impl Iterator<Item = usize>,
         blocked: &mut [bool],
@@ -245,7 +358,7 @@ impl Bvh {
     }
 
     fn closest_of_tile<R: RaySet>(
-        &self,
+        self,
         method: Method,
         rays: R,
         (from, directions): (Origins, &[DVec3]),
@@ -284,7 +397,7 @@ impl Bvh {
                     Outcome::Missed => {}
                     Outcome::Traced => {
                         let precision = method.precision;
-                        space.replace(self, precision, rays, hits, tally, &mut replaced)
+                        space.replace(self.bvh, precision, rays, hits, tally, &mut replaced)
                     }
                     Outcome::Incoherent => {
                         let order = &space.block.order[..space.block.count];
@@ -311,19 +424,19 @@ impl Bvh {
     }
 
     /// Whether the bounds of packets hold in this tree.
-    fn suits_packets(&self) -> bool {
+    fn suits_packets(self) -> bool {
         let usual = power_of_two(-300)..power_of_two(300);
-        !self.wide.nodes.is_empty() && usual.contains(&self.space.scale)
+        !self.tree.wide.nodes.is_empty() && usual.contains(&self.tree.space.scale)
     }
 
     /// Whether packets may go all ways.
-    pub(super) fn is_small(&self) -> bool {
-        self.wide.leaves.len() <= SMALL
+    pub(super) fn is_small(self) -> bool {
+        self.tree.wide.leaves.len() <= SMALL
     }
 
     /// Leads the block's rays through the tree.
     fn closest_of_block(
-        &self,
+        self,
         method: Method,
         rays: impl RaySet,
         hits: &[Option<Hit>],
@@ -354,10 +467,10 @@ impl Bvh {
         }
     }
 
-    fn with_wide_stack(&self, run: impl FnOnce(&mut [StackEntry])) {
+    fn with_wide_stack(self, run: impl FnOnce(&mut [StackEntry])) {
         const NONE: StackEntry = (0.0, NodeRef::ROOT);
         // A node leaves all its children on the stack but the one that is taken next.
-        let most = self.wide.depth * WIDTH + 1;
+        let most = self.tree.wide.depth * WIDTH + 1;
         if most <= USUAL_STACK {
             run(&mut [NONE; USUAL_STACK])
         } else {

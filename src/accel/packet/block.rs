@@ -21,7 +21,7 @@ use glam::DVec3;
 
 use super::ray_set::{RAYS, RaySet};
 use super::simd::Simd;
-use crate::accel::bvh::Bvh;
+use crate::accel::bvh::View;
 use crate::accel::float::{exponent, greater, lesser, norm1, power_of_two};
 use crate::accel::rays::Hit;
 use crate::accel::tree_space::TreeSpace;
@@ -114,8 +114,8 @@ impl Block {
 
     /// Loads the rays in `order`; none if they are incoherent.
     #[inline(always)]
-    pub fn load<K: Simd, R: RaySet>(&mut self, k: K, bvh: &Bvh, rays: R) -> Option<BlockBounds> {
-        let space = &bvh.space;
+    pub fn load<K: Simd, R: RaySet>(&mut self, k: K, bvh: View, rays: R) -> Option<BlockBounds> {
+        let space = &bvh.tree.space;
         // (K1).
         let first = rays.direction(self.order[0] as usize).abs().max_element();
         if !(power_of_two(-500)..power_of_two(500)).contains(&first) {
@@ -152,7 +152,7 @@ impl Block {
     /// Whether some of the rays in `order` differ so much that [`Block::load`] has none of it in a large tree. A few are looked at, in
     /// plain numbers: blocks of incoherent rays end here, before wide vectors, for which some processors slow their clock.
     #[inline(always)]
-    pub fn is_certainly_incoherent(&self, bvh: &Bvh, direction: impl Fn(usize) -> DVec3) -> bool {
+    pub fn is_certainly_incoherent(&self, bvh: View, direction: impl Fn(usize) -> DVec3) -> bool {
         const STRIDE: usize = 9;
         // A little more than in `load`, where directions are rounded to f32.
         const APART: f64 = COHERENT as f64 * (1.0 + power_of_two(-20));

@@ -7,7 +7,7 @@ use super::refine::RefinedHits;
 use super::setup::{LeafTriangles, PacketTriangle};
 use super::simd::{Simd, Task, load_vectors};
 use super::traverse::{BlockQuery, Outcome, StackEntry, traverse};
-use crate::accel::bvh::Bvh;
+use crate::accel::bvh::View;
 use crate::accel::rays::Hit;
 use crate::accel::single::ScaledRay;
 use crate::accel::tally::{Tally, Work};
@@ -16,7 +16,7 @@ use crate::accel::wide::WIDTH;
 
 /// Finds the closest hits of the rays in a block's order; the block and `refined` receive them.
 pub(super) struct ClosestHits<'a, T, R, const CERTIFIED: bool> {
-    pub bvh: &'a Bvh,
+    pub bvh: View<'a>,
     pub rays: R,
     /// What was hit before, by rays of the batch.
     pub hits: &'a [Option<Hit>],
@@ -33,7 +33,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> Task for ClosestHits<'_, T, R, 
     #[inline(always)]
     fn run<K: Simd>(self, k: K) -> Outcome {
         let (bvh, rays, block) = (self.bvh, self.rays, self.block);
-        let tree = &bvh.wide;
+        let tree = &bvh.tree.wide;
         let Some(bounds) = block.load(k, bvh, rays) else {
             return Outcome::Incoherent;
         };
@@ -50,14 +50,14 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> Task for ClosestHits<'_, T, R, 
         };
         traverse(k, tree, &beam, &bounds, self.stack, &mut query);
         if CERTIFIED {
-            self.refined.fill(k, bvh, rays, query.block);
+            self.refined.fill(k, bvh.bvh, rays, query.block);
         }
         Outcome::Traced
     }
 }
 
 struct ClosestQuery<'a, T, R, const CERTIFIED: bool> {
-    bvh: &'a Bvh,
+    bvh: View<'a>,
     rays: R,
     block: &'a mut Block,
     tally: &'a mut T,
@@ -318,7 +318,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
                 crossing.map(|c| (c, rival))
             }
         };
-        let Some((crossing, slot)) = ray.nearer(self.bvh, rival, slot, left, self.tally) else {
+        let Some((crossing, slot)) = ray.nearer(self.bvh.bvh, rival, slot, left, self.tally) else {
             return false;
         };
         self.block.set_hit(lane, slot, crossing.s * ray.unit);

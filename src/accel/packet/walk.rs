@@ -29,7 +29,7 @@ use super::any_hits::SegmentSet;
 use super::lanes::{Boxes, Given, Lines, next_lane};
 use super::ray_set::{RAYS, RaySet};
 use super::simd::{Eight, Simd, Task};
-use crate::accel::bvh::Bvh;
+use crate::accel::bvh::View;
 use crate::accel::float::power_of_two;
 use crate::accel::node::NodeRef;
 use crate::accel::rays::Hit;
@@ -42,7 +42,7 @@ use crate::accel::wide::{WIDTH, WideLeaf};
 
 /// The nearest hits of rays, each by itself.
 pub(super) struct ClosestSingles<'a, R, T> {
-    pub bvh: &'a Bvh,
+    pub bvh: View<'a>,
     pub rays: R,
     /// Which of them, at most 64.
     pub order: &'a [u32],
@@ -53,7 +53,7 @@ pub(super) struct ClosestSingles<'a, R, T> {
 
 /// What blocks segments, each by itself.
 pub(super) struct AnySingles<'a, S, T> {
-    pub bvh: &'a Bvh,
+    pub bvh: View<'a>,
     pub segments: S,
     /// Which of them, at most 64.
     pub order: &'a [u32],
@@ -94,7 +94,7 @@ impl<R: RaySet, T: Tally> Task for ClosestSingles<'_, R, T> {
                 Some(hit) => hit.s,
                 None => f64::INFINITY,
             };
-            queries.push(ClosestHit::new(bvh, scaled, s_max, rays.left(ray)));
+            queries.push(ClosestHit::new(bvh.bvh, scaled, s_max, rays.left(ray)));
         }
         Walk::new(k.children(), bvh, room, entering).run(&mut queries, self.tally);
         let mut lanes = entering;
@@ -132,7 +132,7 @@ impl<S: SegmentSet, T: Tally> Task for AnySingles<'_, S, T> {
             let segment = self
                 .segments
                 .segment(self.order[next_lane(&mut lanes)] as usize);
-            queries.push(AnyHit::new(bvh, scaled, &segment));
+            queries.push(AnyHit::new(bvh.bvh, scaled, &segment));
         }
         Walk::new(k.children(), bvh, room, entering).run(&mut queries, self.tally);
         let mut lanes = entering;
@@ -186,11 +186,11 @@ impl Room {
 
     /// The first `count` rays as given: which of them go through the tree, and which are left to the binary one, as bits.
     #[inline(always)]
-    fn set_up(&mut self, bvh: &Bvh, count: usize) -> [u64; 2] {
+    fn set_up(&mut self, bvh: View, count: usize) -> [u64; 2] {
         let count = count.min(RAYS);
-        self.lines.set_up(&bvh.space, &self.given, count);
+        self.lines.set_up(&bvh.tree.space, &self.given, count);
         let [entering, left] = self.lines.fates(count);
-        if bvh.wide.depth > DEPTH {
+        if bvh.tree.wide.depth > DEPTH {
             return [0, left | entering];
         }
         self.boxes.set_up(&self.lines, count);
@@ -230,7 +230,7 @@ impl Lanes {
 /// Rays on their ways through a tree.
 struct Walk<'a, K: Simd> {
     kernel: K,
-    bvh: &'a Bvh,
+    bvh: View<'a>,
     lines: &'a Lines,
     boxes: &'a mut Boxes,
     stacks: &'a mut [Stack; SLOTS],
@@ -248,7 +248,7 @@ struct Walk<'a, K: Simd> {
 
 impl<'a, K: Eight> Walk<'a, K> {
     #[inline(always)]
-    fn new(kernel: K, bvh: &'a Bvh, room: &'a mut Room, entering: u64) -> Self {
+    fn new(kernel: K, bvh: View<'a>, room: &'a mut Room, entering: u64) -> Self {
         Walk {
             kernel,
             bvh,
@@ -287,7 +287,7 @@ impl<'a, K: Eight> Walk<'a, K> {
             let mut found = 0;
             for &lane in leaves.all() {
                 let lane = lane as usize % RAYS;
-                let leaf = &self.bvh.wide.leaves[self.next[lane].index()];
+                let leaf = &self.bvh.tree.wide.leaves[self.next[lane].index()];
                 let mut candidates = self.candidates(lane, leaf);
                 // There is none or one, mostly: the first is noted without a branch.
                 loop {
@@ -328,7 +328,7 @@ impl<'a, K: Eight> Walk<'a, K> {
     /// Leaves out what is farther along a ray than hits up to `s`.
     #[inline(always)]
     fn narrow(&mut self, lane: usize, s: f64) {
-        let t = s * self.bvh.space.scale - self.lines.start[lane];
+        let t = s * self.bvh.tree.space.scale - self.lines.start[lane];
         self.boxes.far[lane] = far_of(t, self.lines.blur[lane]);
     }
 
@@ -336,7 +336,7 @@ impl<'a, K: Eight> Walk<'a, K> {
     #[inline(always)]
     fn enter(&mut self, lane: usize) {
         let (k, boxes) = (self.kernel, &*self.boxes);
-        let node = &self.bvh.wide.nodes[self.next[lane].index()];
+        let node = &self.bvh.tree.wide.nodes[self.next[lane].index()];
         let (mut enter, mut leave) = (k.splat(0.0), k.splat(boxes.far[lane]));
         // (W3).
         let mut axis = 0;
@@ -387,7 +387,7 @@ impl<'a, K: Eight> Walk<'a, K> {
         let is_leaf = next.is_leaf();
         self.at_leaves.push_if(is_leaf, lane);
         self.at_nodes.push_if(!is_leaf, lane);
-        let tree = &self.bvh.wide;
+        let tree = &self.bvh.tree.wide;
         prefetch_either(is_leaf, &tree.leaves, &tree.nodes, next.index());
     }
 
@@ -465,7 +465,7 @@ mod tests {
 
     use super::*;
     use crate::accel::packet::method::{Kernel, Method, Precision};
-    use crate::accel::{Counts, Facing, NoTally, Origins, Ray, Segment, numbers};
+    use crate::accel::{Bvh, Counts, Facing, NoTally, Origins, Ray, Segment, numbers};
 
     fn certified(kernel: Kernel) -> Method {
         Method {
@@ -583,7 +583,7 @@ mod tests {
         let vector_kernels = Kernel::ALL.into_iter().filter(|k| k.is_supported());
         for kernel in vector_kernels.filter(|k| *k != Kernel::Scalar) {
             let [usual, deep] = [DEPTH, DEPTH + 1].map(|depth| {
-                bvh.wide.depth = depth;
+                bvh.tree.wide.depth = depth;
                 let mut counts = Counts::default();
                 let mut hits = vec![None; origins.len()];
                 let (method, from) = (certified(kernel), Origins::Each(&origins));

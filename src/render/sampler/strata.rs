@@ -9,6 +9,8 @@
 //! with random numbers of its own, independent of all other replicates. The mean of R replicates has the variance of one of them over R,
 //! which R means tell without bias however well the samples of each are spread (Owen, "Monte Carlo theory, methods and examples", § 17.3).
 
+use std::ops::Range;
+
 use super::random::{UNIT, halves, hash, pixel_key, unit};
 use crate::accel::vectors::{VectorLoop, dispatch};
 
@@ -110,34 +112,153 @@ impl Sampler {
         let (i, j) = (index % self.columns, index / self.columns);
         // In it the sub-column that row j has in this pixel, and the sub-row that column i has.
         let [columns, rows] = [self.columns, self.rows];
-        if self.samples() == 1 {
-            x.fill(0.0);
-            y.fill(0.0);
-        } else if columns.is_power_of_two() && rows.is_power_of_two() {
-            dispatch(SubCells {
+        if columns.is_power_of_two() && rows.is_power_of_two() {
+            return dispatch(Offsets {
+                sampler: self,
                 pixels,
-                of: [j, i],
-                counts: [rows, columns],
+                index,
                 x,
                 y,
             });
-        } else {
-            for ((pixel, x), y) in pixels.iter().zip(&mut *x).zip(&mut *y) {
-                let pixel = hash(*pixel);
-                *x = sub_cell(j, rows, pixel);
-                *y = sub_cell(i, columns, pixel.rotate_left(31));
-            }
+        }
+        for ((pixel, x), y) in pixels.iter().zip(&mut *x).zip(&mut *y) {
+            let pixel = hash(*pixel);
+            *x = sub_cell(j, rows, pixel);
+            *y = sub_cell(i, columns, pixel.rotate_left(31));
         }
         let [width, height] = self.cell;
         dispatch(Jitter {
             pixels,
-            salt: (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15),
+            salt: (index as u64).wrapping_mul(STEP),
             cell: [i as f64, j as f64],
             size: [width, height],
             x,
             y,
         });
     }
+}
+
+impl Sampler {
+    /// The offsets of `samples` of many pixels, by their keys without a replicate's, pixel by pixel: the same bits as of [`Sampler::offset`].
+    pub(crate) fn offsets_by_pixel(
+        &self,
+        pixels: &[u64],
+        samples: Range<u32>,
+        x: &mut [f64],
+        y: &mut [f64],
+    ) {
+        let each = samples.len().max(1);
+        let (within, salt) = self.replicate(samples.start);
+        let is_one_replicate = within as usize + samples.len() <= self.samples() as usize;
+        let are_powers = self.columns.is_power_of_two() && self.rows.is_power_of_two();
+        if self.centred {
+            x.fill(0.5);
+            y.fill(0.5);
+        } else if is_one_replicate && are_powers && each <= 16 {
+            let of = ByPixel::<16> {
+                sampler: self,
+                pixels,
+                salt,
+                first: within,
+                each,
+                x,
+                y,
+            };
+            match each {
+                0..=4 => dispatch(of.at_most::<4>()),
+                5..=8 => dispatch(of.at_most::<8>()),
+                _ => dispatch(of),
+            }
+        } else {
+            let of_pixels = x.chunks_mut(each).zip(y.chunks_mut(each));
+            for (pixel, (x, y)) in pixels.iter().zip(of_pixels) {
+                for (sample, (x, y)) in samples.clone().zip(x.iter_mut().zip(y)) {
+                    let (within, salt) = self.replicate(sample);
+                    let (x, y) = (std::slice::from_mut(x), std::slice::from_mut(y));
+                    self.offsets(&[pixel ^ salt], within, x, y);
+                }
+            }
+        }
+    }
+}
+
+/// The loop over the samples of each pixel, at most so many, of a grid whose numbers of columns and rows are powers of two.
+struct ByPixel<'a, const MOST: usize> {
+    sampler: &'a Sampler,
+    pixels: &'a [u64],
+    salt: u64,
+    /// The first sample, and how many there are.
+    first: u32,
+    each: usize,
+    x: &'a mut [f64],
+    y: &'a mut [f64],
+}
+
+impl<'a, const MOST: usize> ByPixel<'a, MOST> {
+    /// The same for fewer samples.
+    fn at_most<const FEWER: usize>(self) -> ByPixel<'a, FEWER> {
+        let ByPixel {
+            sampler,
+            pixels,
+            salt,
+            first,
+            each,
+            x,
+            y,
+        } = self;
+        ByPixel {
+            sampler,
+            pixels,
+            salt,
+            first,
+            each,
+            x,
+            y,
+        }
+    }
+}
+
+impl<const MOST: usize> VectorLoop for ByPixel<'_, MOST> {
+    #[inline(always)]
+    fn run(self) {
+        let sampler = *self.sampler;
+        // What the samples have alike in all pixels.
+        let (mut i, mut j, mut salts) = ([0; MOST], [0; MOST], [0; MOST]);
+        for (k, index) in (self.first..).take(self.each.min(MOST)).enumerate() {
+            ([i[k], j[k]], salts[k]) = sampler.cell_and_salt(index);
+        }
+        let of_pixels = self
+            .x
+            .chunks_mut(self.each)
+            .zip(self.y.chunks_mut(self.each));
+        for (key, (to_x, to_y)) in self.pixels.iter().zip(of_pixels) {
+            let pixel = hash(key ^ self.salt);
+            let (mut x, mut y) = ([0.0; MOST], [0.0; MOST]);
+            for k in 0..MOST {
+                [x[k], y[k]] = sampler.offset_of_powers(pixel, [i[k], j[k]], salts[k]);
+            }
+            // Whole ones, which are almost all, are copied in registers, without a call.
+            match (to_x.first_chunk_mut(), to_y.first_chunk_mut()) {
+                (Some(to_x), Some(to_y)) => (*to_x, *to_y) = (x, y),
+                _ => {
+                    to_x.copy_from_slice(&x[..to_x.len()]);
+                    to_y.copy_from_slice(&y[..to_y.len()]);
+                }
+            }
+        }
+    }
+}
+
+/// A number below 2³² in a way that shows it to the compiler: products of two are one instruction of AVX2.
+#[inline(always)]
+fn low(x: u64) -> u64 {
+    x & 0xffff_ffff
+}
+
+/// A number below 2³² as a float, exactly.
+#[inline(always)]
+fn whole(x: u64) -> f64 {
+    halves(x)[0]
 }
 
 /// Samples of each of at least `parts` equal parts of `samples`, or of as many as there are samples.
@@ -149,26 +270,56 @@ pub(crate) fn samples_per_part(samples: u32, parts: u32) -> u32 {
     samples / parts.unwrap_or(1)
 }
 
-/// The sub-column of row `of[0]` and the sub-row of column `of[1]` in each pixel, where there are powers of two of them.
-struct SubCells<'a> {
+/// The offsets of one sample of each pixel, of a grid whose numbers of columns and rows are powers of two.
+struct Offsets<'a> {
+    sampler: &'a Sampler,
     pixels: &'a [u64],
-    of: [u32; 2],
-    counts: [u32; 2],
+    index: u32,
     x: &'a mut [f64],
     y: &'a mut [f64],
 }
 
-impl VectorLoop for SubCells<'_> {
+impl VectorLoop for Offsets<'_> {
     #[inline(always)]
     fn run(self) {
         let count = self.pixels.len();
         let (x, y) = (&mut self.x[..count], &mut self.y[..count]);
-        let ([j, i], [rows, columns]) = (self.of, self.counts);
+        let sampler = *self.sampler;
+        let (cell, salt) = sampler.cell_and_salt(self.index);
         for k in 0..count {
-            let pixel = hash(self.pixels[k]);
-            x[k] = f64::from(among_power_of_two(j, rows, pixel));
-            y[k] = f64::from(among_power_of_two(i, columns, pixel.rotate_left(31)));
+            [x[k], y[k]] = sampler.offset_of_powers(hash(self.pixels[k]), cell, salt);
         }
+    }
+}
+
+impl Sampler {
+    /// The cell (i, j) of sample `index`, in all pixels alike, and what its hashes come from.
+    #[inline(always)]
+    fn cell_and_salt(&self, index: u32) -> ([u64; 2], u64) {
+        let cell = [index % self.columns, index / self.columns].map(u64::from);
+        (cell, u64::from(index).wrapping_mul(STEP))
+    }
+
+    /// The offset of the sample with that cell and salt in the pixel whose hashed key is `pixel`, where there are powers of two of columns and
+    /// rows.
+    #[inline(always)]
+    fn offset_of_powers(&self, pixel: u64, [i, j]: [u64; 2], salt: u64) -> [f64; 2] {
+        let [of_columns, of_rows] = [self.columns, self.rows].map(|n| u64::from(n - 1));
+        let [width, height] = self.cell;
+        // The sub-column of row j and the sub-row of column i: `among_power_of_two`, in u64, whose lower digits are the same.
+        let turned = pixel.rotate_left(31);
+        let stride_x = (1 + ((pixel >> 32) & of_rows)) | 1;
+        let stride_y = (1 + ((turned >> 32) & of_columns)) | 1;
+        let sub_x = (low(j) * low(stride_x)).wrapping_add(pixel) & of_rows;
+        let sub_y = (low(i) * low(stride_y)).wrapping_add(turned) & of_columns;
+        // 32 random bits per axis place the sample in its sub-cell.
+        let [for_x, for_y] = halves(hash(pixel ^ salt));
+        let (in_x, in_y) = (whole(sub_x) + for_x * UNIT, whole(sub_y) + for_y * UNIT);
+        // x = (i + (sub-column + noise) / rows) / columns, and y likewise.
+        [
+            (whole(i) + in_x * height) * width,
+            (whole(j) + in_y * width) * height,
+        ]
     }
 }
 
@@ -357,6 +508,9 @@ fn coprime(mut a: u32, mut b: u32) -> bool {
     a == 1
 }
 
+/// What the salts of samples are apart: 2⁶⁴ over the golden ratio, odd.
+const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -398,6 +552,41 @@ mod tests {
                         (0..n).collect::<Vec<_>>(),
                         "{n} samples, axis {axis}"
                     );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn offsets_by_pixel_are_those_of_each_sample_bit_for_bit() {
+        let samplers = [1, 2, 4, 7, 8, 12, 16, 32].map(Sampler::stratified);
+        let seeded = [4, 16].map(|n| Sampler::stratified(n).with_seed(9));
+        for sampler in samplers
+            .into_iter()
+            .chain(seeded)
+            .chain([Sampler::centred()])
+        {
+            let all = sampler.samples();
+            // Whole replicates, parts of one, and some of two.
+            for samples in [
+                0..all,
+                all / 2..all,
+                3 * all..4 * all,
+                all - 1..all + 1,
+                0..1,
+            ] {
+                let places = [[0, 0], [3, 1], [65_535, 4], [17, 65_535], [18, 2]];
+                let keys = places.map(|[column, row]| pixel_key(column, row));
+                let each = samples.len();
+                let (mut x, mut y) = (vec![9.0; 5 * each], vec![9.0; 5 * each]);
+                sampler.offsets_by_pixel(&keys, samples.clone(), &mut x, &mut y);
+                for (pixel, [column, row]) in places.into_iter().enumerate() {
+                    for (k, sample) in samples.clone().enumerate() {
+                        let at = pixel * each + k;
+                        let expected = sampler.offset(column, row, sample).map(f64::to_bits);
+                        let found = [x[at], y[at]].map(f64::to_bits);
+                        assert_eq!(found, expected, "{sampler:?} {samples:?} {pixel} {k}");
+                    }
                 }
             }
         }

@@ -198,6 +198,11 @@ impl CameraRays {
         [self.offsets[0][ray], self.offsets[1][ray]]
     }
 
+    /// The same of all samples, by axis.
+    pub(crate) fn offsets(&self) -> [&[f64]; 2] {
+        self.offsets.each_ref().map(Vec::as_slice)
+    }
+
     /// The same along an axis of the film, or in the exposure for [`TIME`].
     pub(super) fn place(&self, ray: usize, axis: usize) -> f64 {
         self.offsets.get(axis).unwrap_or(&self.moments)[ray]
@@ -270,6 +275,15 @@ pub trait RayGenerator: Sync {
     /// Generates the rays of `samples` of every pixel of `tile`, sample by sample.
     fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, samples: Range<u32>);
 
+    /// Generates the same rays pixel by pixel, without the keys of random numbers at what they hit.
+    fn generate_by_pixel(
+        &self,
+        rays: &mut CameraRays,
+        sampler: &Sampler,
+        tile: Tile,
+        samples: Range<u32>,
+    );
+
     /// Generates the rays a little beside those of `of` along an axis of the film, towards the middles of their pixels, or for
     /// [`TIME`] a little towards the middle of the exposure.
     fn beside(&self, rays: &mut CameraRays, of: &CameraRays, axis: usize);
@@ -295,6 +309,16 @@ fn of(view: &AnyView) -> &dyn RayGenerator {
 impl RayGenerator for AnyView {
     fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, samples: Range<u32>) {
         of(self).generate(rays, sampler, tile, samples);
+    }
+
+    fn generate_by_pixel(
+        &self,
+        rays: &mut CameraRays,
+        sampler: &Sampler,
+        tile: Tile,
+        samples: Range<u32>,
+    ) {
+        of(self).generate_by_pixel(rays, sampler, tile, samples);
     }
 
     fn beside(&self, rays: &mut CameraRays, middle: &CameraRays, axis: usize) {
@@ -340,6 +364,47 @@ impl<V: View> RayGenerator for V {
                 sampler.moments(keys, within, &mut rays.moments[of_sample]);
             }
         }
+        rays.look_through(self);
+    }
+
+    fn generate_by_pixel(
+        &self,
+        rays: &mut CameraRays,
+        sampler: &Sampler,
+        tile: Tile,
+        samples: Range<u32>,
+    ) {
+        let each = samples.len();
+        if each == 1 {
+            return self.generate(rays, sampler, tile, samples);
+        }
+        rays.resize::<V>(each * tile.pixels());
+        rays.index = sampler.replicate(samples.start).0;
+        rays.in_pixel = sampler.samples();
+        rays.indices.clear();
+        rays.moments.clear();
+        rays.keys.clear();
+        (rays.keys).extend(
+            tile.coordinates()
+                .map(|(column, row)| pixel_key(column, row)),
+        );
+        let of_pixels = rays.pixels.chunks_exact_mut(each.max(1));
+        for (of_one, key) in of_pixels.zip(&rays.keys) {
+            of_one.fill(*key);
+        }
+        let [x, y] = &mut rays.offsets;
+        sampler.offsets_by_pixel(&rays.keys, samples.clone(), x, y);
+        if V::USES_TIME {
+            for key in &rays.keys {
+                for sample in samples.clone() {
+                    let (within, salt) = sampler.replicate(sample);
+                    let mut moment = [0.0];
+                    sampler.moments(&[key ^ salt], within, &mut moment);
+                    rays.moments.extend(moment);
+                }
+            }
+        }
+        rays.keys.clear();
         rays.look_through(self);
     }
 
@@ -507,6 +572,23 @@ mod tests {
                     count += 1;
                 }
                 assert_eq!(rays.directions.len(), count);
+                // The same rays in another order.
+                let mut by_pixel = CameraRays::default();
+                view.generate_by_pixel(&mut by_pixel, &sampler, tile, 0..samples);
+                assert_eq!(by_pixel.directions.len(), count);
+                for k in 0..count {
+                    let (pixel, sample) = (k / samples as usize, k % samples as usize);
+                    let of = sample * tile.pixels() + pixel;
+                    let bits = |rays: &CameraRays, k: usize| {
+                        let moment = rays.moments.get(k).copied();
+                        let [x, y] = rays.offset(k);
+                        let d = rays.directions[k];
+                        let numbers = [d.x, d.y, d.z, rays.ratios[k], x, y];
+                        (numbers.map(f64::to_bits), moment, rays.pixels[k])
+                    };
+                    assert_eq!(bits(&by_pixel, k), bits(&rays, of), "view {number}: {k}");
+                    assert_eq!(by_pixel.origin(k), rays.origin(of));
+                }
             }
         }
     }

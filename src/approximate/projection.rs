@@ -40,6 +40,7 @@
 
 use glam::{DMat3, DVec3};
 
+use crate::accel::vectors::{BLOCK, Block, Vectors};
 use crate::camera::{AnyProjection, Camera, Linear, Point, Projection as _};
 use crate::error::{Error, Result};
 use crate::render::aov::Aov;
@@ -102,6 +103,38 @@ pub(crate) struct ApparentVertex {
     pub scale: f64,
 }
 
+/// Points of a rest frame by component: what an [`ApparentVertex`] has, of each.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct VertexBlock {
+    /// Places in the frame, which become the places c.
+    pub c: Vectors,
+    pub film: Vectors,
+    pub point: [Block; 2],
+    pub scale: Block,
+}
+
+impl VertexBlock {
+    /// To be written.
+    pub const ZERO: VertexBlock = VertexBlock {
+        c: Vectors::ZERO,
+        film: Vectors::ZERO,
+        point: [[0.0; BLOCK]; 2],
+        scale: [0.0; BLOCK],
+    };
+
+    /// Vertex `at`.
+    #[inline(always)]
+    pub fn get(&self, at: usize) -> ApparentVertex {
+        let [x, y] = &self.point;
+        ApparentVertex {
+            c: self.c.get(at),
+            film: self.film.get(at),
+            point: [x[at], y[at]],
+            scale: self.scale[at],
+        }
+    }
+}
+
 impl Apparent {
     /// The place c of the point `x`.
     #[inline(always)]
@@ -119,6 +152,26 @@ impl Apparent {
         (d, length * ratio)
     }
 
+    /// [`Apparent::look`] for the points at `c`, and their lengths.
+    #[inline(always)]
+    pub fn look_at(&self, c: &Vectors, d: &mut Vectors, [lengths, distances]: [&mut Block; 2]) {
+        for k in 0..BLOCK {
+            let length = c.get(k).length();
+            d.set(k, c.get(k) * (1.0 / length));
+            (lengths[k], distances[k]) = (length, length);
+        }
+        // Asked once: with a branch at each direction the loop would not go in vectors.
+        let boost = self.world_from_optical;
+        if boost.is_identity() {
+            return;
+        }
+        for k in 0..BLOCK {
+            let (direction, ratio) = boost.direction_of_moving(Direction::from_unit(d.get(k)));
+            d.set(k, direction.unit());
+            distances[k] *= ratio;
+        }
+    }
+
     /// The apparent position in the camera's frame of what is seen along `d` at the distance `s`.
     #[inline(always)]
     fn seen(&self, d: Direction<World>, s: f64) -> DVec3 {
@@ -126,32 +179,56 @@ impl Apparent {
         seen.unit() * (s * ratio)
     }
 
-    /// How the point `x` is seen.
+    /// How the points of `block`, whose places are in its `c`, are seen. In short loops, one step after the other, with copies of what is
+    /// the same for all, and boosts asked once whether they are any: of a long loop, or one that branches, compilers make no
+    /// vector code for AVX2.
     #[inline(always)]
-    pub fn vertex(&self, x: DVec3) -> ApparentVertex {
-        let c = self.optical(x);
-        let length = c.length();
-        let (d, s) = self.look(c, length);
-        let k = self.seen(d, s);
-        let film = self.homogeneous_from_camera * k;
-        let point = [film.x / film.z, film.y / film.z];
-        // |Δ/δ|, by the film where the point is on it or near, otherwise by the angle and the corner's density.
-        let [u, v] = self.slide(film, point);
-        let square = k.length_squared();
-        let turn = (self.m_camera - k * (self.m_camera.dot(k) / square)).length() / square.sqrt();
-        let [width, height] = self.size;
-        let near_x = (point[0] > -0.5 * width) & (point[0] < 1.5 * width);
-        let near_y = (point[1] > -0.5 * height) & (point[1] < 1.5 * height);
-        let pixels = if near_x & near_y & (film.z > 0.0) {
-            (u * u + v * v).sqrt()
-        } else {
-            self.density * turn
-        };
-        ApparentVertex {
+    pub fn see(&self, block: &mut VertexBlock) {
+        let VertexBlock {
             c,
             film,
-            point,
-            scale: length * pixels,
+            point: [point_x, point_y],
+            scale,
+        } = block;
+        let apparent = *self;
+        let mut k = Vectors::ZERO;
+        let (mut lengths, mut distances) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for at in 0..BLOCK {
+            c.set(at, apparent.optical(c.get(at)));
+        }
+        apparent.look_at(c, &mut k, [&mut lengths, &mut distances]);
+        // The apparent position in the camera's frame.
+        if !apparent.camera_from_world.is_identity() {
+            let boost = apparent.camera_from_world;
+            for at in 0..BLOCK {
+                let (d, ratio) = boost.direction_of_moving(Direction::from_unit(k.get(at)));
+                k.set(at, d.unit());
+                distances[at] *= ratio;
+            }
+        }
+        let homogeneous = apparent.homogeneous_from_camera;
+        for at in 0..BLOCK {
+            let seen = k.get(at) * distances[at];
+            k.set(at, seen);
+            let h = homogeneous * seen;
+            film.set(at, h);
+            point_x[at] = h.x / h.z;
+            point_y[at] = h.y / h.z;
+        }
+        // |Δ/δ|, by the film where the point is on it or near, otherwise by the angle and the corner's density.
+        let [width, height] = apparent.size;
+        for at in 0..BLOCK {
+            let (h, seen, x, y) = (film.get(at), k.get(at), point_x[at], point_y[at]);
+            let [u, v] = apparent.slide(h, [x, y]);
+            let square = seen.length_squared();
+            let along = apparent.m_camera.dot(seen) / square;
+            let turn = (apparent.m_camera - seen * along).length() / square.sqrt();
+            let near_x = (x > -0.5 * width) & (x < 1.5 * width);
+            let near_y = (y > -0.5 * height) & (y < 1.5 * height);
+            let on_film = (u * u + v * v).sqrt();
+            let by_angle = apparent.density * turn;
+            let is_near = near_x & near_y & (h.z > 0.0);
+            scale[at] = lengths[at] * if is_near { on_film } else { by_angle };
         }
     }
 

@@ -511,17 +511,28 @@ impl VectorLoop for Bend<'_> {
             needed,
             parts,
         } = self.edges;
-        for (edge, (needed, parts)) in needed.iter_mut().zip(parts).enumerate() {
+        let mut any = 0;
+        for (edge, squares) in needed.iter_mut().enumerate() {
             let (from, to) = ((edge + 1) % 3, (edge + 2) % 3);
             for at in 0..LOT {
                 let a = DVec3::new(c[from][0][at], c[from][1][at], c[from][2][at]);
                 let b = DVec3::new(c[to][0][at], c[to][1][at], c[to][2][at]);
                 let error = bend(a, b, scale[from][at].max(scale[to][at]));
+                squares[at] = error / self.pixels;
+                any |= u64::from(squares[at] > 1.0);
+            }
+        }
+        // Most edges are straight enough, and their n² is as good as n.
+        if any == 0 {
+            return parts.fill([1.0; LOT]);
+        }
+        for (needed, parts) in needed.iter_mut().zip(parts) {
+            for (needed, parts) in needed.iter_mut().zip(parts) {
                 // n of the head: above 3 the bound is only good enough to halve the edge.
-                let root = (error / self.pixels).sqrt();
+                let root = needed.sqrt();
                 let count = root.ceil();
-                needed[at] = root;
-                parts[at] = if count > 3.0 { 2.0 } else { count };
+                *needed = root;
+                *parts = if count > 3.0 { 2.0 } else { count };
             }
         }
     }

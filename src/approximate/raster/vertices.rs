@@ -3,13 +3,11 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::accel::vectors::{VectorLoop, dispatch};
-use crate::approximate::projection::{Apparent, Projection};
+use crate::accel::vectors::{BLOCK, VectorLoop, dispatch};
+use crate::approximate::projection::{Apparent, Projection, VertexBlock};
 
 pub(super) use crate::approximate::projection::ApparentVertex as Vertex;
 
-/// So many vertices are transformed at once.
-const BLOCK: usize = 64;
 /// So many are one task.
 const TASK: usize = 64 * BLOCK;
 
@@ -66,32 +64,12 @@ impl VectorLoop for Transform<'_> {
 /// One array for each number of a vertex, so that vectors hold one number of many vertices.
 #[inline(always)]
 fn transform_block(apparent: &Apparent, positions: &[DVec3], vertices: &mut [Vertex]) {
-    let mut x = [[0.0; BLOCK]; 3];
-    let count = positions.len().min(BLOCK);
-    for k in 0..count {
-        x[0][k] = positions[k].x;
-        x[1][k] = positions[k].y;
-        x[2][k] = positions[k].z;
+    let mut block = VertexBlock::ZERO;
+    for (at, x) in positions.iter().enumerate().take(BLOCK) {
+        block.c.set(at, *x);
     }
-    let mut seen = [[0.0; BLOCK]; 9];
-    for k in 0..BLOCK {
-        let vertex = apparent.vertex(DVec3::new(x[0][k], x[1][k], x[2][k]));
-        seen[0][k] = vertex.c.x;
-        seen[1][k] = vertex.c.y;
-        seen[2][k] = vertex.c.z;
-        seen[3][k] = vertex.film.x;
-        seen[4][k] = vertex.film.y;
-        seen[5][k] = vertex.film.z;
-        seen[6][k] = vertex.point[0];
-        seen[7][k] = vertex.point[1];
-        seen[8][k] = vertex.scale;
-    }
-    for (k, vertex) in vertices.iter_mut().enumerate().take(count) {
-        *vertex = Vertex {
-            c: DVec3::new(seen[0][k], seen[1][k], seen[2][k]),
-            film: DVec3::new(seen[3][k], seen[4][k], seen[5][k]),
-            point: [seen[6][k], seen[7][k]],
-            scale: seen[8][k],
-        };
+    apparent.see(&mut block);
+    for (at, vertex) in vertices.iter_mut().enumerate().take(BLOCK) {
+        *vertex = block.get(at);
     }
 }

@@ -2,13 +2,16 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
+
 use super::camera_rays::Rays;
 use super::hits::{HitBuffer, SurfaceHit};
 use super::point::{EmissionClock, ObservedPoint, SurfacePoint};
 use super::rest_frame::{Patch, RestFrame};
 use super::surfaces::Surfaces;
 use crate::accel::Hit;
-use crate::spacetime::{Direction, Event, NullRay, Rest, WavelengthRatio, World};
+use crate::accel::vectors::{BLOCK, VectorLoop, Vectors, dispatch};
+use crate::spacetime::{Boost, Direction, Event, NullRay, Rest, WavelengthRatio, World};
 
 /// Rays of a batch with their hits.
 #[derive(Debug)]
@@ -158,8 +161,17 @@ impl<'a> Run<'a> {
                 None => ratios.extend(members().map(|ray| world[ray])),
             };
         }
-        self.each_local(self.members, |k, _, rho| {
-            ratios.push(world[self.members[k] as usize] * rho);
+        // The ratio of a tangent is that of its direction.
+        let boost = self.rest.frame.frame_from_world();
+        ratios.extend(members().map(|ray| world[ray]));
+        if boost.is_identity() {
+            return;
+        }
+        dispatch(Ratios {
+            boost,
+            directions: self.traced.rays.directions,
+            members: self.members,
+            ratios,
         });
     }
 
@@ -231,6 +243,34 @@ impl<'a> Run<'a> {
         let ray = self.members[k] as usize;
         let samples = &self.traced.rays.samples;
         samples.one_of(ray, dimension, number, count)
+    }
+}
+
+/// The loop over members that multiplies their ratios by those of a rest frame.
+struct Ratios<'a> {
+    boost: &'a Boost<Rest, World>,
+    directions: &'a [DVec3],
+    members: &'a [u32],
+    ratios: &'a mut [f64],
+}
+
+impl VectorLoop for Ratios<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let boost = *self.boost;
+        let mut d = Vectors::ZERO;
+        let mut rhos = [0.0; BLOCK];
+        for (members, ratios) in (self.members.chunks(BLOCK)).zip(self.ratios.chunks_mut(BLOCK)) {
+            for (k, ray) in members.iter().enumerate() {
+                d.set(k, self.directions[*ray as usize]);
+            }
+            for (k, rho) in rhos.iter_mut().enumerate() {
+                *rho = boost.direction_of_moving(Direction::from_unit(d.get(k))).1;
+            }
+            for (ratio, rho) in ratios.iter_mut().zip(&rhos) {
+                *ratio *= rho;
+            }
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 
 use glam::DVec3;
 
+use super::cull::Reach;
 use super::vertices::Vertex;
 use crate::render::film::TILE;
 
@@ -13,8 +14,8 @@ pub(super) struct Piece {
     pub corners: [u32; 3],
     /// The slot of the triangle that it is a part of.
     pub slot: u32,
-    /// The pixels that it can reach: first column and row, last column and row.
-    pub reach: [u16; 4],
+    /// The part of the film that it can reach.
+    pub reach: Reach,
 }
 
 /// Pieces of the triangles in some slots of a rest frame, by the tiles that they may reach.
@@ -62,20 +63,27 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    fn across(self) -> u64 {
-        u64::from(self.size[0].div_ceil(TILE))
+    /// How many tiles there are in a row. All of a film are counted in u32: it has fewer than 2³² pixels.
+    fn across(self) -> u32 {
+        self.size[0].div_ceil(TILE)
     }
 
-    /// Calls `visit` with each tile that the triangle may reach.
-    fn tiles(self, piece: &Piece, film: [DVec3; 3], mut visit: impl FnMut(u64)) {
-        let [left, top, right, bottom] = piece.reach.map(|p| u32::from(p) / TILE);
+    /// Calls `visit` with each tile that the triangle may reach; `film` gives its corners.
+    #[inline]
+    fn tiles(self, piece: &Piece, film: impl Fn(&Piece) -> [DVec3; 3], mut visit: impl FnMut(u32)) {
+        let last = self.size.map(|n| n - 1);
+        let [left, top, right, bottom] = piece.reach.pixels([0; 2], last).map(|p| p / TILE);
+        // Most triangles are small.
+        if [left, top] == [right, bottom] {
+            return visit(top * self.across() + left);
+        }
         let many = (right - left + 1) * (bottom - top + 1) > 2;
-        let edges = many.then(|| Edges::of(film));
+        let edges = many.then(|| Edges::of(film(piece)));
         for row in top..=bottom {
             for column in left..=right {
                 let corner = [column, row].map(|t| f64::from(t * TILE));
                 if edges.as_ref().is_none_or(|e| e.reach(corner)) {
-                    visit(u64::from(row) * self.across() + u64::from(column));
+                    visit(row * self.across() + column);
                 }
             }
         }
@@ -110,9 +118,9 @@ impl Bins {
     /// Sorts `triangles` by the tiles of `grid`; `film` gives their corners.
     pub fn new(grid: Grid, triangles: &[Piece], film: impl Fn(&Piece) -> [DVec3; 3]) -> Self {
         let mut pairs = Vec::with_capacity(triangles.len() + triangles.len() / 2);
-        let (mut first, mut last) = (u64::MAX, 0);
+        let (mut first, mut last) = (u32::MAX, 0);
         for (index, piece) in triangles.iter().enumerate() {
-            grid.tiles(piece, film(piece), |tile| {
+            grid.tiles(piece, &film, |tile| {
                 first = first.min(tile);
                 last = last.max(tile);
                 pairs.push((tile, index as u32));
@@ -137,7 +145,7 @@ impl Bins {
             *place += 1;
         }
         Bins {
-            first,
+            first: first.into(),
             starts,
             triangles: sorted,
         }

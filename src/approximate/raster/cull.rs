@@ -20,6 +20,29 @@ use crate::spacetime::Displacement;
 /// So far beside a triangle samples may be taken to be inside, pixels: twice the bound on edge functions in f32 (`tile`).
 const BESIDE: f64 = 2e-5;
 
+/// More than f32 rounds by.
+const ROUNDING: f64 = 1.0 / (1u32 << 23) as f64;
+
+/// The part of the film that a triangle can reach, pixels: left, top, right, bottom.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reach(pub [f32; 4]);
+
+impl Reach {
+    /// Its pixels within those from column and row `first` to column and row `last`, counted from `first`: first column and row, last column and
+    /// row.
+    #[inline(always)]
+    pub fn pixels(&self, first: [u32; 2], last: [u32; 2]) -> [u32; 4] {
+        let Reach([left, top, right, bottom]) = *self;
+        let within = |x: f32, axis: usize| (x as u32).clamp(first[axis], last[axis]) - first[axis];
+        [
+            within(left, 0),
+            within(top, 1),
+            within(right, 0),
+            within(bottom, 1),
+        ]
+    }
+}
+
 /// The part of the film's surroundings where a triangle's image is to be looked for.
 #[derive(Debug)]
 pub(super) struct Frustum {
@@ -62,10 +85,9 @@ impl Frustum {
                 .any(|side| side.dot(axis) < -sine * (1.0 + 1e-9) - 1e-9 * length)
     }
 
-    /// The pixels that a flat triangle can reach: first column and row, last column and row. None where
-    /// it is outside the film.
+    /// The part of the film that a flat triangle can reach: left, top, right, bottom. None where it is outside the film.
     #[inline]
-    pub fn reach(&self, [a, b, c]: [&Vertex; 3]) -> Option<[u16; 4]> {
+    pub fn reach(&self, [a, b, c]: [&Vertex; 3]) -> Option<Reach> {
         let far = 1e-9 * a.film.z.abs().max(b.film.z.abs()).max(c.film.z.abs());
         let bounds = match a.film.z.min(b.film.z).min(c.film.z) > far {
             true => [
@@ -79,14 +101,16 @@ impl Frustum {
         let [width, height] = self.size;
         let [left, top, right, bottom] = bounds;
         let outside = right < -BESIDE || bottom < -BESIDE || left > width || top > height;
-        let pixel = |x: f64, size: f64| x.clamp(0.0, size - 1.0) as u16;
+        // No less far beside than f32 rounds.
+        let before = |x: f64, size: f64| ((x - BESIDE).clamp(0.0, size) * (1.0 - ROUNDING)) as f32;
+        let after = |x: f64, size: f64| ((x + BESIDE).clamp(0.0, size) * (1.0 + ROUNDING)) as f32;
         (!outside).then(|| {
-            [
-                pixel(left - BESIDE, width),
-                pixel(top - BESIDE, height),
-                pixel(right + BESIDE, width),
-                pixel(bottom + BESIDE, height),
-            ]
+            Reach([
+                before(left, width),
+                before(top, height),
+                after(right, width),
+                after(bottom, height),
+            ])
         })
     }
 

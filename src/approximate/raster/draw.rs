@@ -20,9 +20,9 @@ use crate::spacetime::{Direction, World};
 /// Samples of a strip, pixel by pixel: one ray for each sample, in order, or several with their parts of it.
 #[derive(Debug, Default)]
 pub(super) struct RayBatch {
-    /// Look directions in the world, unit vectors.
+    /// Look directions in the world, unit vectors; empty where the rays are the camera rays of the samples.
     pub directions: Vec<DVec3>,
-    /// W for sources at rest in the world.
+    /// W for sources at rest in the world; as empty as the directions.
     pub ratios: Vec<f64>,
     /// World time that the light is on its way, metres per metre, where each ray has its own; otherwise empty.
     pub origins: Vec<RayOrigin>,
@@ -142,9 +142,7 @@ impl<'a> SampleSums<'a> {
     fn finish(self) {
         let first = self.strip.pixel(0);
         for (pixel, sums) in (first..).zip(self.sums.chunks(self.strip.each)) {
-            for sum in sums {
-                self.film.add(pixel, *sum);
-            }
+            self.film.add_samples(pixel, sums);
         }
     }
 
@@ -249,7 +247,6 @@ pub(super) trait Visibility: Sync {
 /// Samples of the pixels of a strip, pixel by pixel: their camera rays.
 pub(super) struct StripSamples<'a> {
     pub strip: Strip,
-    /// Sample by sample.
     camera_rays: &'a CameraRays,
     surfaces: &'a Surfaces<'a>,
     /// World time that light takes per metre; 0 where retardation is turned off.
@@ -257,53 +254,40 @@ pub(super) struct StripSamples<'a> {
 }
 
 impl StripSamples<'_> {
-    /// Where sample `sample` is among the camera rays.
-    #[inline(always)]
-    fn place(&self, sample: usize) -> usize {
-        let (pixel, number) = (sample / self.strip.each, sample % self.strip.each);
-        number * self.strip.rows.pixels() + pixel
-    }
-
     /// Fills `x` and `y` with where the samples are on the film, pixels from the corner of the tile.
     pub fn points(&self, x: &mut Vec<f64>, y: &mut Vec<f64>) {
         let Strip { rows, first, each } = self.strip;
-        let (width, pixels) = (rows.size[0] as usize, rows.pixels());
-        x.resize(pixels * each, 0.0);
-        y.resize(pixels * each, 0.0);
-        let places = x.chunks_mut(each).zip(y.chunks_mut(each));
-        for (pixel, (x, y)) in places.enumerate() {
-            let (column, row) = (pixel % width, pixel / width + first as usize);
-            for (number, (x, y)) in x.iter_mut().zip(y).enumerate() {
-                let [in_x, in_y] = self.camera_rays.offset(number * pixels + pixel);
-                (*x, *y) = (column as f64 + in_x, row as f64 + in_y);
+        let count = rows.pixels() * each;
+        x.resize(count, 0.0);
+        y.resize(count, 0.0);
+        let [in_x, in_y] = self.camera_rays.offsets();
+        let in_row = rows.size[0] as usize * each;
+        for (row, begin) in (first..).zip((0..count).step_by(in_row.max(1))) {
+            let samples = begin..begin + in_row;
+            for (y, in_y) in y[samples.clone()].iter_mut().zip(&in_y[samples.clone()]) {
+                *y = f64::from(row) + in_y;
+            }
+            let columns = x[samples.clone()].chunks_exact_mut(each);
+            let in_columns = in_x[samples].chunks_exact(each);
+            for (column, (x, in_x)) in (0..).zip(columns.zip(in_columns)) {
+                let column = f64::from(column);
+                for (x, in_x) in x.iter_mut().zip(in_x) {
+                    *x = column + in_x;
+                }
             }
         }
     }
 
     /// Fills `ratios` and `directions` with those of the camera rays.
     pub fn looks(&self, ratios: &mut Vec<f64>, directions: &mut Vec<DVec3>) {
-        let CameraRays {
-            ratios: all_ratios,
-            directions: all_directions,
-            ..
-        } = self.camera_rays;
-        let each = self.strip.each;
-        if each == 1 {
-            ratios.extend_from_slice(all_ratios);
-            return directions.extend_from_slice(all_directions);
-        }
-        let pixels = self.strip.rows.pixels();
-        for pixel in 0..pixels {
-            let places = (0..each).map(|number| number * pixels + pixel);
-            ratios.extend(places.clone().map(|place| all_ratios[place]));
-            directions.extend(places.map(|place| all_directions[place]));
-        }
+        ratios.extend_from_slice(&self.camera_rays.ratios);
+        directions.extend_from_slice(&self.camera_rays.directions);
     }
 
     /// The look direction of a sample.
     #[inline]
     pub fn direction(&self, sample: usize) -> Direction<World> {
-        Direction::from_unit(self.camera_rays.directions[self.place(sample)])
+        Direction::from_unit(self.camera_rays.directions[sample])
     }
 
     /// The W that a ray along `d` must have for a source at rest in the world, so that what it meets in rest
@@ -311,7 +295,7 @@ impl StripSamples<'_> {
     #[inline]
     pub fn ratio(&self, sample: usize, frame: u32, d: Direction<World>) -> f64 {
         let (_, rho) = self.surfaces.direction(frame, self.direction(sample));
-        self.ratio_of(self.camera_rays.ratios[self.place(sample)] * rho, frame, d)
+        self.ratio_of(self.camera_rays.ratios[sample] * rho, frame, d)
     }
 
     /// The same where what is met is seen with wavelength ratio `w`.
@@ -384,7 +368,8 @@ pub(super) fn film<P: Visibility>(
                         camera_rays, rays, ..
                     } = buffers;
                     let view = &scene.camera.view;
-                    view.generate(camera_rays, &scene.sampler, strip.rows, samples.clone());
+                    let sampler = &scene.sampler;
+                    view.generate_by_pixel(camera_rays, sampler, strip.rows, samples.clone());
                     let strip_samples = StripSamples {
                         strip,
                         camera_rays,
@@ -421,10 +406,14 @@ impl Stage<'_> {
             ..
         } = buffers;
         let scene = self.scene;
+        let (directions, ratios) = match rays.directions.as_slice() {
+            [] => (&camera_rays.directions, &camera_rays.ratios),
+            _ => (&rays.directions, &rays.ratios),
+        };
         let traced = TracedRays {
             surfaces: &self.surfaces,
             rays: Rays {
-                directions: &rays.directions,
+                directions,
                 origins: (!rays.origins.is_empty()).then_some(&rays.origins),
                 left: &[],
                 method: scene.method,
@@ -435,7 +424,7 @@ impl Stage<'_> {
             index: self.index,
         };
         let (radiance, background) = (scene.light.radiance(), &scene.background);
-        let (ratios, meter) = (&rays.ratios, &mut Meter::off());
+        let meter = &mut Meter::off();
         // One ray for each pixel or sample, or several parts that are blended: then background counts by sample, not by part.
         if !rays.parts.is_empty() {
             let firsts = rays.firsts.iter();
@@ -469,7 +458,7 @@ impl Stage<'_> {
             let ray = rays.firsts.get(sample).map_or(sample, |ray| *ray as usize);
             let observed = traced.observed(ray, ratios[ray]);
             let d = samples.direction(sample);
-            let offset = camera_rays.offset(samples.place(sample));
+            let offset = camera_rays.offset(sample);
             let pixel = strip.pixel(sample);
             record(
                 channels,

@@ -16,7 +16,7 @@ use super::draw::{RayBatch, StripSamples};
 use super::tile::{Gathered, NOTHING};
 use super::triangles::{Triangles, is_front};
 use crate::accel::Hit;
-use crate::accel::vectors::{VectorLoop, dispatch};
+use crate::accel::vectors::{BLOCK, VectorLoop, Vectors, dispatch, load, store};
 use crate::approximate::projection::{Apparent, Projection};
 use crate::camera::RayOrigin;
 use crate::render::film::Tile;
@@ -175,19 +175,19 @@ pub(super) struct Fragments {
     weights: [Vec<f64>; 2],
     /// World distances, metres.
     distances: Vec<f64>,
-    /// ω_rest/ω_world along the look directions of the samples.
-    rhos: Vec<f64>,
 }
 
 impl Fragments {
-    /// Takes `samples` over, and fills `rays` with their camera rays.
-    pub fn start(&mut self, samples: &StripSamples, rays: &mut RayBatch) {
+    /// Takes `samples` over, and fills `rays` with their camera rays, where these will be turned to the fragments.
+    pub fn start(&mut self, samples: &StripSamples, needed: Dependence, rays: &mut RayBatch) {
         self.count = samples.strip.samples();
         samples.points(&mut self.x, &mut self.y);
         for places in [&mut self.x, &mut self.y] {
             places.resize(self.count + LANES, 0.0);
         }
-        samples.looks(&mut rays.ratios, &mut rays.directions);
+        if needed > Dependence::Patch {
+            samples.looks(&mut rays.ratios, &mut rays.directions);
+        }
         self.runs.clear();
     }
 
@@ -238,7 +238,6 @@ impl Fragments {
 
     /// Turns the rays to the fragments.
     fn look(&mut self, all: &Triangles, surfaces: &[Surface], rays: &mut RayBatch) {
-        self.rhos.resize(self.count, 0.0);
         let frame_of = |run: &Run| surfaces.get(run.surface as usize).map(|s| s.frame);
         for runs in self.runs.chunk_by(|a, b| frame_of(a) == frame_of(b)) {
             let (Some(frame), [first, ..], [.., last]) = (frame_of(&runs[0]), runs, runs) else {
@@ -251,8 +250,7 @@ impl Fragments {
                 c: self.c.each_ref().map(|c| &c[samples.clone()]),
                 directions: &mut rays.directions[samples.clone()],
                 distances: &mut self.distances[samples.clone()],
-                ratios: &mut rays.ratios[samples.clone()],
-                rhos: &mut self.rhos[samples],
+                ratios: &mut rays.ratios[samples],
             });
         }
     }
@@ -280,10 +278,13 @@ impl Fragments {
             };
             let surface = match surfaces.get(run.surface as usize) {
                 Some(surface) if is_placed => surface,
-                // Nobody asks where.
                 found => {
                     let hit = found.map(|surface| on_surface(surface, 0.0, [0.0; 2]));
-                    rays.hits.push_alike(hit, run.end - run.begin);
+                    match is_placed {
+                        true => rays.hits.push_alike(hit, run.end - run.begin),
+                        // Nobody asks where.
+                        false => rays.hits.push_run(hit, run.end - run.begin),
+                    }
                     continue;
                 }
             };
@@ -376,20 +377,22 @@ impl Interpolate<'_> {
     #[inline(always)]
     fn lanes(&mut self, surface: &Surface, begin: usize) {
         let [x, y] = self.points.map(|all| all[begin..].first_chunk::<LANES>());
-        let (Some(x), Some(y)) = (x, y) else {
+        let (Some(x), Some(y)) = (x.copied(), y.copied()) else {
             return;
         };
         // 1/Σ eᵢ·p, and with it c.
-        let Surface { sum, c, .. } = surface;
+        let (sum, of_c) = (surface.sum, surface.c);
         let mut scale = [0.0; LANES];
         for k in 0..LANES {
             scale[k] = 1.0 / (sum.x * x[k] + sum.y * y[k] + sum.z);
         }
-        for (c, to) in c.iter().zip(&mut *self.c) {
+        for (c, to) in of_c.iter().zip(&mut *self.c) {
             if let Some(to) = to[begin..].first_chunk_mut::<LANES>() {
+                let mut values = [0.0; LANES];
                 for k in 0..LANES {
-                    to[k] = (c.x * x[k] + c.y * y[k] + c.z) * scale[k];
+                    values[k] = (c.x * x[k] + c.y * y[k] + c.z) * scale[k];
                 }
+                *to = values;
             }
         }
         let Some([u, v]) = &mut self.weights else {
@@ -416,35 +419,46 @@ struct Look<'a> {
     directions: &'a mut [DVec3],
     distances: &'a mut [f64],
     ratios: &'a mut [f64],
-    /// A buffer.
-    rhos: &'a mut [f64],
 }
 
 impl VectorLoop for Look<'_> {
     #[inline(always)]
     fn run(self) {
         let count = self.directions.len();
-        let [x, y, z] = self.c.map(|c| &c[..count]);
-        let (directions, distances) = (&mut self.directions[..count], &mut self.distances[..count]);
-        let (ratios, rhos) = (&mut self.ratios[..count], &mut self.rhos[..count]);
-        let is_moving = !self.boost.is_identity();
-        if is_moving {
-            for k in 0..count {
-                let sampled = Direction::from_unit(directions[k]);
-                rhos[k] = self.boost.direction(sampled).1;
+        let boost = *self.boost;
+        let is_moving = !boost.is_identity();
+        let (mut c, mut d) = (Vectors::ZERO, Vectors::ZERO);
+        let (mut lengths, mut distances) = ([0.0; BLOCK], [0.0; BLOCK]);
+        let mut rhos = [1.0; BLOCK];
+        for begin in (0..count).step_by(BLOCK) {
+            let directions = &mut self.directions[begin..count.min(begin + BLOCK)];
+            let ratios = &mut self.ratios[begin..count.min(begin + BLOCK)];
+            if is_moving {
+                for (k, sampled) in directions.iter().enumerate() {
+                    d.set(k, *sampled);
+                }
+                for (k, rho) in rhos.iter_mut().enumerate() {
+                    *rho = boost.direction_of_moving(Direction::from_unit(d.get(k))).1;
+                }
             }
-        }
-        for k in 0..count {
-            let c = DVec3::new(x[k], y[k], z[k]);
-            let (d, s) = self.apparent.look(c, c.length());
-            directions[k] = d.unit();
-            distances[k] = s;
-        }
-        // W as the sample's own direction gives it: shading multiplies by what the fragment's direction gives.
-        if is_moving {
-            for k in 0..count {
-                let (_, taken) = self.boost.direction(Direction::from_unit(directions[k]));
-                ratios[k] *= rhos[k] / taken;
+            let [x, y, z] = self.c.map(|c| load(c, begin));
+            for k in 0..BLOCK {
+                c.set(k, DVec3::new(x[k], y[k], z[k]));
+            }
+            self.apparent
+                .look_at(&c, &mut d, [&mut lengths, &mut distances]);
+            for (k, direction) in directions.iter_mut().enumerate() {
+                *direction = d.get(k);
+            }
+            store(&distances, self.distances, begin);
+            // W as the sample's own direction gives it: shading multiplies by what the fragment's direction gives.
+            if is_moving {
+                for (k, rho) in rhos.iter_mut().enumerate() {
+                    *rho /= boost.direction_of_moving(Direction::from_unit(d.get(k))).1;
+                }
+                for (ratio, rho) in ratios.iter_mut().zip(&rhos) {
+                    *ratio *= rho;
+                }
             }
         }
     }

@@ -16,6 +16,7 @@
 use glam::DVec3;
 
 use super::batch::{Batch, TileBatches};
+use super::cull::Reach;
 use super::draw::Strip;
 use super::vertices::Vertex;
 use crate::accel::vectors::{VectorLoop, dispatch};
@@ -46,6 +47,15 @@ pub(super) struct Gathered {
     pub piece: u32,
     /// Pixels of the tile: first column and row, last column and row.
     pixels: [u8; 4],
+}
+
+/// All pieces, where their vertices are, and the length that depths are measured in, metres.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pieces<'a> {
+    pub batches: &'a [Batch],
+    /// By rest frame.
+    pub seen: &'a [Vec<Vertex>],
+    pub unit: f64,
 }
 
 /// A triangle's functions of a point (x, y) of the tile: x, y and constant coefficients.
@@ -133,9 +143,15 @@ impl StripLists {
 /// What is reused from tile to tile.
 #[derive(Debug)]
 pub(super) struct TileBuffers {
+    /// The corner of the tile.
+    corner: [u32; 2],
     pub triangles: Vec<Gathered>,
+    /// By triangle, as far as they have been set up.
     functions: Vec<Functions>,
+    is_set_up: bool,
     lists: StripLists,
+    /// Indices of triangles.
+    chosen: Vec<u32>,
     /// By coordinate, the corners of triangles whose functions are set up together.
     corners: Box<[[[f64; LOT]; 3]; 3]>,
     samples: Box<Samples>,
@@ -147,9 +163,12 @@ const LOT: usize = 32;
 impl Default for TileBuffers {
     fn default() -> Self {
         TileBuffers {
+            corner: [0; 2],
             triangles: Vec::new(),
             functions: Vec::new(),
+            is_set_up: false,
             lists: StripLists::default(),
+            chosen: Vec::new(),
             corners: Box::new([[[0.0; LOT]; 3]; 3]),
             samples: Box::new(Samples {
                 x: [[f32::NAN; LANES]; BLOCKS],
@@ -163,48 +182,106 @@ impl Default for TileBuffers {
 }
 
 impl TileBuffers {
-    /// Gathers the triangles that may reach `tile`, which has strips of `rows` rows, of a film of `size` pixels; `seen` are
-    /// the vertices of each rest frame, and `unit` the length that depths are measured in, metres.
+    /// Gathers the triangles that may reach `tile`, which has strips of `rows` rows, of a film of `size` pixels.
     pub fn gather(
         &mut self,
         size: [u32; 2],
         (tile, rows): (Tile, u32),
         (batches, by_tile): (&[Batch], &TileBatches),
-        seen: &[Vec<Vertex>],
-        unit: f64,
     ) {
         self.triangles.clear();
-        let [left, top] = tile.corner;
-        let [right, bottom] = [left + tile.size[0] - 1, top + tile.size[1] - 1];
+        self.corner = tile.corner;
+        let last = [0, 1].map(|axis| tile.corner[axis] + tile.size[axis] - 1);
         // What may reach the tile, with the pixels that it may cover there.
         let tile_index = tile.index(size);
-        // A tile is less than 256 pixels wide.
-        let column = |x: u16| (u32::from(x).clamp(left, right) - left) as u8;
-        let row = |y: u16| (u32::from(y).clamp(top, bottom) - top) as u8;
         for &at in by_tile.of(tile_index) {
             let batch = &batches[at as usize];
             let pieces = batch.bins.of(tile_index).iter();
             self.triangles.extend(pieces.map(|&index| {
-                let [a, b, c, d] = batch.pieces[index as usize].reach;
+                let reach = &batch.pieces[index as usize].reach;
                 Gathered {
                     batch: at,
                     piece: index,
-                    pixels: [column(a), row(b), column(c), row(d)],
+                    // A tile is less than 256 pixels wide.
+                    pixels: reach.pixels(tile.corner, last).map(|p| p as u8),
                 }
             }));
         }
-        self.lists.fill(&self.triangles, rows as usize);
-        // Edge functions by lots, as columns: they are set up in vectors.
+        if rows < tile.size[1] {
+            self.lists.fill(&self.triangles, rows as usize);
+        }
         self.functions.resize(self.triangles.len(), NEVER);
-        for (triangles, functions) in self
-            .triangles
-            .chunks(LOT)
-            .zip(self.functions.chunks_mut(LOT))
-        {
-            for (at, triangle) in triangles.iter().enumerate() {
-                let batch = &batches[triangle.batch as usize];
+        self.is_set_up = false;
+    }
+
+    /// Finds the nearest triangle at the samples of `strip`, which are at these points of the tile.
+    pub fn cover(&mut self, pieces: &Pieces, strip: &Strip, is_whole: bool, x: &[f64], y: &[f64]) {
+        dispatch(Start {
+            points: [x, y],
+            samples: &mut self.samples,
+        });
+        // Of one sample for each pixel most triangles that are smaller than a pixel hold none, and need no functions.
+        if is_whole && strip.each == 1 && !self.is_set_up {
+            self.choose(pieces, strip.rows.size[0] as usize);
+            self.set_up(pieces);
+        } else {
+            self.set_up_all(pieces);
+        }
+        let list = match is_whole {
+            true => &self.chosen,
+            false => self.lists.of(strip.first as usize),
+        };
+        dispatch(Cover {
+            triangles: &self.triangles,
+            functions: &self.functions,
+            list,
+            strip,
+            samples: &mut self.samples,
+        });
+    }
+
+    /// Chooses the triangles that may hold a sample, one of which each pixel of the tile has, in rows of `width`.
+    fn choose(&mut self, pieces: &Pieces, width: usize) {
+        let [left, top] = self.corner.map(|first| first as f32);
+        let (x, y) = (self.samples.x.as_flattened(), self.samples.y.as_flattened());
+        self.chosen.clear();
+        self.chosen.resize(self.triangles.len(), 0);
+        let mut count = 0;
+        for (index, triangle) in (0..).zip(&self.triangles) {
+            let [column, row, last_column, last_row] = triangle.pixels.map(usize::from);
+            let is_small = (last_column - column < 2) & (last_row - row < 2);
+            let holds_some = !is_small || {
+                let piece =
+                    &pieces.batches[triangle.batch as usize].pieces[triangle.piece as usize];
+                let Reach(reach) = piece.reach;
+                // Exact: whole numbers from multiples of the last digit of larger ones.
+                let [from_x, from_y] = [reach[0] - left, reach[1] - top];
+                let [to_x, to_y] = [reach[2] - left, reach[3] - top];
+                let holds = |column: usize, row: usize| {
+                    let (x, y) = (x[row * width + column], y[row * width + column]);
+                    (x >= from_x) & (x <= to_x) & (y >= from_y) & (y <= to_y)
+                };
+                holds(column, row)
+                    | holds(last_column, row)
+                    | holds(column, last_row)
+                    | holds(last_column, last_row)
+            };
+            // Without a branch, which nothing foretells.
+            self.chosen[count] = index;
+            count += usize::from(holds_some);
+        }
+        self.chosen.truncate(count);
+    }
+
+    /// Sets up the functions of the chosen triangles: by lots, as columns, in vectors.
+    fn set_up(&mut self, pieces: &Pieces) {
+        let mut lot = [NEVER; LOT];
+        for chosen in self.chosen.chunks(LOT) {
+            for (at, index) in chosen.iter().enumerate() {
+                let triangle = &self.triangles[*index as usize];
+                let batch = &pieces.batches[triangle.batch as usize];
                 let piece = &batch.pieces[triangle.piece as usize];
-                let corners = batch.corners(&seen[batch.frame as usize], piece);
+                let corners = batch.corners(&pieces.seen[batch.frame as usize], piece);
                 for (corner, vertex) in self.corners.iter_mut().zip(corners) {
                     let h = vertex.film;
                     corner[0][at] = h.x;
@@ -212,31 +289,55 @@ impl TileBuffers {
                     corner[2][at] = h.z;
                 }
             }
+            let of_chosen = &mut lot[..chosen.len()];
             dispatch(SetUp {
-                origin: [f64::from(left), f64::from(top)],
-                unit,
+                origin: self.corner.map(f64::from),
+                unit: pieces.unit,
                 corners: &self.corners,
-                functions,
+                functions: of_chosen,
             });
+            for (index, functions) in chosen.iter().zip(of_chosen) {
+                self.functions[*index as usize] = *functions;
+            }
         }
     }
 
-    /// Finds the nearest triangle at the samples of `strip`, which are at these points of the tile.
-    pub fn cover(&mut self, strip: &Strip, x: &[f64], y: &[f64]) {
-        dispatch(Cover {
-            triangles: &self.triangles,
-            functions: &self.functions,
-            list: self.lists.of(strip.first as usize),
-            strip,
-            points: [x, y],
-            samples: &mut self.samples,
-        });
+    /// Sets up the functions of all triangles, where that has not been done.
+    pub fn set_up_all(&mut self, pieces: &Pieces) {
+        if !self.is_set_up {
+            self.chosen.clear();
+            self.chosen.extend(0..self.triangles.len() as u32);
+            self.set_up(pieces);
+            self.is_set_up = true;
+        }
     }
 
     /// The indices of the nearest triangles at the samples of the strip.
     #[inline(always)]
     pub fn nearest(&self) -> &[u32] {
         self.samples.nearest.as_flattened()
+    }
+
+    /// Calls `each` with the index of the nearest triangle of samples in a row, the first `count` in all, and how many they are.
+    #[inline(always)]
+    pub fn each_run(&self, count: usize, mut each: impl FnMut(u32, usize)) {
+        let all = &self.samples.nearest.as_flattened()[..count];
+        let mut begin = 0;
+        let mut at = 0;
+        while begin < count {
+            let own = all[begin];
+            // By whole blocks while they hold nothing else, then one by one.
+            while let Some(block) = all[at..].first_chunk::<LANES>()
+                && block.iter().fold(0, |other, index| other | (index ^ own)) == 0
+            {
+                at += LANES;
+            }
+            while at < count && all[at] == own {
+                at += 1;
+            }
+            each(own, at - begin);
+            begin = at;
+        }
     }
 
     /// Says which triangle a sample sees.
@@ -335,6 +436,20 @@ fn reciprocal_power_of_two(x: f64) -> f64 {
     f64::from_bits(2046u64.saturating_sub(exponent) << 52)
 }
 
+/// The loop over samples that takes their points.
+struct Start<'a> {
+    points: [&'a [f64]; 2],
+    samples: &'a mut Samples,
+}
+
+impl VectorLoop for Start<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let [x, y] = self.points;
+        self.samples.start(x, y);
+    }
+}
+
 /// The loop over triangles and blocks of samples.
 struct Cover<'a> {
     triangles: &'a [Gathered],
@@ -342,7 +457,6 @@ struct Cover<'a> {
     /// Indices of the triangles that may reach the strip.
     list: &'a [u32],
     strip: &'a Strip,
-    points: [&'a [f64]; 2],
     samples: &'a mut Samples,
 }
 
@@ -354,10 +468,8 @@ impl VectorLoop for Cover<'_> {
             functions,
             list,
             strip,
-            points: [x, y],
             samples,
         } = self;
-        samples.start(x, y);
         let [first, each] = [strip.first as usize, strip.each];
         let [width, height] = strip.rows.size.map(|n| n as usize);
         for &index in list {
@@ -406,8 +518,20 @@ fn cover_block(of: &Functions, index: u32, samples: &mut Samples, block: usize) 
     let [a, b, c] = of.edges;
     let [dx, dy, dz] = of.depth;
     let (x, y) = (&samples.x[block], &samples.y[block]);
-    let (least, most) = (&mut samples.least[block], &mut samples.most[block]);
-    let nearest = &mut samples.nearest[block];
+    let mut any = 0;
+    for i in 0..LANES {
+        let ea = a[0] * x[i] + a[1] * y[i] + a[2];
+        let eb = b[0] * x[i] + b[1] * y[i] + b[2];
+        let ec = c[0] * x[i] + c[1] * y[i] + c[2];
+        any |= u32::from((ea >= 0.0) & (eb >= 0.0) & (ec >= 0.0));
+    }
+    // Few of the blocks that a small triangle may reach have samples in it.
+    if any == 0 {
+        return false;
+    }
+    // Copies, written as a whole: parts of vectors are slow to write.
+    let (mut least, mut most) = (samples.least[block], samples.most[block]);
+    let mut nearest = samples.nearest[block];
     let mut close = 0;
     for i in 0..LANES {
         let ea = a[0] * x[i] + a[1] * y[i] + a[2];
@@ -422,6 +546,9 @@ fn cover_block(of: &Functions, index: u32, samples: &mut Samples, block: usize) 
         most[i] = if seen { high } else { most[i] };
         nearest[i] = if seen { index } else { nearest[i] };
     }
+    samples.least[block] = least;
+    samples.most[block] = most;
+    samples.nearest[block] = nearest;
     close != 0
 }
 
@@ -453,6 +580,7 @@ fn resolve(functions: &[Functions], index: u32, samples: &mut Samples, block: us
 
 #[cfg(test)]
 mod tests {
+    use super::super::batch::{Bins, Grid, Piece};
     use super::*;
 
     #[test]
@@ -478,5 +606,103 @@ mod tests {
                 assert_eq!(lists.of(first), expected, "{height} rows from {first}");
             }
         }
+    }
+
+    #[test]
+    fn samples_in_a_row_that_see_one_triangle_are_one_run() {
+        let mut buffers = TileBuffers::default();
+        let lengths = [1, 7, 8, 9, 16, 17, 1, 1, 40, 3, 23];
+        for (k, length) in (0..).zip(lengths) {
+            let begin: usize = lengths[..k as usize].iter().sum();
+            for sample in begin..begin + length {
+                buffers.set_nearest(sample, if k % 3 == 0 { NOTHING } else { k });
+            }
+        }
+        let count = lengths.iter().sum::<usize>() - 2;
+        let mut found = Vec::new();
+        buffers.each_run(count, |_, length| found.push(length));
+        assert_eq!(found, [1, 7, 8, 9, 16, 17, 1, 1, 40, 3, 21]);
+        buffers.each_run(0, |_, _| panic!("there are no samples"));
+    }
+
+    /// Triangles of half a pixel and less, and some larger ones: those without functions of their own hold no sample.
+    #[test]
+    fn triangles_that_are_not_chosen_hold_no_sample() {
+        let mut state = 1u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let tile = Tile {
+            corner: [32, 48],
+            size: [16, 13],
+        };
+        let (mut seen, mut pieces) = (Vec::new(), Vec::new());
+        for k in 0..3000u32 {
+            let size = if k % 50 == 0 { 6.0 } else { 0.7 };
+            let place = [32.0 + 16.0 * random(), 48.0 + 13.0 * random()];
+            let z = 1.0 + random();
+            let points = [0; 3].map(|_| place.map(|x| x + size * (random() - 0.5)));
+            let of = |axis: usize| points.map(|point| point[axis]);
+            let least = |axis| of(axis).into_iter().fold(f64::INFINITY, f64::min) - 2e-5;
+            let most = |axis| of(axis).into_iter().fold(0.0, f64::max) + 2e-5;
+            let reach = Reach([least(0), least(1), most(0), most(1)].map(|x| x as f32));
+            pieces.push(Piece {
+                corners: [0, 1, 2].map(|corner| 3 * k + corner),
+                slot: k,
+                reach,
+            });
+            seen.extend(points.map(|[x, y]| Vertex {
+                c: DVec3::ZERO,
+                film: DVec3::new(x * z, y * z, z),
+                point: [x, y],
+                scale: 0.0,
+            }));
+        }
+        let size = [64, 61];
+        let film = |piece: &Piece| piece.corners.map(|k| seen[k as usize].film);
+        let batch = Batch {
+            frame: 0,
+            shared: seen.len() as u32,
+            cuts: Vec::new(),
+            places: Vec::new(),
+            bins: Bins::new(Grid { size }, &pieces, film),
+            pieces,
+        };
+        let batches = [batch];
+        let by_tile = TileBatches::new(&batches, Tile::count(size));
+        let all = [seen];
+        let pieces = Pieces {
+            batches: &batches,
+            seen: &all,
+            unit: 2.0,
+        };
+        let pixels = || (0..tile.pixels()).map(|k| [k % 16, k / 16].map(|n| n as f64));
+        let x: Vec<f64> = pixels().map(|[x, _]| x + random()).collect();
+        let y: Vec<f64> = pixels().map(|[_, y]| y + random()).collect();
+        let strip = Strip {
+            rows: tile,
+            first: 0,
+            each: 1,
+        };
+        let mut buffers = TileBuffers::default();
+        let mut nearest = [false, true].map(|is_set_up| {
+            buffers.gather(size, (tile, 16), (&batches, &by_tile));
+            if is_set_up {
+                buffers.set_up_all(&pieces);
+            }
+            buffers.cover(&pieces, &strip, true, &x, &y);
+            (buffers.chosen.len(), buffers.nearest()[..x.len()].to_vec())
+        });
+        assert_eq!(nearest[0].1, nearest[1].1);
+        let count = nearest[1].0;
+        assert!(count > 2900 && nearest[0].0 < count / 2, "{}", nearest[0].0);
+        // Small ones are seen, and not large ones alone.
+        nearest[0]
+            .1
+            .retain(|k| *k != NOTHING && buffers.triangles[*k as usize].piece % 50 != 0);
+        assert!(nearest[0].1.len() > 20, "{}", nearest[0].1.len());
     }
 }

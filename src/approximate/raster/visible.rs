@@ -2,7 +2,7 @@
 
 use super::draw::{RayBatch, StripSamples, Visibility};
 use super::fragments::{Fragments, Surface};
-use super::tile::{MOST_TOGETHER, NOTHING, TileBuffers};
+use super::tile::{MOST_TOGETHER, NOTHING, Pieces, TileBuffers};
 use super::triangles::Triangles;
 use crate::render::film::Tile;
 
@@ -64,9 +64,7 @@ impl Visibility for Triangles<'_> {
 
     fn begin(&self, tile: Tile, rows: u32, buffers: &mut Buffers) {
         let (strips, batches) = ((tile, rows), (self.batches.as_slice(), &self.by_tile));
-        buffers
-            .triangles
-            .gather(self.size, strips, batches, &self.seen, self.unit);
+        buffers.triangles.gather(self.size, strips, batches);
         buffers.tile = Some(tile);
         buffers.seen.start(buffers.triangles.triangles.len());
     }
@@ -82,11 +80,18 @@ impl Visibility for Triangles<'_> {
         let Some(tile) = *tile else {
             return;
         };
-        fragments.start(samples, rays);
+        fragments.start(samples, self.needed, rays);
         let (x, y) = fragments.points();
-        triangles.cover(&samples.strip, x, y);
+        let pieces = Pieces {
+            batches: &self.batches,
+            seen: &self.seen,
+            unit: self.unit,
+        };
+        let is_whole = samples.strip.rows == tile;
+        triangles.cover(&pieces, &samples.strip, is_whole, x, y);
         let count = x.len();
         if self.has_holes {
+            triangles.set_up_all(&pieces);
             for (sample, (x, y)) in x.iter().zip(y).enumerate() {
                 let mut is_opaque = |triangle: u32| {
                     let surface = seen.of(self, tile, triangles, triangle);
@@ -101,10 +106,10 @@ impl Visibility for Triangles<'_> {
             }
         }
         // Samples in a row that see one triangle, or none, are one run.
-        for of_one in triangles.nearest()[..count].chunk_by(|a, b| a == b) {
-            let surface = seen.of(self, tile, triangles, of_one[0]);
-            fragments.see(surface, of_one.len());
-        }
+        triangles.each_run(count, |triangle, samples| {
+            let surface = seen.of(self, tile, triangles, triangle);
+            fragments.see(surface, samples);
+        });
         fragments.finish(self, samples, &seen.surfaces, rays);
     }
 }

@@ -199,6 +199,17 @@ impl TileFilm {
         }
     }
 
+    /// Adds the radiance of one sample of a pixel after the other.
+    pub(crate) fn add_samples(&mut self, pixel: usize, samples: &[[f64; 3]]) {
+        let mut sum = self.radiance[pixel];
+        for sample in samples {
+            for (sum, value) in sum.iter_mut().zip(sample) {
+                *sum += value;
+            }
+        }
+        self.radiance[pixel] = sum;
+    }
+
     /// Adds the radiance of as many rays in a row, the first of them `first`, times their factors, each to its pixel.
     pub(crate) fn add_scaled(&mut self, first: usize, radiance: &[[f64; 3]], factors: &[f64]) {
         let scaled = radiance.iter().zip(factors);

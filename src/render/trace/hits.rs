@@ -22,8 +22,10 @@ pub struct SurfaceHit {
 /// Buffers of one tile, reused from batch to batch.
 #[derive(Debug, Default)]
 pub struct HitBuffer {
-    /// The nearest hit of each ray.
+    /// The nearest hit of each ray; empty where there are `alike`.
     hits: Vec<Option<Hit>>,
+    /// Rays in a row that hit alike, where nobody asks for more than that: where they end, and what they hit.
+    alike: Vec<(u32, Option<SurfaceHit>)>,
     /// Its rest frame; empty where there is one.
     frames: Vec<u32>,
     /// Index of the medium along each ray.
@@ -46,6 +48,7 @@ pub struct HitBuffer {
 impl HitBuffer {
     /// Makes room for `rays` rays that may hit `frames` rest frames.
     pub(super) fn start(&mut self, rays: usize, frames: usize) {
+        self.alike.clear();
         self.hits.clear();
         self.hits.resize(rays, None);
         self.frames.clear();
@@ -58,6 +61,7 @@ impl HitBuffer {
     /// [`Surfaces::nearest`](super::Surfaces).
     pub(crate) fn clear(&mut self) {
         self.hits.clear();
+        self.alike.clear();
         self.frames.clear();
         self.origins.clear();
     }
@@ -76,6 +80,18 @@ impl HitBuffer {
         self.hits.resize(count, hit.map(|found| found.hit));
         self.frames
             .resize(count, hit.map_or(0, |found| found.frame));
+    }
+
+    /// The same in a buffer of which nobody asks what a single ray hits.
+    #[inline(always)]
+    pub(crate) fn push_run(&mut self, hit: Option<SurfaceHit>, rays: usize) {
+        let begin = self.alike.last().map_or(0, |(end, _)| *end);
+        self.alike.push((begin + rays as u32, hit));
+    }
+
+    /// Where rays in a row that hit alike end, and what they hit; empty where each ray has its own hit.
+    pub(super) fn alike(&self) -> &[(u32, Option<SurfaceHit>)] {
+        &self.alike
     }
 
     /// Says how far the hit of ray `ray` is.
@@ -266,7 +282,7 @@ impl HitBuffer {
         }
     }
 
-    /// The nearest hit of each ray of the batch.
+    /// The nearest hit of each ray of the batch, but for those that hit [alike](Self::push_run).
     #[inline]
     pub fn hits(&self) -> &[Option<Hit>] {
         &self.hits

@@ -1,6 +1,7 @@
 //! From the hits of a batch to the film: runs of points of one patch, their radiance, the observer's
 //! factor W⁻ᵖ and colours.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -9,6 +10,7 @@ use super::emitted::{Colouring, Detail, Emitted, Eye, Response, Scaling};
 use super::radiance::Radiance;
 use super::run::{Run, TracedRays, in_a_row};
 use super::stats::{Counter, Meter, Stage};
+use crate::accel::Hit;
 use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, dispatch, shift_each};
 use crate::colour::{self, RgbShift};
 use crate::light::sky::{Looks, PixelAngles, Sky};
@@ -143,6 +145,25 @@ struct Span {
     patch: u32,
     /// A triangle of the patch.
     triangle: u32,
+}
+
+/// The triangles of a patch.
+#[derive(Debug, Clone, Copy)]
+struct PatchSpan {
+    frame: u32,
+    first: u32,
+    end: u32,
+    black_back: bool,
+}
+
+impl PatchSpan {
+    /// None yet.
+    const NONE: PatchSpan = PatchSpan {
+        frame: u32::MAX,
+        first: 0,
+        end: 0,
+        black_back: false,
+    };
 }
 
 impl Shading {
@@ -291,47 +312,80 @@ impl Shading {
         self.escaped.clear();
         self.runs.clear();
         let mut unmet = 0;
-        // The triangles of the patch that was hit last.
-        let (mut frame, mut first, mut end, mut black_back) = (u32::MAX, 0, 0, false);
+        let mut patch = PatchSpan::NONE;
+        let scene = (traced, background);
+        let mut begin = 0;
+        for (end, hit) in traced.hits.alike() {
+            let hit = hit.as_ref().map(|found| (&found.hit, found.frame));
+            // Rays with weights of their own come one by one.
+            let weight = weight(begin as usize);
+            unmet += self.take(scene, begin..*end, hit, weight, &mut patch, sink);
+            begin = *end;
+        }
         for (ray, hit) in traced.hits.hits().iter().enumerate() {
-            // Elements of the sensor that are hidden from the pinhole.
-            let weight = weight(ray);
-            if weight == 0.0 {
-                sink.add_coverage(ray, Coverage::OCCLUDED);
-                sink.add(ray, [0.0; 3]);
-                unmet += 1;
-                continue;
-            }
-            let Some(hit) = hit else {
-                match background {
-                    Background::Observed(radiance) => {
-                        sink.add(ray, radiance.map(|c| c * weight));
-                        self.plain.push(ray as u32);
-                    }
-                    Background::Sky { .. } => self.escaped.push(ray as u32),
-                }
-                unmet += 1;
-                continue;
-            };
-            // Another patch begins another run.
-            let in_frame = traced.hits.frame(ray);
-            if in_frame != frame || !(first..end).contains(&hit.triangle) {
-                let (patch, after) = traced.surfaces.rest(in_frame).patch_and_end(hit.triangle);
-                (frame, first, end) = (in_frame, patch.first, after);
-                black_back = patch.black_back;
-                self.begin(frame, first, hit.triangle);
-            }
-            if black_back && !hit.front {
-                sink.add(ray, [0.0; 3]);
-                self.plain.push(ray as u32);
-                continue;
-            }
-            self.lit.push(ray as u32);
+            let hit = hit.as_ref().map(|hit| (hit, traced.hits.frame(ray)));
+            let (weight, rays) = (weight(ray), ray as u32..ray as u32 + 1);
+            unmet += self.take(scene, rays, hit, weight, &mut patch, sink);
         }
         self.begin(u32::MAX, 0, 0);
         self.runs.pop();
         self.merge();
         sink.add_unmet(unmet);
+    }
+
+    /// Takes rays in a row that hit alike, `patch` having been hit last, and says how many met nothing.
+    #[inline(always)]
+    fn take(
+        &mut self,
+        (traced, background): (&TracedRays, &Background),
+        rays: Range<u32>,
+        hit: Option<(&Hit, u32)>,
+        weight: f64,
+        patch: &mut PatchSpan,
+        sink: &mut impl RadianceSink,
+    ) -> u64 {
+        let count = u64::from(rays.end - rays.start);
+        // Elements of the sensor that are hidden from the pinhole.
+        if weight == 0.0 {
+            for ray in rays {
+                sink.add_coverage(ray as usize, Coverage::OCCLUDED);
+                sink.add(ray as usize, [0.0; 3]);
+            }
+            return count;
+        }
+        let Some((hit, frame)) = hit else {
+            match background {
+                Background::Observed(radiance) => {
+                    let seen = radiance.map(|c| c * weight);
+                    for ray in rays {
+                        sink.add(ray as usize, seen);
+                        self.plain.push(ray);
+                    }
+                }
+                Background::Sky { .. } => self.escaped.extend(rays),
+            }
+            return count;
+        };
+        // Another patch begins another run.
+        if frame != patch.frame || !(patch.first..patch.end).contains(&hit.triangle) {
+            let (found, end) = traced.surfaces.rest(frame).patch_and_end(hit.triangle);
+            *patch = PatchSpan {
+                frame,
+                first: found.first,
+                end,
+                black_back: found.black_back,
+            };
+            self.begin(frame, found.first, hit.triangle);
+        }
+        if patch.black_back && !hit.front {
+            for ray in rays {
+                sink.add(ray as usize, [0.0; 3]);
+                self.plain.push(ray);
+            }
+            return 0;
+        }
+        self.lit.extend(rays);
+        0
     }
 
     /// Puts the rays of each patch together: the longer a run, the more of it goes in vectors.

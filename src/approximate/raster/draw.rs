@@ -267,6 +267,15 @@ impl StripSamples<'_> {
             for (y, in_y) in y[samples.clone()].iter_mut().zip(&in_y[samples.clone()]) {
                 *y = f64::from(row) + in_y;
             }
+            if each == 1 {
+                // As below, in a loop that goes in vectors.
+                for (column, (x, in_x)) in
+                    (0u32..).zip(x[samples.clone()].iter_mut().zip(&in_x[samples]))
+                {
+                    *x = f64::from(column) + in_x;
+                }
+                continue;
+            }
             let columns = x[samples.clone()].chunks_exact_mut(each);
             let in_columns = in_x[samples].chunks_exact(each);
             for (column, (x, in_x)) in (0..).zip(columns.zip(in_columns)) {

@@ -165,10 +165,10 @@ impl Apparent {
         if boost.is_identity() {
             return;
         }
-        for k in 0..BLOCK {
+        for (k, distance) in distances.iter_mut().enumerate() {
             let (direction, ratio) = boost.direction_of_moving(Direction::from_unit(d.get(k)));
             d.set(k, direction.unit());
-            distances[k] *= ratio;
+            *distance *= ratio;
         }
     }
 
@@ -200,10 +200,10 @@ impl Apparent {
         // The apparent position in the camera's frame.
         if !apparent.camera_from_world.is_identity() {
             let boost = apparent.camera_from_world;
-            for at in 0..BLOCK {
+            for (at, distance) in distances.iter_mut().enumerate() {
                 let (d, ratio) = boost.direction_of_moving(Direction::from_unit(k.get(at)));
                 k.set(at, d.unit());
-                distances[at] *= ratio;
+                *distance *= ratio;
             }
         }
         let homogeneous = apparent.homogeneous_from_camera;

@@ -219,7 +219,13 @@ impl Columns {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct VectorsRef<'a>([&'a Block; 3]);
 
-impl VectorsRef<'_> {
+impl<'a> VectorsRef<'a> {
+    /// Their coordinates, axis by axis.
+    #[inline(always)]
+    pub fn axes(self) -> [&'a Block; 3] {
+        self.0
+    }
+
     /// Vector `k`.
     #[inline(always)]
     pub fn get(&self, k: usize) -> DVec3 {
@@ -247,6 +253,12 @@ impl Vectors {
     pub fn get(&self, k: usize) -> DVec3 {
         let [x, y, z] = &self.0;
         DVec3::new(x[k], y[k], z[k])
+    }
+
+    /// The same where they lie.
+    #[inline(always)]
+    pub fn as_ref(&self) -> VectorsRef<'_> {
+        VectorsRef(self.0.each_ref())
     }
 
     /// Writes vector `k`.

@@ -48,7 +48,7 @@ impl Received {
     #[inline]
     pub(crate) fn irradiance_over(&self, w: f64, above: f64, below: f64) -> f64 {
         let mut all = [w];
-        self.irradiances_over(&mut all, [above], [below]);
+        self.irradiances_over(&mut all, &[above], &[below]);
         let [all] = all;
         all
     }
@@ -58,8 +58,8 @@ impl Received {
     pub(crate) fn irradiances_over<const N: usize>(
         &self,
         ratios: &mut [f64; N],
-        above: [f64; N],
-        below: [f64; N],
+        above: &[f64; N],
+        below: &[f64; N],
     ) {
         match self {
             Received::Scaled(quantity) => quantity.irradiances_over(ratios, above, below),

@@ -466,6 +466,8 @@ impl Reflection {
 /// Surfaces of the metallic-roughness model, by component.
 #[derive(Debug, Default)]
 pub(crate) struct Glosses {
+    /// Whether all are alike: then there is one block of them.
+    alike: bool,
     /// Base colours.
     pub colours: Columns,
     pub metallic: Vec<f64>,
@@ -480,9 +482,26 @@ impl Glosses {
 
     /// Forgets all.
     pub fn clear(&mut self) {
+        self.alike = false;
         self.colours.clear();
         self.metallic.clear();
         self.roughness.clear();
+    }
+
+    /// Makes all of them surfaces of this base colour, metalness and roughness.
+    pub fn fill_alike(&mut self, colour: [f64; 3], [metallic, roughness]: [f64; 2]) {
+        self.alike = true;
+        self.colours.fill(BLOCK, DVec3::from_array(colour));
+        self.metallic.resize(BLOCK, metallic);
+        self.roughness.resize(BLOCK, roughness);
+        self.metallic.fill(metallic);
+        self.roughness.fill(roughness);
+    }
+
+    /// Where those of the points from `begin` on begin.
+    #[inline(always)]
+    pub fn begin(&self, begin: usize) -> usize {
+        if self.alike { 0 } else { begin }
     }
 }
 

@@ -163,8 +163,8 @@ impl Quantity {
     pub(crate) fn irradiances_over<const N: usize>(
         self,
         ratios: &mut [f64; N],
-        above: [f64; N],
-        below: [f64; N],
+        above: &[f64; N],
+        below: &[f64; N],
     ) {
         match self.exponent() - 2 {
             3 => over::<3, N>(ratios, above, below),
@@ -193,7 +193,7 @@ fn factors<const P: u32>(ratios: &mut [f64]) {
 }
 
 #[inline(always)]
-fn over<const P: u32, const N: usize>(ratios: &mut [f64; N], above: [f64; N], below: [f64; N]) {
+fn over<const P: u32, const N: usize>(ratios: &mut [f64; N], above: &[f64; N], below: &[f64; N]) {
     for (k, w) in ratios.iter_mut().enumerate() {
         *w = above[k] / (power(*w, P) * below[k]);
     }

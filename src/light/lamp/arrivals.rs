@@ -6,7 +6,9 @@ use super::{
     Accelerated, AtRest, Cone, Emitter, Inertial, Lamp, ParallelAtRest, ParallelInertial, Path,
     within_cone,
 };
-use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, Vectors, dispatch, load, store};
+use crate::accel::vectors::{
+    BLOCK, Block, Columns, VectorLoop, Vectors, block_of, dispatch, load, store,
+};
 use crate::spacetime::{Displacement, Event, World};
 
 /// Events or displacements by component.
@@ -73,25 +75,8 @@ impl Lamp {
     pub(crate) fn arrivals(&self, points: &PointsOnRays, index: f64, to: &mut Arrivals) {
         let is_aimed = matches!(self.beam, Cone::Spot { .. });
         to.resize(points.offsets.ct.len(), is_aimed);
-        match (&self.path, self.beam) {
-            (Path::Rest(origin), Cone::Parallel(direction)) => {
-                arrive(&ParallelAtRest { direction, index }, *origin, points, to);
-            }
-            (Path::Inertial(frame), Cone::Parallel(direction)) => {
-                let path = ParallelInertial::new(frame, direction);
-                arrive(&path, frame.origin(), points, to);
-            }
-            (Path::Line(_), Cone::Parallel(_)) => {
-                to.strength.fill(0.0);
-                return;
-            }
-            (Path::Rest(origin), _) => arrive(&AtRest { index }, *origin, points, to),
-            (Path::Inertial(frame), _) => {
-                arrive(&Inertial { frame }, frame.origin(), points, to);
-            }
-            (Path::Line(line), _) => {
-                arrive(&Accelerated::new(line), line.1.event, points, to);
-            }
+        if !self.arrive(points, index, to) {
+            return to.strength.fill(0.0);
         }
         // Its strength, which so far is the proper time.
         self.emission.at_each(&mut to.strength);
@@ -104,10 +89,60 @@ impl Lamp {
             });
         }
     }
+
+    /// Has `to` take what comes to each of `points`, as if it were steady and shone everywhere; whether anything comes.
+    pub(super) fn arrive(&self, points: &PointsOnRays, index: f64, to: &mut impl Taking) -> bool {
+        match (&self.path, self.beam) {
+            (Path::Rest(origin), Cone::Parallel(direction)) => {
+                arrive(&ParallelAtRest { direction, index }, *origin, points, to);
+            }
+            (Path::Inertial(frame), Cone::Parallel(direction)) => {
+                let path = ParallelInertial::new(frame, direction);
+                arrive(&path, frame.origin(), points, to);
+            }
+            (Path::Line(_), Cone::Parallel(_)) => return false,
+            (Path::Rest(origin), _) => arrive(&AtRest { index }, *origin, points, to),
+            (Path::Inertial(frame), _) => {
+                arrive(&Inertial { frame }, frame.origin(), points, to);
+            }
+            (Path::Line(line), _) => {
+                arrive(&Accelerated::new(line), line.1.event, points, to);
+            }
+        }
+        true
+    }
 }
 
-/// Fills `to` with what comes from `emitter`, whose own event is `from`; the strength is the proper time of emission.
-fn arrive(emitter: &impl Emitter, from: Event<World>, points: &PointsOnRays, to: &mut Arrivals) {
+/// What arrivals go to, block by block.
+pub(super) trait Taking {
+    /// Buffers on the stack of the loop over blocks.
+    type Buffers;
+    /// To be written.
+    const BUFFERS: Self::Buffers;
+    /// Takes those at points from `begin` on. To be inlined into a [`VectorLoop`].
+    fn take(&mut self, begin: usize, block: &ArrivalsBlock, buffers: &mut Self::Buffers);
+}
+
+impl Taking for Arrivals {
+    type Buffers = ();
+    const BUFFERS: () = ();
+
+    #[inline(always)]
+    fn take(&mut self, begin: usize, block: &ArrivalsBlock, (): &mut ()) {
+        self.d.store(&block.d, begin);
+        if self.is_aimed {
+            self.in_lamp.store(&block.in_lamp, begin);
+        }
+        store(&block.distance, &mut self.distance, begin);
+        // `strength` holds proper times until the emission at them replaces them.
+        store(&block.times, &mut self.strength, begin);
+        store(&block.ratio, &mut self.ratio, begin);
+        store(&block.reach, &mut self.reach, begin);
+    }
+}
+
+/// Has `to` take what comes from `emitter`, whose own event is `from`.
+fn arrive(emitter: &impl Emitter, from: Event<World>, points: &PointsOnRays, to: &mut impl Taking) {
     let offsets = points.offsets;
     match points.origins {
         None => dispatch(Arrive {
@@ -188,14 +223,14 @@ impl ArrivalsBlock {
 }
 
 /// The loop over points.
-struct Arrive<'a, E, S> {
+struct Arrive<'a, E, S, T> {
     emitter: &'a E,
     starts: S,
     offsets: &'a EventColumns,
-    to: &'a mut Arrivals,
+    to: &'a mut T,
 }
 
-impl<E: Emitter, S: Starts> VectorLoop for Arrive<'_, E, S> {
+impl<E: Emitter, S: Starts, T: Taking> VectorLoop for Arrive<'_, E, S, T> {
     #[inline(always)]
     fn run(self) {
         let Arrive {
@@ -206,9 +241,11 @@ impl<E: Emitter, S: Starts> VectorLoop for Arrive<'_, E, S> {
         } = self;
         let mut block = ArrivalsBlock::ZERO;
         let (mut way_times, mut ways) = ([0.0; BLOCK], Vectors::ZERO);
+        let (mut last, mut buffers) = ([0.0; BLOCK], T::BUFFERS);
         let mut begin = 0;
         while begin < offsets.ct.len() {
-            let (ct, x) = (load(&offsets.ct, begin), offsets.x.block(begin));
+            let ct = block_of(&offsets.ct, begin, &mut last);
+            let x = offsets.x.block(begin);
             let from = starts.load(begin);
             for k in 0..BLOCK {
                 let way = starts.at(&from, k) + Displacement::new(ct[k], x.get(k));
@@ -216,15 +253,7 @@ impl<E: Emitter, S: Starts> VectorLoop for Arrive<'_, E, S> {
                 ways.set(k, way.x);
             }
             emitter.arrivals(&way_times, &ways, &mut block);
-            to.d.store(&block.d, begin);
-            if to.is_aimed {
-                to.in_lamp.store(&block.in_lamp, begin);
-            }
-            store(&block.distance, &mut to.distance, begin);
-            // `strength` holds proper times until the emission at them replaces them.
-            store(&block.times, &mut to.strength, begin);
-            store(&block.ratio, &mut to.ratio, begin);
-            store(&block.reach, &mut to.reach, begin);
+            to.take(begin, &block, &mut buffers);
             begin += BLOCK;
         }
     }

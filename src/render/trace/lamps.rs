@@ -48,22 +48,28 @@ pub(super) fn illuminate(
         lit,
         values,
     } = falling;
-    lamp.arrivals(&points.on_rays(), index, arrivals);
     let boost = surfaces.boost(run.frame);
-    lamp.incidence(arrivals, boost, &points.normals, incidence);
+    let (on_rays, normals) = (points.on_rays(), &points.normals);
+    // Shadow rays need the ways to the lamp, but for those that all end in one point of the frame.
+    let end = surfaces.at_rest().zip(lamp.place());
+    let is_matte = glosses.is_empty() && reflections.is_empty();
+    let needs_ways = lamp.shadows && end.is_none();
+    if needs_ways || !lamp.incidence_at((&on_rays, index), boost, normals, !is_matte, incidence) {
+        lamp.arrivals(&on_rays, index, arrivals);
+        lamp.incidence(arrivals, boost, normals, incidence);
+    }
 
     // Less what is in shadow.
     if lamp.shadows {
-        find_lit(&incidence.factors, lit);
-        let blocked = match (surfaces.at_rest(), lamp.place()) {
-            // All ways end in one point of the frame.
-            (Some(rest), Some(end)) => {
+        find_lit(incidence.factors(), lit);
+        let blocked = match end {
+            Some((rest, end)) => {
                 leaving.fill(points, lit, end, starts);
                 let (method, counts) = (run.traced.rays.method, meter.occlusion());
                 any_to_point(&rest.bvh, method, leaving.towards(end), blocked, counts);
                 &blocked[..]
             }
-            _ => {
+            None => {
                 queries.fill(lit, &arrivals.d, &arrivals.distance);
                 surfaces.occlude(queries, run, points, index, meter);
                 queries.blocked()
@@ -71,7 +77,7 @@ pub(super) fn illuminate(
         };
         for (k, blocked) in lit.iter().zip(blocked) {
             if *blocked {
-                incidence.factors[*k as usize] = 0.0;
+                incidence.darken(*k as usize);
             }
         }
     }
@@ -80,7 +86,7 @@ pub(super) fn illuminate(
     let constant = lamp.constant_colour().map(DVec3::from_array);
     if constant.is_none() {
         colours.resize(points.count());
-        let seen = incidence.ratios.iter().zip(&incidence.factors);
+        let seen = incidence.ratios().iter().zip(incidence.factors());
         for (k, (w, factor)) in seen.enumerate() {
             let is_lit = *factor != 0.0;
             let colour = if is_lit { lamp.colour(*w) } else { [0.0; 3] };
@@ -90,8 +96,8 @@ pub(super) fn illuminate(
     let light = Light {
         constant,
         colours,
-        ratios: lamp.shifts_wavelengths().then_some(&incidence.ratios),
-        factors: &incidence.factors,
+        ratios: lamp.shifts_wavelengths().then_some(incidence.ratios()),
+        factors: incidence.factors(),
     };
     if !glosses.is_empty() {
         return dispatch(Gloss {
@@ -110,11 +116,11 @@ pub(super) fn illuminate(
             gathered: incident,
         });
     }
-    find_lit(&incidence.factors, lit);
+    find_lit(incidence.factors(), lit);
     Reflection::values(reflections, lit, incidence.l(arrivals), values);
     for (at, k) in lit.iter().enumerate() {
         let k = *k as usize;
-        let light = lamp.incident_at(incidence.ratios[k], incidence.factors[k]);
+        let light = lamp.incident_at(incidence.ratios()[k], incidence.factors()[k]);
         reflect(k, &light, values.get(at), incident, added);
     }
 }
@@ -186,18 +192,21 @@ struct Light<'a> {
     constant: Option<DVec3>,
     colours: &'a Columns,
     /// Wavelengths over those of the lamp; none where colours have that in them.
-    ratios: Option<&'a Vec<f64>>,
+    ratios: Option<&'a [f64]>,
     /// Factors on the intensity; 0 where no light falls.
     factors: &'a [f64],
 }
 
-impl Light<'_> {
-    /// The factors of a block, if any light falls there.
+impl<'a> Light<'a> {
+    /// The factors of a block, if any light falls there, where they lie or in `last`.
     #[inline(always)]
-    fn factors(&self, begin: usize) -> Option<Block> {
-        let factors = load(self.factors, begin);
+    fn factors<'b>(&self, begin: usize, last: &'b mut Block) -> Option<&'b Block>
+    where
+        'a: 'b,
+    {
+        let factors = block_of(self.factors, begin, last);
         let mut is_lit = false;
-        for factor in &factors {
+        for factor in factors {
             is_lit |= *factor != 0.0;
         }
         is_lit.then_some(factors)
@@ -269,16 +278,32 @@ impl VectorLoop for Gather<'_> {
     fn run(self) {
         let Gather { light, gathered } = self;
         let (mut irradiance, mut sum) = (Vectors::ZERO, Vectors::ZERO);
+        let plain = match gathered.weighs {
+            true => None,
+            false => light.constant,
+        };
+        let mut last = [0.0; BLOCK];
         let mut begin = 0;
         while begin < light.factors.len() {
-            if let Some(factors) = light.factors(begin) {
-                light.irradiate(begin, &factors, &mut irradiance);
+            let Some(factors) = light.factors(begin, &mut last) else {
+                begin += BLOCK;
+                continue;
+            };
+            // Of one colour it is added where the sum lies, channel by channel.
+            if let (Some(colour), Some(sum)) = (plain, gathered.sum.block_mut(begin)) {
+                for (sum, intensity) in sum.into_iter().zip(colour.to_array()) {
+                    for (sum, factor) in sum.iter_mut().zip(factors) {
+                        *sum += intensity * *factor;
+                    }
+                }
+            } else {
+                light.irradiate(begin, factors, &mut irradiance);
                 let before = gathered.sum.block(begin);
                 for k in 0..BLOCK {
                     sum.set(k, before.get(k) + irradiance.get(k));
                 }
                 gathered.sum.store(&sum, begin);
-                gathered.weigh(begin, &light, &factors, &irradiance);
+                gathered.weigh(begin, &light, factors, &irradiance);
             }
             begin += BLOCK;
         }
@@ -342,19 +367,20 @@ impl VectorLoop for Gloss<'_> {
             added,
         } = self;
         let (mut irradiance, mut sum) = (Vectors::ZERO, Vectors::ZERO);
-        let mut last = [[0.0; BLOCK]; 2];
+        let mut last = [[0.0; BLOCK]; 3];
         let mut begin = 0;
         while begin < light.factors.len() {
-            if let Some(factors) = light.factors(begin) {
-                light.irradiate(begin, &factors, &mut irradiance);
-                let [last_metallic, last_roughness] = &mut last;
-                let metallic = block_of(&glosses.metallic, begin, last_metallic);
-                let roughness = block_of(&glosses.roughness, begin, last_roughness);
+            let [last_factors, last_metallic, last_roughness] = &mut last;
+            if let Some(factors) = light.factors(begin, last_factors) {
+                light.irradiate(begin, factors, &mut irradiance);
+                let look = glosses.begin(begin);
+                let metallic = block_of(&glosses.metallic, look, last_metallic);
+                let roughness = block_of(&glosses.roughness, look, last_roughness);
                 let points = Glossy {
                     n: normals.block(begin),
                     v: views.block(begin),
                     l: l.block(begin),
-                    colours: glosses.colours.block(begin),
+                    colours: glosses.colours.block(look),
                     metallic,
                     roughness,
                 };
@@ -365,13 +391,114 @@ impl VectorLoop for Gloss<'_> {
                     is_roughest &= *roughness == 1.0;
                 }
                 match is_roughest {
-                    true => points.add::<true>(&factors, &irradiance, before, &mut sum),
-                    false => points.add::<false>(&factors, &irradiance, before, &mut sum),
+                    true => points.add::<true>(factors, &irradiance, before, &mut sum),
+                    false => points.add::<false>(factors, &irradiance, before, &mut sum),
                 }
                 added.store(&sum, begin);
-                gathered.weigh(begin, &light, &factors, &irradiance);
+                gathered.weigh(begin, &light, factors, &irradiance);
             }
             begin += BLOCK;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A number from −1 to 1.
+    fn part(k: usize, n: usize) -> f64 {
+        (k * n % 103) as f64 / 51.0 - 1.0
+    }
+
+    /// More than a block of factors, many of them 0.
+    fn factors() -> Vec<f64> {
+        (0..150).map(|k| part(k, 7).max(0.0)).collect()
+    }
+
+    fn columns(of: impl Fn(usize) -> DVec3) -> Columns {
+        let mut columns = Columns::default();
+        (0..150).for_each(|k| columns.push(of(k)));
+        columns
+    }
+
+    fn all(columns: &Columns) -> Vec<[f64; 3]> {
+        let mut all = vec![];
+        columns.add_to(&mut all);
+        all
+    }
+
+    #[test]
+    fn light_of_one_colour_has_the_bits_of_light_with_a_colour_at_each_point() {
+        let colour = DVec3::new(0.3, 0.7, 1.1);
+        let (factors, colours) = (factors(), columns(|_| colour));
+        let sum = |constant, weighs| {
+            let mut gathered = Gathered::default();
+            gathered.start(factors.len(), weighs);
+            for _ in 0..3 {
+                let light = Light {
+                    constant,
+                    colours: &colours,
+                    ratios: None,
+                    factors: &factors,
+                };
+                dispatch(Gather {
+                    light,
+                    gathered: &mut gathered,
+                });
+            }
+            all(&gathered.sum)
+        };
+        let expected = sum(None, false);
+        let lit = expected.iter().filter(|[r, ..]| *r > 0.0).count();
+        assert!((50..100).contains(&lit), "{lit}");
+        assert_eq!(sum(Some(colour), false), expected);
+        assert_eq!(sum(Some(colour), true), expected);
+    }
+
+    #[test]
+    fn surfaces_that_are_all_alike_reflect_as_if_each_had_a_finish_of_its_own() {
+        let unit = |k, n| DVec3::new(part(k, n), part(k, n + 4), 1.5).normalize();
+        let (normals, views, l) = (
+            columns(|k| unit(k, 3)),
+            columns(|k| unit(k, 5)),
+            columns(|k| unit(k, 11)),
+        );
+        let (factors, none) = (factors(), Columns::default());
+        let colour = [0.2, 0.5, 0.9];
+        for look in [[1.0, 1.0], [0.4, 0.3]] {
+            let mut each = Glosses::default();
+            each.metallic.resize(factors.len(), look[0]);
+            each.roughness.resize(factors.len(), look[1]);
+            each.colours = columns(|_| colour.into());
+            let mut alike = Glosses::default();
+            alike.fill_alike([0.1; 3], [0.5; 2]);
+            alike.clear();
+            alike.fill_alike(colour, look);
+            let reflected = |glosses: &Glosses| {
+                let (mut gathered, mut added) = (Gathered::default(), Columns::default());
+                gathered.start(factors.len(), false);
+                added.fill(factors.len(), DVec3::ZERO);
+                dispatch(Gloss {
+                    light: Light {
+                        constant: Some(DVec3::ONE),
+                        colours: &none,
+                        ratios: None,
+                        factors: &factors,
+                    },
+                    glosses,
+                    normals: &normals,
+                    views: &views,
+                    l: &l,
+                    gathered: &mut gathered,
+                    added: &mut added,
+                });
+                all(&added)
+            };
+            let expected = reflected(&each);
+            let lit = expected[BLOCK..].iter().filter(|[r, ..]| *r > 0.0).count();
+            assert!((20..70).contains(&lit), "{lit}");
+            assert_eq!(reflected(&alike), expected);
         }
     }
 }

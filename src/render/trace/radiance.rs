@@ -18,7 +18,7 @@ use super::run::Run;
 use super::stats::{Counter, Meter};
 use super::time_resolved::{CapturedCube, Emitter, TimeResolved};
 use crate::accel::Converging;
-use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch};
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
 use crate::light::reflection::{Glosses, Reflection};
 use crate::light::time_texture::{BATCH, Capture, CaptureView, Coverage, TimeTexture};
 
@@ -508,11 +508,18 @@ impl TimeResolved {
         } = emitted;
         added.fill(run.count(), DVec3::ZERO);
         points.views(views);
+        // What is drawn of areas and of the sky asks points one by one; loops over lamps do with one block where all look alike.
+        let by_point = self.areas.is_some() || self.sky.is_some();
+        let colour = self.base.colours[finish.colour].constant();
+        if let (Some(colour), None, false) = (colour, gloss.texture, by_point) {
+            return glosses.fill_alike(colour, [gloss.metallic, gloss.roughness]);
+        }
         self.colours(finish, run, &mut glosses.colours);
         let Glosses {
             colours,
             metallic,
             roughness,
+            ..
         } = glosses;
         metallic.resize(run.count(), gloss.metallic);
         roughness.resize(run.count(), gloss.roughness);
@@ -523,8 +530,7 @@ impl TimeResolved {
                 }
             }
         }
-        // What is drawn of areas and of the sky asks points one by one.
-        if self.areas.is_some() || self.sky.is_some() {
+        if by_point {
             let all = metallic.iter().zip(&*roughness).enumerate();
             reflections.extend(all.map(|(k, (metallic, roughness))| {
                 let (normal, view) = (points.normals.get(k), views.get(k));
@@ -546,24 +552,29 @@ struct Matte<'a> {
 impl VectorLoop for Matte<'_> {
     #[inline(always)]
     fn run(self) {
-        let mut reflected = Vectors::ZERO;
         let mut begin = 0;
         while begin < self.light.len() {
-            let light = self.light.block(begin);
+            // Where the light lies, channel by channel.
+            let Some(light) = self.light.block_mut(begin) else {
+                return;
+            };
             match self.albedo {
                 Some(albedo) => {
-                    for k in 0..BLOCK {
-                        reflected.set(k, albedo * light.get(k) * FRAC_1_PI);
+                    for (light, albedo) in light.into_iter().zip(albedo.to_array()) {
+                        for light in light {
+                            *light = albedo * *light * FRAC_1_PI;
+                        }
                     }
                 }
                 None => {
-                    let albedos = self.albedos.block(begin);
-                    for k in 0..BLOCK {
-                        reflected.set(k, albedos.get(k) * light.get(k) * FRAC_1_PI);
+                    let albedos = self.albedos.block(begin).axes();
+                    for (light, albedos) in light.into_iter().zip(albedos) {
+                        for (light, albedo) in light.iter_mut().zip(albedos) {
+                            *light = albedo * *light * FRAC_1_PI;
+                        }
                     }
                 }
             }
-            self.light.store(&reflected, begin);
             begin += BLOCK;
         }
     }

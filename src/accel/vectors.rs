@@ -171,6 +171,12 @@ impl Columns {
         }
     }
 
+    /// Makes them these vectors.
+    pub fn take(&mut self, from: &[DVec3]) {
+        self.resize(from.len());
+        dispatch(Apart { from, to: self });
+    }
+
     /// Adds all to the end of `to`.
     pub fn add_to(&self, to: &mut Vec<[f64; 3]>) {
         let [x, y, z] = self.axes();
@@ -211,6 +217,31 @@ impl Columns {
     pub fn store(&mut self, from: &Vectors, begin: usize) {
         for (from, to) in from.0.iter().zip(&mut self.columns) {
             store(from, to, begin);
+        }
+    }
+}
+
+/// Vectors that lie one after another, to be taken apart by component.
+struct Apart<'a> {
+    from: &'a [DVec3],
+    to: &'a mut Columns,
+}
+
+impl VectorLoop for Apart<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let (blocks, rest) = self.from.as_chunks::<BLOCK>();
+        let mut begin = 0;
+        for from in blocks {
+            if let Some([x, y, z]) = self.to.block_mut(begin) {
+                for (k, v) in from.iter().enumerate() {
+                    (x[k], y[k], z[k]) = (v.x, v.y, v.z);
+                }
+            }
+            begin += BLOCK;
+        }
+        for (k, v) in (begin..).zip(rest) {
+            self.to.set(k, *v);
         }
     }
 }
@@ -530,6 +561,22 @@ mod tests {
             for (x, y) in self.0.iter().zip(self.1) {
                 *y = (x * 1.7 + 0.3) / (x * x + 0.1).sqrt();
             }
+        }
+    }
+
+    #[test]
+    fn vectors_in_a_row_are_taken_apart_in_order_and_whatever_was_there_is_gone() {
+        let row = |n: usize| -> Vec<DVec3> {
+            let v = |k| DVec3::new(k as f64, 0.5 + k as f64, -(k as f64));
+            (0..n).map(v).collect()
+        };
+        let mut columns = Columns::default();
+        for count in [3 * BLOCK + 7, BLOCK, 5, 0] {
+            let row = row(count);
+            columns.take(&row);
+            assert_eq!(columns.len(), count);
+            let taken: Vec<_> = (0..count).map(|k| columns.get(k)).collect();
+            assert_eq!(taken, row);
         }
     }
 

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::run::{Run, TracedRays};
-use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch, load, store};
+use super::run::{Run, TracedRays, in_a_row};
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, block_of, dispatch, load};
 use crate::light::lamp::{EventColumns, PointsOnRays};
 use crate::light::time_texture::SurfacePoint as CapturePoint;
 use crate::spacetime::{Displacement, Event, World};
@@ -11,9 +11,8 @@ use crate::spacetime::{Displacement, Event, World};
 /// The points of a run, by member.
 #[derive(Debug)]
 pub(super) struct Points {
-    /// Their triangles.
+    /// Their triangles and their places in the tree, unless nothing but lamps without shadows asks for the points.
     pub triangles: Vec<u32>,
-    /// Their places in the tree.
     pub slots: Vec<u32>,
     /// Where they are in their rest frame.
     pub positions: Columns,
@@ -127,28 +126,42 @@ impl Points {
         self.are_unit = surfaces.at_rest().is_some();
         let shared = surfaces.shared_origin(rays, run.traced.hits);
         let hits = run.traced.hits.hits();
+        // Tangents of rays in a row lie one after another.
+        let all = shared.filter(|_| with_tangents);
+        let row = all.and_then(|(_, all)| all.get(in_a_row(run.members)?));
+        if let Some(row) = row {
+            self.tangents.take(row);
+        }
         for (block, members) in run.members.chunks(BLOCK).enumerate() {
             let begin = block * BLOCK;
             // What the hits say, and the normals of their triangles on the side that is seen.
             let Some([x, y, z]) = self.normals.block_mut(begin) else {
                 continue;
             };
-            let of_points = self.triangles[begin..].iter_mut();
-            let of_points = of_points.zip(&mut self.slots[begin..]);
-            let of_points = of_points.zip(&mut self.s[begin..]);
-            for ((k, ray), ((triangle, slot), s)) in members.iter().enumerate().zip(of_points) {
+            for ((k, ray), s) in members.iter().enumerate().zip(&mut self.s[begin..]) {
                 let Some(hit) = &hits[*ray as usize] else {
                     continue;
                 };
                 let normal = run.rest.normal(hit) * if hit.front { 1.0 } else { -1.0 };
                 (x[k], y[k], z[k]) = (normal.x, normal.y, normal.z);
-                (*triangle, *slot, *s) = (hit.triangle, hit.slot, hit.s);
+                *s = hit.s;
+            }
+            if taken != Taken::Tangents {
+                let of_points = self.triangles[begin..].iter_mut();
+                let of_points = of_points.zip(&mut self.slots[begin..]);
+                for (ray, (triangle, slot)) in members.iter().zip(of_points) {
+                    if let Some(hit) = &hits[*ray as usize] {
+                        (*triangle, *slot) = (hit.triangle, hit.slot);
+                    }
+                }
             }
 
             // Where they are: in one frame, whose rays are at hand, in a loop that does nothing else.
             if let (Some((eye, tangents)), true) = (shared, with_tangents) {
                 self.eye = eye;
-                if let Some([x, y, z]) = self.tangents.block_mut(begin) {
+                if row.is_none()
+                    && let Some([x, y, z]) = self.tangents.block_mut(begin)
+                {
                     for (k, ray) in members.iter().enumerate() {
                         let t = tangents[*ray as usize];
                         (x[k], y[k], z[k]) = (t.x, t.y, t.z);
@@ -324,17 +337,22 @@ struct Offsets<'a> {
 impl VectorLoop for Offsets<'_> {
     #[inline(always)]
     fn run(self) {
-        let (mut ct, mut x) = ([0.0; BLOCK], Vectors::ZERO);
+        let mut last = [0.0; BLOCK];
         let mut begin = 0;
         while begin < self.s.len() {
-            let d = self.directions.block(begin);
-            let s = load(self.s, begin);
-            for k in 0..BLOCK {
-                ct[k] = -self.index * s[k];
-                x.set(k, d.get(k) * s[k]);
+            // Where they lie, axis by axis.
+            let s = block_of(self.s, begin, &mut last);
+            let Some(x) = self.offsets.x.block_mut(begin) else {
+                return;
+            };
+            for (x, d) in x.into_iter().zip(self.directions.block(begin).axes()) {
+                for ((x, d), s) in x.iter_mut().zip(d).zip(s) {
+                    *x = *d * *s;
+                }
             }
-            store(&ct, &mut self.offsets.ct, begin);
-            self.offsets.x.store(&x, begin);
+            for (ct, s) in self.offsets.ct[begin..].iter_mut().zip(s) {
+                *ct = -self.index * *s;
+            }
             begin += BLOCK;
         }
     }
@@ -354,16 +372,18 @@ impl VectorLoop for Views<'_> {
         let mut begin = 0;
         while begin < self.tangents.len() {
             let tangents = self.tangents.block(begin);
-            if self.are_unit {
-                for k in 0..BLOCK {
-                    views.set(k, -tangents.get(k));
-                }
-            } else {
+            if !self.are_unit {
                 for k in 0..BLOCK {
                     views.set(k, -tangents.get(k).normalize_or_zero());
                 }
+                self.views.store(&views, begin);
+            } else if let Some(views) = self.views.block_mut(begin) {
+                for (views, tangents) in views.into_iter().zip(tangents.axes()) {
+                    for (view, tangent) in views.iter_mut().zip(tangents) {
+                        *view = -*tangent;
+                    }
+                }
             }
-            self.views.store(&views, begin);
             begin += BLOCK;
         }
     }

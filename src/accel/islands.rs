@@ -1,8 +1,8 @@
 //! Islands: fine geometry in a scene that is far larger gets trees of its own.
 //!
 //! In tree space boxes are f32, and rays know where they are to 2⁻²² of half the geometry's size ((S3) and (S4) of [`slab`](super::slab)).
-//! Triangles that are not larger than that share one place: a ray that comes near has to test them all. A statue on a planet takes a thousand times
-//! as long so. In a tree over the statue alone they are large again.
+//! Triangles that are not larger than that share one place: a ray that comes near has to test them all. A picture of 480 × 300 of two
+//! balls of 328,000 triangles each on a planet takes 75 s so. In trees over the balls alone they are large again: it takes 0.9 s.
 //!
 //! A set of triangles is *fine* where more than a few of them have an extent below 2⁻¹⁸ of its half size, 16 times what rays know. What
 //! is larger stays. If all that is fine lies within an eighth of the set, it is a set of its own, and the question is asked again; otherwise it

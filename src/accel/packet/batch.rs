@@ -203,7 +203,7 @@ impl View<'_> {
                 self.closest_singly(all, from, directions, hits, tally, replaced);
             }
             Origins::Shared(origin) => {
-                let rays = SharedOrigin { origin, directions };
+                let rays = SharedOrigin::new(origin, directions);
                 self.closest_of_tile(method, rays, (from, directions), hits, tally, replaced);
             }
             Origins::Each(origins) => {
@@ -390,7 +390,12 @@ impl View<'_> {
                     {
                         Outcome::Incoherent
                     }
-                    _ => self.closest_of_block(method, rays, hits, &mut space, stack, tally),
+                    _ => match rays.as_shared(&self.tree.space, &block.order) {
+                        Some(rays) if method.precision == Precision::Certified => {
+                            self.closest_of_block(method, rays, hits, &mut space, stack, tally)
+                        }
+                        _ => self.closest_of_block(method, rays, hits, &mut space, stack, tally),
+                    },
                 };
                 was_incoherent = outcome == Outcome::Incoherent;
                 match outcome {

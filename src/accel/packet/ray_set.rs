@@ -2,10 +2,16 @@
 
 use glam::DVec3;
 
+use crate::accel::float::{greater, lesser, power_of_two};
 use crate::accel::rays::{Converging, NO_SLOT, Ray, Segment};
+use crate::accel::tree_space::TreeSpace;
 
 /// Rays of a block.
 pub(super) const RAYS: usize = 64;
+
+/// Rays are traced as from one point if none starts farther from it than this part of a pixel: a few in a hundred pass so near an edge
+/// that f64 decides.
+const SHARED: f64 = 1.0 / 64.0;
 
 /// Rays to trace, by their index in the batch. `start` and `direction` are those of the ray as it is traced, which
 /// may be from its end.
@@ -18,10 +24,10 @@ pub(super) trait RaySet: Copy {
     fn shared_origin(self) -> Option<DVec3> {
         None
     }
-    /// How far from the shared start rays pass at most, metres: (A2) of [`any_hits`](super::any_hits).
+    /// How far from the shared start rays start, or pass, at most along each axis, metres: (K5) of [`block`](super::block).
     #[inline(always)]
-    fn origin_error(self) -> f64 {
-        0.0
+    fn origin_extent(self) -> DVec3 {
+        DVec3::ZERO
     }
     /// How far from the shared start rays start as given, metres, in sum over the axes.
     #[inline(always)]
@@ -36,6 +42,12 @@ pub(super) trait RaySet: Copy {
     /// All starts as a slice, if there is one.
     #[inline(always)]
     fn origins(&self) -> Option<&[DVec3]> {
+        None
+    }
+    /// The rays in `order` as rays from one point, if their starts are so near one another that it pays: (K5) of
+    /// [`block`](super::block).
+    #[inline(always)]
+    fn as_shared(&self, _space: &TreeSpace, _order: &[u32; RAYS]) -> Option<SharedOrigin<'_>> {
         None
     }
     /// All directions as a slice, if there is one.
@@ -88,11 +100,15 @@ pub(super) trait Blockable: RaySet {
     fn ends(self, order: &[u32; RAYS], in_fours: bool) -> [[f64; RAYS]; 2];
 }
 
-/// Rays from one point.
+/// Rays from one point, or from so near it that they are traced as if they were.
 #[derive(Clone, Copy)]
 pub(super) struct SharedOrigin<'a> {
     /// Metres.
     pub origin: DVec3,
+    /// Where each of them starts; empty where all start at `origin`.
+    pub origins: &'a [DVec3],
+    /// How far from `origin` that is at most along each axis, metres.
+    pub extent: DVec3,
     pub directions: &'a [DVec3],
 }
 
@@ -142,6 +158,21 @@ impl RaySet for SharedOrigin<'_> {
     }
 
     #[inline(always)]
+    fn origin_extent(self) -> DVec3 {
+        self.extent
+    }
+
+    #[inline(always)]
+    fn farthest_origin(self) -> f64 {
+        self.extent.element_sum()
+    }
+
+    #[inline(always)]
+    fn origins(&self) -> Option<&[DVec3]> {
+        (!self.origins.is_empty()).then_some(self.origins)
+    }
+
+    #[inline(always)]
     fn directions(&self) -> Option<&[DVec3]> {
         Some(self.directions)
     }
@@ -152,8 +183,28 @@ impl RaySet for SharedOrigin<'_> {
     }
 
     #[inline(always)]
-    fn origin(self, _: usize) -> DVec3 {
+    fn start(self, _: usize) -> DVec3 {
         self.origin
+    }
+
+    #[inline(always)]
+    fn origin(self, ray: usize) -> DVec3 {
+        match self.origins() {
+            Some(origins) => origins[ray],
+            None => self.origin,
+        }
+    }
+}
+
+impl<'a> SharedOrigin<'a> {
+    /// Rays that all start at `origin`.
+    pub fn new(origin: DVec3, directions: &'a [DVec3]) -> SharedOrigin<'a> {
+        SharedOrigin {
+            origin,
+            origins: &[],
+            extent: DVec3::ZERO,
+            directions,
+        }
     }
 }
 
@@ -163,6 +214,46 @@ impl RaySet for OwnOrigins<'_> {
     #[inline(always)]
     fn origins(&self) -> Option<&[DVec3]> {
         Some(self.origins)
+    }
+
+    #[inline(always)]
+    fn as_shared(&self, space: &TreeSpace, order: &[u32; RAYS]) -> Option<SharedOrigin<'_>> {
+        // Rays that leave triangles start in their planes, where f64 would have to decide.
+        if self.leaves() {
+            return None;
+        }
+        // Four at a time, so that it goes in vectors.
+        let first = self.origins[order[0] as usize].to_array();
+        let (mut lo, mut hi, mut sum) = ([first; 4], [first; 4], [[0.0; 3]; 4]);
+        for four in order.chunks_exact(4) {
+            let starts = [0, 1, 2, 3].map(|i| self.origins[four[i] as usize].to_array());
+            for i in 0..4 {
+                for axis in 0..3 {
+                    lo[i][axis] = lesser(starts[i][axis], lo[i][axis]);
+                    hi[i][axis] = greater(starts[i][axis], hi[i][axis]);
+                    sum[i][axis] += starts[i][axis];
+                }
+            }
+        }
+        let lo = lo.map(DVec3::from).into_iter().fold(first.into(), lesser3);
+        let hi = hi.map(DVec3::from).into_iter().fold(first.into(), greater3);
+        let (origin, half) = (lo * 0.5 + hi * 0.5, hi * 0.5 - lo * 0.5);
+        // (K5): with the roundings of the middle and of the halves.
+        let rounding = power_of_two(-51) * (lo.abs().max_element() + hi.abs().max_element());
+        let extent = half + rounding;
+        // What a pixel covers where the tree begins, or at a quarter of its size within it.
+        let [one, other] = [order[0], order[1]].map(|ray| self.directions[ray as usize]);
+        let distance = greater(space.map(origin).abs().max_element() - 1.0, 0.25);
+        let pixel = (one - other).abs().max_element() / one.abs().max_element() * distance;
+        // Comparisons pass over NaN, sums do not.
+        let is_number = sum.as_flattened().iter().sum::<f64>() * 0.0 == 0.0;
+        let is_shared = extent.max_element() * space.scale <= pixel * SHARED;
+        (is_number && is_shared).then_some(SharedOrigin {
+            origin,
+            origins: self.origins,
+            extent,
+            directions: self.directions,
+        })
     }
 
     #[inline(always)]
@@ -241,8 +332,8 @@ impl RaySet for SegmentsToPoint<'_> {
     }
 
     #[inline(always)]
-    fn origin_error(self) -> f64 {
-        self.error
+    fn origin_extent(self) -> DVec3 {
+        DVec3::splat(self.error)
     }
 
     #[inline(always)]
@@ -291,8 +382,8 @@ impl RaySet for ColumnsToPoint<'_> {
     }
 
     #[inline(always)]
-    fn origin_error(self) -> f64 {
-        self.error
+    fn origin_extent(self) -> DVec3 {
+        DVec3::splat(self.error)
     }
 
     #[inline(always)]
@@ -366,6 +457,17 @@ impl Blockable for ColumnsToPoint<'_> {
         }
         ends
     }
+}
+
+/// The lesser coordinates of two points, and the greater ones.
+#[inline(always)]
+fn lesser3(x: DVec3, y: DVec3) -> DVec3 {
+    DVec3::new(lesser(x.x, y.x), lesser(x.y, y.y), lesser(x.z, y.z))
+}
+
+#[inline(always)]
+fn greater3(x: DVec3, y: DVec3) -> DVec3 {
+    DVec3::new(greater(x.x, y.x), greater(x.y, y.y), greater(x.z, y.z))
 }
 
 /// The same of segments that are kept one by one.

@@ -37,6 +37,22 @@ impl RefinedHits {
     /// Works out all hits of `block`.
     #[inline(always)]
     pub fn fill<K: Simd, R: RaySet>(&mut self, k: K, bvh: &Bvh, rays: R, block: &Block) {
+        if R::OWN_ORIGINS || rays.origins().is_some() {
+            self.fill_from::<K, R, true>(k, bvh, rays, block);
+        } else {
+            self.fill_from::<K, R, false>(k, bvh, rays, block);
+        }
+    }
+
+    /// The same of rays that start at a point each, or all at one.
+    #[inline(always)]
+    fn fill_from<K: Simd, R: RaySet, const EACH: bool>(
+        &mut self,
+        k: K,
+        bvh: &Bvh,
+        rays: R,
+        block: &Block,
+    ) {
         let mut first = 0;
         while first < RAYS {
             let slots = &block.slots[first..first + GROUP];
@@ -50,12 +66,12 @@ impl RefinedHits {
             }
             if hit != NONE {
                 let order = &block.order[first..first + GROUP];
-                let mut pairs = Pairs::load(k, rays, order, block.in_fours);
+                let mut pairs = Pairs::load::<K, R, EACH>(k, rays, order, block.in_fours);
                 if same {
-                    self.intersect_one::<R>(&pairs, &bvh.corners[hit as usize], first);
+                    self.intersect_one::<EACH>(&pairs, &bvh.corners[hit as usize], first);
                 } else {
                     pairs.collect(bvh, slots, hit);
-                    self.intersect_each::<R>(&pairs, first);
+                    self.intersect_each::<EACH>(&pairs, first);
                 }
             }
             first += GROUP;
@@ -77,9 +93,9 @@ impl RefinedHits {
 
     /// Each line with its own triangle.
     #[inline(always)]
-    fn intersect_each<R: RaySet>(&mut self, pairs: &Pairs, first: usize) {
+    fn intersect_each<const EACH: bool>(&mut self, pairs: &Pairs, first: usize) {
         for i in 0..GROUP {
-            let origin = pairs.origin(if R::OWN_ORIGINS { i } else { 0 });
+            let origin = pairs.origin(if EACH { i } else { 0 });
             let corners = [pairs.corner(0, i), pairs.corner(3, i), pairs.corner(6, i)];
             let numbers = intersect(origin, pairs.direction(i), corners);
             self.set(first + i, numbers, pairs.unit[i]);
@@ -88,9 +104,14 @@ impl RefinedHits {
 
     /// All lines with one triangle.
     #[inline(always)]
-    fn intersect_one<R: RaySet>(&mut self, pairs: &Pairs, corners: &[DVec3; 3], first: usize) {
+    fn intersect_one<const EACH: bool>(
+        &mut self,
+        pairs: &Pairs,
+        corners: &[DVec3; 3],
+        first: usize,
+    ) {
         for i in 0..GROUP {
-            let origin = pairs.origin(if R::OWN_ORIGINS { i } else { 0 });
+            let origin = pairs.origin(if EACH { i } else { 0 });
             let numbers = intersect(origin, pairs.direction(i), *corners);
             self.set(first + i, numbers, pairs.unit[i]);
         }
@@ -147,7 +168,12 @@ struct Pairs {
 impl Pairs {
     /// Rays with |d|∞ in [1, 2), scaled as single rays are.
     #[inline(always)]
-    fn load<K: Simd, R: RaySet>(k: K, rays: R, order: &[u32], in_fours: bool) -> Pairs {
+    fn load<K: Simd, R: RaySet, const EACH: bool>(
+        k: K,
+        rays: R,
+        order: &[u32],
+        in_fours: bool,
+    ) -> Pairs {
         let mut pairs = Pairs {
             directions: [[0.0; GROUP]; 3],
             origins: [[0.0; GROUP]; 3],
@@ -174,7 +200,7 @@ impl Pairs {
             }
         }
         // A shared origin is kept once.
-        let places = if R::OWN_ORIGINS { GROUP } else { 1 };
+        let places = if EACH { GROUP } else { 1 };
         for (i, &ray) in order.iter().enumerate().take(places) {
             let origin = rays.origin(ray as usize);
             pairs.origins[0][i] = origin.x;

@@ -45,6 +45,9 @@
 //! ```
 //!
 //! with δᵥ the bound of n·a − n·δ and 2⁻²² of it for the roundings of sums and quotients.
+//!
+//! - (E7) Rays that start near a point, and are taken from it ((K5) of [`block`](super::block)), leave out e·m and n·δ. With |m|∞ ≤ M' and
+//!   |n|∞ ≤ l₁l₂ these are at most M' lᵢ in U, V and W, and ω l₁l₂ in n·a.
 
 use glam::DVec3;
 
@@ -98,6 +101,8 @@ pub(super) struct TriangleSetup<K: Simd> {
     max_direction: f32,
     /// M.
     max_moment: f32,
+    /// M', of rays that share an origin.
+    shift_moment: f32,
     /// What f64 leaves unknown about places.
     blur: f32,
     /// F.
@@ -124,8 +129,8 @@ impl<K: Simd> TriangleSetup<K> {
             spread: bounds.offsets[0] + bounds.offsets[1] + bounds.offsets[2],
             max_direction: bounds.max_direction,
             max_moment: bounds.max_moment,
-            blur: ((1.0 + bounds.point.abs().max_element()) * power_of_two(-50)) as f32
-                + bounds.origin_error,
+            blur: ((1.0 + bounds.point.abs().max_element()) * power_of_two(-50)) as f32,
+            shift_moment: bounds.shift_moment,
             max_distance: bounds.max_distance,
             back: if bounds.reversed { u32::MAX } else { 0 },
         }
@@ -242,20 +247,23 @@ impl<K: Simd> TriangleSetup<K> {
             1.0
         };
         let floor = k.mul_add(double, k.splat(reach), k.splat(UNDERFLOW));
-        // U, V and W: (E2) with 4.1 (T + L) for 4 T + 2 L, 6.1 for 6 and 12 for 11.
+        // U, V and W: (E2) with 4.1 (T + L) for 4 T + 2 L, 6.1 for 6 and 12 for 11; of a shared origin (E7) with 1.1 for 1.
         let mut common = k.mul_add(both, k.splat(4.1 * self.max_direction * error), floor);
-        let mut each = k.mul(far, k.splat(roundings * V * self.max_direction));
+        let mut moment = 1.1 * self.shift_moment;
         if R::OWN_ORIGINS {
             common = k.add(common, k.splat(6.1 * error * self.max_moment));
-            each = k.add(each, k.splat(12.0 * V * self.max_moment));
+            moment = 12.0 * V * self.max_moment;
         }
+        let rounding = k.splat(roundings * V * self.max_direction);
+        let each = k.mul_add(far, rounding, k.splat(moment));
         // Δ: (E3) with 4.1 for 4 and 12 for 11.
         let along = k.mul_add(length, k.splat(4.1 * error), k.mul(area, k.splat(12.0 * V)));
-        // n·a − n·δ: (E4) with 15 for 14, 4.1 for 4 and 1.1 for 1.
+        // n·a − n·δ: (E4) with 15 for 14, 4.1 for 4 and 1.1 for 1, and (E7) with as much.
         let out = k.add(far, k.splat(self.spread));
         let volume = k.mul_add(k.mul(area, k.splat(15.0 * V)), out, k.splat(UNDERFLOW));
         let volume = k.mul_add(k.mul(length, k.splat(4.1 * error)), out, volume);
-        let volume = k.mul_add(area, k.splat(1.1 * error), volume);
+        let left_out = if R::OWN_ORIGINS { 0.0 } else { self.spread };
+        let volume = k.mul_add(area, k.splat(1.1 * (error + left_out)), volume);
         Slacks {
             edges: [
                 k.mul_add(*l2, each, common),

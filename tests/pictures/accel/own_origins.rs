@@ -133,6 +133,26 @@ fn rays_aimed_at_edges_and_corners_from_their_own_origins_never_leak() {
 }
 
 #[test]
+fn rays_from_almost_one_point_are_met_at_edges_as_by_single_rays() {
+    let mut random = Random(52);
+    let mesh = sphere(4);
+    let bvh = build(&mesh);
+    for &[a, b, _] in mesh.iter().step_by(7) {
+        // Along an edge, so near one another that all origins are taken for one: each ray then passes within what is left out.
+        let step = (b - a) / 64.0;
+        let targets: Vec<DVec3> = (0..64).map(|i| a + step * f64::from(i)).collect();
+        for distance in [0.3, 2.0, 40.0] {
+            let centre = (a + b) * 0.5 * (1.0 + distance) + random.vector() * 0.1;
+            let size = step.length() / 300.0;
+            let origins = origins(&mut random, centre, size, targets.len());
+            let directions: Vec<DVec3> =
+                targets.iter().zip(&origins).map(|(p, o)| *p - *o).collect();
+            assert_eq!(compare(&bvh, &origins, &directions), 64, "a leak");
+        }
+    }
+}
+
+#[test]
 fn origins_in_the_planes_of_triangles_are_met_as_by_single_rays() {
     let mut random = Random(45);
     let mesh: Vec<Triangle> = random.soup(200, DVec3::ZERO, 1.0, 0.5);

@@ -366,7 +366,11 @@ fn nothing() -> CameraRay {
 
 impl View for Accelerated {
     const SHARED_ORIGIN: bool = false;
-    const USES_TIME: bool = true;
+
+    #[inline]
+    fn uses_time(&self) -> bool {
+        self.exposure.duration > 0.0
+    }
 
     #[inline]
     fn film(&self) -> &AnyProjection {

@@ -99,7 +99,11 @@ impl Inertial {
 
 impl View for Inertial {
     const SHARED_ORIGIN: bool = false;
-    const USES_TIME: bool = true;
+
+    #[inline]
+    fn uses_time(&self) -> bool {
+        self.exposure.duration > 0.0
+    }
 
     #[inline]
     fn film(&self) -> &AnyProjection {

@@ -75,8 +75,8 @@ pub trait View: Sync {
     /// Whether all rays leave the event of the shot, and none has an origin of its own.
     const SHARED_ORIGIN: bool;
 
-    /// Whether rays depend on the moment of the exposure.
-    const USES_TIME: bool;
+    /// Whether rays depend on the moment of the exposure: not where it is an instant.
+    fn uses_time(&self) -> bool;
 
     /// How its film points look.
     fn film(&self) -> &AnyProjection;

@@ -83,7 +83,11 @@ fn acceleration(model: &CameraModel) -> f64 {
 
 impl View for Paper {
     const SHARED_ORIGIN: bool = false;
-    const USES_TIME: bool = true;
+
+    #[inline]
+    fn uses_time(&self) -> bool {
+        self.exposure.duration > 0.0
+    }
 
     #[inline]
     fn film(&self) -> &AnyProjection {

@@ -33,7 +33,11 @@ impl Moving {
 
 impl View for Still {
     const SHARED_ORIGIN: bool = true;
-    const USES_TIME: bool = false;
+
+    #[inline]
+    fn uses_time(&self) -> bool {
+        false
+    }
 
     #[inline]
     fn film(&self) -> &AnyProjection {
@@ -57,7 +61,11 @@ impl View for Still {
 
 impl View for Moving {
     const SHARED_ORIGIN: bool = true;
-    const USES_TIME: bool = false;
+
+    #[inline]
+    fn uses_time(&self) -> bool {
+        false
+    }
 
     #[inline]
     fn film(&self) -> &AnyProjection {
@@ -83,7 +91,11 @@ impl View for Moving {
 
 impl View for Unaberrated {
     const SHARED_ORIGIN: bool = true;
-    const USES_TIME: bool = false;
+
+    #[inline]
+    fn uses_time(&self) -> bool {
+        false
+    }
 
     #[inline]
     fn film(&self) -> &AnyProjection {
@@ -113,7 +125,11 @@ pub enum Point<'a> {
 
 impl View for Point<'_> {
     const SHARED_ORIGIN: bool = true;
-    const USES_TIME: bool = false;
+
+    #[inline]
+    fn uses_time(&self) -> bool {
+        false
+    }
 
     #[inline]
     fn film(&self) -> &AnyProjection {

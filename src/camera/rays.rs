@@ -6,7 +6,7 @@ use super::{Projection, RayOrigin, View};
 use crate::accel::vectors::{BLOCK, Block, Vectors, load, store};
 use crate::spacetime::{Boost, Camera, Direction, Displacement, Frame, World};
 
-/// Film points, pixels, and moments of the exposure, 0 to 1; no moments where a view does not use them.
+/// Film points, pixels, and moments of the exposure, 0 to 1; no moments where a view does not use them, for which they are 0.
 #[derive(Debug, Clone, Copy)]
 pub struct FilmPoints<'a> {
     /// From the left edge.
@@ -38,8 +38,8 @@ pub(super) trait SimpleRays {
 
 impl FilmPoints<'_> {
     #[inline(always)]
-    fn moment<V: View>(&self, k: usize) -> f64 {
-        if V::USES_TIME { self.moments[k] } else { 0.0 }
+    fn moment(&self, k: usize) -> f64 {
+        self.moments.get(k).copied().unwrap_or(0.0)
     }
 }
 
@@ -53,7 +53,7 @@ impl RaySlices<'_> {
         let directions = &mut self.directions[..count];
         let ratios = &mut self.ratios[..count];
         for k in 0..count {
-            let ray = view.ray_through(film, x[k], y[k], points.moment::<V>(k));
+            let ray = view.ray_through(film, x[k], y[k], points.moment(k));
             directions[k] = ray.d.unit();
             ratios[k] = ray.ratio;
             if !V::SHARED_ORIGIN {
@@ -109,9 +109,9 @@ impl RaySlices<'_> {
         let mut begin = 0;
         while begin < count {
             let (x, y) = (load(points.x, begin), load(points.y, begin));
-            let moments = match V::USES_TIME {
-                true => load(points.moments, begin),
-                false => [0.0; BLOCK],
+            let moments = match points.moments.is_empty() {
+                true => [0.0; BLOCK],
+                false => load(points.moments, begin),
             };
             simple.rays(film, [&x, &y], &moments, &mut rays);
             let end = (begin + BLOCK).min(count);

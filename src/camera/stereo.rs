@@ -49,7 +49,11 @@ impl Stereo {
 
 impl View for Stereo {
     const SHARED_ORIGIN: bool = false;
-    const USES_TIME: bool = true;
+
+    #[inline]
+    fn uses_time(&self) -> bool {
+        self.eye.uses_time()
+    }
 
     #[inline]
     fn film(&self) -> &AnyProjection {

@@ -283,7 +283,11 @@ impl SimpleRays for Exact<'_> {
 
 impl View for Turning {
     const SHARED_ORIGIN: bool = false;
-    const USES_TIME: bool = true;
+
+    #[inline]
+    fn uses_time(&self) -> bool {
+        self.exposure.duration > 0.0
+    }
 
     #[inline]
     fn film(&self) -> &AnyProjection {

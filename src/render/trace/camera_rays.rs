@@ -338,9 +338,8 @@ impl<V: View> RayGenerator for V {
         rays.in_pixel = sampler.samples();
         rays.keys.clear();
         rays.indices.clear();
-        if V::USES_TIME {
-            rays.moments.resize(count, 0.0);
-        }
+        let uses_time = self.uses_time();
+        rays.moments.resize(if uses_time { count } else { 0 }, 0.0);
         let [left, top] = tile.corner;
         for (sample, begin) in samples.clone().zip((0..count).step_by(pixels.max(1))) {
             let of_sample = begin..begin + pixels;
@@ -360,7 +359,7 @@ impl<V: View> RayGenerator for V {
             let [x, y] = &mut rays.offsets;
             let (x, y) = (&mut x[of_sample.clone()], &mut y[of_sample.clone()]);
             sampler.offsets(keys, within, x, y);
-            if V::USES_TIME {
+            if uses_time {
                 sampler.moments(keys, within, &mut rays.moments[of_sample]);
             }
         }
@@ -394,7 +393,7 @@ impl<V: View> RayGenerator for V {
         }
         let [x, y] = &mut rays.offsets;
         sampler.offsets_by_pixel(&rays.keys, samples.clone(), x, y);
-        if V::USES_TIME {
+        if self.uses_time() {
             for key in &rays.keys {
                 for sample in samples.clone() {
                     let (within, salt) = sampler.replicate(sample);
@@ -436,7 +435,9 @@ impl<V: View> RayGenerator for V {
             (rays.offsets[0][k], rays.offsets[1][k]) = (x - column, y - row);
         }
         rays.moments.clear();
-        rays.moments.resize(points.len(), 0.5);
+        if self.uses_time() {
+            rays.moments.resize(points.len(), 0.5);
+        }
         rays.look_through(self);
     }
 }

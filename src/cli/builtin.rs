@@ -126,6 +126,7 @@ pub fn model_text(
 ) -> Result<String> {
     let view = ModelView {
         size: overrides.size,
+        allow_outside: overrides.allow_outside,
         ..view.clone()
     };
     scene::model_scene(path, &view, &Budget::new(memory))

@@ -101,13 +101,18 @@ impl Rendered {
         let cost = remarks::cost(rays, self.prepared_in, self.rendered_in);
         say(quiet, &cost)?;
         say(quiet, &remarks::coverage(&self.film, plan))?;
-        say(quiet, &remarks::blackness(scene, &self.film))?;
-        say(quiet, &remarks::enclosed(scene, &self.prepared))?;
         // These look at the scene again, which is worth its time only where nothing is seen.
-        if remarks::is_black(&self.film) {
-            say(quiet, &remarks::times(scene, &mut self.prepared))?;
-            say(quiet, &remarks::shift(scene, &self.prepared))?;
+        let is_black = remarks::is_black(&self.film);
+        let (mut times, mut shift) = (String::new(), String::new());
+        if is_black {
+            times = remarks::times(scene, &mut self.prepared);
+            shift = remarks::shift(scene, &self.prepared);
         }
+        let blackness = remarks::blackness(scene, &self.film, !shift.is_empty());
+        say(quiet, &blackness)?;
+        say(quiet, &remarks::enclosed(scene, &self.prepared))?;
+        say(quiet, &times)?;
+        say(quiet, &shift)?;
         warn(quiet, &self.warnings)
     }
 }

@@ -1,12 +1,13 @@
 //! Remarks on a finished picture.
 
 use nullray::camera::Kind;
+use nullray::colour::Spectrum;
 use nullray::light::time_texture::Coverage;
 use nullray::render::film::Film;
 use nullray::render::plan::{self, Plan};
 use nullray::render::prepare::Prepared;
 use nullray::render::{enclosed, survey};
-use nullray::scene::model::Scene;
+use nullray::scene::model::{Object, Scene};
 use nullray::spacetime::Quantity;
 
 /// Rays and times.
@@ -23,8 +24,8 @@ pub fn is_black(film: &Film) -> bool {
     !film.radiance().iter().flatten().any(|value| *value > 0.0)
 }
 
-/// Why a picture is black, if it is; empty otherwise.
-pub fn blackness(scene: &Scene, film: &Film) -> String {
+/// Why a picture is black, if it is; empty otherwise. `is_shifted` says that [`shift`] tells why.
+pub fn blackness(scene: &Scene, film: &Film, is_shifted: bool) -> String {
     if !is_black(film) {
         return String::new();
     }
@@ -34,6 +35,8 @@ pub fn blackness(scene: &Scene, film: &Film) -> String {
     } else if film.met() == 0.0 {
         "no ray meets an object from its front: look elsewhere, change camera.hfov, or, from inside \
          or behind, set display.back_faces = \"two_sided\""
+    } else if is_shifted {
+        "what is in view shines, but nothing of its light is visible"
     } else {
         film.mean_coverage().map_or(UNLIT, missing)
     };
@@ -62,7 +65,8 @@ pub fn shift(scene: &Scene, prepared: &Prepared) -> String {
             short(low),
             short(high)
         ),
-        _ => String::new(),
+        Some(range) => unseen_spectra(scene, range),
+        None => String::new(),
     };
     for (light, [low, high]) in survey::unseen_lamps(scene, prepared) {
         text += &format!(
@@ -74,6 +78,31 @@ pub fn shift(scene: &Scene, prepared: &Prepared) -> String {
         );
     }
     text
+}
+
+/// Which objects shine with spectra of which nothing is visible at any of these W.
+fn unseen_spectra(scene: &Scene, [low, high]: [f64; 2]) -> String {
+    // As finely as the eye's response changes, over a range that is no wider than what is visible.
+    const PLACES: i32 = 32;
+    let is_seen = |spectrum: &Spectrum| {
+        let places = (0..=PLACES).map(|k| f64::from(k) / f64::from(PLACES));
+        let mut ratios = places.map(|part| low + (high - low) * part);
+        ratios.any(|w| spectrum.xyz_at(w).iter().any(|value| *value > 0.0))
+    };
+    let unseen = scene.objects.iter().filter(|object| {
+        let spectrum = object.spectrum.as_ref();
+        spectrum.is_some_and(|spectrum| !is_seen(spectrum))
+    });
+    let line = |object: &Object| {
+        format!(
+            "the spectrum of \"{}\" is seen with {} to {} times its wavelengths: nothing of it is visible there (see \
+             display.false_colour)\n",
+            super::info::escaped(&object.name),
+            short(low),
+            short(high)
+        )
+    };
+    unseen.map(line).collect()
 }
 
 /// Which lamps are inside objects.

@@ -100,6 +100,8 @@ pub struct Scene {
     pub exposure: Exposure,
     /// Samples per pixel (a square number is stratified evenly in both directions).
     pub samples_per_pixel: u32,
+    /// What of its files is not followed, in sentences.
+    pub passed_over: Vec<String>,
     /// Variants of the scene, in the order of the file.
     pub panels: Vec<Panel>,
     /// How they are put on one page.

@@ -58,6 +58,8 @@ pub struct ModelView {
     pub flyby: bool,
     /// Columns and rows of the picture; none: those of a scene that says nothing.
     pub size: Option<[u32; 2]>,
+    /// Whether the model may refer to files outside its own folder.
+    pub allow_outside: bool,
 }
 
 /// Where a camera moves to that looks at a model.
@@ -103,13 +105,16 @@ const SIZE: [u32; 2] = [640, 480];
 /// again.
 ///
 /// # Errors
-/// As [`gltf::load`]; a model that takes more than `budget` has; a path that is not UTF-8; a model without extent; a speed that is not below that of light;
+/// As [`gltf::load`]; a model that refers to files outside its folder, unless it may, or takes more than `budget` has; a path that is not UTF-8; a model without extent; a speed that is not below that of light;
 /// a direction of length 0.
 pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<String> {
     let name = path.to_str().ok_or_else(|| {
         let help = "rename the file, so that a scene file can name it";
         Error::unsupported(path, "path", "its name is not UTF-8 text", help)
     })?;
+    if !view.allow_outside {
+        gltf::refuse_outside(path)?;
+    }
     let ball = Ball::of(path, budget)?;
     let motion = Motion::new(path, view)?;
     let size = view.size.unwrap_or(SIZE);
@@ -199,7 +204,7 @@ impl Ball {
         let mesh = gltf::load(path, None, want)?.mesh;
         Ball::around(&mesh).ok_or_else(|| {
             let what = "its triangles have no extent that a camera could frame";
-            let help = "export a model whose triangles have an area, in metres from 1e-60 to 1e60";
+            let help = "export a model whose triangles have an area, in metres from 1e-60 to 1e28, and no corner that is not finite";
             Error::invalid(path, "meshes", what, help)
         })
     }
@@ -230,8 +235,11 @@ impl Ball {
         let [least, greatest] = seen().fold(empty, |[l, g], p| [l.min(p), g.max(p)]);
         let centre = 0.5 * least + 0.5 * greatest;
         let radius = seen().map(|p| p.distance(centre)).fold(0.0, f64::max);
-        // Squares of lengths are in range, and the sphere is larger than the last digit of where it is.
-        let seen = (1e-60..1e60).contains(&radius) && centre.length() * 1e-12 < radius;
+        // Squares of lengths and the camera's place, at most a hundred radii away, are in the range of scenes, and the sphere is larger than
+        // the last digit of where it is.
+        let seen = (1e-60..1e28).contains(&radius)
+            && centre.length() < 1e29
+            && centre.length() * 1e-12 < radius;
         seen.then_some(Ball { centre, radius })
     }
 }

@@ -247,7 +247,9 @@ impl Walk<'_> {
         entries: &[&dyn TableLike],
         path: &'p [&'p str],
     ) -> Result<(usize, &'p [&'p str])> {
-        let names = names::unique(entries.iter().map(|table| entry_names(*table)).collect());
+        let is_lights = matches!(self.place.0.as_slice(), [Step::Key(key)] if key == "light");
+        let named = entries.iter().map(|table| entry_names(*table, is_lights));
+        let names = names::unique(named.collect());
         let (word, rest) = path.split_first().map_or(("", path), |(w, r)| (*w, r));
         let by_name = names.iter().position(|name| name == word);
         let by_number = || word.parse().ok().filter(|&n: &usize| n < entries.len());
@@ -272,8 +274,8 @@ impl Walk<'_> {
     }
 }
 
-/// The name that an object or source has in the file, and the one that it has otherwise.
-fn entry_names(table: &dyn TableLike) -> (Option<String>, String) {
+/// The name that an object, a source or, as `is_lights` says, a light has in the file, and the one that it has otherwise.
+fn entry_names(table: &dyn TableLike, is_lights: bool) -> (Option<String>, String) {
     let text = |key: &str| table.get(key).and_then(Item::as_str);
     let first_key = |item: &Item| {
         let (key, _) = item.as_table_like()?.iter().next()?;
@@ -281,7 +283,9 @@ fn entry_names(table: &dyn TableLike) -> (Option<String>, String) {
     };
     let shape = table.get("shape").and_then(first_key);
     let cube = table.get("cube").and_then(Item::as_table_like);
-    let default = if table.contains_key("cube") || table.contains_key("pulse") {
+    let default = if is_lights {
+        text("type").unwrap_or("point").to_string()
+    } else if table.contains_key("cube") || table.contains_key("pulse") {
         names::source(cube.and_then(|cube| cube.get("file")?.as_str()))
     } else {
         names::object(text("gltf"), text("node"), shape.as_deref())

@@ -602,7 +602,9 @@ fn animated(folder: &Path) -> PathBuf {
 fn an_animated_node_goes_where_those_above_it_take_it() {
     let folder = tempfile::tempdir().unwrap();
     let path = animated(folder.path());
-    let tip = gltf::track(&path, "tip", Some("turn")).unwrap().points;
+    let tip = gltf::track(&path, "tip", Some("turn")).unwrap();
+    assert!(tip.turns);
+    let tip = tip.points;
     assert_eq!(tip.len(), 9);
     for (seconds, at) in tip {
         // About y, from +x towards −z.
@@ -610,7 +612,9 @@ fn an_animated_node_goes_where_those_above_it_take_it() {
         let expected = DVec3::new(2.0 * cos, 1.0, -2.0 * sin);
         assert!((at - expected).length() < 1e-7, "{at} at {seconds} s");
     }
-    let cart = gltf::track(&path, "cart", Some("drive")).unwrap().points;
+    let cart = gltf::track(&path, "cart", Some("drive")).unwrap();
+    assert!(!cart.turns);
+    let cart = cart.points;
     let side = DVec3::new(3.0, 0.0, -3.0);
     assert_eq!(
         cart,
@@ -665,11 +669,19 @@ fn cameras_and_lights_follow_animated_nodes_slower_than_light() {
         "{said}"
     );
     assert!(help.contains("speed_of_light"), "{help}");
+    assert!(driven.passed_over.is_empty());
     // The tip goes π metres in a second; between times its smooth way is hardly faster.
     let turned = scene("4 m/s", "tip", "turn").unwrap();
     let beta = turned.camera.velocity.beta().length();
     assert!((beta - std::f64::consts::FRAC_PI_4).abs() < 0.02, "{beta}");
     assert!(scene("3.1 m/s", "tip", "turn").is_err());
+    // Of its turn only the way is followed, which is said; a point light looks the same from all sides.
+    assert_eq!(turned.passed_over.len(), 1);
+    let said = &turned.passed_over[0];
+    assert!(
+        said.starts_with("the camera: node \"tip\" also turns"),
+        "{said}"
+    );
 }
 
 /// What is written for other programs and read again is lit as it was.

@@ -133,7 +133,7 @@ impl ModelArguments {
             beta: self.beta,
             direction: self.direction,
             flyby: self.flyby,
-            size: None,
+            ..ModelView::default()
         }
     }
 }

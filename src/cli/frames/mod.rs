@@ -93,7 +93,7 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
     sequence.conclude()
 }
 
-/// So many frames are named one by one as they are written.
+/// Most frames that are named one by one as they are written.
 const NAMED_ONE_BY_ONE: u64 = 12;
 
 /// A sequence that is being rendered.
@@ -254,7 +254,7 @@ impl Sequence<'_> {
 
     fn note(&mut self, number: u64, scene: &Scene, film: &Film) {
         self.done.rendered += 1;
-        let remark = remarks::blackness(scene, film);
+        let remark = remarks::blackness(scene, film, false);
         if !remark.is_empty() {
             self.done.black += 1;
             if self.done.remark.is_empty() {

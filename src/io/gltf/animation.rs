@@ -23,7 +23,7 @@ use super::accessor::{self, Layout, Purpose};
 use super::buffers::Buffers;
 use super::document::{Document, label, listed, shortened};
 use super::nodes::{Hierarchy, local, named, placing};
-use super::summary::files;
+use super::summary::refuse_outside;
 use super::warnings::Warnings;
 use crate::Result;
 
@@ -35,10 +35,14 @@ pub struct Track {
     /// Whether the node goes straight from each to the next, at constant velocity: the animation says so where it only moves nodes,
     /// linearly. Otherwise the points lie on a curve.
     pub is_straight: bool,
+    /// Whether it also turns on its way.
+    pub turns: bool,
 }
 
 /// Pieces of the way between two times where it bends.
 const PIECES: usize = 8;
+/// By more than this part of its length an axis differs that turns: ten times what f32 rounds.
+const TURN: f64 = 1e-6;
 /// The most points of a track.
 const MOST: usize = 100_000;
 
@@ -54,7 +58,10 @@ struct Channel {
 
 /// The way of the origin of the node called `node`, by the animation called `animation` or else by the only one.
 pub(super) fn track(document: &mut Document, node: &str, animation: Option<&str>) -> Result<Track> {
-    refuse_outside(document)?;
+    refuse_outside(
+        document,
+        "put the file beside it, or export the model as one .glb",
+    )?;
     let target = named(document, node)?;
     let index = chosen(document, animation)?;
     let chain = chain(document, target)?;
@@ -65,12 +72,14 @@ pub(super) fn track(document: &mut Document, node: &str, animation: Option<&str>
         let help = "name a node that the animation moves, or one below such a node";
         return Err(document.invalid(place, what, help));
     }
-    let mut points = Vec::new();
+    let (mut points, mut axes) = (Vec::new(), Vec::new());
     for seconds in times(&channels) {
         let world = chain.iter().try_fold(DAffine3::IDENTITY, |world, node| {
             Ok::<_, crate::Error>(world * posed(document, *node, &channels, seconds)?)
         })?;
         points.push((seconds, world.translation));
+        // Scale turns nothing.
+        axes.push([world.matrix3.y_axis, world.matrix3.z_axis].map(DVec3::normalize_or_zero));
     }
     if points.len() > MOST || !points.iter().all(|(_, x)| x.is_finite()) {
         let what = format!(
@@ -82,31 +91,11 @@ pub(super) fn track(document: &mut Document, node: &str, animation: Option<&str>
     Ok(Track {
         points,
         is_straight: is_straight(&channels),
+        turns: axes.iter().any(|[y, z]| {
+            let [first_y, first_z] = axes[0];
+            (*y - first_y).length() > TURN || (*z - first_z).length() > TURN
+        }),
     })
-}
-
-/// Refuses a file that refers to others outside its own folder: its data are read before anybody is asked.
-fn refuse_outside(document: &Document) -> Result<()> {
-    let own = document
-        .directory
-        .as_ref()
-        .map(|folder| match folder.as_os_str().is_empty() {
-            true => Path::new(".").canonicalize(),
-            false => folder.canonicalize(),
-        });
-    let Some(Ok(own)) = own else { return Ok(()) };
-    for other in files(document) {
-        let real = other.canonicalize().unwrap_or_else(|_| other.clone());
-        if !real.starts_with(&own) {
-            let what = format!(
-                "it refers to {}, which is outside its folder",
-                other.display()
-            );
-            let help = "put the file beside it, or export the model as one .glb";
-            return Err(document.invalid("uri", what, help));
-        }
-    }
-    Ok(())
 }
 
 /// The animation of this name, or the only one.

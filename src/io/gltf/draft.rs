@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use ::gltf::json::animation::Animation;
+
 use super::document::{Document, shortened};
 use super::import::Want;
 use super::lights;
@@ -70,10 +72,12 @@ fn warn_of_unread(document: &Document, placed: &[Placed], want: Want, warnings: 
         let what = format!("the extension {:?} is not supported", shortened(name));
         warnings.add(what, "extensionsUsed");
     }
-    let animations = document.root.animations.len() as u64;
     let what = "animations of meshes are not played: nodes stay at rest (cameras and lights follow them by \
                 motion.animation)";
-    warnings.add_many(what, "animation 0", animations);
+    let animated = animations_of_meshes(document, placed);
+    if let Some(first) = animated.first() {
+        warnings.add_many(what, &format!("animation {first}"), animated.len() as u64);
+    }
     let has_light = |&placed: &Placed| lights::index_of(document, placed.node).is_some();
     let lights: Vec<Placed> = placed.iter().copied().filter(has_light).collect();
     // Without shading nothing is lit, so that no light is missed.
@@ -89,6 +93,44 @@ fn warn_of_unread(document: &Document, placed: &[Placed], want: Want, warnings: 
             warnings.add(what, &document.node_label(placed.node));
         }
     }
+}
+
+/// Animations that move or bend a mesh of these nodes: themselves, what they hang on, or the joints of a skin.
+fn animations_of_meshes(document: &Document, placed: &[Placed]) -> Vec<usize> {
+    let nodes = &document.root.nodes;
+    let has_mesh = |node: usize| nodes.get(node).is_some_and(|node| node.mesh.is_some());
+    let mut parents = vec![None; nodes.len()];
+    for (parent, node) in nodes.iter().enumerate() {
+        for child in node.children.iter().flatten() {
+            if let Some(of_child) = parents.get_mut(child.value()) {
+                *of_child = Some(parent);
+            }
+        }
+    }
+    // Nodes with a mesh at or below them; a hierarchy that was placed has no cycles.
+    let mut carries = vec![false; nodes.len()];
+    let mut is_skinned = false;
+    for mesh in placed
+        .iter()
+        .map(|placed| placed.node)
+        .filter(|&node| has_mesh(node))
+    {
+        is_skinned |= nodes[mesh].skin.is_some();
+        let mut next = Some(mesh);
+        while let Some(node) = next.filter(|&node| !carries[node]) {
+            carries[node] = true;
+            next = parents[node];
+        }
+    }
+    let moves_mesh = |animation: &Animation| {
+        let mut targets = animation.channels.iter().map(|c| c.target.node.value());
+        is_skinned || targets.any(|node| carries.get(node).is_some_and(|carries| *carries))
+    };
+    let animations = document.root.animations.iter().enumerate();
+    animations
+        .filter(|(_, a)| moves_mesh(a))
+        .map(|(k, _)| k)
+        .collect()
 }
 
 /// The materials of the meshes of these nodes, each of which is there.

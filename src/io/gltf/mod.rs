@@ -98,6 +98,15 @@ pub fn camera(path: &Path, node: Option<&str>) -> Result<GltfCamera> {
     camera::find(&Document::open(path)?, node)
 }
 
+/// Refuses a file that refers to others outside its own folder, before any of them is read.
+///
+/// # Errors
+/// It does, or it cannot be read or is not glTF 2.0.
+pub(crate) fn refuse_outside(path: &Path) -> Result<()> {
+    let help = "put the file beside it, or allow this (--allow-outside) if you trust the file";
+    summary::refuse_outside(&Document::open(path)?, help)
+}
+
 /// The way of the origin of the node called `node`, by the animation called `animation`, or else by the only one of the file.
 /// Its data lie in the file, or in its folder.
 ///

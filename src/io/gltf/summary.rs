@@ -1,7 +1,7 @@
 //! What a file holds, from its JSON alone.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
@@ -113,6 +113,29 @@ pub(super) fn files(document: &Document) -> Vec<PathBuf> {
         _ => None,
     });
     paths.collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+/// Refuses a file that refers to others outside its own folder; `help` says what to do instead.
+pub(super) fn refuse_outside(document: &Document, help: &str) -> Result<()> {
+    let own = document
+        .directory
+        .as_ref()
+        .map(|folder| match folder.as_os_str().is_empty() {
+            true => Path::new(".").canonicalize(),
+            false => folder.canonicalize(),
+        });
+    let Some(Ok(own)) = own else { return Ok(()) };
+    for other in files(document) {
+        let real = other.canonicalize().unwrap_or_else(|_| other.clone());
+        if !real.starts_with(&own) {
+            let what = format!(
+                "it refers to {}, which is outside its folder",
+                other.display()
+            );
+            return Err(document.invalid("uri", what, help));
+        }
+    }
+    Ok(())
 }
 
 /// The materials of the pieces, each once, in order of their first use.

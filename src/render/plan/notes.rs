@@ -152,6 +152,7 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
             scene.medium_index
         ));
     }
+    notes.extend(scene.passed_over.iter().cloned());
     for object in &plan.objects {
         let file = object.file.as_ref().map(|file| file.display().to_string());
         // A scene that was made for a model has the lights of its file.

@@ -49,7 +49,7 @@ pub struct Prepared {
     pub warnings: Vec<String>,
     /// How long the trees took to build, seconds.
     pub built_in: f64,
-    /// Memory that the plan leaves to what nobody could foretell, bytes.
+    /// Memory that the plan leaves to what no plan can estimate, bytes.
     pub memory_left: u64,
 }
 
@@ -61,7 +61,7 @@ impl Prepared {
     pub fn new(scene: &Scene, plan: &Plan, progress: &dyn Progress) -> Result<Prepared> {
         let camera = Camera::new(scene)?;
         let mut light = emitters::Builder::new(scene, plan);
-        let mut warnings = Vec::new();
+        let mut warnings = scene.passed_over.clone();
         // A frame for each velocity: meshes, their materials, and a tree.
         let (frames, built_in) =
             geometry::frames(scene, plan, &mut light, &mut warnings, progress)?;

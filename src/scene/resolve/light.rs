@@ -157,15 +157,13 @@ fn area(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<LightKind
     cx.exclusive((radiance, "radiance"), (power, "power"))?;
     let emission = emission(cx, &at.value.emission)?;
     // Delays in a medium are those of what rests in it.
-    let moves = !objects[object].velocity.is_rest();
-    if let Some(said) = (at.value.emission.as_ref()).filter(|_| moves && around.index != 1.0) {
+    if around.index != 1.0 && !objects[object].velocity.is_rest() {
         let what = format!(
             "{} moves in a medium of index {}",
             quoted(&name.value),
             around.index
         );
-        let help = "when the light of a moving surface arrives through a medium is not computed: leave `emission` out, or index = 1";
-        return Err(cx.refuse(said, what, help));
+        return Err(cx.refuse(name, what, ALL_IN_VACUUM));
     }
     Ok(LightKind::Area {
         object,

@@ -25,11 +25,13 @@ mod transform;
 pub(crate) mod velocity;
 mod worldline;
 
+use super::at::At;
 use super::file;
 use super::inputs::Inputs;
 use super::model::Scene;
 use super::report::Report;
 use crate::error::{Error, Result};
+use crate::spacetime::units::quoted;
 pub(crate) use context::Context;
 pub(super) use context::{GLTF, NUMBERS, SPECTRUM, has_extension};
 pub(crate) use kinematics::{CameraMotion, Kinematics, ObjectMotion};
@@ -47,7 +49,13 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
     let camera = camera::resolve(&cx, said)?;
     let continuation = radiance::continuation(&file.radiance, &file.source);
     // Objects first: lights and sources name them.
-    let mut objects = object::resolve_all(&cx, &file.object, &said.span, continuation)?;
+    let mut objects = object::resolve_all(
+        &cx,
+        &file.object,
+        &said.span,
+        file.sky.is_some(),
+        continuation,
+    )?;
     let flash_times = settings::isochrones(&cx, &file.display, &camera, &objects)?;
     let quantity = radiance::resolve(&cx, &file.radiance)?;
     let around = light::Around {
@@ -92,6 +100,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
             .map(|at| at.value.clone()),
         exposure: settings::exposure(&cx, &file.display)?,
         samples_per_pixel: settings::samples_per_pixel(&cx, &file.display)?,
+        passed_over: passed_over(&cx, file)?,
         panels: panel::resolve_all(&cx, &file.panel)?,
         sheet: panel::sheet(&cx, &file.sheet)?,
         text: cx.report.text.to_string(),
@@ -104,6 +113,35 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
     sky::check(&cx, file, &scene)?;
     equations::check(&cx, file, &scene)?;
     Ok(scene)
+}
+
+/// Turns of animated nodes: the world lines of cameras and lights follow positions alone.
+fn passed_over(cx: &Context, file: &file::Scene) -> Result<Vec<String>> {
+    let mut sentences = Vec::new();
+    let mut look = |thing: &str, motion: &Option<At<file::Motion>>, remedy: &str| -> Result<()> {
+        let animation = motion.as_ref().and_then(|at| at.value.animation.as_ref());
+        if let Some(file::Animation { gltf, node, .. }) = animation.map(|at| &at.value)
+            && cx.gltf_track(&gltf)?.turns
+        {
+            sentences.push(format!(
+                "{thing}: node {} also turns in its animation, of which only positions are followed: {remedy}",
+                quoted(&node.value)
+            ));
+        }
+        Ok(())
+    };
+    if let Some(camera) = &file.camera {
+        let remedy = "give [camera.rotation], or look_at for each time";
+        look("the camera", &camera.value.motion, remedy)?;
+    }
+    for light in &file.light {
+        // A point light looks the same from all sides.
+        if light.value.kind.value == file::LightType::Spot {
+            let remedy = "the spot keeps its direction";
+            look("a spot light", &light.value.motion, remedy)?;
+        }
+    }
+    Ok(sentences)
 }
 
 /// A sky takes the place of the background.

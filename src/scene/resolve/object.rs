@@ -16,17 +16,17 @@ use crate::scene::values::Number;
 use crate::spacetime::Event;
 use crate::spacetime::units::quoted;
 
-/// All objects; `camera` is where a scene without any is pointed at, `continuation` that of RGB spectra.
+/// All objects; `camera` is where a scene is pointed at that has none, nor a sky, `continuation` that of RGB spectra.
 pub(super) fn resolve_all(
     cx: &Context,
     objects: &[At<file::Object>],
     camera: &Range<usize>,
+    has_sky: bool,
     continuation: Continuation,
 ) -> Result<Vec<Object>> {
-    if objects.is_empty() {
-        let what = "the scene has no object: there is nothing for this camera to see";
-        let help =
-            "add [[object]] with gltf = \"file.glb\" or shape = { box = { size = [1, 1, 1] } }";
+    if objects.is_empty() && !has_sky {
+        let what = "the scene has no object and no sky: there is nothing for this camera to see";
+        let help = "add [[object]] with gltf = \"file.glb\" or shape = { box = { size = [1, 1, 1] } }, or [sky]";
         return Err(cx.report.refuse(camera, what, help));
     }
     refuse_duplicates(

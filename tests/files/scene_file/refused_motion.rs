@@ -102,6 +102,7 @@ cases! { ROTATION:
 }
 
 cases! { PAPER:
+    "[medium]" => "[[light]]\ntype = \"area\"\nobject = \"ship\"\nradiance = 1\n[medium]" at "light[0].object" "\"ship\"": "ship\" moves in a medium of index 1.5", "let the lamp rest";
     "[medium]" => "model = \"paper\"\n[medium]" at "model" "\"paper\"": "paper is not one of exact, paper2015", "Jarabo";
     "[medium]" => "model = \"paper2015\"\n[medium]" at "object[2].velocity" "{ beta = [0.5, 0, 0] }": "the paper's world is static, and \"ship\" moves", "model = \"exact\"";
 }

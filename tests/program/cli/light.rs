@@ -14,6 +14,72 @@ fn entry(folder: &Folder, name: &str, key: &str) -> Option<String> {
 }
 
 #[test]
+fn a_sky_alone_is_a_scene() {
+    let folder = Folder::new();
+    let scene = |sky: &str| {
+        format!(
+            "[camera]\neye = [0, 0, 0]\nlook_at = [0, 0, -1]\nhfov = \"90 deg\"\nsize = [32, 24]\n\
+             velocity = {{ beta = 0.9, direction = [0, 0, -1] }}\n{sky}"
+        )
+    };
+    let sky = "[sky]\ngradient = {}\n[radiance]\nquantity = \"rgb\"\n";
+    folder.write("sky.toml", scene(sky));
+    folder.ok(&["plan", "sky.toml"]);
+    folder.ok(&["render", "sky.toml", "-o", "alone.npz"]);
+    // Something small behind the camera changes nothing.
+    let behind =
+        "[[object]]\nshape = { sphere = { radius = 0.1 } }\norigin = { position = [0, 0, 50] }\n";
+    folder.write("behind.toml", scene(&format!("{sky}{behind}")));
+    folder.ok(&["render", "behind.toml", "-o", "behind.npz"]);
+    let equal = [
+        "compare",
+        "behind.npz",
+        "alone.npz",
+        "--tolerance",
+        "radiance.max=0",
+    ];
+    folder.ok(&equal);
+    // Without one there is nothing at all.
+    folder.write("nothing.toml", scene(""));
+    refused(
+        &folder,
+        &["render", "nothing.toml"],
+        &["nothing.toml:1:", "no object and no sky", "[sky]"],
+    );
+}
+
+#[test]
+fn a_spectrum_out_of_sight_is_told_and_no_other_time_is_advised() {
+    let folder = Folder::new();
+    folder.write(
+        "line.toml",
+        "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nhfov = \"20 deg\"\nsize = [24, 16]\n\
+         velocity = { beta = 0.5, direction = [0, 0, -1] }\n\
+         [[object]]\nshape = { sphere = { radius = 1 } }\nspectrum = { line = \"589 nm\" }\n\
+         [radiance]\nquantity = \"rgb\"\n",
+    );
+    let said = folder.ok(&["render", "line.toml", "-o", "line.png"]);
+    assert!(
+        said.contains("the spectrum of \"sphere\" is seen with 0.57"),
+        "{said}"
+    );
+    assert!(said.contains("nothing of its light is visible"), "{said}");
+    assert!(!said.contains("another --time"), "{said}");
+}
+
+#[test]
+fn lights_without_a_name_are_set_by_the_names_of_their_types() {
+    let folder = Folder::new();
+    let light = "[[light]]\nposition = [0, 3, 0]\n";
+    folder.write("lamps.toml", format!("{SMALL}{light}{light}"));
+    let plan = |intensity: &str| folder.ok(&["plan", "lamps.toml", "--set", intensity]);
+    plan("light.point.intensity=3");
+    plan("light.point-2.intensity=3");
+    let lost = ["plan", "lamps.toml", "--set", "light.lamp.intensity=3"];
+    refused(&folder, &lost, &["\"point\", \"point-2\""]);
+}
+
+#[test]
 fn frames_can_have_one_exposure() {
     let folder = folder();
     let options = [

@@ -185,6 +185,18 @@ fn what_cannot_be_framed_is_refused() {
     refused(&["scene.toml", "--beta", "0.5"], "this is a scene");
     refused(&["scene.toml", "--flyby"], "this is a scene");
     refused(&["missing.glb"], "missing.glb");
+    // Nothing of other folders is read, whoever wrote the file.
+    let text = String::from_utf8(folder.read("model.gltf")).unwrap();
+    std::fs::create_dir(folder.path("below")).unwrap();
+    folder.write(
+        "below/model.gltf",
+        text.replace("model.bin", "../model.bin"),
+    );
+    refused(&["below/model.gltf"], "outside its folder");
+    render(
+        &folder,
+        &["below/model.gltf", "--allow-outside", "-o", "below.png"],
+    );
     folder.write("model.bin", [0; 72]);
     refused(&["model.gltf"], "its triangles have no extent");
     folder.write("model.bin", [0; 7]);

@@ -296,7 +296,7 @@ fn noise(name: &str, side: usize, channels: &[&str], shift: usize) -> Picture {
 }
 
 #[test]
-fn comparing_takes_what_is_foretold() {
+fn comparing_takes_no_more_than_is_estimated() {
     let _alone = ALONE.lock();
     const RGB: [&str; 3] = ["radiance.R", "radiance.G", "radiance.B"];
     let all: Vec<&str> = nullray::render::aov::Aov::ALL
@@ -330,7 +330,7 @@ fn comparing_takes_what_is_foretold() {
         {
             samples[100] = f32::NAN;
         }
-        let foretold = working_memory(&reference, &candidate, options);
+        let estimated = working_memory(&reference, &candidate, options);
         let folder = tempfile::tempdir().unwrap();
         let peak = counting::peak_of(|| {
             let found = compare(&reference, &candidate, options).unwrap();
@@ -344,8 +344,8 @@ fn comparing_takes_what_is_foretold() {
             }
         }) as u64;
         let each = peak / (side * side) as u64;
-        println!("{what}, {side}: {each} per pixel, {peak} taken, {foretold} foretold");
-        wrong |= peak > foretold || foretold > 4 * peak;
+        println!("{what}, {side}: {each} per pixel, {peak} taken, {estimated} estimated");
+        wrong |= peak > estimated || estimated > 4 * peak;
     }
     assert!(!wrong);
 }

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 const PAGE: usize = 1 << 21;
 /// Arrays of fewer bytes are not worth a memory map of their own.
 const LARGE: usize = 2 * PAGE;
-/// So many numbers are made by one thread.
+/// Number of elements that one thread makes at a time.
 const CHUNK: usize = 1 << 12;
 
 /// In which pages an array should lie.

@@ -36,7 +36,7 @@ pub(crate) fn dispatch(work: impl VectorLoop) {
     work.run();
 }
 
-/// So many numbers go through a loop together. In arrays of this size on the stack the compiler knows that none is part of
+/// Number of elements that a loop takes together. In arrays of this size on the stack the compiler knows that none is part of
 /// another, and that no index is beyond their ends: it asks neither.
 pub(crate) const BLOCK: usize = 64;
 

@@ -123,7 +123,7 @@ impl Bend {
     }
 }
 
-/// Foretells which edge lengths keep all that `scene`, prepared as `prepared`, shows within `pixels` of its
+/// Estimates which edge lengths keep all that `scene`, prepared as `prepared`, shows within `pixels` of its
 /// place.
 ///
 /// # Errors

@@ -337,7 +337,7 @@ fn light(arguments: &FilmArguments, scene: &Scene) -> Result<Take> {
     })
 }
 
-/// So many times as long as the light that is in view for the shortest time, light of others does not count: it shines on.
+/// Light that is in view more than this many times as long as that of the shortest time does not count: it shines on.
 const SHINING_ON: f64 = 10.0;
 
 /// The times from the first to the last of those ranges that are not far longer than the shortest.

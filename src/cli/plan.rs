@@ -43,7 +43,7 @@ pub fn run(arguments: &PlanArguments) -> Result<()> {
     let method = &arguments.method.method;
     method.explain_cuts(&scene, &mut plan, LOADED)?;
     let bar = Bar::new(plan.rays.camera, arguments.json.on).named("what will be read".into());
-    render::foretell(&scene, &mut plan, &bar)?;
+    render::estimate_reads(&scene, &mut plan, &bar)?;
     drop(bar);
     let cubes = plan.cubes.iter().flatten().map(|cube| cube.bytes);
     let bytes: u64 = cubes.sum();

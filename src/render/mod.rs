@@ -7,8 +7,8 @@
 pub mod aov;
 pub mod bake;
 pub mod enclosed;
+mod estimate_reads;
 pub mod film;
-mod foretell;
 pub(crate) mod identities;
 pub mod journal;
 pub mod metadata;
@@ -22,6 +22,6 @@ mod tiles;
 pub mod tonemap;
 pub mod trace;
 
-pub use foretell::foretell;
+pub use estimate_reads::estimate_reads;
 pub(crate) use tiles::render_tiles;
 pub use tiles::{render, render_with_stats};

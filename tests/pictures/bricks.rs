@@ -1,5 +1,5 @@
 //! Cubes that are larger than the memory limit: pictures have the bits of cubes in memory, and as much is read as was
-//! foretold.
+//! estimated.
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufWriter, Seek, SeekFrom, Write};
@@ -7,8 +7,8 @@ use std::path::Path;
 
 use nullray::error::{Error, Result};
 use nullray::io::cube::BytesRead;
+use nullray::render::estimate_reads;
 use nullray::render::film::Film;
-use nullray::render::foretell;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
@@ -250,18 +250,18 @@ fn plain(folder: &TempDir) {
 }
 
 #[test]
-fn as_much_is_read_as_was_foretold_and_nothing_twice_where_there_is_room() {
+fn as_much_is_read_as_was_estimated_and_nothing_twice_where_there_is_room() {
     let folder = tempfile::tempdir().unwrap();
     plain(&folder);
     for mapping in [UV, CAPTURE] {
         let scene = scene(&folder, "HWT", "cubic_means", mapping);
         let mut plan = plan(&scene, Some(64 << 20));
-        foretell(&scene, &mut plan, &Silent).unwrap();
-        let foretold = plan.cubes[0].as_ref().unwrap().read.unwrap();
+        estimate_reads(&scene, &mut plan, &Silent).unwrap();
+        let estimated = plan.cubes[0].as_ref().unwrap().read.unwrap();
         let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
         let (_, stats) = render_with_stats(&prepared, &Silent).unwrap();
         let BytesRead { all, again } = stats.disk;
-        assert_eq!((all, again), (foretold, 0));
+        assert_eq!((all, again), (estimated, 0));
         // Each of 5,120 pixels has two samples of four texels, each in two bricks at the most.
         assert!(all > 1 << 20 && all <= 5120 * 2 * 4 * 2 * 4096, "{all}");
         // What is there already is not read for the next picture.

@@ -2,8 +2,8 @@
 //!
 //! Segments that converge, as those to a lamp do, are traced from where they end: d turns round and s counts
 //! from `s_max` back. The line is the same, and so are U, V, W and Δ but for the sign of all. A hit that is
-//! certainly between the ends and certainly inside the triangle blocks; one that isn't certainly not is
-//! left to f64.
+//! certainly between the ends and certainly inside the triangle blocks; one that f32 can neither confirm nor
+//! rule out is decided in f64.
 //!
 //! **(A1) Ends.** τ of a segment's ends is rounded to f32, and τ of a hit as single rays compute it is off by
 //! 2⁻³⁶(1 + τ) ((K4) of [`block`](super::block)): both far below r τ + a with r = 2⁻²⁰ and a = 2⁻²⁴. The ends in the block

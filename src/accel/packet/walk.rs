@@ -23,7 +23,7 @@
 //! **(W3) Slabs.** The ray is at a plane p at t = p/d − r/d, one multiplication and subtraction with 1/d and r/d in f32, |d| not below
 //! 2⁻⁶⁰ (S4). With |p| ≤ 1 the rounding of 1/d makes v/|d|, that of the product, where it is rounded, as much, that of r/d
 //! v |r/d|, and r is off by ρ: less than m = (v (2.1 + 1.1 |r|) + ρ)/|d| in all. Planes where the ray enters take r/d + m, those where it
-//! leaves r/d − m. What is then rounded last are a number that is not late, and one that is not early; and rounding keeps their order.
+//! leaves r/d − m. So after the last rounding no entry is too late and no exit too early: rounding keeps the order of numbers.
 
 use super::any_hits::SegmentSet;
 use super::lanes::{Boxes, Given, Lines, next_lane};
@@ -144,11 +144,11 @@ impl<S: SegmentSet, T: Tally> Task for AnySingles<'_, S, T> {
     }
 }
 
-/// So many rays are on their ways at the same time: enough that none waits for the memory alone, and so few that what has come for one is
-/// still in the nearest cache at its turn (measured with 8 to 64).
+/// Rays in flight: enough to hide the latency of memory, and few enough that what was fetched for one is still in the nearest cache at its
+/// turn (measured with 8 to 64).
 const SLOTS: usize = 32;
 
-/// So many children may wait for each ray. A node leaves all its children but the one that is taken next; eight are written, however many
+/// Number of children that may wait for each ray. A node leaves all its children but the one that is taken next; eight are written, however many
 /// there are, and eight are read, though fewer wait.
 const STACK: usize = 256;
 /// Levels of nodes for which that is enough. Rays through deeper trees, which are rare, are left.

@@ -38,9 +38,9 @@ use crate::render::trace::{BuildPlaceHasher, SharedVertices};
 const DEEPEST: u32 = 30;
 /// Lengths that are the same but for rounding count as such.
 const SAME: f64 = 1.0 - 1e-12;
-/// The edges of so many triangles are looked at together.
+/// Number of triangles whose edges are looked at together.
 const LOT: usize = 64;
-/// By so many triangles of a batch it is foretold into how many they will be divided.
+/// Number of triangles of a batch by which it is estimated into how many all will be divided.
 const ENOUGH: usize = 1024;
 
 /// How many points triangles have been cut at so far, in all batches.
@@ -54,11 +54,11 @@ pub(super) struct Cuts {
 impl Cuts {
     /// The most that are kept however much memory there is.
     const MOST: usize = 1 << 24;
-    /// So many are counted at once.
+    /// Number of cuts that are counted at once.
     const LOT: usize = 1 << 10;
     /// What one takes at most: it, its two pieces, and what is kept to divide them.
     pub const BYTES: u64 = 400;
-    /// So many times as many as may be have to be foretold before they are refused untried: forecasts from few triangles overrate
+    /// Triangles are refused untried only if the estimate exceeds the limit by this factor: estimates from few triangles overrate
     /// those that bend in one place alone.
     const MARGIN: f64 = 8.0;
     /// From this part of as many as may be on, smaller triangles are asked.
@@ -87,7 +87,7 @@ impl Cuts {
         self.count.load(Ordering::Relaxed) > self.most
     }
 
-    /// What is known of the end by about so many cuts more, foretold from so many triangles.
+    /// What is known of the end by about this many cuts more, estimated from this many triangles.
     pub fn outlook(&self, more: f64, triangles: usize) -> Outlook {
         let all = self.count.load(Ordering::Relaxed) as f64 + more;
         let most = self.most as f64;
@@ -119,7 +119,7 @@ impl Cuts {
 /// What a forecast says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Outlook {
-    /// The limit holds what is foretold, or it is tried.
+    /// The estimate is within the limit, or division is tried.
     Enough,
     /// Smaller triangles tell.
     Uncertain,
@@ -194,7 +194,7 @@ impl<'a> BatchBuilder<'a> {
         self.level.push(Part { corners, slot });
     }
 
-    /// Divides until there are enough triangles to foretell by, or none that is to be divided. Most are straight enough as they are:
+    /// Divides until there are enough triangles to estimate from, or none that is to be divided. Most are straight enough as they are:
     /// those are kept at once, and not asked again.
     pub fn begin(&mut self) {
         while (self.depth == 0 || self.level.len() < ENOUGH) && self.is_unfinished() {

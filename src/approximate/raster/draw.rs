@@ -73,7 +73,7 @@ pub(super) struct Strip {
 }
 
 impl Strip {
-    /// So many samples of a strip are a batch of shading, at most, unless a row of pixels has more.
+    /// Most samples of a strip that are shaded in one batch, unless a row of pixels has more.
     const SAMPLES: u32 = TILE * TILE;
 
     /// Rows of a strip whose pixels have `each` samples.

@@ -148,7 +148,7 @@ fn attributes(projection: &Projection, x: DVec3) -> [f64; 2] {
     })
 }
 
-/// So many samples of a run are worked out together: four f64 are a vector of AVX2. Most runs of small triangles are not much longer.
+/// Number of samples of a run that are worked out together: four f64 are a vector of AVX2. Most runs of small triangles are not much longer.
 const LANES: usize = 4;
 
 /// Samples in a row that see one surface.

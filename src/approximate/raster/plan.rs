@@ -1,4 +1,4 @@
-//! What the methods need beside the ray tracer, foretold, and what they refuse.
+//! Estimates of what the methods need beside the ray tracer, and what they refuse.
 
 use super::batch::Piece;
 use super::divide::{Cuts, cuts_of};

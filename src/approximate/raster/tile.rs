@@ -29,7 +29,7 @@ const SIDE: usize = TILE as usize;
 /// Bound on the rounding of 1/z, per n |a| + n |b| + |c|.
 const ROUNDING: f64 = 4.0 / (1u64 << 24) as f64;
 
-/// So many samples go through the loops together: eight f32 are a vector of AVX2.
+/// Number of samples that loops take together: eight f32 are a vector of AVX2.
 const LANES: usize = 8;
 /// Blocks of the samples of a strip: as many as a tile has pixels.
 const BLOCKS: usize = SIDE * SIDE / LANES;
@@ -157,7 +157,7 @@ pub(super) struct TileBuffers {
     samples: Box<Samples>,
 }
 
-/// So many triangles are set up together.
+/// Number of triangles that are set up together.
 const LOT: usize = 32;
 
 impl Default for TileBuffers {
@@ -240,7 +240,7 @@ impl TileBuffers {
         });
     }
 
-    /// Chooses the triangles that may hold a sample, one of which each pixel of the tile has, in rows of `width`.
+    /// Selects the triangles that may cover a sample, where each pixel of the tile has one sample, in rows of `width`.
     fn choose(&mut self, pieces: &Pieces, width: usize) {
         let [left, top] = self.corner.map(|first| first as f32);
         let (x, y) = (self.samples.x.as_flattened(), self.samples.y.as_flattened());
@@ -266,7 +266,7 @@ impl TileBuffers {
                     | holds(column, last_row)
                     | holds(last_column, last_row)
             };
-            // Without a branch, which nothing foretells.
+            // Without a branch, which no processor could predict.
             self.chosen[count] = index;
             count += usize::from(holds_some);
         }

@@ -18,9 +18,9 @@ use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::trace::{Dependence, RestFrame};
 
-/// So many triangles make a batch, in scenes that have enough of them.
+/// Number of triangles of a batch, in scenes that have enough of them.
 const BATCH: u32 = 4096;
-/// So many batches a rest frame is divided into, where they are smaller.
+/// Number of batches that a rest frame is divided into, where they are smaller.
 const BATCHES: u32 = 16;
 
 /// All triangles of a scene in homogeneous film coordinates.

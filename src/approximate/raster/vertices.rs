@@ -8,7 +8,7 @@ use crate::approximate::projection::{Apparent, Projection, VertexBlock};
 
 pub(super) use crate::approximate::projection::ApparentVertex as Vertex;
 
-/// So many are one task.
+/// Number of vertices of a task.
 const TASK: usize = 64 * BLOCK;
 
 /// A vertex that has yet to be transformed.

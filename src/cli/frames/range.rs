@@ -63,7 +63,7 @@ impl Shot {
 enum Pace {
     /// Each is given.
     Shots(Vec<Shot>),
-    /// So many per second of camera time.
+    /// A number per second of camera time.
     Rate {
         per_second: f64,
         metres_per_second: f64,
@@ -145,7 +145,7 @@ impl Frames {
         }
     }
 
-    /// So many frames, the first at one camera time and the last at the other, metres.
+    /// A number of frames, the first at one camera time and the last at the other, metres.
     ///
     /// # Errors
     /// A last time that is not after the first.

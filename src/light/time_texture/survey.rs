@@ -318,7 +318,7 @@ fn other_unit([first, last]: [f64; 2], [nearest, farthest]: [f64; 2]) -> Option<
     }
 }
 
-/// So many bins later, no more than `tolerated` of the light is too early.
+/// How many bins later no more than `tolerated` of the light is too early.
 fn lack(by_lack: &BTreeMap<u64, f64>, tolerated: f64) -> u64 {
     let mut left = tolerated;
     let mut later = by_lack.iter().rev().skip_while(|(_, light)| {

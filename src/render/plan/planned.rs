@@ -67,7 +67,7 @@ pub struct Plan {
     pub memory: Memory,
     /// The most memory that may be taken, bytes: [`prepare`](crate::render::prepare) keeps textures within it.
     pub memory_limit: u64,
-    /// Whether parts of cubes that would be read are only counted: for [`foretell`](crate::render::foretell).
+    /// Whether parts of cubes that would be read are only counted: for [`estimate_reads`](crate::render::estimate_reads).
     #[serde(skip)]
     pub(crate) counts_only: bool,
     /// What is not done, and why.
@@ -153,7 +153,7 @@ pub struct PlannedCube {
     /// Bytes that may be held of it at a time, where it is read from disk in parts, as they are needed; none where it
     /// is loaded whole.
     pub held: Option<u64>,
-    /// Bytes that will be read of it then, as far as that was [foretold](crate::render::foretell).
+    /// Bytes that will be read of it then, as far as that was [estimated](crate::render::estimate_reads).
     pub read: Option<u64>,
 }
 

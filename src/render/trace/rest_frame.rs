@@ -134,7 +134,7 @@ impl RestFrame {
     #[inline]
     pub(super) fn patch_and_end(&self, triangle: u32) -> (&Patch, u32) {
         let is_begun = |patch: &Patch| patch.first <= triangle;
-        // Of few patches all are asked, without a branch that could be foretold wrongly.
+        // Of few patches all are asked, without a branch that could be mispredicted.
         let after = match self.patches.len() {
             0..=16 => self.patches.iter().map(|p| usize::from(is_begun(p))).sum(),
             _ => self.patches.partition_point(is_begun),

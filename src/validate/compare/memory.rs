@@ -1,4 +1,4 @@
-//! How much memory comparing takes, foretold, so that it can be refused before it is begun.
+//! An estimate of how much memory comparing takes, so that it can be refused before it is begun.
 //!
 //! By pixel, measured with a counting allocator over pictures of light alone, of all channels, grey and with NaN: the search
 //! for curves that the light went through takes most (161 bytes), and is let go of before pictures of errors are made.

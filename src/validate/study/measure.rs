@@ -408,7 +408,7 @@ struct ResidentMemory(Option<u64>);
 impl ResidentMemory {
     /// Takes note, and has the system count the peak from here.
     fn now() -> Self {
-        // Where that is not possible the peak of before is not known to be over.
+        // If the counter cannot be reset, it may still hold an earlier peak.
         let reset = fs::write("/proc/self/clear_refs", "5");
         ResidentMemory(reset.ok().and_then(|()| status("VmRSS:")))
     }

@@ -123,7 +123,7 @@ fn a_huge_cube_is_planned_from_its_header() {
         "{text}"
     );
 
-    // What does not fit is read in parts: as many as the plan foretells, and no more than that is held.
+    // What does not fit is read in parts: as many as the plan estimates, and no more than that is held.
     let limit = ["--memory", "96MiB"];
     let text = folder.ok(&[&["plan", "scene.toml"], &limit[..]].concat());
     let row = text
@@ -164,7 +164,7 @@ fn what_does_not_fit_even_in_parts_is_refused() {
     );
 }
 
-/// Bytes of the parts of the memory that a plan foretells.
+/// Bytes of the parts of the memory that a plan estimates.
 fn memory(folder: &Folder, options: &[&str]) -> Value {
     let text = folder.ok(&[&["plan", "scene.toml", "--json"], options].concat());
     let plan: Value = serde_json::from_str(&text).unwrap();

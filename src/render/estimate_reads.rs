@@ -18,7 +18,7 @@ const RAYS: u64 = 1 << 22;
 ///
 /// # Errors
 /// As [`Prepared::new`].
-pub fn foretell(scene: &Scene, plan: &mut Plan, progress: &dyn Progress) -> Result<()> {
+pub fn estimate_reads(scene: &Scene, plan: &mut Plan, progress: &dyn Progress) -> Result<()> {
     if plan.cubes.iter().flatten().all(|cube| cube.held.is_none()) {
         return Ok(());
     }

@@ -329,6 +329,34 @@ fn row(rows: &[[u32; 8]], number: u32) -> &[u32; 8] {
     rows.get(number as usize).unwrap_or(NOTHING)
 }
 
+/// Fills `to`, axis by axis, with the vectors of these numbers times their factors; with zeros for those that are not there.
+pub(crate) fn gather_vectors(
+    from: &[DVec3],
+    numbers: &[u32; BLOCK],
+    factors: &Block,
+    to: [&mut Block; 3],
+) {
+    #[cfg(target_arch = "x86_64")]
+    if x86::has_avx2() {
+        // SAFETY: the processor has just been asked for these instructions.
+        return unsafe { x86::gather_vectors(from, numbers, factors, to) };
+    }
+    gather_vectors_singly(from, numbers, factors, to);
+}
+
+/// The same without vectors.
+fn gather_vectors_singly(
+    from: &[DVec3],
+    numbers: &[u32; BLOCK],
+    factors: &Block,
+    [x, y, z]: [&mut Block; 3],
+) {
+    for (k, number) in numbers.iter().enumerate() {
+        let v = from.get(*number as usize).copied().unwrap_or_default() * factors[k];
+        (x[k], y[k], z[k]) = (v.x, v.y, v.z);
+    }
+}
+
 /// Takes each of `rgb` to the matrix at its place times it, times its factor and the gain of all. Places are numbers of matrices and parts of the
 /// way to the next; where there is no matrix of a number, `rgb` stays as it is.
 pub(crate) fn shift_each(
@@ -415,7 +443,9 @@ pub(crate) fn prefetch_all<T>(what: &T) {
 
 #[cfg(target_arch = "x86_64")]
 pub(super) mod x86 {
-    use super::{BLOCK, Block, ShiftMatrix, VectorLoop, row};
+    use glam::DVec3;
+
+    use super::{BLOCK, Block, ShiftMatrix, VectorLoop, gather_vectors_singly, row};
 
     /// Whether [`avx512`] may be called.
     #[inline]
@@ -441,6 +471,46 @@ pub(super) mod x86 {
     #[target_feature(enable = "avx2")]
     pub fn avx2(work: impl VectorLoop) {
         work.run();
+    }
+
+    /// Four vectors at a time are loaded with a number more each, and taken apart by axis.
+    #[target_feature(enable = "avx2")]
+    pub fn gather_vectors(
+        from: &[DVec3],
+        numbers: &[u32; BLOCK],
+        factors: &Block,
+        [x, y, z]: [&mut Block; 3],
+    ) {
+        use std::arch::x86_64::{
+            __m256d, _mm256_loadu_pd, _mm256_mul_pd, _mm256_permute2f128_pd, _mm256_storeu_pd,
+            _mm256_unpackhi_pd, _mm256_unpacklo_pd,
+        };
+        // After the last vector there is no number more.
+        let last = numbers.iter().fold(0, |last, number| last.max(*number));
+        if last as usize + 1 >= from.len() {
+            return gather_vectors_singly(from, numbers, factors, [x, y, z]);
+        }
+        let load = |number: u32| -> __m256d {
+            // SAFETY: this vector and the next one are there, and four numbers are loaded, which need no alignment.
+            unsafe { _mm256_loadu_pd(from.as_ptr().add(number as usize).cast()) }
+        };
+        for begin in (0..BLOCK).step_by(4) {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k| load(numbers[begin + k]));
+            // SAFETY: a block has four numbers from there on, which need no alignment.
+            let factor = unsafe { _mm256_loadu_pd(factors.as_ptr().add(begin)) };
+            // x and z of pairs, and y; then of all four.
+            let (xz, xz_last) = (_mm256_unpacklo_pd(a, b), _mm256_unpacklo_pd(c, d));
+            let (y_first, y_last) = (_mm256_unpackhi_pd(a, b), _mm256_unpackhi_pd(c, d));
+            let all = [
+                _mm256_permute2f128_pd::<0x20>(xz, xz_last),
+                _mm256_permute2f128_pd::<0x20>(y_first, y_last),
+                _mm256_permute2f128_pd::<0x31>(xz, xz_last),
+            ];
+            for (to, all) in [&mut *x, &mut *y, &mut *z].into_iter().zip(all) {
+                // SAFETY: as above.
+                unsafe { _mm256_storeu_pd(to.as_mut_ptr().add(begin), _mm256_mul_pd(all, factor)) };
+            }
+        }
     }
 
     /// A column of the matrix in a vector.
@@ -601,6 +671,30 @@ mod tests {
                 let is_there = number < 100;
                 let expected = if is_there { word(number, at as u32) } else { 0 };
                 assert_eq!(column[k], expected);
+            }
+        }
+    }
+
+    #[test]
+    fn vectors_are_gathered_axis_by_axis_and_those_that_are_not_there_are_zeros() {
+        let vectors: Vec<DVec3> = (0..100)
+            .map(|k| DVec3::new(f64::from(k), 0.5 + f64::from(k), -f64::from(k)))
+            .collect();
+        let factors: Block = std::array::from_fn(|k| if k % 3 == 0 { -1.0 } else { 0.5 });
+        // All before the last one; among them the last one; and some that are not there.
+        for end in [99, 100, 103] {
+            let numbers: [u32; BLOCK] = std::array::from_fn(|k| (end - 1 - k * 37 % end) as u32);
+            assert!(numbers.contains(&(end as u32 - 1)));
+            let all = |gather: fn(&[DVec3], &[u32; BLOCK], &Block, [&mut Block; 3])| {
+                let mut all = [[7.0; BLOCK]; 3];
+                gather(&vectors, &numbers, &factors, all.each_mut());
+                all
+            };
+            let (wide, narrow) = (all(gather_vectors), all(gather_vectors_singly));
+            assert_eq!(wide, narrow);
+            for (k, number) in numbers.into_iter().enumerate() {
+                let v = vectors.get(number as usize).copied().unwrap_or_default();
+                assert_eq!(wide.map(|axis| axis[k]), (v * factors[k]).to_array());
             }
         }
     }

@@ -44,30 +44,35 @@ impl Received {
         }
     }
 
-    /// By [`Received::irradiance_factor`] times `above` over `below`, with one division.
-    #[inline]
-    pub(crate) fn irradiance_over(&self, w: f64, above: f64, below: f64) -> f64 {
-        let mut all = [w];
-        self.irradiances_over(&mut all, &[above], &[below]);
-        let [all] = all;
-        all
+    /// `irradiance` times [`Received::irradiance_factor`], by W and its inverse.
+    #[inline(always)]
+    pub(crate) fn irradiance_at(&self, [w, inverse]: [f64; 2], irradiance: f64) -> f64 {
+        match self {
+            Received::Scaled(quantity) => irradiance * quantity.irradiance_power(inverse),
+            Received::Rgb(_) => irradiance * (w * w),
+        }
     }
 
-    /// The same in place of each W. A plain loop, to be compiled for wide vectors.
+    /// The same of each of `irradiances` that is above 0, and 0 of all others, NaN among them. A plain loop, to be compiled for wide
+    /// vectors.
     #[inline(always)]
-    pub(crate) fn irradiances_over<const N: usize>(
+    pub(crate) fn irradiances_at<const N: usize>(
         &self,
-        ratios: &mut [f64; N],
-        above: &[f64; N],
-        below: &[f64; N],
+        [ratios, inverses]: [&[f64; N]; 2],
+        irradiances: &[f64; N],
+        to: &mut [f64; N],
     ) {
         match self {
-            Received::Scaled(quantity) => quantity.irradiances_over(ratios, above, below),
+            Received::Scaled(quantity) => quantity.irradiance_powers(inverses, to),
             Received::Rgb(_) => {
-                for (k, w) in ratios.iter_mut().enumerate() {
-                    *w = *w * *w * above[k] / below[k];
+                for (to, w) in to.iter_mut().zip(ratios) {
+                    *to = w * w;
                 }
             }
+        }
+        for (to, irradiance) in to.iter_mut().zip(irradiances) {
+            let all = irradiance * *to;
+            *to = if *irradiance > 0.0 { all } else { 0.0 };
         }
     }
 
@@ -96,8 +101,7 @@ mod tests {
     use crate::colour::Continuation;
 
     #[test]
-    fn irradiance_with_one_division_is_the_factor_times_the_quotient() {
-        // Six products and quotients of either way are rounded.
+    fn irradiance_by_the_inverse_of_w_is_that_by_w_in_loops_as_one_by_one() {
         let of = |quantity| Received::Scaled(quantity);
         let all = [
             of(Quantity::PerWavelength),
@@ -107,11 +111,25 @@ mod tests {
             Received::Rgb(RgbShift::of(Continuation::Blackbody)),
         ];
         for received in all {
-            for k in 1..200 {
-                let (w, above) = (0.017 * f64::from(k), 3.0 - 0.013 * f64::from(k));
-                let below = 0.3 + 0.7 * f64::from(k * 7 % 11);
-                let expected = received.irradiance_factor(w) * above / below;
-                let one = received.irradiance_over(w, above, below);
+            let ratios: [f64; 200] = std::array::from_fn(|k| 0.017 * (k + 1) as f64);
+            let inverses = ratios.map(|w| 1.0 / w);
+            let start: [f64; 200] = std::array::from_fn(|k| match k % 10 {
+                7 => -1.0,
+                8 => f64::NAN,
+                _ => 3.0 - 0.013 * k as f64,
+            });
+            let mut loops = [7.0; 200];
+            received.irradiances_at([&ratios, &inverses], &start, &mut loops);
+            for k in 0..200 {
+                let w = ratios[k];
+                let one = received.irradiance_at([w, inverses[k]], start[k]);
+                let is_lit = !matches!(k % 10, 7 | 8);
+                assert_eq!(loops[k], if is_lit { one } else { 0.0 });
+                if !is_lit {
+                    continue;
+                }
+                // Six products and quotients of either way are rounded, and three inverses.
+                let expected = received.irradiance_factor(w) * start[k];
                 assert!(
                     (one - expected).abs() <= 8.0 * f64::EPSILON * expected,
                     "{w}"

@@ -120,8 +120,7 @@ impl Reflection {
         Reflection {
             normal,
             view,
-            // Grazing views may round to the other side.
-            facing: normal.dot(view).max(1e-9),
+            facing: facing(normal, view),
             diffuse: colour.map(|c| c * (1.0 - metallic)),
             specular: Some(colour.map(|c| 0.04 * (1.0 - metallic) + c * metallic)),
             alpha: (roughness * roughness).max(SMOOTHEST),
@@ -185,16 +184,19 @@ impl Reflection {
         if self.is_mirror {
             return self.diffuse_value(l);
         }
-        DVec3::to_array(&self.glossy_value::<false>(DVec3::from_array(f0), l))
+        DVec3::to_array(&self.glossy_value(DVec3::from_array(f0), l))
     }
 
-    /// f of a surface of this f₀; `ROUGHEST` says that α is 1.
+    /// f of a surface of this f₀.
     #[inline(always)]
-    fn glossy_value<const ROUGHEST: bool>(&self, f0: DVec3, l: DVec3) -> DVec3 {
-        let (gloss, along) = self.gloss_and_cosine::<ROUGHEST>(l);
-        let weight = schlick(along);
-        let f = f0 + (DVec3::ONE - f0) * weight;
-        (DVec3::ONE - f) * DVec3::from_array(self.diffuse) * FRAC_1_PI + f * gloss
+    fn glossy_value(&self, f0: DVec3, l: DVec3) -> DVec3 {
+        let of = Coefficients {
+            f0,
+            rest: DVec3::ONE - f0,
+            diffuse: DVec3::from_array(self.diffuse) * FRAC_1_PI,
+            alpha: self.alpha,
+        };
+        of.value::<false, false>(self.normal, (self.view, self.facing), l)
     }
 
     /// [`Reflection::value`] of each of `reflections` that `chosen` names, for the light from its own of `l`.
@@ -407,39 +409,6 @@ impl Reflection {
             false => 0.0,
         }
     }
-
-    /// D V and v·h, with one division: with s = v + l, h = s/|s|, and v·h = |s|/2 as v and l are unit vectors,
-    ///
-    /// D = α² |s|⁴/(π ((n·s)² (α² − 1) + |s|²)²).
-    ///
-    /// With α = 1 the roots of V are 1, and what is left has the same bits without them.
-    #[inline(always)]
-    fn gloss_and_cosine<const ROUGHEST: bool>(&self, l: DVec3) -> (f64, f64) {
-        let sum = self.view + l;
-        let (square, height) = (sum.length_squared(), self.normal.dot(sum));
-        // Light that grazes from behind may have no h: n stands for it.
-        let has_half = square > LEAST_SQUARE;
-        let (norm, height) = if has_half {
-            (square, height)
-        } else {
-            (1.0, 1.0)
-        };
-        let along = 0.5 * square.sqrt();
-        let along = if has_half { along } else { self.facing };
-        let cosine = self.normal.dot(l);
-        let (alpha, masking) = match ROUGHEST {
-            true => (1.0, cosine + self.facing),
-            false => (
-                self.alpha * self.alpha,
-                cosine * self.root(self.facing) + self.facing * self.root(cosine),
-            ),
-        };
-        // Its terms cancel at the peak of a smooth surface only as far as α² is small.
-        let spread = height * height * (alpha - 1.0) + norm;
-        let gloss = 0.5 * alpha * (norm * norm) / (PI * (spread * spread) * masking);
-        (gloss, along)
-    }
-
     /// D.
     #[inline(always)]
     fn distribution(&self, cosine: f64) -> f64 {
@@ -458,9 +427,127 @@ impl Reflection {
     /// √(α² + (1 − α²) c²).
     #[inline(always)]
     fn root(&self, cosine: f64) -> f64 {
-        let square = self.alpha * self.alpha;
-        (square + (1.0 - square) * cosine * cosine).sqrt()
+        root(self.alpha * self.alpha, cosine)
     }
+}
+
+/// √(α² + (1 − α²) c²) by α².
+#[inline(always)]
+fn root(square: f64, cosine: f64) -> f64 {
+    (square + (1.0 - square) * cosine * cosine).sqrt()
+}
+
+/// The numbers by which a surface of the metallic-roughness model reflects.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Coefficients {
+    f0: DVec3,
+    /// 1 − f₀.
+    rest: DVec3,
+    /// c (1 − m)/π.
+    diffuse: DVec3,
+    alpha: f64,
+}
+
+impl Coefficients {
+    /// Of this base colour, metalness and roughness.
+    #[inline(always)]
+    pub fn new(colour: DVec3, [metallic, roughness]: [f64; 2]) -> Self {
+        // As of a reflection, of which the normal and the view do not count here.
+        let of = Reflection::metallic_roughness(
+            DVec3::ZERO,
+            DVec3::ZERO,
+            colour.to_array(),
+            metallic,
+            roughness,
+        );
+        let f0 = colour
+            .to_array()
+            .map(|c| 0.04 * (1.0 - metallic) + c * metallic);
+        let f0 = DVec3::from_array(f0);
+        Coefficients {
+            f0,
+            rest: DVec3::ONE - f0,
+            diffuse: DVec3::from_array(of.diffuse) * FRAC_1_PI,
+            alpha: of.alpha,
+        }
+    }
+
+    /// f for light from `l` by the view and n·v; `ROUGHEST` says that α is 1, and `METAL` that there is no diffuse part.
+    #[inline(always)]
+    fn value<const ROUGHEST: bool, const METAL: bool>(
+        &self,
+        normal: DVec3,
+        (view, facing): (DVec3, f64),
+        l: DVec3,
+    ) -> DVec3 {
+        let (gloss, along) = self.gloss_and_cosine::<ROUGHEST>(normal, (view, facing), l);
+        let f = self.f0 + self.rest * schlick(along);
+        match METAL {
+            true => f * gloss,
+            false => (DVec3::ONE - f) * self.diffuse + f * gloss,
+        }
+    }
+
+    /// [`Reflection::value`] for loops over many.
+    #[inline(always)]
+    pub fn value_at<const ROUGHEST: bool, const METAL: bool>(
+        &self,
+        normal: DVec3,
+        view: DVec3,
+        l: DVec3,
+    ) -> DVec3 {
+        let facing = facing(normal, view);
+        self.value::<ROUGHEST, METAL>(normal, (view, facing), l)
+    }
+
+    /// Whether α is 1, and whether there is no diffuse part.
+    pub fn kind(&self) -> [bool; 2] {
+        [self.alpha == 1.0, self.diffuse == DVec3::ZERO]
+    }
+
+    /// D V and v·h, with one division: with s = v + l, h = s/|s|, and v·h = |s|/2 as v and l are unit vectors,
+    ///
+    /// D = α² |s|⁴/(π ((n·s)² (α² − 1) + |s|²)²).
+    ///
+    /// With α = 1 the roots of V are 1, and D is 1/π.
+    #[inline(always)]
+    fn gloss_and_cosine<const ROUGHEST: bool>(
+        &self,
+        normal: DVec3,
+        (view, facing): (DVec3, f64),
+        l: DVec3,
+    ) -> (f64, f64) {
+        let sum = view + l;
+        let square = sum.length_squared();
+        // Light that grazes from behind may have no h: n stands for it.
+        let has_half = square > LEAST_SQUARE;
+        let along = 0.5 * square.sqrt();
+        let along = if has_half { along } else { facing };
+        let cosine = normal.dot(l);
+        if ROUGHEST {
+            return (0.5 / (PI * (cosine + facing)), along);
+        }
+        let (norm, height) = if has_half {
+            (square, normal.dot(sum))
+        } else {
+            (1.0, 1.0)
+        };
+        let alpha = self.alpha * self.alpha;
+        let masking = cosine * root(alpha, facing) + facing * root(alpha, cosine);
+        // Its terms cancel at the peak of a smooth surface only as far as α² is small.
+        let spread = height * height * (alpha - 1.0) + norm;
+        // Of the roughest |v + l|² in both, which cancels.
+        let is_roughest = alpha == 1.0;
+        let norm = if is_roughest { 1.0 } else { norm * norm };
+        let spread = if is_roughest { 1.0 } else { spread * spread };
+        (0.5 * alpha * norm / (PI * spread * masking), along)
+    }
+}
+
+/// n·v. Grazing views may round to the other side.
+#[inline(always)]
+fn facing(normal: DVec3, view: DVec3) -> f64 {
+    normal.dot(view).max(1e-9)
 }
 
 /// Surfaces of the metallic-roughness model, by component.
@@ -503,23 +590,13 @@ impl Glosses {
     pub fn begin(&self, begin: usize) -> usize {
         if self.alike { 0 } else { begin }
     }
-}
 
-/// [`Reflection::value`] of a surface of this base colour, metalness and roughness, for loops over many; `ROUGHEST` says that the roughness
-/// is 1.
-#[inline(always)]
-pub(crate) fn metallic_roughness_value<const ROUGHEST: bool>(
-    normal: DVec3,
-    view: DVec3,
-    colour: DVec3,
-    [metallic, roughness]: [f64; 2],
-    l: DVec3,
-) -> DVec3 {
-    let colour = colour.to_array();
-    let of = Reflection::metallic_roughness(normal, view, colour, metallic, roughness);
-    // There is one: taken apart only because none would be diffuse.
-    let f0 = colour.map(|c| 0.04 * (1.0 - metallic) + c * metallic);
-    of.glossy_value::<ROUGHEST>(DVec3::from_array(f0), l)
+    /// How all of them reflect, if they are alike.
+    pub fn shared(&self) -> Option<Coefficients> {
+        let look = || [self.metallic[0], self.roughness[0]];
+        self.alike
+            .then(|| Coefficients::new(self.colours.get(0), look()))
+    }
 }
 
 /// The loop over points: their reflections are brought together by component first.
@@ -563,7 +640,7 @@ impl VectorLoop for Values<'_> {
                     through: None,
                     near: 1.0,
                 };
-                values.set(k, of.glossy_value::<false>(specular.get(k), l.get(k)));
+                values.set(k, of.glossy_value(specular.get(k), l.get(k)));
             }
             // The others one by one.
             for (k, point) in chosen.iter().enumerate() {
@@ -712,13 +789,17 @@ mod tests {
             let l = DVec3::new(-part(11), part(13), 0.01 + part(17)).normalize();
             let (colour, look) = ([part(19), part(23), part(29)], [part(31), part(37)]);
             let one = Reflection::metallic_roughness(n, v, colour, look[0], look[1]).value(l);
-            let many = metallic_roughness_value::<false>(n, v, colour.into(), look, l).to_array();
-            assert_eq!(one.map(f64::to_bits), many.map(f64::to_bits));
-            // Surfaces as rough as can be have a loop of their own.
-            let look = [look[0], 1.0];
-            let one = Reflection::metallic_roughness(n, v, colour, look[0], look[1]).value(l);
-            let many = metallic_roughness_value::<true>(n, v, colour.into(), look, l).to_array();
-            assert_eq!(one.map(f64::to_bits), many.map(f64::to_bits));
+            let many = |look| Coefficients::new(colour.into(), look);
+            let all = many(look).value_at::<false, false>(n, v, l).to_array();
+            assert_eq!(one.map(f64::to_bits), all.map(f64::to_bits));
+            // Surfaces as rough as can be, and metals, have loops of their own.
+            let one = |m, r| Reflection::metallic_roughness(n, v, colour, m, r).value(l);
+            let rough = many([look[0], 1.0]).value_at::<true, false>(n, v, l);
+            assert_eq!(one(look[0], 1.0), rough.to_array());
+            let metal = many([1.0, look[1]]).value_at::<false, true>(n, v, l);
+            assert_eq!(one(1.0, look[1]), metal.to_array());
+            let both = many([1.0, 1.0]).value_at::<true, true>(n, v, l);
+            assert_eq!(one(1.0, 1.0), both.to_array());
         }
     }
 

@@ -192,6 +192,15 @@ impl<To: Frame, From: Frame> Boost<To, From> {
         self.direction_of_moving(d)
     }
 
+    /// The same with 1 over the ratio beside it.
+    #[inline(always)]
+    pub(crate) fn direction_and_inverse(&self, d: Direction<From>) -> (Direction<To>, [f64; 2]) {
+        if self.is_identity() {
+            return (Direction::from_unit(d.unit()), [1.0; 2]);
+        }
+        self.direction_and_inverse_of_moving(d)
+    }
+
     /// [`Boost::direction`] where [`Boost::is_identity`] is false: a loop that asks that beforehand goes in vectors.
     #[inline(always)]
     pub(crate) fn direction_of_moving(&self, d: Direction<From>) -> (Direction<To>, f64) {
@@ -215,6 +224,24 @@ impl<To: Frame, From: Frame> Boost<To, From> {
         let inverse = 1.0 / ratio;
         let unit = (parts.across + n * (0.5 * (back - ahead))) * inverse;
         (Direction::from_unit(unit), [ratio, inverse])
+    }
+
+    /// Of the null vector (−r, r d), of length `length` = r along `v` = r d, the parts r′ d′ and r′ in `To`: [`Boost::direction`] without a
+    /// division. Where [`Boost::is_slow`] is true, r′ is no small difference.
+    #[inline(always)]
+    pub(crate) fn null_of_slow(&self, v: DVec3, length: f64) -> (DVec3, f64) {
+        let null = self.displacement_of_slow(Displacement::new(-length, v));
+        (null.x, -null.ct)
+    }
+
+    /// The same where it is false.
+    #[inline(always)]
+    pub(crate) fn null_of_fast(&self, v: DVec3, length: f64) -> (DVec3, f64) {
+        let parts = Parts::of_length(v, length, self.n);
+        let back = self.down * parts.one_plus;
+        let ahead = self.up * parts.one_minus;
+        let along = 0.5 * (back - ahead);
+        (parts.across + self.n * along, 0.5 * (back + ahead))
     }
 
     /// The tangent (−η, d) of a light path in `To`, with the same parameter.

@@ -157,22 +157,22 @@ impl Quantity {
         1.0 / power(w.0, self.exponent() - 2)
     }
 
-    /// [`Quantity::irradiance_factor`] times `above` over `below` in place of each wavelength ratio, with one division. A plain loop, to
-    /// be compiled for wide vectors.
+    /// [`Quantity::irradiance_factor`] by the inverse of the wavelength ratio.
     #[inline(always)]
-    pub(crate) fn irradiances_over<const N: usize>(
-        self,
-        ratios: &mut [f64; N],
-        above: &[f64; N],
-        below: &[f64; N],
-    ) {
+    pub(crate) fn irradiance_power(self, inverse: f64) -> f64 {
+        power(inverse, self.exponent() - 2)
+    }
+
+    /// [`Quantity::irradiance_power`] of each of `inverses`. A plain loop, to be compiled for wide vectors.
+    #[inline(always)]
+    pub(crate) fn irradiance_powers<const N: usize>(self, inverses: &[f64; N], to: &mut [f64; N]) {
         match self.exponent() - 2 {
-            3 => over::<3, N>(ratios, above, below),
-            2 => over::<2, N>(ratios, above, below),
-            1 => over::<1, N>(ratios, above, below),
+            3 => powers::<3, N>(inverses, to),
+            2 => powers::<2, N>(inverses, to),
+            1 => powers::<1, N>(inverses, to),
             p => {
-                for (k, w) in ratios.iter_mut().enumerate() {
-                    *w = above[k] / (power(*w, p) * below[k]);
+                for (to, inverse) in to.iter_mut().zip(inverses) {
+                    *to = power(*inverse, p);
                 }
             }
         }
@@ -193,9 +193,9 @@ fn factors<const P: u32>(ratios: &mut [f64]) {
 }
 
 #[inline(always)]
-fn over<const P: u32, const N: usize>(ratios: &mut [f64; N], above: &[f64; N], below: &[f64; N]) {
-    for (k, w) in ratios.iter_mut().enumerate() {
-        *w = above[k] / (power(*w, P) * below[k]);
+fn powers<const P: u32, const N: usize>(inverses: &[f64; N], to: &mut [f64; N]) {
+    for (to, inverse) in to.iter_mut().zip(inverses) {
+        *to = power(*inverse, P);
     }
 }
 

@@ -27,7 +27,7 @@ pub(crate) use boost::Tangents;
 pub use boost::{Boost, InertialFrame};
 pub(crate) use doppler::QuantityKind;
 pub use doppler::{Quantity, WavelengthRatio};
+pub(crate) use event::unit_and_length_or_nan;
 pub use event::{Camera, Direction, Displacement, Event, Frame, Rest, World};
-pub(crate) use event::{nearly_unit_and_length_or_nan, unit_and_length_or_nan};
 pub use ray::NullRay;
 pub use velocity::{MAX_RAPIDITY, Velocity, VelocityError};

@@ -3,11 +3,11 @@
 use glam::DVec3;
 
 use super::{
-    Accelerated, AtRest, Cone, Emitter, Inertial, Lamp, ParallelAtRest, ParallelInertial, Path,
-    within_cone,
+    Accelerated, Arrival, AtRest, Cone, Emitter, Inertial, Lamp, ParallelAtRest, ParallelInertial,
+    Path, within_cone,
 };
 use crate::accel::vectors::{
-    BLOCK, Block, Columns, VectorLoop, Vectors, block_of, dispatch, load, store,
+    BLOCK, Block, Columns, VectorLoop, Vectors, VectorsRef, block_of, dispatch, load, store,
 };
 use crate::spacetime::{Displacement, Event, World};
 
@@ -21,12 +21,35 @@ pub(crate) struct EventColumns {
 /// Points on world rays.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PointsOnRays<'a> {
-    /// Where all rays leave.
+    /// Where all rays leave, or what their own events are displaced from.
     pub shot: Event<World>,
-    /// Where each of them does; none if all leave the shot.
-    pub origins: Option<&'a EventColumns>,
-    /// From there to the points.
-    pub offsets: &'a EventColumns,
+    pub start: Start<'a>,
+}
+
+/// How points lie from where their rays leave.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Start<'a> {
+    /// All rays leave the shot: with these tangents (−`index`, d), as far as `s` says.
+    Shot {
+        index: f64,
+        directions: &'a Columns,
+        s: &'a [f64],
+    },
+    /// Each from its own event of the world, by as much.
+    Own {
+        events: &'a EventColumns,
+        offsets: &'a EventColumns,
+    },
+}
+
+impl PointsOnRays<'_> {
+    /// How many.
+    pub fn count(&self) -> usize {
+        match self.start {
+            Start::Shot { s, .. } => s.len(),
+            Start::Own { events, .. } => events.ct.len(),
+        }
+    }
 }
 
 /// What comes of a lamp, by point; see [`Arrival`](super::Arrival).
@@ -40,7 +63,8 @@ pub(crate) struct Arrivals {
     pub strength: Vec<f64>,
     /// ω_G/ω_world.
     pub ratio: Vec<f64>,
-    pub(super) reach: Vec<f64>,
+    pub(super) inverse: Vec<f64>,
+    pub(super) fade: Vec<f64>,
     /// Towards the lamp in its frame, where it does not shine everywhere alike.
     in_lamp: Columns,
     is_aimed: bool,
@@ -61,7 +85,8 @@ impl Arrivals {
             &mut self.distance,
             &mut self.strength,
             &mut self.ratio,
-            &mut self.reach,
+            &mut self.inverse,
+            &mut self.fade,
         ] {
             column.resize(count, 0.0);
         }
@@ -74,7 +99,7 @@ impl Lamp {
     /// What falls on each of `points`, in a medium of index `index`.
     pub(crate) fn arrivals(&self, points: &PointsOnRays, index: f64, to: &mut Arrivals) {
         let is_aimed = matches!(self.beam, Cone::Spot { .. });
-        to.resize(points.offsets.ct.len(), is_aimed);
+        to.resize(points.count(), is_aimed);
         if !self.arrive(points, index, to) {
             return to.strength.fill(0.0);
         }
@@ -137,65 +162,112 @@ impl Taking for Arrivals {
         // `strength` holds proper times until the emission at them replaces them.
         store(&block.times, &mut self.strength, begin);
         store(&block.ratio, &mut self.ratio, begin);
-        store(&block.reach, &mut self.reach, begin);
+        store(&block.inverse, &mut self.inverse, begin);
+        store(&block.fade, &mut self.fade, begin);
     }
 }
 
 /// Has `to` take what comes from `emitter`, whose own event is `from`.
 fn arrive(emitter: &impl Emitter, from: Event<World>, points: &PointsOnRays, to: &mut impl Taking) {
-    let offsets = points.offsets;
-    match points.origins {
-        None => dispatch(Arrive {
+    match points.start {
+        Start::Shot {
+            index,
+            directions,
+            s,
+        } => dispatch(Arrive {
             emitter,
-            starts: Shared(points.shot - from),
-            offsets,
+            ways: FromShot {
+                start: points.shot - from,
+                index,
+                directions,
+                s,
+            },
             to,
         }),
-        Some(origins) => dispatch(Arrive {
+        Start::Own { events, offsets } => dispatch(Arrive {
             emitter,
-            starts: Each(origins, from),
-            offsets,
+            ways: FromOwn {
+                from,
+                events,
+                offsets,
+            },
             to,
         }),
     }
 }
 
-/// From a lamp's own event to where rays leave.
-trait Starts {
-    /// Of a block of rays.
-    type Block;
-    /// Those from `begin` on.
-    fn load(&self, begin: usize) -> Self::Block;
-    fn at(&self, block: &Self::Block, k: usize) -> Displacement<World>;
+/// From a lamp's own event to points.
+pub(super) trait Ways {
+    /// Those to a block of points.
+    type Block<'a>;
+    fn count(&self) -> usize;
+    /// To those from `begin` on; the last numbers may be copied to `last`.
+    fn block<'a>(&'a self, begin: usize, last: &'a mut [Block; 2]) -> Self::Block<'a>;
+    /// The way to point `k` of a block.
+    fn at(block: &Self::Block<'_>, k: usize) -> Displacement<World>;
 }
 
-struct Shared(Displacement<World>);
-
-impl Starts for Shared {
-    type Block = ();
-
-    #[inline(always)]
-    fn load(&self, _: usize) {}
-
-    #[inline(always)]
-    fn at(&self, (): &(), _: usize) -> Displacement<World> {
-        self.0
-    }
+struct FromShot<'s> {
+    /// To the shot.
+    start: Displacement<World>,
+    index: f64,
+    directions: &'s Columns,
+    s: &'s [f64],
 }
 
-struct Each<'a>(&'a EventColumns, Event<World>);
-
-impl Starts for Each<'_> {
-    type Block = (Block, Vectors);
+impl Ways for FromShot<'_> {
+    type Block<'a> = (Displacement<World>, f64, VectorsRef<'a>, &'a Block);
 
     #[inline(always)]
-    fn load(&self, begin: usize) -> (Block, Vectors) {
-        (load(&self.0.ct, begin), self.0.x.load(begin))
+    fn count(&self) -> usize {
+        self.s.len()
     }
 
     #[inline(always)]
-    fn at(&self, (ct, x): &(Block, Vectors), k: usize) -> Displacement<World> {
-        Event::new(ct[k], x.get(k)) - self.1
+    fn block<'a>(&'a self, begin: usize, [last, _]: &'a mut [Block; 2]) -> Self::Block<'a> {
+        let s = block_of(self.s, begin, last);
+        (self.start, self.index, self.directions.block(begin), s)
+    }
+
+    #[inline(always)]
+    fn at((start, index, directions, s): &Self::Block<'_>, k: usize) -> Displacement<World> {
+        *start + Displacement::new(-*index * s[k], directions.get(k) * s[k])
+    }
+}
+
+struct FromOwn<'s> {
+    from: Event<World>,
+    events: &'s EventColumns,
+    offsets: &'s EventColumns,
+}
+
+impl Ways for FromOwn<'_> {
+    type Block<'a> = (Event<World>, [(&'a Block, VectorsRef<'a>); 2]);
+
+    #[inline(always)]
+    fn count(&self) -> usize {
+        self.events.ct.len()
+    }
+
+    #[inline(always)]
+    fn block<'a>(&'a self, begin: usize, last: &'a mut [Block; 2]) -> Self::Block<'a> {
+        let [last_event, last_offset] = last;
+        let (events, offsets) = (self.events, self.offsets);
+        let events = (
+            block_of(&events.ct, begin, last_event),
+            events.x.block(begin),
+        );
+        let offsets = (
+            block_of(&offsets.ct, begin, last_offset),
+            offsets.x.block(begin),
+        );
+        (self.from, [events, offsets])
+    }
+
+    #[inline(always)]
+    fn at((from, [events, offsets]): &Self::Block<'_>, k: usize) -> Displacement<World> {
+        let event = Event::new(events.0[k], events.1.get(k));
+        (event - *from) + Displacement::new(offsets.0[k], offsets.1.get(k))
     }
 }
 
@@ -207,7 +279,8 @@ pub(super) struct ArrivalsBlock {
     pub distance: Block,
     pub times: Block,
     pub ratio: Block,
-    pub reach: Block,
+    pub inverse: Block,
+    pub fade: Block,
 }
 
 impl ArrivalsBlock {
@@ -218,41 +291,38 @@ impl ArrivalsBlock {
         distance: [0.0; BLOCK],
         times: [0.0; BLOCK],
         ratio: [0.0; BLOCK],
-        reach: [0.0; BLOCK],
+        inverse: [0.0; BLOCK],
+        fade: [0.0; BLOCK],
     };
+
+    /// Writes that of point `k`, but for the proper time.
+    #[inline(always)]
+    pub fn set(&mut self, k: usize, arrival: &Arrival) {
+        self.d.set(k, arrival.d.unit());
+        self.distance[k] = arrival.distance;
+        self.ratio[k] = arrival.ratio;
+        self.inverse[k] = arrival.inverse;
+        self.fade[k] = arrival.fade;
+        self.in_lamp.set(k, arrival.in_lamp);
+    }
 }
 
 /// The loop over points.
-struct Arrive<'a, E, S, T> {
+struct Arrive<'a, E, W, T> {
     emitter: &'a E,
-    starts: S,
-    offsets: &'a EventColumns,
+    ways: W,
     to: &'a mut T,
 }
 
-impl<E: Emitter, S: Starts, T: Taking> VectorLoop for Arrive<'_, E, S, T> {
+impl<E: Emitter, W: Ways, T: Taking> VectorLoop for Arrive<'_, E, W, T> {
     #[inline(always)]
     fn run(self) {
-        let Arrive {
-            emitter,
-            starts,
-            offsets,
-            to,
-        } = self;
+        let Arrive { emitter, ways, to } = self;
         let mut block = ArrivalsBlock::ZERO;
-        let (mut way_times, mut ways) = ([0.0; BLOCK], Vectors::ZERO);
-        let (mut last, mut buffers) = ([0.0; BLOCK], T::BUFFERS);
+        let (mut last, mut buffers) = ([[0.0; BLOCK]; 2], T::BUFFERS);
         let mut begin = 0;
-        while begin < offsets.ct.len() {
-            let ct = block_of(&offsets.ct, begin, &mut last);
-            let x = offsets.x.block(begin);
-            let from = starts.load(begin);
-            for k in 0..BLOCK {
-                let way = starts.at(&from, k) + Displacement::new(ct[k], x.get(k));
-                way_times[k] = way.ct;
-                ways.set(k, way.x);
-            }
-            emitter.arrivals(&way_times, &ways, &mut block);
+        while begin < ways.count() {
+            emitter.arrivals::<W>(&ways.block(begin, &mut last), &mut block);
             to.take(begin, &block, &mut buffers);
             begin += BLOCK;
         }

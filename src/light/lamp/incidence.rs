@@ -17,8 +17,9 @@ pub(crate) struct Incidence {
     /// Towards the lamp in the surfaces' rest frame, where that is not what arrivals say.
     in_rest: Columns,
     has_l: bool,
-    /// W, and the factors, in whole blocks.
+    /// W, where that is kept, and the factors, in whole blocks.
     ratios: Vec<f64>,
+    has_ratios: bool,
     factors: Vec<f64>,
 }
 
@@ -46,8 +47,8 @@ impl Incidence {
         self.factors[k] = 0.0;
     }
 
-    fn resize(&mut self, count: usize, has_l: bool) {
-        (self.count, self.has_l) = (count, has_l);
+    fn resize(&mut self, count: usize, has_l: bool, has_ratios: bool) {
+        (self.count, self.has_l, self.has_ratios) = (count, has_l, has_ratios);
         if has_l {
             self.in_rest.resize(count);
         }
@@ -76,7 +77,7 @@ impl Lamp {
         normals: &Columns,
         to: &mut Incidence,
     ) {
-        to.resize(arrivals.ratio.len(), boost.is_some());
+        to.resize(arrivals.ratio.len(), boost.is_some(), true);
         dispatch(Fall {
             onto: Onto {
                 received: &self.received,
@@ -88,20 +89,20 @@ impl Lamp {
         });
     }
 
-    /// [`Lamp::arrivals`] and [`Lamp::incidence`] in one loop, which keeps nothing of what lies between; directions only for surfaces that are
-    /// `glossy`. False, and nothing done, of lamps that are not as bright always and everywhere.
+    /// [`Lamp::arrivals`] and [`Lamp::incidence`] in one loop, which keeps nothing of what lies between, and of the rest what
+    /// `kept` says. False, and nothing done, of lamps that are not as bright always and everywhere.
     pub(crate) fn incidence_at(
         &self,
         (points, index): (&PointsOnRays, f64),
         boost: Option<&Boost<Rest, World>>,
         normals: &Columns,
-        glossy: bool,
+        kept: Kept,
         to: &mut Incidence,
     ) -> bool {
         if !self.emission.is_steady() || matches!(self.beam, Cone::Spot { .. }) {
             return false;
         }
-        to.resize(points.offsets.ct.len(), glossy);
+        to.resize(points.count(), kept.directions, kept.ratios);
         let onto = Onto {
             received: &self.received,
             boost,
@@ -109,6 +110,15 @@ impl Lamp {
         };
         self.arrive(points, index, &mut Falling { onto, to })
     }
+}
+
+/// What is asked for beside factors.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Kept {
+    /// Towards the lamp, in the surfaces' rest frame.
+    pub directions: bool,
+    /// W.
+    pub ratios: bool,
 }
 
 /// Surfaces that light falls on.
@@ -124,19 +134,19 @@ struct Onto<'a> {
 struct Arriving<'a> {
     d: VectorsRef<'a>,
     strength: &'a Block,
-    reach: &'a Block,
+    fade: &'a Block,
     ratio: &'a Block,
+    inverse: &'a Block,
 }
 
 /// Numbers of a block on their way.
 struct Buffers {
-    /// Towards the lamp in the surfaces' frame and W, where that frame is another than the world's.
+    /// Towards the lamp in the surfaces' frame, W and its inverse, where that frame is another than the world's.
     l: Vectors,
     ratio: Block,
-    cosine: Block,
-    /// What the factors have above and below the line.
-    above: Block,
-    below: Block,
+    inverse: Block,
+    /// Irradiance without the factor of W.
+    irradiance: Block,
 }
 
 impl Buffers {
@@ -144,9 +154,8 @@ impl Buffers {
     const ZERO: Buffers = Buffers {
         l: Vectors::ZERO,
         ratio: [0.0; BLOCK],
-        cosine: [0.0; BLOCK],
-        above: [0.0; BLOCK],
-        below: [0.0; BLOCK],
+        inverse: [0.0; BLOCK],
+        irradiance: [0.0; BLOCK],
     };
 }
 
@@ -155,54 +164,46 @@ impl Onto<'_> {
     #[inline(always)]
     fn fall(&self, begin: usize, arriving: &Arriving, buffers: &mut Buffers, to: &mut Incidence) {
         let normals = self.normals.block(begin);
-        let Buffers {
-            l,
-            ratio: boosted,
-            cosine,
-            above,
-            below,
-        } = buffers;
         let Arriving {
             d,
             strength,
-            reach,
+            fade,
             ratio,
+            inverse,
         } = arriving;
-        // W = (ω_G/ω_world)/(ω_F/ω_world).
-        let ratio = match self.boost {
-            Some(boost) => {
-                for k in 0..BLOCK {
-                    let (in_rest, rho) = boost.direction(Direction::from_unit(d.get(k)));
-                    l.set(k, in_rest.unit());
-                    boosted[k] = ratio[k] / rho;
-                }
-                for (k, cosine) in cosine.iter_mut().enumerate() {
-                    *cosine = normals.get(k).dot(l.get(k));
-                }
-                boosted
-            }
-            None => {
-                for (k, cosine) in cosine.iter_mut().enumerate() {
-                    *cosine = normals.get(k).dot(d.get(k));
-                }
-                *ratio
-            }
-        };
-        for k in 0..BLOCK {
-            above[k] = strength[k] * cosine[k];
-            below[k] = reach[k] * reach[k];
-        }
+        let has_ratios = to.has_ratios;
         let Some([ratios, factors]) = to.block_mut(begin) else {
             return;
         };
-        *ratios = *ratio;
-        *factors = *ratio;
-        self.received.irradiances_over(factors, above, below);
-        for k in 0..BLOCK {
-            // On the side that the camera sees. Cosines are NaN where no light comes.
-            let is_lit = (strength[k] != 0.0) & (cosine[k] > 0.0);
-            factors[k] = if is_lit { factors[k] } else { 0.0 };
+        // W = (ω_G/ω_world)/(ω_F/ω_world), and the irradiance without it.
+        let irradiance = &mut buffers.irradiance;
+        let (ratio, inverse) = match self.boost {
+            Some(boost) => {
+                let l = &mut buffers.l;
+                for k in 0..BLOCK {
+                    let d = Direction::from_unit(d.get(k));
+                    let (in_rest, [rho, per_rho]) = boost.direction_and_inverse(d);
+                    l.set(k, in_rest.unit());
+                    buffers.ratio[k] = ratio[k] * per_rho;
+                    buffers.inverse[k] = inverse[k] * rho;
+                }
+                for k in 0..BLOCK {
+                    irradiance[k] = strength[k] * normals.get(k).dot(l.get(k)) * fade[k];
+                }
+                (&buffers.ratio, &buffers.inverse)
+            }
+            None => {
+                for k in 0..BLOCK {
+                    irradiance[k] = strength[k] * normals.get(k).dot(d.get(k)) * fade[k];
+                }
+                (*ratio, *inverse)
+            }
+        };
+        if has_ratios {
+            *ratios = *ratio;
         }
+        // On the side that the camera sees. They are NaN where no light comes.
+        (self.received).irradiances_at([ratio, inverse], irradiance, factors);
     }
 }
 
@@ -218,15 +219,16 @@ impl VectorLoop for Fall<'_> {
     fn run(self) {
         let Fall { onto, arrivals, to } = self;
         let mut buffers = Buffers::ZERO;
-        let mut last = [[0.0; BLOCK]; 3];
+        let mut last = [[0.0; BLOCK]; 4];
         let mut begin = 0;
         while begin < to.count {
-            let [last_strength, last_reach, last_ratio] = &mut last;
+            let [last_strength, last_fade, last_ratio, last_inverse] = &mut last;
             let arriving = Arriving {
                 d: arrivals.d.block(begin),
                 strength: block_of(&arrivals.strength, begin, last_strength),
-                reach: block_of(&arrivals.reach, begin, last_reach),
+                fade: block_of(&arrivals.fade, begin, last_fade),
                 ratio: block_of(&arrivals.ratio, begin, last_ratio),
+                inverse: block_of(&arrivals.inverse, begin, last_inverse),
             };
             onto.fall(begin, &arriving, &mut buffers, to);
             if to.has_l {
@@ -252,8 +254,9 @@ impl Taking for Falling<'_> {
         let arriving = Arriving {
             d: block.d.as_ref(),
             strength: &[1.0; BLOCK],
-            reach: &block.reach,
+            fade: &block.fade,
             ratio: &block.ratio,
+            inverse: &block.inverse,
         };
         self.onto.fall(begin, &arriving, buffers, self.to);
         if self.to.has_l {
@@ -270,7 +273,7 @@ impl Taking for Falling<'_> {
 mod tests {
     use glam::DVec3;
 
-    use super::super::{Cone, Emission, EventColumns, Path, PointsOnRays};
+    use super::super::{Cone, Emission, EventColumns, Path, PointsOnRays, Start};
     use super::*;
     use crate::spacetime::{Event, InertialFrame, NullRay, Quantity, Velocity};
 
@@ -322,56 +325,87 @@ mod tests {
     const SHOT: Event<World> = Event::new(0.2, DVec3::new(0.1, 0.2, 5.0));
 
     /// Points on rays from one event, more than a block of them; the normals of some are turned away from the light.
-    fn points() -> (EventColumns, Columns, Vec<(NullRay<World>, f64)>) {
-        let part = |k: usize, n: usize| (k * n % 103) as f64 / 51.0 - 1.0;
-        let (mut offsets, mut normals, mut rays) =
-            (EventColumns::default(), Columns::default(), vec![]);
-        offsets.resize(COUNT);
-        for k in 0..COUNT {
-            let d = DVec3::new(part(k, 7), part(k, 11), -1.5);
-            let ray = NullRay::new(SHOT, Direction::new(d).unwrap(), 1.0);
-            let s = 4.0 + 2.0 * part(k, 13);
-            let offset = ray.tangent * s;
-            offsets.ct[k] = offset.ct;
-            offsets.x.set(k, offset.x);
-            normals.push(DVec3::new(part(k, 17), part(k, 19), part(k, 23)).normalize());
-            rays.push((ray, s));
-        }
-        (offsets, normals, rays)
+    #[derive(Default)]
+    struct Points {
+        directions: Columns,
+        s: Vec<f64>,
+        /// The same as if each ray had an event of its own.
+        events: EventColumns,
+        offsets: EventColumns,
+        normals: Columns,
+        rays: Vec<NullRay<World>>,
     }
 
-    fn on_rays(offsets: &EventColumns) -> PointsOnRays<'_> {
-        PointsOnRays {
-            shot: SHOT,
-            origins: None,
-            offsets,
+    impl Points {
+        fn on_rays(&self) -> PointsOnRays<'_> {
+            let start = Start::Shot {
+                index: 1.0,
+                directions: &self.directions,
+                s: &self.s,
+            };
+            PointsOnRays { shot: SHOT, start }
         }
+
+        fn on_own_rays(&self) -> PointsOnRays<'_> {
+            let start = Start::Own {
+                events: &self.events,
+                offsets: &self.offsets,
+            };
+            PointsOnRays { shot: SHOT, start }
+        }
+    }
+
+    fn points() -> Points {
+        let part = |k: usize, n: usize| (k * n % 103) as f64 / 51.0 - 1.0;
+        let mut points = Points::default();
+        points.events.resize(COUNT);
+        points.offsets.resize(COUNT);
+        for k in 0..COUNT {
+            let d = Direction::new(DVec3::new(part(k, 7), part(k, 11), -1.5)).unwrap();
+            let ray = NullRay::new(SHOT, d, 1.0);
+            let s = 4.0 + 2.0 * part(k, 13);
+            points.directions.push(d.unit());
+            points.s.push(s);
+            let offset = ray.tangent * s;
+            points.events.ct[k] = SHOT.ct;
+            points.events.x.set(k, SHOT.x);
+            points.offsets.ct[k] = offset.ct;
+            points.offsets.x.set(k, offset.x);
+            let normal = DVec3::new(part(k, 17), part(k, 19), part(k, 23));
+            points.normals.push(normal.normalize());
+            points.rays.push(ray);
+        }
+        points
     }
 
     #[test]
     fn arrivals_that_nothing_else_needs_fall_with_the_same_bits() {
-        let (offsets, normals, _) = points();
-        let points = on_rays(&offsets);
+        let points = points();
+        let (on_rays, normals) = (points.on_rays(), &points.normals);
         let mut in_one_loop = 0;
         for lamp in lamps(&Emission::Steady) {
-            for (boost, glossy) in boosts().iter().flat_map(|b| [(b, false), (b, true)]) {
+            for (boost, all) in boosts().iter().flat_map(|b| [(b, false), (b, true)]) {
                 let (mut arrivals, mut expected) = (Arrivals::default(), Incidence::default());
-                lamp.arrivals(&points, 1.0, &mut arrivals);
-                lamp.incidence(&arrivals, boost.as_ref(), &normals, &mut expected);
+                lamp.arrivals(&on_rays, 1.0, &mut arrivals);
+                lamp.incidence(&arrivals, boost.as_ref(), normals, &mut expected);
                 let mut found = Incidence::default();
+                let kept = Kept {
+                    directions: all,
+                    ratios: all,
+                };
                 let to = &mut found;
                 let is_found =
-                    lamp.incidence_at((&points, 1.0), boost.as_ref(), &normals, glossy, to);
+                    lamp.incidence_at((&on_rays, 1.0), boost.as_ref(), normals, kept, to);
                 assert_eq!(is_found, !matches!(lamp.beam, Cone::Spot { .. }));
                 if !is_found {
                     continue;
                 }
                 in_one_loop += 1;
                 assert_eq!(found.factors(), expected.factors());
-                assert_eq!(found.ratios(), expected.ratios());
                 let lit = found.factors().iter().filter(|f| **f > 0.0).count();
                 assert!((10..COUNT - 10).contains(&lit), "{lit}");
-                if glossy {
+                if all {
+                    assert_eq!(found.ratios(), expected.ratios());
                     let none = Arrivals::default();
                     for k in 0..COUNT {
                         assert_eq!(found.l(&none).get(k), expected.l(&arrivals).get(k));
@@ -384,18 +418,23 @@ mod tests {
 
     #[test]
     fn lamps_that_flicker_are_not_taken_in_one_loop() {
-        let (offsets, normals, _) = points();
+        let points = points();
         let flickering = Emission::Table(vec![[-100.0, 1.0], [100.0, 2.0]]);
         for lamp in lamps(&flickering) {
             let to = &mut Incidence::default();
-            assert!(!lamp.incidence_at((&on_rays(&offsets), 1.0), None, &normals, false, to));
+            let (on_rays, normals) = (points.on_rays(), &points.normals);
+            let kept = Kept {
+                directions: false,
+                ratios: false,
+            };
+            assert!(!lamp.incidence_at((&on_rays, 1.0), None, normals, kept, to));
         }
     }
 
     #[test]
     fn light_in_loops_has_the_bits_of_light_at_single_points() {
-        let (offsets, normals, rays) = points();
-        let points = on_rays(&offsets);
+        let points = points();
+        let (on_rays, normals) = (points.on_rays(), &points.normals);
         let gaussian = Emission::Gaussian {
             centre: -2.0,
             sigma: 2.0,
@@ -405,9 +444,9 @@ mod tests {
         for lamp in lamps(&gaussian) {
             for boost in &boosts() {
                 let (mut arrivals, mut incidence) = (Arrivals::default(), Incidence::default());
-                lamp.arrivals(&points, 1.0, &mut arrivals);
-                lamp.incidence(&arrivals, boost.as_ref(), &normals, &mut incidence);
-                for (k, (ray, s)) in rays.iter().enumerate() {
+                lamp.arrivals(&on_rays, 1.0, &mut arrivals);
+                lamp.incidence(&arrivals, boost.as_ref(), normals, &mut incidence);
+                for (k, (ray, s)) in points.rays.iter().zip(&points.s).enumerate() {
                     let (w, factor) = (incidence.ratios()[k], incidence.factors()[k]);
                     let together = lamp.incident_at(w, factor);
                     let arrival = lamp.arrival(ray, *s, 1.0);
@@ -434,5 +473,64 @@ mod tests {
             }
         }
         assert!((200..COUNT * 18 - 200).contains(&dark), "{dark}");
+    }
+
+    #[test]
+    fn rays_of_one_event_and_rays_with_events_of_their_own_find_the_same_light() {
+        let points = points();
+        for lamp in lamps(&Emission::Steady) {
+            let found = [points.on_rays(), points.on_own_rays()].map(|on_rays| {
+                let mut arrivals = Arrivals::default();
+                lamp.arrivals(&on_rays, 1.0, &mut arrivals);
+                (arrivals.ratio, arrivals.distance, arrivals.fade)
+            });
+            assert_eq!(found[0], found[1]);
+            assert_eq!(found[0].0.len(), COUNT);
+        }
+    }
+
+    /// Against the formulas of the head of the module, with each division by itself, for slow and fast lamps.
+    #[test]
+    fn quotients_of_one_division_are_those_of_the_formulas() {
+        let (points, mut tested) = (points(), 0);
+        for lamp in lamps(&Emission::Steady) {
+            let (Cone::Everywhere, Some(v)) = (lamp.beam, lamp.velocity()) else {
+                continue;
+            };
+            let (beta, gamma) = (v.beta(), v.gamma());
+            for (ray, s) in points.rays.iter().zip(&points.s) {
+                // The lamp at the time of the point, and r of |w − βr| = r.
+                let at = ray.origin + ray.tangent * *s;
+                let w = DVec3::new(0.4, 2.0, -1.0) + beta * (at.ct + 3.0) - at.x;
+                let (along, rest) = (w.dot(beta), 1.0 - beta.length_squared());
+                let r = ((along * along + rest * w.length_squared()).sqrt() - along) / rest;
+                let d = (w - beta * r) / r;
+                let in_lamp = gamma * r * (1.0 + beta.dot(d));
+                let found = lamp.arrival(ray, *s, 1.0).unwrap();
+                let is_near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-13;
+                assert!((found.d.unit() - d).length() < 1e-13);
+                assert!(is_near(found.distance, r));
+                assert!(is_near(found.ratio, in_lamp / r));
+                assert!(is_near(found.inverse, r / in_lamp));
+                assert!(is_near(found.fade, 1.0 / (in_lamp * in_lamp)));
+                tested += 1;
+            }
+        }
+        assert_eq!(tested, 3 * COUNT);
+    }
+
+    #[test]
+    fn points_at_the_lamp_or_beyond_all_numbers_have_no_light_of_it() {
+        for lamp in lamps(&Emission::Steady) {
+            if matches!(lamp.beam, Cone::Parallel(_)) {
+                continue;
+            }
+            let d = Direction::new(DVec3::X).unwrap();
+            for at in [0.0, 1e200, f64::INFINITY, f64::NAN] {
+                let origin = Event::new(-3.0, DVec3::new(0.4 + at, 2.0, -1.0));
+                let ray = NullRay::new(origin, d, 1.0);
+                assert!(lamp.arrival(&ray, 0.0, 1.0).is_none(), "{at}");
+            }
+        }
     }
 }

@@ -44,19 +44,18 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use arrivals::ArrivalsBlock;
-pub(crate) use arrivals::{Arrivals, EventColumns, PointsOnRays};
+pub(crate) use arrivals::{Arrivals, EventColumns, PointsOnRays, Start};
+use arrivals::{ArrivalsBlock, Ways};
 pub(crate) use emission::Emission;
-pub(crate) use incidence::Incidence;
+pub(crate) use incidence::{Incidence, Kept};
 
 use super::Received;
-use crate::accel::vectors::{BLOCK, Block, Vectors};
+use crate::accel::vectors::BLOCK;
 use crate::colour::ColourTable;
 use crate::scene::model::{self, Beam, Pulse};
 use crate::spacetime::worldline::{State, WorldLine};
 use crate::spacetime::{
     Boost, Camera, Direction, Displacement, Event, InertialFrame, NullRay, Velocity, World,
-    nearly_unit_and_length_or_nan,
 };
 
 /// A lamp, ready to be asked for its light.
@@ -109,10 +108,11 @@ pub struct Arrival {
     pub d: Direction<World>,
     /// To the lamp, in the world; infinite for parallel light.
     pub distance: f64,
-    /// ω_G/ω_world of the light.
+    /// ω_G/ω_world of the light, and its inverse.
     ratio: f64,
-    /// r_G; 1 for parallel light.
-    reach: f64,
+    inverse: f64,
+    /// 1/r_G²; 1 for parallel light.
+    fade: f64,
     /// Towards the lamp, in its frame.
     in_lamp: DVec3,
     /// Intensity towards the point for one of 1.
@@ -123,7 +123,7 @@ impl Arrival {
     /// Wavelength at a surface over that at the lamp, ω_F/ω_world of whose light is `rho`.
     #[inline]
     pub fn wavelength_ratio(&self, rho: f64) -> f64 {
-        self.ratio / rho
+        self.ratio * (1.0 / rho)
     }
 }
 
@@ -278,8 +278,8 @@ impl Lamp {
     #[inline]
     pub fn incident(&self, arrival: &Arrival, rho: f64, cosine: f64) -> Incident {
         let w = arrival.wavelength_ratio(rho);
-        let r = arrival.reach;
-        let factor = (self.received).irradiance_over(w, arrival.strength * cosine, r * r);
+        let irradiance = arrival.strength * cosine * arrival.fade;
+        let factor = (self.received).irradiance_at([w, arrival.inverse * rho], irradiance);
         self.incident_at(w, factor)
     }
 
@@ -351,29 +351,24 @@ trait Emitter {
     /// Callers take `way` by the camera's event, so that far from the world's origin no digits are lost.
     fn arrival(&self, way: Displacement<World>) -> (Arrival, f64);
 
-    /// The same at a block of points, whose ways are `times` and `ways`.
+    /// The same at a block of points, to which these ways lead.
     #[inline(always)]
-    fn arrivals(&self, times: &Block, ways: &Vectors, to: &mut ArrivalsBlock) {
-        arrivals_singly(self, times, ways, to);
+    fn arrivals<W: Ways>(&self, ways: &W::Block<'_>, to: &mut ArrivalsBlock) {
+        arrivals_singly::<W>(self, ways, to);
     }
 }
 
 /// [`Emitter::arrival`] at each point of a block.
 #[inline(always)]
-fn arrivals_singly(
+fn arrivals_singly<W: Ways>(
     emitter: &(impl Emitter + ?Sized),
-    times: &Block,
-    ways: &Vectors,
+    ways: &W::Block<'_>,
     to: &mut ArrivalsBlock,
 ) {
-    for (k, ct) in times.iter().enumerate() {
-        let (arrival, time) = emitter.arrival(Displacement::new(*ct, ways.get(k)));
-        to.d.set(k, arrival.d.unit());
-        to.distance[k] = arrival.distance;
+    for k in 0..BLOCK {
+        let (arrival, time) = emitter.arrival(W::at(ways, k));
+        to.set(k, &arrival);
         to.times[k] = time;
-        to.ratio[k] = arrival.ratio;
-        to.reach[k] = arrival.reach;
-        to.in_lamp.set(k, arrival.in_lamp);
     }
 }
 
@@ -385,12 +380,17 @@ struct AtRest {
 impl Emitter for AtRest {
     #[inline(always)]
     fn arrival(&self, way: Displacement<World>) -> (Arrival, f64) {
-        let (d, distance) = nearly_unit_and_length_or_nan(-way.x);
+        let k = -way.x;
+        let square = k.length_squared();
+        let distance = square.sqrt();
+        let fade = inverse_within(square);
+        let d = k * (distance * fade);
         let arrival = Arrival {
             d: Direction::from_unit(d),
             distance,
             ratio: 1.0,
-            reach: distance,
+            inverse: 1.0,
+            fade,
             in_lamp: d,
             strength: 1.0,
         };
@@ -398,64 +398,110 @@ impl Emitter for AtRest {
     }
 }
 
-/// A lamp without acceleration: all is as at rest in its frame, and the null vector k = r_G (−1, d) is boosted.
+/// 1/x, NaN where x or its inverse is beyond f64's normal range: 0, ∞ and NaN among them.
+#[inline(always)]
+fn inverse_within(x: f64) -> f64 {
+    /// 2⁻¹⁰²⁰ and 2¹⁰²⁰.
+    const RANGE: [f64; 2] = [
+        f64::from_bits((1023 - 1020) << 52),
+        f64::from_bits((1023 + 1020) << 52),
+    ];
+    let is_within = (x > RANGE[0]) & (x < RANGE[1]);
+    1.0 / if is_within { x } else { f64::NAN }
+}
+
+/// A lamp without acceleration: all is as at rest in its frame, and the null vector k = (−r_G, r_G d_G) is boosted to (−r, r d).
+///
+/// One division serves all quotients: with q = 1/(r r_G²) they are d = (r d) q r_G², ω_G/ω_world = r_G/r = q r_G³, its inverse q r² r_G and
+/// 1/r_G² = q r. Each is right to some eps, as the others are. Lamps farther than 10¹⁰² m, or nearer than its inverse, send no light.
 struct Inertial<'a> {
     frame: &'a InertialFrame<Camera>,
+}
+
+/// Boosts to a lamp's frame and back, `SLOW` as [`Boost::is_slow`] says of them.
+struct ThereAndBack<const SLOW: bool> {
+    there: Boost<Camera, World>,
+    back: Boost<World, Camera>,
+}
+
+impl<const SLOW: bool> ThereAndBack<SLOW> {
+    fn new(frame: &InertialFrame<Camera>) -> Self {
+        ThereAndBack {
+            there: *frame.frame_from_world(),
+            back: *frame.world_from_frame(),
+        }
+    }
+
+    /// In the lamp's frame: k = r_G d_G, r_G and the proper time at which the light left.
+    #[inline(always)]
+    fn leave(&self, way: Displacement<World>) -> (DVec3, [f64; 2]) {
+        let way = match SLOW {
+            true => self.there.displacement_of_slow(way),
+            false => self.there.displacement_of_fast(way),
+        };
+        let k = -way.x;
+        let reach = k.length();
+        (k, [reach, way.ct - reach])
+    }
+
+    /// From there on.
+    #[inline(always)]
+    fn arrive(&self, k: DVec3, reach: f64) -> Arrival {
+        let (in_world, distance) = match SLOW {
+            true => self.back.null_of_slow(k, reach),
+            false => self.back.null_of_fast(k, reach),
+        };
+        let square = reach * reach;
+        let quotient = inverse_within(distance * square);
+        let (per_distance, fade) = (square * quotient, distance * quotient);
+        let per_reach = reach * fade;
+        Arrival {
+            d: Direction::from_unit(in_world * per_distance),
+            distance,
+            ratio: reach * per_distance,
+            inverse: distance * per_reach,
+            fade,
+            in_lamp: k * per_reach,
+            strength: 1.0,
+        }
+    }
+
+    #[inline(always)]
+    fn arrival(&self, way: Displacement<World>) -> (Arrival, f64) {
+        let (k, [reach, time]) = self.leave(way);
+        (self.arrive(k, reach), time)
+    }
+
+    /// The same at a block of points, in two loops: chains of numbers that wait for each other are half as long, and more of them are under
+    /// way at once.
+    #[inline(always)]
+    fn arrivals<W: Ways>(&self, ways: &W::Block<'_>, to: &mut ArrivalsBlock) {
+        for at in 0..BLOCK {
+            let (k, [reach, time]) = self.leave(W::at(ways, at));
+            to.in_lamp.set(at, k);
+            (to.distance[at], to.times[at]) = (reach, time);
+        }
+        for at in 0..BLOCK {
+            let arrival = self.arrive(to.in_lamp.get(at), to.distance[at]);
+            to.set(at, &arrival);
+        }
+    }
 }
 
 impl Emitter for Inertial<'_> {
     #[inline(always)]
     fn arrival(&self, way: Displacement<World>) -> (Arrival, f64) {
-        let way = self.frame.frame_from_world().displacement(way);
-        let (in_lamp, reach) = nearly_unit_and_length_or_nan(-way.x);
-        let look = Direction::<Camera>::from_unit(in_lamp);
-        let (d, world) = self.frame.world_from_frame().direction(look);
-        let arrival = Arrival {
-            d,
-            distance: reach * world,
-            ratio: 1.0 / world,
-            reach,
-            in_lamp,
-            strength: 1.0,
-        };
-        (arrival, way.ct - reach)
+        match self.frame.frame_from_world().is_slow() {
+            true => ThereAndBack::<true>::new(self.frame).arrival(way),
+            false => ThereAndBack::<false>::new(self.frame).arrival(way),
+        }
     }
 
-    /// Step by step, by boosts that are at hand: as one loop it does not become vector code with AVX2, and takes five times as long.
     #[inline(always)]
-    fn arrivals(&self, times: &Block, ways: &Vectors, to: &mut ArrivalsBlock) {
-        let (boost, back) = (
-            *self.frame.frame_from_world(),
-            *self.frame.world_from_frame(),
-        );
-        if boost.is_identity() | back.is_identity() {
-            return arrivals_singly(self, times, ways, to);
-        }
-        if boost.is_slow() {
-            for (k, ct) in times.iter().enumerate() {
-                let way = boost.displacement_of_slow(Displacement::new(*ct, ways.get(k)));
-                to.times[k] = way.ct;
-                to.in_lamp.set(k, -way.x);
-            }
-        } else {
-            for (k, ct) in times.iter().enumerate() {
-                let way = boost.displacement_of_fast(Displacement::new(*ct, ways.get(k)));
-                to.times[k] = way.ct;
-                to.in_lamp.set(k, -way.x);
-            }
-        }
-        for k in 0..BLOCK {
-            let (in_lamp, reach) = nearly_unit_and_length_or_nan(to.in_lamp.get(k));
-            to.in_lamp.set(k, in_lamp);
-            to.reach[k] = reach;
-            to.times[k] -= reach;
-        }
-        for k in 0..BLOCK {
-            let look = Direction::<Camera>::from_unit(to.in_lamp.get(k));
-            let (d, [world, inverse]) = back.direction_and_inverse_of_moving(look);
-            to.d.set(k, d.unit());
-            to.distance[k] = to.reach[k] * world;
-            to.ratio[k] = inverse;
+    fn arrivals<W: Ways>(&self, ways: &W::Block<'_>, to: &mut ArrivalsBlock) {
+        match self.frame.frame_from_world().is_slow() {
+            true => ThereAndBack::<true>::new(self.frame).arrivals::<W>(ways, to),
+            false => ThereAndBack::<false>::new(self.frame).arrivals::<W>(ways, to),
         }
     }
 }
@@ -480,11 +526,13 @@ impl<'a> Accelerated<'a> {
         let (d, distance) = (Direction::new(k)?, k.length());
         let boost = Boost::<World, Camera>::new(velocity).inverse();
         let (in_lamp, ratio) = boost.direction(d);
+        let reach = distance * ratio;
         let arrival = Arrival {
             d,
             distance,
             ratio,
-            reach: distance * ratio,
+            inverse: 1.0 / ratio,
+            fade: 1.0 / (reach * reach),
             in_lamp: in_lamp.unit(),
             strength: 1.0,
         };
@@ -512,7 +560,8 @@ impl Emitter for ParallelAtRest {
             d: Direction::from_unit(-self.direction),
             distance: f64::INFINITY,
             ratio: 1.0,
-            reach: 1.0,
+            inverse: 1.0,
+            fade: 1.0,
             in_lamp: -self.direction,
             strength: 1.0,
         };
@@ -549,7 +598,8 @@ impl Emitter for ParallelInertial<'_> {
             d,
             distance: f64::INFINITY,
             ratio: 1.0 / world,
-            reach: 1.0,
+            inverse: world,
+            fade: 1.0,
             in_lamp: -self.direction,
             strength: 1.0,
         };
@@ -564,7 +614,8 @@ impl Arrival {
         d: Direction::from_unit(DVec3::NAN),
         distance: f64::NAN,
         ratio: f64::NAN,
-        reach: f64::NAN,
+        inverse: f64::NAN,
+        fade: f64::NAN,
         in_lamp: DVec3::NAN,
         strength: 0.0,
     };

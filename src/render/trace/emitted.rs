@@ -165,6 +165,8 @@ pub struct Emitted {
     pub(super) reflections: Vec<Reflection>,
     /// What points that are not diffuse reflect.
     pub(super) added: Columns,
+    /// Whether no light has come yet to the points of the run: then `added`, or the sum of `incident`, is to be overwritten.
+    pub(super) is_unlit: bool,
     /// Points as a capture camera sees them, from where on rays to it count, whether those are blocked, and a batch of lookups.
     pub(super) seen: CapturePoints,
     pub(super) leaving: Leaving,
@@ -392,6 +394,7 @@ impl Default for Emitted {
             glosses: Glosses::default(),
             reflections: Vec::new(),
             added: Columns::default(),
+            is_unlit: false,
             captured: Box::default(),
             seen: CapturePoints::default(),
             leaving: Leaving::default(),

@@ -29,8 +29,14 @@ pub(super) struct Gathered {
 impl Gathered {
     /// No light at `count` points, whose wavelengths are to be weighed or not.
     pub fn start(&mut self, count: usize, weighs: bool) {
-        self.weighs = weighs;
+        self.start_unlit(count, weighs);
         self.sum.fill(count, glam::DVec3::ZERO);
+    }
+
+    /// The same where the first light overwrites the sum.
+    pub fn start_unlit(&mut self, count: usize, weighs: bool) {
+        self.weighs = weighs;
+        self.sum.resize(count);
         let weighed = if weighs { count } else { 0 };
         for column in [&mut self.weight, &mut self.weighted] {
             column.clear();

@@ -13,8 +13,8 @@ use super::stats::Meter;
 use crate::accel::vectors::{
     BLOCK, Block, Columns, VectorLoop, Vectors, VectorsRef, block_of, dispatch, load, store,
 };
-use crate::light::lamp::{Incident, Lamp};
-use crate::light::reflection::{Glosses, Reflection, metallic_roughness_value};
+use crate::light::lamp::{Incident, Kept, Lamp};
+use crate::light::reflection::{Coefficients, Glosses, Reflection};
 
 /// Adds the light of one lamp to what falls on the points of `run`, in a medium of index `index`.
 pub(super) fn illuminate(
@@ -36,6 +36,7 @@ pub(super) fn illuminate(
         glosses,
         reflections,
         added,
+        is_unlit,
         ..
     } = emitted;
     let surfaces = run.traced.surfaces;
@@ -54,7 +55,12 @@ pub(super) fn illuminate(
     let end = surfaces.at_rest().zip(lamp.place());
     let is_matte = glosses.is_empty() && reflections.is_empty();
     let needs_ways = lamp.shadows && end.is_none();
-    if needs_ways || !lamp.incidence_at((&on_rays, index), boost, normals, !is_matte, incidence) {
+    let constant = lamp.constant_colour().map(DVec3::from_array);
+    let kept = Kept {
+        directions: !is_matte,
+        ratios: constant.is_none() || incident.weighs || !reflections.is_empty(),
+    };
+    if needs_ways || !lamp.incidence_at((&on_rays, index), boost, normals, kept, incidence) {
         lamp.arrivals(&on_rays, index, arrivals);
         lamp.incidence(arrivals, boost, normals, incidence);
     }
@@ -83,7 +89,6 @@ pub(super) fn illuminate(
     }
 
     // Each kind of surface in a loop of its own: matte ones reflect the sum later, others each light by itself.
-    let constant = lamp.constant_colour().map(DVec3::from_array);
     if constant.is_none() {
         colours.resize(points.count());
         let seen = incidence.ratios().iter().zip(incidence.factors());
@@ -104,15 +109,20 @@ pub(super) fn illuminate(
             light,
             glosses,
             normals: &points.normals,
-            views,
+            views: match points.unit_tangents() {
+                Some(tangents) => (tangents, -1.0),
+                None => (views, 1.0),
+            },
             l: incidence.l(arrivals),
             gathered: incident,
+            is_first: std::mem::take(is_unlit),
             added,
         });
     }
     if reflections.is_empty() {
         return dispatch(Gather {
             light,
+            is_first: std::mem::take(is_unlit),
             gathered: incident,
         });
     }
@@ -205,11 +215,12 @@ impl<'a> Light<'a> {
         'a: 'b,
     {
         let factors = block_of(self.factors, begin, last);
-        let mut is_lit = false;
+        // Bits, as they are put together in fewer instructions than answers.
+        let mut bits = 0;
         for factor in factors {
-            is_lit |= *factor != 0.0;
+            bits |= factor.to_bits();
         }
-        is_lit.then_some(factors)
+        (bits != 0).then_some(factors)
     }
 
     /// Makes `irradiance` that at a block of points that has these factors.
@@ -270,13 +281,19 @@ impl Gathered {
 /// Adds light to what falls on matte surfaces.
 struct Gather<'a> {
     light: Light<'a>,
+    /// Whether it is the first, and what is there does not count.
+    is_first: bool,
     gathered: &'a mut Gathered,
 }
 
 impl VectorLoop for Gather<'_> {
     #[inline(always)]
     fn run(self) {
-        let Gather { light, gathered } = self;
+        let Gather {
+            light,
+            is_first,
+            gathered,
+        } = self;
         let (mut irradiance, mut sum) = (Vectors::ZERO, Vectors::ZERO);
         let plain = match gathered.weighs {
             true => None,
@@ -286,19 +303,28 @@ impl VectorLoop for Gather<'_> {
         let mut begin = 0;
         while begin < light.factors.len() {
             let Some(factors) = light.factors(begin, &mut last) else {
+                if is_first {
+                    gathered.sum.store(&Vectors::ZERO, begin);
+                }
                 begin += BLOCK;
                 continue;
             };
             // Of one colour it is added where the sum lies, channel by channel.
             if let (Some(colour), Some(sum)) = (plain, gathered.sum.block_mut(begin)) {
                 for (sum, intensity) in sum.into_iter().zip(colour.to_array()) {
-                    for (sum, factor) in sum.iter_mut().zip(factors) {
-                        *sum += intensity * *factor;
+                    if is_first {
+                        for (sum, factor) in sum.iter_mut().zip(factors) {
+                            *sum = intensity * *factor;
+                        }
+                    } else {
+                        for (sum, factor) in sum.iter_mut().zip(factors) {
+                            *sum += intensity * *factor;
+                        }
                     }
                 }
             } else {
                 light.irradiate(begin, factors, &mut irradiance);
-                let before = gathered.sum.block(begin);
+                let before = before(&gathered.sum, is_first, begin);
                 for k in 0..BLOCK {
                     sum.set(k, before.get(k) + irradiance.get(k));
                 }
@@ -310,47 +336,87 @@ impl VectorLoop for Gather<'_> {
     }
 }
 
+/// What `sum` holds before light is added: nothing yet if that is the first.
+#[inline(always)]
+fn before(sum: &Columns, is_first: bool, begin: usize) -> VectorsRef<'_> {
+    const NOTHING: &Vectors = &Vectors::ZERO;
+    match is_first {
+        true => NOTHING.as_ref(),
+        false => sum.block(begin),
+    }
+}
+
 /// Adds what glossy surfaces reflect of light.
 struct Gloss<'a> {
     light: Light<'a>,
     glosses: &'a Glosses,
     normals: &'a Columns,
-    views: &'a Columns,
+    /// What is times this towards the observer.
+    views: (&'a Columns, f64),
     l: &'a Columns,
     gathered: &'a mut Gathered,
+    /// Whether it is the first, and what was added does not count.
+    is_first: bool,
     added: &'a mut Columns,
 }
 
 /// A block of points of glossy surfaces.
 struct Glossy<'a> {
     n: VectorsRef<'a>,
-    v: VectorsRef<'a>,
+    v: (VectorsRef<'a>, f64),
     l: VectorsRef<'a>,
+}
+
+/// How each of a block reflects.
+struct Looks<'a> {
     colours: VectorsRef<'a>,
     metallic: &'a Block,
     roughness: &'a Block,
 }
 
 impl Glossy<'_> {
-    /// Makes `sum` what is `before` and what they reflect of `irradiance`, whose factors these are; `ROUGHEST` says that all roughnesses are 1.
+    /// Makes `sum` what is `before` and what they reflect of light of this colour times these factors, all of them alike; `ROUGHEST` and
+    /// `METAL` as [`Coefficients::kind`] says.
     #[inline(always)]
-    fn add<const ROUGHEST: bool>(
+    fn add_alike<const ROUGHEST: bool, const METAL: bool>(
         &self,
-        factors: &Block,
-        irradiance: &Vectors,
+        of: Coefficients,
+        (colour, factors): (DVec3, &Block),
         before: VectorsRef,
         sum: &mut Vectors,
     ) {
         for (k, factor) in factors.iter().enumerate() {
-            let look = [self.metallic[k], self.roughness[k]];
-            let (n, v, l) = (self.n.get(k), self.v.get(k), self.l.get(k));
-            let colour = self.colours.get(k);
-            let value = metallic_roughness_value::<ROUGHEST>(n, v, colour, look, l);
-            let more = before.get(k) + value * irradiance.get(k);
+            let value = self.value::<ROUGHEST, METAL>(&of, k);
+            let more = before.get(k) + value * (colour * *factor);
             // Without light f may be no number.
             let is_lit = *factor != 0.0;
             sum.set(k, if is_lit { more } else { before.get(k) });
         }
+    }
+
+    /// The same of any `irradiance`, whose factors these are, where each has a look of its own; `ROUGHEST` says that all roughnesses are 1.
+    #[inline(always)]
+    fn add_each<const ROUGHEST: bool>(
+        &self,
+        looks: &Looks,
+        (irradiance, factors): (&Vectors, &Block),
+        before: VectorsRef,
+        sum: &mut Vectors,
+    ) {
+        for (k, factor) in factors.iter().enumerate() {
+            let look = [looks.metallic[k], looks.roughness[k]];
+            let of = Coefficients::new(looks.colours.get(k), look);
+            let value = self.value::<ROUGHEST, false>(&of, k);
+            let more = before.get(k) + value * irradiance.get(k);
+            let is_lit = *factor != 0.0;
+            sum.set(k, if is_lit { more } else { before.get(k) });
+        }
+    }
+
+    #[inline(always)]
+    fn value<const ROUGHEST: bool, const METAL: bool>(&self, of: &Coefficients, k: usize) -> DVec3 {
+        let (v, sign) = self.v;
+        of.value_at::<ROUGHEST, METAL>(self.n.get(k), v.get(k) * sign, self.l.get(k))
     }
 }
 
@@ -364,39 +430,67 @@ impl VectorLoop for Gloss<'_> {
             views,
             l,
             gathered,
+            is_first,
             added,
         } = self;
+        let shared = glosses.shared().map(|of| (of, of.kind()));
         let (mut irradiance, mut sum) = (Vectors::ZERO, Vectors::ZERO);
         let mut last = [[0.0; BLOCK]; 3];
         let mut begin = 0;
         while begin < light.factors.len() {
             let [last_factors, last_metallic, last_roughness] = &mut last;
-            if let Some(factors) = light.factors(begin, last_factors) {
+            let Some(factors) = light.factors(begin, last_factors) else {
+                if is_first {
+                    added.store(&Vectors::ZERO, begin);
+                }
+                begin += BLOCK;
+                continue;
+            };
+            if shared.is_none() || light.constant.is_none() || gathered.weighs {
                 light.irradiate(begin, factors, &mut irradiance);
-                let look = glosses.begin(begin);
-                let metallic = block_of(&glosses.metallic, look, last_metallic);
-                let roughness = block_of(&glosses.roughness, look, last_roughness);
-                let points = Glossy {
-                    n: normals.block(begin),
-                    v: views.block(begin),
-                    l: l.block(begin),
-                    colours: glosses.colours.block(look),
-                    metallic,
-                    roughness,
-                };
-                let before = added.block(begin);
-                // The roughest surfaces, as all are that say nothing of it, take fewer roots.
-                let mut is_roughest = true;
-                for roughness in roughness {
-                    is_roughest &= *roughness == 1.0;
-                }
-                match is_roughest {
-                    true => points.add::<true>(factors, &irradiance, before, &mut sum),
-                    false => points.add::<false>(factors, &irradiance, before, &mut sum),
-                }
-                added.store(&sum, begin);
-                gathered.weigh(begin, &light, factors, &irradiance);
             }
+            let points = Glossy {
+                n: normals.block(begin),
+                v: (views.0.block(begin), views.1),
+                l: l.block(begin),
+            };
+            let before = before(added, is_first, begin);
+            // The roughest surfaces, as all are that say nothing of it, take fewer roots.
+            match shared.zip(light.constant) {
+                Some(((of, kind), colour)) => {
+                    let light = (colour, factors);
+                    match kind {
+                        [true, true] => {
+                            points.add_alike::<true, true>(of, light, before, &mut sum);
+                        }
+                        [true, false] => {
+                            points.add_alike::<true, false>(of, light, before, &mut sum);
+                        }
+                        [false, _] => {
+                            points.add_alike::<false, false>(of, light, before, &mut sum);
+                        }
+                    }
+                }
+                None => {
+                    let look = glosses.begin(begin);
+                    let looks = Looks {
+                        colours: glosses.colours.block(look),
+                        metallic: block_of(&glosses.metallic, look, last_metallic),
+                        roughness: block_of(&glosses.roughness, look, last_roughness),
+                    };
+                    let mut others = 0;
+                    for roughness in looks.roughness {
+                        others |= roughness.to_bits() ^ 1.0f64.to_bits();
+                    }
+                    let light = (&irradiance, factors);
+                    match others == 0 {
+                        true => points.add_each::<true>(&looks, light, before, &mut sum),
+                        false => points.add_each::<false>(&looks, light, before, &mut sum),
+                    }
+                }
+            }
+            added.store(&sum, begin);
+            gathered.weigh(begin, &light, factors, &irradiance);
             begin += BLOCK;
         }
     }
@@ -444,6 +538,7 @@ mod tests {
                 };
                 dispatch(Gather {
                     light,
+                    is_first: false,
                     gathered: &mut gathered,
                 });
             }
@@ -488,9 +583,10 @@ mod tests {
                     },
                     glosses,
                     normals: &normals,
-                    views: &views,
+                    views: (&views, 1.0),
                     l: &l,
                     gathered: &mut gathered,
+                    is_first: false,
                     added: &mut added,
                 });
                 all(&added)
@@ -499,6 +595,62 @@ mod tests {
             let lit = expected[BLOCK..].iter().filter(|[r, ..]| *r > 0.0).count();
             assert!((20..70).contains(&lit), "{lit}");
             assert_eq!(reflected(&alike), expected);
+        }
+    }
+
+    #[test]
+    fn the_first_light_overwrites_what_was_there_and_tangents_count_as_views_the_other_way_round() {
+        let unit = |k, n| DVec3::new(part(k, n), part(k, n + 4), 1.5).normalize();
+        let (normals, views, tangents, l) = (
+            columns(|k| unit(k, 3)),
+            columns(|k| unit(k, 5)),
+            columns(|k| -unit(k, 5)),
+            columns(|k| unit(k, 11)),
+        );
+        // No light comes to the second of three blocks.
+        let mut factors = factors();
+        factors[BLOCK..2 * BLOCK].fill(0.0);
+        let (none, mut glosses) = (Columns::default(), Glosses::default());
+        glosses.fill_alike([0.2, 0.5, 0.9], [1.0, 1.0]);
+        let lit = |is_first: bool, weighs: bool| {
+            let light = Light {
+                constant: Some(DVec3::new(0.3, 0.7, 1.1)),
+                colours: &none,
+                ratios: None,
+                factors: &factors,
+            };
+            let before = if is_first { DVec3::NAN } else { DVec3::ZERO };
+            let (mut gathered, mut added) = (Gathered::default(), Columns::default());
+            gathered.start(factors.len(), weighs);
+            gathered.sum.fill(factors.len(), before);
+            added.fill(factors.len(), before);
+            dispatch(Gather {
+                light,
+                is_first,
+                gathered: &mut gathered,
+            });
+            dispatch(Gloss {
+                light,
+                glosses: &glosses,
+                normals: &normals,
+                views: match is_first {
+                    true => (&tangents, -1.0),
+                    false => (&views, 1.0),
+                },
+                l: &l,
+                gathered: &mut gathered,
+                is_first,
+                added: &mut added,
+            });
+            (all(&gathered.sum), all(&added))
+        };
+        for weighs in [false, true] {
+            let (matte, glossy) = lit(false, weighs);
+            assert_eq!(lit(true, weighs), (matte.clone(), glossy.clone()));
+            for all in [matte, glossy] {
+                let count = all.iter().filter(|[r, ..]| *r > 0.0).count();
+                assert!((20..70).contains(&count), "{count}");
+            }
         }
     }
 }

@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::run::{Run, TracedRays, in_a_row};
-use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, block_of, dispatch, load};
-use crate::light::lamp::{EventColumns, PointsOnRays};
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch, gather_vectors, load};
+use crate::light::lamp::{EventColumns, PointsOnRays, Start};
 use crate::light::time_texture::SurfacePoint as CapturePoint;
 use crate::spacetime::{Displacement, Event, World};
 
@@ -27,13 +27,15 @@ pub(super) struct Points {
     /// Where the rays leave that hit them, in the rest frame: one for all, or each.
     eye: DVec3,
     eyes: Columns,
-    /// The same in the world, the way from there to the points, and the distance.
+    /// How far along the rays the points are.
+    pub s: Vec<f64>,
+    /// Where the rays leave in the world, and the index that delays them.
     shot: Event<World>,
+    index: f64,
+    /// Whether rays leave each from its own event: then these, and the ways from there to the points.
+    own_origins: bool,
     origins: EventColumns,
     offsets: EventColumns,
-    pub s: Vec<f64>,
-    /// Whether rays leave each from its own event.
-    own_origins: bool,
 }
 
 /// What of points is taken over.
@@ -75,28 +77,19 @@ impl Points {
         } = run.traced;
         self.shot = *event;
 
-        // Where they are in the world from where their rays leave.
-        self.offsets.resize(run.count());
+        self.index = run.traced.index;
+
+        // Where they are in the world from where their rays leave. In a frame that rests in the world tangents are directions.
         let Some(origins) = rays.origins else {
-            // In a frame that rests in the world tangents are directions.
-            let directions = match surfaces.at_rest() {
-                Some(_) => &self.tangents,
-                None => {
-                    self.directions.resize(run.count());
-                    for (k, ray) in run.members.iter().enumerate() {
-                        self.directions.set(k, rays.directions[*ray as usize]);
-                    }
-                    &self.directions
+            if surfaces.at_rest().is_none() {
+                self.directions.resize(run.count());
+                for (k, ray) in run.members.iter().enumerate() {
+                    self.directions.set(k, rays.directions[*ray as usize]);
                 }
-            };
-            dispatch(Offsets {
-                index: run.traced.index,
-                directions,
-                s: &self.s,
-                offsets: &mut self.offsets,
-            });
-            return self.origins.resize(0);
+            }
+            return;
         };
+        self.offsets.resize(run.count());
         for (k, ray) in run.members.iter().enumerate() {
             let ray = run.traced.ray(*ray as usize);
             let offset = ray.tangent * self.s[k];
@@ -132,19 +125,32 @@ impl Points {
         if let Some(row) = row {
             self.tangents.take(row);
         }
+        let (mut slots, mut sides) = ([0; BLOCK], [0.0; BLOCK]);
         for (block, members) in run.members.chunks(BLOCK).enumerate() {
             let begin = block * BLOCK;
             // What the hits say, and the normals of their triangles on the side that is seen.
-            let Some([x, y, z]) = self.normals.block_mut(begin) else {
-                continue;
-            };
-            for ((k, ray), s) in members.iter().enumerate().zip(&mut self.s[begin..]) {
+            let of = self.s[begin..].iter_mut().zip(&mut slots).zip(&mut sides);
+            for (ray, ((s, slot), side)) in members.iter().zip(of) {
                 let Some(hit) = &hits[*ray as usize] else {
                     continue;
                 };
-                let normal = run.rest.normal(hit) * if hit.front { 1.0 } else { -1.0 };
-                (x[k], y[k], z[k]) = (normal.x, normal.y, normal.z);
-                *s = hit.s;
+                (*s, *slot) = (hit.s, hit.slot);
+                *side = if hit.front { 1.0 } else { -1.0 };
+            }
+            let Some(to) = self.normals.block_mut(begin) else {
+                continue;
+            };
+            match run.rest.normals() {
+                [] => {
+                    let [x, y, z] = to;
+                    for (k, ray) in members.iter().enumerate() {
+                        if let Some(hit) = &hits[*ray as usize] {
+                            let normal = run.rest.bvh.normal(hit) * sides[k];
+                            (x[k], y[k], z[k]) = (normal.x, normal.y, normal.z);
+                        }
+                    }
+                }
+                normals => gather_vectors(normals, &slots, &sides, to),
             }
             if taken != Taken::Tangents {
                 let of_points = self.triangles[begin..].iter_mut();
@@ -209,6 +215,11 @@ impl Points {
         }
     }
 
+    /// Tangents of the rays in the rest frame, where they are unit vectors: the opposite of [`Points::views`].
+    pub(super) fn unit_tangents(&self) -> Option<&Columns> {
+        self.are_unit.then_some(&self.tangents)
+    }
+
     /// Unit vectors towards the observer, in the rest frame.
     pub(super) fn views(&self, views: &mut Columns) {
         views.resize(self.count());
@@ -251,7 +262,22 @@ impl Points {
     /// From where its ray leaves to point `k`, in the world.
     #[inline(always)]
     pub(super) fn offset(&self, k: usize) -> Displacement<World> {
-        Displacement::new(self.offsets.ct[k], self.offsets.x.get(k))
+        match self.own_origins {
+            true => Displacement::new(self.offsets.ct[k], self.offsets.x.get(k)),
+            false => {
+                let s = self.s[k];
+                Displacement::new(-self.index * s, self.directions().get(k) * s)
+            }
+        }
+    }
+
+    /// Directions in the world of rays that leave the shot.
+    #[inline(always)]
+    fn directions(&self) -> &Columns {
+        match self.are_unit {
+            true => &self.tangents,
+            false => &self.directions,
+        }
     }
 
     /// Point `k` in the world, at the emission of its light.
@@ -266,10 +292,20 @@ impl Points {
 
     /// Where they are in the world.
     pub(super) fn on_rays(&self) -> PointsOnRays<'_> {
+        let start = match self.own_origins {
+            true => Start::Own {
+                events: &self.origins,
+                offsets: &self.offsets,
+            },
+            false => Start::Shot {
+                index: self.index,
+                directions: self.directions(),
+                s: &self.s,
+            },
+        };
         PointsOnRays {
             shot: self.shot,
-            origins: self.own_origins.then_some(&self.origins),
-            offsets: &self.offsets,
+            start,
         }
     }
 
@@ -295,11 +331,12 @@ impl Default for Points {
             normals: Columns::default(),
             eye: DVec3::ZERO,
             eyes: Columns::default(),
+            s: Vec::new(),
             shot: Event::ORIGIN,
+            index: 1.0,
+            own_origins: false,
             origins: EventColumns::default(),
             offsets: EventColumns::default(),
-            s: Vec::new(),
-            own_origins: false,
         }
     }
 }
@@ -323,38 +360,6 @@ impl VectorLoop for Along<'_> {
             positions.set(k, self.eye + tangents.get(k) * *s);
         }
         self.positions.store(&positions, self.begin);
-    }
-}
-
-/// Directions of world rays in a medium of index `index`, whose tangents are (−η, d), to the ways to the points that they hit.
-struct Offsets<'a> {
-    index: f64,
-    directions: &'a Columns,
-    s: &'a [f64],
-    offsets: &'a mut EventColumns,
-}
-
-impl VectorLoop for Offsets<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let mut last = [0.0; BLOCK];
-        let mut begin = 0;
-        while begin < self.s.len() {
-            // Where they lie, axis by axis.
-            let s = block_of(self.s, begin, &mut last);
-            let Some(x) = self.offsets.x.block_mut(begin) else {
-                return;
-            };
-            for (x, d) in x.into_iter().zip(self.directions.block(begin).axes()) {
-                for ((x, d), s) in x.iter_mut().zip(d).zip(s) {
-                    *x = *d * *s;
-                }
-            }
-            for (ct, s) in self.offsets.ct[begin..].iter_mut().zip(s) {
-                *ct = -self.index * *s;
-            }
-            begin += BLOCK;
-        }
     }
 }
 

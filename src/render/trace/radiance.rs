@@ -434,6 +434,13 @@ impl TimeResolved {
         for lamp in lamps.iter().filter_map(|k| self.lamps[*k].as_ref()) {
             lamps::illuminate(run, lamp, self.index, emitted, meter);
         }
+        // Without any, nothing has been written yet.
+        if std::mem::take(&mut emitted.is_unlit) {
+            match finish.gloss {
+                Some(_) => emitted.added.fill(run.count(), DVec3::ZERO),
+                None => emitted.incident.sum.fill(run.count(), DVec3::ZERO),
+            }
+        }
         if let Some(areas) = &self.areas {
             areas.illuminate(&self.base, run, self.index, emitted, meter);
         }
@@ -492,7 +499,8 @@ impl TimeResolved {
     fn start(&self, finish: &Finish, run: &Run, emitted: &mut Emitted) {
         // Nothing but the colour of a line depends on wavelengths.
         let is_line = matches!(emitted.response.colour, Colouring::ShiftedLine(_));
-        emitted.incident.start(run.count(), is_line);
+        emitted.incident.start_unlit(run.count(), is_line);
+        emitted.is_unlit = true;
         emitted.glosses.clear();
         emitted.reflections.clear();
         let Some(gloss) = &finish.gloss else {
@@ -504,12 +512,21 @@ impl TimeResolved {
             glosses,
             reflections,
             added,
+            is_unlit,
+            incident,
             ..
         } = emitted;
-        added.fill(run.count(), DVec3::ZERO);
-        points.views(views);
         // What is drawn of areas and of the sky asks points one by one; loops over lamps do with one block where all look alike.
         let by_point = self.areas.is_some() || self.sky.is_some();
+        added.resize(run.count());
+        if by_point {
+            *is_unlit = false;
+            added.fill(run.count(), DVec3::ZERO);
+            incident.sum.fill(run.count(), DVec3::ZERO);
+        }
+        if by_point || points.unit_tangents().is_none() {
+            points.views(views);
+        }
         let colour = self.base.colours[finish.colour].constant();
         if let (Some(colour), None, false) = (colour, gloss.texture, by_point) {
             return glosses.fill_alike(colour, [gloss.metallic, gloss.roughness]);

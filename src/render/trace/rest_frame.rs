@@ -115,15 +115,6 @@ impl RestFrame {
         &self.normals
     }
 
-    /// The unit normal of the triangle that was hit, on the side from which its corners run counter-clockwise.
-    #[inline(always)]
-    pub(super) fn normal(&self, hit: &Hit) -> DVec3 {
-        match self.normals.get(hit.slot as usize) {
-            Some(normal) => *normal,
-            None => self.bvh.normal(hit),
-        }
-    }
-
     /// The patch that triangle `triangle` belongs to.
     #[inline]
     pub fn patch(&self, triangle: u32) -> &Patch {

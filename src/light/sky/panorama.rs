@@ -274,12 +274,15 @@ impl TapsBlock {
         self.below[k] = taps.below;
     }
 
-    /// Has their texels come from memory.
+    /// Has their texels come from memory: those of each `STEP`th. Neighbours look at texels next to each other, of which five are in one
+    /// cache line.
     #[inline(always)]
-    fn prefetch(&self, texels: &[f32]) {
-        for (upper, lower) in self.upper.iter().zip(&self.lower) {
-            prefetch(texels, 3 * *upper as usize);
-            prefetch(texels, 3 * *lower as usize);
+    fn prefetch<const STEP: usize>(&self, texels: &[f32]) {
+        let mut k = 0;
+        while k < BLOCK {
+            prefetch(texels, 3 * self.upper[k] as usize);
+            prefetch(texels, 3 * self.lower[k] as usize);
+            k += STEP;
         }
     }
 }
@@ -315,7 +318,7 @@ impl PlacesBlock {
         }
         let sizes = &*panorama.sizes;
         self.fine.fill(sizes, &size, [&u, &v]);
-        self.fine.prefetch(&panorama.texels);
+        self.fine.prefetch::<2>(&panorama.texels);
         // Texels that are wider than pixels need no smaller size.
         let mut is_mixed = false;
         for weight in &self.weight {
@@ -323,7 +326,7 @@ impl PlacesBlock {
         }
         if is_mixed {
             self.coarse.fill(sizes, &next, [&u, &v]);
-            self.coarse.prefetch(&panorama.texels);
+            self.coarse.prefetch::<4>(&panorama.texels);
         }
     }
 }
@@ -339,10 +342,20 @@ impl VectorLoop for LookUp<'_> {
         let mut places = PlacesBlock::ZERO;
         let blocks = rays.chunks(BLOCK).zip(ratios.chunks(BLOCK));
         for (radiance, (rays, ratios)) in self.radiance.chunks_mut(BLOCK).zip(blocks) {
-            // To single precision by itself: a loop that has both goes by vectors of half as many numbers.
-            for (k, ray) in rays.iter().enumerate() {
-                let d = directions[*ray as usize].as_vec3();
-                (x[k], y[k], z[k]) = (d.x, d.y, d.z);
+            // To single precision by itself: a loop that has both goes by vectors of half as many numbers. Rays in a row, as most are, have
+            // their directions one after another.
+            match row(directions, rays) {
+                Some(row) => {
+                    for (k, d) in row.iter().enumerate() {
+                        (x[k], y[k], z[k]) = (d.x as f32, d.y as f32, d.z as f32);
+                    }
+                }
+                None => {
+                    for (k, ray) in rays.iter().enumerate() {
+                        let d = directions[*ray as usize].as_vec3();
+                        (x[k], y[k], z[k]) = (d.x, d.y, d.z);
+                    }
+                }
             }
             for (width, ratio) in widths.iter_mut().zip(ratios) {
                 *width = (angle / *ratio) as f32;
@@ -360,6 +373,19 @@ impl VectorLoop for LookUp<'_> {
             );
         }
     }
+}
+
+/// The directions of a whole block of rays, where they lie one after another.
+#[inline(always)]
+fn row<'a>(directions: &'a [DVec3], rays: &[u32]) -> Option<&'a [DVec3; BLOCK]> {
+    let rays: &[u32; BLOCK] = rays.first_chunk()?;
+    let first = rays[0];
+    let mut differences = 0;
+    for (k, ray) in rays.iter().enumerate() {
+        differences |= ray ^ first.wrapping_add(k as u32);
+    }
+    let row = directions.get(first as usize..)?.first_chunk();
+    row.filter(|_| differences == 0)
 }
 
 /// Columns and rows of a picture so wide, and of its halves.

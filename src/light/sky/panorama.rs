@@ -274,8 +274,8 @@ impl TapsBlock {
         self.below[k] = taps.below;
     }
 
-    /// Has their texels come from memory: those of each `STEP`th. Neighbours look at texels next to each other, of which five are in one
-    /// cache line.
+    /// Has their texels come from memory: those of each `STEP`th, as neighbours look at texels near each other, of which five are in a cache
+    /// line.
     #[inline(always)]
     fn prefetch<const STEP: usize>(&self, texels: &[f32]) {
         let mut k = 0;
@@ -318,7 +318,7 @@ impl PlacesBlock {
         }
         let sizes = &*panorama.sizes;
         self.fine.fill(sizes, &size, [&u, &v]);
-        self.fine.prefetch::<2>(&panorama.texels);
+        self.fine.prefetch::<1>(&panorama.texels);
         // Texels that are wider than pixels need no smaller size.
         let mut is_mixed = false;
         for weight in &self.weight {
@@ -326,7 +326,7 @@ impl PlacesBlock {
         }
         if is_mixed {
             self.coarse.fill(sizes, &next, [&u, &v]);
-            self.coarse.prefetch::<4>(&panorama.texels);
+            self.coarse.prefetch::<2>(&panorama.texels);
         }
     }
 }

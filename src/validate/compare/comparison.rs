@@ -162,6 +162,8 @@ fn known_of(
         return Ok(known.filter(|known| known.is_that_of(points)));
     };
     let known = KnownScene::of(scene);
+    // A sky alone has no points.
+    let has_points = has_points && !scene.objects.is_empty();
     match &known {
         Some(known) if has_points && !known.is_that_of(points) => {
             let what = format!(

@@ -27,10 +27,19 @@ const ERRORS: [f64; 2] = [0.1, 0.01];
 /// Studies `scene` on rayon's current thread pool.
 ///
 /// # Errors
-/// A camera whose rays leave events of their own, which has no exact film points; a method that cannot render the
+/// A scene without objects; a camera whose rays leave events of their own, which has no exact film points; a method that cannot render the
 /// scene (see [`crate::approximate::raster::render`]), where it is the only one; files that are missing or broken;
 /// [`Error::Cancelled`] when `progress` says so.
 pub fn study(scene: &Scene, options: &StudyOptions, progress: &dyn Progress) -> Result<Study> {
+    if scene.objects.is_empty() {
+        let what = "the scene has no object: there is no geometry to measure errors of";
+        return Err(Error::invalid(
+            &scene.name,
+            "object",
+            what,
+            "add an [[object]]",
+        ));
+    }
     let plan = plan(scene, options)?;
     let start = Instant::now();
     let mut prepared = Prepared::new(scene, &plan, progress)?;

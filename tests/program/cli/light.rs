@@ -39,6 +39,13 @@ fn a_sky_alone_is_a_scene() {
         "radiance.max=0",
     ];
     folder.ok(&equal);
+    folder.ok(&["render", "sky.toml", "--aovs", "all", "-o", "all.npz"]);
+    folder.ok(&["compare", "all.npz", "all.npz", "--scene", "sky.toml"]);
+    refused(
+        &folder,
+        &["study", "sky.toml", "-o", "study.csv"],
+        &["no geometry"],
+    );
     // Without one there is nothing at all.
     folder.write("nothing.toml", scene(""));
     refused(

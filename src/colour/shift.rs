@@ -8,8 +8,8 @@
 //! not tabulated.
 //!
 //! Beyond the table: what has an end (lines, Gaussians, tables, dark continuations) has no colour; a constant
-//! continuation goes on as W⁻⁵, exactly; a thermal one as the blackbody that it is, whose colours are in the same table from W = 1/4096 to 4 (h²/8
-//! of the second derivative is 4e-5 of the value at W = 4, x² of Planck's x = 16, and less below).
+//! continuation goes on as W⁻⁵, exactly; a thermal one as the blackbody that it is, whose colours are in the same table from W = 1/4096 to 6 (h²/8
+//! of the second derivative is 7e-5 of the value at W = 6, x² of Planck's x = 24, and less below), which is all that a camera at 0.94 c sees.
 
 use std::array::from_fn;
 use std::sync::LazyLock;
@@ -55,7 +55,7 @@ impl RgbShift {
         let ends = [FIRST / LAST, LAST / FIRST];
         let is_thermal = continuation == Continuation::Blackbody;
         let kept = if is_thermal {
-            [1.0 / 4096.0, 4.0]
+            [1.0 / 4096.0, 6.0]
         } else {
             ends
         };

@@ -210,6 +210,23 @@ impl TileFilm {
         self.radiance[pixel] = sum;
     }
 
+    /// Adds the radiance of as many rays in a row, the first of them `first`, each to its pixel.
+    pub(crate) fn add_row(&mut self, first: usize, radiance: &[[f64; 3]]) {
+        // Rays of one sample are so many pixels in a row.
+        let pixels = first..first + radiance.len();
+        match self.radiance.get_mut(pixels) {
+            Some(sums) => {
+                let sums = sums.as_flattened_mut().iter_mut();
+                for (sum, value) in sums.zip(radiance.as_flattened()) {
+                    *sum += value;
+                }
+            }
+            None => (first..)
+                .zip(radiance)
+                .for_each(|(ray, rgb)| self.add(ray, *rgb)),
+        }
+    }
+
     /// Adds the radiance of as many rays in a row, the first of them `first`, times their factors, each to its pixel.
     pub(crate) fn add_scaled(&mut self, first: usize, radiance: &[[f64; 3]], factors: &[f64]) {
         let scaled = radiance.iter().zip(factors);

@@ -28,6 +28,12 @@ pub trait RadianceSink {
             self.add(ray, rgb.map(|c| factor * c));
         }
     }
+    /// Adds the radiance of as many rays in a row, the first of them `first`.
+    fn add_row(&mut self, first: usize, radiance: &[[f64; 3]]) {
+        for (ray, rgb) in (first..).zip(radiance) {
+            self.add(ray, *rgb);
+        }
+    }
     /// Adds how much of the radiance of ray `ray` is known.
     fn add_coverage(&mut self, ray: usize, coverage: Coverage);
     /// Notes rays whose radiance is fully known.
@@ -55,6 +61,10 @@ impl RadianceSink for TileFilm {
 
     fn add_scaled(&mut self, first: usize, radiance: &[[f64; 3]], factors: &[f64]) {
         TileFilm::add_scaled(self, first, radiance, factors);
+    }
+
+    fn add_row(&mut self, first: usize, radiance: &[[f64; 3]]) {
+        TileFilm::add_row(self, first, radiance);
     }
 
     #[inline(always)]
@@ -489,6 +499,9 @@ fn add_colours(
     match (&emitted.response.colour, emitted.details.as_slice()) {
         (Colouring::Rgb(shift, eye), []) => {
             shift_all(shift, *eye, ratios, factors, &mut emitted.radiance);
+            if let Some(rays) = in_a_row(members) {
+                return sink.add_row(rays.start, &emitted.radiance);
+            }
             for (ray, seen) in members.iter().zip(&emitted.radiance) {
                 sink.add(*ray as usize, *seen);
             }

@@ -4,13 +4,14 @@ use std::path::PathBuf;
 
 use nullray::io::cube::Samples;
 use nullray::io::image::npz::{self, CubeOptions};
+use nullray::mesh::Factors;
 use nullray::render::aov::Aov;
 use nullray::render::bake::{self, Baked, Bins, Coordinates, Surface};
 use nullray::render::journal::Journal;
 use nullray::render::metadata;
 use nullray::render::plan::{Lit, Plan, Request, lit_by};
 use nullray::render::prepare::Prepared;
-use nullray::scene::model::Scene;
+use nullray::scene::model::{CubeBacks, Scene};
 use nullray::{Error, Result};
 
 use super::args::BakeArguments;
@@ -35,9 +36,13 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
     let bins = bins(arguments, &scene)?;
     let mut jobs = jobs(arguments, &scene)?;
     let limit = arguments.scene.changes.memory.bytes();
+    // Of surfaces whose backs are seen, both sides.
+    let objects = Plan::new(&scene, &Request::default())?.objects;
     let size = |job: &Job| {
-        job.surface
-            .map_or(scene.camera.size, |surface| surface.size)
+        job.surface.map_or(scene.camera.size, |surface| {
+            let sides = 1 + u32::from(objects[surface.object].shows_backs(&scene));
+            [surface.size[0], sides * surface.size[1]]
+        })
     };
     // Memory: each thread has a texel or tile of its own beside the cube.
     let threads = arguments
@@ -69,7 +74,13 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
     let read = inputs::of(&scene, &plan);
     check_names(arguments, &jobs, &read)?;
     if arguments.plan {
-        return print(&planned(&plan, &jobs, &size, &bins, arguments.half));
+        return print(&planned(
+            (&scene, &plan),
+            &jobs,
+            &size,
+            &bins,
+            arguments.half,
+        ));
     }
     // A journal is gone on with only where all that it depends on is the same.
     let inputs = Inputs::read(read.get(1..).unwrap_or_default());
@@ -98,20 +109,21 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
             }
             let kept = Some(&journal);
             let baked = match &job.surface {
-                None => bake::camera_cube(&scene, &prepared, &bins, kept, &bar)?,
-                Some(surface) => bake::surface_cube(&scene, &prepared, surface, &bins, kept, &bar)?,
+                None => bake::camera_cube(&scene, &prepared, &bins, kept, &bar),
+                Some(surface) => bake::surface_cube(&scene, &prepared, surface, &bins, kept, &bar),
+            };
+            // Parts of what is refused are of no use.
+            let baked = match baked {
+                Err(error @ Error::Invalid { .. }) => return journal.remove().and(Err(error)),
+                baked => baked?,
             };
             interrupt::check()?;
-            write(
-                job,
-                &scene,
-                &bins,
-                plan.film.samples,
-                &baked,
-                arguments.half,
-            )?;
+            let table = source((&scene, &plan), &prepared, job, &bins, &baked);
+            let mut metadata = metadata::of_baked(&scene, &bins, plan.film.samples, &baked);
+            metadata.push(("source_table".into(), table.clone()));
+            write(job, &metadata, bins.count, &baked, arguments.half)?;
             journal.remove()?;
-            let text = report((&scene, &plan), &prepared, job, &bins, &baked);
+            let text = report((&scene, &plan), job, &baked, &table);
             say(quiet, &text)?;
         }
         warn(quiet, &prepared.warnings)
@@ -164,6 +176,9 @@ fn jobs(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<Job>> {
         }]);
     }
     let objects = objects(arguments, scene)?;
+    if let Some(object) = objects.iter().find(|k| !reflects(scene, **k)) {
+        return Err(nothing_to_bake(scene, *object));
+    }
     let alone = objects.len() == 1;
     let job = |object: usize| Job {
         path: match alone {
@@ -207,9 +222,23 @@ fn choose_coordinates(arguments: &BakeArguments, plan: &Plan, jobs: &mut [Job]) 
 
 /// The objects that are named, or all that reflect light.
 fn objects(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<usize>> {
-    let reflects = |k: &usize| matches!(lit_by(scene, *k, ""), Lit::Reflecting(_));
     if arguments.object.is_empty() {
-        return Ok((0..scene.objects.len()).filter(reflects).collect());
+        let all = 0..scene.objects.len();
+        let found: Vec<usize> = all.filter(|k| reflects(scene, *k)).collect();
+        // The first object says why there is none.
+        return match (found.is_empty(), scene.objects.is_empty()) {
+            (false, _) => Ok(found),
+            (true, false) => Ok(vec![0]),
+            (true, true) => {
+                let what = "the scene has no objects: there is nothing to bake";
+                Err(Error::invalid(
+                    &scene.name,
+                    "object",
+                    what,
+                    "add an [[object]]",
+                ))
+            }
+        };
     }
     let index = |name: &String| {
         let found = scene.objects.iter().position(|o| o.name == *name);
@@ -221,6 +250,31 @@ fn objects(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<usize>> {
         })
     };
     arguments.object.iter().map(index).collect()
+}
+
+/// Whether an object reflects light.
+fn reflects(scene: &Scene, object: usize) -> bool {
+    matches!(lit_by(scene, object, ""), Lit::Reflecting(_))
+}
+
+/// The refusal of an object that reflects no light.
+fn nothing_to_bake(scene: &Scene, object: usize) -> Error {
+    let (what, help) = match lit_by(scene, object, "") {
+        Lit::Spectrum => (
+            "it shows its own `spectrum` and reflects no light: there is nothing to bake",
+            "leave `spectrum` out, or bake another object",
+        ),
+        Lit::Cube(_) | Lit::Captures(_) => (
+            "it shows the light of a cube already: there is nothing to bake",
+            "leave its [[source]] out, or bake another object",
+        ),
+        Lit::Base | Lit::Reflecting(_) => (
+            "no light falls on it: there is nothing to bake",
+            "a [[light]], or a pulse, for this object",
+        ),
+    };
+    let place = format!("object \"{}\"", scene.objects[object].name);
+    Error::invalid(&scene.name, place, what, help)
 }
 
 fn check_names(arguments: &BakeArguments, jobs: &[Job], inputs: &[PathBuf]) -> Result<()> {
@@ -253,23 +307,35 @@ impl Job {
 
 /// What a bake would take.
 fn planned(
-    plan: &Plan,
+    (scene, plan): (&Scene, &Plan),
     jobs: &[Job],
     size: &impl Fn(&Job) -> [u32; 2],
     bins: &Bins,
     half: bool,
 ) -> String {
-    let mut text = plan.to_string();
+    // Of surfaces there is no camera, and no film.
+    let mut text = match jobs.iter().any(|job| job.surface.is_none()) {
+        true => plan.to_string(),
+        false => plan.of_surfaces().to_string(),
+    };
     for job in jobs {
         let [w, h] = size(job);
+        let seen = |surface: Surface| plan.objects[surface.object].shows_backs(scene);
+        let backs = match job.surface.is_some_and(seen) {
+            true => ", half of them of backs, which are left out where they are dark",
+            false => "",
+        };
         let samples = u64::from(w) * u64::from(h) * bins.count as u64 * 3;
         let bytes = samples * if half { 2 } else { 4 };
         text += &format!(
-            "{}: {h} rows × {w} columns × {} bins, {:.1} MB, and as much again for its parts while it is being made\n",
+            "{}: {h} rows × {w} columns × {} bins, {:.1} MB, and as much again for its parts while it is being made{backs}\n",
             job.path.display(),
             bins.count,
             bytes as f64 / 1e6
         );
+        if let Some(gloss) = gloss(plan, job) {
+            text += &format!("  note      {gloss}\n");
+        }
     }
     text
 }
@@ -277,9 +343,8 @@ fn planned(
 /// Writes the light of one object, or of the camera, with what reads it again.
 fn write(
     job: &Job,
-    scene: &Scene,
-    bins: &Bins,
-    samples: u32,
+    metadata: &[(String, String)],
+    bins: usize,
     baked: &Baked,
     half: bool,
 ) -> Result<()> {
@@ -302,7 +367,7 @@ fn write(
         .flatten()
         .map(|x| f64::from(*x))
         .collect();
-    let (bins_shape, corners_shape) = ([bins.count], [coordinates.len() / 6, 3, 2]);
+    let (bins_shape, corners_shape) = ([bins], [coordinates.len() / 6, 3, 2]);
     let arrays: [(&str, &[usize], &[f64]); 2] = [
         ("standard_error", &bins_shape, &baked.standard_error),
         ("texture_coordinates", &corners_shape, &coordinates),
@@ -313,28 +378,43 @@ fn write(
             Some(_) => &arrays,
             None => &arrays[..1],
         },
-        metadata: &metadata::of_baked(scene, bins, samples, baked),
+        metadata,
     };
     npz::write_cube_with(&job.path, &baked.cube, &options)
 }
 
 /// What was written, what is not in it, and how a scene uses it.
-fn report(
-    (scene, plan): (&Scene, &Plan),
-    prepared: &Prepared,
-    job: &Job,
-    bins: &Bins,
-    baked: &Baked,
-) -> String {
+fn report((scene, plan): (&Scene, &Plan), job: &Job, baked: &Baked, table: &str) -> String {
     let [h, w, t, _] = baked.cube.shape;
-    let energy = &baked.energy;
+    let (energy, gloss) = (&baked.energy, gloss(plan, job));
+    let seen = |surface: Surface| plan.objects[surface.object].shows_backs(scene);
+    let backs_are_seen = job.surface.is_some_and(seen);
+    let sides = match baked.backs {
+        CubeBacks::SecondHalf => {
+            format!(
+                ", {} of them of its front and then as many of its back",
+                h / 2
+            )
+        }
+        _ => String::new(),
+    };
     let all = energy.held + energy.before + energy.after;
     let mut text = format!(
-        "wrote {}: {h} rows × {w} columns × {t} bins\n",
+        "wrote {}: {h} rows × {w} columns × {t} bins{sides}\n",
         job.path.display()
     );
+    if let Some(gloss) = &gloss {
+        text += &format!("warning: {gloss}\n");
+    }
     let Some([from, to]) = energy.span else {
-        return text + "warning: no light arrives: it is black\n";
+        let why = match (job.surface, backs_are_seen) {
+            (None, _) => "no light arrives",
+            (Some(_), true) => "no diffuse light leaves its fronts or its backs",
+            (Some(_), false) => {
+                "no diffuse light leaves its fronts, and its backs are not seen (display.back_faces = \"two_sided\")"
+            }
+        };
+        return text + &format!("warning: {why}: it is black\n");
     };
     let part = |energy: f64| 100.0 * energy / all;
     text += &format!("light arrives between {from:.6} m and {to:.6} m");
@@ -350,7 +430,29 @@ fn report(
         text += &format!("\nstandard error of a bin: {error:.2} % of the root mean square of all");
     }
     text += "\n\n";
-    text + &source((scene, plan), prepared, job, bins, baked)
+    text + table
+}
+
+/// What of the light of an object a texture does not hold: what it does not reflect diffusely.
+fn gloss(plan: &Plan, job: &Job) -> Option<String> {
+    let object = &plan.objects[job.surface?.object];
+    if !object.factors.iter().any(Factors::is_glossy) {
+        return None;
+    }
+    // Of metal, and of clear glass, nothing is left.
+    let is_bare = |f: &Factors| f.metallic >= 1.0 || f.transmission >= 1.0;
+    let part = match object.factors.iter().all(is_bare) {
+        true => "all its light is gloss (metal or glass), which is not baked",
+        false => "its gloss is not baked, only what it reflects diffusely",
+    };
+    let by_texture = match object.textures {
+        true => ", where its textures say so",
+        false => "",
+    };
+    Some(format!(
+        "object \"{}\": {part}{by_texture}: bake what the camera sees (--camera), or follow light with `render.bounces`",
+        object.name.escape_debug()
+    ))
 }
 
 /// The table of a scene file that reads the cube.
@@ -378,6 +480,11 @@ fn source(
                 true => "object",
                 false => "world",
             };
+            let backs = match baked.backs {
+                CubeBacks::AsFront => "as_front",
+                CubeBacks::Black => "black",
+                CubeBacks::SecondHalf => "second_half",
+            };
             // Another file of coordinates takes the place of one that it has.
             let has_file = scene.objects[surface.object].texture_coordinates.is_some();
             let own_sets = plan.objects[surface.object].uv_sets - usize::from(has_file);
@@ -392,7 +499,7 @@ fn source(
                 ),
             };
             format!(
-                "{before}[[source]]\nname = {:?}\nobjects = [{object:?}]\ncube = {{ {axis}, clock = \"{clock}\", uv = {set} }}\n",
+                "{before}[[source]]\nname = {:?}\nobjects = [{object:?}]\ncube = {{ {axis}, clock = \"{clock}\", uv = {set}, backs = \"{backs}\" }}\n",
                 format!("light on {object}"),
             )
         }

@@ -28,7 +28,7 @@ use nullray::render::metadata;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
-use nullray::render::survey;
+use nullray::render::survey::{self, SeenTimes};
 use nullray::scene::model::Scene;
 use nullray::scene::{Heading, Overrides, SceneFile};
 use nullray::spacetime::{Event, Velocity};
@@ -364,9 +364,12 @@ fn passing(arguments: &FilmArguments, scene: &Scene) -> Result<[f64; 2]> {
     )?;
     let mut prepared = Prepared::new(&small, &plan, &Silent)?;
     let seen = survey::seen_times(&prepared);
-    let times = seen
-        .iter()
-        .filter_map(|times| survey::meeting_times(&small, &mut prepared, times));
+    // Of a cube, the part of its data that is lit.
+    let times = seen.iter().filter_map(|times| {
+        let data = survey::lit(&prepared, times.source).unwrap_or(times.data);
+        let times = SeenTimes { data, ..*times };
+        survey::meeting_times(&small, &mut prepared, &times)
+    });
     let times: Vec<[f64; 2]> = times.collect();
     brief(&times).ok_or_else(|| {
         let what = "no source of the scene says when its light is in view";

@@ -26,6 +26,10 @@ const LEAST_BETWEEN: f64 = 1.0;
 /// For how many passes trees are built: how many there will be is not known before.
 const USUAL_PASSES: u64 = 16;
 
+/// What is said of work that is stopped, once a file has passes to go on from.
+const RESUME: &str =
+    "the passes up to the last save are kept: run the same command again to resume";
+
 /// What passes of one scene need, all as they are asked for. Everything that can be refused before anything heavy is loaded is refused here.
 pub fn check_one(
     scene: &Scene,
@@ -115,6 +119,7 @@ impl Work<'_> {
     /// Takes up what was stopped.
     fn resume(&mut self, prepared: &Prepared) -> Result<()> {
         if self.passes.resume(&self.sums, &self.fingerprint)? {
+            interrupt::can_resume(RESUME);
             let text = format!("resuming after pass {}\n", self.passes.done());
             say(self.quiet, &text)?;
         } else {
@@ -139,9 +144,6 @@ impl Work<'_> {
 
     /// Renders passes until the picture is good enough or the time is over.
     fn go_on(&mut self, prepared: &Prepared) -> Result<()> {
-        interrupt::can_resume(
-            "the picture has all finished passes: run the same command again to resume",
-        );
         let mut written = (Instant::now(), 0.0);
         while !self.is_good() {
             let start = Instant::now();
@@ -157,6 +159,8 @@ impl Work<'_> {
                 self.passes.write(&self.sums, &self.fingerprint)?;
                 let pictures = self.outputs.of_film_alone();
                 pictures.write(self.scene, &self.passes.film(), None, true)?;
+                // Before this there is neither a picture nor a file to go on from.
+                interrupt::can_resume(RESUME);
                 written = (Instant::now(), start.elapsed().as_secs_f64());
             }
         }
@@ -189,12 +193,17 @@ impl Work<'_> {
         let times = times(outputs, scene, &mut rendered.prepared, quiet)?;
         outputs.write(scene, &rendered.film, times.as_ref(), quiet)?;
         let (passes, error) = (self.passes.done(), 100.0 * self.passes.error());
-        say(
-            quiet,
-            &format!(
-                "{passes} passes, standard error {error:.3} % of the mean radiance (root mean square over pixels)\n"
+        let of_pixels = format!("{error:.3} % of the mean radiance (root mean square over pixels)");
+        // Of an error that was asked for, what was asked: that of tiles, which is less than that of pixels.
+        let text = match self.wanted.error {
+            Some(wanted) if self.passes.is_settled() => format!(
+                "{passes} passes: each tile of 16 × 16 pixels has reached the standard error that was asked for, {} % of its radiance or of the \
+                 picture's; that of single pixels is {of_pixels}\n",
+                100.0 * wanted
             ),
-        )?;
+            Some(_) | None => format!("{passes} passes, standard error {of_pixels}\n"),
+        };
+        say(quiet, &text)?;
         match is_left {
             true => say(quiet, &self.missing())?,
             false => remove(&self.sums)?,

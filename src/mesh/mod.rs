@@ -6,6 +6,6 @@ mod triangles;
 
 pub use shapes::Shape;
 pub use triangles::{
-    AlphaMode, MOST_INDEX, Material, Mesh, MeshError, Part, TextureFilter, TextureRef,
+    AlphaMode, Factors, MOST_INDEX, Material, Mesh, MeshError, Part, TextureFilter, TextureRef,
     TextureSampler, Wrap,
 };

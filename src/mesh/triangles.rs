@@ -80,6 +80,36 @@ pub struct Material {
     pub double_sided: bool,
 }
 
+/// How a material looks by its factors alone, on which textures may put numbers below 1: what is known before any texture is loaded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Factors {
+    /// Metalness, 0 to 1.
+    pub metallic: f32,
+    /// Perceptual roughness, 0 to 1.
+    pub roughness: f32,
+    /// The part of the light not reflected that goes through, 0 to 1.
+    pub transmission: f32,
+    /// Whether its back is to be seen too.
+    pub double_sided: bool,
+}
+
+impl Factors {
+    /// Whether it reflects like a perfect mirror, where light is followed from surface to surface.
+    pub fn is_mirror(&self) -> bool {
+        self.roughness == 0.0 && self.transmission == 0.0
+    }
+
+    /// Whether light goes through it.
+    pub fn is_glass(&self) -> bool {
+        self.transmission > 0.0
+    }
+
+    /// Whether it reflects otherwise than diffusely.
+    pub fn is_glossy(&self) -> bool {
+        self.metallic > 0.0 || self.roughness < 1.0 || self.is_glass()
+    }
+}
+
 /// What alpha does to a surface (glTF 2.0 §3.9.4).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum AlphaMode {
@@ -125,6 +155,16 @@ impl Material {
             base_colour: colour,
             metallic: 0.0,
             ..Material::default()
+        }
+    }
+
+    /// How it looks by its factors alone.
+    pub fn factors(&self) -> Factors {
+        Factors {
+            metallic: self.metallic,
+            roughness: self.roughness,
+            transmission: self.transmission,
+            double_sided: self.double_sided,
         }
     }
 

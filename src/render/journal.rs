@@ -22,7 +22,8 @@ const HEAD: usize = 16;
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
-    file: Mutex<File>,
+    fingerprint: [u8; FINGERPRINT],
+    file: Mutex<Option<File>>,
     found: Found,
     forgot: bool,
 }
@@ -31,48 +32,45 @@ pub struct Journal {
 type Found = HashMap<u64, (u64, usize)>;
 
 impl Journal {
-    /// Opens the file of the work of this fingerprint; parts of any other are forgotten.
+    /// Opens the file of the work of this fingerprint; parts of any other are forgotten. Where there is none, it is made with the first
+    /// part: work that is refused leaves no file.
     ///
     /// # Errors
     /// I/O errors, a file at which another process is working, and one that is no journal.
     pub fn open(path: &Path, fingerprint: &[u8; FINGERPRINT]) -> Result<Journal> {
         let failed = || Error::io(path, "cannot write");
-        let mut options = OpenOptions::new();
-        options.read(true).write(true).create(true).truncate(false);
-        let mut file = options.open(path).map_err(failed())?;
-        if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
-            let what = "another process is working at this";
-            return Err(Error::invalid(
-                path,
-                "",
-                what,
-                "wait for it, or write elsewhere",
-            ));
+        let mut journal = Journal {
+            path: path.into(),
+            fingerprint: *fingerprint,
+            file: Mutex::new(None),
+            found: Found::new(),
+            forgot: false,
+        };
+        if !path.try_exists().map_err(failed())? {
+            return Ok(journal);
         }
-        if !is_journal(&mut file).map_err(failed())? {
-            let what = "this is not a file of finished parts, and would be overwritten";
-            return Err(Error::invalid(
-                path,
-                "",
-                what,
-                "remove it, or write elsewhere",
-            ));
-        }
+        let mut file = ours(path)?;
         let (found, end) = scan(&mut file, fingerprint).map_err(failed())?;
         let head = (FORMAT.len() + FINGERPRINT) as u64;
-        let forgot = end == 0 && file.metadata().map_err(failed())?.len() > head;
-        file.set_len(end).map_err(failed())?;
-        file.seek(SeekFrom::Start(end)).map_err(failed())?;
+        journal.forgot = end == 0 && file.metadata().map_err(failed())?.len() > head;
+        journal.found = found;
+        // What is of no use is written over by the first part.
         if end == 0 {
-            file.write_all(&[FORMAT, fingerprint].concat())
-                .map_err(failed())?;
+            return Ok(journal);
         }
-        Ok(Journal {
-            path: path.into(),
-            file: Mutex::new(file),
-            found,
-            forgot,
-        })
+        journal.begin(&mut file, end).map_err(failed())?;
+        journal.file = Mutex::new(Some(file));
+        Ok(journal)
+    }
+
+    /// Cuts `file` off at `end`, where the next part will stand, and gives one without any its head.
+    fn begin(&self, file: &mut File, end: u64) -> io::Result<()> {
+        file.set_len(end)?;
+        file.seek(SeekFrom::Start(end))?;
+        match end {
+            0 => file.write_all(&[FORMAT, &self.fingerprint].concat()),
+            _ => Ok(()),
+        }
     }
 
     /// How many parts were there.
@@ -93,7 +91,8 @@ impl Journal {
         let Some((at, length)) = self.found.get(&index) else {
             return Ok(None);
         };
-        let read = |file: &mut File| {
+        let read = |file: &mut Option<File>| {
+            let file = file.as_mut().ok_or(io::ErrorKind::NotFound)?;
             let end = file.stream_position()?;
             let mut bytes = vec![0; *length];
             file.seek(SeekFrom::Start(*at))?;
@@ -118,18 +117,59 @@ impl Journal {
         let mut crc = flate2::Crc::new();
         crc.update(&record);
         record.extend(crc.sum().to_le_bytes());
-        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        file.write_all(&record)
-            .map_err(Error::io(&self.path, "cannot write"))
+        let failed = || Error::io(&self.path, "cannot write");
+        let mut held = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        if held.is_none() {
+            let mut file = ours(&self.path)?;
+            self.begin(&mut file, 0).map_err(failed())?;
+            *held = Some(file);
+        }
+        match held.as_mut() {
+            Some(file) => file.write_all(&record).map_err(failed()),
+            None => Ok(()),
+        }
     }
 
-    /// Removes the file: all parts are where they belong.
+    /// Removes the file, if there is one: all parts are where they belong, or nowhere.
     ///
     /// # Errors
     /// I/O errors.
     pub fn remove(self) -> Result<()> {
-        std::fs::remove_file(&self.path).map_err(Error::io(&self.path, "cannot remove"))
+        let file = self.file.into_inner();
+        match file.unwrap_or_else(PoisonError::into_inner) {
+            Some(_) => {
+                std::fs::remove_file(&self.path).map_err(Error::io(&self.path, "cannot remove"))
+            }
+            None => Ok(()),
+        }
     }
+}
+
+/// The file of a journal, empty where there was none.
+fn ours(path: &Path) -> Result<File> {
+    let failed = || Error::io(path, "cannot write");
+    let mut options = OpenOptions::new();
+    options.read(true).write(true).create(true).truncate(false);
+    let mut file = options.open(path).map_err(failed())?;
+    if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+        let what = "another process is working at this";
+        return Err(Error::invalid(
+            path,
+            "",
+            what,
+            "wait for it, or write elsewhere",
+        ));
+    }
+    if !is_journal(&mut file).map_err(failed())? {
+        let what = "this is not a file of finished parts, and would be overwritten";
+        return Err(Error::invalid(
+            path,
+            "",
+            what,
+            "remove it, or write elsewhere",
+        ));
+    }
+    Ok(file)
 }
 
 /// Whether `file` is empty or begins as journals do, as far as it goes.
@@ -203,6 +243,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("parts");
         let journal = Journal::open(&path, &[1; 32]).unwrap();
+        // No file without a part.
+        assert!(!path.exists());
         journal.add(7, b"seven").unwrap();
         journal.add(2, &[9; 100_000]).unwrap();
         assert!(Journal::open(&path, &[1; 32]).is_err());
@@ -227,6 +269,8 @@ mod tests {
         std::fs::write(&path, &whole).unwrap();
         let other = Journal::open(&path, &[2; 32]).unwrap();
         assert!(other.found() == 0 && other.forgot());
+        assert_eq!(std::fs::read(&path).unwrap(), whole);
+        other.add(1, b"one").unwrap();
         other.remove().unwrap();
         assert!(!path.exists());
         // Nothing that is not ours is written over.

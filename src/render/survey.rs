@@ -363,7 +363,7 @@ impl SeenTimes {
 }
 
 /// Between which times a cube is lit.
-fn lit(prepared: &Prepared, source: usize) -> Option<[f64; 2]> {
+pub fn lit(prepared: &Prepared, source: usize) -> Option<[f64; 2]> {
     let light = prepared.light.time_resolved()?;
     let cube = light
         .cube_sources

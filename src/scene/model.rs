@@ -381,6 +381,8 @@ pub enum Mapping {
     Uv {
         /// TEXCOORD set.
         set: usize,
+        /// What backs show.
+        backs: CubeBacks,
     },
     /// By projection into a capture camera, as far as it saw the point.
     Capture(CaptureCamera),
@@ -519,6 +521,21 @@ pub enum TimeFilter {
     /// renderer, by factors of 1.07 to 3.4 over linear.
     #[default]
     CubicMeans,
+}
+
+/// What the backs of surfaces show of a cube on texture coordinates, where they are seen.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum CubeBacks {
+    /// The same as fronts.
+    #[default]
+    AsFront,
+    /// Nothing: they are black, and hide what is behind them.
+    Black,
+    /// Light of their own: the first half of the cube's rows is that of fronts, the second half that of backs, both at the same
+    /// texture coordinates.
+    SecondHalf,
 }
 
 /// Reconstruction across the picture of a cube.

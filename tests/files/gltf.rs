@@ -245,8 +245,11 @@ fn a_primitive_without_coordinates_has_none_among_those_that_have() {
         imported
             .warnings
             .iter()
-            .any(|w| w.contains("lacks the texture coordinates"))
+            .any(|w| w.contains("lacks the texture coordinates TEXCOORD_0"))
     );
+    // Headers tell it already.
+    let held = gltf::inspect(&valid("textured.glb"), None).unwrap();
+    assert_eq!(held.warnings, imported.warnings);
 }
 
 #[test]
@@ -519,6 +522,22 @@ fn lights_shine_along_the_minus_z_of_their_nodes() {
     assert!((lights[1].direction - DVec3::Y).length() < 1e-7);
     assert_eq!(lights[2].kind, GltfLightKind::Directional);
     assert_eq!(lights[2].direction, DVec3::NEG_Z);
+}
+
+#[test]
+fn lights_below_hidden_nodes_are_not_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("hidden.gltf");
+    let text = std::fs::read_to_string(valid("materials.gltf")).unwrap();
+    let mut model: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let nodes = model["nodes"].as_array_mut().unwrap();
+    let named = |name: &str| move |node: &serde_json::Value| node["name"] == name;
+    let [below, lamp] = ["below", "lamp"].map(|name| nodes.iter().position(named(name)).unwrap());
+    let light = nodes[lamp]["extensions"]["KHR_lights_punctual"].clone();
+    nodes[below]["extensions"]["KHR_lights_punctual"] = light;
+    std::fs::write(&file, model.to_string()).unwrap();
+    let held = gltf::inspect(&file, None).unwrap();
+    assert_eq!(held.lights, ["lamp", "torch", "sun"]);
 }
 
 #[test]

@@ -1,17 +1,19 @@
 //! Baked light: against an independent renderer of transient light, closed forms, and path tracing in space-time.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use nullray::error::Result;
 use nullray::io::cube::{self, Cube, Samples, Wanted};
 use nullray::io::image::npz;
+use nullray::mesh::{Shape, shapes};
 use nullray::render::aov::Aov;
 use nullray::render::bake::{self, Baked, Bins, Coordinates, Surface};
 use nullray::render::film::Film;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
-use nullray::scene::model::{Geometry, Scene};
+use nullray::scene::model::{CubeBacks, Geometry, Scene};
 use nullray::scene::{self, Overrides};
 
 use crate::pipeline::stage;
@@ -656,4 +658,67 @@ fn what_cannot_be_baked_is_refused_in_words() {
         let error = refused(&scene);
         assert!(error.contains(words), "{words}: {error}");
     }
+}
+
+#[test]
+fn texture_coordinates_without_an_area_are_refused() {
+    let mut scene = stage::scene(
+        "camera = { eye = [0, 1, 5], look_at = [0, 0, 0], size = [4, 4] }\n\
+         [[object]]\nname = \"floor\"\nshape = { plane = { size = [1, 1] } }\n\
+         [[light]]\nposition = [0, 1, 0]\nemission = { gaussian = { sigma = \"5 cm\" } }\n",
+    );
+    let bins = Bins {
+        start: 0.0,
+        width: 0.1,
+        count: 4,
+    };
+    let size = [1.0; 2];
+    let mut mesh = shapes::mesh(Shape::Plane { size }, [0.5; 3]);
+    scene.objects[0].geometry = Geometry::Mesh(Arc::new(mesh.clone()));
+    assert!(surface_cube(&scene, 0, [8, 8], &bins).is_ok());
+    mesh.uvs[0].fill([0.5; 2]);
+    scene.objects[0].geometry = Geometry::Mesh(Arc::new(mesh));
+    let error = surface_cube(&scene, 0, [8, 8], &bins)
+        .unwrap_err()
+        .to_string();
+    for words in ["\"floor\"", "texture coordinates have no area", "--atlas"] {
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+/// A ball with a flash in its middle: its back alone is lit, from everywhere alike, as closed forms have it.
+#[test]
+fn the_back_of_a_sphere_has_the_light_of_a_flash_within() {
+    let scene = stage::scene(
+        "camera = { eye = [0, 0, 5], look_at = [0, 0, 0], size = [4, 4] }\n\
+         display = { back_faces = \"two_sided\", samples_per_pixel = 4 }\n\
+         [[object]]\nname = \"ball\"\ncolour = [0.6, 0.6, 0.6]\nshape = { sphere = { radius = 2, subdivisions = 5 } }\n\
+         [[light]]\nposition = [0, 0, 0]\nintensity = 3\nemission = { gaussian = { sigma = \"5 cm\" } }\n",
+    );
+    let bins = Bins {
+        start: 1.5,
+        width: 1.0,
+        count: 1,
+    };
+    let surface = Surface {
+        object: 0,
+        coordinates: Coordinates::Atlas,
+        size: [96, 96],
+    };
+    let baked =
+        bake::surface_cube(&scene, &prepared(&scene), &surface, &bins, None, &Silent).unwrap();
+    assert_eq!(baked.backs, CubeBacks::SecondHalf);
+    assert_eq!(baked.cube.shape[..3], [192, 96, 1]);
+    // Φ/r² of irradiance, and albedo/π of it.
+    let expected = 0.6 / PI * 3.0 / 4.0;
+    let mut lit = 0;
+    for pixel in 0..192 * 96 {
+        let value = value(&baked.cube, pixel, 0);
+        assert!(pixel >= 96 * 96 || value == 0.0);
+        if value > 0.0 {
+            lit += 1;
+            assert!((value / expected - 1.0).abs() < 0.02, "{value} {expected}");
+        }
+    }
+    assert!(lit > 3000, "{lit}");
 }

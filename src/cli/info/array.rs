@@ -3,15 +3,16 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use nullray::io::budget::Budget;
 use nullray::io::cube::{self, Bricks, CubeFormat, CubeInfo, Transfer, Wanted};
-use nullray::io::npy::{Dtype, Header};
+use nullray::io::npy::{self, Dtype, Header};
 use nullray::light::time_texture::survey::{self, Order};
 use nullray::render::aov;
 use nullray::render::plan::bytes;
 use nullray::{Error, Result};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
-use super::Info;
+use super::{Info, escaped};
 
 pub fn info(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
     let kind = match format.extensions {
@@ -28,8 +29,10 @@ pub fn zarr(path: &Path, memory: u64) -> Result<Info> {
 }
 
 fn of_arrays(path: &Path, kind: &str, name: &str, headers: &[Header], memory: u64) -> Result<Info> {
-    let is_picture = is_picture(headers);
+    let baked = baked(path, headers, memory);
+    let is_picture = baked.is_none() && is_picture(headers);
     let title = match headers {
+        headers if baked.is_some() => format!("baked light, {} arrays", headers.len()),
         headers if is_picture => format!("picture of {} arrays", headers.len()),
         [one] if one.name.is_none() => name.into(),
         [_] => format!("{name} of 1 array"),
@@ -43,17 +46,71 @@ fn of_arrays(path: &Path, kind: &str, name: &str, headers: &[Header], memory: u6
         .filter(|info| !info.assumed)
         .and_then(|info| info.array);
     let arrays = headers.iter().map(|header| {
-        let is_beside = said.is_some() && said != header.name;
+        let is_beside = baked.is_some() || said.is_some() && said != header.name;
         let cube = (!is_picture && !is_beside).then(|| inspected(path, header, memory));
         describe(&mut info, header, cube.as_ref());
         data(header, cube.as_ref())
     });
     let arrays: Vec<Value> = arrays.collect();
+    if let Some(baked) = &baked {
+        as_baked(&mut info, path, baked);
+    }
     if is_picture {
         info.row("usable", "yes: `nullray compare` reads its channels");
     }
     info.data("arrays", arrays);
     Ok(info)
+}
+
+/// The metadata of light that `nullray bake` has written; none of other files.
+fn baked(path: &Path, headers: &[Header], memory: u64) -> Option<Map<String, Value>> {
+    let named = |name: &str| {
+        let mut headers = headers.iter();
+        headers.find(|header| header.name.as_deref() == Some(name))
+    };
+    named("metadata")?;
+    named("radiance").filter(|header| header.shape.len() == 4)?;
+    let text = npy::load_text(path, "metadata", &Budget::new(memory)).ok()?;
+    let metadata: Map<String, Value> = serde_json::from_str(&text).ok()?;
+    ["start", "bin_width", "bins", "clock"]
+        .iter()
+        .all(|key| metadata.contains_key(*key))
+        .then_some(metadata)
+}
+
+/// Bins, clock and error of baked light, and the table of a scene that shows it.
+fn as_baked(info: &mut Info, path: &Path, metadata: &Map<String, Value>) {
+    let text = |key: &str| metadata.get(key).and_then(Value::as_str);
+    let said = |key: &str| text(key).unwrap_or("?");
+    let [bins, width, start] = ["bins", "bin_width", "start"].map(said);
+    info.row("bins", format!("{bins} of {width} m from {start} m"));
+    info.row("clock", said("clock"));
+    let error = text("relative_standard_error").and_then(|error| error.parse::<f64>().ok());
+    let error = match error.filter(|error| error.is_finite()) {
+        Some(error) => format!(
+            "{:.2} % in a bin, of the root mean square of all",
+            100.0 * error
+        ),
+        None => "not known: of one sample per texel".into(),
+    };
+    info.row("error", error);
+    info.data("metadata", metadata.clone());
+    let Some(table) = text("source_table") else {
+        return info.row("usable", "yes: as the file of a [[source]]");
+    };
+    info.row("usable", "yes, by these lines of a scene");
+    // The file may have another name by now.
+    let own = path.file_name().unwrap_or_default().to_string_lossy();
+    for line in table.lines() {
+        let line = match line.split_once("file = \"") {
+            Some((before, after)) => match after.split_once('"') {
+                Some((_, after)) => format!("{before}file = {own:?}{after}"),
+                None => line.into(),
+            },
+            None => line.to_string(),
+        };
+        info.line(&format!("    {}", escaped(&line)));
+    }
 }
 
 /// A sequence of pictures as a cube.

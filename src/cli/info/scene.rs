@@ -8,8 +8,8 @@ use nullray::io::cube::{self, Channels, CubeInfo};
 use nullray::render::metadata;
 use nullray::render::plan::bytes;
 use nullray::scene::model::{
-    Beam, BinValues, Binding, Catalogue, Clock, CubeData, CubeSource, EmissionProfile, Equations,
-    Geometry, Light, LightKind, Mapping, Object, Scene, Shape, Sky, SkyRadiance, Source,
+    Beam, BinValues, Binding, Catalogue, Clock, CubeBacks, CubeData, CubeSource, EmissionProfile,
+    Equations, Geometry, Light, LightKind, Mapping, Object, Scene, Shape, Sky, SkyRadiance, Source,
     SourceKind, TimeBins, TimeFilter,
 };
 use nullray::scene::{self, Overrides};
@@ -74,7 +74,14 @@ fn source(scene: &Scene, source: &Source) -> String {
     let kind = match &source.kind {
         SourceKind::Cube(cube) => {
             let mapping = match &cube.mapping {
-                Mapping::Uv { set } => format!("by texture coordinates {set}"),
+                Mapping::Uv { set, backs } => {
+                    let backs = match backs {
+                        CubeBacks::AsFront => "",
+                        CubeBacks::Black => ", black backs",
+                        CubeBacks::SecondHalf => ", backs from its second half",
+                    };
+                    format!("by texture coordinates {set}{backs}")
+                }
                 Mapping::Capture(_) => "by projection from its capture camera".into(),
             };
             let path = path(cube).unwrap_or_else(|| "in memory".into());

@@ -75,7 +75,6 @@ impl Builder<'_, '_> {
             let what = "its material is not there";
             return Err(self.buffers.document.invalid(place, what, ""));
         };
-        self.warn_of_missing_uvs(piece, resolved);
         let transformed_set = self.vertices.transformed_set;
         let (buffers, palette) = (&mut self.buffers, &mut self.palette);
         let material = palette.number(buffers, piece.material, resolved, transformed_set)?;
@@ -121,14 +120,6 @@ impl Builder<'_, '_> {
         let described = self.buffers.document.root.nodes.get(node);
         let name = described.and_then(|node| node.name.as_deref());
         name.map_or_else(|| format!("node {node}"), shortened)
-    }
-
-    fn warn_of_missing_uvs(&mut self, piece: &Piece, resolved: &Resolved) {
-        let mut sets = resolved.sets();
-        if sets.any(|set| !piece.uvs.contains_key(&set)) {
-            let what = "it lacks the texture coordinates of its material's texture";
-            self.warnings.add(what, &piece.positions.place);
-        }
     }
 
     fn finish(mut self) -> Imported {

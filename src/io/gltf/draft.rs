@@ -47,6 +47,7 @@ impl Draft {
             },
         };
         let pieces = Pieces::new(document, &placed, wanted, &mut warnings)?;
+        warn_of_missing_uvs(&pieces, &materials, &mut warnings);
         Ok(Draft {
             pieces,
             materials,
@@ -131,6 +132,20 @@ fn animations_of_meshes(document: &Document, placed: &[Placed]) -> Vec<usize> {
         .filter(|(_, a)| moves_mesh(a))
         .map(|(k, _)| k)
         .collect()
+}
+
+/// Says which meshes show textures as if they were white.
+fn warn_of_missing_uvs(pieces: &Pieces, materials: &Materials, warnings: &mut Warnings) {
+    for (_, piece) in pieces.all() {
+        let material = materials.get(&piece.material);
+        let mut sets = material.into_iter().flat_map(Resolved::sets);
+        if let Some(set) = sets.find(|set| !piece.uvs.contains_key(set)) {
+            let what = format!(
+                "it lacks the texture coordinates TEXCOORD_{set} of its material's texture, which is not shown"
+            );
+            warnings.add(what, &piece.positions.place);
+        }
+    }
 }
 
 /// The materials of the meshes of these nodes, each of which is there.

@@ -71,14 +71,13 @@ fn name(document: &Document, node: usize, light: Option<&Light>) -> String {
     shortened(name.unwrap_or_default())
 }
 
-/// The names of the lights of all nodes.
-pub(super) fn names(document: &Document) -> Vec<String> {
-    let nodes = 0..document.root.nodes.len();
-    let light = |node| {
+/// The names of the lights among these nodes.
+pub(super) fn names(document: &Document, nodes: &[usize]) -> Vec<String> {
+    let light = |&node: &usize| {
         let light = all(document).get(index_of(document, node)?);
         Some(name(document, node, light))
     };
-    nodes.filter_map(light).collect()
+    nodes.iter().filter_map(light).collect()
 }
 
 /// The lights of the default scene that are not hidden.

@@ -13,7 +13,7 @@ use super::lights;
 use super::pieces::Pieces;
 use super::uri::{self, Target};
 use crate::Result;
-use crate::mesh::Material;
+use crate::mesh::{Factors, Material};
 
 /// What an import would give, and what else there is to choose from.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,6 +32,8 @@ pub struct Summary {
     pub vertices: u64,
     /// Names of the materials in use; "" for one without a name, and for the default material.
     pub materials: Vec<String>,
+    /// How each of them looks by its factors.
+    pub factors: Vec<Factors>,
     /// How many different images they use.
     pub images: usize,
     /// Whether one of them has an alpha mask: holes.
@@ -64,6 +66,11 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<Summary
         shading: true,
     };
     let draft = Draft::new(document, node, want)?;
+    // Lights are those of the whole scene, whatever node is asked for.
+    let lit = match node {
+        None => draft.nodes.clone(),
+        Some(_) => Draft::new(document, None, want).map_or_else(|_| Vec::new(), |all| all.nodes),
+    };
     let (pieces, materials) = (&draft.pieces, used_materials(&draft));
     let all = || pieces.all().map(|(at, piece)| (at.count(), piece));
     let meshes: BTreeSet<usize> = pieces.placements.iter().map(|at| at.mesh).collect();
@@ -86,7 +93,8 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<Summary
             .collect(),
         uv_sets: draft.uv_sets(),
         materials: materials.iter().map(|m| m.name.clone()).collect(),
-        lights: lights::names(document),
+        factors: materials.iter().map(|m| m.factors()).collect(),
+        lights: lights::names(document, &lit),
         cameras: camera::names(document),
         files: files(document),
         bounds: bounds(document, pieces),

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
-use crate::scene::model::{Fill, Outside, Reconstruction};
+use crate::scene::model::{CubeBacks, Fill, Outside, Reconstruction};
 
 use super::axis::TimeAxis;
 use super::axis::{Moment, Phase, Reading, Timeline};
@@ -65,6 +65,7 @@ pub struct TimeTexture {
     timeline: Timeline,
     factor: f64,
     reconstruction: Reconstruction,
+    backs: CubeBacks,
     sums: Option<Arc<PrefixSums>>,
 }
 
@@ -120,6 +121,7 @@ impl TimeTexture {
             timeline: Timeline::new(&axis, bins, &outside)?,
             factor: axis.factor(),
             reconstruction: Reconstruction::default(),
+            backs: CubeBacks::default(),
             sums: None,
             cube,
             axis,
@@ -134,6 +136,33 @@ impl TimeTexture {
             reconstruction,
             ..self
         }
+    }
+
+    /// The same, with this light on the backs of surfaces.
+    #[must_use]
+    pub fn with_backs(self, backs: CubeBacks) -> TimeTexture {
+        TimeTexture { backs, ..self }
+    }
+
+    /// Columns and rows of the texels of one side of a surface.
+    pub fn size_of_side(&self) -> [usize; 2] {
+        let [width, height] = self.size();
+        match self.backs {
+            CubeBacks::SecondHalf => [width, height / 2],
+            CubeBacks::AsFront | CubeBacks::Black => [width, height],
+        }
+    }
+
+    /// Where the cube holds the front, or the back, of the place at `uv`. Lookups next to the edge of a half read no row of the other.
+    #[inline]
+    pub fn on_side(&self, uv: DVec2, front: bool) -> DVec2 {
+        if self.backs != CubeBacks::SecondHalf || !(0.0..=1.0).contains(&uv.y) {
+            return uv;
+        }
+        // Half a texel from an edge is the centre of the last one.
+        let edge = 0.5 / self.size_of_side()[1].max(1) as f64;
+        let v = uv.y.clamp(edge, 1.0 - edge);
+        DVec2::new(uv.x, 0.5 * if front { v } else { v + 1.0 })
     }
 
     /// How places between texels are read.

@@ -55,7 +55,7 @@ impl Histogram {
         self.found = 0;
     }
 
-    /// The square of the standard error in a bin.
+    /// The square of the standard error in a bin, of two parts or more.
     pub fn error_square(&self, bin: usize) -> f64 {
         let (n, r) = (f64::from(self.all_found), f64::from(self.parts));
         let m = self.values[3 * bin..3 * bin + 3].iter().sum::<f64>() / (3.0 * n);

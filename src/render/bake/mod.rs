@@ -16,11 +16,12 @@
 //! ```
 //!
 //! (Cochran, Sampling Techniques, § 6.4; of equal f_k it is the variance of R means over R). Of each bin the root of the mean square over all
-//! texels is told.
+//! texels is told. Texels at the edges of charts that the samples of one part alone meet have no error of their own, and are left out of it.
 //!
 //! A camera's times are those of arrival: of emission at the surface, by the world's clock (or the object's own where all moves), plus η
 //! times the *distance* to the pinhole, as in mitransient with `camera_unwarp = false`, whose arrays (H, W, T, C) these are. A surface's times
-//! are those of emission, and its radiance is the diffuse part, which is the same for all directions.
+//! are those of emission, and its radiance is the diffuse part, which is the same for all directions. Where backs are seen, they have as many rows of their
+//! own behind those of fronts, at the same texture coordinates, unless no light comes to any of them.
 
 mod camera;
 mod histogram;
@@ -39,7 +40,7 @@ use crate::mesh::atlas::Corners;
 use crate::render::film::TILE;
 use crate::render::prepare::Prepared;
 use crate::render::trace::{RestFrame, TimedPaths};
-use crate::scene::model::{LightKind, Motion, Scene, SourceKind};
+use crate::scene::model::{CubeBacks, LightKind, Motion, Scene, SourceKind};
 use crate::spacetime::Velocity;
 
 /// Bins of time.
@@ -71,12 +72,15 @@ pub struct Energy {
 pub struct Baked {
     /// Energy per bin, (H, W, T, 3), linear RGB, f32.
     pub cube: Cube,
-    /// Of each bin, the root of the mean square over pixels or texels of the standard error of its energy (mean of R, G, B); NaN of one sample.
+    /// Of each bin, the root of the mean square over pixels or texels of the standard error of its energy (mean of R, G, B); texels
+    /// that the samples of one part alone meet are left out, and it is NaN where that are all, as of one sample.
     pub standard_error: Vec<f64>,
     /// What is in it, and what is not.
     pub energy: Energy,
     /// Whether its times are those of the object's own clock, and not of the world's.
     pub own_clock: bool,
+    /// What the backs of a surface show of it.
+    pub backs: CubeBacks,
     /// The texture coordinates that were made for a surface, by triangle of its mesh and corner.
     pub texture_coordinates: Option<Vec<Corners>>,
 }
@@ -101,7 +105,7 @@ impl Baked {
 /// Parts of the samples of a texel: few, as samples of one part are spread more evenly, and the error is a mean over many texels.
 const PARTS: u32 = 2;
 
-/// Bytes of a cube of `size` (columns and rows) and `bins`, and of what is summed at a time on this many threads.
+/// Bytes of a cube of `size` (columns and rows, of both sides of a surface) and `bins`, and of what is summed at a time on this many threads.
 pub fn bytes(size: [u32; 2], bins: &Bins, threads: usize) -> u64 {
     let texels = u64::from(size[0]) * u64::from(size[1]);
     let bins = bins.count as u64;
@@ -250,6 +254,7 @@ fn baked(
         standard_error,
         energy,
         own_clock: !prepared.frames.iter().all(still),
+        backs: CubeBacks::AsFront,
         texture_coordinates: None,
     })
 }

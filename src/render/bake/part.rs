@@ -21,7 +21,7 @@ pub(super) struct Summary {
     pub energy: Energy,
     /// By bin, Σ of the squares of standard errors.
     pub error_squares: Vec<f64>,
-    /// Of so many texels.
+    /// Of so many texels, those that samples of two parts or more meet.
     pub texels: u64,
 }
 
@@ -54,6 +54,10 @@ impl Part {
         let means = texel.values.iter().map(|sum| (sum * scale) as f32);
         self.values.extend(means);
         self.summary.energy.add(&texel.energy);
+        // One part says nothing of how parts differ.
+        if texel.parts < 2 {
+            return;
+        }
         self.summary.texels += 1;
         for (bin, sum) in self.summary.error_squares.iter_mut().enumerate() {
             *sum += texel.error_square(bin);

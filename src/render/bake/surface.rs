@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::histogram::Histogram;
 use super::part::{Part, Summary, kept};
 use super::{Baked, Bins, PARTS, baked, check, paths};
-use crate::accel::Hit;
+use crate::accel::{Facing, Hit};
 use crate::error::{Error, Result};
 use crate::mesh::atlas::{Corners, atlas};
 use crate::render::journal::Journal;
@@ -16,7 +16,7 @@ use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::sampler::{Sampler, pixel_key, samples_per_part, sobol};
 use crate::render::trace::{Patch, RestFrame, Seen, Start, TimedPaths};
-use crate::scene::model::{Object, Scene};
+use crate::scene::model::{CubeBacks, Object, Scene};
 
 /// What of an object is baked onto its texture.
 #[derive(Debug, Clone, Copy)]
@@ -55,9 +55,11 @@ pub fn surface_cube(
     let paths = paths(scene, prepared)?;
     let charts = Charts::new(scene, paths.rest, surface, prepared.memory_left)?;
     let [width, height] = surface.size.map(|n| n as usize);
+    // Rows of fronts, and those of backs behind them, where backs are seen.
+    let sides = 1 + usize::from(charts.has_backs());
     // A row of texels is the part that a journal keeps, and that threads share out.
     let row = width * bins.count * 3;
-    let mut values = vec![0f32; height * row];
+    let mut values = vec![0f32; sides * height * row];
     let sampler = Sampler::stratified(samples_per_part(prepared.layout.samples, PARTS));
     let sampling = (sampler.with_seed(scene.seed), prepared.layout.samples);
     let make = |i: usize| {
@@ -82,15 +84,26 @@ pub fn surface_cube(
         })
         .collect::<Result<_>>()?;
     let (summaries, covered): (Vec<Summary>, Vec<Vec<bool>>) = rows.into_iter().unzip();
+    // What no light comes to needs no rows.
+    let is_dark = |summary: &Summary| summary.energy.span.is_none();
+    let sides = match summaries[height..].iter().all(is_dark) {
+        true => 1,
+        false => 2,
+    };
+    values.truncate(sides * height * row);
+    let summaries = &summaries[..sides * height];
     // Bilinear lookups at the edge of a chart reach texels beyond it.
-    fill_gutters(
-        &mut values,
-        covered.concat(),
-        [width, height],
-        bins.count * 3,
-    );
-    let baked = baked(scene, prepared, [height, width], bins, values, &summaries)?;
+    let halves = values.chunks_mut(height * row).zip(covered.chunks(height));
+    for (values, covered) in halves {
+        fill_gutters(values, covered.concat(), [width, height], bins.count * 3);
+    }
+    let size = [sides * height, width];
+    let baked = baked(scene, prepared, size, bins, values, summaries)?;
     Ok(Baked {
+        backs: match sides {
+            1 => CubeBacks::Black,
+            _ => CubeBacks::SecondHalf,
+        },
         texture_coordinates: charts.into_coordinates(&scene.objects[surface.object]),
         ..baked
     })
@@ -114,6 +127,8 @@ struct ChartTriangle {
     slot: u32,
     /// Corners in texels.
     corners: [DVec2; 3],
+    /// Whether its back is seen, and shines.
+    has_back: bool,
 }
 
 impl<'a> Charts<'a> {
@@ -156,9 +171,29 @@ impl<'a> Charts<'a> {
                     corners.map(|uv| Vec2::from(uv).as_dvec2())
                 }
             };
-            charts.add(corners, [triangle, slot], &mut added)?;
+            let (_, facing) = rest.bvh.triangle(slot);
+            let has_back = facing == Facing::TwoSided && !patch.black_back;
+            charts.add(corners, ([triangle, slot], has_back), &mut added)?;
         }
+        charts.check_area()?;
         Ok(charts)
+    }
+
+    /// Refuses texture coordinates on which the object lies in points and lines, where no sample would meet it.
+    fn check_area(&self) -> Result<()> {
+        // Of the texture; what f32 makes of coordinates that are meant to be the same is less.
+        const LEAST: f64 = 1e-9;
+        let area = self.triangles.iter().map(ChartTriangle::area).sum::<f64>();
+        if area > LEAST * self.size[0] as f64 * self.size[1] as f64 {
+            return Ok(());
+        }
+        let help = "--atlas, which makes coordinates; a mesh that has its own for every place; or --camera";
+        Err(self.refuse("its texture coordinates have no area".into(), help))
+    }
+
+    /// Whether there are backs that are seen.
+    fn has_backs(&self) -> bool {
+        self.triangles.iter().any(|triangle| triangle.has_back)
     }
 
     /// An atlas of the object, whose triangles are in these slots: by triangle of its mesh.
@@ -231,7 +266,7 @@ impl<'a> Charts<'a> {
     fn add(
         &mut self,
         corners: [DVec2; 3],
-        [triangle, slot]: [u32; 2],
+        ([triangle, slot], has_back): ([u32; 2], bool),
         added: &mut Added,
     ) -> Result<()> {
         let scale = DVec2::new(self.size[0] as f64, self.size[1] as f64);
@@ -239,6 +274,7 @@ impl<'a> Charts<'a> {
             triangle,
             slot,
             corners: corners.map(|uv| uv * scale),
+            has_back,
         };
         let index = self.triangles.len() as u32;
         for (i, columns) in triangle.reaches(self.size) {
@@ -276,8 +312,8 @@ impl<'a> Charts<'a> {
         self.refuse(what, help)
     }
 
-    /// The place of the surface at a point of the texture, in texels.
-    fn locate(&self, [j, i]: [usize; 2], point: DVec2) -> Result<Option<Hit>> {
+    /// The place of the front, or of the back, of the surface at a point of the texture, in texels.
+    fn locate(&self, [j, i]: [usize; 2], point: DVec2, front: bool) -> Result<Option<Hit>> {
         let mut found = None;
         let mut inside = 0;
         for index in &self.texels[i * self.size[0] + j] {
@@ -286,8 +322,9 @@ impl<'a> Charts<'a> {
                 continue;
             };
             let least = u.min(v).min(1.0 - u - v);
-            if least >= 0.0 {
-                found = found.or(Some(place(triangle.triangle, triangle.slot, [u, v])));
+            if least >= 0.0 && (front || triangle.has_back) {
+                let at = place(triangle.triangle, triangle.slot, [u, v]);
+                found = found.or(Some(Hit { front, ..at }));
             }
             inside += u32::from(is_inside([u, v]));
         }
@@ -297,7 +334,7 @@ impl<'a> Charts<'a> {
         Ok(found)
     }
 
-    /// Adds all samples of a texel that lie on the surface.
+    /// Adds all samples of a texel that lie on the surface; rows from the height of the texture on are those of backs.
     fn gather(
         &self,
         paths: &TimedPaths,
@@ -306,6 +343,8 @@ impl<'a> Charts<'a> {
         (sampler, samples): (Sampler, u32),
         texel: &mut Histogram,
     ) -> Result<()> {
+        let height = self.size[1];
+        let row = i % height;
         // Part by part, and of a large part so many paths at a time.
         let (per_part, mut begin) = (sampler.samples(), 0);
         while begin < samples {
@@ -316,8 +355,8 @@ impl<'a> Charts<'a> {
                 let (within, salt) = sampler.replicate(sample);
                 let key = pixel_key(j as u32, i as u32) ^ salt;
                 let [x, y] = sobol(key, within, IN_TEXEL);
-                let point = DVec2::new(j as f64 + x, i as f64 + y);
-                if let Some(hit) = self.locate([j, i], point)? {
+                let point = DVec2::new(j as f64 + x, row as f64 + y);
+                if let Some(hit) = self.locate([j, row], point, i < height)? {
                     starts.push(Start {
                         hit,
                         seen: Seen::Diffuse,
@@ -403,6 +442,12 @@ impl ChartTriangle {
         })
     }
 
+    /// Its area, in texels.
+    fn area(&self) -> f64 {
+        let [a, b, c] = self.corners;
+        0.5 * (b - a).perp_dot(c - a).abs()
+    }
+
     /// The weights of the second and third corner at a point; none where the triangle has no area on the texture.
     fn barycentric(&self, point: DVec2) -> Option<[f64; 2]> {
         let [a, b, c] = self.corners;
@@ -472,6 +517,7 @@ mod tests {
                 triangle: 0,
                 slot: 0,
                 corners: [a, b, c],
+                has_back: false,
             };
             let mut reached = vec![false; size[0] * size[1]];
             for (i, columns) in triangle.reaches(size) {

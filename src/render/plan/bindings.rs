@@ -169,7 +169,7 @@ fn needs(
                 return (false, false, String::new());
             };
             match cube.mapping {
-                Mapping::Uv { set } => (
+                Mapping::Uv { set, .. } => (
                     true,
                     false,
                     format!("{} by texture coordinates {set}", name(source)),
@@ -233,7 +233,7 @@ fn check_uv_set(scene: &Scene, source: &Source, object: &PlannedObject) -> Resul
         return Ok(());
     };
     match cube.mapping {
-        Mapping::Uv { set } if set >= object.uv_sets => {
+        Mapping::Uv { set, .. } if set >= object.uv_sets => {
             let what = format!(
                 "object \"{}\" has no TEXCOORD_{set} (sets of texture coordinates that it has: {})",
                 object.name, object.uv_sets

@@ -17,16 +17,17 @@ use crate::error::{Error, Result};
 use crate::io::cube::{self as cubes, Channels};
 use crate::io::gltf;
 use crate::light::time_texture::TimeTexture;
-use crate::mesh::shapes;
+use crate::mesh::{Factors, shapes};
 use crate::render::aov::Aov;
 use crate::render::film::Layout;
 use crate::scene::model::{
-    Crop, CubeData, CubeSource, Elements, Geometry, Mapping, Object, Scene, Source, SourceKind,
-    TimeBins,
+    Crop, CubeBacks, CubeData, CubeSource, Elements, Geometry, Mapping, Object, Scene, Shape,
+    Source, SourceKind, TimeBins,
 };
 
 pub use bindings::{Lit, lit_by, shown_by};
 pub(crate) use memory::BUILT_TOGETHER;
+pub(crate) use notes::unfound_light;
 pub use planned::{Memory, Plan, PlannedCube, PlannedFrame, PlannedObject, Rays, Request, Skipped};
 pub use report::{bytes, count, motion};
 
@@ -188,6 +189,7 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
                 radiance: Vec::new(),
                 uv_sets: summary.uv_sets,
                 materials: summary.materials,
+                factors: summary.factors,
                 images: summary.images,
                 has_colours: summary.has_colours,
                 unlit: summary.unlit,
@@ -195,7 +197,13 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
                 unread: summary.warnings,
             })
         }
-        Geometry::Shape { shape, .. } => {
+        Geometry::Shape {
+            shape,
+            metallic,
+            roughness,
+            transmission,
+            ..
+        } => {
             let triangles = shapes::triangle_count(*shape);
             Ok(PlannedObject {
                 name: object.name.clone(),
@@ -210,6 +218,12 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
                 radiance: Vec::new(),
                 uv_sets: 1,
                 materials: vec![String::new()],
+                factors: vec![Factors {
+                    metallic: *metallic,
+                    roughness: *roughness,
+                    transmission: *transmission,
+                    double_sided: matches!(shape, Shape::Plane { .. }),
+                }],
                 images: 0,
                 has_colours: false,
                 unlit: Vec::new(),
@@ -229,6 +243,7 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
             radiance: Vec::new(),
             uv_sets: mesh.uvs.iter().filter(|set| !set.is_empty()).count(),
             materials: mesh.materials.iter().map(|m| m.name.clone()).collect(),
+            factors: mesh.materials.iter().map(|m| m.factors()).collect(),
             images: 0,
             has_colours: !mesh.colours.is_empty(),
             unlit: (mesh.materials.iter().filter(|m| m.unlit))
@@ -269,6 +284,7 @@ fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<
             let [h, w, ..] = shape;
             check_crop(scene, source, cube, [w, h])?;
             check_edges(scene, source, cube, shape[2])?;
+            check_backs(scene, source, cube, h)?;
             let projected = matches!(cube.mapping, Mapping::Capture(_));
             Ok(Some(PlannedCube {
                 source: source.name.clone(),
@@ -307,6 +323,21 @@ fn check_crop(scene: &Scene, source: &Source, cube: &CubeSource, size: [usize; 2
         format!("source \"{}\", capture.crop", source.name),
         format!("a cube of {w} × {h} pixels at ({x}, {y}) reaches beyond a film of {fw} × {fh}"),
         "`film` is the size of the whole film, `offset` where the cube begins on it, both columns first",
+    ))
+}
+
+/// Refuses rows that have no two halves, where one is that of backs.
+fn check_backs(scene: &Scene, source: &Source, cube: &CubeSource, rows: usize) -> Result<()> {
+    let halves =
+        matches!(cube.mapping, Mapping::Uv { backs, .. } if backs == CubeBacks::SecondHalf);
+    if !halves || rows.is_multiple_of(2) {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        &scene.name,
+        format!("source \"{}\", cube.backs", source.name),
+        format!("{rows} rows have no second half of backs"),
+        "a cube as `nullray bake` writes it, or backs = \"black\"",
     ))
 }
 

@@ -1,11 +1,13 @@
 //! What a plan leaves out, and what its pictures do not show.
 
-use super::planned::{Plan, Skipped};
+use super::bindings::{Lit, lit_by};
+use super::planned::{Plan, PlannedObject, Skipped};
 use crate::camera::Kind;
 use crate::colour::Continuation;
 use crate::io::gltf;
+use crate::mesh::Factors;
 use crate::scene::MADE_FOR_MODEL;
-use crate::scene::model::{Geometry, Object, Scene, SourceKind};
+use crate::scene::model::{Geometry, LightKind, Object, Scene, SourceKind};
 use crate::spacetime::Quantity;
 
 pub(super) fn explain(scene: &Scene, plan: &mut Plan) {
@@ -142,6 +144,7 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
             "no light falls on any surface: there is nothing for `render.bounces` to follow".into(),
         );
     }
+    notes.extend(unfound_light(scene, &plan.objects));
     let is_glass = |object: &Object| matches!(object.geometry, Geometry::Shape { transmission, .. } if transmission > 0.0);
     if scene.bounces == 0 && scene.objects.iter().any(is_glass) {
         notes.push("glass is opaque without `render.bounces`: give 2 for each body".into());
@@ -172,6 +175,65 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
         ));
     }
     notes
+}
+
+/// That light of lamps without an extent is lost where it comes by perfect mirrors or through smooth glass: no path that is drawn goes that
+/// one way, and none is there to say so in the standard error.
+pub(crate) fn unfound_light(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
+    if scene.bounces == 0 {
+        return None;
+    }
+    let quoted = |name: &str| format!("\"{}\"", name.escape_debug());
+    let lights = scene.lights.iter();
+    let lamps = lights.filter(|light| matches!(light.kind, LightKind::Lamp(_)));
+    let pulses = scene.sources.iter();
+    let pulses = pulses.filter(|source| matches!(source.kind, SourceKind::Pulse(_)));
+    let names = lamps.map(|light| light.name.as_str());
+    let lamps: Vec<String> = names
+        .chain(pulses.map(|source| source.name.as_str()))
+        .map(quoted)
+        .collect();
+    // Surfaces that reflect light at all.
+    let of = |is: fn(&Factors) -> bool| -> Vec<String> {
+        let has = |(index, object): &(usize, &PlannedObject)| {
+            let mut materials = object.materials.iter().zip(&object.factors);
+            materials.any(|(material, factors)| {
+                is(factors) && matches!(lit_by(scene, *index, material), Lit::Reflecting(_))
+            })
+        };
+        let all = objects.iter().enumerate().filter(has);
+        all.map(|(_, object)| quoted(&object.name)).collect()
+    };
+    let (mirrors, glass) = (of(Factors::is_mirror), of(Factors::is_glass));
+    if lamps.is_empty() || mirrors.len() + glass.len() == 0 {
+        return None;
+    }
+    let (mut ways, mut remedies) = (Vec::new(), Vec::new());
+    if !mirrors.is_empty() {
+        ways.push(format!("by the perfect mirrors {}", listed(&mirrors)));
+        remedies.push("roughness = 0.001 for mirrors");
+    }
+    if !glass.is_empty() {
+        ways.push(format!("by the smooth glass {}", listed(&glass)));
+    }
+    remedies.push("a shining object (a light with `object`) in place of the lamp");
+    Some(format!(
+        "the light of {}, which has no extent, is not found {}: it is missing in the picture and in its standard error \
+         (remedy: {})",
+        listed(&lamps),
+        ways.join(" or "),
+        remedies.join(", or ")
+    ))
+}
+
+/// A few names of a list, and how many more there are.
+fn listed(names: &[String]) -> String {
+    const MOST: usize = 4;
+    let shown = names[..names.len().min(MOST)].join(", ");
+    match names.len().saturating_sub(MOST) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
 }
 
 /// What is seen of the infrared and ultraviolet channels of cubes, or why nothing is.

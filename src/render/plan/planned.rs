@@ -6,8 +6,10 @@ use serde::Serialize;
 
 use crate::accel::{ExpectedRays, Precision, Preset};
 use crate::camera;
+use crate::mesh::Factors;
 use crate::render::aov::Aov;
 use crate::render::film::Layout;
+use crate::scene::model::{BackFaces, Scene};
 
 /// What is asked of a scene beyond what its file says.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -117,6 +119,9 @@ pub struct PlannedObject {
     pub uv_sets: usize,
     #[serde(skip)]
     pub(super) materials: Vec<String>,
+    /// How each material looks by its factors.
+    #[serde(skip)]
+    pub factors: Vec<Factors>,
     #[serde(skip)]
     pub(super) images: usize,
     /// Whether vertices have colours.
@@ -128,6 +133,19 @@ pub struct PlannedObject {
     /// What of its file is passed over, a sentence each.
     #[serde(skip)]
     pub(super) unread: Vec<String>,
+}
+
+impl PlannedObject {
+    /// Whether the back of any of its materials is seen in `scene`, and shines.
+    pub fn shows_backs(&self, scene: &Scene) -> bool {
+        let is_seen = |factors: &Factors| match scene.back_faces {
+            _ if scene.bounces > 0 && factors.is_glass() => true,
+            BackFaces::AsFile => factors.double_sided,
+            BackFaces::TwoSided => true,
+            BackFaces::Black | BackFaces::Culled => false,
+        };
+        self.factors.iter().any(is_seen)
+    }
 }
 
 /// A cube that is loaded.

@@ -10,6 +10,22 @@ use crate::camera::Kind;
 /// The most entries of a list that are shown one by one.
 const MOST: usize = 8;
 
+/// A plan of which surfaces are baked and no picture is taken, as text.
+#[derive(Debug)]
+pub struct OfSurfaces<'a>(&'a Plan);
+
+impl fmt::Display for OfSurfaces<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let plan = self.0;
+        writeln!(f, "{}", plan.scene.escape_debug())?;
+        plan.frames(f)?;
+        plan.cubes(f)?;
+        row(f, "trees", plan.effort())?;
+        plan.memory(f)?;
+        plan.notes.iter().try_for_each(|note| row(f, "note", note))
+    }
+}
+
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.scene.escape_debug())?;
@@ -17,6 +33,7 @@ impl fmt::Display for Plan {
         self.frames(f)?;
         self.cubes(f)?;
         self.cost(f)?;
+        self.memory(f)?;
         for skipped in self.skipped.iter().take(2 * MOST) {
             row(
                 f,
@@ -33,6 +50,11 @@ impl fmt::Display for Plan {
 }
 
 impl Plan {
+    /// The same without film and camera, where surfaces are baked.
+    pub fn of_surfaces(&self) -> OfSurfaces<'_> {
+        OfSurfaces(self)
+    }
+
     /// Size, samples, camera, and the channels that are asked for.
     fn film(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let [width, height] = self.film.size;
@@ -118,7 +140,7 @@ impl Plan {
         }
     }
 
-    /// Rays by what they are for, and memory by what takes it.
+    /// Rays by what they are for.
     fn cost(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let rays = &self.rays;
         let mut text = format!("{} from the camera", count(rays.camera));
@@ -139,7 +161,10 @@ impl Plan {
             text += "; fast: in f32, for previews";
         }
         row(f, "rays", &text)?;
-        row(f, "trees", self.effort())?;
+        row(f, "trees", self.effort())
+    }
+
+    fn memory(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let memory = &self.memory;
         let text = format!(
             "about {}: geometry {}, cubes {}, film {}, temporarily {}",

@@ -1,7 +1,8 @@
 //! What the backs of surfaces are like.
 
 use crate::mesh::Material;
-use crate::scene::model::{BackFaces, Scene};
+use crate::render::plan::{Lit, lit_by};
+use crate::scene::model::{BackFaces, CubeBacks, Mapping, Scene, SourceKind};
 
 /// What the backs of surfaces are like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,5 +25,23 @@ pub(super) fn backs(scene: &Scene, material: &Material) -> Backs {
         BackFaces::AsFile | BackFaces::Culled => Backs::Culled,
         BackFaces::TwoSided => Backs::Same,
         BackFaces::Black => Backs::Black,
+    }
+}
+
+/// The backs of `material` of object `object`: of a cube that holds fronts alone, those that would be seen are black.
+pub(super) fn backs_of(scene: &Scene, object: usize, material: &Material) -> Backs {
+    let holds_fronts = || {
+        let Lit::Cube(source) = lit_by(scene, object, &material.name) else {
+            return false;
+        };
+        let SourceKind::Cube(cube) = &scene.sources[source].kind else {
+            return false;
+        };
+        let black = CubeBacks::Black;
+        matches!(cube.mapping, Mapping::Uv { backs, .. } if backs == black)
+    };
+    match backs(scene, material) {
+        Backs::Same if holds_fronts() => Backs::Black,
+        backs => backs,
     }
 }

@@ -6,7 +6,7 @@ use std::time::Instant;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::backs::{Backs, backs};
+use super::backs::{Backs, backs_of};
 use super::emitters::Builder;
 use crate::accel::pages::Pages;
 use crate::accel::{Bvh, Facing, Preset};
@@ -330,7 +330,7 @@ impl Gathered {
         }
         for part in mesh.parts.iter().filter(|p| p.triangles > 0) {
             let material = &mesh.materials[part.material as usize];
-            let backs = backs(scene, material);
+            let backs = backs_of(scene, object, material);
             self.culled.push(backs == Backs::Culled);
             self.patches.push(Patch {
                 first: object_first + part.first_triangle,

@@ -18,7 +18,7 @@ use crate::accel::Method;
 use crate::camera::Camera;
 use crate::error::Result;
 use crate::render::film::Layout;
-use crate::render::plan::Plan;
+use crate::render::plan::{Plan, unfound_light};
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{Background, HitBuffer, Meter, Rays, RestFrame, Surfaces, TracedRays};
@@ -62,6 +62,7 @@ impl Prepared {
         let camera = Camera::new(scene)?;
         let mut light = emitters::Builder::new(scene, plan);
         let mut warnings = scene.passed_over.clone();
+        warnings.extend(unfound_light(scene, &plan.objects));
         // A frame for each velocity: meshes, their materials, and a tree.
         let (frames, built_in) =
             geometry::frames(scene, plan, &mut light, &mut warnings, progress)?;

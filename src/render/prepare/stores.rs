@@ -56,6 +56,10 @@ impl Stores {
             let texture = TimeTexture::new(store, TimeAxis::from(cube), scene.outside)
                 .map_err(|e| refused(scene, source, e))?
                 .with_reconstruction(cube.reconstruction);
+            let texture = match cube.mapping {
+                Mapping::Uv { backs, .. } => texture.with_backs(backs),
+                Mapping::Capture(_) => texture,
+            };
             // Sums along time, for lookups that are means over spans of it.
             Ok(match cube.is_read_over_spans(&scene.camera) {
                 true => texture.with_sums(),
@@ -97,7 +101,7 @@ impl Stores {
             place.map(|place| index + 1 + place)
         });
         let emitter = match &cube.mapping {
-            Mapping::Uv { set } => Emitter::Uv {
+            Mapping::Uv { set, .. } => Emitter::Uv {
                 cube: index,
                 companions,
                 set: *set,

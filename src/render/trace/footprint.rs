@@ -296,9 +296,10 @@ pub(super) fn look_up(
     let spans = run.spans(clock, &mut emitted.spans);
     emitted.times.resize(run.count(), 0.0);
     run.times(clock, 0, &mut emitted.times);
-    let size = DVec2::from_array(texture.size().map(|n| n as f64));
+    let size = DVec2::from_array(texture.size_of_side().map(|n| n as f64));
     texture.look_up_each(&near, run.count(), |k| {
         let hit = run.hit(k);
+        let front = hit.is_none_or(|hit| hit.front);
         // Linear beyond the triangle's edges, too: parts of a footprint lie in its plane.
         let at = |u: f64, v: f64| {
             let hit = hit.map(|hit| crate::accel::Hit { u, v, ..hit })?;
@@ -308,6 +309,7 @@ pub(super) fn look_up(
         let time = emitted.times[k];
         let span = spans.then(|| emitted.spans[k]);
         let mut one = |uv: DVec2, time: f64, span: Option<[f64; 2]>| {
+            let uv = texture.on_side(uv, front);
             let span = span.map(|span| span.map(|after| time + after));
             if is_on && !near.is_asking() {
                 read += texture.bytes_of_lookup(None, span);

@@ -183,7 +183,10 @@ fn look_up(
         run.times(clock, 0, &mut emitted.times);
         let near = std::mem::take(&mut emitted.near);
         texture.look_up_each(&near, run.count(), |k| {
-            let uv = run.hit(k).and_then(|hit| run.rest.uv(run.patch, set, &hit));
+            let uv = run.hit(k).and_then(|hit| {
+                let uv = run.rest.uv(run.patch, set, &hit)?;
+                Some(texture.on_side(uv, hit.front))
+            });
             let span = emitted.spans[k].map(|after| emitted.times[k] + after);
             let sampled = texture.mean_uv(uv.unwrap_or(glam::DVec2::NAN), span, &near);
             if near.is_asking() {
@@ -210,7 +213,7 @@ fn look_up(
                 continue;
             };
             let uv = run.rest.uv(run.patch, set, &hit);
-            let uv = uv.unwrap_or(glam::DVec2::NAN);
+            let uv = uv.map_or(glam::DVec2::NAN, |uv| texture.on_side(uv, hit.front));
             lookups.u[at] = uv.x;
             lookups.v[at] = uv.y;
         }

@@ -65,7 +65,7 @@ pub(crate) struct Start {
 pub(crate) enum Seen {
     /// From this point along a unit vector of the rest frame. Delays are up to the point.
     From(DVec3, DVec3),
-    /// What leaves its front by diffuse reflection. Delays are up to the surface.
+    /// What leaves the side of the hit by diffuse reflection. Delays are up to the surface.
     Diffuse,
 }
 
@@ -460,6 +460,7 @@ impl TimedPaths<'_> {
         let x = a + (b - a) * hit.u + (c - a) * hit.v;
         let patch = self.rest.patch(hit.triangle);
         let normal = self.rest.bvh.normal(&hit);
+        let normal = if hit.front { normal } else { -normal };
         let Emitter::Lit { finish, lamps } = &self.light.emitters[patch.emitter as usize].0 else {
             return None;
         };

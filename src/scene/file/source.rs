@@ -7,7 +7,9 @@ use serde::{Deserialize, Serialize};
 use super::radiance::Radiance;
 use crate::io::cube::{Negative, Transfer};
 use crate::scene::at::At;
-use crate::scene::model::{BinValues, Clock, FovAxis, ProjectionKind, Reconstruction, TimeFilter};
+use crate::scene::model::{
+    BinValues, Clock, CubeBacks, FovAxis, ProjectionKind, Reconstruction, TimeFilter,
+};
 use crate::scene::values::{Number, NumberOrVector, Vector};
 use crate::spacetime::units::{Angle, Time};
 
@@ -96,6 +98,10 @@ pub(in crate::scene) struct Cube {
     /// Surface points address the cube by their texture coordinates TEXCOORD_n of this number n; row 0
     /// of the cube is v = 0. Excludes `capture`. Default: 0.
     pub uv: Option<At<u32>>,
+    /// What the backs of surfaces show, where they are seen: "as_front" (the same light), "black", or "second_half" (light of
+    /// their own: rows from H/2 on are those of backs, at the same texture coordinates), as `bake` writes it. Excludes
+    /// `capture`. Default: "as_front".
+    pub backs: Option<At<CubeBacks>>,
     /// Surface points address the cube by projection into the camera that captured it, as far as that
     /// saw them. Excludes `uv`.
     pub capture: Option<At<Capture>>,

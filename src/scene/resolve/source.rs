@@ -9,8 +9,9 @@ use crate::io::cube::{Axes, Channels, FORMATS, is_picture, is_sequence, is_zarr}
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{
-    BinValues, CaptureCamera, Clock, Crop, CubeData, CubeFile, CubeSource, FovAxis, Mapping,
-    Object, ProjectionKind, Pulse, Reconstruction, Source, SourceKind, TimeBins, TimeFilter,
+    BinValues, CaptureCamera, Clock, Crop, CubeBacks, CubeData, CubeFile, CubeSource, FovAxis,
+    Mapping, Object, ProjectionKind, Pulse, Reconstruction, Source, SourceKind, TimeBins,
+    TimeFilter,
 };
 use crate::scene::names;
 use crate::scene::values::NumberOrVector;
@@ -413,11 +414,14 @@ const SEQUENCE: &str = "name a folder of numbered pictures (.exr, .png, .hdr, .t
 
 fn mapping(cx: &Context, cube: &file::Cube) -> Result<Mapping> {
     cx.exclusive((&cube.uv, "uv"), (&cube.capture, "capture"))?;
+    cx.exclusive((&cube.backs, "backs"), (&cube.capture, "capture"))?;
     if let Some(camera) = &cube.capture {
         return capture(cx, camera).map(Mapping::Capture);
     }
+    let backs = cube.backs.as_ref();
+    let backs = backs.map_or_else(CubeBacks::default, |at| at.value);
     let Some(uv) = &cube.uv else {
-        return Ok(Mapping::Uv { set: 0 });
+        return Ok(Mapping::Uv { set: 0, backs });
     };
     if uv.value > 255 {
         let what = format!("there is no TEXCOORD_{}", uv.value);
@@ -429,6 +433,7 @@ fn mapping(cx: &Context, cube: &file::Cube) -> Result<Mapping> {
     }
     Ok(Mapping::Uv {
         set: uv.value as usize,
+        backs,
     })
 }
 

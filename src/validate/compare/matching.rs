@@ -37,6 +37,9 @@ const SHOT: [&str; 10] = [
     "medium_index",
 ];
 
+/// Those of them that are left out of pictures of a single pinhole before a plane.
+const NOT_PLAIN: [&str; 2] = ["camera_projection", "camera_interpupillary_distance"];
+
 /// Channels that are in one of the pictures and not compared.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct Uncompared {
@@ -278,9 +281,15 @@ fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<String>> {
     }
     // Pictures of different shots can be compared on purpose: that is said, and not refused.
     let mut notes = Vec::new();
+    // A camera that says nothing of its projection is a plain one, if it is said of the picture that it has a camera.
+    let has_camera = |p: &Picture| p.metadata("camera_forward").is_some();
+    let is_plain_in_one = |key: &&str| {
+        let there = [r, c].map(|p| p.metadata(key).is_some());
+        NOT_PLAIN.contains(key) && there[0] != there[1] && [r, c].into_iter().all(has_camera)
+    };
     let moved: Vec<&str> = SHOT
         .into_iter()
-        .filter(|key| differs(key).is_some())
+        .filter(|key| differs(key).is_some() || is_plain_in_one(key))
         .collect();
     if !moved.is_empty() {
         notes.push(format!("the shots differ in {}", moved.join(", ")));

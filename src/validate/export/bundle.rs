@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::camera;
 use crate::scene::model::{
-    Assembly, BackFaces, BinValues, Clock, Effects, Elements, Equations, Outside, Pivot,
+    Assembly, BackFaces, BinValues, Clock, CubeBacks, Effects, Elements, Equations, Outside, Pivot,
     ProjectionKind, Reconstruction, Records, TimeFilter,
 };
 
@@ -327,6 +327,9 @@ pub enum MappingEntry {
     Uv {
         /// TEXCOORD_n.
         set: usize,
+        /// What backs show: "black", or "second_half" (rows from H/2 on, at the same texture coordinates). Left out: the same as fronts.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        backs: Option<CubeBacks>,
     },
     /// By projection into the camera that captured it, as far as that saw the point.
     Capture {

@@ -14,7 +14,7 @@ use crate::render::aov::{Aov, Combine};
 use crate::render::metadata;
 use crate::render::plan::{Lit, shown_by};
 use crate::render::prepare::scaling;
-use crate::scene::model::{Mapping, Object, ProjectionKind, Pulse, Scene, Sensor};
+use crate::scene::model::{CubeBacks, Mapping, Object, ProjectionKind, Pulse, Scene, Sensor};
 use crate::spacetime::{Boost, Displacement, Frame, Quantity, Velocity, World};
 
 /// What holds for all of `scene`, whose text is in `text`, and of whose light `undescribed` is not in the bundle.
@@ -182,7 +182,10 @@ pub(super) fn pulse(pulse: &Pulse) -> LightEntry {
 /// How surface points address a cube of shape `shape`.
 pub(super) fn mapping(mapping: &Mapping, shape: [usize; 4]) -> MappingEntry {
     match mapping {
-        Mapping::Uv { set } => MappingEntry::Uv { set: *set },
+        Mapping::Uv { set, backs } => MappingEntry::Uv {
+            set: *set,
+            backs: (*backs != CubeBacks::AsFront).then_some(*backs),
+        },
         Mapping::Capture(camera) => {
             let [right, up, forward] = camera.axes.map(|axis| axis.to_array());
             MappingEntry::Capture {

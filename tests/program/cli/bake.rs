@@ -229,3 +229,205 @@ fn bins_that_miss_light_say_how_much() {
         run.stderr
     );
 }
+
+/// A lamp at this height below or above the floor, of this intensity.
+fn lamp(height: f64, intensity: f64) -> String {
+    LIGHT
+        .replace("1.5", &height.to_string())
+        .replace("intensity = 5", &format!("intensity = {intensity}"))
+}
+
+#[test]
+fn backs_have_light_of_their_own() {
+    // One lamp above the sheet, and a brighter one below it, seen from both sides; then one below it alone.
+    let below = FLASH.replace("eye = [0, 2, 4]", "eye = [0, -2, 4]");
+    for (lamps, views) in [
+        (lamp(1.5, 5.0) + &lamp(-1.5, 20.0), vec![FLASH, &below]),
+        (lamp(-1.5, 5.0), vec![&below]),
+    ] {
+        let folder = Folder::empty();
+        folder.write("lit.toml", FLASH.to_string() + &lamps);
+        let bins = ["--start=-2 m", "--bin-width=10 cm", "--bins=150"];
+        let options = ["--texels=32x32", "--spp=4", "-o=sheet.npz"];
+        let said = folder.ok(&[&["bake", "lit.toml"], &options[..], &bins].concat());
+        assert!(said.contains("64 rows × 32 columns"), "{said}");
+        let source = said.split_once("\n\n").unwrap().1;
+        assert!(source.contains("backs = \"second_half\""), "{source}");
+        for view in views {
+            folder.write("direct.toml", view.to_string() + &lamps);
+            folder.write("baked.toml", view.to_string() + source);
+            assert_as_bright(&folder, "baked.toml", "direct.toml");
+        }
+        // From above, the sheet that is lit from below is black.
+        if !source.is_empty() && lamps == lamp(-1.5, 5.0) {
+            folder.write("baked.toml", FLASH.to_string() + source);
+            folder.ok(&["render", "baked.toml", "-o", "a.exr", "--spp", "1", "-q"]);
+            let layers = exr::read(&folder.path("a.exr"), &Budget::new(1 << 30)).unwrap();
+            assert!(
+                layers
+                    .radiance()
+                    .unwrap()
+                    .iter()
+                    .all(|rgb| rgb == &[0.0; 3])
+            );
+        }
+    }
+}
+
+#[test]
+fn backs_that_no_light_comes_to_have_no_rows_and_are_black() {
+    let folder = Folder::empty();
+    folder.write("lit.toml", FLASH.to_string() + LIGHT);
+    let said = folder.ok(&[
+        "bake",
+        "lit.toml",
+        "--bin-width=10 cm",
+        "--bins=150",
+        "--texels=8x8",
+        "-o=a.npz",
+    ]);
+    assert!(said.contains(": 8 rows × 8 columns × 150 bins\n"), "{said}");
+    let source = said.split_once("\n\n").unwrap().1;
+    assert!(source.contains("backs = \"black\""), "{source}");
+    let below = FLASH.replace("eye = [0, 2, 4]", "eye = [0, -2, 4]");
+    folder.write("below.toml", below + source);
+    folder.ok(&["render", "below.toml", "-o", "a.exr", "--spp", "1", "-q"]);
+    let layers = exr::read(&folder.path("a.exr"), &Budget::new(1 << 30)).unwrap();
+    assert!(
+        layers
+            .radiance()
+            .unwrap()
+            .iter()
+            .all(|rgb| rgb == &[0.0; 3])
+    );
+    // A cube of fronts alone cannot be said to have both sides where its rows have no halves.
+    folder.ok(&[
+        "bake",
+        "lit.toml",
+        "--bin-width=1 m",
+        "--texels=7x7",
+        "-o=odd.npz",
+    ]);
+    let odd = "[[source]]\ncube = { file = \"odd.npz\", array = \"radiance\", bin_width = \"1 m\", backs = \"second_half\" }\n";
+    folder.write("odd.toml", FLASH.to_string() + odd);
+    let run = folder.run(&["plan", "odd.toml"]);
+    assert_eq!(run.code, 2);
+    assert!(
+        run.message().contains("7 rows have no second half"),
+        "{}",
+        run.stderr
+    );
+}
+
+/// A ball, lit.
+fn ball(keys: &str) -> String {
+    FLASH.replace(
+        "shape = { plane = { size = [4, 4] } }",
+        &format!("shape = {{ sphere = {{ radius = 0.5 }} }}\n{keys}"),
+    ) + LIGHT
+}
+
+#[test]
+fn an_atlas_has_a_standard_error_though_texels_at_its_edges_have_one_sample() {
+    let folder = Folder::empty();
+    folder.write("lit.toml", ball(""));
+    for samples in ["4", "16"] {
+        let said = folder.ok(&[
+            "bake",
+            "lit.toml",
+            "--atlas",
+            "--bin-width=20 cm",
+            "--bins=20",
+            "--spp",
+            samples,
+            "-o=a.npz",
+        ]);
+        assert!(
+            said.contains("standard error of a bin"),
+            "{samples}: {said}"
+        );
+    }
+    let said = folder.ok(&["info", "a.npz"]);
+    assert!(said.starts_with("a.npz: baked light"), "{said}");
+    for words in [
+        "20 of 0.2 m from 0 m",
+        "clock       world",
+        "of the root mean square",
+        "[[source]]",
+        "file = \"a.npz\"",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    assert!(!said.contains("compare"), "{said}");
+}
+
+#[test]
+fn gloss_that_is_not_baked_is_said_by_name() {
+    for (keys, words) in [
+        (
+            "metallic = 1\nroughness = 0.3",
+            "object \"floor\": all its light is gloss",
+        ),
+        (
+            "metallic = 0.5\nroughness = 0.3",
+            "object \"floor\": its gloss is not baked",
+        ),
+    ] {
+        let folder = Folder::empty();
+        folder.write("lit.toml", ball(keys));
+        let bake = [
+            "bake",
+            "lit.toml",
+            "--atlas",
+            "--bin-width=20 cm",
+            "--spp=1",
+            "-o=a.npz",
+        ];
+        let said = folder.ok(&[&bake[..], &["--plan"]].concat());
+        assert!(said.contains(words), "{said}");
+        // Surfaces are baked without a camera and a film.
+        assert!(
+            !said.contains("film  ") && !said.contains("from the camera"),
+            "{said}"
+        );
+        let said = folder.ok(&bake);
+        assert!(
+            said.contains(words) && !said.contains("no light arrives"),
+            "{said}"
+        );
+    }
+}
+
+#[test]
+fn what_cannot_be_baked_is_refused_and_leaves_no_file() {
+    let without = "spectrum = { blackbody = \"3000 K\" }\n[radiance]\nquantity = \"rgb\"";
+    for (scene, options, words) in [
+        (ball(without), &[][..], "it shows its own `spectrum`"),
+        (
+            ball(without),
+            &["--object=floor"],
+            "there is nothing to bake",
+        ),
+        (ball(""), &["--uv=3"], "no texture coordinates of set 3"),
+        (ball(""), &["--atlas", "--texels=6x6"], "--texels"),
+        (
+            FLASH.replace("plane = { size = [4, 4] }", "box = { size = [4, 1, 4] }") + LIGHT,
+            &[],
+            "charts overlap",
+        ),
+        (
+            FLASH.replace("hfov", "projection = \"fisheye_equidistant\"\nhfov") + LIGHT,
+            &["--camera"],
+            "flat film",
+        ),
+    ] {
+        let folder = Folder::empty();
+        folder.write("lit.toml", scene);
+        let bake = ["bake", "lit.toml", "--bin-width=1 m", "-o=a.npz"];
+        let run = folder.run(&[&bake[..], options].concat());
+        assert_eq!(run.code, 2, "{words}: {}", run.stderr);
+        assert!(run.message().contains(words), "{}", run.stderr);
+        assert!(!folder.path("a.npz").exists(), "{words}");
+        assert!(!folder.path("a.npz.parts").exists(), "{words}");
+    }
+}

@@ -59,6 +59,22 @@ fn rendering_stops_and_leaves_every_file_as_it_was() {
 }
 
 #[test]
+fn passes_that_are_stopped_before_anything_is_saved_do_not_say_that_something_is_kept() {
+    let folder = Folder::new();
+    let arguments = [
+        "render",
+        "scene.toml",
+        "--size=4000x4000",
+        "--spp=1000",
+        "--passes=8",
+        "-o=new.exr",
+    ];
+    // `stopped` compares all that is said.
+    stopped(&folder, &arguments, "-INT", Duration::from_millis(1200));
+    assert_eq!(folder.names(), ["scene.toml"]);
+}
+
+#[test]
 fn building_stops_too() {
     let folder = Folder::empty();
     // Many spheres of 1.3 million triangles: minutes of work on trees, none of which looks at the flag.

@@ -66,6 +66,10 @@ fn an_error_that_is_not_reached_is_taken_up_again_with_the_bits_of_work_that_did
         !said.contains("resuming") && said.contains("8 passes") && said.contains("starts again"),
         "{said}"
     );
+    // What was asked for is said to be reached, and is not the error of single pixels.
+    let reached =
+        "each tile of 16 × 16 pixels has reached the standard error that was asked for, 60 %";
+    assert!(said.contains(reached), "{said}");
     assert!(!parts.path("a.npz.passes").exists());
     // A damaged file is refused, and named.
     parts.write("a.npz.passes", "nullray passes 1\n");

@@ -266,3 +266,59 @@ fn no_scene_of_the_program_is_warned_of() {
     }
     assert!(planned >= 20 && to_bake <= 4, "{planned} {to_bake}");
 }
+
+/// A mirror, a lamp without extent, and bounces.
+const MIRROR: &str = r#"
+[camera]
+eye = [0, 2, 4]
+look_at = [0, 0, 0]
+size = [4, 4]
+[render]
+bounces = 2
+[[object]]
+name = "floor"
+shape = { plane = { size = [4, 4] } }
+[[object]]
+name = "pane"
+shape = { box = { size = [0.1, 1, 1] } }
+metallic = 1
+roughness = 0
+[[light]]
+name = "bulb"
+position = [1, 1, 0]
+"#;
+
+#[test]
+fn light_of_lamps_that_mirrors_and_glass_lose_is_said_with_both_names() {
+    let folder = Folder::new();
+    let glass = MIRROR.replace("metallic = 1\nroughness = 0", "transmission = 1");
+    for (scene, way) in [
+        (MIRROR, "by the perfect mirrors \"pane\""),
+        (&glass, "by the smooth glass \"pane\""),
+    ] {
+        folder.write("mirror.toml", scene);
+        for said in [
+            folder.ok(&["plan", "mirror.toml"]),
+            folder.run(&["render", "mirror.toml", "-o", "a.png"]).stderr,
+        ] {
+            for words in [
+                "the light of \"bulb\"",
+                way,
+                "missing in the picture and in its standard error",
+            ] {
+                assert!(said.contains(words), "{words}: {said}");
+            }
+        }
+    }
+    // Rough mirrors find it, and lamps with an extent, and without bounces no path is followed.
+    let panel = MIRROR.to_string() + "type = \"area\"\nobject = \"floor\"\n";
+    for scene in [
+        MIRROR.replace("roughness = 0", "roughness = 0.001"),
+        MIRROR.replace("bounces = 2", "bounces = 0"),
+        panel.replace("position = [1, 1, 0]\n", ""),
+    ] {
+        folder.write("mirror.toml", scene);
+        let said = folder.ok(&["plan", "mirror.toml"]);
+        assert!(!said.contains("has no extent"), "{said}");
+    }
+}

@@ -213,3 +213,35 @@ fn png_of_both_depths_and_with_alpha_are_read_as_codes() {
         Samples::F32(vec![1.0, 0.0])
     );
 }
+
+#[test]
+fn cameras_of_other_projections_and_of_two_eyes_are_noted() {
+    let folder = tempfile::tempdir().unwrap();
+    let shot = [("camera_forward", "0 0 -1")];
+    let cameras = [
+        ("plain", vec![]),
+        (
+            "fisheye",
+            vec![("camera_projection", "fisheye_equidistant")],
+        ),
+        ("stereo", vec![("camera_interpupillary_distance", "0.06")]),
+    ];
+    for (name, keys) in &cameras {
+        let [mut picture, _] = light(16, 16);
+        let metadata = shot.iter().chain(keys);
+        let metadata = metadata.map(|(key, value)| (key.to_string(), value.to_string()));
+        picture.layers.metadata = metadata.collect();
+        exr::write(&folder.path().join(format!("{name}.exr")), &picture.layers).unwrap();
+    }
+    for (candidate, key) in [
+        ("fisheye.exr", "camera_projection"),
+        ("stereo.exr", "camera_interpupillary_distance"),
+    ] {
+        let output = run(folder.path(), &["plain.exr", candidate]);
+        let said = text(&output.stdout) + &text(&output.stderr);
+        assert!(
+            said.contains(&format!("the shots differ in {key}")),
+            "{said}"
+        );
+    }
+}

@@ -37,7 +37,11 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
     let mut jobs = jobs(arguments, &scene)?;
     let limit = arguments.scene.changes.memory.bytes();
     // Of surfaces whose backs are seen, both sides.
-    let objects = Plan::new(&scene, &Request::default())?.objects;
+    let plain = arguments
+        .scene
+        .changes
+        .request(arguments.work.threads.count);
+    let objects = Plan::new(&scene, &plain)?.objects;
     let size = |job: &Job| {
         job.surface.map_or(scene.camera.size, |surface| {
             let sides = 1 + u32::from(objects[surface.object].shows_backs(&scene));
@@ -64,10 +68,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
         // As many paths as so many pictures have.
         pictures: jobs.iter().map(|job| pixels(size(job))).sum::<u64>() / pixels(scene.camera.size)
             + 1,
-        ..arguments
-            .scene
-            .changes
-            .request(arguments.work.threads.count)
+        ..plain
     };
     let plan = Plan::new(&scene, &request)?;
     choose_coordinates(arguments, &plan, &mut jobs)?;
@@ -480,11 +481,7 @@ fn source(
                 true => "object",
                 false => "world",
             };
-            let backs = match baked.backs {
-                CubeBacks::AsFront => "as_front",
-                CubeBacks::Black => "black",
-                CubeBacks::SecondHalf => "second_half",
-            };
+            let backs = baked.backs.name();
             // Another file of coordinates takes the place of one that it has.
             let has_file = scene.objects[surface.object].texture_coordinates.is_some();
             let own_sets = plan.objects[surface.object].uv_sets - usize::from(has_file);

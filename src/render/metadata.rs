@@ -9,8 +9,8 @@ use crate::io::sealed::hexadecimal;
 use crate::render::bake::{Baked, Bins};
 use crate::render::film::Film;
 use crate::scene::model::{
-    Assembly, CameraModel, Elements, Equations, Integration, Motion, Pivot, ProjectionKind,
-    Records, Scene,
+    Assembly, CameraModel, CubeBacks, Elements, Equations, Integration, Motion, Pivot,
+    ProjectionKind, Records, Scene,
 };
 use crate::spacetime::Quantity;
 
@@ -105,6 +105,9 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
         .collect()
 }
 
+/// The key of what baked light has on the backs of its surface.
+pub const BACKS: &str = "backs";
+
 /// Of baked light: program, scene, hash, units, bins.
 pub fn of_baked(scene: &Scene, bins: &Bins, samples: u32, baked: &Baked) -> Vec<(String, String)> {
     let energy = &baked.energy;
@@ -133,7 +136,10 @@ pub fn of_baked(scene: &Scene, bins: &Bins, samples: u32, baked: &Baked) -> Vec<
             baked.relative_error().to_string(),
         ),
     ];
-    let own = pairs.map(|(key, value): (_, String)| (key.into(), value));
+    // Of a surface, what is on its backs.
+    let backs = (baked.backs != CubeBacks::AsFront).then(|| (BACKS, baked.backs.name().into()));
+    let own = pairs.into_iter().chain(backs);
+    let own = own.map(|(key, value): (_, String)| (key.into(), value));
     of_text(&scene.name, &scene.text)
         .into_iter()
         .chain(own)

@@ -538,6 +538,17 @@ pub enum CubeBacks {
     SecondHalf,
 }
 
+impl CubeBacks {
+    /// As scene files say it.
+    pub fn name(self) -> &'static str {
+        match self {
+            CubeBacks::AsFront => "as_front",
+            CubeBacks::Black => "black",
+            CubeBacks::SecondHalf => "second_half",
+        }
+    }
+}
+
 /// Reconstruction across the picture of a cube.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]

@@ -709,8 +709,8 @@ fn the_back_of_a_sphere_has_the_light_of_a_flash_within() {
         bake::surface_cube(&scene, &prepared(&scene), &surface, &bins, None, &Silent).unwrap();
     assert_eq!(baked.backs, CubeBacks::SecondHalf);
     assert_eq!(baked.cube.shape[..3], [192, 96, 1]);
-    // Φ/r² of irradiance, and albedo/π of it.
-    let expected = 0.6 / PI * 3.0 / 4.0;
+    // I/r² of irradiance for the duration √(2π) σ of the flash, and albedo/π of it.
+    let expected = 0.6 / PI * 3.0 / 4.0 * (2.0 * PI).sqrt() * 0.05;
     let mut lit = 0;
     for pixel in 0..192 * 96 {
         let value = value(&baked.cube, pixel, 0);

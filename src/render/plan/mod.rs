@@ -14,12 +14,15 @@ mod report;
 use crate::accel::{Precision, Preset};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
+use crate::io::budget::Budget;
 use crate::io::cube::{self as cubes, Channels};
 use crate::io::gltf;
+use crate::io::npy;
 use crate::light::time_texture::TimeTexture;
 use crate::mesh::{Factors, shapes};
 use crate::render::aov::Aov;
 use crate::render::film::Layout;
+use crate::render::metadata::BACKS;
 use crate::scene::model::{
     Crop, CubeBacks, CubeData, CubeSource, Elements, Geometry, Mapping, Object, Scene, Shape,
     Source, SourceKind, TimeBins,
@@ -326,19 +329,48 @@ fn check_crop(scene: &Scene, source: &Source, cube: &CubeSource, size: [usize; 2
     ))
 }
 
-/// Refuses rows that have no two halves, where one is that of backs.
+/// Refuses rows that have no two halves, where one is that of backs, and rows of backs that the source does not know of.
 fn check_backs(scene: &Scene, source: &Source, cube: &CubeSource, rows: usize) -> Result<()> {
-    let halves =
-        matches!(cube.mapping, Mapping::Uv { backs, .. } if backs == CubeBacks::SecondHalf);
-    if !halves || rows.is_multiple_of(2) {
+    let Mapping::Uv { backs, .. } = cube.mapping else {
         return Ok(());
+    };
+    let refuse = |what: String, help: &str| {
+        let place = format!("source \"{}\", cube.backs", source.name);
+        Err(Error::invalid(&scene.name, place, what, help))
+    };
+    if backs == CubeBacks::SecondHalf {
+        return match rows.is_multiple_of(2) {
+            true => Ok(()),
+            false => refuse(
+                format!("{rows} rows have no second half of backs"),
+                "a cube as `nullray bake` writes it, or backs = \"black\"",
+            ),
+        };
     }
-    Err(Error::invalid(
-        &scene.name,
-        format!("source \"{}\", cube.backs", source.name),
-        format!("{rows} rows have no second half of backs"),
-        "a cube as `nullray bake` writes it, or backs = \"black\"",
-    ))
+    match has_rows_of_backs(cube) {
+        true => refuse(
+            "the second half of the file's rows is light of backs, by its metadata".into(),
+            "add backs = \"second_half\", as `nullray bake` prints it and `nullray info` of the file",
+        ),
+        false => Ok(()),
+    }
+}
+
+/// Whether a file that `nullray bake` has written says that it holds backs.
+fn has_rows_of_backs(cube: &CubeSource) -> bool {
+    // Metadata are a few scenes long at most.
+    const MOST: u64 = 1 << 26;
+    let Some(path) = cube.data.path() else {
+        return false;
+    };
+    if path.extension().is_none_or(|ending| ending != "npz") {
+        return false;
+    }
+    let text = npy::load_text(path, "metadata", &Budget::new(MOST));
+    let said = text
+        .ok()
+        .and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok());
+    said.is_some_and(|said| said[BACKS] == CubeBacks::SecondHalf.name())
 }
 
 /// Refuses a table of edges that is not one of as many bins as there are.

@@ -253,6 +253,18 @@ fn backs_have_light_of_their_own() {
         assert!(said.contains("64 rows × 32 columns"), "{said}");
         let source = said.split_once("\n\n").unwrap().1;
         assert!(source.contains("backs = \"second_half\""), "{source}");
+        // A source that does not say so would show half of the rows on each half of the sheet.
+        folder.write(
+            "old.toml",
+            FLASH.to_string() + &source.replace(", backs = \"second_half\"", ""),
+        );
+        let run = folder.run(&["plan", "old.toml"]);
+        assert_eq!(run.code, 2);
+        assert!(
+            run.message().contains("add backs = \"second_half\""),
+            "{}",
+            run.stderr
+        );
         for view in views {
             folder.write("direct.toml", view.to_string() + &lamps);
             folder.write("baked.toml", view.to_string() + source);

@@ -431,3 +431,35 @@ fn scenes_that_name_no_point_to_look_at_are_filmed_as_far_as_what_they_show() {
         "a.apng",
     ]);
 }
+
+#[test]
+fn a_film_of_a_cube_shows_its_lit_part_and_not_all_of_its_bins() {
+    let folder = Folder::empty();
+    let scene = "camera = { eye = [0, 2, 4], look_at = [0, 0, 0], hfov = \"50 deg\", size = [16, 12] }\n\
+         [[object]]\nname = \"floor\"\nshape = { plane = { size = [4, 4] } }\n";
+    let flash =
+        "[[light]]\nposition = [0.5, 1.5, 0]\nemission = { gaussian = { sigma = \"30 cm\" } }\n";
+    folder.write("lit.toml", scene.to_string() + flash);
+    // Light of about 4 m in bins of 400 m.
+    let said = folder.ok(&[
+        "bake",
+        "lit.toml",
+        "--bin-width=20 cm",
+        "--bins=2000",
+        "--texels=8x8",
+        "-o=light.npz",
+    ]);
+    let source = said.split_once("\n\n").unwrap().1;
+    folder.write("baked.toml", scene.to_string() + source);
+    folder.ok(&[
+        "film",
+        "baked.toml",
+        "--light",
+        "--pictures=3",
+        "-o=a.y4m",
+        "-q",
+    ]);
+    let pictures = y4m(&folder.read("a.y4m"));
+    let (_, _, middle) = &pictures[1];
+    assert!(middle.iter().any(|code| *code > 50), "{middle:?}");
+}

@@ -29,6 +29,7 @@ use crate::spacetime::{
 /// A scene as far as it says where points of objects are seen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KnownScene {
+    model: CameraModel,
     film: AnyProjection,
     /// The event of the shot, which all rays leave.
     event: Event<World>,
@@ -158,6 +159,7 @@ impl KnownScene {
         let is_point = is_instant && camera.stereo.is_none();
         let is_exact = equations == Equations::Exact || shot.frame.velocity().is_rest();
         (is_point && is_exact).then(|| KnownScene {
+            model: camera.clone(),
             film: shot.projection,
             event: shot.event,
             camera: shot.frame,
@@ -199,6 +201,23 @@ impl KnownScene {
             }
         }
         (changed != *self).then_some(changed)
+    }
+
+    /// The camera, at its time of the shot.
+    pub(super) fn camera(&self) -> &CameraModel {
+        &self.model
+    }
+
+    /// The same scene seen by another camera, of the same kind of film.
+    pub(super) fn seen_by(&self, camera: CameraModel) -> Option<KnownScene> {
+        let shot = Shot::new(&camera).ok()?;
+        Some(KnownScene {
+            model: camera,
+            film: shot.projection,
+            event: shot.event,
+            camera: shot.frame,
+            ..self.clone()
+        })
     }
 
     /// The displacement from the shot to an event of the world: its place in the world, and in the camera's frame.

@@ -380,8 +380,8 @@ pub(super) fn ratio(case: &Case) -> Option<Diagnosis> {
         logs.iter()
             .map(|&(i, [r, c])| [(c - r).abs(), (c - r - factor(i)).abs()]),
     );
-    by_factor
-        .explains(NOTABLE_RATIO)
+    let is_factor = factors.values().any(|log| log.abs() > NOTABLE_RATIO);
+    (is_factor && by_factor.explains(NOTABLE_RATIO))
         .then(|| describe_factors(case, &factors, &by_factor))
 }
 
@@ -415,8 +415,9 @@ fn describe_factors(case: &Case, factors: &BTreeMap<i64, f64>, tally: &Tally) ->
     } else if all(&gamma) {
         "wavelength ratios have the objects' γ once too often".into()
     } else {
-        let words = factors
-            .iter()
+        // Of the others there is nothing to say.
+        let wrong = factors.iter().filter(|(_, log)| log.abs() > NOTABLE_RATIO);
+        let words = wrong
             .take(6)
             .map(|(k, factor)| format!("{:.4} (object {k})", libm::exp(*factor)));
         format!(

@@ -174,9 +174,16 @@ fn differ(r: DVec3, c: DVec3) -> bool {
 
 /// Displacements that are notable, pixels, rms.
 const NOTABLE: f64 = 0.1;
+/// Films of a smaller scale show one point everywhere: fields of view of a degree for one of 90.
+const LEAST_SCALE: f64 = 0.01;
 
 /// A candidate whose film is moved or scaled.
 pub(super) fn scaled(case: &Case) -> Option<Diagnosis> {
+    scaled_and_rest(case).map(|(found, _)| found)
+}
+
+/// The same, and by how much points are displaced from that hypothesis, pixels, rms.
+pub(super) fn scaled_and_rest(case: &Case) -> Option<(Diagnosis, f64)> {
     let by_points = case.field.and_then(|field| of_field(case, field, false));
     by_points.or_else(|| of_field(case, &Field::of_directions(&case.points)?, true))
 }
@@ -206,10 +213,15 @@ impl Film {
     pub fn of(&self, p: DVec2) -> DVec2 {
         self.a + self.k * p
     }
+
+    /// Whether it shows a picture at all, and not one point of it everywhere.
+    fn is_film(&self) -> bool {
+        self.k.abs().min_element() > LEAST_SCALE
+    }
 }
 
 /// Another film, by where the candidate shows points: of all pixels with `everywhere`, or of those that differ.
-fn of_field(case: &Case, field: &Field, everywhere: bool) -> Option<Diagnosis> {
+fn of_field(case: &Case, field: &Field, everywhere: bool) -> Option<(Diagnosis, f64)> {
     let [width, height] = case.points[0].size();
     let half = 0.5 * DVec2::new(width as f64, height as f64);
     let pixels = match everywhere {
@@ -239,9 +251,10 @@ fn of_field(case: &Case, field: &Field, everywhere: bool) -> Option<Diagnosis> {
         ("points are displaced by (pixels, rms)", tally.error()),
         ("and from the hypothesis by (pixels, rms)", tally.rest()),
     ];
-    tally
-        .explains(NOTABLE)
-        .then(|| describe(case, &film, BY_PLACES, evidence))
+    let moved = all.iter().map(|[p, _]| film.of(*p).distance_squared(*p));
+    let moved = (moved.sum::<f64>() / all.len() as f64).sqrt();
+    (moved > NOTABLE && film.is_film() && tally.explains(NOTABLE))
+        .then(|| (describe(case, &film, BY_PLACES, evidence), tally.rest()))
 }
 
 /// How far a shift by half a pixel may be off to be called so: by places, and by light, which edges between pixels blur.
@@ -266,7 +279,8 @@ pub(super) fn describe(
         evidence.extend([("to the right (pixels)", x), ("down (pixels)", y)]);
         let is_half = |v: f64| (v.abs() - 0.5).abs() < precision || v.abs() < precision;
         let words = match is_half(x) && is_half(y) && a.abs().max_element() > 0.25 {
-            true => "by half a pixel, ",
+            true if precision == BY_PLACES => "by half a pixel, ",
+            true => "by about half a pixel: by light alone ",
             false => "by ",
         };
         return Diagnosis {
@@ -298,7 +312,7 @@ pub(super) fn describe(
         return Diagnosis {
             kind: Kind::Aspect,
             what: format!(
-                "the aspect is another: tan(fov/2) is {:.4} times the reference's across and {:.4} times down",
+                "the aspect ratio differs: tan(fov/2) is {:.4} times the reference's across and {:.4} times down",
                 k.x, k.y
             ),
             evidence,

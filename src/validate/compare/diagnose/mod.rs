@@ -10,9 +10,11 @@
 //! | picture moved by whole pixels | the same for a shift by one or two pixels |
 //! | identities wrong | the objects' (or triangles') indices count from 1; or are those of other objects |
 //! | aberration reversed, or missing | look directions, or places of a known scene, are those for −β, or for 0 |
+//! | camera at another velocity, or time | points of a known scene are where a camera sees them whose rapidity has a factor, or whose clock is ahead (`camera`) |
+//! | shots that differ | the metadata of both pictures say another velocity or time of the camera: then nothing is said of what follows |
 //! | retardation missing | all emission times are the same; or points of a known scene, or of one object, are where they are at the time of the shot |
 //! | velocities swapped, reversed, missing, wrong | by wavelength ratios, or by places of a known scene (`motion`) |
-//! | film moved or scaled | points belong at a + k p for the pixel p: half a pixel, another field of view or focal length, another aspect |
+//! | film moved or scaled | points belong at a + k p for the pixel p: half a pixel, another field of view or focal length, another aspect ratio |
 //! | axes exchanged | x, y, z of events, normals, directions are others of these, or their opposites |
 //! | directions reversed | d is −d |
 //! | frame wrong | events are those of the objects' or the camera's frame, or relative to the shot; directions have the camera's axes |
@@ -46,6 +48,7 @@
 //! A hypothesis without the channels that it needs is not asked. What follows from a wrong film or a wrong velocity (time,
 //! brightness, places) is not diagnosed again.
 
+mod camera;
 mod channels;
 mod curve;
 mod depth;
@@ -106,6 +109,12 @@ pub enum Kind {
     AberrationReversed,
     /// Look directions are those of the camera's frame.
     AberrationMissing,
+    /// The camera has another velocity.
+    CameraVelocity,
+    /// The picture is that of another time of the camera.
+    CameraTime,
+    /// By their metadata, the pictures are of different shots.
+    ShotsDiffer,
     /// Light takes no time.
     RetardationMissing,
     /// Two objects have each other's velocity.
@@ -179,7 +188,22 @@ impl Kind {
                 | Kind::IdentitiesSwapped
                 | Kind::AberrationReversed
                 | Kind::AberrationMissing
+                | Kind::CameraVelocity
+                | Kind::CameraTime
+                | Kind::ShotsDiffer
                 | Kind::RetardationMissing
+        )
+    }
+
+    /// Whether it says how the camera moves, or when the shot is taken.
+    fn is_of_shot(self) -> bool {
+        matches!(
+            self,
+            Kind::AberrationReversed
+                | Kind::AberrationMissing
+                | Kind::CameraVelocity
+                | Kind::CameraTime
+                | Kind::RatioOfCamera
         )
     }
 }
@@ -201,6 +225,13 @@ pub(super) struct Case<'a> {
 /// All diagnoses of a candidate.
 pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
     let mut found = causes(case);
+    // Of another shot, that is what is wrong: objects, light and films follow from it.
+    if let Some(other) = camera::other_shot(case) {
+        found.retain(|found| found.kind.is_of_shot());
+        if found.is_empty() {
+            found.push(other);
+        }
+    }
     if !found.iter().any(|found| found.kind.is_of_all()) {
         found.extend(part::vanished(case));
     }
@@ -209,9 +240,10 @@ pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
 
 /// What explains the errors of pixels.
 fn causes(case: &Case) -> Vec<Diagnosis> {
-    let causes: [fn(&Case) -> Vec<Diagnosis>; 11] = [
+    let causes: [fn(&Case) -> Vec<Diagnosis>; 12] = [
         |case| film::turned(case).into_iter().collect(),
         |case| channels::identities(case).into_iter().collect(),
+        |case| camera::another(case).into_iter().collect(),
         channels::coordinates,
         |case| channels::inverted(case).into_iter().collect(),
         |case| motion::aberration(case).into_iter().collect(),
@@ -291,8 +323,10 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 /// Distances from the reference and from a hypothesis, pixel by pixel.
 #[derive(Debug)]
 struct Tally {
-    /// |c − r|, and |c − h(r)|.
+    /// |c − r|, and |c − h(r)|, where either is notable.
     distances: Vec<[f64; 2]>,
+    /// The rms of |c − r| over all pixels, these and those that are left out.
+    usual: f64,
 }
 
 /// A hypothesis needs so many pixels.
@@ -300,14 +334,17 @@ const FEWEST: usize = 24;
 
 impl Tally {
     /// Of pairs, those that are numbers, without the pixels at which neither is a tenth of the error: where nothing is
-    /// wrong, and the hypothesis changes nothing, it explains nothing.
+    /// wrong, and the hypothesis changes nothing, it explains nothing. To change nothing explains no pixel: of those that are
+    /// kept, it is near where the hypothesis is not.
     fn of(distances: impl Iterator<Item = [f64; 2]>) -> Tally {
         let are_numbers = |[a, b]: &[f64; 2]| a.is_finite() && b.is_finite();
         let mut tally = Tally {
             distances: distances.filter(are_numbers).collect(),
+            usual: 0.0,
         };
-        let error = tally.error();
-        tally.distances.retain(|[a, b]| a.max(*b) > NEAR * error);
+        tally.usual = tally.error();
+        let least = NEAR * tally.usual;
+        tally.distances.retain(|[a, b]| a.max(*b) > least);
         tally
     }
 
@@ -328,8 +365,7 @@ impl Tally {
 
     /// The part of the pixels that the hypothesis explains.
     fn share(&self) -> f64 {
-        let error = self.error();
-        let explained = |d: &&[f64; 2]| d[1] <= NEAR * d[0].max(error);
+        let explained = |d: &&[f64; 2]| d[1] <= NEAR * d[0].max(self.usual);
         let count = self.distances.iter().filter(explained).count();
         count as f64 / self.distances.len().max(1) as f64
     }

@@ -339,20 +339,14 @@ fn seen(case: &Case, which: usize) -> Option<BTreeMap<i64, Seen>> {
 }
 
 /// Displacements that are notable, pixels, rms.
-const NOTABLE_DISPLACEMENT: f64 = 0.1;
+pub(super) const NOTABLE_DISPLACEMENT: f64 = 0.1;
 
 /// Changes of a known scene that explain where the candidate shows points.
 pub(super) fn changes(case: &Case) -> Vec<Diagnosis> {
     let Some(known) = case.known else {
         return Vec::new();
     };
-    // A mistake about the camera or about time moves all points: it explains most if it is one.
-    let global = [
-        Change::Instant,
-        Change::CameraReversed,
-        Change::CameraAtRest,
-    ];
-    if let Some(found) = best(case, known, None, &global) {
+    if let Some(found) = of_all(case) {
         return vec![found];
     }
     let moving: Vec<usize> = (known.velocities().enumerate())
@@ -381,6 +375,16 @@ pub(super) fn changes(case: &Case) -> Vec<Diagnosis> {
     moving.iter().filter_map(of_object).collect()
 }
 
+/// The change of the camera, or of time, that explains where the candidate shows points: it moves all of them.
+pub(super) fn of_all(case: &Case) -> Option<Diagnosis> {
+    let changes = [
+        Change::Instant,
+        Change::CameraReversed,
+        Change::CameraAtRest,
+    ];
+    best(case, case.known?, None, &changes)
+}
+
 /// No more moving objects are asked about.
 const MOST_OBJECTS: usize = 32;
 
@@ -407,7 +411,7 @@ fn best(
 }
 
 /// Distances of the candidate's points from where they are seen, in the scene and in the changed one.
-fn displaced(
+pub(super) fn displaced(
     case: &Case,
     known: &KnownScene,
     changed: &KnownScene,
@@ -491,7 +495,7 @@ fn describe_change(known: &KnownScene, change: Change, tally: &Tally) -> Diagnos
         ),
         Change::Standing(k) => (
             Kind::RetardationMissing,
-            format!("the velocity of object {k} is missing, but for its place: its points are shown where they are seen at rest where it is at the time of the shot"),
+            format!("the velocity of object {k} is missing, but for its place: it is drawn at rest, at its position at the time of the shot"),
             beta(k),
         ),
         Change::Reversed(k) => (

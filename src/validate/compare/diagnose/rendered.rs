@@ -68,6 +68,7 @@ pub(super) fn changes(case: &Case) -> Option<Diagnosis> {
         evidence: [mistake.size]
             .into_iter()
             .chain(evidence(&told.tally))
+            .chain([("what it leaves of the squared error", told.left)])
             .collect(),
     })
 }

@@ -4,13 +4,14 @@
 #   pictures.sh REFERENCES CANDIDATES [OPTIONS OF nullray compare]
 #
 # Compares every picture of the first folder with the one of the same name in the second, and writes a report beside each
-# candidate. Without options the limits are those below; .png and .npy hold light alone. $NULLRAY is the program; by
+# candidate. Fails where a limit is exceeded, and where compare says what is wrong (a diagnosis), whatever the limits.
+# Without options the limits are those below; .png and .npy hold light alone, and the others all channels (--aovs all). $NULLRAY is the program; by
 # default it is found in the path.
 set -euo pipefail
 references=${1:?a folder of references} candidates=${2:?a folder of candidates}
 shift 2
 light=(--tolerance relrmse=0.05)
-surfaces=(--tolerance geometric.p99=0.1 --tolerance coverage=0.99 "${light[@]}")
+surfaces=(--tolerance geometric.p99=0.1 --tolerance coverage=0.99 --tolerance time.p99=0.05 --tolerance w.p99=0.01 "${light[@]}")
 
 compared=0 failed=0
 for reference in "$references"/*.exr "$references"/*.npz "$references"/*.npy "$references"/*.png; do
@@ -28,8 +29,14 @@ for reference in "$references"/*.exr "$references"/*.npz "$references"/*.npy "$r
   if [ ! -e "$candidate" ]; then
     echo "it is missing"
     failed=$((failed + 1))
-  elif ! "${NULLRAY:-nullray}" compare "$reference" "$candidate" --report "${candidate%.*}-report.html" "${limits[@]}"; then
+  elif ! found=$("${NULLRAY:-nullray}" compare "$reference" "$candidate" --report "${candidate%.*}-report.html" "${limits[@]}"); then
+    echo "$found"
     failed=$((failed + 1))
+  else
+    echo "$found"
+    if grep -q '^diagnosis: ' <<<"$found"; then
+      failed=$((failed + 1))
+    fi
   fi
 done
 echo "$compared pictures compared, $failed failed"

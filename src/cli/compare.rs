@@ -144,12 +144,10 @@ fn write(
 
 /// Refuses, before any work, what could not be written after it.
 fn check_outputs(arguments: &CompareArguments) -> Result<()> {
-    let overwritten = "this is one of the compared pictures and would be overwritten";
-    let mut names = Names::new(
-        [&arguments.reference, &arguments.candidate],
-        overwritten,
-        "",
-    );
+    let overwritten = "this is one of the files that are read and would be overwritten";
+    let compared = [&arguments.reference, &arguments.candidate];
+    let others = [&arguments.mask, &arguments.scene].into_iter().flatten();
+    let mut names = Names::new(compared.into_iter().chain(others), overwritten, "");
     for (flag, path, kind) in arguments.outputs() {
         let option = format!("{flag} {}", path.display());
         if extension(path) != kind {

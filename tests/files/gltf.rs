@@ -531,8 +531,8 @@ fn lights_below_hidden_nodes_are_not_listed() {
     let text = std::fs::read_to_string(valid("materials.gltf")).unwrap();
     let mut model: serde_json::Value = serde_json::from_str(&text).unwrap();
     let nodes = model["nodes"].as_array_mut().unwrap();
-    let named = |name: &str| move |node: &serde_json::Value| node["name"] == name;
-    let [below, lamp] = ["below", "lamp"].map(|name| nodes.iter().position(named(name)).unwrap());
+    let place = |name: &str| nodes.iter().position(|node| node["name"] == name);
+    let [below, lamp] = ["below", "lamp"].map(|name| place(name).unwrap());
     let light = nodes[lamp]["extensions"]["KHR_lights_punctual"].clone();
     nodes[below]["extensions"]["KHR_lights_punctual"] = light;
     std::fs::write(&file, model.to_string()).unwrap();

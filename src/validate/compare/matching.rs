@@ -369,10 +369,16 @@ fn alpha<'a>(
             chosen[one].remove(at);
             continue;
         }
-        let what = format!(
-            "it has an alpha channel with transparent pixels, and {} has none",
-            pair[other].name
-        );
+        let what = match pair[other].layers.channel("alpha") {
+            Some(_) => format!(
+                "its light has alpha as a fourth channel, with transparent pixels; {} has it in an array of its own, \"alpha\"",
+                pair[other].name
+            ),
+            None => format!(
+                "it has an alpha channel with transparent pixels, and {} has none",
+                pair[other].name
+            ),
+        };
         // Whether light is multiplied by alpha depends on the format: the help says which holds here.
         let stored = match pair[one].alpha {
             Alpha::Premultiplied => {

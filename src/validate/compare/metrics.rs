@@ -438,7 +438,7 @@ pub fn help() -> String {
     });
     format!(
         "  of the light, or of one channel (radiance.R:max): {}\n  of the picture: {}\n  of surfaces, with {}: {}; \
-         and {}\n  A metric that cannot be computed exceeds its limit.",
+         and {}\n  A metric that cannot be computed exceeds its limit. mrse divides by (|r| + 0.01)², which is far from relative where light is dimmer than 0.01.",
         of_light.join(", "),
         of_picture.join(", "),
         parts.join(", "),
@@ -579,7 +579,13 @@ impl<'a> Name<'a> {
                 }),
                 Err(why) => Found::Nothing(why),
             },
-            Of::Picture(value, _) => settled(value(comparison), needs),
+            Of::Picture(value, _) => settled(value(comparison), || {
+                let is_skipped = self.row.name.starts_with("flip") && comparison.flip.is_none();
+                match is_skipped && comparison.radiance.is_some() {
+                    true => "FLIP was not computed (--no-flip)".into(),
+                    false => needs(),
+                }
+            }),
             Of::Pixels(values, ..) => match comparison.surface.as_ref().and_then(values) {
                 None => Found::Nothing(needs()),
                 Some((bias, d)) => match (self.part, gaps(d)) {

@@ -441,7 +441,9 @@ fn names(name: Option<&str>, depth: usize, is_alone: bool) -> Option<Vec<String>
             let names = RADIANCE.into_iter().chain(["A"]).take(depth);
             Some(names.map(String::from).collect())
         }
-        _ if group.len() == depth => Some(group.iter().map(|aov| aov.name().into()).collect()),
+        _ if depth > 0 && group.len() == depth => {
+            Some(group.iter().map(|aov| aov.name().into()).collect())
+        }
         _ => None,
     }
 }

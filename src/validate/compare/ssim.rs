@@ -150,15 +150,16 @@ impl<'a> Strip<'a> {
             let vrc = sample * (src[x] * mean - r * c);
             let over = (2.0 * r * c + self.c1) * (2.0 * vrc + self.c2);
             let under = (r * r + c * c + self.c1) * (vr + vc + self.c2);
-            sr[x] = over / under;
+            // Rounding of values far beyond the range may lead out of the bounds of the definition.
+            sr[x] = (over / under).clamp(-1.0, 1.0);
         }
         let chosen = (!region.is_all()).then(|| region.row(y, self.width));
         let (mut sum, mut count) = (0.0, 0);
         for x in 0..inner {
             let is_chosen = chosen.as_ref().is_none_or(|chosen| chosen[x + RADIUS]);
-            // Black on black has no range: the pictures are the same there.
+            // Black on black has no range: the pictures are the same there. Squares beyond the largest number say nothing.
             let similarity = if sr[x].is_nan() { 1.0 } else { sr[x] };
-            if is_chosen && bad[x] == 0.0 {
+            if is_chosen && bad[x] == 0.0 && (srr[x] + scc[x]).is_finite() {
                 sum += similarity;
                 count += 1;
             }

@@ -305,3 +305,16 @@ fn indices_that_are_no_whole_numbers_are_refused() {
     let message = error.to_string();
     assert!(message.contains("0.5 at column 4, row 4"), "{message}");
 }
+
+#[test]
+fn an_array_of_no_channels_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("none.npz");
+    let arrays = [
+        ("radiance", zeros("<f4", "(4, 5, 0)", 0)),
+        ("object", zeros("<i4", "(4, 5)", 80)),
+    ];
+    archive_of(&path, &arrays);
+    let read = Picture::read(&path, Encoding::Linear, &Budget::new(1 << 20));
+    assert!(read.unwrap_err().to_string().contains("is not a picture"));
+}

@@ -99,7 +99,7 @@ fn half_a_pixel_is_named_by_light_alone() {
         for (first, [x, y]) in [([1, 0], [-0.5, 0.0]), ([1, 1], [-0.5, -0.5])] {
             let candidate = means(&whole, &exact, n, first);
             let found = diagnosed(&reference, &candidate);
-            named(Kind::FilmShifted, &["by half a pixel"], &found);
+            named(Kind::FilmShifted, &["half a pixel"], &found);
             let off = [
                 evidence(&found, "to the right (pixels)") - x,
                 evidence(&found, "down (pixels)") - y,
@@ -370,7 +370,7 @@ fn half_a_pixel_of_means_is_no_mistake_of_the_light() {
         let [reference, candidate] = [[0, 0], [2, 2]].map(|first| boxes(&whole, &exact, 4, first));
         for reference in [reference.clone(), unknown(&reference)] {
             let found = diagnosed(&reference, &candidate);
-            named(Kind::FilmShifted, &["by half a pixel"], &found);
+            named(Kind::FilmShifted, &["half a pixel"], &found);
         }
     }
 }

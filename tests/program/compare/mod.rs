@@ -5,6 +5,7 @@ mod browser;
 mod by_light;
 mod light_and_sizes;
 mod metrics;
+mod one_object_or_camera;
 mod other_frames;
 mod pictures;
 mod planted;

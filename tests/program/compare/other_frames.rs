@@ -143,7 +143,7 @@ fn an_object_that_stands_where_it_is_at_the_shot_is_named() {
         ("[-1, 0.6, 0]", "[0.2, 0.6, 0]"),
     ]);
     let standing = only(&standing, &["object", "object_event"]);
-    let words = ["object 1", "at rest where it is at the time of the shot"];
+    let words = ["object 1 is drawn at rest, at its position at the time of the shot"];
     named(
         Kind::RetardationMissing,
         &words,

@@ -245,3 +245,34 @@ fn cameras_of_other_projections_and_of_two_eyes_are_noted() {
         );
     }
 }
+
+#[test]
+fn the_mask_is_not_overwritten() {
+    let folder = folder();
+    let pair = [
+        "exact.exr",
+        "mine.exr",
+        "--mask",
+        "exact.png",
+        "--strip",
+        "exact.png",
+    ];
+    let output = run(folder.path(), &pair);
+    assert_ne!(code(&output), 0);
+    assert!(message(&output).contains("would be overwritten"));
+}
+
+#[test]
+fn a_limit_of_flip_without_flip_says_why_it_is_not_met() {
+    let folder = folder();
+    let pair = [
+        "exact.exr",
+        "mine.exr",
+        "--no-flip",
+        "--tolerance",
+        "flip=0.1",
+    ];
+    let output = run(folder.path(), &pair);
+    assert_eq!(code(&output), 1);
+    assert!(message(&output).contains("FLIP was not computed (--no-flip)"));
+}

@@ -187,7 +187,7 @@ fn fitted(case: &Case, known: &KnownScene, number: Number) -> Option<(f64, Known
 
 fn describe(known: &KnownScene, number: Number, x: f64, tally: &Tally) -> Diagnosis {
     let camera = known.camera();
-    let text = |b: DVec3| format!("({:.4}, {:.4}, {:.4})", b.x, b.y, b.z);
+    let text = motion::in_words;
     let (kind, what, size) = match number {
         Number::Time => (
             Kind::CameraTime,

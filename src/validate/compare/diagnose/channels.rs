@@ -48,7 +48,7 @@ fn renamed(case: &Case, name: &'static str, [r, c]: [Option<Plane>; 2]) -> Optio
         counts.sum::<u64>() as f64 / total.max(1) as f64
     };
     let right = count(&|r| r);
-    if total < super::FEWEST as u64 || right >= ALMOST_ALL {
+    if total < super::FEWEST as u64 {
         return None;
     }
     // Each name stands for one other, and no two for the same.
@@ -71,12 +71,17 @@ fn renamed(case: &Case, name: &'static str, [r, c]: [Option<Plane>; 2]) -> Optio
         names[r][c] as f64 >= ALMOST_ALL * all as f64
     };
     let unique = targets.len() == map.len() && !targets.contains(&-1);
+    // Small objects are exchanged, too, where nearly all of the picture is right.
+    let is_small = |(r, _): &(i64, i64)| names[r].values().sum::<u64>() < super::FEWEST as u64;
+    if right >= ALMOST_ALL && (changes.is_empty() || changes.iter().any(is_small)) {
+        return None;
+    }
     let is_exchange =
         name == "objects" && unique && changes.len() > 1 && changes.iter().all(agrees);
     let one_based = count(&|r| r + 1);
     let exchanged = count(&|r| map[&r]);
     // Of an object that fills the picture, both explain almost all.
-    if one_based >= ALMOST_ALL && !(is_exchange && exchanged > one_based) {
+    if right < ALMOST_ALL && one_based >= ALMOST_ALL && !(is_exchange && exchanged > one_based) {
         let zero = nothing.is_some_and(|c| c.contains_key(&0));
         let at = if zero {
             ", and 0 stands where nothing is met"
@@ -107,7 +112,11 @@ pub(super) fn coordinates(case: &Case) -> Vec<Diagnosis> {
         let [Some(r), Some(c)] = planes else { continue };
         let is_length = name != "direction" && name != "normal";
         let scaled = is_length.then(|| scale(case, name, &r, &c)).flatten();
-        found.extend(scaled.or_else(|| axes(case, name, &r, &c)));
+        let pixels = match name == "normal" && found.is_empty() {
+            true => same_places(case),
+            false => pixels_of(case, name),
+        };
+        found.extend(scaled.or_else(|| axes(&pixels, name, &r, &c)));
     }
     found.extend(scale_of(case, Aov::Distance));
     // Times that hardly vary are shifted and scaled alike: a shift goes first.
@@ -143,6 +152,19 @@ fn pixels_of(case: &Case, name: &str) -> Vec<usize> {
     }
 }
 
+/// Where pixels are known to show one place in both pictures; of other places there are other normals. All, where nothing is known.
+pub(super) fn same_places(case: &Case) -> Vec<usize> {
+    let pixels = case.pixels().into_iter();
+    let is_same = |i: &usize| {
+        let displaced = case.field.map(|field| field.displacement(*i));
+        displaced.is_none_or(|d| d.is_some_and(|d| d.length() <= SAME_PLACE))
+    };
+    pixels.filter(is_same).collect()
+}
+
+/// Samples elsewhere in the pixel are displaced by less, pixels.
+const SAME_PLACE: f64 = 1.5;
+
 /// The six orders of x, y and z.
 const ORDERS: [[usize; 3]; 6] = [
     [0, 1, 2],
@@ -154,8 +176,7 @@ const ORDERS: [[usize; 3]; 6] = [
 ];
 
 /// The candidate's coordinates are others of the reference's, or their opposites.
-fn axes(case: &Case, name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) -> Option<Diagnosis> {
-    let pixels = pixels_of(case, name);
+fn axes(pixels: &[usize], name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) -> Option<Diagnosis> {
     let scale = median(
         pixels
             .iter()
@@ -204,12 +225,17 @@ fn axes(case: &Case, name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) -> Opti
         })
         .collect();
     let reversed = order == ORDERS[0] && signs == DVec3::NEG_ONE && name == "direction";
-    let (kind, what) = match reversed {
-        true => (
+    let normals = order == ORDERS[0] && signs == DVec3::NEG_ONE && name == "normal";
+    let (kind, what) = match (reversed, normals) {
+        (true, _) => (
             Kind::DirectionsReversed,
             "look directions are reversed: they point along the light and should point out of the camera".into(),
         ),
-        false => (
+        (_, true) => (
+            Kind::AxesExchanged,
+            "normals are reversed: they point to the other side of their surfaces".into(),
+        ),
+        _ => (
             Kind::AxesExchanged,
             format!("axes of {name} are exchanged: (x, y, z) holds ({})", words.join(", ")),
         ),
@@ -355,11 +381,23 @@ pub(super) fn inverted(case: &Case) -> Option<Diagnosis> {
         logs.iter()
             .map(|(_, [r, c])| [(c - r).abs(), (c + r).abs()]),
     );
-    tally.explains(NOTABLE_RATIO).then(|| Diagnosis {
+    tally
+        .explains(NOTABLE_RATIO)
+        .then(|| describe_inverted("", &tally))
+}
+
+/// What is said of ratios that are inverted, in the objects that are named.
+fn describe_inverted(objects: &str, tally: &Tally) -> Diagnosis {
+    Diagnosis {
         kind: Kind::RatioInverted,
-        what: "wavelength ratios are inverted: W is observed / emitted wavelength, below 1 for a blueshift".into(),
-        evidence: vec![("ln W differs by (rms)", tally.error()), ("and ln 1/W by", tally.rest())],
-    })
+        what: format!(
+            "wavelength ratios are inverted{objects}: W is observed / emitted wavelength, below 1 for a blueshift"
+        ),
+        evidence: vec![
+            ("ln W differs by (rms)", tally.error()),
+            ("and ln 1/W by", tally.rest()),
+        ],
+    }
 }
 
 /// Wavelength ratios that are wrong by a factor.
@@ -380,8 +418,24 @@ pub(super) fn ratio(case: &Case) -> Option<Diagnosis> {
         logs.iter()
             .map(|&(i, [r, c])| [(c - r).abs(), (c - r - factor(i)).abs()]),
     );
-    let is_factor = factors.values().any(|log| log.abs() > NOTABLE_RATIO);
-    (is_factor && by_factor.explains(NOTABLE_RATIO))
+    let wrong = factors.iter().filter(|(_, log)| log.abs() > NOTABLE_RATIO);
+    let wrong: Vec<i64> = wrong.map(|(object, _)| *object).collect();
+    if wrong.is_empty() {
+        return None;
+    }
+    // Where W varies little over an object, one factor is much like 1/W.
+    let of_wrong = logs.iter().filter(|(i, _)| wrong.contains(&object_at(*i)));
+    let inverse =
+        Tally::of(of_wrong.map(|&(i, [r, c])| [(c - r - factor(i)).abs(), (c + r).abs()]));
+    if inverse.explains(NOTABLE_RATIO) {
+        let words: Vec<String> = wrong.iter().take(6).map(i64::to_string).collect();
+        return Some(describe_inverted(
+            &format!(" in object {}", words.join(", ")),
+            &inverse,
+        ));
+    }
+    by_factor
+        .explains(NOTABLE_RATIO)
         .then(|| describe_factors(case, &factors, &by_factor))
 }
 

@@ -125,7 +125,7 @@ fn buffer(case: &Case, pixels: &[usize], [r, c]: [&Plane; 2], usual: f64) -> Opt
     }));
     // With two free numbers, what is left is held against how the values vary, too.
     let varies = (yy / n).sqrt();
-    let explains = tally.explains(NOTABLE * usual) && tally.rest() <= 0.02 * varies;
+    let explains = varies > 0.0 && tally.explains(NOTABLE * usual) && tally.rest() <= 0.02 * varies;
     explains.then(|| {
         let mut sizes = vec![("a", a), ("b", b)];
         // a = f/(f − n) and b = −fn/(f − n), for near and far planes at n and f.

@@ -278,15 +278,16 @@ pub(super) fn describe(
         let [x, y] = [-a.x, -a.y];
         evidence.extend([("to the right (pixels)", x), ("down (pixels)", y)]);
         let is_half = |v: f64| (v.abs() - 0.5).abs() < precision || v.abs() < precision;
-        let words = match is_half(x) && is_half(y) && a.abs().max_element() > 0.25 {
-            true if precision == BY_PLACES => "by half a pixel, ",
-            true => "by about half a pixel: by light alone ",
-            false => "by ",
+        let is_half = is_half(x) && is_half(y) && a.abs().max_element() > 0.25;
+        let [words, about] = match is_half {
+            true if precision <= BY_PLACES => ["by half a pixel, ", ""],
+            true => ["by ", ", measured by light alone: that may be half a pixel"],
+            false => ["by ", ""],
         };
         return Diagnosis {
             kind: Kind::FilmShifted,
             what: format!(
-                "the picture is moved {words}({x:+.2}, {y:+.2}) pixels to the right and down"
+                "the picture is moved {words}({x:+.2}, {y:+.2}) pixels to the right and down{about}"
             ),
             evidence,
         };

@@ -132,6 +132,9 @@ pub(super) fn beginnings(case: &Case) -> Option<Diagnosis> {
         (is_sure && offset != 0.0).then_some((object, offset, count))
     };
     let found: Vec<(i64, f64, usize)> = offsets.into_iter().filter_map(first).collect();
+    if let Some(only) = only_index(case, [&r, &c]) {
+        return Some(only);
+    }
     let words = found.iter().take(6);
     let words: Vec<String> = words
         .map(|(object, offset, _)| format!("at {offset} in object {object}"))
@@ -146,6 +149,20 @@ pub(super) fn beginnings(case: &Case) -> Option<Diagnosis> {
             "pixels",
             found.iter().map(|(.., count)| *count as f64).sum(),
         )],
+    })
+}
+
+/// One index for all triangles of all objects, where the reference has several in most pixels' objects.
+fn only_index(case: &Case, [r, c]: [&Plane; 2]) -> Option<Diagnosis> {
+    let pixels = case.pixels();
+    let first = c.at(*pixels.first()?);
+    let is_only = pixels.iter().all(|i| c.at(*i) == first);
+    let wrong = pixels.iter().filter(|i| r.at(**i) != first).count();
+    let is_notable = wrong >= FEWEST && wrong as f64 >= (1.0 - MOST) * pixels.len() as f64;
+    (is_only && is_notable).then(|| Diagnosis {
+        kind: Kind::IdentitiesShifted,
+        what: format!("indices of triangles are {first} everywhere"),
+        evidence: vec![("pixels with another triangle", wrong as f64)],
     })
 }
 

@@ -79,6 +79,9 @@ const EXACT: f64 = 1e-9;
 /// What a hypothesis may leave of the squared error of all lit pixels, of compressed light.
 const LEFT: f64 = 0.5;
 
+/// Light that is so many times the reference's is measured by its own median.
+const FAR_BRIGHTER: f64 = 1e3;
+
 /// The median of the reference's light.
 pub(super) fn middle(lit: &[Lit]) -> f64 {
     let sizes = lit.iter().map(|(_, [r, _])| distance(*r, [0.0; 3]));
@@ -115,7 +118,15 @@ pub(super) fn told(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Told
         let size = distance(r, [0.0; 3]).max(BLACK * middle);
         [distance(c, r) / size, distance(c, h(i, r)) / size]
     }));
-    let compressed = |light: [f64; 3]| light.map(|v| v / (v.abs() + middle));
+    // Of far brighter light all is bright, and would be the same: then that is the measure.
+    let bright = median(
+        lit.iter()
+            .map(|(_, [_, c])| distance(*c, [0.0; 3]))
+            .collect(),
+    );
+    let scale = bright.filter(|bright| *bright > FAR_BRIGHTER * middle);
+    let scale = scale.unwrap_or(middle);
+    let compressed = |light: [f64; 3]| light.map(|v| v / (v.abs() + scale));
     let square = |a, b| {
         let d = distance(compressed(a), compressed(b));
         d * d
@@ -153,9 +164,9 @@ pub(super) fn beside(factor: f64) -> String {
 
 /// A factor with the digits that tell it from others.
 fn in_words(factor: f64) -> String {
-    match factor < 0.01 {
-        true => format!("{factor:.3e}"),
-        false => format!("{factor:.4}"),
+    match (0.01..1e5).contains(&factor) {
+        true => format!("{factor:.4}"),
+        false => format!("{factor:.3e}"),
     }
 }
 
@@ -309,11 +320,14 @@ fn encoded_and_scaled(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         [srgb_encode, srgb_decode],
         [|v| libm::pow(v, 1.0 / 2.2), |v| libm::pow(v, 2.2)],
     ];
+    let plain = factor(lit, |c| c)?;
+    let by_factor = told(lit, |_, r| r.map(|v| plain * v)).left;
     let found = curves.into_iter().filter_map(|[encode, decode]| {
-        let factor = factor(lit, |c| c.map(decode)).filter(|factor| *factor > 0.0)?;
+        let factor = factor(lit, |c| c.map(decode)).filter(|factor| *factor > DARK)?;
         let told = told(lit, |_, r| r.map(|v| encode(factor * v)));
         let explains = told.explains() && told.left <= LEFT_BESIDE_A_FACTOR;
-        explains.then_some((factor, told))
+        // Of few different values of light one factor explains much, too.
+        (explains && told.left < by_factor).then_some((factor, told))
     });
     let (factor, told) = found.min_by(|a, b| a.1.left.total_cmp(&b.1.left))?;
     let diagnosis = Diagnosis {

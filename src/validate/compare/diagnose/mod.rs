@@ -39,7 +39,9 @@
 //! | tone mapping | one curve, of each channel or of luminance, makes the candidate's light of the reference's (`curve`) |
 //! | motion, by light | the light is that of the scene without retardation, with another aberration, or with an object at rest or reversed; needs the scene, where no channel says so |
 //! | film, or aberration, by light | the pictures lie over each other after a shift, scales, or a boost (`registration`) |
+//! | shadows missing | the light is that of the scene whose pulses throw no shadows; needs the scene |
 //! | size | the surfaces of an object are those of the reference times a factor (`size`) |
+//! | one object's channels, or light | where nothing explains the picture, what explains the pixels of one object (`object`) |
 //! | object elsewhere | by their events, points of an object are not on its surface, where nothing hides it; or they are in the frame of another velocity (`events`) |
 //! | object missing | the reference shows it, the candidate nowhere |
 //! | object misplaced | most of its points are not where they are seen, and others are; nothing else explains it |
@@ -58,6 +60,7 @@ mod frames;
 mod light;
 mod motion;
 mod normals;
+mod object;
 mod part;
 mod registration;
 mod rendered;
@@ -161,6 +164,10 @@ pub enum Kind {
     Exposure,
     /// A number is added to light.
     Offset,
+    /// Channels have no numbers where they should.
+    NotANumber,
+    /// Light comes through what should hide it.
+    ShadowsMissing,
     /// Light went through a curve for displays.
     ToneMapped,
     /// Depths stand where distances should, or delay light.
@@ -192,6 +199,19 @@ impl Kind {
                 | Kind::CameraTime
                 | Kind::ShotsDiffer
                 | Kind::RetardationMissing
+        )
+    }
+
+    /// Whether it is of single channels, whatever else is wrong.
+    fn is_of_channel(self) -> bool {
+        matches!(
+            self,
+            Kind::AxesExchanged
+                | Kind::DirectionsReversed
+                | Kind::Units
+                | Kind::FrameWrong
+                | Kind::SignOpposite
+                | Kind::RatioInverted
         )
     }
 
@@ -235,6 +255,9 @@ pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
     if !found.iter().any(|found| found.kind.is_of_all()) {
         found.extend(part::vanished(case));
     }
+    if found.is_empty() {
+        found.extend(object::single(case));
+    }
     found
 }
 
@@ -259,7 +282,7 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
         .map(|cause| cause(case))
         .find(|found| !found.is_empty())
     {
-        return found;
+        return with_independent(case, found);
     }
     let mut found: Vec<Diagnosis> = channels::texture(case).into_iter().collect();
     found.extend(frames::beginnings(case));
@@ -272,21 +295,28 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
         .as_ref()
         .is_some_and(|(d, _)| d.kind != Kind::ExponentWrong);
     let by_scene = if is_settled {
-        None
+        rendered::Asked::Nothing
     } else {
         rendered::changes(case)
+    };
+    let is_asked = !matches!(by_scene, rendered::Asked::Nothing);
+    let by_scene = match by_scene {
+        rendered::Asked::Mistake(found) => Some(found),
+        _ => None,
     };
     match (by_scene, by_light) {
         (Some(by_scene), _) => found.push(by_scene),
         (None, Some((by_light, left))) => {
             // Another film changes light, too, at edges.
             let may_be_film = left > NEAR && found.is_empty() && !case.has_places();
-            let by_film = may_be_film.then(|| registration::found(case)).flatten();
+            let by_film = may_be_film
+                .then(|| registration::found(case, is_asked))
+                .flatten();
             let by_film = by_film.filter(|(_, of_film)| *of_film < left);
             found.push(by_film.map_or(by_light, |(by_film, _)| by_film));
         }
         (None, None) if found.is_empty() && !case.has_places() => {
-            found.extend(registration::found(case).map(|(by_film, _)| by_film));
+            found.extend(registration::found(case, is_asked).map(|(by_film, _)| by_film));
         }
         (None, None) => {}
     }
@@ -296,6 +326,18 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
     if found.is_empty() {
         found.extend(part::misplaced(case));
     }
+    found
+}
+
+/// What was found of channels, and what light and wavelength ratios say beside it: they do not depend on those.
+fn with_independent(case: &Case, mut found: Vec<Diagnosis>) -> Vec<Diagnosis> {
+    if !found.iter().all(|found| found.kind.is_of_channel()) {
+        return found;
+    }
+    if found.iter().all(|found| found.kind != Kind::RatioInverted) {
+        found.extend(channels::inverted(case));
+    }
+    found.extend(light::light(case).map(|(found, _)| found));
     found
 }
 

@@ -27,7 +27,7 @@ use glam::{DMat4, DVec2, DVec3, DVec4, Vec4Swizzles};
 use super::super::known::{Change, KnownScene};
 use super::super::picture::{Picture, Plane};
 use super::super::points::place;
-use super::{Case, Diagnosis, Kind, NEAR, Tally};
+use super::{Case, Diagnosis, Kind, NEAR, Tally, median};
 use crate::render::aov::Aov;
 use crate::spacetime::{Boost, Camera, Direction, Velocity, World};
 
@@ -107,10 +107,20 @@ const FITS: f64 = 1e-4;
 /// W's relative errors below this are none.
 const NOTABLE_RATIO: f64 = 1e-3;
 
-/// Whether (γ, γβ) is a four-velocity: γ² − |γβ|² = 1, to a twentieth of its terms.
-fn is_velocity(u: DVec4) -> bool {
+/// Four-velocities have γ² − |γβ|² = 1, to this part of its terms: where pixels determine it badly, and where one factor on W would
+/// do as well.
+const OF_VELOCITY: f64 = 0.05;
+const OF_VELOCITY_OR_FACTOR: f64 = 0.002;
+
+/// Whether (γ, γβ) is a four-velocity.
+fn is_velocity(u: DVec4, precision: f64) -> bool {
     let spatial = u.yzw().length_squared();
-    u.x > 0.0 && (u.x * u.x - spatial - 1.0).abs() <= 0.05 * (1.0 + spatial)
+    u.x > 0.0 && (u.x * u.x - spatial - 1.0).abs() <= precision * (1.0 + spatial)
+}
+
+/// A velocity as it is told.
+pub(super) fn in_words(beta: DVec3) -> String {
+    format!("({:.4}, {:.4}, {:.4})", beta.x, beta.y, beta.z)
 }
 
 /// An object's pixels in a picture.
@@ -138,6 +148,16 @@ impl Seen {
         let damped = normal + DMat4::from_diagonal(DVec4::splat(1e-12));
         let u = damped.inverse() * right;
         u.is_finite().then_some(u)
+    }
+
+    /// The factor on W that most pixels have, where a four-velocity says what it should be.
+    fn factor(&self, u: DVec4) -> Option<f64> {
+        median(
+            self.rows
+                .iter()
+                .map(|(row, value)| value / row.dot(u))
+                .collect(),
+        )
     }
 
     /// The rms of the relative error with which a four-velocity reproduces W.
@@ -242,7 +262,14 @@ impl Moved {
         let velocities = [r.velocity()?, c.velocity()?];
         let fits = r.misfit(velocities[0]) <= FITS && c.misfit(velocities[1]) <= FITS;
         let error = c.misfit(velocities[0]);
-        (fits && is_velocity(velocities[1]) && error > NOTABLE_RATIO).then(|| Moved {
+        let scaled = c.factor(velocities[0])? * velocities[0];
+        let precision = match c.misfit(scaled) <= NEAR * error {
+            true => OF_VELOCITY_OR_FACTOR,
+            false => OF_VELOCITY,
+        };
+        let [was, is] = velocities.map(|u| in_words(u.yzw() / u.x));
+        let is_velocity = is_velocity(velocities[1], precision) && was != is;
+        (fits && is_velocity && error > NOTABLE_RATIO).then(|| Moved {
             object,
             candidate: c.clone(),
             velocities,
@@ -272,7 +299,7 @@ impl Moved {
     fn wrong(&self) -> Diagnosis {
         let beta = |u: DVec4| u.yzw() / u.x;
         let [r, c] = self.velocities.map(beta);
-        let text = |b: DVec3| format!("({:.4}, {:.4}, {:.4})", b.x, b.y, b.z);
+        let text = in_words;
         let at_rest = self.candidate.misfit(DVec4::X);
         // Where rest explains the candidate, its program has forgotten the velocity.
         let is_at_rest = at_rest <= NEAR * self.error;
@@ -495,7 +522,7 @@ fn describe_change(known: &KnownScene, change: Change, tally: &Tally) -> Diagnos
         ),
         Change::Standing(k) => (
             Kind::RetardationMissing,
-            format!("the velocity of object {k} is missing, but for its place: it is drawn at rest, at its position at the time of the shot"),
+            format!("object {k} is drawn at rest, at its position at the time of the shot"),
             beta(k),
         ),
         Change::Reversed(k) => (

@@ -63,7 +63,8 @@ const STEPS: usize = 10;
 
 /// A candidate whose film is moved or scaled, or whose light has the aberration of another velocity, and what this leaves of the
 /// squared error.
-pub(super) fn found(case: &Case) -> Option<(Diagnosis, f64)> {
+/// Where the scene itself was asked (`is_asked`), no boost is: its light has said that it is none.
+pub(super) fn found(case: &Case, is_asked: bool) -> Option<(Diagnosis, f64)> {
     if !case.region.is_all() {
         return None;
     }
@@ -72,7 +73,8 @@ pub(super) fn found(case: &Case) -> Option<(Diagnosis, f64)> {
         return None;
     }
     let levels = Levels::of(pair);
-    let mut fits: Vec<Fit> = (BOOSTS.into_iter())
+    let boosts: &[Change] = if is_asked { &[] } else { &BOOSTS };
+    let mut fits: Vec<Fit> = (boosts.iter().copied())
         .filter_map(|change| boosted(case, &levels, change))
         .collect();
     let films: Vec<Option<Fit>> = (MODELS.par_iter())
@@ -86,7 +88,7 @@ pub(super) fn found(case: &Case) -> Option<(Diagnosis, f64)> {
     let least = fits.iter().map(|fit| fit.left).reduce(f64::min)?;
     let best = fits.into_iter().find(|fit| fit.left <= SIMPLER * least)?;
     let left = best.left;
-    Some((best.or_boost(case, &levels).describe(case), left))
+    Some((best.or_boost(case, &levels, boosts).describe(case), left))
 }
 
 /// Velocities that the camera may have taken.
@@ -114,7 +116,7 @@ enum Cause {
 
 impl Fit {
     /// A camera that moves along its axis sees much the same through another film; that it moves is known.
-    fn or_boost(self, case: &Case, levels: &Levels) -> Fit {
+    fn or_boost(self, case: &Case, levels: &Levels, boosts: &[Change]) -> Fit {
         let Cause::Film(film) = self.cause else {
             return self;
         };
@@ -130,7 +132,7 @@ impl Fit {
             let off = finest.rms_over_film(|p| Some(place(p)? - film.of(p)));
             off <= ALIKE * self.displacement / levels.scale
         };
-        match BOOSTS.into_iter().find(is_alike) {
+        match boosts.iter().copied().find(is_alike) {
             Some(change) => Fit {
                 cause: Cause::Boost(change),
                 ..self

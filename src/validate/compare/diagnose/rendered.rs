@@ -40,25 +40,51 @@ struct Mistake {
     scene: Scene,
 }
 
+/// What a mistake without a free number may leave of the squared error: single samples elsewhere leave it at edges. What leaves
+/// more happens to darken, or to move, the same places.
+const LEFT_BY_MISTAKE: f64 = 0.03;
+
+/// What the scene's light says.
+#[derive(Debug)]
+pub(super) enum Asked {
+    /// Nothing: there is no scene, or its light is not the reference's, or nothing is wrong.
+    Nothing,
+    /// None of the mistakes has the candidate's light.
+    NoMistake,
+    Mistake(Diagnosis),
+}
+
 /// The mistake with which the scene has the candidate's light.
-pub(super) fn changes(case: &Case) -> Option<Diagnosis> {
-    let scene = case.scene?;
-    let lit = lit(case)?;
-    if told(&lit, |_, r| r).tally.error() <= NOTABLE {
-        return None;
-    }
-    let size = size_where_light_is_that_of(case, scene, &lit)?;
+pub(super) fn changes(case: &Case) -> Asked {
+    let scene_and_size = || {
+        let (scene, lit) = (case.scene?, lit(case)?);
+        if told(&lit, |_, r| r).tally.error() <= NOTABLE {
+            return None;
+        }
+        let size = size_where_light_is_that_of(case, scene, &lit)?;
+        Some((scene, lit, size))
+    };
+    let Some((scene, lit, size)) = scene_and_size() else {
+        return Asked::Nothing;
+    };
+    mistake(case, scene, &lit, size).map_or(Asked::NoMistake, Asked::Mistake)
+}
+
+fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<Diagnosis> {
     let mut mistakes = Vec::new();
     if !case.has_places() {
         // Before other mistakes that leave an object out of view.
         mistakes.extend(absences(scene, FAR * size));
         mistakes.extend(motions(scene));
+        mistakes.extend(camera_at_rest(scene));
     }
+    mistakes.extend(without_shadows(scene));
     let asked = mistakes.into_iter().filter_map(|mistake| {
-        let told = light_of(case, &mistake.scene, &lit)?.told(&lit);
-        told.tally.explains(NOTABLE).then_some((mistake, told))
+        let told = light_of(case, &mistake.scene, lit)?.told(lit);
+        let explains = told.tally.explains(NOTABLE) && told.left <= LEFT_BY_MISTAKE;
+        explains.then_some((mistake, told))
     });
-    let of_times = of_some_size(case, &lit, &times(scene), |x| later(scene, x));
+    let of_times = of_some_size(case, lit, &times(scene), |x| later(scene, x));
     let of_times = of_times.map(|(x, told)| (lookup(scene, x), told));
     let found = asked.chain(of_times);
     let (mistake, told) = found.min_by(|a, b| a.1.tally.rest().total_cmp(&b.1.tally.rest()))?;
@@ -332,6 +358,41 @@ fn motions(scene: &Scene) -> Vec<Mistake> {
         add(Change::Reversed(k), Kind::VelocityWrong, what, velocity);
     }
     mistakes
+}
+
+/// The scene whose camera rests altogether.
+fn camera_at_rest(scene: &Scene) -> Option<Mistake> {
+    let velocity = scene.camera.velocity;
+    (!velocity.is_rest()).then_some(())?;
+    let mut at_rest = scene.clone();
+    at_rest.camera.velocity = Velocity::REST;
+    Some(Mistake {
+        kind: Kind::CameraVelocity,
+        what: "the camera's velocity is missing: the picture is that of a camera that rests, without aberration, Doppler shift and searchlight effect: light alone says so".into(),
+        size: ("beta", velocity.beta().length()),
+        scene: at_rest,
+    })
+}
+
+/// The scene whose pulses shine through everything.
+fn without_shadows(scene: &Scene) -> Option<Mistake> {
+    let mut without = scene.clone();
+    let mut count = 0;
+    for source in &mut without.sources {
+        if let SourceKind::Pulse(pulse) = &mut source.kind
+            && pulse.shadows
+        {
+            pulse.shadows = false;
+            count += 1;
+        }
+    }
+    (count > 0).then(|| Mistake {
+        kind: Kind::ShadowsMissing,
+        what: "shadows are missing: the light is that of pulses that shine through everything"
+            .into(),
+        size: ("pulses", f64::from(count)),
+        scene: without,
+    })
 }
 
 /// The scene with an object out of view, `far` metres away along each axis.

@@ -1,0 +1,101 @@
+//! Mistakes in one of several objects alone.
+//!
+//! Where nothing explains the errors of the whole picture, channels and light are asked anew, with the pixels at which both pictures
+//! show one object.
+
+use std::collections::BTreeMap;
+
+use super::super::options::Region;
+use super::super::picture::{Plane, is_auxiliary};
+use super::{Case, Diagnosis, FEWEST, Kind, MOST, channels, light, time};
+
+/// No more objects are asked, the largest first.
+const MOST_OBJECTS: usize = 32;
+
+/// Of objects with less than this part of the picture's usual light, light is that of their edges.
+const DIM: f64 = 0.05;
+
+/// What is wrong with single objects.
+pub(super) fn single(case: &Case) -> Vec<Diagnosis> {
+    let size = case.points[0].size();
+    let mut pixels: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
+    if case.points.iter().any(|points| points.object.is_none()) {
+        return Vec::new();
+    }
+    for i in case.pixels() {
+        let object = case.points[0].object_at(i).unwrap_or(-1.0) as i64;
+        pixels.entry(object).or_default().push(i);
+    }
+    let mut objects: Vec<(i64, Vec<usize>)> = pixels.into_iter().collect();
+    objects.retain(|(_, pixels)| pixels.len() >= FEWEST);
+    objects.sort_by_key(|(object, pixels)| (std::cmp::Reverse(pixels.len()), *object));
+    objects.truncate(MOST_OBJECTS);
+    objects.sort_by_key(|(object, _)| *object);
+    if objects.len() < 2 {
+        return Vec::new();
+    }
+    let usual = light::lit(case).map_or(0.0, |lit| light::middle(&lit));
+    let found = objects.into_iter().flat_map(|(object, pixels)| {
+        let mut mask = vec![false; size[0] * size[1]];
+        pixels.iter().for_each(|i| mask[*i] = true);
+        let region = Region {
+            crop: None,
+            mask: Some(mask),
+        };
+        let case = Case {
+            region: &region,
+            ..*case
+        };
+        of_object(&case, usual)
+            .into_iter()
+            .map(move |found| Diagnosis {
+                what: format!("in object {object} alone, {}", found.what),
+                ..found
+            })
+    });
+    found.collect()
+}
+
+/// What explains the errors of the pixels of one object.
+fn of_object(case: &Case, usual: f64) -> Vec<Diagnosis> {
+    let mut found: Vec<Diagnosis> = not_numbers(case).into_iter().collect();
+    if found.is_empty() {
+        found.extend(channels::coordinates(case));
+        found.extend(channels::inverted(case));
+        found.extend(channels::texture(case));
+        // What is elsewhere has other times.
+        let is_there =
+            channels::same_places(case).len() as f64 >= MOST * case.pixels().len() as f64;
+        found.extend(is_there.then(|| time::shifted(case)).flatten());
+    }
+    let is_bright = light::lit(case).is_some_and(|lit| light::middle(&lit) >= DIM * usual);
+    let by_light = is_bright.then(|| light::light(case)).flatten();
+    found.extend(by_light.map(|(found, _)| found));
+    found
+}
+
+/// Channels that hold no numbers where the reference has some.
+fn not_numbers(case: &Case) -> Option<Diagnosis> {
+    let pixels = case.pixels();
+    let [r, c] = case.pair.map(|picture| &picture.layers);
+    let names = r.channels.iter().map(|channel| channel.name.as_str());
+    let lost = |name: &&str| {
+        let planes = [r, c].map(|layers| Plane::find(layers, name));
+        let [Some(r), Some(c)] = planes else {
+            return false;
+        };
+        let there = pixels.iter().filter(|i| r.at(**i).is_finite());
+        let (all, lost) = there.fold((0usize, 0usize), |(all, lost), i| {
+            (all + 1, lost + usize::from(!c.at(*i).is_finite()))
+        });
+        all >= FEWEST && lost as f64 >= MOST * all as f64
+    };
+    // Errors of single samples are none.
+    let names = names.filter(|name| is_auxiliary(name) && !name.starts_with("standard_error"));
+    let names: Vec<&str> = names.filter(lost).collect();
+    (!names.is_empty()).then(|| Diagnosis {
+        kind: Kind::NotANumber,
+        what: format!("there are no numbers in {}", names.join(", ")),
+        evidence: vec![("pixels", pixels.len() as f64)],
+    })
+}

@@ -1,0 +1,246 @@
+//! Right pictures of other samples, cameras at another velocity or time, and mistakes of one object alone.
+
+use std::path::Path;
+
+use nullray::scene::{self, Overrides};
+use nullray::validate::compare::{CompareOptions, Kind, Picture, compare};
+
+use crate::compare::planting::{
+    LIGHT, diagnosed, exact, map, named, only, parsed, shot, taken, unknown, values, with,
+};
+
+/// The pixels at which a picture shows this object.
+fn pixels_of(picture: &Picture, object: f64) -> Vec<bool> {
+    let objects = values(picture, "object");
+    objects.iter().map(|id| *id == object).collect()
+}
+
+/// The exact picture with channels changed where it shows this object.
+fn changed_in(object: f64, names: &[&str], of: impl Fn(f64) -> f64) -> Picture {
+    let mut picture = exact();
+    let is_there = pixels_of(&picture, object);
+    for name in names {
+        map(
+            &mut picture,
+            name,
+            |i, v| if is_there[i] { of(v) } else { v },
+        );
+    }
+    picture
+}
+
+#[test]
+fn pixel_centres_and_sixteen_samples_of_moving_objects_get_no_diagnosis() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/ladder/3-moving-objects.toml");
+    let overrides = Overrides {
+        size: Some([160, 120]),
+        ..Overrides::default()
+    };
+    let mut scene = scene::load(&path, &overrides).unwrap();
+    scene.samples_per_pixel = 16;
+    let [centres, samples] = [true, false].map(|centres| taken(&scene, centres));
+    for (r, c) in [(&centres, &samples), (&samples, &centres)] {
+        assert_eq!(diagnosed(r, c), []);
+    }
+}
+
+#[test]
+fn a_slower_camera_is_named_and_no_film_or_object() {
+    let slower = with(&[(
+        "velocity = { beta = [0.5, 0, 0] } }",
+        "velocity = { beta = [0.45, 0, 0] } }",
+    )]);
+    let words = [
+        "the camera moves at another velocity",
+        "(0.4500, 0.0000, 0.0000)",
+    ];
+    let found = diagnosed(&exact(), &unknown_shot(&slower));
+    named(Kind::CameraVelocity, &words, &found);
+    let places = only(&unknown_shot(&slower), &["object", "event", "radiance"]);
+    named(Kind::CameraVelocity, &words, &diagnosed(&exact(), &places));
+}
+
+/// The picture without what it says of its shot.
+fn unknown_shot(picture: &Picture) -> Picture {
+    let mut picture = unknown(picture);
+    let metadata = &mut picture.layers.metadata;
+    metadata.retain(|(key, _)| !key.starts_with("camera_"));
+    picture
+}
+
+#[test]
+fn another_time_of_the_camera_is_named() {
+    let later = with(&[("hfov = \"60 deg\"", "hfov = \"60 deg\", time = \"0.6 m\"")]);
+    let words = ["another time", "at 0.6000 m, and should be at 0.0000 m"];
+    let found = diagnosed(&exact(), &unknown_shot(&later));
+    named(Kind::CameraTime, &words, &found);
+}
+
+#[test]
+fn metadata_of_another_shot_head_what_follows_from_it() {
+    let later = with(&[("hfov = \"60 deg\"", "hfov = \"60 deg\", time = \"0.6 m\"")]);
+    let places = only(&later, &["radiance"]);
+    let words = [
+        "different shots",
+        "camera_time is 0.6, and 0 in the reference",
+    ];
+    named(Kind::ShotsDiffer, &words, &diagnosed(&exact(), &places));
+}
+
+#[test]
+fn wavelength_ratios_times_a_factor_are_no_velocity() {
+    let scaled = changed_in(2.0, &["wavelength_ratio"], |w| 1.02 * w);
+    let words = ["by a factor: 1.0200 (object 2)"];
+    let found = diagnosed(&exact(), &scaled);
+    named(Kind::RatioFactor, &words, &found);
+    assert!(!found[0].what.contains("object 0"), "{found:?}");
+}
+
+#[test]
+fn inverted_ratios_of_one_object_are_named() {
+    let inverted = changed_in(2.0, &["wavelength_ratio"], |w| 1.0 / w);
+    let words = ["inverted in object 2"];
+    named(Kind::RatioInverted, &words, &diagnosed(&exact(), &inverted));
+}
+
+/// Two balls, each of 1 % of the picture.
+const SMALL: &str = r#"
+    camera = { eye = [0, 0.6, 4], look_at = [0, 0.3, 0], hfov = "60 deg", size = [96, 72], velocity = { beta = [0.2, 0, 0] } }
+    [[object]]
+    shape = { plane = { size = [120, 120] } }
+    [[object]]
+    shape = { sphere = { radius = 0.2 } }
+    origin = { position = [-0.5, 0.3, 0] }
+    [[object]]
+    shape = { sphere = { radius = 0.2 } }
+    origin = { position = [0.5, 0.3, 0] }
+"#;
+
+#[test]
+fn exchanged_indices_of_small_objects_are_named() {
+    let right = shot(&parsed(SMALL));
+    let mut wrong = right.clone();
+    map(&mut wrong, "object", |_, id| match id {
+        1.0 => 2.0,
+        2.0 => 1.0,
+        id => id,
+    });
+    let differ = pixels_of(&right, 1.0)
+        .iter()
+        .chain(&pixels_of(&right, 2.0))
+        .filter(|is| **is)
+        .count();
+    assert!(differ * 20 < 96 * 72, "{differ}");
+    named(
+        Kind::IdentitiesSwapped,
+        &["2 for 1, 1 for 2"],
+        &diagnosed(&right, &wrong),
+    );
+}
+
+#[test]
+fn mistakes_of_one_object_alone_are_named_with_it() {
+    let cases: [(&[&str], fn(f64) -> f64, Kind, &str); 6] = [
+        (
+            &["event.x", "event.y", "event.z"],
+            |v| 1e3 * v,
+            Kind::Units,
+            "millimetres",
+        ),
+        (
+            &["event.x", "event.y"],
+            |_| f64::NAN,
+            Kind::NotANumber,
+            "no numbers in event.x, event.y",
+        ),
+        (&["uv.v"], |v| 1.0 - v, Kind::TextureFlipped, "v is flipped"),
+        (
+            &["normal.x", "normal.y", "normal.z"],
+            |v| -v,
+            Kind::AxesExchanged,
+            "normals are reversed",
+        ),
+        (
+            &["event.ct"],
+            |t| t + 0.025,
+            Kind::TimeShifted,
+            "half a bin",
+        ),
+        (&LIGHT, |v| 0.5 * v, Kind::Exposure, "light is 0.5000 times"),
+    ];
+    for (names, of, kind, words) in cases {
+        let found = diagnosed(&exact(), &changed_in(2.0, names, of));
+        named(kind, &["in object 2 alone", words], &found);
+    }
+}
+
+#[test]
+fn light_is_diagnosed_beside_a_channel() {
+    let mut both = exact();
+    for name in ["direction.x", "direction.y", "direction.z"] {
+        map(&mut both, name, |_, v| -v);
+    }
+    for name in LIGHT {
+        map(&mut both, name, |_, v| 2.0 * v);
+    }
+    let kinds: Vec<Kind> = diagnosed(&exact(), &both).iter().map(|d| d.kind).collect();
+    assert_eq!(kinds, [Kind::DirectionsReversed, Kind::Exposure]);
+}
+
+#[test]
+fn zeros_are_no_mirror() {
+    let mut zeros = only(&exact(), &["object", "event"]);
+    let names: Vec<String> = zeros
+        .layers
+        .channels
+        .iter()
+        .map(|c| c.name.clone())
+        .collect();
+    for name in names {
+        map(&mut zeros, &name, |_, _| 0.0);
+    }
+    let found = diagnosed(&exact(), &zeros);
+    assert!(found.iter().all(|d| d.kind != Kind::Mirrored), "{found:?}");
+}
+
+#[test]
+fn one_index_for_all_triangles_is_named() {
+    let mut wrong = exact();
+    map(&mut wrong, "primitive", |_, id| id.min(0.0));
+    let words = ["indices of triangles are 0 everywhere"];
+    named(
+        Kind::IdentitiesShifted,
+        &words,
+        &diagnosed(&exact(), &wrong),
+    );
+}
+
+#[test]
+fn huge_exposures_are_exposures_in_few_digits_and_similar_within_bounds() {
+    let mut bright = exact();
+    for name in LIGHT {
+        map(&mut bright, name, |_, v| 1e25 * v);
+    }
+    let comparison = compare(&exact(), &bright, &CompareOptions::default()).unwrap();
+    named(Kind::Exposure, &["1.000e25 times"], &comparison.diagnoses);
+    let similarity = comparison.radiance.unwrap().ssim.unwrap();
+    assert!(similarity.abs() <= 1.0, "{similarity}");
+}
+
+#[test]
+fn missing_shadows_are_named_and_no_missing_object() {
+    let pulse = |shadows: bool| {
+        let text = format!(
+            "{}\n[[source]]\npulse = {{ position = [0, 3, 1], time = \"-8 m\", sigma = \"40 m\", intensity = 12, shadows = {shadows} }}\n",
+            crate::compare::planting::SCENE
+        );
+        shot(&parsed(&text))
+    };
+    let [right, wrong] = [true, false].map(pulse);
+    let wrong = only(&unknown_shot(&wrong), &["radiance"]);
+    named(
+        Kind::ShadowsMissing,
+        &["shadows are missing"],
+        &diagnosed(&right, &wrong),
+    );
+}

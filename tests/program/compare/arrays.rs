@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use nullray::io::budget::Budget;
 use nullray::io::image::{Layers, Samples};
 use nullray::validate::compare::{CompareOptions, Encoding, Picture, compare};
 

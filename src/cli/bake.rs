@@ -322,14 +322,14 @@ fn planned(
     for job in jobs {
         let [w, h] = size(job);
         let seen = |surface: Surface| plan.objects[surface.object].shows_backs(scene);
-        let backs = match job.surface.is_some_and(seen) {
-            true => ", half of them of backs, which are left out where they are dark",
-            false => "",
+        let (rows, backs) = match job.surface.is_some_and(seen) {
+            true => (h / 2, ", and as many rows of backs if light comes to any"),
+            false => (h, ""),
         };
         let samples = u64::from(w) * u64::from(h) * bins.count as u64 * 3;
         let bytes = samples * if half { 2 } else { 4 };
         text += &format!(
-            "{}: {h} rows × {w} columns × {} bins, {:.1} MB, and as much again for its parts while it is being made{backs}\n",
+            "{}: {rows} rows × {w} columns × {} bins{backs}, {:.1} MB, and as much again for its parts while it is being made\n",
             job.path.display(),
             bins.count,
             bytes as f64 / 1e6
@@ -410,6 +410,8 @@ fn report((scene, plan): (&Scene, &Plan), job: &Job, baked: &Baked, table: &str)
     let Some([from, to]) = energy.span else {
         let why = match (job.surface, backs_are_seen) {
             (None, _) => "no light arrives",
+            // What was said of gloss is the reason.
+            (Some(_), _) if gloss.is_some() => "no diffuse light leaves it",
             (Some(_), true) => "no diffuse light leaves its fronts or its backs",
             (Some(_), false) => {
                 "no diffuse light leaves its fronts, and its backs are not seen (display.back_faces = \"two_sided\")"

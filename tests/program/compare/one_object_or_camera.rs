@@ -140,35 +140,40 @@ fn exchanged_indices_of_small_objects_are_named() {
 
 #[test]
 fn mistakes_of_one_object_alone_are_named_with_it() {
-    let cases: [(&[&str], fn(f64) -> f64, Kind, &str); 6] = [
+    type Mistake = (&'static [&'static str], fn(f64) -> f64);
+    let cases: [(Mistake, Kind, &str); 6] = [
         (
-            &["event.x", "event.y", "event.z"],
-            |v| 1e3 * v,
+            (&["event.x", "event.y", "event.z"], |v| 1e3 * v),
             Kind::Units,
             "millimetres",
         ),
         (
-            &["event.x", "event.y"],
-            |_| f64::NAN,
+            (&["event.x", "event.y"], |_| f64::NAN),
             Kind::NotANumber,
             "no numbers in event.x, event.y",
         ),
-        (&["uv.v"], |v| 1.0 - v, Kind::TextureFlipped, "v is flipped"),
         (
-            &["normal.x", "normal.y", "normal.z"],
-            |v| -v,
+            (&["uv.v"], |v| 1.0 - v),
+            Kind::TextureFlipped,
+            "v is flipped",
+        ),
+        (
+            (&["normal.x", "normal.y", "normal.z"], |v| -v),
             Kind::AxesExchanged,
             "normals are reversed",
         ),
         (
-            &["event.ct"],
-            |t| t + 0.025,
+            (&["event.ct"], |t| t + 0.025),
             Kind::TimeShifted,
             "half a bin",
         ),
-        (&LIGHT, |v| 0.5 * v, Kind::Exposure, "light is 0.5000 times"),
+        (
+            (&LIGHT, |v| 0.5 * v),
+            Kind::Exposure,
+            "light is 0.5000 times",
+        ),
     ];
-    for (names, of, kind, words) in cases {
+    for ((names, of), kind, words) in cases {
         let found = diagnosed(&exact(), &changed_in(2.0, names, of));
         named(kind, &["in object 2 alone", words], &found);
     }

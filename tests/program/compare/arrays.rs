@@ -316,6 +316,6 @@ fn an_array_of_no_channels_is_refused() {
         ("object", zeros("<i4", "(4, 5)", 80)),
     ];
     archive_of(&path, &arrays);
-    let read = Picture::read(&path, Encoding::Linear, &Budget::new(1 << 20));
-    assert!(read.unwrap_err().to_string().contains("is not a picture"));
+    let read = Picture::read(&path, Encoding::Linear, &Default::default());
+    assert!(read.unwrap_err().to_string().contains("not a picture"));
 }

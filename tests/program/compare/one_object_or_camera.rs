@@ -6,7 +6,7 @@ use nullray::scene::{self, Overrides};
 use nullray::validate::compare::{CompareOptions, Kind, Picture, compare};
 
 use crate::compare::planting::{
-    LIGHT, diagnosed, exact, map, named, only, parsed, shot, taken, unknown, values, with,
+    LIGHT, SCENE, diagnosed, exact, map, named, only, parsed, shot, taken, unknown, values, with,
 };
 
 /// The pixels at which a picture shows this object.
@@ -235,10 +235,12 @@ fn huge_exposures_are_exposures_in_few_digits_and_similar_within_bounds() {
 #[test]
 fn missing_shadows_are_named_and_no_missing_object() {
     let pulse = |shadows: bool| {
-        let text = format!(
-            "{}\n[[source]]\npulse = {{ position = [0, 3, 1], time = \"-8 m\", sigma = \"40 m\", intensity = 12, shadows = {shadows} }}\n",
-            crate::compare::planting::SCENE
-        );
+        let source = |x: f64| {
+            format!(
+                "[[source]]\npulse = {{ position = [{x}, 3, 1], time = \"-8 m\", sigma = \"40 m\", intensity = 12, shadows = {shadows} }}\n"
+            )
+        };
+        let text = format!("{SCENE}\n{}{}", source(-3.0), source(2.0));
         shot(&parsed(&text))
     };
     let [right, wrong] = [true, false].map(pulse);

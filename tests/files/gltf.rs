@@ -245,7 +245,7 @@ fn a_primitive_without_coordinates_has_none_among_those_that_have() {
         imported
             .warnings
             .iter()
-            .any(|w| w.contains("lacks the texture coordinates TEXCOORD_0"))
+            .any(|w| w.contains("lacks the texture coordinates TEXCOORD_1"))
     );
     // Headers tell it already.
     let held = gltf::inspect(&valid("textured.glb"), None).unwrap();

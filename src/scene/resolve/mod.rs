@@ -121,7 +121,7 @@ fn passed_over(cx: &Context, file: &file::Scene) -> Result<Vec<String>> {
     let mut look = |thing: &str, motion: &Option<At<file::Motion>>, remedy: &str| -> Result<()> {
         let animation = motion.as_ref().and_then(|at| at.value.animation.as_ref());
         if let Some(file::Animation { gltf, node, .. }) = animation.map(|at| &at.value)
-            && cx.gltf_track(&gltf)?.turns
+            && cx.gltf_track(gltf)?.turns
         {
             sentences.push(format!(
                 "{thing}: node {} also turns in its animation, of which only positions are followed: {remedy}",

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use nullray::io::budget::Budget;
 use nullray::io::image::{Layers, Samples};
 use nullray::validate::compare::{CompareOptions, Encoding, Picture, compare};
 

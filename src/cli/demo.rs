@@ -94,7 +94,7 @@ fn next() -> String {
 What to try next:
   {program} plan {DIRECTORY}/corner.toml
   {program} info {DIRECTORY}/corner/lightmap.npz
-  {program} render {DIRECTORY}/corner.toml --set \"camera.velocity={{beta=[0,0,-0.5]}}\" -o slower.png
+  {program} render {DIRECTORY}/corner.toml --set camera.velocity.beta=0.8 -o slower.png
 "
     )
 }

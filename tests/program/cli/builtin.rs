@@ -44,7 +44,9 @@ fn without_arguments_it_renders_and_each_command_that_it_names_works() {
         if arguments[0] == "render" {
             arguments.extend(["--size", "32x24", "--spp", "1"]);
         }
-        assert_ne!(folder.ok(&arguments), "", "{arguments:?}");
+        let said = folder.ok(&arguments);
+        assert_ne!(said, "", "{arguments:?}");
+        assert!(!said.contains("is black"), "{arguments:?}: {said}");
     }
     assert_eq!(folder.names(), ["nullray-out", "slower.png"]);
 

@@ -38,13 +38,16 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 use glam::DVec3;
 
-use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch, load};
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch};
 
-/// α is no smaller than this: a mirror keeps a highlight of some arc minutes.
-const SMOOTHEST: f64 = 1e-3;
+mod cosine;
+mod gloss;
 
-/// |v + l|² of directions that are opposite but for rounding, whose sum points anywhere, is above this, or 0: its square is a number.
-const LEAST_SQUARE: f64 = 1e-60;
+pub(super) use cosine::by_cosine;
+pub(crate) use cosine::each_by_cosine;
+pub(crate) use gloss::{Coefficients, Glosses};
+
+use gloss::{alpha, diffuse_and_specular, facing, root, schlick};
 
 /// The reflection of a point of a surface towards the observer.
 #[derive(Debug, Clone)]
@@ -117,13 +120,14 @@ impl Reflection {
         metallic: f64,
         roughness: f64,
     ) -> Self {
+        let [diffuse, specular] = diffuse_and_specular(colour, metallic);
         Reflection {
             normal,
             view,
             facing: facing(normal, view),
-            diffuse: colour.map(|c| c * (1.0 - metallic)),
-            specular: Some(colour.map(|c| 0.04 * (1.0 - metallic) + c * metallic)),
-            alpha: (roughness * roughness).max(SMOOTHEST),
+            diffuse,
+            specular: Some(specular),
+            alpha: alpha(roughness),
             is_mirror: false,
             through: None,
             near: 1.0,
@@ -409,6 +413,7 @@ impl Reflection {
             false => 0.0,
         }
     }
+
     /// D.
     #[inline(always)]
     fn distribution(&self, cosine: f64) -> f64 {
@@ -428,174 +433,6 @@ impl Reflection {
     #[inline(always)]
     fn root(&self, cosine: f64) -> f64 {
         root(self.alpha * self.alpha, cosine)
-    }
-}
-
-/// √(α² + (1 − α²) c²) by α².
-#[inline(always)]
-fn root(square: f64, cosine: f64) -> f64 {
-    (square + (1.0 - square) * cosine * cosine).sqrt()
-}
-
-/// The numbers by which a surface of the metallic-roughness model reflects.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Coefficients {
-    f0: DVec3,
-    /// 1 − f₀.
-    rest: DVec3,
-    /// c (1 − m)/π.
-    diffuse: DVec3,
-    alpha: f64,
-}
-
-impl Coefficients {
-    /// Of this base colour, metalness and roughness.
-    #[inline(always)]
-    pub fn new(colour: DVec3, [metallic, roughness]: [f64; 2]) -> Self {
-        // As of a reflection, of which the normal and the view do not count here.
-        let of = Reflection::metallic_roughness(
-            DVec3::ZERO,
-            DVec3::ZERO,
-            colour.to_array(),
-            metallic,
-            roughness,
-        );
-        let f0 = colour
-            .to_array()
-            .map(|c| 0.04 * (1.0 - metallic) + c * metallic);
-        let f0 = DVec3::from_array(f0);
-        Coefficients {
-            f0,
-            rest: DVec3::ONE - f0,
-            diffuse: DVec3::from_array(of.diffuse) * FRAC_1_PI,
-            alpha: of.alpha,
-        }
-    }
-
-    /// f for light from `l` by the view and n·v; `ROUGHEST` says that α is 1, and `METAL` that there is no diffuse part.
-    #[inline(always)]
-    fn value<const ROUGHEST: bool, const METAL: bool>(
-        &self,
-        normal: DVec3,
-        (view, facing): (DVec3, f64),
-        l: DVec3,
-    ) -> DVec3 {
-        let (gloss, along) = self.gloss_and_cosine::<ROUGHEST>(normal, (view, facing), l);
-        let f = self.f0 + self.rest * schlick(along);
-        match METAL {
-            true => f * gloss,
-            false => (DVec3::ONE - f) * self.diffuse + f * gloss,
-        }
-    }
-
-    /// [`Reflection::value`] for loops over many.
-    #[inline(always)]
-    pub fn value_at<const ROUGHEST: bool, const METAL: bool>(
-        &self,
-        normal: DVec3,
-        view: DVec3,
-        l: DVec3,
-    ) -> DVec3 {
-        let facing = facing(normal, view);
-        self.value::<ROUGHEST, METAL>(normal, (view, facing), l)
-    }
-
-    /// Whether α is 1, and whether there is no diffuse part.
-    pub fn kind(&self) -> [bool; 2] {
-        [self.alpha == 1.0, self.diffuse == DVec3::ZERO]
-    }
-
-    /// D V and v·h, with one division: with s = v + l, h = s/|s|, and v·h = |s|/2 as v and l are unit vectors,
-    ///
-    /// D = α² |s|⁴/(π ((n·s)² (α² − 1) + |s|²)²).
-    ///
-    /// With α = 1 the roots of V are 1, and D is 1/π.
-    #[inline(always)]
-    fn gloss_and_cosine<const ROUGHEST: bool>(
-        &self,
-        normal: DVec3,
-        (view, facing): (DVec3, f64),
-        l: DVec3,
-    ) -> (f64, f64) {
-        let sum = view + l;
-        let square = sum.length_squared();
-        // Light that grazes from behind may have no h: n stands for it.
-        let has_half = square > LEAST_SQUARE;
-        let along = 0.5 * square.sqrt();
-        let along = if has_half { along } else { facing };
-        let cosine = normal.dot(l);
-        if ROUGHEST {
-            return (0.5 / (PI * (cosine + facing)), along);
-        }
-        let (norm, height) = if has_half {
-            (square, normal.dot(sum))
-        } else {
-            (1.0, 1.0)
-        };
-        let alpha = self.alpha * self.alpha;
-        let masking = cosine * root(alpha, facing) + facing * root(alpha, cosine);
-        // Its terms cancel at the peak of a smooth surface only as far as α² is small.
-        let spread = height * height * (alpha - 1.0) + norm;
-        // Of the roughest |v + l|² in both, which cancels.
-        let is_roughest = alpha == 1.0;
-        let norm = if is_roughest { 1.0 } else { norm * norm };
-        let spread = if is_roughest { 1.0 } else { spread * spread };
-        (0.5 * alpha * norm / (PI * spread * masking), along)
-    }
-}
-
-/// n·v. Grazing views may round to the other side.
-#[inline(always)]
-fn facing(normal: DVec3, view: DVec3) -> f64 {
-    normal.dot(view).max(1e-9)
-}
-
-/// Surfaces of the metallic-roughness model, by component.
-#[derive(Debug, Default)]
-pub(crate) struct Glosses {
-    /// Whether all are alike: then there is one block of them.
-    alike: bool,
-    /// Base colours.
-    pub colours: Columns,
-    pub metallic: Vec<f64>,
-    pub roughness: Vec<f64>,
-}
-
-impl Glosses {
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.metallic.is_empty()
-    }
-
-    /// Forgets all.
-    pub fn clear(&mut self) {
-        self.alike = false;
-        self.colours.clear();
-        self.metallic.clear();
-        self.roughness.clear();
-    }
-
-    /// Makes all of them surfaces of this base colour, metalness and roughness.
-    pub fn fill_alike(&mut self, colour: [f64; 3], [metallic, roughness]: [f64; 2]) {
-        self.alike = true;
-        self.colours.fill(BLOCK, DVec3::from_array(colour));
-        self.metallic.resize(BLOCK, metallic);
-        self.roughness.resize(BLOCK, roughness);
-        self.metallic.fill(metallic);
-        self.roughness.fill(roughness);
-    }
-
-    /// Where those of the points from `begin` on begin.
-    #[inline(always)]
-    pub fn begin(&self, begin: usize) -> usize {
-        if self.alike { 0 } else { begin }
-    }
-
-    /// How all of them reflect, if they are alike.
-    pub fn shared(&self) -> Option<Coefficients> {
-        let look = || [self.metallic[0], self.roughness[0]];
-        self.alike
-            .then(|| Coefficients::new(self.colours.get(0), look()))
     }
 }
 
@@ -674,106 +511,6 @@ fn mean([r, g, b]: [f64; 3]) -> f64 {
     (r + g + b) / 3.0
 }
 
-/// A direction about `n` by two numbers in [0, 1), with a density as the cosine.
-#[inline(always)]
-pub(super) fn by_cosine(n: DVec3, [x, y]: [f64; 2]) -> DVec3 {
-    let (tangent, bitangent) = n.any_orthonormal_pair();
-    let (sine, cosine) = sine_and_cosine_of_turn(y);
-    let (radius, rest) = (x.sqrt(), 1.0 - x);
-    let height = if rest > 0.0 { rest } else { 0.0 };
-    tangent * (radius * cosine) + bitangent * (radius * sine) + n * height.sqrt()
-}
-
-/// [`by_cosine`] for many normals and pairs of numbers, in a loop.
-pub(crate) fn each_by_cosine(normals: &Columns, numbers: &[Vec<f64>; 2], l: &mut Columns) {
-    l.resize(normals.len());
-    dispatch(EachByCosine {
-        normals,
-        numbers,
-        l,
-    });
-}
-
-struct EachByCosine<'a> {
-    normals: &'a Columns,
-    numbers: &'a [Vec<f64>; 2],
-    l: &'a mut Columns,
-}
-
-impl VectorLoop for EachByCosine<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let mut begin = 0;
-        while begin < self.normals.len() {
-            let mut normals = self.normals.load(begin);
-            let x = load(&self.numbers[0], begin);
-            let y = load(&self.numbers[1], begin);
-            for k in 0..BLOCK {
-                normals.set(k, by_cosine(normals.get(k), [x[k], y[k]]));
-            }
-            self.l.store(&normals, begin);
-            begin += BLOCK;
-        }
-    }
-}
-
-/// 1/(2k(2k + 1)) and 1/((2k − 1) 2k) for k from 1 on.
-const SINE: [f64; TERMS] = reciprocals(2, 3);
-const COSINE: [f64; TERMS] = reciprocals(1, 2);
-const TERMS: usize = 8;
-
-const fn reciprocals(first: usize, second: usize) -> [f64; TERMS] {
-    let mut terms = [0.0; TERMS];
-    let mut k = 0;
-    while k < TERMS {
-        terms[k] = 1.0 / ((first + 2 * k) * (second + 2 * k)) as f64;
-        k += 1;
-    }
-    terms
-}
-
-/// sin 2πy and cos 2πy for y from 0 to 1, without a branch, for loops over many.
-///
-/// With q the nearest quarter turn, a = 2π(y − q/4) is within π/4, where Taylor's series up to a¹⁷ and a¹⁶ are off by less than
-/// (π/4)¹⁸/18! < 2⁻⁵⁸; then q quarter turns more.
-#[inline(always)]
-fn sine_and_cosine_of_turn(y: f64) -> (f64, f64) {
-    let quarter = (4.0 * y + 0.5).floor();
-    let a = TAU * (y - 0.25 * quarter);
-    let b = a * a;
-    let (mut sine, mut cosine) = (1.0, 1.0);
-    // From the last term on: 1 − b/(2k(2k + 1)) (…) and 1 − b/((2k − 1) 2k) (…).
-    let mut k = TERMS;
-    while k > 0 {
-        k -= 1;
-        sine = 1.0 - b * SINE[k] * sine;
-        cosine = 1.0 - b * COSINE[k] * cosine;
-    }
-    let sine = a * sine;
-    // Odd quarters exchange the two; of 1 and 2 the cosine, of 2 and 3 the sine turns its sign.
-    let odd = quarter == 1.0 || quarter == 3.0;
-    let (s, c) = if odd { (cosine, sine) } else { (sine, cosine) };
-    let s = if quarter == 2.0 || quarter == 3.0 {
-        -s
-    } else {
-        s
-    };
-    let c = if quarter == 1.0 || quarter == 2.0 {
-        -c
-    } else {
-        c
-    };
-    (s, c)
-}
-
-/// (1 − c)⁵.
-#[inline(always)]
-fn schlick(cosine: f64) -> f64 {
-    let x = (1.0 - cosine).clamp(0.0, 1.0);
-    let square = x * x;
-    square * square * x
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -844,26 +581,6 @@ mod tests {
             (value - expected).abs() < 1e-14 * expected,
             "{value} {expected}"
         );
-    }
-
-    #[test]
-    fn sines_and_cosines_of_turns_are_those_of_the_library() {
-        for k in 0..=4096 {
-            for y in [
-                f64::from(k) / 4096.0,
-                (f64::from(k) / 4096.0).next_down().abs(),
-            ] {
-                let (sine, cosine) = sine_and_cosine_of_turn(y);
-                // The product 2πy of the other way is rounded, too.
-                let (s, c) = libm::sincos(TAU * y);
-                assert!(
-                    (sine - s).abs() < 1e-15 && (cosine - c).abs() < 1e-15,
-                    "{y}"
-                );
-            }
-        }
-        assert_eq!(sine_and_cosine_of_turn(0.0), (0.0, 1.0));
-        assert_eq!(sine_and_cosine_of_turn(0.75), (-1.0, 0.0));
     }
 
     /// Of a grid of n × n points in the unit square.

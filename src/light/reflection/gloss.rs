@@ -1,0 +1,194 @@
+//! Surfaces of the metallic-roughness model for loops over many, with the bits of single ones.
+
+use std::f64::consts::{FRAC_1_PI, PI};
+
+use glam::DVec3;
+
+use crate::accel::vectors::{BLOCK, Columns};
+
+/// α is no smaller than this: a mirror keeps a highlight of some arc minutes.
+const SMOOTHEST: f64 = 1e-3;
+
+/// |v + l|² of directions that are opposite but for rounding, whose sum points anywhere, is above this, or 0: its square is a number.
+const LEAST_SQUARE: f64 = 1e-60;
+
+/// The numbers by which a surface of the metallic-roughness model reflects.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Coefficients {
+    pub(super) f0: DVec3,
+    /// 1 − f₀.
+    pub(super) rest: DVec3,
+    /// c (1 − m)/π.
+    pub(super) diffuse: DVec3,
+    pub(super) alpha: f64,
+}
+
+impl Coefficients {
+    /// Of this base colour, metalness and roughness.
+    #[inline(always)]
+    pub fn new(colour: DVec3, [metallic, roughness]: [f64; 2]) -> Self {
+        let [diffuse, f0] = diffuse_and_specular(colour.to_array(), metallic);
+        let f0 = DVec3::from_array(f0);
+        Coefficients {
+            f0,
+            rest: DVec3::ONE - f0,
+            diffuse: DVec3::from_array(diffuse) * FRAC_1_PI,
+            alpha: alpha(roughness),
+        }
+    }
+
+    /// f for light from `l` by the view and n·v; `ROUGHEST` says that α is 1, and `METAL` that there is no diffuse part.
+    #[inline(always)]
+    pub(super) fn value<const ROUGHEST: bool, const METAL: bool>(
+        &self,
+        normal: DVec3,
+        (view, facing): (DVec3, f64),
+        l: DVec3,
+    ) -> DVec3 {
+        let (gloss, along) = self.gloss_and_cosine::<ROUGHEST>(normal, (view, facing), l);
+        let f = self.f0 + self.rest * schlick(along);
+        match METAL {
+            true => f * gloss,
+            false => (DVec3::ONE - f) * self.diffuse + f * gloss,
+        }
+    }
+
+    /// The same by the view alone, for loops over many.
+    #[inline(always)]
+    pub fn value_at<const ROUGHEST: bool, const METAL: bool>(
+        &self,
+        normal: DVec3,
+        view: DVec3,
+        l: DVec3,
+    ) -> DVec3 {
+        let facing = facing(normal, view);
+        self.value::<ROUGHEST, METAL>(normal, (view, facing), l)
+    }
+
+    /// Whether α is 1, and whether there is no diffuse part.
+    pub fn kind(&self) -> [bool; 2] {
+        [self.alpha == 1.0, self.diffuse == DVec3::ZERO]
+    }
+
+    /// D V and v·h, with one division: with s = v + l, h = s/|s|, and v·h = |s|/2 as v and l are unit vectors,
+    ///
+    /// D = α² |s|⁴/(π ((n·s)² (α² − 1) + |s|²)²).
+    ///
+    /// With α = 1 the roots of V are 1, and D is 1/π.
+    #[inline(always)]
+    fn gloss_and_cosine<const ROUGHEST: bool>(
+        &self,
+        normal: DVec3,
+        (view, facing): (DVec3, f64),
+        l: DVec3,
+    ) -> (f64, f64) {
+        let sum = view + l;
+        let square = sum.length_squared();
+        // Light that grazes from behind may have no h: n stands for it.
+        let has_half = square > LEAST_SQUARE;
+        let along = 0.5 * square.sqrt();
+        let along = if has_half { along } else { facing };
+        let cosine = normal.dot(l);
+        if ROUGHEST {
+            return (0.5 / (PI * (cosine + facing)), along);
+        }
+        let (norm, height) = if has_half {
+            (square, normal.dot(sum))
+        } else {
+            (1.0, 1.0)
+        };
+        let alpha = self.alpha * self.alpha;
+        let masking = cosine * root(alpha, facing) + facing * root(alpha, cosine);
+        // Its terms cancel at the peak of a smooth surface only as far as α² is small.
+        let spread = height * height * (alpha - 1.0) + norm;
+        // Of the roughest |v + l|² in both, which cancels.
+        let is_roughest = alpha == 1.0;
+        let norm = if is_roughest { 1.0 } else { norm * norm };
+        let spread = if is_roughest { 1.0 } else { spread * spread };
+        (0.5 * alpha * norm / (PI * spread * masking), along)
+    }
+}
+
+/// Surfaces of the metallic-roughness model, by component.
+#[derive(Debug, Default)]
+pub(crate) struct Glosses {
+    /// Whether all are alike: then there is one block of them.
+    alike: bool,
+    /// Base colours.
+    pub colours: Columns,
+    pub metallic: Vec<f64>,
+    pub roughness: Vec<f64>,
+}
+
+impl Glosses {
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.metallic.is_empty()
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.alike = false;
+        self.colours.clear();
+        self.metallic.clear();
+        self.roughness.clear();
+    }
+
+    /// Makes all of them surfaces of this base colour, metalness and roughness.
+    pub fn fill_alike(&mut self, colour: [f64; 3], [metallic, roughness]: [f64; 2]) {
+        self.alike = true;
+        self.colours.fill(BLOCK, DVec3::from_array(colour));
+        self.metallic.resize(BLOCK, metallic);
+        self.roughness.resize(BLOCK, roughness);
+        self.metallic.fill(metallic);
+        self.roughness.fill(roughness);
+    }
+
+    /// Where those of the points from `begin` on begin.
+    #[inline(always)]
+    pub fn begin(&self, begin: usize) -> usize {
+        if self.alike { 0 } else { begin }
+    }
+
+    /// How all of them reflect, if they are alike.
+    pub fn shared(&self) -> Option<Coefficients> {
+        let look = || [self.metallic[0], self.roughness[0]];
+        self.alike
+            .then(|| Coefficients::new(self.colours.get(0), look()))
+    }
+}
+
+/// c (1 − m) and f₀.
+#[inline(always)]
+pub(super) fn diffuse_and_specular(colour: [f64; 3], metallic: f64) -> [[f64; 3]; 2] {
+    [
+        colour.map(|c| c * (1.0 - metallic)),
+        colour.map(|c| 0.04 * (1.0 - metallic) + c * metallic),
+    ]
+}
+
+/// α of a perceptual roughness.
+#[inline(always)]
+pub(super) fn alpha(roughness: f64) -> f64 {
+    (roughness * roughness).max(SMOOTHEST)
+}
+
+/// n·v. Grazing views may round to the other side.
+#[inline(always)]
+pub(super) fn facing(normal: DVec3, view: DVec3) -> f64 {
+    normal.dot(view).max(1e-9)
+}
+
+/// √(α² + (1 − α²) c²) by α².
+#[inline(always)]
+pub(super) fn root(square: f64, cosine: f64) -> f64 {
+    (square + (1.0 - square) * cosine * cosine).sqrt()
+}
+
+/// (1 − c)⁵.
+#[inline(always)]
+pub(super) fn schlick(cosine: f64) -> f64 {
+    let x = (1.0 - cosine).clamp(0.0, 1.0);
+    let square = x * x;
+    square * square * x
+}

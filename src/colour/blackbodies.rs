@@ -12,8 +12,8 @@ use super::table::{MadeOnce, Table};
 pub(super) struct Blackbodies {
     /// By temperature in kelvin, divided by `reference` of [`SHORT`].
     table: Table<3>,
-    /// The same of those that are colder, and of [`LONG`].
-    cold: Table<3>,
+    /// Of those that are colder, divided by `reference` of [`LONG`]: exact ones, the first just below [`Blackbodies::COLDEST`].
+    cold: Vec<[f64; 3]>,
 }
 
 /// A wavelength at which Planck's law varies as the colours of blackbodies do, metres.
@@ -26,7 +26,7 @@ pub(super) static BLACKBODIES: MadeOnce<Blackbodies> = MadeOnce::new(Blackbodies
 
 impl Blackbodies {
     /// Below, colours are those of the table of cold ones.
-    const COLD: f64 = 512.0;
+    const COLD: f64 = 1024.0;
 
     /// Below, they are taken as 0: colours, with the luminance that the eye's functions and Planck's law give them, are 1e-301 at 25 K, and
     /// from 24 K on less than f64 has. What f32 has, in which pictures are written, ends at 163 K. The eye, which needs some 1e-6 cd/m²,
@@ -36,40 +36,21 @@ impl Blackbodies {
     /// Above, all grows with the temperature plus a constant (Rayleigh and Jeans, to 1e-8).
     const HOTTEST: f64 = 16_777_216.0;
 
-    /// Exact colours per factor of 2; between them, cubic in the logarithm of the temperature.
+    /// Exact colours per factor of 2; between them, cubic in the logarithm of the temperature. The ratio varies as T⁻ᵏ with k up to 3 for
+    /// hot ones and 10 for cold ones; of that a cubic leaves 0.023 (k ln 2/n)⁴ with n per factor of 2, less than 3·10⁻⁸.
     const EXACT: u32 = 64;
+    const EXACT_COLD: u32 = 256;
 
     fn new() -> Blackbodies {
+        let range = [Self::COLD, Self::HOTTEST];
+        let ratios = exact(range, Self::EXACT, SHORT);
         Blackbodies {
-            table: Self::between(Self::COLD, Self::HOTTEST, SHORT),
-            cold: Self::between(Self::COLDEST, Self::COLD, LONG),
+            // Short of the end, above which the table would ask for one entry more.
+            table: Table::new([Self::COLD, Self::HOTTEST * 0.999], |t| {
+                between(&ratios, libm::log2(t / Self::COLD) * f64::from(Self::EXACT))
+            }),
+            cold: exact([Self::COLDEST, Self::COLD], Self::EXACT_COLD, LONG),
         }
-    }
-
-    /// The ratios to `reference` at `wavelength` from the temperature `coldest` to `hottest`, which is some power of 2 times it.
-    fn between(coldest: f64, hottest: f64, wavelength: f64) -> Table<3> {
-        let exact = |k: u32| {
-            let power = (f64::from(k) - 1.0) / f64::from(Self::EXACT);
-            ratio(coldest * libm::exp2(power), wavelength)
-        };
-        let octaves = libm::log2(hottest / coldest).round() as u32;
-        let count = octaves * Self::EXACT + 4;
-        let ratios: Vec<[f64; 3]> = (0..count).into_par_iter().map(exact).collect();
-        // Short of the end, above which the table would ask for one entry more.
-        Table::new([coldest, hottest * 0.999], |t| {
-            let at = libm::log2(t / coldest) * f64::from(Self::EXACT);
-            let first = (at.max(0.0) as usize).min(ratios.len() - 4);
-            let f = at - first as f64;
-            // Lagrange through the points at −1, 0, 1 and 2.
-            let weights = [
-                -f * (f - 1.0) * (f - 2.0) / 6.0,
-                (f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0,
-                -(f + 1.0) * f * (f - 2.0) / 2.0,
-                (f + 1.0) * f * (f - 1.0) / 6.0,
-            ];
-            let value = |j| (0..4).fold(0.0, |sum, k| sum + weights[k] * ratios[first + k][j]);
-            [value(0), value(1), value(2)]
-        })
     }
 
     /// Linear sRGB of Planck's law at `t` kelvin.
@@ -89,9 +70,42 @@ impl Blackbodies {
 
     #[cold]
     fn cold_colour(&self, t: f64) -> [f64; 3] {
-        let ratio = self.cold.at(t).unwrap_or_default();
-        ratio.map(|c| c * reference(t, LONG))
+        // In this form also for NaN.
+        if !(t >= Self::COLDEST) {
+            return [0.0; 3];
+        }
+        let at = libm::log2(t / Self::COLDEST) * f64::from(Self::EXACT_COLD);
+        between(&self.cold, at).map(|c| c * reference(t, LONG))
     }
+}
+
+/// The ratios to `reference` at `wavelength` of temperatures from the first to the last, which is some power of 2 times it: `count` per factor of
+/// 2, from one before the first on.
+fn exact([coldest, hottest]: [f64; 2], count: u32, wavelength: f64) -> Vec<[f64; 3]> {
+    let octaves = libm::log2(hottest / coldest).round() as u32;
+    let exact = |k: u32| {
+        let power = (f64::from(k) - 1.0) / f64::from(count);
+        ratio(coldest * libm::exp2(power), wavelength)
+    };
+    (0..octaves * count + 4)
+        .into_par_iter()
+        .map(exact)
+        .collect()
+}
+
+/// Between the ratios at `at` steps from the second on.
+fn between(ratios: &[[f64; 3]], at: f64) -> [f64; 3] {
+    let first = (at.max(0.0) as usize).min(ratios.len() - 4);
+    let f = at - first as f64;
+    // Lagrange through the points at −1, 0, 1 and 2.
+    let weights = [
+        -f * (f - 1.0) * (f - 2.0) / 6.0,
+        (f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0,
+        -(f + 1.0) * f * (f - 2.0) / 2.0,
+        (f + 1.0) * f * (f - 1.0) / 6.0,
+    ];
+    let value = |j| (0..4).fold(0.0, |sum, k| sum + weights[k] * ratios[first + k][j]);
+    [value(0), value(1), value(2)]
 }
 
 /// Linear sRGB of Planck's law, W m⁻² sr⁻¹ per metre, at `t` kelvin, by the table: below 0 outside the gamut.
@@ -126,7 +140,8 @@ mod tests {
     fn blackbodies_too_cold_to_glow_have_the_colour_of_plancks_law() {
         let rows = crate::colour::observer::numbers();
         for t in [
-            26.0, 31.0, 77.0, 128.5, 300.0, 450.0, 511.0, 512.7, 700.0, 2000.0,
+            26.0, 31.0, 77.0, 128.5, 256.3, 300.0, 385.4, 450.0, 511.0, 511.75, 515.0, 700.0,
+            1023.5, 1024.5, 2000.0,
         ] {
             let mut xyz = [0.0; 3];
             for pair in rows.windows(2) {
@@ -154,9 +169,16 @@ mod tests {
                             .abs()
                             .max(expected[1].abs())
                             .max(expected[2].abs());
-                    assert!(error < 2e-5, "{t} {w}: {seen:?} {expected:?}");
+                    assert!(error < 1e-6, "{t} {w}: {seen:?} {expected:?}");
                 }
             }
+        }
+        // Without a gap: 1 K more is some per cent more.
+        let mut colder = blackbody_colour(300.0)[0];
+        for k in 1..20_000 {
+            let red = blackbody_colour(300.0 + 0.05 * f64::from(k))[0];
+            assert!((1.0..1.02).contains(&(red / colder)), "{k}: {red} {colder}");
+            colder = red;
         }
         // Below all that f64 has.
         assert_eq!(blackbody_colour(2.725), [0.0; 3]);

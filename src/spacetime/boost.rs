@@ -125,6 +125,11 @@ impl<To: Frame, From: Frame> Boost<To, From> {
         }
     }
 
+    /// The unit direction in which `From` moves in `To`, and its rapidity.
+    pub(crate) fn motion(&self) -> (DVec3, f64) {
+        (self.n, libm::log(self.up))
+    }
+
     /// Whether the frames are at rest relative to each other.
     #[inline(always)]
     pub(crate) fn is_identity(&self) -> bool {

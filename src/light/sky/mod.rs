@@ -16,6 +16,7 @@
 
 mod boosted;
 mod catalogue;
+mod even;
 mod panorama;
 mod stars;
 

@@ -59,9 +59,13 @@ pub fn run(arguments: &PlanArguments) -> Result<()> {
     let is_pulse = |source: &Source| matches!(source.kind, SourceKind::Pulse(_));
     let is_timed = scene.lights.iter().any(is_timed) || scene.sources.iter().any(is_pulse);
     let triangles: u64 = plan.objects.iter().map(|object| object.triangles).sum();
-    if is_timed && bytes <= LOOKED_INTO && triangles <= LOADED {
+    // Light that is followed from mirrors that textures may make.
+    let has_gloss_textures = plan.objects.iter().any(|object| object.has_gloss_textures);
+    let is_followed = scene.bounces > 0 && has_gloss_textures;
+    if (is_timed || is_followed) && bytes <= LOOKED_INTO && triangles <= LOADED {
         // Where a mesh cannot be read yet the plan goes without: rendering says what is missing.
         if let Ok(mut prepared) = Prepared::new(&scene, &plan, &Silent) {
+            survey::note_mirrors_by_texture(&scene, &mut plan, &prepared);
             let moments = survey::moments(&scene, &mut prepared, false);
             plan.notes.extend(moments);
         }

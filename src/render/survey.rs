@@ -16,6 +16,7 @@ use rayon::prelude::*;
 use crate::light::lamp::Emission;
 use crate::light::time_texture::survey::{lit_span, rounded};
 use crate::render::film::Tile;
+use crate::render::plan::{Plan, unfound_light};
 use crate::render::prepare::Prepared;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{
@@ -232,6 +233,15 @@ pub fn wavelength_ratios(scene: &Prepared) -> Option<[f64; 2]> {
     tiles
         .filter_map(range)
         .reduce_with(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+}
+
+/// Has `plan` say of which mirrors light is not found where textures make them such, which only what is loaded tells.
+pub fn note_mirrors_by_texture(scene: &Scene, plan: &mut Plan, prepared: &Prepared) {
+    let by_factors = unfound_light(scene, &plan.objects, |_| false);
+    if by_factors != prepared.unfound_light {
+        plan.notes.retain(|note| Some(note) != by_factors.as_ref());
+        plan.notes.extend(prepared.unfound_light.clone());
+    }
 }
 
 /// Cubes of which the light in view has no part, or none but where they are dark: both spans, and the start or the unit that

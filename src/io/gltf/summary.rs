@@ -36,6 +36,8 @@ pub struct Summary {
     pub factors: Vec<Factors>,
     /// How many different images they use.
     pub images: usize,
+    /// Whether a material has a texture of metalness and roughness.
+    pub has_gloss_textures: bool,
     /// Whether one of them has an alpha mask: holes.
     pub has_masks: bool,
     /// Whether vertices have colours.
@@ -86,6 +88,7 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<Summary
             .map(|(count, piece)| count * piece.positions.count)
             .sum(),
         images: images.len(),
+        has_gloss_textures: (materials.iter()).any(|m| m.metallic_roughness_texture.is_some()),
         has_masks: materials.iter().any(|m| m.is_masked()),
         has_colours: pieces.all().any(|(_, piece)| piece.colours.is_some()),
         unlit: (materials.iter().filter(|m| m.unlit))

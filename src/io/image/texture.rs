@@ -122,6 +122,17 @@ impl Texture {
         mix(row(v.0[0]), row(v.0[1]), v.1)
     }
 
+    /// The least value of the green channel, linear, from 0 to 1.
+    pub(crate) fn least_green(&self) -> f64 {
+        let [_, green, _] = self.channels(0, 0);
+        match &self.texels {
+            Texels::Eight(v) => least(v, green, self.stride).map_or(1.0, |v| f64::from(v) / 255.0),
+            Texels::Sixteen(v) => {
+                least(v, green, self.stride).map_or(1.0, |v| f64::from(v) / 65535.0)
+            }
+        }
+    }
+
     /// Alpha at `uv`, as [`Texture::sample`] has the colour; 1 where the image has none.
     pub(crate) fn sample_alpha(&self, uv: [f64; 2], sampler: TextureSampler) -> f64 {
         // Alpha is the last of two or four samples.
@@ -172,6 +183,11 @@ impl Texture {
             Texels::Sixteen(v) => channels.map(|k| LINEAR_16[usize::from(v[k])]),
         }
     }
+}
+
+/// The least of every `stride`-th sample from `first` on.
+fn least<T: Copy + Ord>(samples: &[T], first: usize, stride: usize) -> Option<T> {
+    samples.iter().skip(first).step_by(stride).copied().min()
 }
 
 /// Why an image cannot be shown.

@@ -193,6 +193,7 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
                 uv_sets: summary.uv_sets,
                 materials: summary.materials,
                 factors: summary.factors,
+                has_gloss_textures: summary.has_gloss_textures,
                 images: summary.images,
                 has_colours: summary.has_colours,
                 unlit: summary.unlit,
@@ -227,6 +228,7 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
                     transmission: *transmission,
                     double_sided: matches!(shape, Shape::Plane { .. }),
                 }],
+                has_gloss_textures: false,
                 images: 0,
                 has_colours: false,
                 unlit: Vec::new(),
@@ -247,6 +249,7 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
             uv_sets: mesh.uvs.iter().filter(|set| !set.is_empty()).count(),
             materials: mesh.materials.iter().map(|m| m.name.clone()).collect(),
             factors: mesh.materials.iter().map(|m| m.factors()).collect(),
+            has_gloss_textures: false,
             images: 0,
             has_colours: !mesh.colours.is_empty(),
             unlit: (mesh.materials.iter().filter(|m| m.unlit))

@@ -144,7 +144,7 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
             "no light falls on any surface: there is nothing for `render.bounces` to follow".into(),
         );
     }
-    notes.extend(unfound_light(scene, &plan.objects));
+    notes.extend(unfound_light(scene, &plan.objects, |_| false));
     let is_glass = |object: &Object| matches!(object.geometry, Geometry::Shape { transmission, .. } if transmission > 0.0);
     if scene.bounces == 0 && scene.objects.iter().any(is_glass) {
         notes.push("glass is opaque without `render.bounces`: give 2 for each body".into());
@@ -178,8 +178,13 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
 }
 
 /// That light of lamps without an extent is lost where it comes by perfect mirrors or through smooth glass: no path that is drawn goes that
-/// one way, and none is there to say so in the standard error.
-pub(crate) fn unfound_light(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
+/// one way, and none is there to say so in the standard error. `has_mirror` says of an object, by its index, whether textures make some of it
+/// such a mirror.
+pub(crate) fn unfound_light(
+    scene: &Scene,
+    objects: &[PlannedObject],
+    has_mirror: impl Fn(usize) -> bool,
+) -> Option<String> {
     if scene.bounces == 0 {
         return None;
     }
@@ -193,19 +198,24 @@ pub(crate) fn unfound_light(scene: &Scene, objects: &[PlannedObject]) -> Option<
         .chain(pulses.map(|source| source.name.as_str()))
         .map(quoted)
         .collect();
+    if lamps.is_empty() {
+        return None;
+    }
     // Surfaces that reflect light at all.
-    let of = |is: fn(&Factors) -> bool| -> Vec<String> {
-        let has = |(index, object): &(usize, &PlannedObject)| {
-            let mut materials = object.materials.iter().zip(&object.factors);
-            materials.any(|(material, factors)| {
-                is(factors) && matches!(lit_by(scene, *index, material), Lit::Reflecting(_))
-            })
-        };
-        let all = objects.iter().enumerate().filter(has);
-        all.map(|(_, object)| quoted(&object.name)).collect()
+    let has = |index: usize, is: fn(&Factors) -> bool| {
+        let object = &objects[index];
+        let mut materials = object.materials.iter().zip(&object.factors);
+        materials.any(|(material, factors)| {
+            is(factors) && matches!(lit_by(scene, index, material), Lit::Reflecting(_))
+        })
     };
-    let (mirrors, glass) = (of(Factors::is_mirror), of(Factors::is_glass));
-    if lamps.is_empty() || mirrors.len() + glass.len() == 0 {
+    let named = |is: &dyn Fn(usize) -> bool| -> Vec<String> {
+        let all = (0..objects.len()).filter(|index| is(*index));
+        all.map(|index| quoted(&objects[index].name)).collect()
+    };
+    let mirrors = named(&|index| has(index, Factors::is_mirror) || has_mirror(index));
+    let glass = named(&|index| has(index, Factors::is_glass));
+    if mirrors.len() + glass.len() == 0 {
         return None;
     }
     let (mut ways, mut remedies) = (Vec::new(), Vec::new());

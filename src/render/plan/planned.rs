@@ -122,6 +122,9 @@ pub struct PlannedObject {
     /// How each material looks by its factors.
     #[serde(skip)]
     pub factors: Vec<Factors>,
+    /// Whether a texture may make some of it smoother, or more of a metal, than factors say.
+    #[serde(skip)]
+    pub has_gloss_textures: bool,
     #[serde(skip)]
     pub(super) images: usize,
     /// Whether vertices have colours.

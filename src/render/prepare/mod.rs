@@ -7,12 +7,15 @@ mod files;
 mod geometry;
 mod response;
 mod sky;
+mod smooth;
 mod stores;
 
 pub use emitters::Light;
 pub use files::check_files;
 pub use geometry::object_mesh;
 pub(crate) use response::scaling;
+
+use std::cell::LazyCell;
 
 use crate::accel::Method;
 use crate::camera::Camera;
@@ -47,6 +50,8 @@ pub struct Prepared {
     pub method: Method,
     /// What was odd in the files, but no error.
     pub warnings: Vec<String>,
+    /// Which light no path finds, and why, where that is so.
+    pub(crate) unfound_light: Option<String>,
     /// How long the trees took to build, seconds.
     pub built_in: f64,
     /// Memory that the plan leaves to what no plan can estimate, bytes.
@@ -61,8 +66,7 @@ impl Prepared {
     pub fn new(scene: &Scene, plan: &Plan, progress: &dyn Progress) -> Result<Prepared> {
         let camera = Camera::new(scene)?;
         let mut light = emitters::Builder::new(scene, plan);
-        let mut warnings = scene.passed_over.clone();
-        warnings.extend(unfound_light(scene, &plan.objects));
+        let mut warnings = Vec::new();
         // A frame for each velocity: meshes, their materials, and a tree.
         let (frames, built_in) =
             geometry::frames(scene, plan, &mut light, &mut warnings, progress)?;
@@ -70,6 +74,14 @@ impl Prepared {
         let sky = sky::load(scene, plan)?;
         let around = (camera.shot.event, sky.as_ref());
         let light = light.finish(plan, &frames, around, &mut warnings, progress)?;
+        let mirrors = LazyCell::new(|| smooth::mirrors_by_texture(&light, &frames));
+        let unfound = unfound_light(scene, &plan.objects, |object| mirrors.contains(&object));
+        drop(mirrors);
+        // What was known before anything was read comes first.
+        warnings.splice(
+            0..0,
+            scene.passed_over.iter().cloned().chain(unfound.clone()),
+        );
         // Retardation that is turned off is light without delay.
         let ray_index = if scene.effects.retardation {
             scene.medium_index
@@ -95,6 +107,7 @@ impl Prepared {
                 ..Method::default()
             },
             warnings,
+            unfound_light: unfound,
             built_in,
             memory_left: plan.memory_left(),
         })

@@ -3,6 +3,7 @@
 use std::fs;
 use std::time::{Duration, Instant};
 
+use nullray::io::image::png;
 use serde_json::Value;
 
 use super::refused::TRIANGLE;
@@ -320,5 +321,63 @@ fn light_of_lamps_that_mirrors_and_glass_lose_is_said_with_both_names() {
         folder.write("mirror.toml", scene);
         let said = folder.ok(&["plan", "mirror.toml"]);
         assert!(!said.contains("has no extent"), "{said}");
+    }
+}
+
+/// A metal mirror whose texture of roughness (green) and metalness (blue) has these texels.
+fn textured_mirror(folder: &Folder, texels: &[[u8; 3]], factor: f64) {
+    let corners: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let uvs: [[f32; 2]; 3] = [[0.0, 1.0], [1.0, 1.0], [0.0, 0.0]];
+    let numbers = corners.iter().flatten().chain(uvs.iter().flatten());
+    folder.write(
+        "a.bin",
+        numbers.flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>(),
+    );
+    let document = serde_json::json!({
+        "asset": { "version": "2.0" },
+        "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "material": 0 }] }],
+        "materials": [{ "pbrMetallicRoughness": { "roughnessFactor": factor, "metallicRoughnessTexture": { "index": 0 } } }],
+        "textures": [{ "source": 0 }],
+        "images": [{ "uri": "a.png" }],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0] },
+            { "bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2" },
+        ],
+        "bufferViews": [
+            { "buffer": 0, "byteLength": 36 },
+            { "buffer": 0, "byteOffset": 36, "byteLength": 24 },
+        ],
+        "buffers": [{ "byteLength": 60, "uri": "a.bin" }],
+    });
+    folder.write("a.gltf", document.to_string());
+    let width = texels.len() as u32;
+    png::write(&folder.path("a.png"), width, 1, texels.as_flattened(), &[]).unwrap();
+}
+
+#[test]
+fn mirrors_that_textures_make_lose_light_and_are_named() {
+    let folder = Folder::empty();
+    let pane = "shape = { box = { size = [0.1, 1, 1] } }\nmetallic = 1\nroughness = 0";
+    assert!(MIRROR.contains(pane));
+    folder.write("mirror.toml", MIRROR.replace(pane, "gltf = \"a.gltf\""));
+    let (rough, smooth, dark_red) = ([0, 90, 255], [255, 0, 255], [0, 1, 0]);
+    for (texels, factor, is_named) in [
+        (&[rough, smooth, rough][..], 1.0, true),
+        (&[rough, dark_red], 1.0, false),
+        (&[rough, dark_red], 0.0, true),
+    ] {
+        textured_mirror(&folder, texels, factor);
+        for said in [
+            folder.ok(&["plan", "mirror.toml"]),
+            folder.ok(&["render", "mirror.toml", "-o", "b.png"]),
+        ] {
+            let words = "not found by the perfect mirrors \"pane\"";
+            assert_eq!(
+                said.matches(words).count(),
+                usize::from(is_named),
+                "{texels:?}: {said}"
+            );
+        }
     }
 }

@@ -108,6 +108,17 @@ impl Names {
             return Err(refused(option, "two outputs have this name", &help));
         }
         refuse_dangling(option, path)?;
+        // `Path` passes over a slash at the end, and a dot behind it; the system does not.
+        let name = path.to_string_lossy();
+        let name = name.strip_suffix('.').unwrap_or(&name);
+        if name.ends_with(std::path::is_separator) {
+            let what = "this is the name of a directory";
+            return Err(refused(
+                option,
+                what,
+                "leave out what follows the name of the file",
+            ));
+        }
         if path.exists() && !path.is_file() {
             let what = "something that is not a file has this name";
             let help = "name a new file, or one that may be replaced";

@@ -153,6 +153,12 @@ fn outputs_that_cannot_be_written_are_refused_before_any_work() {
             &["-o nodir/x.png", "no directory nodir", "make the directory"],
         ),
         (&["-o", "made.png"], &["-o made.png", "not a file"]),
+        (&["-o", "a.png/"], &["-o a.png/", "name of a directory"]),
+        (&["-o", "a.exr/."], &["-o a.exr/.", "name of a directory"]),
+        (
+            &["--stats-json", "a.json/"],
+            &["a.json/", "name of a directory"],
+        ),
         (
             &["-o", "a.png", "-o", "a.png"],
             &["-o a.png", "two outputs"],

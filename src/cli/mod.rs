@@ -56,7 +56,10 @@ pub fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         // Help and version are no errors, and as long as they are.
-        Err(said) if !said.use_stderr() => said.exit(),
+        Err(said) if !said.use_stderr() => {
+            let text = said.render().ansi().to_string();
+            return failure::outcome(|| print_styled(&text).map(|()| Done::Well));
+        }
         Err(said) => return failure::of_command_line(&said),
     };
     interrupt::install();
@@ -120,11 +123,16 @@ fn with_short_lines(text: &str) -> String {
 /// Prints `text` on standard output. A closed pipe ("nullray info … | head") is not an
 /// error: the work goes on.
 fn print(text: &str) -> Result<()> {
-    let mut out = io::stdout().lock();
-    match out
-        .write_all(harmless(text).as_bytes())
-        .and_then(|()| out.flush())
-    {
+    write_to(io::stdout().lock(), &harmless(text))
+}
+
+/// Prints a text that was made for a terminal on standard output, in colour where that shows it.
+fn print_styled(text: &str) -> Result<()> {
+    write_to(anstream::stdout().lock(), text)
+}
+
+fn write_to(mut out: impl Write, text: &str) -> Result<()> {
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Error::io("standard output", "cannot write")(error))
         }

@@ -82,3 +82,42 @@ fn the_help_has_examples_exit_codes_and_formats() {
         assert!(help.contains(part), "{part} in {help}");
     }
 }
+
+/// What cannot be written to standard output is an error, but for a reader who has seen enough.
+#[cfg(unix)]
+#[test]
+fn texts_that_cannot_be_written_are_an_error() {
+    use std::fs::OpenOptions;
+    use std::process::Stdio;
+
+    let folder = Folder::new();
+    let commands: [&[&str]; 8] = [
+        &["--help"],
+        &["--version"],
+        &["render", "--help"],
+        &["help", "compare"],
+        &["schema"],
+        &["completions", "bash"],
+        &["man"],
+        &["plan", "scene.toml"],
+    ];
+    for arguments in commands {
+        let full = OpenOptions::new().write(true).open("/dev/full");
+        // Other systems than Linux have no such device.
+        let Ok(full) = full else { return };
+        let output = folder.command(arguments).stdout(full).output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.contains("standard output: cannot write"), "{said}");
+
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = folder
+            .command(arguments)
+            .stdout(Stdio::from(writer))
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}");
+        assert_eq!(output.stderr, b"", "{arguments:?}");
+    }
+}

@@ -37,6 +37,16 @@ pub enum Error {
     Cancelled,
 }
 
+/// A number as messages show it: with an exponent where it has more zeros than people count.
+pub(crate) fn number(value: f64) -> impl fmt::Display {
+    fmt::from_fn(move |f| match value.abs() {
+        size if size == 0.0 || !size.is_finite() || (1e-5..1e16).contains(&size) => {
+            write!(f, "{value}")
+        }
+        _ => write!(f, "{value:e}"),
+    })
+}
+
 /// What is wrong with an input: where, what, and what would be right.
 #[derive(Debug)]
 pub struct Problem {

@@ -178,7 +178,9 @@ impl<D: Dimension> Visitor<'_> for MeasureVisitor<D> {
     }
 
     fn visit_f64<E: Error>(self, value: f64) -> Result<Measure<D>, E> {
-        Err(E::custom(Measure::<D>::without_unit(value)))
+        Err(E::custom(Measure::<D>::without_unit(crate::error::number(
+            value,
+        ))))
     }
 
     fn visit_i64<E: Error>(self, value: i64) -> Result<Measure<D>, E> {

@@ -173,7 +173,12 @@ impl Percentage {
 
 impl<D> fmt::Display for Measure<D> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}", self.number, self.unit.symbol)
+        write!(
+            f,
+            "{} {}",
+            crate::error::number(self.number),
+            self.unit.symbol
+        )
     }
 }
 
@@ -184,7 +189,7 @@ impl<D: Dimension> FromStr for Measure<D> {
         let (number, symbol) = split_number(text.trim());
         let number: f64 = number.parse().map_err(|_| not_a_measure::<D>(text))?;
         if symbol.is_empty() {
-            return Err(Self::without_unit(number));
+            return Err(Self::without_unit(crate::error::number(number)));
         }
         let measure = Measure {
             number,

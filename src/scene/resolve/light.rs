@@ -10,7 +10,7 @@ use super::motion::{self, Moving};
 use super::mover::{Mover, only_one_way};
 use super::{object, path, spectrum};
 use crate::colour::Continuation;
-use crate::error::Result;
+use crate::error::{Result, number};
 use crate::scene::at::At;
 use crate::scene::file::{self, LightType};
 use crate::scene::model::{
@@ -81,7 +81,7 @@ fn kind(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<LightKind
     let index = around.index;
     let moves = !lamp.velocity.is_rest() || lamp.motion != Motion::Inertial;
     if index != 1.0 && moves {
-        let what = format!("this lamp moves in a medium of index {index}");
+        let what = format!("this lamp moves in a medium of index {}", number(index));
         return Err(cx.report.refuse(&span(at), what, ALL_IN_VACUUM));
     }
     Ok(LightKind::Lamp(Box::new(lamp)))
@@ -431,8 +431,11 @@ fn train(cx: &Context, train: &file::PulseTrain) -> Result<EmissionProfile> {
     let sigma = cx.duration(&train.sigma, "`sigma`")?;
     let period = cx.duration(&train.period, "`period`")?;
     if period < sigma {
-        let what =
-            format!("a period of {period} m is below σ = {sigma} m: the pulses run together");
+        let what = format!(
+            "a period of {} m is below σ = {} m: the pulses run together",
+            number(period),
+            number(sigma)
+        );
         return Err(cx.refuse(
             &train.period,
             what,

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::context::Context;
 use super::mover::{HELP, Mover};
 use super::{path, velocity, worldline};
-use crate::error::Result;
+use crate::error::{Result, number};
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::Motion;
@@ -171,7 +171,11 @@ fn profile(cx: &Context, mover: &Mover, at: &At<Vec<At<file::ProfileKnot>>>) -> 
         && (first > 0.0 || last < 0.0)
     {
         let (noun, position) = (mover.noun, mover.position.1);
-        let what = format!("this profile, from {first} m to {last} m, leaves out {noun} time 0");
+        let what = format!(
+            "this profile, from {} m to {} m, leaves out {noun} time 0",
+            number(first),
+            number(last)
+        );
         let help = format!(
             "`{position}` and `velocity` are those at {noun} time 0: let the profile begin there, or before"
         );

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::context::Context;
-use crate::error::Result;
+use crate::error::{Result, number};
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::values::Vector;
@@ -64,7 +64,7 @@ pub(super) fn slower() -> &'static str {
 pub(super) fn beta(speed: f64) -> String {
     let rounded: f64 = format!("{speed:.5e}").parse().unwrap_or(speed);
     match rounded > 1.0 {
-        true => rounded.to_string(),
-        false => speed.to_string(),
+        true => number(rounded).to_string(),
+        false => number(speed).to_string(),
     }
 }

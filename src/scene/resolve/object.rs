@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::context::{Context, GLTF, NUMBERS};
 use super::{shape, spectrum, transform, velocity};
 use crate::colour::{Continuation, Spectrum};
-use crate::error::Result;
+use crate::error::{Result, number};
 use crate::mesh::MOST_INDEX;
 use crate::scene::at::At;
 use crate::scene::file;
@@ -180,7 +180,7 @@ fn part(cx: &Context, at: &Option<At<Number>>, key: &str, default: f32) -> Resul
     match at.value.0 {
         part if (0.0..=1.0).contains(&part) => Ok(part as f32),
         part => {
-            let what = format!("`{key}` is {part}, which is not from 0 to 1");
+            let what = format!("`{key}` is {}, which is not from 0 to 1", number(part));
             Err(cx.refuse(at, what, format!("give `{key}` from 0 to 1, like 0.3")))
         }
     }
@@ -193,7 +193,10 @@ fn ior(cx: &Context, at: &Option<At<Number>>) -> Result<f32> {
         None => Ok(1.5),
         Some((_, ior)) if (1.0..=f64::from(MOST_INDEX)).contains(&ior) => Ok(ior as f32),
         Some((at, ior)) => {
-            let what = format!("`ior` is {ior}, which is not from 1 to {MOST_INDEX}");
+            let what = format!(
+                "`ior` is {}, which is not from 1 to {MOST_INDEX}",
+                number(ior)
+            );
             Err(cx.refuse(at, what, "give a refractive index, like 1.5"))
         }
     }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::context::{ABOVE, BELOW, Context};
 use super::mover::{Mover, beta, slower};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, number};
 use crate::scene::at::At;
 use crate::scene::file::{Animation, Circle, Keyframe};
 use crate::scene::model::Motion;
@@ -66,9 +66,11 @@ pub(super) fn animation(cx: &Context, at: &At<Animation>) -> Result<Motion> {
             continue;
         }
         let what = format!(
-            "node {:?} moves at |β| = {} between {from} s and {to} s of its animation",
+            "node {:?} moves at |β| = {} between {} s and {} s of its animation",
             node.value,
-            self::beta(beta)
+            self::beta(beta),
+            number(from),
+            number(to)
         );
         return Err(cx.refuse(node, what, slower()));
     }
@@ -112,7 +114,9 @@ fn slower_than_light(
         }
         let beta = self::beta(distance / time);
         let what = format!(
-            "this keyframe is {distance} m from the one before, and {time} m of time after it: |β| = {beta}"
+            "this keyframe is {} m from the one before, and {} m of time after it: |β| = {beta}",
+            number(distance),
+            number(time)
         );
         let other = (&first.value.position.span, "the one before");
         let span = &second.value.position.span;
@@ -186,7 +190,11 @@ fn rate(cx: &Context, at: &At<Circle>) -> Result<f64> {
 
 /// The refusal of a circle on which β = |ω| r is not below 1.
 fn too_fast(cx: &Context, at: &At<Circle>, radius: f64, beta: f64) -> Error {
-    let what = format!("on this circle, {radius} m around the axis, |β| = {beta} is not below 1");
+    let what = format!(
+        "on this circle, {} m around the axis, |β| = {} is not below 1",
+        number(radius),
+        number(beta)
+    );
     let Circle { period, rate, .. } = &at.value;
     match (period, rate) {
         (Some(period), _) => {

@@ -5,7 +5,7 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use super::context::Context;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, number};
 use crate::scene::at::At;
 use crate::scene::file::{Camera, Capture, GivenPose, PoseConvention};
 use crate::scene::inputs::Pose;
@@ -161,7 +161,10 @@ fn rotation_and_translation(cx: &Context, at: &At<GivenPose>) -> Result<(DMat3, 
             let length = rotation.length();
             let is_unit = (length - 1.0).abs() < TOLERANCE;
             if !is_unit {
-                let what = format!("a quaternion of length {length} is not a rotation");
+                let what = format!(
+                    "a quaternion of length {} is not a rotation",
+                    number(length)
+                );
                 return Err(cx.refuse(at, what, "give a unit quaternion [w, x, y, z]"));
             }
             let rotation = DMat3::from_quat(rotation.normalize());

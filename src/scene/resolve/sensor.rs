@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::context::{BELOW, Context};
 use super::pose;
-use crate::error::Result;
+use crate::error::{Result, number};
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{
@@ -152,8 +152,10 @@ fn refuse_rotation(
     }
     let rate = &at.value.rate;
     let what = format!(
-        "the farthest corner of the sensor, {radius} m from the axis, would move at |ΩR| = {speed}, not \
-         below the speed of light"
+        "the farthest corner of the sensor, {} m from the axis, would move at |ΩR| = {}, not \
+         below the speed of light",
+        number(radius),
+        number(speed)
     );
     let largest = rate.value.scaled(BELOW / speed);
     Err(cx.refuse(rate, what, format!("the largest rate is {largest}")))
@@ -209,9 +211,10 @@ fn refuse_horizon(
     };
     let (a, length) = (a.length(), &at.value.focal_length);
     let what = format!(
-        "at a proper acceleration of {a} /m a rigid body ends {} m behind its pinhole, and this sensor \
+        "at a proper acceleration of {} /m a rigid body ends {} m behind its pinhole, and this sensor \
          reaches farther",
-        1.0 / a
+        number(a),
+        number(1.0 / a)
     );
     let help = "give a shorter focal length, a weaker acceleration, or assembly = \"bell\"";
     let other = (&motion.span, "the acceleration");

@@ -1,7 +1,7 @@
 //! Medium, effects, outside data, display.
 
 use super::context::Context;
-use crate::error::Result;
+use crate::error::{Result, number};
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{
@@ -17,7 +17,10 @@ pub(super) fn medium_index(cx: &Context, medium: &file::Medium) -> Result<f64> {
     if index >= 1.0 {
         return Ok(index);
     }
-    let what = format!("a refractive index of {index} is below 1, that of vacuum");
+    let what = format!(
+        "a refractive index of {} is below 1, that of vacuum",
+        number(index)
+    );
     Err(cx.refuse(
         &medium.index,
         what,

@@ -1,7 +1,7 @@
 //! Built-in shapes.
 
 use super::context::Context;
-use crate::error::Result;
+use crate::error::{Result, number};
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::Shape;
@@ -67,7 +67,11 @@ fn lattice_shape(cx: &Context, lattice: &file::Lattice) -> Result<Shape> {
     let spacing = cx.positive(&lattice.spacing, "`spacing`")?;
     let bar = cx.positive(&lattice.bar, "`bar`")?;
     if bar >= spacing {
-        let what = format!("a bar of {bar} m fills the whole cell of {spacing} m");
+        let what = format!(
+            "a bar of {} m fills the whole cell of {} m",
+            number(bar),
+            number(spacing)
+        );
         let help = "`bar` is the thickness of the wires, below `spacing`";
         let other = (&lattice.spacing.span, "the cell");
         return Err(cx.report.refuse_two(&lattice.bar.span, other, what, help));

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::context::Context;
 use super::{binding, object, pose, radiance};
-use crate::error::Result;
+use crate::error::{Result, number};
 use crate::io::cube::{Axes, Channels, FORMATS, is_picture, is_sequence, is_zarr};
 use crate::scene::at::At;
 use crate::scene::file;
@@ -541,7 +541,11 @@ fn near_clip(cx: &Context, camera: &file::Capture) -> Result<f64> {
     let near = at.value.0;
     if !(0.0..=LARGEST).contains(&near) {
         let help = "`near_clip` is the depth of the near plane in metres, at least 0, like 0.01";
-        return Err(cx.refuse(at, format!("a near plane at a depth of {near} m"), help));
+        return Err(cx.refuse(
+            at,
+            format!("a near plane at a depth of {} m", number(near)),
+            help,
+        ));
     }
     perspective_only(cx, camera, at, "a near plane")?;
     Ok(near)

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::context::Context;
 use super::mover::{Mover, beta, slower};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, number};
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::CameraModel;
@@ -21,13 +21,15 @@ pub(super) fn refusal(cx: &Context, mover: &Mover, error: &WorldLineError) -> Er
     match *error {
         WorldLineError::TooFast { proper_time, .. } => {
             let what = format!(
-                "this acceleration leads beyond rapidity {MAX_RAPIDITY} near {proper_time} m of the {noun}'s time"
+                "this acceleration leads beyond rapidity {MAX_RAPIDITY} near {} m of the {noun}'s time",
+                number(proper_time)
             );
             cx.report.refuse(here, what, WEAKER)
         }
         WorldLineError::TooLong { proper_time, .. } => {
             let what = format!(
-                "this acceleration is too strong to be followed beyond {proper_time} m of the {noun}'s time"
+                "this acceleration is too strong to be followed beyond {} m of the {noun}'s time",
+                number(proper_time)
             );
             cx.report.refuse(here, what, WEAKER)
         }
@@ -35,15 +37,17 @@ pub(super) fn refusal(cx: &Context, mover: &Mover, error: &WorldLineError) -> Er
             let node = animated(mover).map_or("", |animation| &animation.node.value);
             let seconds = ct / cx.speed_of_light;
             let what = format!(
-                "the smooth path of node {node:?} moves at |β| = {} at {seconds} s of its animation",
-                beta(speed)
+                "the smooth path of node {node:?} moves at |β| = {} at {} s of its animation",
+                beta(speed),
+                number(seconds)
             );
             cx.report.refuse(here, what, slower())
         }
         WorldLineError::Superluminal { index, ct, speed } => {
             let what = format!(
-                "the curve from the keyframe before to this one moves at |β| = {} at world time {ct} m",
-                beta(speed)
+                "the curve from the keyframe before to this one moves at |β| = {} at world time {} m",
+                beta(speed),
+                number(ct)
             );
             let help = "give more time or less distance between them, or gentler turns: nothing moves as fast as light";
             let there = span(Some(index + 1)).unwrap_or(here);
@@ -100,7 +104,11 @@ fn outside(line: &WorldLine, time: f64) -> Option<(&'static str, String)> {
     if line.state(time).is_some() {
         return None;
     }
-    let lifetime = format!("the world line goes from {first} m to {last} m of the camera's time");
+    let lifetime = format!(
+        "the world line goes from {} m to {} m of the camera's time",
+        number(first),
+        number(last)
+    );
     Some(match time {
         _ if time < first => ("before the camera's world line does", lifetime),
         _ if time > last => ("after the camera's world line has ended", lifetime),

@@ -115,6 +115,12 @@ fn wrong_overrides_are_refused() {
         ("camera.hfov=60", "has no unit"),
         ("camera.eye=[1,2", "not a TOML value"),
         ("camera..eye=1", "not a dotted key"),
+        (
+            "camera.hfov=\"1e-300 rad\"",
+            "a field of view of 1e-300 rad is",
+        ),
+        ("camera.hfov=1e-300", "the number 1e-300 has no unit"),
+        ("medium.index=2e-20", "a refractive index of 2e-20 is"),
         ("object.9.velocity.beta=0.5", "there is no object"),
     ];
     for (set, part) in cases {

@@ -184,7 +184,7 @@ impl Kind {
             [b'I', b'I', 42, 0, ..] | [b'M', b'M', 0, 42, ..] => Ok(Kind::Frame("TIFF picture")),
             start => match extension {
                 _ if let Some(format) = format_of(start, path) => Ok(Kind::Array(format)),
-                "gltf" | "glb" => Ok(Kind::Gltf),
+                "gltf" | "glb" | "json" => Ok(Kind::Gltf),
                 "exr" => Ok(Kind::Exr),
                 "png" => Ok(Kind::Png),
                 "hdr" => Ok(Kind::Frame("Radiance HDR picture")),

@@ -47,7 +47,7 @@ pub(super) fn read(storage: &mut dyn Storage, length: u64, file: &Path) -> Resul
     Err(Error::invalid(
         file,
         "",
-        "this is neither a GLB file (which starts with \"glTF\") nor JSON",
+        "this is neither a GLB file (which starts with \"glTF\") nor JSON of glTF (which starts with \"{\")",
         "export the model as glTF 2.0, .glb or .gltf",
     ))
 }

@@ -5,6 +5,8 @@ use std::io::{BufReader, Cursor};
 use std::path::{Path, PathBuf};
 
 use ::gltf::json::{self, Root};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use super::container::{self, Storage};
 use crate::io::open::open_regular;
@@ -55,11 +57,8 @@ impl<'a> Document<'a> {
 
     fn parse(mut storage: Box<dyn Storage + 'a>, length: u64, file: &Path) -> Result<Self> {
         let container = container::read(&mut *storage, length, file)?;
-        let root = Root::from_slice(&container.json).map_err(|error| {
-            let help = "the file must be glTF 2.0; a validator of glTF tells more, and exporting \
-                        the model again often helps";
-            Error::invalid(file, "JSON", error.to_string(), help)
-        })?;
+        let root = Root::from_slice(&container.json)
+            .map_err(|error| unreadable(&container.json, &error, file))?;
         let document = Document {
             file: file.to_path_buf(),
             directory: None,
@@ -159,6 +158,28 @@ impl<'a> Document<'a> {
     ) -> Error {
         Error::unsupported(&self.file, place, what, help)
     }
+}
+
+/// What is wrong with a JSON that is not read as glTF.
+fn unreadable(text: &[u8], error: &json::Error, file: &Path) -> Error {
+    // Of a JSON of any size, no more than this is kept.
+    #[derive(Deserialize)]
+    struct Head {
+        asset: Option<Asset>,
+    }
+    #[derive(Deserialize)]
+    struct Asset {
+        version: Option<IgnoredAny>,
+    }
+    let head = json::deserialize::from_slice::<Head>(text);
+    if head.is_ok_and(|head| head.asset.is_none_or(|asset| asset.version.is_none())) {
+        let what = "this JSON is not glTF: it has no `asset` with the version of glTF that it is written in";
+        let help =
+            "give a .gltf or .glb file of glTF 2.0, which has \"asset\": {\"version\": \"2.0\"}";
+        return Error::invalid(file, "JSON", what, help);
+    }
+    let help = "the file must be glTF 2.0; a validator of glTF tells more, and exporting the model again often helps";
+    Error::invalid(file, "JSON", error.to_string(), help)
 }
 
 /// `kind 7 "name"`, or `kind 7` where there is no name.

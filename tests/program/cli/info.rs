@@ -371,6 +371,42 @@ fn files_of_other_kinds_and_broken_ones_are_refused() {
 }
 
 #[test]
+fn a_json_that_is_no_gltf_is_told_what_it_lacks() {
+    let folder = Folder::empty();
+    for (name, text) in [
+        ("a.json", "{\"a\": 1}"),
+        ("b.gltf", "{}"),
+        ("c.json", "{\"asset\": {\"generator\": \"none\"}}"),
+    ] {
+        folder.write(name, text);
+        let run = folder.run(&["info", name]);
+        assert_eq!(run.code, 2, "{name}");
+        for words in [
+            name,
+            "not glTF: it has no `asset` with the version",
+            "\"asset\": {\"version\": \"2.0\"}",
+        ] {
+            assert!(run.message().contains(words), "{words}: {}", run.stderr);
+        }
+    }
+    // Of what is glTF and broken, and of what is no JSON, that is said.
+    for (name, text, words) in [
+        (
+            "d.json",
+            "{\"asset\": {\"version\": \"2.0\"}, \"nodes\": 3}",
+            "expected a sequence",
+        ),
+        ("e.json", "{\"a\":", "EOF while parsing"),
+        ("f.json", "[1]", "neither a GLB file"),
+    ] {
+        folder.write(name, text);
+        let run = folder.run(&["info", name]);
+        assert_eq!(run.code, 2, "{name}");
+        assert!(run.message().contains(words), "{words}: {}", run.stderr);
+    }
+}
+
+#[test]
 fn every_invalid_file_of_the_tests_gets_an_answer() {
     let folder = Folder::empty();
     for entry in fs::read_dir(repository("tests/data/invalid")).unwrap() {

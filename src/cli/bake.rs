@@ -11,6 +11,7 @@ use nullray::render::journal::Journal;
 use nullray::render::metadata;
 use nullray::render::plan::{Lit, Plan, Request, lit_by};
 use nullray::render::prepare::Prepared;
+use nullray::render::progress::Progress;
 use nullray::scene::model::{CubeBacks, Scene};
 use nullray::{Error, Result};
 
@@ -86,7 +87,6 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
     // A journal is gone on with only where all that it depends on is the same.
     let inputs = Inputs::read(read.get(1..).unwrap_or_default());
     let identity = Identity::new(&scene, &request, &Outputs::default(), &inputs);
-    interrupt::can_resume("run the same command again to resume");
     let quiet = arguments.work.quiet.on;
     in_pool(arguments.work.threads.count, || {
         let samples = u64::from(plan.film.samples);
@@ -97,7 +97,9 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
         for job in &jobs {
             let what = format!("baked {:?} {bins:?} {}", job.surface, plan.film.samples);
             let journal = Journal::open(&job.unfinished(), &identity.of_sums(&what))?;
+            interrupt::can_resume(ANEW);
             if journal.found() > 0 {
+                interrupt::can_resume(RESUME);
                 say(quiet, &format!("resuming {}\n", job.path.display()))?;
             }
             if journal.forgot() {
@@ -108,10 +110,10 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
                 );
                 warn(quiet, &[text])?;
             }
-            let kept = Some(&journal);
+            let (kept, bar) = (Some(&journal), &Kept(&bar));
             let baked = match &job.surface {
-                None => bake::camera_cube(&scene, &prepared, &bins, kept, &bar),
-                Some(surface) => bake::surface_cube(&scene, &prepared, surface, &bins, kept, &bar),
+                None => bake::camera_cube(&scene, &prepared, &bins, kept, bar),
+                Some(surface) => bake::surface_cube(&scene, &prepared, surface, &bins, kept, bar),
             };
             // Parts of what is refused are of no use.
             let baked = match baked {
@@ -129,6 +131,24 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
         }
         warn(quiet, &prepared.warnings)
     })
+}
+
+/// What is said of work that is stopped once a part of it is kept, and before.
+const RESUME: &str = "run the same command again to resume";
+const ANEW: &str = "no part was finished: the same command starts anew";
+
+/// Rays are done once the part that they are of is kept, with which the work can be resumed.
+struct Kept<'a>(&'a Bar);
+
+impl Progress for Kept<'_> {
+    fn rays_done(&self, rays: u64) {
+        interrupt::can_resume(RESUME);
+        self.0.rays_done(rays);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.0.is_cancelled()
+    }
 }
 
 fn bins(arguments: &BakeArguments, scene: &Scene) -> Result<Bins> {

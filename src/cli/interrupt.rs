@@ -5,8 +5,8 @@
 //! once the flag is set ([`check`]).
 
 use std::io::IsTerminal;
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use nullray::io::temporary;
@@ -23,8 +23,8 @@ const MESSAGE: &str = "nullray: stopped; no unfinished file is left\n";
 const PATIENCE: Duration = Duration::from_millis(600);
 
 static STOPPING: AtomicBool = AtomicBool::new(false);
-/// What to do to resume the work, where it can be resumed.
-static RESUME: OnceLock<&'static str> = OnceLock::new();
+/// What becomes of the work when it is begun again, where there is something to say.
+static AGAIN: Mutex<Option<&'static str>> = Mutex::new(None);
 
 /// Handles signals from now on.
 pub fn install() {
@@ -45,14 +45,14 @@ fn stop() {
     std::process::exit(CODE.into());
 }
 
-/// Notes how the work can be resumed after it was stopped; the first note counts.
+/// Notes how the work can be resumed after it was stopped, or that it cannot be; the last note counts.
 pub fn can_resume(how: &'static str) {
-    let _ = RESUME.set(how);
+    *AGAIN.lock().unwrap_or_else(PoisonError::into_inner) = Some(how);
 }
 
 /// The message when everything has stopped.
 pub fn message() -> String {
-    match RESUME.get() {
+    match *AGAIN.lock().unwrap_or_else(PoisonError::into_inner) {
         Some(how) => format!("{MESSAGE}{how}\n"),
         None => MESSAGE.into(),
     }

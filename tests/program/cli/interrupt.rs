@@ -8,6 +8,20 @@ use super::{Folder, SMALL};
 
 /// Sends `signal` after `delay` to a rendering; how long it then took to end.
 fn stopped(folder: &Folder, arguments: &[&str], signal: &str, delay: Duration) -> Duration {
+    let (took, said) = stopped_saying(folder, arguments, signal, delay);
+    assert_eq!(said, STOPPED);
+    took
+}
+
+const STOPPED: &str = "nullray: stopped; no unfinished file is left\n";
+
+/// The same, and what was said.
+fn stopped_saying(
+    folder: &Folder,
+    arguments: &[&str],
+    signal: &str,
+    delay: Duration,
+) -> (Duration, String) {
     let child = folder
         .command(arguments)
         .stdout(Stdio::piped())
@@ -28,9 +42,8 @@ fn stopped(folder: &Folder, arguments: &[&str], signal: &str, delay: Duration) -
     let took = start.elapsed();
     assert_eq!(output.status.code(), Some(130), "{signal} after {delay:?}");
     let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(said, "nullray: stopped; no unfinished file is left\n");
     assert_eq!(output.stdout, b"");
-    took
+    (took, said)
 }
 
 /// A second is the promise; the rest is for machines that run other tests meanwhile.
@@ -72,6 +85,65 @@ fn passes_that_are_stopped_before_anything_is_saved_do_not_say_that_something_is
     // `stopped` compares all that is said.
     stopped(&folder, &arguments, "-INT", Duration::from_millis(1200));
     assert_eq!(folder.names(), ["scene.toml"]);
+}
+
+/// A floor and a flash.
+const LIT: &str = r#"
+[camera]
+eye = [0, 2, 4]
+look_at = [0, 0, 0]
+size = [16, 16]
+[[object]]
+name = "floor"
+shape = { plane = { size = [4, 4] } }
+[[light]]
+position = [0.5, 1.5, 0]
+emission = { gaussian = { sigma = "30 cm" } }
+"#;
+
+#[test]
+fn a_bake_that_is_stopped_can_be_resumed_once_a_part_is_kept_and_says_so_then_alone() {
+    let folder = Folder::empty();
+    folder.write("lit.toml", LIT);
+    // A row of texels, or a tile of pixels, takes more than some seconds.
+    let bins = ["--bin-width=10 cm", "--bins=100", "-o=a.npz"];
+    let bake = [&["bake", "lit.toml"], &bins[..]].concat();
+    for options in [
+        ["--spp=65536", "--texels=20000x2"],
+        ["--spp=65536", "--camera"],
+    ] {
+        let arguments = [&bake[..], &options].concat();
+        let (_, said) = stopped_saying(&folder, &arguments, "-INT", Duration::from_millis(1200));
+        let anew = format!("{STOPPED}no part was finished: the same command starts anew\n");
+        assert_eq!(said, anew);
+        assert_eq!(folder.names(), ["lit.toml"]);
+    }
+    // Rows that are soon done, and very many of them.
+    let arguments = [&bake[..], &["--spp=64", "--texels=16x40000"]].concat();
+    let child = folder
+        .command(&arguments)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let kept = || std::fs::metadata(folder.path("a.npz.parts")).map_or(0, |file| file.len());
+    let start = Instant::now();
+    // Several parts of 16 texels with 100 bins.
+    while kept() < 100_000 && start.elapsed() < Duration::from_secs(120) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(
+        said,
+        format!("{STOPPED}run the same command again to resume\n")
+    );
+    assert_eq!(folder.names(), ["a.npz.parts", "lit.toml"]);
 }
 
 #[test]

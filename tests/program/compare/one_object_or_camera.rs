@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use nullray::scene::{self, Overrides};
-use nullray::validate::compare::{CompareOptions, Kind, Picture, compare};
+use nullray::validate::compare::{CompareOptions, Diagnosis, Kind, Picture, compare};
 
 use crate::compare::planting::{
     LIGHT, SCENE, diagnosed, exact, map, named, only, parsed, shot, taken, unknown, values, with,
@@ -250,4 +250,96 @@ fn missing_shadows_are_named_and_no_missing_object() {
         &["shadows are missing"],
         &diagnosed(&right, &wrong),
     );
+}
+
+/// Three objects of as many velocities above a floor, some of which hide parts of others.
+const SEVERAL: &str = r#"
+    camera = { eye = [2.1, 1.9, 3.7], look_at = [0.2, 0.5, -0.4], up = [0.2, 1, 0.1], hfov = "75 deg", size = [180, 110], velocity = { beta = [-0.35, 0.1, -0.4] }, clock_zero = "3 m", time = "0.7 m" }
+    [[object]]
+    shape = { plane = { size = [14, 10] } }
+    [[object]]
+    shape = { box = { size = [1, 0.8, 1.3] } }
+    transform = { rotate = { axis = [0, 1, 0], angle = "25 deg" } }
+    velocity = { beta = [0.6, 0, 0.3] }
+    origin = { position = [-0.6, 0.5, 0], time = "0 m" }
+    [[object]]
+    shape = { sphere = { radius = 0.6, subdivisions = 3 } }
+    velocity = { beta = [-0.4, 0.2, -0.5] }
+    origin = { position = [1.2, 0.6, -1], time = "0.5 m" }
+    [[object]]
+    shape = { box = { size = [0.3, 2, 0.3] } }
+    velocity = { beta = [0, 0, -0.7] }
+    origin = { position = [0.4, 1, 0.3], time = "-1 m" }
+"#;
+
+/// That scene with replacements, as its pixels' objects and events alone say.
+fn several(replaced: &[(&str, &str)], pixel_centers: bool) -> Picture {
+    let text = replaced
+        .iter()
+        .fold(SEVERAL.to_string(), |text, (from, to)| {
+            assert!(text.contains(from), "{from}");
+            text.replace(from, to)
+        });
+    let mut scene = parsed(&text);
+    scene.samples_per_pixel = 16;
+    only(
+        &unknown_shot(&taken(&scene, pixel_centers)),
+        &["object", "event"],
+    )
+}
+
+#[test]
+fn missing_and_reversed_velocities_are_named_by_events_where_objects_show_other_sides() {
+    let right = shot(&parsed(SEVERAL));
+    for (object, [beta, reversed], words) in [
+        (
+            1,
+            ["[0.6, 0, 0.3]", "[-0.6, 0, -0.3]"],
+            "(0.6000, 0.0000, 0.3000)",
+        ),
+        (
+            2,
+            ["[-0.4, 0.2, -0.5]", "[0.4, -0.2, 0.5]"],
+            "(-0.4000, 0.2000, -0.5000)",
+        ),
+        (
+            3,
+            ["[0, 0, -0.7]", "[0, 0, 0.7]"],
+            "(0.0000, 0.0000, -0.7000)",
+        ),
+    ] {
+        for centres in [true, false] {
+            let at_rest = several(&[(beta, "[0, 0, 0]")], centres);
+            let missing = format!("the velocity of object {object} is missing");
+            let should_be = format!("should be those of β = {words}");
+            let found = diagnosed(&right, &at_rest);
+            named(Kind::VelocityMissing, &[&missing, &should_be], &found);
+        }
+        let backwards = several(&[(beta, reversed)], true);
+        let words = format!("the velocity of object {object} is reversed");
+        named(
+            Kind::VelocityWrong,
+            &[&words],
+            &diagnosed(&right, &backwards),
+        );
+    }
+}
+
+#[test]
+fn events_of_right_pictures_and_of_objects_elsewhere_are_no_missing_velocities() {
+    let right = shot(&parsed(SEVERAL));
+    assert_eq!(diagnosed(&right, &several(&[], false)), []);
+    // Half of a velocity is none of those that are named.
+    let slower = several(&[("[0.6, 0, 0.3]", "[0.3, 0, 0.15]")], true);
+    let is_velocity =
+        |d: &Diagnosis| [Kind::VelocityMissing, Kind::VelocityWrong].contains(&d.kind);
+    assert!(!diagnosed(&right, &slower).iter().any(is_velocity));
+    for (place, moved) in [
+        ("[-0.6, 0.5, 0]", "[-0.6, 0.9, 0.4]"),
+        ("[1.2, 0.6, -1]", "[0.9, 1.1, -1]"),
+    ] {
+        let kinds = |found: Vec<Diagnosis>| found.iter().map(|d| d.kind).collect::<Vec<_>>();
+        let found = kinds(diagnosed(&right, &several(&[(place, moved)], true)));
+        assert_eq!(found, [Kind::ObjectElsewhere], "{place}");
+    }
 }

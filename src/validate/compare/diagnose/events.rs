@@ -3,15 +3,18 @@
 //! Such an event does not say which point of a moving object it belongs to, but in the object's frame all of them lie on
 //! its surface: p = Λ(β)(E − O). Where a candidate has taken another velocity, they do so in the frame of that velocity.
 //! The surface is that of the reference's points. Where other objects hide it, nothing is known of it; and as the two pictures
-//! may show different sides of an object, velocities are told apart by the boxes around all points.
+//! may show different sides of an object, velocities are told apart by the boxes around all points, and where these do not tell, as of
+//! objects that are partly hidden, by what the scene shows of the object alone with the other velocity.
 
 use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec3;
 
+use super::super::known::Change;
 use super::super::picture::Plane;
 use super::super::points::place;
-use super::motion::FEWEST;
+use super::motion::{FEWEST, in_words};
+use super::rendered;
 use super::{Case, Diagnosis, Kind, time};
 use crate::render::aov::Aov;
 use crate::spacetime::{Event, InertialFrame, Rest, Velocity};
@@ -24,6 +27,10 @@ const OFF_BY_VELOCITY: f64 = 0.1;
 /// velocity has to leave this part of what the right one does.
 const SAME_BOX: f64 = 0.05;
 const NEARER: f64 = 0.3;
+/// The part of an object's points that may be elsewhere than in a picture of it, rims left out: means over pixels at creases.
+const UNLIKE: f64 = 0.02;
+/// Of no more objects pictures are made.
+const MOST_OBJECTS: usize = 8;
 
 /// Objects whose events are those of another velocity, and objects whose events are not on the surface that the reference
 /// shows; for candidates that say of events of the world alone. Wrong times put all that moves elsewhere, and are said by themselves.
@@ -48,40 +55,54 @@ pub(super) fn elsewhere(case: &Case) -> Vec<Diagnosis> {
     }
     let enough = |pixels: &[Vec<usize>; 2]| pixels.iter().all(|pixels| pixels.len() >= FEWEST);
     let found = pixels.iter().filter(|(_, pixels)| enough(pixels));
+    let mut left = MOST_OBJECTS;
     found
-        .filter_map(|(object, pixels)| off_surface(case, *object, pixels))
+        .filter_map(|(object, pixels)| off_surface(case, *object, pixels, &mut left))
         .collect()
 }
 
-/// Of the candidate's pixels of an object, those whose points the reference would show, were they on its surface: those at which
-/// it shows the object, too, or what is farther away (light from there left earlier), or nothing. Where something nearer hides
-/// the object, it says nothing; and pixels at the object's rim may be means of several surfaces.
-fn told(case: &Case, object: usize, in_c: &[usize]) -> Vec<usize> {
-    let [r, c] = &case.points;
-    let [width, height] = r.size();
-    let times = case.pair.map(|p| Plane::aov(&p.layers, Aov::EventCt));
-    let is_nearer = |i: usize| match times {
-        [Some(r), Some(c)] => c.at(i) > r.at(i),
-        _ => false,
-    };
+/// Of an object's pixels, those that show nothing else around them: pixels at its rim may be means of several surfaces.
+fn inside(
+    [width, height]: [usize; 2],
+    pixels: &[usize],
+    is_there: impl Fn(usize) -> bool,
+) -> Vec<usize> {
     let is_inside = |i: usize| {
         let (x, y) = (i % width, i / width);
         let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
         rows.into_iter().all(|y| {
             let mut row = x.saturating_sub(1)..=(x + 1).min(width - 1);
-            row.all(|x| c.object_at(y * width + x) == Some(object as f64))
+            row.all(|x| is_there(y * width + x))
         })
+    };
+    pixels.iter().copied().filter(|i| is_inside(*i)).collect()
+}
+
+/// Of these pixels, those whose points the reference would show, were they on the object's surface: those at which
+/// it shows the object, too, or what is farther away (light from there left earlier), or nothing. Where something nearer hides
+/// the object, it says nothing.
+fn told(case: &Case, object: usize, inside: &[usize]) -> Vec<usize> {
+    let r = &case.points[0];
+    let times = case.pair.map(|p| Plane::aov(&p.layers, Aov::EventCt));
+    let is_nearer = |i: usize| match times {
+        [Some(r), Some(c)] => c.at(i) > r.at(i),
+        _ => false,
     };
     let is_told = |i: usize| match r.object_at(i) {
         Some(id) if id == object as f64 => true,
         Some(id) => id < 0.0 || is_nearer(i),
         None => false,
     };
-    let inside = in_c.iter().copied().filter(|i| is_inside(*i));
-    inside.filter(|i| is_told(*i)).collect()
+    inside.iter().copied().filter(|i| is_told(*i)).collect()
 }
 
-fn off_surface(case: &Case, object: usize, [in_r, in_c]: &[Vec<usize>; 2]) -> Option<Diagnosis> {
+/// What is wrong with an object; pictures are made of it while any are left.
+fn off_surface(
+    case: &Case,
+    object: usize,
+    [in_r, in_c]: &[Vec<usize>; 2],
+    left: &mut usize,
+) -> Option<Diagnosis> {
     let frame = case.known.and_then(|known| known.frame(object));
     let velocity = frame.map_or(Velocity::REST, InertialFrame::velocity);
     let own = |which: usize, velocity: Velocity| {
@@ -98,36 +119,20 @@ fn off_surface(case: &Case, object: usize, [in_r, in_c]: &[Vec<usize>; 2]) -> Op
             Some(frame.event_from_world(event).x)
         }
     };
-    let surface = Cloud::of(in_r, case.points[0].size(), own(0, velocity));
-    let with_velocity = another_velocity(&surface, in_r, in_c, velocity, own);
-    if let Some((part, reversed, [is, left])) = with_velocity {
-        let (kind, what) = match reversed {
-            false => (
-                Kind::VelocityMissing,
-                format!(
-                    "the velocity of object {object} is missing: its events are those of its rest"
-                ),
-            ),
-            true => (
-                Kind::VelocityWrong,
-                format!(
-                    "the velocity of object {object} is reversed: its events are those of −β for β"
-                ),
-            ),
-        };
-        let evidence = vec![
-            (PART_OFF, part),
-            ("the box around its points is off by (m)", is),
-            ("and with that velocity by (m)", left),
-            ("beta", velocity.beta().length()),
-        ];
-        return Some(Diagnosis {
-            kind,
-            what,
-            evidence,
-        });
+    let size = case.points[0].size();
+    let surface = Cloud::of(in_r, size, own(0, velocity));
+    if let Some((reversed, evidence)) = by_boxes(&surface, in_r, in_c, velocity, own) {
+        return Some(other_velocity(object, velocity, reversed, evidence));
     }
-    let part = surface.part_off(&told(case, object, in_c), own(1, velocity))?;
+    let is_there = |i: usize| case.points[1].object_at(i) == Some(object as f64);
+    let inside = inside(size, in_c, is_there);
+    let part = surface.part_off(&told(case, object, &inside), own(1, velocity))?;
+    if !velocity.is_rest() && part > OFF_BY_VELOCITY && *left > 0 {
+        *left -= 1;
+        if let Some((reversed, evidence)) = by_pictures(case, object, &inside) {
+            return Some(other_velocity(object, velocity, reversed, evidence));
+        }
+    }
     (part > OFF_SURFACE).then(|| Diagnosis {
         kind: Kind::ObjectElsewhere,
         what: format!(
@@ -138,17 +143,47 @@ fn off_surface(case: &Case, object: usize, [in_r, in_c]: &[Vec<usize>; 2]) -> Op
     })
 }
 
+/// What is said of an object whose events are those of its rest, or of the opposite velocity.
+fn other_velocity(
+    object: usize,
+    velocity: Velocity,
+    reversed: bool,
+    mut evidence: Vec<(&'static str, f64)>,
+) -> Diagnosis {
+    let beta = in_words(velocity.beta());
+    let (kind, what) = match reversed {
+        false => (
+            Kind::VelocityMissing,
+            format!(
+                "the velocity of object {object} is missing: its events are those of its rest, and should be those of β = {beta}"
+            ),
+        ),
+        true => (
+            Kind::VelocityWrong,
+            format!(
+                "the velocity of object {object} is reversed: its events are those of −β for β = {beta}"
+            ),
+        ),
+    };
+    evidence.push(("beta", velocity.beta().length()));
+    Diagnosis {
+        kind,
+        what,
+        evidence,
+    }
+}
+
 const PART_OFF: &str = "part of its points that are off the surface";
 
-/// Whether the candidate's events of an object that moves are those of its rest, or (true) of the opposite velocity: the part of
-/// its points that are off the surface, and how far the boxes around all points are apart, with the right velocity and that one.
-fn another_velocity<P: Fn(usize) -> Option<DVec3>>(
+/// Whether the candidate's events of an object that moves are those of its rest, or (true) of the opposite velocity, with the evidence:
+/// the part of its points that are off the surface, and how far the boxes around all points are apart, with the right velocity and that one.
+fn by_boxes<P: Fn(usize) -> Option<DVec3>>(
     surface: &Cloud,
     in_r: &[usize],
     in_c: &[usize],
     velocity: Velocity,
     own: impl Fn(usize, Velocity) -> P,
-) -> Option<(f64, bool, [f64; 2])> {
+) -> Option<(bool, Vec<(&'static str, f64)>)> {
     (!velocity.is_rest()).then_some(())?;
     let part = surface.part_off(in_c, own(1, velocity))?;
     let right = bounds(in_r.iter().copied().filter_map(own(0, velocity)));
@@ -162,7 +197,54 @@ fn another_velocity<P: Fn(usize) -> Option<DVec3>>(
     let same = SAME_BOX * (right[1] - right[0]).length();
     let is_wrong = part > OFF_BY_VELOCITY || is > same;
     let explains = is_wrong && nearest <= same.min(NEARER * is);
-    explains.then_some((part, reversed < rest, [is, nearest]))
+    let evidence = vec![
+        (PART_OFF, part),
+        ("the box around its points is off by (m)", is),
+        ("and with that velocity by (m)", nearest),
+    ];
+    explains.then_some((reversed < rest, evidence))
+}
+
+/// The same by pictures of the object alone, with the right velocity and the others; `inside` are the candidate's pixels of it.
+fn by_pictures(
+    case: &Case,
+    object: usize,
+    inside: &[usize],
+) -> Option<(bool, Vec<(&'static str, f64)>)> {
+    let unlike = |change| part_unlike(case, object, change, inside);
+    let is = unlike(None)?;
+    let rest = unlike(Some(Change::AtRest(object)))?;
+    let reversed = unlike(Some(Change::Reversed(object)))?;
+    let nearest = rest.min(reversed);
+    let evidence = vec![
+        ("part of its points that are not where they are seen", is),
+        ("and with that velocity", nearest),
+    ];
+    (nearest <= UNLIKE.min(NEARER * is)).then_some((reversed < rest, evidence))
+}
+
+/// The part of the candidate's points of an object that are not, within a pixel, those that the scene shows with a change; those that
+/// it lacks, though nothing nearer hides them, are among them.
+fn part_unlike(case: &Case, object: usize, change: Option<Change>, in_c: &[usize]) -> Option<f64> {
+    let c = &case.points[1];
+    let (world, time) = (c.world?, Plane::aov(&case.pair[1].layers, Aov::EventCt)?);
+    let shown = rendered::events_of(case, object, change)?;
+    let pixels: Vec<usize> = shown.keys().copied().collect();
+    let surface = Cloud::of(&pixels, c.size(), |i| Some(shown.get(&i)?.1));
+    let is_like = |i: &usize| {
+        let ball = surface.balls.get(i);
+        ball.is_some_and(|ball| (place(&world, *i) - ball.point).length() <= ball.reach / REACH)
+    };
+    let unlike = in_c.iter().filter(|i| !is_like(i)).count();
+    let is_lacking = |i: &usize| match c.object_at(*i) {
+        Some(id) if id == object as f64 => false,
+        Some(id) => id < 0.0 || time.at(*i) < shown[i].0,
+        None => false,
+    };
+    let inside = inside(c.size(), &pixels, |i| shown.contains_key(&i));
+    let lacking = inside.iter().filter(|i| is_lacking(i)).count();
+    let all = in_c.len() + lacking;
+    (all >= FEWEST).then(|| (unlike + lacking) as f64 / all as f64)
 }
 
 /// The least box around points.

@@ -8,12 +8,15 @@
 //! x = b + (b − a) (c − L(b))·(L(b) − L(a)) / |L(b) − L(a)|².
 //! ```
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 
 use super::super::known::{Change, is_all_in_its_text};
 use super::light::{Lit, NOTABLE, Told, evidence, lit, middle, told};
 use super::time::words_for_bins;
 use super::{Case, Diagnosis, Kind, median};
+use crate::render::aov::Aov;
 use crate::render::plan::{Plan, Request};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Silent;
@@ -138,6 +141,54 @@ fn light_and_size_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<(Light, 
     let light = film.radiance().to_vec();
     let last = lit.iter().map(|(i, _)| *i).max()?;
     (light.len() == width * height && last < light.len()).then_some((Light(light), size))
+}
+
+/// The time and place of the events that one object shows at the centres of pixels where nothing else is there, with a change or as it is.
+pub(super) fn events_of(
+    case: &Case,
+    object: usize,
+    change: Option<Change>,
+) -> Option<BTreeMap<usize, (f64, DVec3)>> {
+    let mut scene = match change {
+        Some(change) => changed(case.scene?, change)?,
+        None => case.scene?.clone(),
+    };
+    let size = case.points[0].size();
+    let is_of_size = scene.camera.size.map(|n| n as usize) == size;
+    (is_of_size && object < scene.objects.len()).then_some(())?;
+    scene.objects = vec![scene.objects.swap_remove(object)];
+    // Light says nothing of events.
+    scene.lights.clear();
+    scene.sources.clear();
+    (scene.sky, scene.bounces, scene.samples_per_pixel) = (None, 0, 1);
+    let mut request = Request {
+        aovs: vec![
+            Aov::Object,
+            Aov::EventCt,
+            Aov::EventX,
+            Aov::EventY,
+            Aov::EventZ,
+        ],
+        pixel_centers: true,
+        ..Request::default()
+    };
+    if is_all_in_its_text(&scene) {
+        request.memory_limit = MEMORY;
+    }
+    let plan = Plan::new(&scene, &request).ok()?;
+    let prepared = Prepared::new(&scene, &plan, &Silent).ok()?;
+    let film = render(&prepared, &Silent).ok()?;
+    let (is_hit, times) = (film.aov(Aov::Object)?, film.aov(Aov::EventCt)?);
+    let (x, y, z) = (
+        film.aov(Aov::EventX)?,
+        film.aov(Aov::EventY)?,
+        film.aov(Aov::EventZ)?,
+    );
+    let hit = case.region.pixels(size).filter(|i| is_hit[*i] >= 0.0);
+    Some(
+        hit.map(|i| (i, (times[i], DVec3::new(x[i], y[i], z[i]))))
+            .collect(),
+    )
 }
 
 /// Of a scene that is the reference's, half of the pixels have its light up to this part, whatever their samples.

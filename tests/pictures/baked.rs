@@ -676,6 +676,21 @@ fn texture_coordinates_without_an_area_are_refused() {
     let mut mesh = shapes::mesh(Shape::Plane { size }, [0.5; 3]);
     scene.objects[0].geometry = Geometry::Mesh(Arc::new(mesh.clone()));
     assert!(surface_cube(&scene, 0, [8, 8], &bins).is_ok());
+    // Of one of its two triangles, two corners at one place.
+    let uvs = mesh.uvs[0].clone();
+    let [a, b, c] = mesh.triangles[1].map(|v| v as usize);
+    let alone = [a, b, c]
+        .into_iter()
+        .find(|v| !mesh.triangles[0].contains(&(*v as u32)));
+    let other = if alone == Some(a) { b } else { a };
+    mesh.uvs[0][alone.unwrap()] = uvs[other];
+    scene.objects[0].geometry = Geometry::Mesh(Arc::new(mesh.clone()));
+    let error = surface_cube(&scene, 0, [8, 8], &bins).unwrap_err();
+    let said = error.to_string();
+    for words in ["\"floor\"", "1 of its 2 triangles", "without an area"] {
+        assert!(said.contains(words), "{said}");
+    }
+    assert!(error.help().contains("--atlas"), "{}", error.help());
     mesh.uvs[0].fill([0.5; 2]);
     scene.objects[0].geometry = Geometry::Mesh(Arc::new(mesh));
     let error = surface_cube(&scene, 0, [8, 8], &bins)

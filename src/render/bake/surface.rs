@@ -175,20 +175,32 @@ impl<'a> Charts<'a> {
             let has_back = facing == Facing::TwoSided && !patch.black_back;
             charts.add(corners, ([triangle, slot], has_back), &mut added)?;
         }
-        charts.check_area()?;
+        charts.check_areas(rest)?;
         Ok(charts)
     }
 
-    /// Refuses texture coordinates on which the object lies in points and lines, where no sample would meet it.
-    fn check_area(&self) -> Result<()> {
-        // Of the texture; what f32 makes of coordinates that are meant to be the same is less.
-        const LEAST: f64 = 1e-9;
-        let area = self.triangles.iter().map(ChartTriangle::area).sum::<f64>();
-        if area > LEAST * self.size[0] as f64 * self.size[1] as f64 {
-            return Ok(());
-        }
+    /// Refuses texture coordinates on which triangles lie in points and lines, where no sample would meet them.
+    fn check_areas(&self, rest: &RestFrame) -> Result<()> {
+        // Of the object's surface: what f32 leaves of a triangle that is a line itself, which loses nothing.
+        const LEAST: f64 = 1e-7;
+        let area = |t: &ChartTriangle| {
+            let [a, b, c] = rest.bvh.corners(t.slot);
+            0.5 * (b - a).cross(c - a).length()
+        };
+        let least = LEAST * self.triangles.iter().map(area).sum::<f64>();
+        let has_area = |t: &&ChartTriangle| area(t) > least;
+        let all = self.triangles.iter().filter(has_area);
+        let flat = all.clone().filter(|t| t.is_flat(self.size)).count();
+        let what = match (flat, all.count()) {
+            (flat, all) if flat == all => "its texture coordinates have no area".into(),
+            // An atlas has slivers of slivers.
+            (1.., all) if self.atlas.is_none() => format!(
+                "{flat} of its {all} triangles have texture coordinates without an area, where no light can be baked"
+            ),
+            _ => return Ok(()),
+        };
         let help = "--atlas, which makes coordinates; a mesh that has its own for every place; or --camera";
-        Err(self.refuse("its texture coordinates have no area".into(), help))
+        Err(self.refuse(what, help))
     }
 
     /// Whether there are backs that are seen.
@@ -442,10 +454,15 @@ impl ChartTriangle {
         })
     }
 
-    /// Its area, in texels.
-    fn area(&self) -> f64 {
-        let [a, b, c] = self.corners;
-        0.5 * (b - a).perp_dot(c - a).abs()
+    /// Whether it is a point or a line on a texture of this size.
+    fn is_flat(&self, size: [usize; 2]) -> bool {
+        // Twice the distance of f32 below 1: what rounding makes of coordinates that are meant to be on one line.
+        const WIDTH: f64 = f32::EPSILON as f64;
+        let [a, b, c] = self
+            .corners
+            .map(|p| p / DVec2::new(size[0] as f64, size[1] as f64));
+        let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+        (b - a).perp_dot(c - a).abs() <= WIDTH * longest
     }
 
     /// The weights of the second and third corner at a point; none where the triangle has no area on the texture.

@@ -95,6 +95,56 @@ fn relative_rmse(
 }
 
 #[test]
+fn bins_that_hold_no_time_or_no_memory_holds_are_refused() {
+    let scene = stage::scene(CORNER);
+    let good = Bins {
+        start: 0.0,
+        width: 1.0,
+        count: 2,
+    };
+    for (bins, part) in [
+        (Bins { count: 0, ..good }, "no bin"),
+        (
+            Bins {
+                count: 1 << 50,
+                ..good
+            },
+            "no memory",
+        ),
+        (
+            Bins {
+                count: usize::MAX,
+                ..good
+            },
+            "no memory",
+        ),
+        (Bins { width: 0.0, ..good }, "hold no light"),
+        (
+            Bins {
+                width: f64::NAN,
+                ..good
+            },
+            "hold no light",
+        ),
+        (
+            Bins {
+                start: f64::INFINITY,
+                ..good
+            },
+            "hold no light",
+        ),
+    ] {
+        for baked in [
+            camera_cube(&scene, &bins),
+            surface_cube(&scene, 0, [4, 4], &bins),
+        ] {
+            let said = baked.unwrap_err().to_string();
+            assert!(said.contains(part), "{bins:?}: {said}");
+        }
+    }
+}
+
+#[test]
 fn a_baked_camera_cube_is_that_of_an_independent_renderer_wavefront_by_wavefront() {
     let mut scene = stage::scene(CORNER);
     scene.samples_per_pixel = 24;

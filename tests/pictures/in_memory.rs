@@ -192,6 +192,22 @@ fn refusal(builder: Builder) -> (String, String) {
 }
 
 #[test]
+fn what_only_files_have_is_refused_of_a_cube_in_memory() {
+    let cube = || Arc::new(Cube::new([1, 1, 4, 3], Samples::F32(vec![1.0; 12])).unwrap());
+    let with = |key: &str, value: Value| {
+        let builder = camera("cube").mesh("a", Arc::new(triangle()));
+        refusal(builder.cube("light", cube(), 0.5).set(key, value)).1
+    };
+    for (key, value) in [
+        ("transfer", Value::from("srgb")),
+        ("dead_bins", Value::from(vec![Value::from(2i64)])),
+    ] {
+        let said = with(&format!("source.light.cube.{key}"), value);
+        assert!(said.contains("in memory"), "{key}: {said}");
+    }
+}
+
+#[test]
 fn refusals_name_the_field() {
     let good = || camera("refused").mesh("a", Arc::new(triangle()));
     let with = |change: fn(&mut Mesh)| {

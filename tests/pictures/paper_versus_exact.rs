@@ -178,3 +178,18 @@ fn a_line_is_brighter_by_the_paper_by_one_power_of_the_shift() {
     let ratio = light("paper2015") / light("exact");
     assert!((ratio - 2.0).abs() < 1e-12, "{ratio}");
 }
+
+#[test]
+fn angles_of_view_that_the_difference_evaluator_has_no_filters_for_are_refused() {
+    let picture = picture(2, "camera-6.5", "exact");
+    for pixels_per_degree in [0.0, -5.0, f64::NAN, 1e9] {
+        let options = CompareOptions {
+            pixels_per_degree: Some(pixels_per_degree),
+            ..CompareOptions::default()
+        };
+        let said = compare(&picture, &picture, &options)
+            .unwrap_err()
+            .to_string();
+        assert!(said.contains("pixels per degree"), "{said}");
+    }
+}

@@ -78,6 +78,8 @@ pub enum Lookup {
 
 /// The most texels of a map.
 pub const MOST_TEXELS: u64 = 1 << 26;
+/// The most columns or rows: products of two are far below 2⁶⁴.
+const MOST_SIDE: u32 = 65_536;
 
 const FORMS: &str = "write trace, raster:none, raster:uniform=0.05 (metres), raster:adaptive=0.5 (pixels), \
                      warp:cube=1024 or warp:panorama=2048x1024";
@@ -116,9 +118,14 @@ fn raster(text: &str) -> Result<Method, String> {
 
 fn positive(text: &str, key: &str, what: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok();
-    // NaN is in no range.
-    let number = number.filter(|x| (1e-9..=1e9).contains(x));
-    number.ok_or_else(|| format!("{key}={text}: give {what}, a number from 1e-9 to 1e9"))
+    number
+        .filter(|x| is_usable(*x))
+        .ok_or_else(|| format!("{key}={text}: give {what}, a number from 1e-9 to 1e9"))
+}
+
+/// Whether triangles can be divided by this length or error; not by NaN, which is in no range.
+fn is_usable(x: f64) -> bool {
+    (1e-9..=1e9).contains(&x)
 }
 
 fn warp(text: &str) -> Result<Method, String> {
@@ -131,7 +138,6 @@ fn warp(text: &str) -> Result<Method, String> {
         }
         _ => return Err(format!("\"warp:{text}\" is not a method; {FORMS}")),
     };
-    // Sides up to 65,536 keep products in u64.
     if map.texels() > MOST_TEXELS {
         let all = map.texels();
         return Err(format!(
@@ -146,12 +152,47 @@ fn warp(text: &str) -> Result<Method, String> {
 
 fn texels(text: &str, key: &str) -> Result<u32, String> {
     let number = text.trim().parse::<u32>().ok();
-    let number = number.filter(|n| (1..=65_536).contains(n));
+    let number = number.filter(|n| (1..=MOST_SIDE).contains(n));
     number.ok_or_else(|| {
         format!(
             "{key}={text}: give the size in texels, like cube=1024 or panorama=2048x1024, up to 65536"
         )
     })
+}
+
+impl Method {
+    /// Refuses what [`Method::from_str`] would not read.
+    ///
+    /// # Errors
+    /// Triangles divided by a length or an error that is not from 10⁻⁹ to 10⁹, maps without texels or with more than [`MOST_TEXELS`].
+    pub(super) fn check_numbers(&self) -> Result<()> {
+        let refuse =
+            |what: String, help| Err(Error::invalid("method", self.to_string(), what, help));
+        match self {
+            Method::Raster(Raster {
+                tessellation: Tessellation::Uniform(x) | Tessellation::Adaptive(x),
+                ..
+            }) if !is_usable(*x) => refuse(
+                format!("triangles cannot be divided by {x}"),
+                "a number from 1e-9 to 1e9",
+            ),
+            Method::Warp(Warp { map, .. }) => {
+                let sides = match *map {
+                    Map::Cube(side) => [side, side],
+                    Map::Panorama(sides) => sides,
+                };
+                let fits = sides.iter().all(|n| (1..=MOST_SIDE).contains(n));
+                if fits && map.texels() <= MOST_TEXELS {
+                    return Ok(());
+                }
+                refuse(
+                    format!("a map of {} × {} texels cannot be kept", sides[0], sides[1]),
+                    "sides from 1 to 65536, with 2²⁶ texels in all at most",
+                )
+            }
+            Method::Trace | Method::Raster(_) => Ok(()),
+        }
+    }
 }
 
 impl Map {

@@ -65,9 +65,10 @@ use crate::render::progress::Progress;
 ///
 /// # Errors
 /// What the method cannot do: rasterizers and warps need a camera all of whose rays leave one event, and
-/// objects slower than light in the medium; warps need objects that rest in the world. Triangles cut
-/// at more than 2²⁴ points. [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
+/// objects slower than light in the medium; warps need objects that rest in the world. Numbers that no text of a method could have.
+/// Triangles cut at more than 2²⁴ points. [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
 pub fn render(scene: &Prepared, method: &Method, progress: &dyn Progress) -> Result<Film> {
+    method.check_numbers()?;
     match method {
         Method::Trace => render::render(scene, progress),
         Method::Raster(raster) => {

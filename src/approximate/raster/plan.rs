@@ -123,8 +123,9 @@ impl Method {
     /// Refuses what the method cannot do of `plan`, before anything is loaded.
     ///
     /// # Errors
-    /// A camera whose rays leave events of their own; for warps, objects that move.
+    /// A camera whose rays leave events of their own; for warps, objects that move; numbers that no text of a method could have.
     pub fn check(&self, plan: &Plan) -> Result<()> {
+        self.check_numbers()?;
         if *self == Method::Trace {
             return Ok(());
         }

@@ -23,7 +23,7 @@ use crate::spacetime::Direction;
 /// The cube of the scene's camera, which rests relative to all objects; tiles are kept in `journal`, where there is one.
 ///
 /// # Errors
-/// What [`check`] refuses, a camera that moves relative to the objects, I/O errors of the journal, and [`Error::Cancelled`] when `progress` says so.
+/// What [`check`] refuses, bins without width or number, a camera that moves relative to the objects, I/O errors of the journal, and [`Error::Cancelled`] when `progress` says so.
 pub fn camera_cube(
     scene: &Scene,
     prepared: &Prepared,
@@ -33,8 +33,9 @@ pub fn camera_cube(
 ) -> Result<Baked> {
     check(scene)?;
     check_camera(scene)?;
-    let paths = paths(scene, prepared)?;
     let [width, height] = prepared.layout.size.map(|n| n as usize);
+    bins.check(scene, width * height)?;
+    let paths = paths(scene, prepared)?;
     let mut values = vec![0f32; width * height * bins.count * 3];
     let placed = Mutex::new(&mut values);
     let pixels = Pixels::new(prepared, &paths, bins);

@@ -54,6 +54,35 @@ pub struct Bins {
     pub count: usize,
 }
 
+impl Bins {
+    /// Refuses bins that hold no time, and cubes of `texels` for which there is no memory.
+    fn check(&self, scene: &Scene, texels: usize) -> Result<()> {
+        let refuse = |what: String, help| Err(Error::invalid(&scene.name, "bins", what, help));
+        let Bins {
+            start,
+            width,
+            count,
+        } = *self;
+        // In this form also for NaN.
+        if !(start.is_finite() && width > 0.0 && width.is_finite()) {
+            let what = format!("bins that are {width} m wide from {start} m on hold no light");
+            return refuse(what, "a finite start, and a width above 0");
+        }
+        if count == 0 {
+            return refuse("there is no bin".into(), "at least one");
+        }
+        let numbers = texels.checked_mul(count).and_then(|n| n.checked_mul(3));
+        let fits = numbers.is_some_and(|n| Vec::<f32>::new().try_reserve_exact(n).is_ok());
+        match fits {
+            true => Ok(()),
+            false => refuse(
+                format!("there is no memory for {texels} texels of {count} bins"),
+                "fewer bins or texels",
+            ),
+        }
+    }
+}
+
 /// Energy of light by when it arrives, sums over all pixels or texels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Energy {
@@ -73,7 +102,7 @@ pub struct Baked {
     /// Energy per bin, (H, W, T, 3), linear RGB, f32.
     pub cube: Cube,
     /// Of each bin, the root of the mean square over pixels or texels of the standard error of its energy (mean of R, G, B); texels
-    /// that the samples of one part alone meet are left out, and it is NaN where that are all, as of one sample.
+    /// that the samples of one part alone meet are left out. NaN where no others are left, as with one sample.
     pub standard_error: Vec<f64>,
     /// What is in it, and what is not.
     pub energy: Energy,

@@ -41,7 +41,7 @@ pub enum Coordinates {
 /// The cube of the surface of an object by its texture coordinates; rows are kept in `journal`, where there is one.
 ///
 /// # Errors
-/// What [`check`] refuses, no texture coordinates, some outside [0, 1], charts that overlap, a texture too small for an atlas, I/O errors of the journal, and
+/// What [`check`] refuses, bins without width or number, no texture coordinates, some outside [0, 1], charts that overlap, a texture too small for an atlas, I/O errors of the journal, and
 /// [`Error::Cancelled`] when `progress` says so.
 pub fn surface_cube(
     scene: &Scene,
@@ -52,12 +52,14 @@ pub fn surface_cube(
     progress: &dyn Progress,
 ) -> Result<Baked> {
     check(scene)?;
+    let [width, height] = surface.size.map(|n| n as usize);
+    bins.check(scene, width * height)?;
     let paths = paths(scene, prepared)?;
     let charts = Charts::new(scene, paths.rest, surface, prepared.memory_left)?;
-    let [width, height] = surface.size.map(|n| n as usize);
     // Rows of fronts, and those of backs behind them, where backs are seen.
     let sides = 1 + usize::from(charts.has_backs());
     // A row of texels is the part that a journal keeps, and that threads share out.
+    bins.check(scene, width * sides * height)?;
     let row = width * bins.count * 3;
     let mut values = vec![0f32; sides * height * row];
     let sampler = Sampler::stratified(samples_per_part(prepared.layout.samples, PARTS));

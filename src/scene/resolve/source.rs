@@ -356,6 +356,18 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData>
             let what = "a cube in memory has its axes in the order H W T C";
             return Err(cx.refuse(axes, what, "leave `axes` out"));
         }
+        if let Some(transfer) = &cube.transfer {
+            let what = "a cube in memory holds radiance as it is";
+            return Err(cx.refuse(transfer, what, "leave `transfer` out"));
+        }
+        if cube.dead_bins.as_ref().is_some_and(|bins| !bins.is_empty()) {
+            let what = "a cube in memory is read as it is: it has no `dead_bins`";
+            return Err(cx.refuse(
+                &cube.file,
+                what,
+                "leave `dead_bins` out, and give the cube without them",
+            ));
+        }
         if let Some(negative) = &cube.negative {
             let what = "a cube in memory is read as it is";
             return Err(cx.refuse(negative, what, "leave `negative` out"));

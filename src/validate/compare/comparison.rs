@@ -73,12 +73,24 @@ fn of_grey(name: &str, comparison: Result<Comparison>) -> Result<Comparison> {
 ///
 /// # Errors
 /// Pictures that do not belong together: other sizes, channels, encodings, quantities; swapped ones;
-/// a region that is not theirs; a scene that is not the reference's; samples that are refused by [`CompareOptions::not_finite`].
+/// a region that is not theirs; pixels per degree below 1 or above 1000; a scene that is not the reference's; samples that are refused by [`CompareOptions::not_finite`].
 pub fn compare(
     reference: &Picture,
     candidate: &Picture,
     options: &CompareOptions,
 ) -> Result<Comparison> {
+    // ꟻLIP's filters grow with it.
+    if let Some(all) = options.pixels_per_degree
+        && !(1.0..=1000.0).contains(&all)
+    {
+        let what = format!("{all} pixels per degree of visual angle");
+        return Err(Error::invalid(
+            "comparison",
+            "pixels_per_degree",
+            what,
+            "from 1 to 1000",
+        ));
+    }
     if let Some(colours) = reference.in_colours(candidate) {
         return of_grey(&reference.name, compare(&colours, candidate, options));
     }

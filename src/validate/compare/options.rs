@@ -22,7 +22,7 @@ pub struct CompareOptions {
     pub scene: Option<Arc<Scene>>,
     /// Width of a time bin, metres of light path, to which emission times relate.
     pub bin_width: Option<f64>,
-    /// Pixels per degree of visual angle, for ꟻLIP; none to leave ꟻLIP out.
+    /// Pixels per degree of visual angle, from 1 to 1000, for ꟻLIP; none to leave ꟻLIP out.
     pub pixels_per_degree: Option<f64>,
     /// Whether a reference that says it is the candidate, and the reverse, is taken as given.
     pub allow_swapped: bool,

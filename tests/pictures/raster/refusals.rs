@@ -2,7 +2,7 @@
 
 use nullray::Error;
 use nullray::approximate::projection::displacements;
-use nullray::approximate::raster::{self, Method};
+use nullray::approximate::raster::{self, Map, Method, Raster, Tessellation, Warp};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::progress::Silent;
 
@@ -106,6 +106,38 @@ fn a_camera_within_a_surface_is_no_reason_to_fail() {
             "warp:panorama=16x8",
         ] {
             assert_eq!(film(&stage, method).size(), [20, 16]);
+        }
+    }
+}
+
+#[test]
+fn numbers_that_no_text_of_a_method_has_are_refused() {
+    let scene = scene(&(camera("") + BODIES));
+    let plan = Plan::new(&scene, &Request::default()).unwrap();
+    let stage = prepared(&scene, &Request::default());
+    let divided = |by: fn(f64) -> Tessellation, x| Method::Raster(Raster::new(by(x)));
+    let mut methods = Vec::new();
+    for x in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        methods.push(divided(Tessellation::Uniform, x));
+        methods.push(divided(Tessellation::Adaptive, x));
+    }
+    for map in [
+        Map::Cube(0),
+        Map::Cube(u32::MAX),
+        Map::Panorama([0, 0]),
+        Map::Panorama([8, 0]),
+    ] {
+        methods.push(Method::Warp(Warp {
+            map,
+            lookup: Default::default(),
+        }));
+    }
+    for method in methods {
+        for said in [
+            message(method.check(&plan)),
+            message(raster::render(&stage, &method, &Silent)),
+        ] {
+            assert!(said.contains("cannot be"), "{method:?}: {said}");
         }
     }
 }

@@ -164,6 +164,43 @@ fn rasterizers_leave_holes_out_as_the_ray_tracer_does() {
     }
 }
 
+/// glTF 2.0 §3.9.4: opaque where alpha is at least the cutoff. 51/255 = 0.2 and 170/255 = 2/3, though f32(0.2) > 1/5 and f32(2/3) > 2/3.
+#[test]
+fn a_surface_whose_alpha_is_the_cutoff_is_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let image = |alpha: u8| {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 1, 1);
+        encoder.set_color(png::ColorType::Rgba);
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_image_data(&[200, 200, 200, alpha]).unwrap();
+        writer.finish().unwrap();
+        bytes
+    };
+    for (alpha, cutoff, is_there) in [
+        (51, 0.2, true),
+        (51, 0.2001, false),
+        (170, 2.0 / 3.0, true),
+        (169, 2.0 / 3.0, false),
+    ] {
+        let material = json!({
+            "name": "paint", "alphaMode": "MASK", "alphaCutoff": cutoff,
+            "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 }, "metallicFactor": 0 },
+        });
+        let quad = files::Quad {
+            image: Some(&image(alpha)),
+            material: Some(&material.to_string()),
+            ..files::Quad::PLAIN
+        };
+        files::glb(&folder.path().join("even.glb"), &quad);
+        let text = format!("{}[[object]]\ngltf = 'even.glb'\n", camera(""));
+        let film = stage::film(&stage::scene_in(folder.path(), &text));
+        let met = stage::met(&film).len();
+        assert_eq!(met > 20, is_there, "{alpha}/255, cutoff {cutoff}: {met}");
+        assert!(is_there || met == 0, "{alpha}/255, cutoff {cutoff}: {met}");
+    }
+}
+
 #[test]
 fn holes_of_shining_surfaces_do_not_shine() {
     let folder = tempfile::tempdir().unwrap();

@@ -375,7 +375,7 @@ fn alpha_mask(
     Some(AlphaMask {
         factor: f64::from(material.alpha),
         texture: texture.map(|of| (decoded[of.texture].clone(), of.uv_set, of.sampler)),
-        cutoff: f64::from(cutoff),
+        cutoff,
     })
 }
 

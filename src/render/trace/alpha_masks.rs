@@ -1,6 +1,8 @@
 //! Alpha masks (glTF 2.0 §3.9.4): a surface is there where alpha, the factor of its material times its texture and the alpha of
 //! its vertices, is at least the cutoff. Holes belong to the shape, not to the light: rays of cameras and shadows, of captures and
 //! of bounces go through them alike, at any velocity, because masks rest where triangles do.
+//!
+//! Files hold cutoffs in f32, which f64 tells from the same number of a texel: f32(0.2) > 51/255. So both are compared in f32.
 
 use std::sync::Arc;
 
@@ -16,7 +18,7 @@ pub(crate) struct AlphaMask {
     /// Its texture, the set of texture coordinates, and how it is looked up.
     pub texture: Option<(Arc<Texture>, usize, TextureSampler)>,
     /// The least alpha that is there.
-    pub cutoff: f64,
+    pub cutoff: f32,
 }
 
 /// The alpha masks of a rest frame.
@@ -72,6 +74,7 @@ impl AlphaTest for AlphaMasks {
             return true;
         };
         let mesh = &self.meshes[run.mesh as usize];
-        run.mask.alpha(mesh, id - run.object_first, [u, v]) >= run.mask.cutoff
+        let alpha = run.mask.alpha(mesh, id - run.object_first, [u, v]);
+        alpha as f32 >= run.mask.cutoff
     }
 }

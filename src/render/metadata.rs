@@ -74,7 +74,7 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
             ("infrared_channel_m", INFRARED),
             ("ultraviolet_channel_m", ULTRAVIOLET),
         ]
-        .map(|(key, [from, to])| (key, format!("{from} {to}")))
+        .map(|(key, [from, to])| (key, format!("{} {}", wavelength(from), wavelength(to))))
     });
     let false_colour = scene
         .false_colour
@@ -207,6 +207,13 @@ fn sensor(camera: &CameraModel) -> Vec<(&'static str, String)> {
 }
 
 /// As the scene file says it.
+/// A wavelength in metres, in the shortest form with an exponent: 8.3e-7.
+fn wavelength(metres: f64) -> String {
+    // Twelve digits: one that was multiplied by 1e-9 may differ in the last from the number that was meant.
+    let rounded: f64 = format!("{metres:.11e}").parse().unwrap_or(metres);
+    format!("{rounded:e}")
+}
+
 pub fn equations(equations: Equations) -> &'static str {
     match equations {
         Equations::Exact => "exact",

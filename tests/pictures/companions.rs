@@ -409,6 +409,8 @@ fn metadata_and_the_plan_say_what_is_beyond() {
         stage::assert_relative(found[0], from, 1e-12, key);
         stage::assert_relative(found[1], to, 1e-12, key);
     }
+    assert_eq!(entry("infrared_channel_m"), Some("8.3e-7 3.5e-6"));
+    assert_eq!(entry("ultraviolet_channel_m"), Some("1e-7 3.6e-7"));
     let notes = |text: &str| {
         let scene = stage::scene_in(folder.path(), text);
         Plan::new(&scene, &Request::default())

@@ -35,7 +35,7 @@ pub(in crate::scene) struct Object {
     /// Linear RGB base colour of the shape, each at least 0. Default: [0.8, 0.8, 0.8].
     pub colour: Option<At<Vector>>,
     /// What it shines with, alike all over, in place of base colours and whatever [[source]] would give it.
-    /// Excludes `colour`.
+    /// Excludes `colour`. Needs quantity = "rgb" in `radiance`.
     pub spectrum: Option<At<Spectrum>>,
     /// Metalness of the shape under lights and sky, 0 (dielectric) to 1 (metal). Default: 0.
     pub metallic: Option<At<Number>>,

@@ -198,7 +198,7 @@ pub(super) fn give_spectra(
             let help = "an object is one area light: leave one of them out";
             return Err(cx.report.refuse(&light.span, what, help));
         }
-        let own = spectrum::of_light(
+        let own = spectrum::resolve(
             cx,
             &said.spectrum,
             "an area light",
@@ -209,14 +209,6 @@ pub(super) fn give_spectra(
             let what = format!("{} has a spectrum of its own", quoted(&object.name));
             let help = "leave `spectrum` out here or there: the light has that of its object";
             return Err(cx.refuse(spectrum, what, help));
-        }
-        if object.spectrum.is_some() && quantity != Quantity::Rgb {
-            let what = format!(
-                "{} lights by its spectrum, where surfaces have none",
-                quoted(&object.name)
-            );
-            let help = "set quantity = \"rgb\" in [radiance]";
-            return Err(cx.report.refuse(&span(at), what, help));
         }
         object.spectrum = own.or(object.spectrum.take());
         // A spectrum has its own colour; what multiplies it is grey.
@@ -297,7 +289,7 @@ fn lamp(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<Lamp> {
     } = motion::resolve(cx, &mover, position)?;
     Ok(Lamp {
         intensity: intensity(cx, light, beam)?,
-        spectrum: spectrum::of_light(
+        spectrum: spectrum::resolve(
             cx,
             &light.spectrum,
             "a lamp",

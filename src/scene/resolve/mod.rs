@@ -48,16 +48,12 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         .ok_or_else(|| without_camera(&cx, file))?;
     let camera = camera::resolve(&cx, said)?;
     let continuation = radiance::continuation(&file.radiance, &file.source);
-    // Objects first: lights and sources name them.
-    let mut objects = object::resolve_all(
-        &cx,
-        &file.object,
-        &said.span,
-        file.sky.is_some(),
-        continuation,
-    )?;
-    let flash_times = settings::isochrones(&cx, &file.display, &camera, &objects)?;
     let quantity = radiance::resolve(&cx, &file.radiance)?;
+    let spectral = (quantity, continuation);
+    // Objects first: lights and sources name them.
+    let mut objects =
+        object::resolve_all(&cx, &file.object, &said.span, file.sky.is_some(), spectral)?;
+    let flash_times = settings::isochrones(&cx, &file.display, &camera, &objects)?;
     let around = light::Around {
         objects: &objects,
         index: medium_index,
@@ -65,7 +61,6 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         continuation,
     };
     let lights = light::resolve_all(&cx, &file.light, &around)?;
-    let spectral = (quantity, continuation);
     light::give_spectra(&cx, &file.light, &lights, &mut objects, spectral)?;
     let sources = source::resolve_all(&cx, &file.source, &objects, quantity)?;
     light::refuse_those_of_cubes(&cx, &lights, &sources, &objects)?;

@@ -13,16 +13,16 @@ use crate::scene::file;
 use crate::scene::model::{CoordinateFile, Geometry, Object};
 use crate::scene::names;
 use crate::scene::values::Number;
-use crate::spacetime::Event;
 use crate::spacetime::units::quoted;
+use crate::spacetime::{Event, Quantity};
 
-/// All objects; `camera` is where a scene is pointed at that has none, nor a sky, `continuation` that of RGB spectra.
+/// All objects; `camera` is where a scene is pointed at that has none, nor a sky; `spectral`: what radiance measures, and how RGB goes on where it is a spectrum.
 pub(super) fn resolve_all(
     cx: &Context,
     objects: &[At<file::Object>],
     camera: &Range<usize>,
     has_sky: bool,
-    continuation: Continuation,
+    spectral: (Quantity, Continuation),
 ) -> Result<Vec<Object>> {
     if objects.is_empty() && !has_sky {
         let what = "the scene has no object and no sky: there is nothing for this camera to see";
@@ -37,7 +37,7 @@ pub(super) fn resolve_all(
     let names = names::unique(objects.iter().map(|at| entry_names(&at.value)).collect());
     let named = objects.iter().zip(names);
     named
-        .map(|(at, name)| resolve(cx, at, name, continuation))
+        .map(|(at, name)| resolve(cx, at, name, spectral))
         .collect()
 }
 
@@ -76,14 +76,14 @@ fn resolve(
     cx: &Context,
     at: &At<file::Object>,
     name: String,
-    continuation: Continuation,
+    spectral: (Quantity, Continuation),
 ) -> Result<Object> {
     let object = &at.value;
     let origin = &object.origin;
     Ok(Object {
         name,
         geometry: geometry(cx, at)?,
-        spectrum: spectrum(cx, object, continuation)?,
+        spectrum: spectrum(cx, object, spectral)?,
         texture_coordinates: texture_coordinates(cx, object)?,
         transform: transform::resolve(cx, &object.transform)?,
         bad_vertices: object
@@ -101,11 +101,10 @@ fn resolve(
 fn spectrum(
     cx: &Context,
     object: &file::Object,
-    continuation: Continuation,
+    spectral: (Quantity, Continuation),
 ) -> Result<Option<Spectrum>> {
     cx.exclusive((&object.colour, "colour"), (&object.spectrum, "spectrum"))?;
-    let resolve = |at| spectrum::resolve(cx, at, continuation);
-    object.spectrum.as_ref().map(resolve).transpose()
+    spectrum::resolve(cx, &object.spectrum, "an object", spectral)
 }
 
 fn texture_coordinates(cx: &Context, object: &file::Object) -> Result<Option<CoordinateFile>> {

@@ -68,7 +68,7 @@ fn background(
     ];
     let help = "give it in one way: `radiance`, `spectrum`, `gradient` or `image`; `sun` and `stars` add to it";
     cx.only_one("the sky", ways, help)?;
-    if let Some(spectrum) = spectrum::of_light(cx, &sky.spectrum, "a sky", spectral)? {
+    if let Some(spectrum) = spectrum::resolve(cx, &sky.spectrum, "a sky", spectral)? {
         return Ok(SkyRadiance::Spectrum(spectrum));
     }
     if let Some(gradient) = &sky.gradient {

@@ -15,8 +15,8 @@ const MOST_LINES: usize = 256;
 /// The narrowest Gaussian: σ over the wavelength of its peak. A narrower one is a line to every eye.
 const NARROWEST: f64 = 1e-6;
 
-/// The spectrum of a light or a sky in a scene whose radiance is RGB of spectra; `what` it is, for messages.
-pub(super) fn of_light(
+/// The spectrum of an object, a light or a sky in a scene whose radiance is RGB of spectra; `what` it is, for messages.
+pub(super) fn resolve(
     cx: &Context,
     at: &Option<At<file::Spectrum>>,
     what: &str,
@@ -30,19 +30,19 @@ pub(super) fn of_light(
         let help = "set quantity = \"rgb\" in [radiance], or leave `spectrum` out";
         return Err(cx.refuse(at, what, help));
     }
-    resolve(cx, at, continuation).map(Some)
+    described(cx, at, continuation).map(Some)
 }
 
 /// The spectrum that `at` describes; `continuation` is that of RGB where it gives none of its own.
-pub(super) fn resolve(
+fn described(
     cx: &Context,
     at: &At<file::Spectrum>,
     continuation: Continuation,
 ) -> Result<Spectrum> {
     let shape = shape(cx, at, continuation)?;
     let (scale, key) = scale(cx, at)?;
-    let described = matches!(scale, Scale::Luminance(_));
-    Spectrum::new(shape, scale).ok_or_else(|| match described {
+    let by_luminance = matches!(scale, Scale::Luminance(_));
+    Spectrum::new(shape, scale).ok_or_else(|| match by_luminance {
         true => {
             let what = "nobody at rest sees anything of this spectrum, so that it has no luminance";
             let help = "say how much of it there is by `total`, its sum over all wavelengths, or by `factor`";

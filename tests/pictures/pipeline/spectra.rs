@@ -13,8 +13,13 @@ use crate::pipeline::stage::{self, assert_relative};
 
 /// The camera, at 0.6 c, is inside a large ball with these keys.
 fn enclosed(keys: &str) -> Scene {
+    let radiance = match keys.starts_with("spectrum") {
+        true => "radiance.quantity = \"rgb\"",
+        false => "",
+    };
     let mut scene = stage::scene(&format!(
         "
+{radiance}
 [display]
 back_faces = \"two_sided\"
 [camera]

@@ -301,7 +301,8 @@ fn spectra_that_cannot_be_are_refused_in_their_place() {
         ),
         ("{ luminance = 1 }", "nothing of its wavelengths"),
     ] {
-        folder.write("bad.toml", format!("{scene}spectrum = {spectrum}\n"));
+        let rgb = "[radiance]\nquantity = \"rgb\"\n";
+        folder.write("bad.toml", format!("{scene}spectrum = {spectrum}\n{rgb}"));
         refused(&folder, &["render", "bad.toml"], &[said]);
     }
 }
@@ -325,6 +326,16 @@ fn a_picture_can_have_a_caption_with_time_and_speed() {
     let set = ["--set", "display.caption=a crate", "-o", "said.png"];
     folder.ok(&[&["render", "scene.toml"][..], &set].concat());
     assert_eq!(size("said.png"), [wide, high]);
+    // As of lights and skies, only where radiance is that of spectra.
+    folder.write(
+        "bad.toml",
+        format!("{scene}spectrum = {{ line = \"589 nm\" }}\n"),
+    );
+    let said = [
+        "an object has a spectrum where",
+        "set quantity = \"rgb\" in [radiance], or leave `spectrum` out",
+    ];
+    refused(&folder, &["render", "bad.toml"], &said);
     let deep = [
         "--set",
         "display.bits=16",

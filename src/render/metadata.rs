@@ -78,7 +78,8 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
     });
     let false_colour = scene
         .false_colour
-        .map(|l| ("false_colour_m", l.to_string()));
+        .filter(|_| scene.sees_wavelengths())
+        .map(|l| ("false_colour_m", wavelength(l)));
     let bounces = (scene.bounces > 0).then(|| ("bounces", scene.bounces.to_string()));
     let passes = (film.passes() > 1).then(|| ("passes", film.passes().to_string()));
     let error = film

@@ -2,9 +2,11 @@
 
 use glam::DVec3;
 
-use super::model::{Assembly, CameraModel, Motion, Object, ProjectionKind, Scene, Sensor};
+use super::model::{
+    Assembly, CameraModel, Motion, Object, ProjectionKind, Scene, Sensor, Sky, SkyRadiance,
+};
 use crate::spacetime::worldline::{WorldLine, WorldLineError};
-use crate::spacetime::{Camera, Event, InertialFrame, Rest, Velocity, World};
+use crate::spacetime::{Camera, Event, InertialFrame, Quantity, Rest, Velocity, World};
 
 impl CameraModel {
     /// The frame in which the camera rests when its clock shows 0, at all times where it does not
@@ -52,6 +54,24 @@ impl CameraModel {
 }
 
 impl Scene {
+    /// Whether colours follow from wavelengths anywhere in it: those of lines, of spectra, and of RGB that stands for spectra, which the
+    /// Doppler shift takes apart.
+    pub fn sees_wavelengths(&self) -> bool {
+        let sources = self.sources.iter().map(|source| source.quantity);
+        let is_seen = |quantity: Quantity| match quantity {
+            Quantity::Line { .. } => true,
+            Quantity::Rgb => self.effects.doppler,
+            _ => false,
+        };
+        let has_spectra = |sky: &Sky| {
+            matches!(sky.background, SkyRadiance::Spectrum(_))
+                || (sky.stars.is_some() && self.quantity == Quantity::Rgb)
+        };
+        sources.chain([self.quantity]).any(is_seen)
+            || self.objects.iter().any(|object| object.spectrum.is_some())
+            || self.sky.as_ref().is_some_and(has_spectra)
+    }
+
     /// Whether lights or a sky light its surfaces: base colours then are no radiance, but what is reflected.
     pub fn is_lit(&self) -> bool {
         !self.lights.is_empty() || self.sky.as_ref().is_some_and(|sky| sky.lights)

@@ -134,10 +134,15 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
         notes.extend(companions(scene, plan));
     }
     if let Some(wavelength) = scene.false_colour {
-        notes.push(format!(
-            "colours are false: {} nm is shown as 555 nm",
-            (wavelength * 1e12).round() / 1e3
-        ));
+        notes.push(match scene.sees_wavelengths() {
+            true => format!(
+                "colours are false: {} nm is shown as 555 nm",
+                (wavelength * 1e12).round() / 1e3
+            ),
+            false => "display.false_colour has no effect: no colour here follows from wavelengths (set quantity = \"rgb\" or \
+                      \"line\" in [radiance])"
+                .into(),
+        });
     }
     if scene.bounces > 0 && plan.rays.bounces_at_most == 0 {
         notes.push(

@@ -44,6 +44,32 @@ fn the_plan_as_json_has_the_same_numbers() {
 }
 
 #[test]
+fn false_colours_that_show_nothing_are_told() {
+    let folder = Folder::new();
+    let notes = |more: &[&str]| {
+        let mut arguments = vec!["plan", "scene.toml", "--set", "display.false_colour=1 um"];
+        arguments.extend(more.iter().flat_map(|set| ["--set", set]));
+        let said = folder.ok(&arguments);
+        said.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let none = "display.false_colour has no effect";
+    let some = "colours are false: 1000 nm is shown as 555 nm";
+    let rgb = "radiance.quantity=rgb";
+    let line = ["radiance.quantity=line", "radiance.wavelength=900 nm"];
+    let unshifted = [rgb, "effects.doppler=false"];
+    for (more, expected, other) in [
+        (&[][..], none, some),
+        (&[rgb], some, none),
+        (&line, some, none),
+        (&unshifted, none, some),
+    ] {
+        let said = notes(more);
+        assert!(said.contains(expected), "{more:?}: {said}");
+        assert!(!said.contains(other), "{more:?}: {said}");
+    }
+}
+
+#[test]
 fn a_thousand_objects_stay_readable_and_are_all_in_the_json() {
     let folder = Folder::empty();
     let mut scene = SMALL.split("[[object]]").next().unwrap().to_string();

@@ -207,7 +207,6 @@ fn sensor(camera: &CameraModel) -> Vec<(&'static str, String)> {
     pairs
 }
 
-/// As the scene file says it.
 /// A wavelength in metres, in the shortest form with an exponent: 8.3e-7.
 fn wavelength(metres: f64) -> String {
     // Twelve digits: one that was multiplied by 1e-9 may differ in the last from the number that was meant.
@@ -215,6 +214,7 @@ fn wavelength(metres: f64) -> String {
     format!("{rounded:e}")
 }
 
+/// As the scene file says it.
 pub fn equations(equations: Equations) -> &'static str {
     match equations {
         Equations::Exact => "exact",
@@ -230,7 +230,7 @@ pub fn motion(motion: &Motion) -> &'static str {
         Motion::Segments(_) => "segments",
         Motion::Profile { .. } => "profile",
         Motion::Keyframes(_) => "keyframes",
-        Motion::Polyline(_) => "polyline",
+        Motion::Animation { .. } => "animation",
         Motion::Circular { .. } => "circle",
     }
 }

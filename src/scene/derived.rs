@@ -80,7 +80,7 @@ impl Scene {
 
 impl Motion {
     /// The world line with this motion that has `velocity` at `zero`, where its clock shows 0. Paths in
-    /// the world (keyframes, circles) have their own velocity, and keyframes their own beginning.
+    /// the world (keyframes, animations, circles) have their own velocity, and keyframes their own beginning.
     ///
     /// # Errors
     /// Where nothing slower than light moves like that.
@@ -95,7 +95,10 @@ impl Motion {
             Motion::Segments(segments) => WorldLine::segments(velocity, zero, segments),
             Motion::Profile { knots, axes } => WorldLine::profile(velocity, zero, knots, *axes),
             Motion::Keyframes(events) => WorldLine::keyframes(events),
-            Motion::Polyline(events) => WorldLine::polyline(events),
+            Motion::Animation {
+                events,
+                is_straight,
+            } => WorldLine::animation(events, *is_straight),
             Motion::Circular { centre, axis, rate } => {
                 WorldLine::circular(zero, *centre, *axis, *rate)
             }

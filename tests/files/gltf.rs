@@ -703,6 +703,46 @@ fn cameras_and_lights_follow_animated_nodes_slower_than_light() {
     );
 }
 
+/// glTF 2.0, appendix C: before the first key its value holds, and after the last that of the last. By light of before or after,
+/// a lamp on the cart lights a wall as one at rest there does, and a camera on it stays where it is.
+#[test]
+fn animated_cameras_and_lights_rest_before_and_after_their_keys() {
+    let folder = tempfile::tempdir().unwrap();
+    animated(folder.path());
+    let drive =
+        "motion.animation = { gltf = \"animated.gltf\", node = \"cart\", name = \"drive\" }";
+    let scene = |camera: &str, light: &str| {
+        let text = format!(
+            "speed_of_light = \"2 m/s\"\n[camera]\nlook_at = [0, 0, -9]\nsize = [6, 4]\n{camera}\n\
+             [[light]]\nintensity = 3\n{light}\n[[object]]\nshape = {{ box = {{ size = [40, 40, 1] }} }}\n\
+             transform = {{ translate = [0, 0, -9] }}\n"
+        );
+        scene::parse(&text, "test scene", folder.path(), &Overrides::default()).unwrap()
+    };
+    let radiance = |scene: &scene::model::Scene| {
+        let plan = Plan::new(scene, &Request::default()).unwrap();
+        let prepared = Prepared::new(scene, &plan, &Silent).unwrap();
+        render(&prepared, &Silent).unwrap().radiance().to_vec()
+    };
+    // The cart starts at the origin at time 0, and ends 8 m of light later at (3, 0, −3).
+    for (time, place) in [(0.0, [0.0, 0.0, 0.0]), (60.0, [3.0, 0.0, -3.0])] {
+        let eye = format!("eye = [0, 0, 5]\ntime = \"{time} m\"");
+        let follows = radiance(&scene(&eye, drive));
+        let rests = radiance(&scene(&eye, &format!("position = {place:?}")));
+        assert!(follows.iter().all(|rgb| rgb[0] > 0.0), "{follows:?}");
+        for (a, b) in follows.iter().flatten().zip(rests.iter().flatten()) {
+            assert!((a / b - 1.0).abs() < 1e-12, "{time}: {a} {b}");
+        }
+    }
+    let line = scene(drive, "position = [0, 0, 0]").camera.world_line();
+    let line = line.unwrap();
+    for (time, place) in [(-7.0, DVec3::ZERO), (90.0, DVec3::new(3.0, 0.0, -3.0))] {
+        let state = line.state(time).unwrap();
+        assert_eq!((state.event.x, state.velocity.beta()), (place, DVec3::ZERO));
+    }
+    assert_eq!(line.state(-7.0).unwrap().event.ct, -7.0);
+}
+
 /// What is written for other programs and read again is lit as it was.
 #[test]
 fn written_meshes_are_unlit_where_they_were() {

@@ -133,11 +133,15 @@ fn motion_text(motion: &Motion) -> Option<String> {
                 "accelerates by a profile of {count} times, from {first} m to {last} m of its own"
             )
         }
-        Motion::Keyframes(events) | Motion::Polyline(events) => {
+        Motion::Keyframes(events) | Motion::Animation { events, .. } => {
             let time = |event: Option<&Event<World>>| event.map_or(0.0, |event| event.ct);
             let (first, last) = (time(events.first()), time(events.last()));
+            let rests = match motion {
+                Motion::Animation { .. } => "; it rests before and after",
+                _ => "",
+            };
             format!(
-                "goes through {} keyframes, from {first} m to {last} m of world time",
+                "goes through {} keyframes, from {first} m to {last} m of world time{rests}",
                 events.len()
             )
         }
@@ -237,7 +241,7 @@ fn motion_data(motion: &Motion) -> Value {
                 .map(|(time, a)| json!({ "time": time, "proper_per_m": a.to_array() }));
             json!({ "kind": kind, "axes": axes, "knots": entries.collect::<Vec<_>>() })
         }
-        Motion::Keyframes(events) | Motion::Polyline(events) => {
+        Motion::Keyframes(events) | Motion::Animation { events, .. } => {
             let entries = events
                 .iter()
                 .map(|e| json!({ "world_time": e.ct, "position": e.x.to_array() }));

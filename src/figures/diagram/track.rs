@@ -138,7 +138,15 @@ impl Track {
         }
     }
 
-    /// The proper times of its corners, the ends left out.
+    /// Whether it bends between its corners.
+    pub fn bends(&self) -> bool {
+        match &self.course {
+            Course::Line(_) | Course::Sensor { .. } => !self.is_straight(),
+            Course::Broken(_) => false,
+        }
+    }
+
+    /// The proper times of its corners, where its velocity jumps, the ends left out.
     pub fn corners(&self) -> Vec<f64> {
         let [first, last] = self.span;
         match &self.course {
@@ -146,7 +154,10 @@ impl Track {
                 let times = corners.iter().map(|(time, _)| *time);
                 times.filter(|t| *t > first && *t < last).collect()
             }
-            _ => Vec::new(),
+            Course::Line(line) | Course::Sensor { line, .. } => {
+                let times = line.rests().into_iter().flatten();
+                times.filter(|t| *t > first && *t < last).collect()
+            }
         }
     }
 

@@ -40,7 +40,8 @@ pub(in crate::scene) struct Motion {
     pub keyframes: Option<At<Vec<At<Keyframe>>>>,
     /// The way of a node of a glTF file by one of its animations, in place of `eye`, `velocity` and `clock_zero`: seconds of
     /// the animation are those of the world, by `speed_of_light`. The world line goes smoothly through the positions at the
-    /// animation's times (and seven more between two of them where the way bends there), as it does through `keyframes`.
+    /// animation's times (and seven more between two of them where the way bends there), as it does through `keyframes`,
+    /// and rests at the first of them before it and at the last one after it. The clock shows 0 at the first.
     pub animation: Option<At<Animation>>,
     /// A circle through `eye` at constant speed, in place of `velocity`, which follows from it.
     pub circle: Option<At<Circle>>,

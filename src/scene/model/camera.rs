@@ -108,8 +108,14 @@ pub enum Motion {
     },
     /// A smooth curve through world events, from the first to the last; the clock shows 0 at the first.
     Keyframes(Vec<Event<World>>),
-    /// Straight from world event to world event, with short turns; the clock shows 0 at the first.
-    Polyline(Vec<Event<World>>),
+    /// As an animation goes through world events, at rest at the first and the last of them before and after; the clock shows 0 at
+    /// the first.
+    Animation {
+        /// The events, ascending in time.
+        events: Vec<Event<World>>,
+        /// Whether the way between them is straight, with short turns, or a smooth curve.
+        is_straight: bool,
+    },
     /// At constant speed around an axis.
     Circular {
         /// A point of the axis, world metres.

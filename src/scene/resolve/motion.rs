@@ -29,7 +29,7 @@ pub(super) fn resolve(cx: &Context, mover: &Mover, position: DVec3) -> Result<Mo
     let motion = motion(cx, mover, position)?;
     let velocity = velocity::resolve(cx, mover.velocity)?;
     let origin = match &motion {
-        Motion::Keyframes(events) | Motion::Polyline(events) => {
+        Motion::Keyframes(events) | Motion::Animation { events, .. } => {
             events.first().copied().unwrap_or(Event::ORIGIN)
         }
         _ => Event::new(cx.time(mover.clock_zero)?, position),
@@ -61,7 +61,7 @@ fn check_axes(cx: &Context, axes: &At<Axes>, motion: &Motion, line: &WorldLine) 
             };
             segments.iter().map(start).collect()
         }
-        Motion::Keyframes(_) | Motion::Polyline(_) | Motion::Circular { .. } => {
+        Motion::Keyframes(_) | Motion::Animation { .. } | Motion::Circular { .. } => {
             let what = "`axes` belongs to accelerations, and this motion has none";
             return Err(cx.refuse(axes, what, "leave out `axes`"));
         }

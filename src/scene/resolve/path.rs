@@ -53,7 +53,7 @@ fn alone<T>(cx: &Context, mover: &Mover, key: (&At<T>, &str)) -> Result<()> {
     Ok(())
 }
 
-/// A motion by the animation of a node, ct = ct(seconds).
+/// A motion by the animation of a node, ct = ct(seconds); at rest before its first and after its last time.
 pub(super) fn animation(cx: &Context, at: &At<Animation>) -> Result<Motion> {
     let Animation { gltf, node, .. } = &at.value;
     let track = cx.gltf_track(gltf)?;
@@ -80,9 +80,9 @@ pub(super) fn animation(cx: &Context, at: &At<Animation>) -> Result<Motion> {
     }
     let event = |(seconds, x): &(f64, DVec3)| Event::new(metres(*seconds), *x);
     let events = track.points.iter().map(event).collect();
-    Ok(match track.is_straight {
-        true => Motion::Polyline(events),
-        false => Motion::Keyframes(events),
+    Ok(Motion::Animation {
+        events,
+        is_straight: track.is_straight,
     })
 }
 

@@ -196,9 +196,10 @@ fn refuse_horizon(
         Motion::Accelerated(a) => vec![*a],
         Motion::Segments(segments) => segments.iter().map(|s| s.acceleration).collect(),
         Motion::Profile { knots, .. } => knots.iter().map(|(_, a)| *a).collect(),
-        Motion::Inertial | Motion::Keyframes(_) | Motion::Polyline(_) | Motion::Circular { .. } => {
-            Vec::new()
-        }
+        Motion::Inertial
+        | Motion::Keyframes(_)
+        | Motion::Animation { .. }
+        | Motion::Circular { .. } => Vec::new(),
     };
     accelerations.extend(exposed(model));
     let (Some(corners), Some(motion)) = (model.sensor_corners(), &file.motion) else {

@@ -6,6 +6,13 @@
 //! ```text
 //! a = γ² w + γ⁴/(1 + γ) (v·w) v,    γ² = 1/((1 − |v|)(1 + |v|)).
 //! ```
+//!
+//! A line that follows an animation rests at its first event before it, and at its last one after it: there it is an inertial line,
+//! x = x_k, ct = ct_k + τ − τ_k, whose crossing with the past light cone of (T, X) is at ct = T − |X − x_k|. Its velocity jumps at
+//! both ends, its place does not, so that it is crossed once by every past light cone. At the ends themselves it has the velocity
+//! between.
+
+use glam::DVec3;
 
 use super::clock::Clock;
 use super::cone::past_cone;
@@ -22,6 +29,8 @@ use crate::spacetime::{Displacement, Event, Velocity, World};
 pub(super) struct Keyframes {
     series: Series,
     clock: Clock,
+    /// Whether it rests before its first event and after its last one; otherwise it is not there then.
+    rests: bool,
 }
 
 impl Keyframes {
@@ -45,14 +54,74 @@ impl Keyframes {
         check_ascending(events.iter().map(|e| e.ct))?;
         let series = curve(events)?;
         let clock = Clock::new(&series.parameters, |span, s| rate(&series, span, s));
-        Ok(Keyframes { series, clock })
+        Ok(Keyframes {
+            series,
+            clock,
+            rests: false,
+        })
+    }
+
+    /// The same line, which rests at its ends for ever.
+    pub fn resting(self) -> Self {
+        Keyframes {
+            rests: true,
+            ..self
+        }
     }
 
     pub fn span(&self) -> [f64; 2] {
+        match self.rests {
+            true => [f64::NEG_INFINITY, f64::INFINITY],
+            false => self.keys(),
+        }
+    }
+
+    /// The proper times before and after which it rests.
+    pub fn rests(&self) -> Option<[f64; 2]> {
+        self.rests.then(|| self.keys())
+    }
+
+    /// The proper times of the first and the last event.
+    fn keys(&self) -> [f64; 2] {
         [0.0, self.clock.end()]
     }
 
+    /// The event at which it rests at a proper time, and the proper time of that, where it rests.
+    fn rest_at(&self, proper_time: f64) -> Option<(Event<World>, f64)> {
+        let [first, last] = self.rests()?;
+        let events = &self.series.events;
+        match proper_time {
+            _ if proper_time < first => Some((*events.first()?, first)),
+            _ if proper_time > last => Some((*events.last()?, last)),
+            _ => None,
+        }
+    }
+
+    /// The same by the past light cone that crosses it, whose apex is at `from(event)` from each event.
+    fn rest_seen(
+        &self,
+        from: impl Fn(Event<World>) -> Displacement<World>,
+    ) -> Option<(Event<World>, f64)> {
+        let [first, last] = self.rests()?;
+        let (begin, end) = (*self.series.events.first()?, *self.series.events.last()?);
+        let to_end = from(end);
+        match () {
+            () if !from(begin).is_causal() => Some((begin, first)),
+            () if to_end.ct > to_end.x.length() => Some((end, last)),
+            () => None,
+        }
+    }
+
     pub fn state(&self, proper_time: f64) -> Option<State> {
+        if let Some((event, time)) = self.rest_at(proper_time) {
+            let since = Displacement::new(proper_time - time, DVec3::ZERO);
+            return Some(State::new(
+                proper_time,
+                event + since,
+                Velocity::REST,
+                DVec3::ZERO,
+            ));
+        }
         let ct = self
             .clock
             .world_time(proper_time, |span, s| rate(&self.series, span, s));
@@ -68,6 +137,36 @@ impl Keyframes {
     }
 
     pub fn past_cone(&self, near: &State, offset: Displacement<World>) -> Option<Crossing> {
+        let own = self.rest_at(near.proper_time);
+        if let Some((event, time)) = self.rest_seen(|node| (near.event - node) + offset) {
+            // From a state of the same rest, without the way to its end, which may be long.
+            if own.is_some_and(|(_, own)| own == time) {
+                return past_cone(near, offset);
+            }
+            let apex = (near.event - event) + offset;
+            let since = apex.ct - apex.x.length();
+            let moved = (event - near.event) + Displacement::new(since, DVec3::ZERO);
+            return Some(Crossing::new(
+                near.event,
+                moved,
+                Elapsed::known(time, since),
+            ));
+        }
+        if let Some((event, _)) = own {
+            // From rest into the curve: by the end of it that is next.
+            let to_end = event - near.event;
+            let found = self
+                .series
+                .past_cone(event, event.ct, offset - to_end, f64::NAN)?;
+            let moved = to_end + found.displacement;
+            return Some(self.crossing(
+                near.event,
+                Found {
+                    displacement: moved,
+                    ..found
+                },
+            ));
+        }
         let guess = past_cone(near, offset).map_or(f64::NAN, |c| c.displacement.ct);
         let found = self
             .series
@@ -76,6 +175,13 @@ impl Keyframes {
     }
 
     pub fn past_cone_of(&self, apex: Event<World>) -> Option<Crossing> {
+        if let Some((event, time)) = self.rest_seen(|node| apex - node) {
+            let from = apex - event;
+            let distance = from.x.length();
+            let back = Displacement::new(-distance, -from.x);
+            let elapsed = Elapsed::known(time, from.ct - distance);
+            return Some(Crossing::new(apex, back, elapsed));
+        }
         Some(self.crossing(apex, self.series.past_cone_of(apex)?))
     }
 

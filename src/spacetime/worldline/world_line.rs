@@ -80,6 +80,19 @@ impl WorldLine {
         Ok(Kind::Keyframes(Keyframes::straight(events)?).into())
     }
 
+    /// As an animation goes: through `events` straight ([`WorldLine::polyline`]) or smoothly ([`WorldLine::keyframes`]), and at rest
+    /// at the first of them before it and at the last one after it. The velocity jumps at both; proper time is 0 at the first.
+    pub fn animation(
+        events: &[Event<World>],
+        is_straight: bool,
+    ) -> Result<WorldLine, WorldLineError> {
+        let line = match is_straight {
+            true => Keyframes::straight(events)?,
+            false => Keyframes::smooth(events)?,
+        };
+        Ok(Kind::Keyframes(line.resting()).into())
+    }
+
     /// At constant speed around the axis through the point `centre` along `axis` (of any length but 0), with
     /// `rate` radians per metre of world time, right-handed about it; at `zero` at proper time 0.
     pub fn circular(
@@ -97,6 +110,14 @@ impl WorldLine {
             Kind::Arcs(_) | Kind::Circular(_) => [f64::NEG_INFINITY, f64::INFINITY],
             Kind::Profile(line) => line.span(),
             Kind::Keyframes(line) => line.span(),
+        }
+    }
+
+    /// The proper times before and after which it rests, where it follows an animation: its velocity jumps there.
+    pub fn rests(&self) -> Option<[f64; 2]> {
+        match &self.kind {
+            Kind::Keyframes(line) => line.rests(),
+            _ => None,
         }
     }
 

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 use nullray::spacetime::worldline::{State, WorldLine, WorldLineError};
-use nullray::spacetime::{Event, Velocity, World};
+use nullray::spacetime::{Displacement, Event, Velocity, World};
 
-use crate::worldlines::lines::{apart, event, keys, turn};
+use crate::worldlines::lines::{Sequence, apart, event, keys, length, turn};
 
 /// The proper time at which `line` is at world time `ct`, by bisection.
 fn when(line: &WorldLine, ct: f64) -> f64 {
@@ -294,4 +294,55 @@ fn a_polyline_is_as_fast_as_its_fastest_way() {
             ..
         }
     ));
+}
+
+/// Between its events the line of an animation is the other line to the bit; before and after, at rest, its clock runs as fast as
+/// the world's. Wherever the cone's apex is, the crossing is the one event of the line from which light gets there.
+#[test]
+fn an_animation_rests_before_its_first_event_and_after_its_last() {
+    let keys = keys();
+    let mut numbers = Sequence(14);
+    for is_straight in [false, true] {
+        let line = WorldLine::animation(&keys, is_straight).unwrap();
+        let between = match is_straight {
+            true => WorldLine::polyline(&keys).unwrap(),
+            false => WorldLine::keyframes(&keys).unwrap(),
+        };
+        let [first, last] = between.span();
+        assert_eq!(line.rests(), Some([first, last]));
+        assert_eq!(line.span(), [f64::NEG_INFINITY, f64::INFINITY]);
+        for part in 0..=64 {
+            let time = first + (last - first) * f64::from(part) / 64.0;
+            assert_eq!(line.state(time), between.state(time), "{time}");
+        }
+        for (time, event) in [(first - 3.5, keys[0]), (last + 2.25, keys[4])] {
+            let state = line.state(time).unwrap();
+            let since = if time < first { -3.5 } else { 2.25 };
+            assert!((state.event.ct - event.ct - since).abs() < 4e-15);
+            assert_eq!((state.event.x, state.velocity), (event.x, Velocity::REST));
+            assert_eq!(state.acceleration, DVec3::ZERO);
+            assert!(between.state(time).is_none());
+        }
+        // From states of all parts to apexes all over: what is seen is on the line, and by light.
+        let mut seen = [0; 3];
+        for _ in 0..3000 {
+            let mut within = |reach: f64| reach * (2.0 * numbers.next() - 1.0);
+            let near = line.state(3.0 + within(12.0)).unwrap();
+            let x = DVec3::new(within(4.0), within(4.0), within(4.0));
+            let offset = Displacement::new(within(12.0), x);
+            let apex = near.event + offset;
+            let crossing = line.on_past_light_cone(&near, offset).unwrap();
+            let other = line.on_past_light_cone_of(apex).unwrap();
+            assert!(apart(crossing.event, other.event) < 1e-13, "{crossing:?}");
+            let light = apex - crossing.event;
+            assert!((light.ct - light.x.length()).abs() < 1e-13, "{light:?}");
+            let time = crossing.proper_time();
+            assert!((time - other.proper_time()).abs() < 1e-12);
+            let there = line.state(time).unwrap();
+            assert!(apart(there.event, crossing.event) < 1e-13, "{there:?}");
+            assert!(length(near.event + crossing.displacement - crossing.event) < 1e-14);
+            seen[usize::from(time >= first) + usize::from(time > last)] += 1;
+        }
+        assert!(seen.iter().all(|count| *count > 300), "{seen:?}");
+    }
 }

@@ -50,13 +50,12 @@ fn curve(view: &View, limits: &Limits, track: &Track, [from, to]: [f64; 2]) -> C
     // Straight pieces need their corners alone. A curve is looked at in so many pieces at least: one that bends to both sides
     // may pass through the middle of its chord.
     let mut knots = vec![from];
-    match track.corners() {
-        corners if !corners.is_empty() => knots.extend(corners),
-        _ if track.is_straight() => {}
-        _ => {
-            knots.extend((1..PIECES).map(|k| from + (to - from) * f64::from(k) / f64::from(PIECES)))
-        }
+    let corners = track.corners();
+    if track.bends() || (corners.is_empty() && !track.is_straight()) {
+        knots.extend((1..PIECES).map(|k| from + (to - from) * f64::from(k) / f64::from(PIECES)));
     }
+    knots.extend(corners);
+    knots.sort_by(f64::total_cmp);
     knots.retain(|time| (from..to).contains(time));
     knots.push(to);
     // Between knots, as many points as it bends.

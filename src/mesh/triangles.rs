@@ -91,6 +91,8 @@ pub struct Factors {
     pub transmission: f32,
     /// Whether its back is to be seen too.
     pub double_sided: bool,
+    /// Whether it shines where there is light.
+    pub emits: bool,
 }
 
 impl Factors {
@@ -165,6 +167,7 @@ impl Material {
             roughness: self.roughness,
             transmission: self.transmission,
             double_sided: self.double_sided,
+            emits: self.emissive != [0.0; 3],
         }
     }
 

@@ -30,7 +30,7 @@ use crate::scene::model::{
 
 pub use bindings::{Lit, lit_by, shown_by};
 pub(crate) use memory::BUILT_TOGETHER;
-pub(crate) use notes::unfound_light;
+pub(crate) use notes::{unfound_light, unshown_emission};
 pub use planned::{Memory, Plan, PlannedCube, PlannedFrame, PlannedObject, Rays, Request, Skipped};
 pub use report::{bytes, count, motion};
 
@@ -230,6 +230,7 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
                 }],
                 has_gloss_textures: false,
                 images: 0,
+                    emits: false,
                 has_colours: false,
                 unlit: Vec::new(),
                 has_masks: false,

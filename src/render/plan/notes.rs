@@ -153,6 +153,7 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
     let is_glass = |object: &Object| matches!(object.geometry, Geometry::Shape { transmission, .. } if transmission > 0.0);
     if scene.bounces == 0 && scene.objects.iter().any(is_glass) {
         notes.push("glass is opaque without `render.bounces`: give 2 for each body".into());
+    notes.extend(unshown_emission(scene, &plan.objects));
     }
     if scene.medium_index != 1.0 {
         notes.push(format!(
@@ -277,6 +278,25 @@ fn companions(scene: &Scene, plan: &Plan) -> Vec<String> {
                 format!("{} is its radiance from {from} to {to} nm", channel.name())
             });
             let bands: Vec<_> = bands.collect();
+/// Of objects without light whose materials emit some: where base colours are what is seen, nothing shines beside them.
+pub(crate) fn unshown_emission(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
+    let is_unshown = |(index, object): &(usize, &PlannedObject)| {
+        let mut materials = object.materials.iter().zip(&object.factors);
+        materials.any(|(name, factors)| factors.emits && lit_by(scene, *index, name) == Lit::Base)
+    };
+    if scene.is_lit() {
+        return Vec::new();
+    }
+    let unshown = objects.iter().enumerate().filter(is_unshown);
+    let sentence = |(_, object): (usize, &PlannedObject)| {
+        format!(
+            "object {:?}: only lit scenes show what its materials emit: add a [[light]], or [sky] with radiance = 0",
+            object.name
+        )
+    };
+    unshown.map(sentence).collect()
+}
+
             notes.push(format!("{named}: {}; it is dark beyond", bands.join(", ")));
         }
     }

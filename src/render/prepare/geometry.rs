@@ -14,10 +14,8 @@ use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::{gltf, npy};
 use crate::mesh::atlas::Corners;
-use crate::mesh::{Material, Mesh, shapes};
-use crate::render::plan::{
-    BUILT_TOGETHER, Lit, Plan, PlannedFrame, PlannedObject, keeps_normals, lit_by,
-};
+use crate::mesh::{Mesh, shapes};
+use crate::render::plan::{BUILT_TOGETHER, Plan, PlannedFrame, PlannedObject, keeps_normals};
 use crate::render::progress::Progress;
 use crate::render::trace::{AlphaMasks, MaskedRun, Patch, RestFrame};
 use crate::scene::MADE_FOR_MODEL;
@@ -81,16 +79,6 @@ fn gathered_frame(
         let has_lights = scene.text.starts_with(MADE_FOR_MODEL);
         told.retain(|what| !has_lights || !what.contains(gltf::LIGHTS_UNREAD));
         warnings.append(&mut told);
-        // Where base colours are what is seen, nothing shines beside them.
-        let shines = |material: &Material| {
-            material.emissive != [0.0; 3] && lit_by(scene, index, &material.name) == Lit::Base
-        };
-        if !scene.is_lit() && mesh.materials.iter().any(shines) {
-            warnings.push(format!(
-                "object {:?}: only lit scenes show what its materials emit: add a [[light]], or [sky] with radiance = 0",
-                object.name
-            ));
-        }
         let emitters = light.materials(index, &mesh, images)?;
         let origin = frame.event_from_world(object.origin);
         gathered.add(scene, index, mesh, origin, &emitters);

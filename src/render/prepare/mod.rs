@@ -21,7 +21,7 @@ use crate::accel::Method;
 use crate::camera::Camera;
 use crate::error::Result;
 use crate::render::film::Layout;
-use crate::render::plan::{Plan, unfound_light};
+use crate::render::plan::{Plan, unfound_light, unshown_emission};
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{Background, HitBuffer, Meter, Rays, RestFrame, Surfaces, TracedRays};
@@ -80,7 +80,9 @@ impl Prepared {
         // What was known before anything was read comes first.
         warnings.splice(
             0..0,
-            scene.passed_over.iter().cloned().chain(unfound.clone()),
+            (scene.passed_over.iter().cloned())
+                .chain(unfound.clone())
+                .chain(unshown_emission(scene, &plan.objects)),
         );
         // Retardation that is turned off is light without delay.
         let ray_index = if scene.effects.retardation {

@@ -472,6 +472,13 @@ fn emission_of_a_file_that_no_light_lets_be_seen_is_named() {
             said,
             "{lights} {emissive:?}: {warnings}"
         );
+        // The plan knows it before anything is loaded.
+        let notes = plan.notes.join("\n");
+        assert_eq!(
+            notes.contains("object \"panel\": only lit"),
+            said,
+            "{notes}"
+        );
     }
 }
 

@@ -6,7 +6,7 @@ use nullray::Result;
 use nullray::colour::Continuation;
 use nullray::io::cube::{self, Channels, CubeInfo};
 use nullray::render::metadata;
-use nullray::render::plan::bytes;
+use nullray::render::plan::{self, bytes};
 use nullray::scene::model::{
     Beam, BinValues, Binding, Catalogue, Clock, CubeBacks, CubeData, CubeSource, EmissionProfile,
     Equations, Geometry, Light, LightKind, Mapping, Object, Scene, Shape, Sky, SkyRadiance, Source,
@@ -35,6 +35,9 @@ pub fn info(path: &Path) -> Result<Info> {
         }
     }
     settings(&mut info, &scene);
+    let unread = plan::unread(&scene);
+    info.list("warning", &unread, String::clone);
+    info.data("warnings", unread);
     info.names(
         "panels",
         scene.panels.iter().map(|p| p.name.clone()).collect(),

@@ -1,5 +1,8 @@
 //! What a plan leaves out, and what its pictures do not show.
 
+use std::collections::HashSet;
+use std::path::Path;
+
 use super::bindings::{Lit, lit_by};
 use super::planned::{Plan, PlannedObject, Skipped};
 use crate::camera::Kind;
@@ -150,10 +153,10 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
         );
     }
     notes.extend(unfound_light(scene, &plan.objects, |_| false));
+    notes.extend(unshown_emission(scene, &plan.objects));
     let is_glass = |object: &Object| matches!(object.geometry, Geometry::Shape { transmission, .. } if transmission > 0.0);
     if scene.bounces == 0 && scene.objects.iter().any(is_glass) {
         notes.push("glass is opaque without `render.bounces`: give 2 for each body".into());
-    notes.extend(unshown_emission(scene, &plan.objects));
     }
     if scene.medium_index != 1.0 {
         notes.push(format!(
@@ -162,23 +165,56 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
         ));
     }
     notes.extend(scene.passed_over.iter().cloned());
-    for object in &plan.objects {
-        let file = object.file.as_ref().map(|file| file.display().to_string());
-        // A scene that was made for a model has the lights of its file.
-        let has_lights = scene.text.starts_with(MADE_FOR_MODEL);
-        let unread = object.unread.iter();
-        for sentence in unread.filter(|s| !has_lights || !s.contains(gltf::LIGHTS_UNREAD)) {
-            let note = format!("{}: {sentence}", file.as_deref().unwrap_or_default());
-            if !notes.contains(&note) {
-                notes.push(note);
-            }
-        }
-    }
+    let files = plan.objects.iter().filter_map(|object| {
+        let file = object.file.as_deref()?;
+        Some((file, object.unread.as_slice()))
+    });
+    notes.extend(unread_of(scene, files));
     if scene.speed_of_light != crate::scene::model::SPEED_OF_LIGHT {
         notes.push(format!(
             "the speed of light of this scene is {} m/s",
             scene.speed_of_light
         ));
+    }
+    notes
+}
+
+/// What is passed over of the glTF files of the objects of `scene`, by their headers alone: a sentence each, once, after the name of
+/// the file. Of a file that cannot be read nothing is said.
+pub fn unread(scene: &Scene) -> Vec<String> {
+    let mut inspected = HashSet::new();
+    let mut files = Vec::new();
+    for object in &scene.objects {
+        let Geometry::Gltf { path, node } = &object.geometry else {
+            continue;
+        };
+        let part = (path.as_path(), node.as_deref());
+        if !inspected.insert(part) {
+            continue;
+        }
+        if let Ok(summary) = gltf::inspect(part.0, part.1) {
+            files.push((part.0, summary.warnings));
+        }
+    }
+    unread_of(scene, files.iter().map(|(path, said)| (*path, &said[..])))
+}
+
+/// The same of `files`, and of each what is passed over in it.
+fn unread_of<'a>(
+    scene: &Scene,
+    files: impl IntoIterator<Item = (&'a Path, &'a [String])>,
+) -> Vec<String> {
+    // A scene that was made for a model has the lights of its file.
+    let has_lights = scene.text.starts_with(MADE_FOR_MODEL);
+    let mut notes = Vec::new();
+    for (file, unread) in files {
+        for sentence in unread {
+            let note = format!("{}: {sentence}", file.display());
+            let is_read = has_lights && sentence.contains(gltf::LIGHTS_UNREAD);
+            if !is_read && !notes.contains(&note) {
+                notes.push(note);
+            }
+        }
     }
     notes
 }
@@ -242,6 +278,25 @@ pub(crate) fn unfound_light(
     ))
 }
 
+/// Of objects without light whose materials emit some: where base colours are what is seen, nothing shines beside them.
+pub(crate) fn unshown_emission(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
+    let is_unshown = |(index, object): &(usize, &PlannedObject)| {
+        let mut materials = object.materials.iter().zip(&object.factors);
+        materials.any(|(name, factors)| factors.emits && lit_by(scene, *index, name) == Lit::Base)
+    };
+    if scene.is_lit() {
+        return Vec::new();
+    }
+    let unshown = objects.iter().enumerate().filter(is_unshown);
+    let sentence = |(_, object): (usize, &PlannedObject)| {
+        format!(
+            "object {:?}: only lit scenes show what its materials emit: add a [[light]], or [sky] with radiance = 0",
+            object.name
+        )
+    };
+    unshown.map(sentence).collect()
+}
+
 /// A few names of a list, and how many more there are.
 fn listed(names: &[String]) -> String {
     const MOST: usize = 4;
@@ -278,25 +333,6 @@ fn companions(scene: &Scene, plan: &Plan) -> Vec<String> {
                 format!("{} is its radiance from {from} to {to} nm", channel.name())
             });
             let bands: Vec<_> = bands.collect();
-/// Of objects without light whose materials emit some: where base colours are what is seen, nothing shines beside them.
-pub(crate) fn unshown_emission(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
-    let is_unshown = |(index, object): &(usize, &PlannedObject)| {
-        let mut materials = object.materials.iter().zip(&object.factors);
-        materials.any(|(name, factors)| factors.emits && lit_by(scene, *index, name) == Lit::Base)
-    };
-    if scene.is_lit() {
-        return Vec::new();
-    }
-    let unshown = objects.iter().enumerate().filter(is_unshown);
-    let sentence = |(_, object): (usize, &PlannedObject)| {
-        format!(
-            "object {:?}: only lit scenes show what its materials emit: add a [[light]], or [sky] with radiance = 0",
-            object.name
-        )
-    };
-    unshown.map(sentence).collect()
-}
-
             notes.push(format!("{named}: {}; it is dark beyond", bands.join(", ")));
         }
     }

@@ -78,7 +78,7 @@ fn gathered_frame(
         // A scene that was made for a model has the lights of its file.
         let has_lights = scene.text.starts_with(MADE_FOR_MODEL);
         told.retain(|what| !has_lights || !what.contains(gltf::LIGHTS_UNREAD));
-        warnings.append(&mut told);
+        tell(warnings, told);
         let emitters = light.materials(index, &mesh, images)?;
         let origin = frame.event_from_world(object.origin);
         gathered.add(scene, index, mesh, origin, &emitters);
@@ -129,7 +129,7 @@ pub fn object_mesh(
         Geometry::Gltf { path, node } => {
             let imported = gltf::load(path, node.as_deref(), want)?;
             let named = |w: String| format!("{}: {w}", path.display());
-            warnings.extend(imported.warnings.into_iter().map(named));
+            tell(warnings, imported.warnings.into_iter().map(named));
             (imported.mesh, imported.images, imported.uv_sets)
         }
         Geometry::Shape {
@@ -171,6 +171,15 @@ pub fn object_mesh(
         mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
     Ok((mesh, images))
+}
+
+/// Adds what is not among `warnings` yet: objects may have a file in common.
+fn tell(warnings: &mut Vec<String>, told: impl IntoIterator<Item = String>) {
+    for text in told {
+        if !warnings.contains(&text) {
+            warnings.push(text);
+        }
+    }
 }
 
 /// The coordinates in the file of an object of so many triangles.

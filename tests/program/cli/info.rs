@@ -33,6 +33,37 @@ fn of_a_mesh() {
 }
 
 #[test]
+fn what_is_passed_over_of_a_mesh_is_said_once_however_many_objects_show_it() {
+    let folder = Folder::empty();
+    let unread = TRIANGLE
+        .replace("\"asset\"", "\"extensionsUsed\": [\"FOO_bar\"], \"asset\"")
+        .replace("\"images\": [{\"uri\": \"bricks.png\"}],", "");
+    folder.write("mesh.gltf", unread);
+    let corners: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    folder.write("mesh.bin", corners.map(f32::to_le_bytes).concat());
+    let object = "[[object]]\ngltf = \"mesh.gltf\"\n";
+    let moved = "velocity = { beta = [0.5, 0, 0] }\n";
+    folder.write(
+        "scene.toml",
+        format!(
+            "[camera]\neye = [0, 0, 3]\nlook_at = [0, 0, 0]\nsize = [4, 4]\n{object}{object}{object}{moved}"
+        ),
+    );
+    let words = "mesh.gltf: extensionsUsed: the extension \"FOO_bar\" is not supported";
+    let data = said(&folder, "scene.toml", &[words]);
+    assert_eq!(data["warnings"], serde_json::json!([words]));
+    for command in [
+        &["info", "scene.toml"][..],
+        &["plan", "scene.toml"],
+        &["render", "scene.toml"],
+    ] {
+        let said = folder.ok(command);
+        let lines = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(lines.matches(words).count(), 1, "{command:?}: {said}");
+    }
+}
+
+#[test]
 fn of_a_mesh_whose_files_are_missing() {
     let folder = Folder::empty();
     folder.write("mesh.gltf", TRIANGLE.replace("roof", "roof\\u001b[31m"));

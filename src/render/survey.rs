@@ -1,6 +1,7 @@
 //! When the light in view left, against the times of which there are data: why a picture is dark, in numbers.
 //!
-//! One ray goes through the centre of each pixel. At each point that it meets and that varies with time, the time that a
+//! One ray goes through the centre of each pixel; where none of these meets anything, all samples of the picture are looked at, as a
+//! picture of few pixels shows what is smaller than they are. At each point that it meets and that varies with time, the time that a
 //! lookup would ask for is taken on the data's own clock:
 //!
 //! - a cube: world time or the object's own, and for a warped one as much later as its light reached the capture
@@ -33,6 +34,31 @@ const MOST_TILES: u64 = 1024;
 
 /// How many tiles of a picture are looked at first.
 const LOOKED_AT: u64 = 64;
+
+/// The rays of a survey: so many samples of each pixel.
+#[derive(Debug, Clone, Copy)]
+struct Looks {
+    sampler: Sampler,
+    samples: u32,
+}
+
+impl Looks {
+    /// One through the centre of each pixel.
+    fn centred() -> Looks {
+        Looks {
+            sampler: Sampler::centred(),
+            samples: 1,
+        }
+    }
+
+    /// Those of the picture itself.
+    fn of_picture(scene: &Prepared) -> Looks {
+        Looks {
+            sampler: scene.sampler,
+            samples: scene.layout.samples,
+        }
+    }
+}
 
 /// Times on the clock of a source, metres of ct; of a lamp, its own (proper) times.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,7 +122,7 @@ pub fn moments(scene: &Scene, prepared: &mut Prepared, dark: bool) -> Vec<String
     // As many rays as tell the ends of what is seen.
     let every = (Tile::count(scene.camera.size) / MOST_TILES) | 1;
     let mut remarks = Vec::new();
-    for times in seen_times_among(prepared, every) {
+    for times in seen_or_sampled(prepared, every) {
         if times.is_of_cube(scene) || (dark && times.meets()) {
             continue;
         }
@@ -134,7 +160,7 @@ pub fn unseen_lamps(scene: &Scene, prepared: &Prepared) -> Vec<(usize, [f64; 2])
         LightKind::Area { .. } => false,
     };
     // Lamps are numbered after the sources.
-    let of_lamp = |k: usize| {
+    let ratios = |k: usize, looks: Looks| {
         let index = scene.sources.len() + k;
         let lamp = light.lamps.get(index)?.as_ref()?;
         let tiles = (0..Tile::count(prepared.layout.size)).into_par_iter();
@@ -143,7 +169,7 @@ pub fn unseen_lamps(scene: &Scene, prepared: &Prepared) -> Vec<(usize, [f64; 2])
             each_point(
                 prepared,
                 &surfaces,
-                Tile::of_image(prepared.layout.size, tile),
+                (Tile::of_image(prepared.layout.size, tile), looks),
                 |observed| {
                     let point = &observed.point;
                     let arrival = lamp.arrival_at_peak(&point.ray, point.hit.s, light.index);
@@ -160,8 +186,16 @@ pub fn unseen_lamps(scene: &Scene, prepared: &Prepared) -> Vec<(usize, [f64; 2])
             );
             (range, is_seen)
         });
-        let (range, is_seen) = tiles_reduced(ratios);
-        (!is_seen && range[0] <= range[1]).then_some((k, range))
+        Some(tiles_reduced(ratios))
+    };
+    let of_lamp = |k: usize| {
+        let is_lit = |([least, greatest], _): &([f64; 2], bool)| least <= greatest;
+        let found = ratios(k, Looks::centred())?;
+        let (range, is_seen) = match is_lit(&found) {
+            true => found,
+            false => ratios(k, Looks::of_picture(prepared)).filter(is_lit)?,
+        };
+        (!is_seen).then_some((k, range))
     };
     (0..scene.lights.len())
         .filter(has_spectrum)
@@ -183,6 +217,19 @@ pub fn seen_times(scene: &Prepared) -> Vec<SeenTimes> {
 
 /// The same, of one tile in `every`.
 fn seen_times_among(scene: &Prepared, every: u64) -> Vec<SeenTimes> {
+    seen_times_by(scene, every, Looks::centred())
+}
+
+/// The same; where no ray through the centre of a pixel meets anything lit, by all samples.
+fn seen_or_sampled(scene: &Prepared, every: u64) -> Vec<SeenTimes> {
+    let seen = seen_times_among(scene, every);
+    match seen.is_empty() {
+        true => seen_times_by(scene, every, Looks::of_picture(scene)),
+        false => seen,
+    }
+}
+
+fn seen_times_by(scene: &Prepared, every: u64, looks: Looks) -> Vec<SeenTimes> {
     let Some(light) = scene.light.time_resolved() else {
         return Vec::new();
     };
@@ -194,6 +241,7 @@ fn seen_times_among(scene: &Prepared, every: u64) -> Vec<SeenTimes> {
             &surfaces,
             light,
             Tile::of_image(scene.layout.size, index * every),
+            looks,
         )
     };
     // Least and greatest do not depend on an order.
@@ -204,12 +252,22 @@ fn seen_times_among(scene: &Prepared, every: u64) -> Vec<SeenTimes> {
     })
 }
 
-/// The least and the greatest W = λ′/λ of what rays through the centres of pixels meet, a sky too; none where they meet
-/// nothing.
+/// The least and the greatest W = λ′/λ of what rays through the centres of pixels meet, a sky too, or all samples where the former
+/// meet no surface; none where they meet nothing.
 pub fn wavelength_ratios(scene: &Prepared) -> Option<[f64; 2]> {
+    let (range, has_met) = ratios_by(scene, Looks::centred());
+    match has_met {
+        true => range,
+        false => ratios_by(scene, Looks::of_picture(scene)).0,
+    }
+}
+
+/// The same, and whether the rays meet a surface.
+fn ratios_by(scene: &Prepared, looks: Looks) -> (Option<[f64; 2]>, bool) {
     let surfaces = scene.surfaces();
     let range = |index| {
         let range = std::cell::Cell::new(None);
+        let mut has_met = false;
         let tile = Tile::of_image(scene.layout.size, index);
         let note = |w: f64| {
             let [low, high]: [f64; 2] = range.get().unwrap_or([w; 2]);
@@ -219,20 +277,28 @@ pub fn wavelength_ratios(scene: &Prepared) -> Option<[f64; 2]> {
         each_point(
             scene,
             &surfaces,
-            tile,
-            |observed| note(observed.w.0),
+            (tile, looks),
+            |observed| {
+                has_met = true;
+                note(observed.w.0);
+            },
             |w| {
                 if sky {
                     note(w);
                 }
             },
         );
-        range.get()
+        (range.get(), has_met)
     };
     let tiles = (0..Tile::count(scene.layout.size)).into_par_iter();
-    tiles
-        .filter_map(range)
-        .reduce_with(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+    let both = |a: Option<[f64; 2]>, b: Option<[f64; 2]>| match (a, b) {
+        (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].max(b[1])]),
+        (a, b) => a.or(b),
+    };
+    tiles.map(range).reduce(
+        || (None, false),
+        |(a, met), (b, also)| (both(a, b), met || also),
+    )
 }
 
 /// Has `plan` say of which mirrors light is not found where textures make them such, which only what is loaded tells.
@@ -395,7 +461,7 @@ pub fn meeting_times(
     let mut later = scene.clone();
     later.camera.time += step;
     prepared.retake(&later).ok()?;
-    let after = seen_times(prepared);
+    let after = seen_or_sampled(prepared, 1);
     prepared.retake(scene).ok()?;
     let after = after.iter().find(|times| times.source == before.source)?;
     let rate = |k: usize| (after.seen[k] - before.seen[k]) / step;
@@ -409,33 +475,41 @@ pub fn meeting_times(
     (rises && times[0] < times[1] && times.iter().all(|t| t.is_finite())).then_some(times)
 }
 
-fn tile(scene: &Prepared, surfaces: &Surfaces, light: &TimeResolved, tile: Tile) -> Vec<SeenTimes> {
+fn tile(
+    scene: &Prepared,
+    surfaces: &Surfaces,
+    light: &TimeResolved,
+    tile: Tile,
+    looks: Looks,
+) -> Vec<SeenTimes> {
     let mut all = Vec::new();
     let each = |observed: &ObservedPoint| at_point(light, surfaces, observed, &mut all);
-    each_point(scene, surfaces, tile, each, |_| {});
+    each_point(scene, surfaces, (tile, looks), each, |_| {});
     all
 }
 
-/// What the rays through the centres of a tile's pixels meet, and W of what is at rest in the world for those that meet nothing.
+/// What rays through a tile's pixels meet, and W of what is at rest in the world for those that meet nothing.
 fn each_point(
     scene: &Prepared,
     surfaces: &Surfaces,
-    tile: Tile,
+    (tile, looks): (Tile, Looks),
     mut each: impl FnMut(&ObservedPoint),
     mut escaped: impl FnMut(f64),
 ) {
     let (mut camera_rays, mut hits) = (CameraRays::default(), HitBuffer::default());
     let view = &scene.camera.view;
-    view.generate(&mut camera_rays, &Sampler::centred(), tile, 0..1);
-    let rays = camera_rays.rays(scene.method);
-    let traced = scene.trace(surfaces, rays, &mut hits, &mut Meter::off());
-    for (ray, ratio) in camera_rays.ratios.iter().enumerate() {
-        if !traced.rays.origin(ray).sees() {
-            continue;
-        }
-        match traced.observed(ray, *ratio) {
-            Some(observed) => each(&observed),
-            None => escaped(*ratio),
+    for sample in 0..looks.samples {
+        view.generate(&mut camera_rays, &looks.sampler, tile, sample..sample + 1);
+        let rays = camera_rays.rays(scene.method);
+        let traced = scene.trace(surfaces, rays, &mut hits, &mut Meter::off());
+        for (ray, ratio) in camera_rays.ratios.iter().enumerate() {
+            if !traced.rays.origin(ray).sees() {
+                continue;
+            }
+            match traced.observed(ray, *ratio) {
+                Some(observed) => each(&observed),
+                None => escaped(*ratio),
+            }
         }
     }
 }

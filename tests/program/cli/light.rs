@@ -68,6 +68,27 @@ fn a_spectrum_out_of_sight_is_told_and_no_other_time_is_advised() {
     assert!(!said.contains("another --time"), "{said}");
 }
 
+/// A box whose picture is smaller than a pixel, so that no centre of one meets it: ahead at 0.9 c a line at 589 nm is seen at
+/// 0.23 times that.
+#[test]
+fn a_small_picture_of_a_spectrum_out_of_sight_has_the_same_reason() {
+    let folder = Folder::new();
+    folder.write(
+        "small.toml",
+        "[camera]\neye = [0, 0, 3]\nlook_at = [0, 0, 0]\nhfov = \"40 deg\"\nsize = [8, 6]\n\
+         velocity = { beta = 0.9, direction = [0, 0, -1] }\n\
+         [[object]]\nshape = { box = { size = [1, 1, 1] } }\nspectrum = { line = \"589 nm\" }\n\
+         [radiance]\nquantity = \"rgb\"\n",
+    );
+    for size in ["8x6", "80x60"] {
+        let said = folder.ok(&["render", "small.toml", "--size", size, "-o", "small.png"]);
+        for part in ["nothing of its light is visible", "has 0.229"] {
+            assert!(said.contains(part), "{size}: {said}");
+        }
+        assert!(!said.contains("another --time"), "{size}: {said}");
+    }
+}
+
 #[test]
 fn lights_without_a_name_are_set_by_the_names_of_their_types() {
     let folder = Folder::new();
@@ -305,6 +326,16 @@ fn spectra_that_cannot_be_are_refused_in_their_place() {
         folder.write("bad.toml", format!("{scene}spectrum = {spectrum}\n{rgb}"));
         refused(&folder, &["render", "bad.toml"], &[said]);
     }
+    // As of lights and skies, only where radiance is that of spectra.
+    folder.write(
+        "bad.toml",
+        format!("{scene}spectrum = {{ line = \"589 nm\" }}\n"),
+    );
+    let said = [
+        "an object has a spectrum where",
+        "set quantity = \"rgb\" in [radiance], or leave `spectrum` out",
+    ];
+    refused(&folder, &["render", "bad.toml"], &said);
 }
 
 #[test]
@@ -326,16 +357,6 @@ fn a_picture_can_have_a_caption_with_time_and_speed() {
     let set = ["--set", "display.caption=a crate", "-o", "said.png"];
     folder.ok(&[&["render", "scene.toml"][..], &set].concat());
     assert_eq!(size("said.png"), [wide, high]);
-    // As of lights and skies, only where radiance is that of spectra.
-    folder.write(
-        "bad.toml",
-        format!("{scene}spectrum = {{ line = \"589 nm\" }}\n"),
-    );
-    let said = [
-        "an object has a spectrum where",
-        "set quantity = \"rgb\" in [radiance], or leave `spectrum` out",
-    ];
-    refused(&folder, &["render", "bad.toml"], &said);
     let deep = [
         "--set",
         "display.bits=16",

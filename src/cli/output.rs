@@ -20,7 +20,7 @@ use nullray::io::sealed::hexadecimal;
 use nullray::render::aov::Aov;
 use nullray::render::film::Film;
 use nullray::render::metadata::metadata;
-use nullray::render::plan::Request;
+use nullray::render::plan::{self, Request};
 use nullray::render::tonemap;
 use nullray::scene::model::{Exposure, Mapping, Scene, Show, SourceKind};
 use sha2::{Digest, Sha256};
@@ -203,6 +203,41 @@ impl Outputs {
         Ok(())
     }
 
+    /// What half precision cannot hold of the radiance, where a file has it: brighter than its greatest number, or so dim that the
+    /// nearest one is 0. A few dim pixels are not worth a word.
+    pub fn beyond_half(&self, film: &Film) -> Option<String> {
+        if !self.half || !self.files().any(|(_, kind)| kind == Kind::Exr) {
+            return None;
+        }
+        const GREATEST: f64 = 65504.0;
+        // Half of the least number above 0, 2⁻²⁴, and less are rounded to 0.
+        const LEAST: f64 = 1.0 / (1u64 << 25) as f64;
+        let of = |is_beyond: fn(f64) -> bool| {
+            let pixels = film.radiance().iter();
+            pixels
+                .filter(|rgb| rgb.iter().any(|c| is_beyond(*c)))
+                .count() as u64
+        };
+        let bright = of(|c| c.is_finite() && c.abs() > GREATEST);
+        let dim = of(|c| c > 0.0 && c <= LEAST);
+        let many = film.radiance().len() as u64 / 1000;
+        let mut parts = Vec::new();
+        if bright > 0 {
+            let pixels = counted(bright, "pixel");
+            parts.push(format!("{pixels} brighter than {GREATEST} limited to that"));
+        }
+        if dim > many {
+            parts.push(format!(
+                "{} with values up to 3e-8 set to 0",
+                counted(dim, "pixel")
+            ));
+        }
+        (!parts.is_empty()).then(|| {
+            let what = parts.join(", ");
+            format!("--half: {what}: without --half the file holds them in f32")
+        })
+    }
+
     fn write_one(&self, path: &Path, kind: Kind, scene: &Scene, film: &Film) -> Result<String> {
         let mut metadata = metadata(scene, film);
         metadata.push(("method".into(), self.method.to_string()));
@@ -285,6 +320,12 @@ impl Outputs {
         }
         Ok(format!(" ({} channels)", layers.channels.len()))
     }
+}
+
+/// A number of things.
+fn counted(count: u64, thing: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{} {thing}{plural}", plan::count(count))
 }
 
 /// A number in five significant digits, which `--white` takes again.

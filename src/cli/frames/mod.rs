@@ -124,6 +124,9 @@ struct Done {
     black: u64,
     /// Of the first black frame.
     remark: String,
+    /// Frames that half precision does not hold, and what is said of the first of them.
+    beyond_half: u64,
+    limited: Option<String>,
 }
 
 impl Sequence<'_> {
@@ -254,6 +257,11 @@ impl Sequence<'_> {
 
     fn note(&mut self, number: u64, scene: &Scene, film: &Film) {
         self.done.rendered += 1;
+        if let Some(text) = self.job.outputs.beyond_half(film) {
+            self.done.beyond_half += 1;
+            let first = &mut self.done.limited;
+            first.get_or_insert_with(|| format!("frame {number}: {text}"));
+        }
         let remark = remarks::blackness(scene, film, false);
         if !remark.is_empty() {
             self.done.black += 1;
@@ -306,6 +314,12 @@ impl Sequence<'_> {
             ))?;
         }
         self.say(&done.remark)?;
+        let more = done.beyond_half.saturating_sub(1);
+        let limited = done.limited.iter().map(|text| match more {
+            0 => text.clone(),
+            more => format!("{text} (and the same of {} more frames)", counted(more)),
+        });
+        warn(self.job.quiet, &limited.collect::<Vec<_>>())?;
         let warnings = self.prepared.iter().flat_map(|p| &p.warnings);
         warn(self.job.quiet, warnings)
     }

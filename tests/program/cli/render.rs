@@ -268,6 +268,37 @@ fn exposure_and_white_replace_each_other() {
 }
 
 #[test]
+fn what_half_precision_does_not_hold_is_counted() {
+    let folder = Folder::empty();
+    let sky = |radiance: &str| {
+        format!(
+            "[camera]\neye = [0, 0, 0]\nlook_at = [0, 0, -1]\nhfov = \"50 deg\"\nsize = [8, 6]\n\
+             [sky]\nradiance = {radiance}\n"
+        )
+    };
+    folder.write("beyond.toml", sky("[1e6, 1e-9, 1]"));
+    let said = folder.ok(&["render", "beyond.toml", "--half", "-o", "a.exr"]);
+    let words = "warning: --half: 48 pixels brighter than 65504 limited to that, 48 pixels with values up to 3e-8 set to 0: without \
+                 --half the file holds them in f32\n";
+    assert_eq!(said.matches(words).count(), 1, "{said}");
+    // Single precision holds both, and a picture is no file in half precision.
+    for file in ["b.exr", "b.npz", "b.png"] {
+        let said = folder.ok(&["render", "beyond.toml", "-o", file]);
+        assert!(!said.contains("--half"), "{said}");
+    }
+    // Of a sequence it is said once.
+    let frames = ["--from", "0 m", "--to", "2 m", "--interval", "1 m"];
+    let half = ["render", "beyond.toml", "--half", "-o", "c.exr"];
+    let said = folder.ok(&[&half[..], &frames].concat());
+    assert_eq!(said.matches("--half").count(), 2, "{said}");
+    assert!(said.contains("(and the same of 2 more frames)"), "{said}");
+    // What it holds needs no word: 0, its greatest number, and its least.
+    folder.write("within.toml", sky("[65504, 0, 6e-8]"));
+    let said = folder.ok(&["render", "within.toml", "--half", "-o", "d.exr"]);
+    assert!(!said.contains("warning"), "{said}");
+}
+
+#[test]
 fn quiet_says_nothing() {
     let folder = Folder::new();
     assert_eq!(folder.ok(&["render", "scene.toml", "--quiet"]), "");

@@ -525,7 +525,7 @@ mod tests {
     #[test]
     fn a_disc_that_is_fine_in_its_middle_becomes_a_chart_soon() {
         let begin = std::time::Instant::now();
-        let (sides, rings) = (1000, 50);
+        let (sides, rings) = (700, 50);
         let place = |side: i32, ring: i32| {
             let angle = std::f64::consts::TAU * f64::from(side % sides) / f64::from(sides);
             let radius = (f64::from(ring) / f64::from(rings)).powi(6);

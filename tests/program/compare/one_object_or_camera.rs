@@ -325,6 +325,32 @@ fn missing_and_reversed_velocities_are_named_by_events_where_objects_show_other_
     }
 }
 
+/// A box whose points stay on its surface, nearly, as its sides move along themselves.
+#[test]
+fn missing_velocities_are_named_by_events_of_sides_that_move_along_themselves() {
+    let text = r#"
+        camera = { eye = [0, 6, 9], look_at = [0, 0, 0], hfov = "50 deg", size = [160, 120], velocity = { beta = [0.1, -0.2, 0.15] } }
+        [[object]]
+        shape = { plane = { size = [30, 30] } }
+        [[object]]
+        shape = { box = { size = [0.9, 0.9, 0.9] } }
+        velocity = { beta = [0.499, 0, -0.265] }
+        origin = { position = [0.7, 0.5, -1], time = "-11 m" }
+    "#;
+    let right = shot(&parsed(text));
+    let mut scene = parsed(&text.replace("[0.499, 0, -0.265]", "[0, 0, 0]"));
+    scene.samples_per_pixel = 16;
+    for centres in [true, false] {
+        let at_rest = unknown_shot(&taken(&scene, centres));
+        let found = diagnosed(&right, &only(&at_rest, &["object", "event"]));
+        let words = [
+            "the velocity of object 1 is missing",
+            "β = (0.4990, 0.0000, -0.2650)",
+        ];
+        named(Kind::VelocityMissing, &words, &found);
+    }
+}
+
 #[test]
 fn events_of_right_pictures_and_of_objects_elsewhere_are_no_missing_velocities() {
     let right = shot(&parsed(SEVERAL));

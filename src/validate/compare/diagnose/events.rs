@@ -4,7 +4,7 @@
 //! its surface: p = Λ(β)(E − O). Where a candidate has taken another velocity, they do so in the frame of that velocity.
 //! The surface is that of the reference's points. Where other objects hide it, nothing is known of it; and as the two pictures
 //! may show different sides of an object, velocities are told apart by the boxes around all points, and where these do not tell, as of
-//! objects that are partly hidden, by what the scene shows of the object alone with the other velocity.
+//! objects that are partly hidden, by what the scene shows of the object alone with each velocity: the point at each pixel.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -126,13 +126,12 @@ fn off_surface(
     }
     let is_there = |i: usize| case.points[1].object_at(i) == Some(object as f64);
     let inside = inside(size, in_c, is_there);
-    let part = surface.part_off(&told(case, object, &inside), own(1, velocity))?;
-    if !velocity.is_rest() && part > OFF_BY_VELOCITY && *left > 0 {
-        *left -= 1;
-        if let Some((reversed, evidence)) = by_pictures(case, object, &inside) {
-            return Some(other_velocity(object, velocity, reversed, evidence));
-        }
+    if !velocity.is_rest()
+        && let Some((reversed, evidence)) = by_pictures(case, object, (in_r, &inside), left)
+    {
+        return Some(other_velocity(object, velocity, reversed, evidence));
     }
+    let part = surface.part_off(&told(case, object, &inside), own(1, velocity))?;
     (part > OFF_SURFACE).then(|| Diagnosis {
         kind: Kind::ObjectElsewhere,
         what: format!(
@@ -205,14 +204,31 @@ fn by_boxes<P: Fn(usize) -> Option<DVec3>>(
     explains.then_some((reversed < rest, evidence))
 }
 
-/// The same by pictures of the object alone, with the right velocity and the others; `inside` are the candidate's pixels of it.
+/// The same by pictures of the object alone, with the right velocity and the others, while any are `left`, where its pixels in the reference
+/// and those within its rim in the candidate do not show the same points. As its sides move along themselves, it is not asked whether these
+/// are on them, but whether each is where it is seen.
 fn by_pictures(
     case: &Case,
     object: usize,
-    inside: &[usize],
+    (in_r, in_c): (&[usize], &[usize]),
+    left: &mut usize,
 ) -> Option<(bool, Vec<(&'static str, f64)>)> {
-    let unlike = |change| part_unlike(case, object, change, inside);
-    let is = unlike(None)?;
+    let r = &case.points[0];
+    let (world, time) = (r.world?, Plane::aov(&case.pair[0].layers, Aov::EventCt)?);
+    let shown = in_r.iter().map(|i| (*i, (time.at(*i), place(&world, *i))));
+    let is_like = |shown: &Shown| {
+        let unlike = part_unlike(case, object, shown, in_c);
+        unlike.is_none_or(|part| part <= OFF_BY_VELOCITY)
+    };
+    if *left == 0 || is_like(&shown.collect()) {
+        return None;
+    }
+    *left -= 1;
+    let unlike = |change| {
+        let shown = rendered::events_of(case, object, change)?;
+        part_unlike(case, object, &shown, in_c)
+    };
+    let is = unlike(None).filter(|part| *part > OFF_BY_VELOCITY)?;
     let rest = unlike(Some(Change::AtRest(object)))?;
     let reversed = unlike(Some(Change::Reversed(object)))?;
     let nearest = rest.min(reversed);
@@ -223,12 +239,14 @@ fn by_pictures(
     (nearest <= UNLIKE.min(NEARER * is)).then_some((reversed < rest, evidence))
 }
 
-/// The part of the candidate's points of an object that are not, within a pixel, those that the scene shows with a change; those that
-/// it lacks, though nothing nearer hides them, are among them.
-fn part_unlike(case: &Case, object: usize, change: Option<Change>, in_c: &[usize]) -> Option<f64> {
+/// By pixel, the time and place of the event that it shows of an object.
+type Shown = BTreeMap<usize, (f64, DVec3)>;
+
+/// The part of the candidate's points of an object that are not, within a pixel, those that are `shown`; those that it lacks, though
+/// nothing nearer hides them, are among them.
+fn part_unlike(case: &Case, object: usize, shown: &Shown, in_c: &[usize]) -> Option<f64> {
     let c = &case.points[1];
     let (world, time) = (c.world?, Plane::aov(&case.pair[1].layers, Aov::EventCt)?);
-    let shown = rendered::events_of(case, object, change)?;
     let pixels: Vec<usize> = shown.keys().copied().collect();
     let surface = Cloud::of(&pixels, c.size(), |i| Some(shown.get(&i)?.1));
     let is_like = |i: &usize| {

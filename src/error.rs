@@ -9,7 +9,8 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The result of everything in this crate that can fail.
+/// The result of what reads, plans, renders and writes. Velocities, world lines, units, meshes and cubes have errors of their own, without a
+/// file and a place.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// An error of this crate.

@@ -37,7 +37,7 @@
 //! [Cameras](camera::guide), [light and data](light::guide), [diagrams](figures::guide), [validation](validate::guide),
 //! [accuracy](spacetime::guide), [speed](accel::guide). The format of scene files is described in [`scene`].
 //!
-//! # A picture in ten lines
+//! # A picture in a dozen lines
 //!
 //! ```
 //! use nullray::io::image::png;
@@ -54,6 +54,7 @@
 //! let film = render(&prepared, &Silent)?;                  // the same bits on any number of threads
 //! let display = tonemap(film.radiance(), scene.exposure)?;
 //! # let folder = tempfile::tempdir().unwrap();
+//! let path = std::env::temp_dir().join("sphere.png");
 //! # let path = folder.path().join("sphere.png");
 //! png::write(&path, 32, 24, &display.rgb, &[])?;
 //! # Ok(())
@@ -63,6 +64,13 @@
 //! Conventions: c = 1, events are (ct, x, y, z) in metres; right-handed, +Y up, cameras look along −Z;
 //! image row 0 is the top row; frame velocities are rapidity vectors; transforms are named
 //! target-from-source. See [`spacetime`] for the physics and [`scene`] for the file format.
+//!
+//! # Features
+//!
+//! `cli` (by default) is the program, with `reports` (errors with the lines that they are about) and `pdf` (diagrams and overlays as PDF). `hdf5`,
+//! `zarr` and `tiff` read such captures. `schema` makes the JSON schemas of scene files, and `peers` is for a benchmark. A library needs none:
+//! `default-features = false`. Work goes over the threads of the rayon pool in which a function is called. In debug builds, dependencies should be
+//! optimized (`[profile.dev.package."*"]` with `opt-level = 3`): without, small pictures with light take many seconds.
 //!
 //! The library never prints, never exits and never reads the environment. Same input, same output, bit
 //! for bit, on any number of threads.
@@ -82,3 +90,7 @@ pub mod spacetime;
 pub mod validate;
 
 pub use error::{Error, Result};
+/// Vectors and matrices of the interface.
+pub use glam;
+/// Half precision of cubes and pictures.
+pub use half;

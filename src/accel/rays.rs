@@ -45,8 +45,8 @@ pub struct Segment {
     pub end: Option<u32>,
 }
 
-/// What may stand between points and one place: segments that all end there, at s = 1, without the triangle that each leaves, and that which
-/// all end at.
+/// What may stand between points and one place: segments that all end there, at s = 1. The triangle that each leaves and the one at which all end are
+/// not in the way.
 #[derive(Debug, Clone, Copy)]
 pub struct Converging<'a> {
     /// Where they end, metres.
@@ -55,7 +55,7 @@ pub struct Converging<'a> {
     pub from: [&'a [f64]; 3],
     /// Hits at these parameters or before don't count.
     pub s_min: &'a [f64],
-    /// Ids of the triangles that they leave.
+    /// Ids of the triangles that they leave; `u32::MAX` for none.
     pub skip: &'a [u32],
     /// Id of the triangle that all end at, which is not in the way either.
     pub at: Option<u32>,

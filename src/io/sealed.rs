@@ -1,7 +1,7 @@
-//! Files that hold a checksum of all of themselves, so that who comes back to one sees whether it is whole.
+//! Files with a checksum of themselves, which shows later whether one is complete.
 //!
 //! Once in such a file stands [`MARK`], and after it 64 hexadecimal digits: the SHA-256 of the file with zeros in their place. A byte that
-//! is another, one that is missing and one that was added make another sum, wherever they are.
+//! was changed, lost or added anywhere changes the sum.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};

@@ -2,9 +2,9 @@
 //! the files' channel names and the documentation are made.
 //!
 //! Identities and places on a triangle (object, primitive, barycentric, uv) are those of the sample
-//! nearest to the pixel's centre; the other channels are means over the samples that hit a surface.
+//! nearest to the pixel's centre, and so are a capture's footprint and cosine; the other channels are means over the samples that hit a surface.
 //! With one sample per pixel both are that sample's. A pixel that hit nothing holds NaN, and −1 for
-//! identities. Values are those of the physics whatever effects are turned off for display.
+//! identities; what every pixel has (its direction, coverage, alpha, missing data, number of samples, `IndexOB.X`) holds numbers there, too. Values are those of the physics whatever effects are turned off for display.
 
 use serde::{Serialize, Serializer};
 

@@ -4,9 +4,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::{Error, Result};
 
-/// What a caller can watch, and stop. All methods are called from worker threads.
+/// What a caller can watch, and stop. Methods are called from worker threads, and from the thread that has begun the work.
 pub trait Progress: Sync {
-    /// `rays` more camera rays are done.
+    /// `rays` more camera rays are done, of those that [`Plan`](crate::render::plan::Plan) has as `rays.camera`.
     fn rays_done(&self, _rays: u64) {}
 
     /// Whether to stop as soon as possible.
@@ -32,7 +32,7 @@ pub struct Silent;
 
 impl Progress for Silent {}
 
-/// Can be stopped from another thread.
+/// Is stopped by `true`, from another thread.
 impl Progress for AtomicBool {
     fn is_cancelled(&self) -> bool {
         self.load(Ordering::Relaxed)

@@ -85,8 +85,8 @@ impl Builder {
         self
     }
 
-    /// Sets a dotted key of the scene, like `camera.velocity.beta`; objects and sources are named by name or
-    /// number, as in `object.ship.origin.time`.
+    /// Sets a dotted key of the scene, like `camera.velocity.beta`; objects, sources and lights that are there are named by name or
+    /// number, as in `object.ship.origin.time`. A name with a dot in it stands in quotes: `object."a.b".colour`.
     pub fn set(mut self, key: &str, value: impl Into<Value>) -> Self {
         let file = self.name.clone();
         let refuse = |what, help| Error::invalid(&file, key, what, help);
@@ -160,6 +160,22 @@ impl Builder {
         self.add("source", name, "pulse", keys)
     }
 
+    /// Adds the light `name` with these keys of a `[[light]]` table: a lamp, or with `type = "area"` an object that shines.
+    ///
+    /// ```
+    /// use nullray::scene::Builder;
+    ///
+    /// let scene = Builder::new("a lamp over a box")
+    ///     .shape("box", nullray::scene::model::Shape::Box { size: [1.0; 3] })
+    ///     .light("lamp", [("position", [0.0, 3.0, 0.0].into()), ("power", "100 W".into())])
+    ///     .build()?;
+    /// assert_eq!(scene.lights[0].name, "lamp");
+    /// # Ok::<(), nullray::Error>(())
+    /// ```
+    pub fn light<'k>(self, name: &str, keys: impl IntoIterator<Item = (&'k str, Value)>) -> Self {
+        self.add_keys("light", name, keys)
+    }
+
     /// The scene.
     ///
     /// # Errors
@@ -188,7 +204,10 @@ impl Builder {
         let Some(panel) = whole.panels.iter().find(|panel| panel.name == name) else {
             let known: Vec<&str> = whole.panels.iter().map(|p| p.name.as_str()).collect();
             let what = format!("the scene has no panel \"{name}\"");
-            let help = format!("there are: {}", known.join(", "));
+            let help = match known.is_empty() {
+                true => "panels are tables of [panel] in the text of the scene".into(),
+                false => format!("there are: {}", known.join(", ")),
+            };
             return Err(Error::invalid(&whole.name, "panel", what, help));
         };
         let mut file = SceneFile::of_text(&whole.text, &whole.name, &self.base);
@@ -197,10 +216,22 @@ impl Builder {
     }
 
     /// Adds the entry `name` to the list of objects or sources.
-    fn add(mut self, list: &str, name: &str, key: &str, value: Value) -> Self {
+    fn add(self, list: &str, name: &str, key: &str, value: Value) -> Self {
+        self.add_keys(list, name, [(key, value)])
+    }
+
+    /// Adds the entry `name` with these keys to the list of objects, sources or lights.
+    fn add_keys<'k>(
+        mut self,
+        list: &str,
+        name: &str,
+        keys: impl IntoIterator<Item = (&'k str, Value)>,
+    ) -> Self {
         let mut entry = Table::new();
         entry.insert("name", Item::Value(name.into()));
-        entry.insert(key, Item::Value(value.0));
+        for (key, value) in keys {
+            entry.insert(key, Item::Value(value.0));
+        }
         let item = self.document.entry(list).or_insert_with(new_list);
         // What a key has set under this name, and is no list of tables, is replaced.
         let mut tables = std::mem::take(item)

@@ -48,7 +48,7 @@ pub struct Scene {
     pub text: String,
     /// The folder within which glTF files may refer to other files, besides their own; none where they may anywhere.
     pub folder: Option<PathBuf>,
-    /// Files, and folders of COLMAP, of which this was made beside the text: those of spectra, edges of bins, poses and ways.
+    /// Files, and folders of COLMAP, that were read beside the text: spectra, edges of bins, poses and keyframes.
     pub read: Vec<PathBuf>,
     /// Speed of light of this scene, metres per second: only for converting seconds at the edges.
     pub speed_of_light: f64,
@@ -66,13 +66,13 @@ pub struct Scene {
     pub quantity: Quantity,
     /// How RGB spectra go on where nobody at rest sees them.
     pub continuation: Continuation,
-    /// Whose equations.
+    /// Exact special relativity, or the equations of a paper.
     pub equations: Equations,
     /// The four effects, each on unless turned off.
     pub effects: Effects,
     /// How many more times light is reflected after the first surface that it falls on.
     pub bounces: u32,
-    /// Which random numbers are drawn.
+    /// Seed of the random numbers.
     pub seed: u32,
     /// Which of several captures of one surface gives it its radiance.
     pub captures: CaptureChoice,

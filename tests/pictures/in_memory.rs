@@ -192,6 +192,24 @@ fn refusal(builder: Builder) -> (String, String) {
 }
 
 #[test]
+fn a_lamp_of_a_builder_lights_as_that_of_a_file() {
+    let text = "[[object]]\nname = 'wall'\nshape = { box = { size = [2, 2, 1] } }\n[[light]]\nname = 'lamp'\n\
+                position = [0.5, 1, 3]\npower = '10 W'\n";
+    let file = stage::scene(&format!("{CAMERA}{text}"));
+    let keys = [
+        ("position", DVec3::new(0.5, 1.0, 3.0).into()),
+        ("power", "10 W".into()),
+    ];
+    let memory = camera("lamp")
+        .shape("wall", shapes_box())
+        .light("lamp", keys);
+    let (film, expected) = (stage::film(&memory.build().unwrap()), stage::film(&file));
+    assert_same(&expected, &film);
+    let (_, radiance) = film.radiance_array();
+    assert!(radiance.iter().any(|x| *x > 0.0));
+}
+
+#[test]
 fn what_only_files_have_is_refused_of_a_cube_in_memory() {
     let cube = || Arc::new(Cube::new([1, 1, 4, 3], Samples::F32(vec![1.0; 12])).unwrap());
     let with = |key: &str, value: Value| {

@@ -116,7 +116,7 @@ impl Film {
         self.layout.pixel_centers
     }
 
-    /// What the visibility in it is worth.
+    /// Precision of visibility.
     pub fn precision(&self) -> Precision {
         self.layout.precision
     }

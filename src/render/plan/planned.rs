@@ -20,7 +20,7 @@ pub struct Request {
     pub pixel_centers: bool,
     /// The most memory that the scene may take, bytes. Default: 16 GiB.
     pub memory_limit: u64,
-    /// What visibility is worth. Default: certified.
+    /// Precision of visibility. Default: certified.
     pub precision: Precision,
     /// What is held beside the picture, bytes: maps that are warped, films that lines are traced on. Default: 0.
     pub beside: u64,

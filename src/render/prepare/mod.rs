@@ -48,13 +48,13 @@ pub struct Prepared {
     pub layout: Layout,
     /// How rays are traced.
     pub method: Method,
-    /// What was odd in the files, but no error.
+    /// What is unusual in the files or the scene, but not an error: a sentence each.
     pub warnings: Vec<String>,
     /// Which light no path finds, and why, where that is so.
     pub(crate) unfound_light: Option<String>,
     /// How long the trees took to build, seconds.
     pub built_in: f64,
-    /// Memory that the plan leaves to what no plan can estimate, bytes.
+    /// What the plan leaves of the memory limit, bytes: for work whose size no plan can estimate.
     pub memory_left: u64,
 }
 

@@ -40,13 +40,13 @@ pub enum Shape {
     },
 }
 
-/// How many triangles `shape` has.
+/// How many triangles `shape` has, or 2⁶⁴ − 1 of more.
 pub fn triangle_count(shape: Shape) -> u64 {
     match shape {
         Shape::Box { .. } => 12,
         Shape::Plane { .. } => 2,
-        Shape::Sphere { subdivisions, .. } => 20 << (2 * subdivisions),
-        Shape::Lattice { cells, .. } => 12 * bars(cells),
+        Shape::Sphere { subdivisions, .. } => 4u64.saturating_pow(subdivisions).saturating_mul(20),
+        Shape::Lattice { cells, .. } => bars(cells).saturating_mul(12),
     }
 }
 
@@ -130,7 +130,10 @@ fn add_cuboid(mesh: &mut Mesh, centre: DVec3, size: DVec3) {
 /// The number of bars of a lattice: along each axis, cells × nodes of the other two.
 fn bars([x, y, z]: [u32; 3]) -> u64 {
     let [x, y, z] = [x, y, z].map(u64::from);
-    (y + 1) * (z + 1) + (x + 1) * (z + 1) + (x + 1) * (y + 1)
+    let across = |a: u64, b: u64| (a + 1).saturating_mul(b + 1);
+    across(y, z)
+        .saturating_add(across(x, z))
+        .saturating_add(across(x, y))
 }
 
 fn lattice(cells: [u32; 3], spacing: f64, bar: f64) -> Mesh {

@@ -192,6 +192,68 @@ fn refusal(builder: Builder) -> (String, String) {
 }
 
 #[test]
+fn what_a_program_has_made_of_a_scene_is_checked_before_it_is_rendered() {
+    let scene = camera("changed")
+        .mesh("a", Arc::new(triangle()))
+        .shape("b", shapes_box())
+        .build()
+        .unwrap();
+    let refused = |change: fn(&mut Scene)| {
+        let mut scene = scene.clone();
+        change(&mut scene);
+        Plan::new(&scene, &Request::default())
+            .unwrap_err()
+            .to_string()
+    };
+    for (said, part) in [
+        (refused(|s| s.camera.size = [u32::MAX; 2]), "camera.size"),
+        (refused(|s| s.camera.size = [0, 8]), "camera.size"),
+        (refused(|s| s.samples_per_pixel = 0), "samples_per_pixel"),
+        (
+            refused(|s| s.camera.horizontal_fov = f64::NAN),
+            "camera.horizontal_fov",
+        ),
+        (refused(|s| s.medium_index = f64::NAN), "medium_index"),
+        (refused(|s| s.medium_index = -1.0), "medium_index"),
+        (
+            refused(|s| {
+                let mut mesh = triangle();
+                mesh.triangles[0][1] = 77;
+                s.objects[0].geometry = Geometry::Mesh(Arc::new(mesh));
+            }),
+            "triangles[0]",
+        ),
+        (
+            refused(|s| {
+                if let Geometry::Shape { shape, .. } = &mut s.objects[1].geometry {
+                    *shape = nullray::scene::model::Shape::Sphere {
+                        radius: 1.0,
+                        subdivisions: 32,
+                    };
+                }
+            }),
+            "subdivisions",
+        ),
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    // A plan of another scene.
+    let plan = Plan::new(&scene, &Request::default()).unwrap();
+    let fewer = camera("fewer")
+        .mesh("a", Arc::new(triangle()))
+        .build()
+        .unwrap();
+    let prepared =
+        nullray::render::prepare::Prepared::new(&fewer, &plan, &nullray::render::progress::Silent);
+    assert!(
+        prepared
+            .unwrap_err()
+            .to_string()
+            .contains("the plan is of 2 objects")
+    );
+}
+
+#[test]
 fn a_lamp_of_a_builder_lights_as_that_of_a_file() {
     let text = "[[object]]\nname = 'wall'\nshape = { box = { size = [2, 2, 1] } }\n[[light]]\nname = 'lamp'\n\
                 position = [0.5, 1, 3]\npower = '10 W'\n";

@@ -4,6 +4,7 @@
 //! [`prepare`](crate::render::prepare) carries out, no more and no less, and what `nullray plan` prints.
 
 mod bindings;
+mod check;
 mod frames;
 mod inside;
 mod memory;
@@ -39,9 +40,10 @@ impl Plan {
     /// Plans `request` for `scene`, reading headers only.
     ///
     /// # Errors
-    /// Files that are missing or broken as far as their headers tell, materials that do not exist, a
+    /// Numbers that no scene file can have, files that are missing or broken as far as their headers tell, materials that do not exist, a
     /// scene that takes more than the request's memory limit.
     pub fn new(scene: &Scene, request: &Request) -> Result<Plan> {
+        check::check(scene)?;
         let mut objects = inspect_objects(scene)?;
         inside::check(scene, &objects)?;
         bindings::check(scene, &objects)?;

@@ -19,7 +19,7 @@ use std::cell::LazyCell;
 
 use crate::accel::Method;
 use crate::camera::Camera;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::render::film::Layout;
 use crate::render::plan::{Plan, unfound_light, unshown_emission};
 use crate::render::progress::Progress;
@@ -59,11 +59,24 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Carries out `plan`, which must be that of `scene`.
+    /// Carries out `plan`, which must be that of `scene`, on the threads of rayon's current pool.
     ///
     /// # Errors
-    /// Broken files, and [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
+    /// A plan of a scene with other objects, broken files, and [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
     pub fn new(scene: &Scene, plan: &Plan, progress: &dyn Progress) -> Result<Prepared> {
+        if plan.objects.len() != scene.objects.len() {
+            let what = format!(
+                "the plan is of {} objects, and the scene has {}",
+                plan.objects.len(),
+                scene.objects.len()
+            );
+            return Err(Error::invalid(
+                &scene.name,
+                "plan",
+                what,
+                "a plan of this scene",
+            ));
+        }
         let camera = Camera::new(scene)?;
         let mut light = emitters::Builder::new(scene, plan);
         let mut warnings = Vec::new();

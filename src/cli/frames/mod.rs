@@ -317,6 +317,7 @@ impl Sequence<'_> {
         let more = done.beyond_half.saturating_sub(1);
         let limited = done.limited.iter().map(|text| match more {
             0 => text.clone(),
+            1 => format!("{text} (and the same of one more frame)"),
             more => format!("{text} (and the same of {} more frames)", counted(more)),
         });
         warn(self.job.quiet, &limited.collect::<Vec<_>>())?;

@@ -287,7 +287,7 @@ fn what_half_precision_does_not_hold_is_counted() {
         assert!(!said.contains("--half"), "{said}");
     }
     // Of a sequence it is said once.
-    let frames = ["--from", "0 m", "--to", "2 m", "--interval", "1 m"];
+    let frames = ["--from", "0 m", "--to", "3 m", "--interval", "1 m"];
     let half = ["render", "beyond.toml", "--half", "-o", "c.exr"];
     let said = folder.ok(&[&half[..], &frames].concat());
     assert_eq!(said.matches("--half").count(), 2, "{said}");

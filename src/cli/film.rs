@@ -38,7 +38,7 @@ pub fn one(
     let times = times(outputs, scene, &mut rendered.prepared, quiet)?;
     outputs.write(scene, &rendered.film, times.as_ref(), quiet)?;
     warn(quiet, &outputs.beyond_half(&rendered.film))?;
-    rendered.remark(scene, &plan, quiet)?;
+    rendered.remark(scene, plan.rays.camera, quiet)?;
     let Rendered { film, prepared, .. } = &mut rendered;
     overlay::write(outputs, scene, film, prepared, quiet)
 }
@@ -92,16 +92,11 @@ impl Rendered {
         }
     }
 
-    /// Prints what it cost and what is odd, unless `quiet`.
-    pub fn remark(&mut self, scene: &Scene, plan: &Plan, quiet: bool) -> Result<()> {
-        self.remark_on(scene, plan, plan.rays.camera, quiet)
-    }
-
-    /// The same of so many camera rays.
-    pub fn remark_on(&mut self, scene: &Scene, plan: &Plan, rays: u64, quiet: bool) -> Result<()> {
+    /// Prints what it cost, with so many camera rays, and what is odd, unless `quiet`.
+    pub fn remark(&mut self, scene: &Scene, rays: u64, quiet: bool) -> Result<()> {
         let cost = remarks::cost(rays, self.prepared_in, self.rendered_in);
         say(quiet, &cost)?;
-        say(quiet, &remarks::coverage(&self.film, plan))?;
+        say(quiet, &remarks::coverage(&self.film))?;
         // These look at the scene again, which is worth its time only where nothing is seen.
         let is_black = remarks::is_black(&self.film);
         let (mut times, mut shift) = (String::new(), String::new());

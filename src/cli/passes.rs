@@ -90,7 +90,7 @@ pub fn one(
         std::mem::take(&mut prepared.warnings),
         prepared,
     );
-    work.conclude(rendered, &plan)
+    work.conclude(rendered)
 }
 
 /// The file of sums: beside the first picture.
@@ -183,7 +183,7 @@ impl Work<'_> {
     }
 
     /// Writes all files, says how good the picture is, and removes the sums where no more is to be done.
-    fn conclude(mut self, mut rendered: Rendered, plan: &Plan) -> Result<()> {
+    fn conclude(mut self, mut rendered: Rendered) -> Result<()> {
         let (quiet, scene, outputs) = (self.quiet, self.scene, self.outputs);
         // An error that was asked for and is not reached can be reached another time.
         let is_left = self.wanted.error.is_some() && !self.passes.is_settled();
@@ -209,7 +209,7 @@ impl Work<'_> {
             true => say(quiet, &self.missing())?,
             false => remove(&self.sums)?,
         }
-        rendered.remark_on(scene, plan, self.rays, quiet)?;
+        rendered.remark(scene, self.rays, quiet)?;
         let Rendered { film, prepared, .. } = &mut rendered;
         overlay::write(outputs, scene, film, prepared, quiet)
     }

@@ -1,10 +1,9 @@
 //! Remarks on a finished picture.
 
-use nullray::camera::Kind;
 use nullray::colour::Spectrum;
 use nullray::light::time_texture::Coverage;
 use nullray::render::film::Film;
-use nullray::render::plan::{self, Plan};
+use nullray::render::plan;
 use nullray::render::prepare::Prepared;
 use nullray::render::{enclosed, survey};
 use nullray::scene::model::{Object, Scene};
@@ -158,16 +157,23 @@ fn missing(c: Coverage) -> &'static str {
         .map_or(UNLIT, |(_, why)| why)
 }
 
-/// What part of the picture the data cover, in words; empty where nothing was missing.
-pub fn coverage(film: &Film, plan: &Plan) -> String {
+/// What part of the surfaces in view that have data these cover, and what the sensor hides, in words; empty where nothing is missing.
+pub fn coverage(film: &Film) -> String {
+    let hidden = match film.hidden() {
+        part if part > 0.0 => format!(
+            "{} of the film is hidden by the sensor itself\n",
+            percent(part)
+        ),
+        _ => String::new(),
+    };
     let Some(c) = film.mean_coverage() else {
-        return String::new();
+        return hidden;
     };
     let parts = [
         (c.before, "before the first bin"),
         (c.after, "after the last bin"),
         (c.off_texture, "off the texture"),
-        (c.occluded, hidden(plan)),
+        (c.occluded, "hidden from the capture camera"),
     ];
     let missing: Vec<_> = parts
         .iter()
@@ -175,20 +181,13 @@ pub fn coverage(film: &Film, plan: &Plan) -> String {
         .map(|(part, why)| format!("{} {why}", percent(*part)))
         .collect();
     if missing.is_empty() {
-        return String::new();
+        return hidden;
     }
     let held = percent(c.held);
-    format!("coverage {held}; no data for {}\n", missing.join(", "))
-}
-
-/// What hides that which could be seen.
-fn hidden(plan: &Plan) -> &'static str {
-    match (plan.rays.capture > 0, plan.view) {
-        (true, Kind::Turning) => "hidden from the capture camera or by the sensor itself",
-        (true, _) => "hidden from the capture camera",
-        (false, Kind::Turning) => "hidden by the sensor itself",
-        (false, _) => "where the film sees nothing",
-    }
+    format!(
+        "coverage {held} of the surfaces with data in view; no data for {}\n{hidden}",
+        missing.join(", ")
+    )
 }
 
 /// A part in per cent; what rounds to nothing or all, but is not, says so.

@@ -209,7 +209,7 @@ impl Part {
         let times = film::times(&shown, &self.scene, prepared, quiet)?;
         let outputs = &self.outputs;
         outputs.write(&self.scene, &rendered.film, times.as_ref(), quiet)?;
-        rendered.remark(&self.scene, &plan, quiet)?;
+        rendered.remark(&self.scene, plan.rays.camera, quiet)?;
         let film = times.as_ref().unwrap_or(&rendered.film);
         let Picture { image, .. } = picture(&self.scene, film, self.outputs.show, None)?;
         Ok(contact_sheet::Panel {

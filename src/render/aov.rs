@@ -63,6 +63,8 @@ pub(crate) enum Combine {
     MeanOfHits,
     /// The mean over all samples.
     MeanOfAll,
+    /// The mean over the samples at which the film sees anything; NaN where it sees nothing.
+    MeanOfSeeing,
     /// The film's own: the part of the radiance that is known.
     Coverage,
     /// The film's own: the standard error of the radiance.
@@ -102,11 +104,11 @@ aovs! {
         "y of M_k⁻¹ (E − O_k)";
     ObjectEventZ, "object_event.z", MeanOfHits, "emission event: object z, metres",
         "z of M_k⁻¹ (E − O_k)";
-    DirectionX, "direction.x", MeanOfAll, "look direction in the world, x",
+    DirectionX, "direction.x", MeanOfSeeing, "look direction in the world, x",
         "x of d, where L (−1, d′) = W₀ (−1, d)";
-    DirectionY, "direction.y", MeanOfAll, "look direction in the world, y",
+    DirectionY, "direction.y", MeanOfSeeing, "look direction in the world, y",
         "y of d, where L (−1, d′) = W₀ (−1, d)";
-    DirectionZ, "direction.z", MeanOfAll, "look direction in the world, z",
+    DirectionZ, "direction.z", MeanOfSeeing, "look direction in the world, z",
         "z of d, where L (−1, d′) = W₀ (−1, d)";
     Distance, "distance", MeanOfHits, "world distance from the pinhole event to the emission event, metres",
         "s of E = P + s (−η, d)";

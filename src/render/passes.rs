@@ -33,7 +33,7 @@ use crate::scene::model::MOST_SAMPLES;
 /// Passes of each half before it decides anything.
 const FIRST: u32 = 4;
 /// The first line of a file of sums.
-const FORMAT: &[u8] = b"nullray passes 1\n";
+const FORMAT: &[u8] = b"nullray passes 2\n";
 /// What is wrong with a file of sums.
 const DAMAGED: &str = "this file of finished passes is damaged";
 /// Bytes of a SHA-256.

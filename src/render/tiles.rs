@@ -206,7 +206,7 @@ impl<'a> Pipeline<'a> {
                 let sees = traced.rays.origin(ray).sees();
                 // An element of a sensor that sees nothing has hits all the same, which no channel shows.
                 let observed = traced.observed(ray, *ratio).filter(|_| sees);
-                let d = Direction::from_unit(camera_rays.directions[ray]);
+                let d = sees.then(|| Direction::from_unit(camera_rays.directions[ray]));
                 let offset = camera_rays.offset(ray);
                 let pixel = ray % tile.pixels();
                 record(

@@ -172,9 +172,8 @@ impl RadianceSink for SampleSums<'_> {
         }
     }
 
-    #[inline(always)]
-    fn add_coverage(&mut self, ray: usize, coverage: Coverage) {
-        self.film.add_coverage(self.strip.pixel(ray), coverage);
+    fn add_blind(&mut self, ray: usize) {
+        self.film.add_blind(self.strip.pixel(ray));
     }
 
     fn add_held(&mut self, rays: &[u32]) {
@@ -198,6 +197,14 @@ struct Blend<'a> {
     sums: SampleSums<'a>,
 }
 
+impl Blend<'_> {
+    /// The pixel of a ray, and the part of a sample that it is.
+    fn pixel(&self, ray: u32) -> (usize, f64) {
+        let (sample, part) = self.parts[ray as usize];
+        (self.sums.strip.pixel(sample as usize), part)
+    }
+}
+
 impl RadianceSink for Blend<'_> {
     #[inline(always)]
     fn add(&mut self, ray: usize, radiance: [f64; 3]) {
@@ -206,15 +213,24 @@ impl RadianceSink for Blend<'_> {
             .add(sample as usize, radiance.map(|value| value * part));
     }
 
-    #[inline(always)]
-    fn add_coverage(&mut self, ray: usize, coverage: Coverage) {
-        let (sample, part) = self.parts[ray];
-        self.sums.add_coverage(sample as usize, coverage * part);
+    fn add_blind(&mut self, ray: usize) {
+        self.sums.add_blind(self.parts[ray].0 as usize);
     }
 
     fn add_held(&mut self, rays: &[u32]) {
         for ray in rays {
-            self.add_coverage(*ray as usize, Coverage::HELD);
+            let (pixel, part) = self.pixel(*ray);
+            self.sums.film.add_to_pixel(pixel, Coverage::HELD * part);
+        }
+    }
+
+    fn cover(&mut self, rays: &[u32], parts: impl Iterator<Item = (usize, Coverage)>) {
+        let mut parts = parts.peekable();
+        for (at, ray) in rays.iter().enumerate() {
+            let own = parts.next_if(|(other, _)| *other == at);
+            let coverage = own.map_or(Coverage::HELD, |(_, coverage)| coverage);
+            let (pixel, part) = self.pixel(*ray);
+            self.sums.film.add_coverage(pixel, coverage * part, part);
         }
     }
 
@@ -474,7 +490,7 @@ impl Stage<'_> {
                 radiance,
                 pixel,
                 offset,
-                d,
+                Some(d),
                 observed.as_ref(),
                 film,
             );

@@ -84,6 +84,8 @@ pub struct Layout {
     pub channels: Vec<Aov>,
     /// Whether radiance can be missing, so that coverage has to be summed.
     pub has_gaps: bool,
+    /// Whether the camera's sensor can hide its pinhole from parts of itself.
+    pub covers_itself: bool,
 }
 
 impl Layout {
@@ -95,8 +97,8 @@ impl Layout {
 
     /// Bytes of the sums of all tiles, where they are kept from pass to pass.
     pub(crate) fn bytes_of_passes(&self) -> u64 {
-        // Radiance, its halves and their spread; what is missing and its parts; hits and the nearest.
-        let pixel = 24 + 48 + 40 + 40 + 12 + 8 * self.channels.len();
+        // Radiance, its halves and their spread; what is missing and its parts; hits, what sees nothing, and the nearest.
+        let pixel = 24 + 48 + 40 + 40 + 16 + 8 * self.channels.len();
         self.size[0] as u64 * self.size[1] as u64 * pixel as u64
     }
 

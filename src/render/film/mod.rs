@@ -25,8 +25,18 @@ pub struct Film {
     passes: u32,
     error: Option<f64>,
     /// Per tile, the same sum of its coverage: added up in the order of tiles, whoever rendered them.
-    coverage: Vec<Coverage>,
+    coverage: Vec<TileCoverage>,
     aovs: Vec<Vec<f64>>,
+}
+
+/// What is known of the radiance of a tile, as sums over samples.
+#[derive(Debug, Clone, Copy, Default)]
+struct TileCoverage {
+    /// Of those that hit surfaces with data.
+    sum: Coverage,
+    /// How many these are, and how many the sensor hides.
+    from_data: f64,
+    hidden: f64,
 }
 
 impl Film {
@@ -43,7 +53,7 @@ impl Film {
             unmet: 0.0,
             passes: 1,
             error: None,
-            coverage: vec![Coverage::NONE; tiles],
+            coverage: vec![TileCoverage::default(); tiles],
             aovs: vec![vec![0.0; n]; layout.channels.len()],
             layout,
         }
@@ -57,7 +67,11 @@ impl Film {
         self.unmet += tile.unmet as f64 * share;
         let index = tile.tile.index(self.layout.size) as usize;
         if let Some(coverage) = self.coverage.get_mut(index) {
-            *coverage = tile.coverage * share;
+            *coverage = TileCoverage {
+                sum: tile.coverage * share,
+                from_data: tile.from_data * share,
+                hidden: tile.hidden * share,
+            };
         }
         let scale = 1.0 / samples as f64;
         let [left, top] = tile.tile.corner.map(|c| c as usize);
@@ -151,18 +165,39 @@ impl Film {
 
     /// The part of all samples that hit a surface, 0 to 1.
     pub fn met(&self) -> f64 {
-        let samples = self.radiance.len() as f64 * self.layout.samples as f64;
-        1.0 - self.unmet / samples
+        1.0 - self.unmet / self.samples_of_all()
     }
 
-    /// Mean coverage of the image, or none where nothing could be missing.
+    /// Mean coverage over the samples that hit surfaces with data, those that cubes light; or none where none does. Background and
+    /// surfaces that need no data do not count.
     pub fn mean_coverage(&self) -> Option<Coverage> {
-        let sum = self.coverage.iter().fold(Coverage::NONE, |mut sum, c| {
-            sum += *c;
-            sum
-        });
-        let samples = self.radiance.len() as f64 * self.layout.samples as f64;
-        (!self.coverage.is_empty()).then(|| sum * (1.0 / samples))
+        let TileCoverage { sum, from_data, .. } = self.coverage();
+        (from_data > 0.0).then(|| sum * (1.0 / from_data))
+    }
+
+    /// The part of all samples that hit surfaces with data, 0 to 1.
+    pub fn from_data(&self) -> f64 {
+        self.coverage().from_data / self.samples_of_all()
+    }
+
+    /// The part of all samples that the sensor hides from its own pinhole, 0 to 1.
+    pub fn hidden(&self) -> f64 {
+        self.coverage().hidden / self.samples_of_all()
+    }
+
+    /// The sums of all tiles, in their order.
+    fn coverage(&self) -> TileCoverage {
+        let mut all = TileCoverage::default();
+        for tile in &self.coverage {
+            all.sum += tile.sum;
+            all.from_data += tile.from_data;
+            all.hidden += tile.hidden;
+        }
+        all
+    }
+
+    fn samples_of_all(&self) -> f64 {
+        self.radiance.len() as f64 * self.layout.samples as f64
     }
 
     /// The film as named channels: radiance and those of `channels` that were asked for.

@@ -37,8 +37,14 @@ pub struct TileFilm {
     pub(super) radiance: Vec<[f64; 3]>,
     /// Samples that hit nothing.
     pub(super) unmet: u64,
-    /// Of all samples of the tile.
+    /// Of the samples of the tile that hit surfaces with data.
     pub(super) coverage: Coverage,
+    /// How many these are.
+    pub(super) from_data: f64,
+    /// How many samples the sensor itself hides.
+    pub(super) hidden: f64,
+    /// Whether it can.
+    covers_itself: bool,
     /// Σ of the known parts, for the channel.
     held: Vec<f64>,
     /// Σ of the missing parts by reason, for the channels: before, after, off the texture, occluded.
@@ -47,6 +53,8 @@ pub struct TileFilm {
     pub(super) parts: Option<Parts>,
     /// Samples that hit a surface.
     hits: Vec<u32>,
+    /// Samples at which the film sees nothing.
+    blind: Vec<u32>,
     /// Squared distance from the pixel's centre of the nearest sample so far.
     nearest: Vec<f64>,
     aovs: Vec<Vec<f64>>,
@@ -170,11 +178,15 @@ impl TileFilm {
             radiance: vec![[0.0; 3]; n],
             unmet: 0,
             coverage: Coverage::NONE,
+            from_data: 0.0,
+            hidden: 0.0,
+            covers_itself: layout.covers_itself,
             held: vec![0.0; some(layout.has_gaps && layout.channels.contains(&Aov::Coverage))],
             missing: vec![[0.0; 4]; some(layout.has_gaps && is_missing_wanted(layout))],
             parts: (layout.samples_per_part() < layout.samples)
                 .then(|| Parts::new(n, layout.samples_per_part())),
             hits: vec![0; some(aovs)],
+            blind: vec![0; some(aovs)],
             nearest: vec![f64::INFINITY; some(aovs)],
             aovs: vec![vec![0.0; n]; layout.channels.len()],
         }
@@ -306,16 +318,18 @@ impl TileFilm {
         for part in [held, before, after, off_texture, occluded] {
             numbers(std::slice::from_mut(part));
         }
+        numbers(std::slice::from_mut(&mut self.from_data));
+        numbers(std::slice::from_mut(&mut self.hidden));
         numbers(&mut self.held);
         numbers(self.missing.as_flattened_mut());
         numbers(&mut self.nearest);
         self.aovs.iter_mut().for_each(|aov| numbers(aov));
         counts(&mut self.unmet);
         // Files hold counts as 64 bits; in memory 32 are enough.
-        for hits in &mut self.hits {
-            let mut count = u64::from(*hits);
+        for samples in self.hits.iter_mut().chain(&mut self.blind) {
+            let mut count = u64::from(*samples);
             counts(&mut count);
-            *hits = count as u32;
+            *samples = count as u32;
         }
         if let Some(parts) = &mut self.parts {
             parts
@@ -342,10 +356,29 @@ impl TileFilm {
         self.unmet += samples;
     }
 
-    /// Adds how much of the radiance of ray `ray` is known.
+    /// Adds how much of the radiance of ray `ray` the data hold that its surface has; it counts as so much of a sample.
     #[inline]
-    pub(crate) fn add_coverage(&mut self, ray: usize, coverage: Coverage) {
+    pub(crate) fn add_coverage(&mut self, ray: usize, coverage: Coverage, part: f64) {
         self.coverage += coverage;
+        self.from_data += part;
+        self.add_to_pixel(ray, coverage);
+    }
+
+    /// Notes an element of the sensor at ray `ray` to which no light gets: hidden by the sensor itself, or with nothing to see beyond
+    /// the edge of a fisheye's picture, as where the background is.
+    pub(crate) fn add_blind(&mut self, ray: usize) {
+        match self.covers_itself {
+            true => {
+                self.hidden += 1.0;
+                self.add_to_pixel(ray, Coverage::OCCLUDED);
+            }
+            false => self.add_to_pixel(ray, Coverage::HELD),
+        }
+    }
+
+    /// Adds to what the channels of a pixel say.
+    #[inline]
+    pub(crate) fn add_to_pixel(&mut self, ray: usize, coverage: Coverage) {
         let pixel = self.pixel(ray);
         if let Some(held) = self.held.get_mut(pixel) {
             *held += coverage.held;
@@ -364,10 +397,8 @@ impl TileFilm {
         }
     }
 
-    /// Notes `rays` whose radiance is fully known.
+    /// Notes `rays` whose radiance is fully known, without data.
     pub(crate) fn add_held(&mut self, rays: &[u32]) {
-        // Counted rather than added up: exact, however many.
-        self.coverage.held += rays.len() as f64;
         if !self.held.is_empty() {
             for ray in rays {
                 let pixel = self.pixel(*ray as usize);
@@ -376,27 +407,34 @@ impl TileFilm {
         }
     }
 
-    /// The same of `rays`, but for the parts of some of them, which come in order: as these would be added one by one.
+    /// Adds how much of the radiance of `rays` the data hold that their surface has: all, but for some of them, which come in order.
     #[inline]
     pub(crate) fn cover(&mut self, rays: &[u32], parts: impl Iterator<Item = (usize, Coverage)>) {
         let mut begin = 0;
-        if !self.held.is_empty() || !self.missing.is_empty() {
-            for (at, coverage) in parts {
-                self.add_held(&rays[begin..at]);
-                self.add_coverage(rays[at] as usize, coverage);
-                begin = at + 1;
-            }
-            return self.add_held(&rays[begin..]);
-        }
-        // Only the sum is asked for: it stays in registers.
+        self.from_data += rays.len() as f64;
+        let has_channels = !self.held.is_empty() || !self.missing.is_empty();
+        // Without channels only the sum is asked for: it stays in registers. What is held is counted rather than added up: exact,
+        // however many.
         let mut sum = self.coverage;
         for (at, coverage) in parts {
+            if has_channels {
+                self.add_held(&rays[begin..at]);
+                self.add_to_pixel(rays[at] as usize, coverage);
+            }
             sum.held += (at - begin) as f64;
             sum += coverage;
             begin = at + 1;
         }
+        if has_channels {
+            self.add_held(&rays[begin..]);
+        }
         sum.held += (rays.len() - begin) as f64;
         self.coverage = sum;
+    }
+
+    /// Notes a sample in `pixel` at which the film sees nothing.
+    pub(crate) fn add_blind_sample(&mut self, pixel: usize) {
+        self.blind[pixel] += 1;
     }
 
     /// Notes a sample at `offset` in `pixel`; true if it is the nearest to the centre so far.
@@ -449,6 +487,8 @@ impl TileFilm {
                 f64::from(counted.unwrap_or(samples))
             }
             Combine::MeanOfAll => sum / samples as f64,
+            // 0/0 = NaN where the film sees nothing.
+            Combine::MeanOfSeeing => sum / (samples - self.blind[pixel]) as f64,
             Combine::Nearest | Combine::NearestIdentity => sum,
             // 0/0 = NaN where nothing was hit.
             Combine::MeanOfHits => sum / self.hits[pixel] as f64,
@@ -485,6 +525,7 @@ mod tests {
             precision: Precision::Certified,
             channels: Vec::new(),
             has_gaps: false,
+            covers_itself: false,
         };
         let radiance: Vec<[f64; 3]> = (1..20)
             .map(|k| [1.0, 0.1, 0.7].map(|c| c / f64::from(k)))

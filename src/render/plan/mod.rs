@@ -134,6 +134,7 @@ fn layout(scene: &Scene, request: &Request, objects: &[PlannedObject]) -> Layout
         precision: request.precision,
         channels: request.aovs.clone(),
         has_gaps: covers_itself(scene) || is_time_resolved(scene, objects),
+        covers_itself: covers_itself(scene),
     }
 }
 

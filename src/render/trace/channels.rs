@@ -6,19 +6,22 @@ use crate::render::aov::{Aov, Combine};
 use crate::render::film::TileFilm;
 use crate::spacetime::{Direction, World};
 
-/// Records `channels`, those of the film in its order, of a sample at `offset` in `pixel` that looks along `d`.
+/// Records `channels`, those of the film in its order, of a sample at `offset` in `pixel` that looks along `d`, if it sees anything.
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn record(
     channels: &[Aov],
     radiance: &dyn Radiance,
     pixel: usize,
     offset: [f64; 2],
-    d: Direction<World>,
+    d: Option<Direction<World>>,
     observed: Option<&ObservedPoint>,
     film: &mut TileFilm,
 ) {
     // Identities and places come from one sample, never from a mean of two surfaces.
     let nearest = film.is_nearest_to_centre(pixel, offset, observed.is_some());
+    if d.is_none() {
+        film.add_blind_sample(pixel);
+    }
     for (channel, aov) in channels.iter().enumerate() {
         match aov.combine() {
             Combine::NearestIdentity | Combine::Nearest if !nearest => {}
@@ -36,7 +39,7 @@ pub(crate) fn record(
                     value(*aov, radiance, d, observed).unwrap_or(f64::NAN),
                 );
             }
-            Combine::MeanOfHits | Combine::MeanOfAll => {
+            Combine::MeanOfHits | Combine::MeanOfAll | Combine::MeanOfSeeing => {
                 if let Some(value) = value(*aov, radiance, d, observed) {
                     film.add_aov(channel, pixel, value);
                 }
@@ -51,7 +54,7 @@ pub(crate) fn record(
 fn value(
     aov: Aov,
     radiance: &dyn Radiance,
-    d: Direction<World>,
+    d: Option<Direction<World>>,
     observed: Option<&ObservedPoint>,
 ) -> Option<f64> {
     let point = observed.map(|o| &o.point);
@@ -76,9 +79,9 @@ fn value(
         Aov::ObjectEventX => Some(object_event()?.x.x),
         Aov::ObjectEventY => Some(object_event()?.x.y),
         Aov::ObjectEventZ => Some(object_event()?.x.z),
-        Aov::DirectionX => Some(d.unit().x),
-        Aov::DirectionY => Some(d.unit().y),
-        Aov::DirectionZ => Some(d.unit().z),
+        Aov::DirectionX => Some(d?.unit().x),
+        Aov::DirectionY => Some(d?.unit().y),
+        Aov::DirectionZ => Some(d?.unit().z),
         Aov::Distance => Some(point?.hit.s),
         Aov::WavelengthRatio => Some(observed?.w.0),
         Aov::NormalX => Some(normal()?.x),

@@ -171,6 +171,10 @@ impl Radiance for PathTraced {
         self.light.has_gaps()
     }
 
+    fn has_data(&self, emitter: u32) -> bool {
+        self.light.has_data(emitter)
+    }
+
     fn capture(&self, point: &SurfacePoint) -> Option<CaptureView> {
         self.light.capture(point)
     }

@@ -32,6 +32,11 @@ pub trait Radiance: Debug + Send + Sync {
     /// Whether coverage can be other than full.
     fn has_gaps(&self) -> bool;
 
+    /// Whether what emitter `emitter` shines with is read from data, which may lack some of it.
+    fn has_data(&self, _emitter: u32) -> bool {
+        self.has_gaps()
+    }
+
     /// How many samples of each pixel of a tile are best shaded together.
     fn samples_at_once(&self) -> u32 {
         1
@@ -88,6 +93,13 @@ impl Radiance for TimeResolved {
 
     fn has_gaps(&self) -> bool {
         true
+    }
+
+    fn has_data(&self, emitter: u32) -> bool {
+        match &self.emitters[emitter as usize].0 {
+            Emitter::Uv { .. } | Emitter::Captured(_) => true,
+            Emitter::Base(_) | Emitter::Lit { .. } => false,
+        }
     }
 
     fn capture(&self, point: &SurfacePoint) -> Option<CaptureView> {

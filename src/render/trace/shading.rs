@@ -34,20 +34,12 @@ pub trait RadianceSink {
             self.add(ray, *rgb);
         }
     }
-    /// Adds how much of the radiance of ray `ray` is known.
-    fn add_coverage(&mut self, ray: usize, coverage: Coverage);
-    /// Notes rays whose radiance is fully known.
+    /// Notes that no light gets to the element of the sensor of ray `ray`.
+    fn add_blind(&mut self, ray: usize);
+    /// Notes rays whose radiance is fully known, without data.
     fn add_held(&mut self, rays: &[u32]);
-    /// Adds how much of the radiance of `rays` is known: fully, but for some of them.
-    fn cover(&mut self, rays: &[u32], parts: impl Iterator<Item = (usize, Coverage)>) {
-        let mut begin = 0;
-        for (at, coverage) in parts {
-            self.add_held(&rays[begin..at]);
-            self.add_coverage(rays[at] as usize, coverage);
-            begin = at + 1;
-        }
-        self.add_held(&rays[begin..]);
-    }
+    /// Adds how much of the radiance of `rays` the data hold that their surface has: all, but for some of them.
+    fn cover(&mut self, rays: &[u32], parts: impl Iterator<Item = (usize, Coverage)>);
     /// Notes rays that hit nothing.
     fn add_unmet(&mut self, rays: u64);
 }
@@ -67,9 +59,8 @@ impl RadianceSink for TileFilm {
         TileFilm::add_row(self, first, radiance);
     }
 
-    #[inline(always)]
-    fn add_coverage(&mut self, ray: usize, coverage: Coverage) {
-        TileFilm::add_coverage(self, ray, coverage);
+    fn add_blind(&mut self, ray: usize) {
+        TileFilm::add_blind(self, ray);
     }
 
     fn add_held(&mut self, rays: &[u32]) {
@@ -231,8 +222,12 @@ impl Shading {
                 run.members,
                 sink,
             );
-            if has_gaps {
-                cover(&self.emitted.details, run.members, sink);
+            match has_gaps {
+                true if radiance.has_data(run.patch.emitter) => {
+                    cover(&self.emitted.details, run.members, sink);
+                }
+                true => sink.add_held(run.members),
+                false => {}
             }
             meter.lap(Stage::Film);
         }
@@ -355,10 +350,10 @@ impl Shading {
         sink: &mut impl RadianceSink,
     ) -> u64 {
         let count = u64::from(rays.end - rays.start);
-        // Elements of the sensor that are hidden from the pinhole.
+        // Elements of the sensor to which no light gets.
         if weight == 0.0 {
             for ray in rays {
-                sink.add_coverage(ray as usize, Coverage::OCCLUDED);
+                sink.add_blind(ray as usize);
                 sink.add(ray as usize, [0.0; 3]);
             }
             return count;
@@ -677,7 +672,7 @@ fn mean([r, g, b]: [f64; 3]) -> f64 {
     (r + g + b) / 3.0
 }
 
-/// Adds how much of the radiance of a run is known.
+/// Adds how much of the radiance of a run the data hold.
 fn cover(details: &[Detail], members: &[u32], sink: &mut impl RadianceSink) {
     let parts = details.iter().map(|detail| (detail.at, detail.coverage));
     sink.cover(members, parts);

@@ -22,6 +22,7 @@ pub fn channels() -> Vec<Aov> {
         | Combine::Nearest
         | Combine::MeanOfHits
         | Combine::MeanOfAll
+        | Combine::MeanOfSeeing
         | Combine::Missing
         | Combine::Coverage => true,
     })

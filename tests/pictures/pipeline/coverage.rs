@@ -1,6 +1,7 @@
 //! What the data do not hold is counted, pixel by pixel and in the mean.
 //!
-//! A ray that meets nothing counts as held: its radiance, the background, is known.
+//! In the channel a ray that meets nothing counts as held: its radiance, the background, is known. The mean is that of rays that meet
+//! surfaces with data.
 
 use std::path::Path;
 
@@ -31,7 +32,11 @@ fn the_parts_of_coverage_sum_to_one_at_any_time() {
         let aov = film.aov(Aov::Coverage).unwrap();
         assert!(aov.iter().all(|c| (0.0..=1.0 + 1e-15).contains(c)));
         let held = aov.iter().sum::<f64>() / aov.len() as f64;
-        assert!((held - mean.held).abs() < 1e-12, "{held} {}", mean.held);
+        // All surfaces have data.
+        let part = film.from_data();
+        assert!((part - film.met()).abs() < 1e-12, "{part}");
+        let expected = mean.held * part + (1.0 - part);
+        assert!((held - expected).abs() < 1e-12, "{held} {expected}");
         let parts = [
             mean.held,
             mean.before,
@@ -48,6 +53,7 @@ fn the_parts_of_coverage_sum_to_one_at_any_time() {
         for (channel, part) in channels.into_iter().zip(&parts[1..]) {
             let values = film.aov(channel).unwrap();
             let sum = values.iter().sum::<f64>() / values.len() as f64;
+            let part = part * film.from_data();
             assert!((sum - part).abs() < 1e-12, "{channel:?}: {sum} {part}");
         }
         seen.iter_mut().zip(parts).for_each(|(s, p)| *s = s.max(p));
@@ -150,6 +156,7 @@ fn before_and_after_the_data_is_told_apart_and_misses_are_held() {
         let film = stage::film(&scene);
         let met = stage::met(&film);
         assert!(met.len() > 20 && met.len() < stage::pixels(&film));
+        assert_eq!(film.mean_coverage().unwrap().held, held);
         for i in 0..stage::pixels(&film) {
             let (radiance, coverage) = match met.contains(&i) {
                 true => (expected, held),
@@ -168,4 +175,124 @@ fn where_nothing_can_be_missing_the_coverage_channel_is_one() {
     let film = stage::film(&scene);
     assert_eq!(film.mean_coverage(), None);
     assert!(film.aov(Aov::Coverage).unwrap().iter().all(|c| *c == 1.0));
+}
+
+/// The radiance of a ball without data and that of the background are known, and say nothing of the data.
+#[test]
+fn mean_coverage_is_that_of_surfaces_with_data() {
+    for sky in ["", "[sky]\nradiance = 0.5\nlights = false\n"] {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+        files::npy(&folder.join("mean.npy"), &[1, 1, 4], [3.0; 4]);
+        let ball = "[[object]]\nname = \"ball\"\nshape = { sphere = { radius = 0.4 } }\n\
+                    transform = { translate = [1.6, 0, 0] }\n[[source]]\nobjects = [\"plane\"]\n";
+        let mut text = SQUARE
+            .replace("cube.npy", "mean.npy")
+            .replace("[[source]]\n", ball);
+        if !sky.is_empty() {
+            text = text.replace("background = [0.25, 0.5, 0.75]", "");
+            text += sky;
+        }
+        let mut scene = stage::scene_in(folder, &text);
+        // Before the data, and in the midst of them.
+        for (time, held) in [(4.5, 0.0), (6.5, 1.0)] {
+            scene.camera.time = time;
+            let film = stage::film(&scene);
+            let objects = film.aov(Aov::Object).unwrap();
+            let of = |index: f64| objects.iter().filter(|o| **o == index).count();
+            assert!(of(0.0) > 20 && of(1.0) > 3 && of(-1.0) > 20);
+            let mean = film.mean_coverage().unwrap();
+            assert_eq!((mean.held, mean.before), (held, 1.0 - held), "{sky}");
+            let part = of(0.0) as f64 / objects.len() as f64;
+            assert!((film.from_data() - part).abs() < 1e-15);
+            for (object, coverage) in objects.iter().zip(film.aov(Aov::Coverage).unwrap()) {
+                let expected = if *object == 0.0 { held } else { 1.0 };
+                assert_eq!(*coverage, expected, "{sky}: {object}");
+            }
+        }
+    }
+}
+
+/// The picture of a fisheye of 360° is a disc: in its corners there is nothing to see, whatever gives light.
+#[test]
+fn beyond_the_picture_of_a_fisheye_there_is_nothing() {
+    let fisheye = "
+[camera]
+eye = [0, 1.5, 0]
+look_at = [0, 1.5, -1]
+projection = \"fisheye_equidistant\"
+hfov = \"360 deg\"
+size = [16, 16]
+[[object]]
+shape = { plane = { size = [9, 9] } }
+";
+    for light in ["", "[sky]\nradiance = 0.5\n"] {
+        let scene = stage::scene(&format!("{fisheye}{light}"));
+        let film = stage::rendered(&scene, &stage::sampled()).unwrap();
+        assert_eq!(film.mean_coverage(), None, "{light}");
+        assert_eq!(film.hidden(), 0.0);
+        let (mut beyond, mut at_edge) = (0, 0);
+        for i in 0..stage::pixels(&film) {
+            assert_eq!(stage::value(&film, Aov::Coverage, i), 1.0, "{light} {i}");
+            assert_eq!(stage::value(&film, Aov::MissingOccluded, i), 0.0);
+            let d = [Aov::DirectionX, Aov::DirectionY, Aov::DirectionZ]
+                .map(|aov| stage::value(&film, aov, i));
+            // The nearest and the farthest point of the pixel from the middle of the disc, of radius 8.
+            let [x, y] = [i % 16, i / 16].map(|n| (n as f64 - 7.5).abs());
+            let near = (x - 0.5).hypot(y - 0.5);
+            let far = (x + 0.5).hypot(y + 0.5);
+            let is_nowhere = d.iter().all(|c| c.is_nan());
+            if near > 8.0 {
+                assert!(is_nowhere, "{light} {x} {y}: {d:?}");
+                beyond += 1;
+            } else if far < 8.0 {
+                let length = d.iter().map(|c| c * c).sum::<f64>().sqrt();
+                assert!((length - 1.0).abs() < 0.06, "{light} {x} {y}: {d:?}");
+            } else if !is_nowhere {
+                // Behind the camera, and none of the forward axis of samples beyond.
+                assert!(d[2] > 0.9, "{light} {x} {y}: {d:?}");
+                at_edge += 1;
+            }
+        }
+        assert!(beyond > 20 && at_edge > 20, "{beyond} {at_edge}");
+    }
+}
+
+/// A sensor whose rim turns at 0.75 c hides its pinhole from parts of itself. These lack no data: they are counted apart.
+#[test]
+fn what_the_sensor_hides_is_counted_apart_from_missing_data() {
+    let scene = stage::scene(
+        "
+[display]
+back_faces = \"two_sided\"
+[camera]
+eye = [0, 1, 3.9]
+look_at = [0, 1, 0]
+size = [48, 36]
+[camera.sensor]
+focal_length = \"0.4 m\"
+width = \"1 m\"
+[camera.rotation]
+axis = [0, 1, 0]
+rate = \"-1.5 rad/m\"
+through = \"sensor\"
+elements = \"aberrated\"
+[[object]]
+shape = { box = { size = [8, 8, 14] } }
+",
+    );
+    let film = stage::rendered(&scene, &stage::sampled()).unwrap();
+    let hidden = film.hidden();
+    assert!(hidden > 0.02 && hidden < 0.5, "{hidden}");
+    assert_eq!((film.mean_coverage(), film.from_data()), (None, 0.0));
+    let mean = |aov| {
+        let values = film.aov(aov).unwrap();
+        values.iter().sum::<f64>() / values.len() as f64
+    };
+    let occluded = mean(Aov::MissingOccluded);
+    assert!((occluded - hidden).abs() < 1e-12, "{occluded} {hidden}");
+    assert!((mean(Aov::Coverage) + hidden - 1.0).abs() < 1e-12);
+    let wholly = (0..stage::pixels(&film))
+        .filter(|i| stage::value(&film, Aov::MissingOccluded, *i) == 1.0)
+        .inspect(|i| assert!(stage::value(&film, Aov::DirectionX, *i).is_nan()));
+    assert!(wholly.count() > 20);
 }

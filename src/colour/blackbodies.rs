@@ -70,8 +70,7 @@ impl Blackbodies {
 
     #[cold]
     fn cold_colour(&self, t: f64) -> [f64; 3] {
-        // In this form also for NaN.
-        if !(t >= Self::COLDEST) {
+        if t.is_nan() || t < Self::COLDEST {
             return [0.0; 3];
         }
         let at = libm::log2(t / Self::COLDEST) * f64::from(Self::EXACT_COLD);

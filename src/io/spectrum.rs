@@ -50,15 +50,14 @@ pub fn parse(text: &str, path: &Path) -> Result<Vec<[f64; 2]>> {
         if line.is_empty() || line.starts_with('#') || is_words {
             continue;
         }
-        let Some([nanometres, value]) = numbers(line) else {
-            return Err(refused(
-                path,
-                Some(number),
-                "this is not two numbers".into(),
-                FORM,
-            ));
-        };
         let refuse = |what: String, help| Err(refused(path, Some(number), what, help));
+        if line.contains(';') && line.contains(',') {
+            let what = "a comma in a number, beside a semicolon between numbers";
+            return refuse(what.into(), "write decimals with a point, like 550; 0.82");
+        }
+        let Some([nanometres, value]) = numbers(line) else {
+            return refuse("this is not two numbers".into(), FORM);
+        };
         if !(nanometres > 0.0 && nanometres <= 1e30) {
             let what = format!("a wavelength of {nanometres} nm is not above 0 and finite");
             return refuse(what, FORM);
@@ -138,6 +137,8 @@ mod tests {
             ("400,1\n500", "line 2: this is not two numbers"),
             ("400,1\nfive,1", "line 2: this is not two numbers"),
             ("400,1,2\n", "line 1: this is not two numbers"),
+            ("400;1,5\n500;2", "line 1: a comma in a number"),
+            ("400;\t1\n500,;2", "line 2: a comma in a number"),
             ("400,1\n", "fewer than two rows"),
             ("", "fewer than two rows"),
         ] {

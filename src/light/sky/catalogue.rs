@@ -15,10 +15,13 @@ use crate::scene::model::{Catalogue, Stars};
 /// The most stars of a table.
 const MOST: usize = 1_000_000;
 
+/// What would be right.
+const FORM: &str = "lines are x,y,z,magnitude,temperature: a direction, a magnitude from -30 to 30, 1000 to 100000 K";
+
 /// The stars of a catalogue; `text` is that of its table, where it has one.
 ///
 /// # Errors
-/// Lines of a table that are no stars.
+/// Lines of a table that are no stars, and a table that has none.
 pub fn stars(stars: &Stars, text: &str) -> Result<Vec<Star>> {
     match &stars.catalogue {
         Catalogue::Random {
@@ -65,11 +68,10 @@ fn table(scale: f64, text: &str, path: &Path) -> Result<Vec<Star>> {
         if line.is_empty() || line.starts_with('#') || is_header {
             continue;
         }
-        let refuse = |what: &str| {
-            let help = "lines are x,y,z,magnitude,temperature: a direction, a magnitude from -30 to 30, \
-                        1000 to 100000 K";
-            Error::invalid(path, format!("line {number}"), what, help)
-        };
+        let refuse = |what: &str| Error::invalid(path, format!("line {number}"), what, FORM);
+        if line.contains(';') {
+            return Err(refuse("semicolons between numbers, where commas are right"));
+        }
         let numbers: Option<Vec<f64>> = line.split(',').map(|n| n.trim().parse().ok()).collect();
         let numbers = numbers.ok_or_else(|| refuse("not numbers between commas"))?;
         let [x, y, z, magnitude, temperature] = numbers[..] else {
@@ -85,7 +87,10 @@ fn table(scale: f64, text: &str, path: &Path) -> Result<Vec<Star>> {
         }
         stars.push(star(scale, d, magnitude, temperature));
     }
-    Ok(stars)
+    match stars.is_empty() {
+        true => Err(Error::invalid(path, "", "a table without stars", FORM)),
+        false => Ok(stars),
+    }
 }
 
 #[cfg(test)]
@@ -146,6 +151,18 @@ mod tests {
         ] {
             let error = stars(&file, bad).unwrap_err().to_string();
             assert!(error.contains("line "), "{error}");
+        }
+        for (bad, said) in [
+            ("", "a table without stars"),
+            (
+                "x,y,z,magnitude,temperature\n# none\n",
+                "a table without stars",
+            ),
+            ("0;0;-1;2;6500", "line 1: semicolons"),
+            ("0;0;-1;2,5;6500", "line 1: semicolons"),
+        ] {
+            let error = stars(&file, bad).unwrap_err().to_string();
+            assert!(error.contains("a.csv") && error.contains(said), "{error}");
         }
     }
 }

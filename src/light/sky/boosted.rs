@@ -160,7 +160,7 @@ impl BoostedSky {
         let seen = self.received.radiance(w, sky.radiance(d.unit(), 0.0));
         match sky.has_spectra() {
             false => seen,
-            true => sum(seen, sky.spectral(d.unit(), w)),
+            true => sum(seen, sky.spectral(d.unit(), 0.0, w)),
         }
     }
 

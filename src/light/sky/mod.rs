@@ -12,7 +12,7 @@
 //! in the tables of [`colour`](crate::colour), right to 1·10⁻⁴.
 //!
 //! A pixel of the angle a sees a/W of the world's sky: ahead, where W is small, the sky is crowded, and pictures are
-//! looked up in a copy whose texels are as wide as that (`panorama`).
+//! looked up in a copy whose texels are as wide as that (`panorama`), and stars are seen at least about as wide (`stars`).
 
 mod boosted;
 mod catalogue;
@@ -66,10 +66,13 @@ struct Disc {
     radiance: [f64; 3],
 }
 
-/// How wide pixels are in the world: those of a camera at rest have this angle, and one that moves sees it 1/W as wide.
+/// How wide pixels are in the world: those of a camera at rest have these angles, and one that moves sees them 1/W as wide.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PixelAngles<'a> {
+    /// Of a sample's part.
     pub angle: f64,
+    /// That of whole pixels, where it is widest: as wide as stars are seen at least.
+    pub pixel: f64,
     /// W by direction.
     pub ratios: &'a [f64],
 }
@@ -165,22 +168,27 @@ impl Sky {
         stars || matches!(self.background, Background::Spectrum(_))
     }
 
-    /// Linear sRGB, as it is seen at W, of what has a spectrum of its own along the look direction `d` of the world.
+    /// Linear sRGB, as it is seen at W, of what has a spectrum of its own along the look direction `d` of the world, by a pixel that is `angle` wide there.
     #[inline]
-    pub fn spectral(&self, d: DVec3, w: f64) -> [f64; 3] {
+    pub fn spectral(&self, d: DVec3, angle: f64, w: f64) -> [f64; 3] {
         let background = self.spectral_background(w);
         match self.stars.as_ref().filter(|_| self.thermal_stars) {
             None => background,
-            Some(stars) => sum(background, stars.radiance(d, |star| star.colour(w))),
+            Some(stars) => sum(background, stars.radiance(d, angle, |star| star.colour(w))),
         }
     }
 
     /// Calls `each` with the numbers of the directions along which there may be something of it.
-    pub(crate) fn each_spectral(&self, directions: &Columns, each: impl FnMut(usize)) {
+    pub(crate) fn each_spectral(
+        &self,
+        directions: &Columns,
+        angles: PixelAngles,
+        each: impl FnMut(usize),
+    ) {
         let stars = self.stars.as_ref().filter(|_| self.thermal_stars);
         match (&self.background, stars) {
             (Background::Spectrum(_), _) => (0..directions.len()).for_each(each),
-            (_, Some(stars)) => stars.each_near(directions, each),
+            (_, Some(stars)) => stars.each_near(directions, angles, each),
             (_, None) => {}
         }
     }
@@ -230,8 +238,9 @@ impl Sky {
             Background::Spectrum(_) => radiance.fill([0.0; 3]),
         }
         if let Some(stars) = self.stars.as_ref().filter(|_| !self.thermal_stars) {
-            stars.each_near(directions, |k| {
-                let of_stars = stars.radiance(directions.get(k), Star::channels);
+            stars.each_near(directions, angles, |k| {
+                let angle = angles.pixel / angles.ratios[k];
+                let of_stars = stars.radiance(directions.get(k), angle, Star::channels);
                 radiance[k] = sum(radiance[k], of_stars);
             });
         }
@@ -250,7 +259,7 @@ impl Sky {
         let background = self.background.radiance(d, angle);
         match self.stars.as_ref().filter(|_| !self.thermal_stars) {
             None => background,
-            Some(stars) => sum(background, stars.radiance(d, Star::channels)),
+            Some(stars) => sum(background, stars.radiance(d, angle, Star::channels)),
         }
     }
 }

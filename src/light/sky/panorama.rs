@@ -335,7 +335,7 @@ impl VectorLoop for LookUp<'_> {
     #[inline(always)]
     fn run(self) {
         let panorama = self.panorama;
-        let PixelAngles { angle, ratios } = self.angles;
+        let PixelAngles { angle, ratios, .. } = self.angles;
         let Looks { directions, rays } = self.looks;
         let (mut x, mut y, mut z) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
         let mut widths = [0.0; BLOCK];
@@ -570,6 +570,7 @@ mod tests {
             .collect();
         let angles = PixelAngles {
             angle: 0.7,
+            pixel: 0.7,
             ratios: &ratios,
         };
         // Rays in a row, and in another order.

@@ -12,7 +12,7 @@ use crate::io::image::{exr, hdr};
 use crate::light::sky::{BoostedSky, Panorama, Sky, stars};
 use crate::render::plan::Plan;
 use crate::render::trace::{Background, RestFrame, SkyLight};
-use crate::scene::model::{self, Catalogue, Scene, SkyRadiance};
+use crate::scene::model::{self, Catalogue, ProjectionKind, Scene, SkyRadiance};
 use crate::spacetime::Quantity;
 
 /// The scene's sky.
@@ -55,11 +55,17 @@ pub(super) fn background(scene: &Scene, sky: Option<Arc<Sky>>) -> Background {
     };
     let camera = &scene.camera;
     let across = f64::from(camera.size[0]) * f64::from(scene.samples_per_pixel).sqrt();
+    let of_frame = match camera.projection {
+        // Wider in the middle than on average.
+        ProjectionKind::Perspective => 2.0 * libm::tan(0.5 * camera.horizontal_fov),
+        _ => camera.horizontal_fov,
+    };
     Background::Sky {
         spectra: sky.has_spectra().then(|| sky_spectra(scene)),
         sky,
         response: response(scene.quantity, scene),
         angle: camera.horizontal_fov / across,
+        pixel: of_frame / f64::from(camera.size[0]),
     }
 }
 

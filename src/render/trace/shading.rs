@@ -91,6 +91,8 @@ pub enum Background {
         spectra: Option<SkySpectra>,
         /// The angle between samples at rest in the camera's frame, radians.
         angle: f64,
+        /// That between pixels, where it is widest.
+        pixel: f64,
     },
 }
 
@@ -106,11 +108,12 @@ pub struct SkySpectra {
 }
 
 impl SkySpectra {
-    /// The colour along `d`, before the factor.
+    /// The colour along `d`, before the factor, in pixels that are so wide at rest.
     #[inline]
-    fn colour(&self, sky: &Sky, d: DVec3, w: f64) -> [f64; 3] {
+    fn colour(&self, sky: &Sky, d: DVec3, pixel: f64, w: f64) -> [f64; 3] {
         let ratio = self.eye.ratio(if self.shifted { w } else { 1.0 });
-        sky.spectral(d, ratio).map(|c| c * self.eye.gain())
+        sky.spectral(d, pixel / w, ratio)
+            .map(|c| c * self.eye.gain())
     }
 }
 
@@ -246,6 +249,7 @@ impl Shading {
             response,
             spectra,
             angle,
+            pixel,
         } = background
         else {
             return;
@@ -255,19 +259,25 @@ impl Shading {
         if sky.takes_columns() {
             take_directions(escaped, traced, &mut self.directions);
         }
+        // A pixel sees an angle of the world that is 1/W as wide.
+        let pixels = PixelAngles {
+            angle: *angle,
+            pixel: *pixel,
+            ratios: &[],
+        };
         // Between stars there may be nothing to see.
         if let Some(stars) = sky.only_stars() {
             self.near.clear();
-            stars.each_near(&self.directions, |k| self.near.push(escaped[k]));
+            let ratios = those_of(escaped, ratios, &mut self.ratios);
+            let pixels = PixelAngles { ratios, ..pixels };
+            stars.each_near(&self.directions, pixels, |k| {
+                self.near.push(escaped[k]);
+            });
             escaped = &self.near;
             take_directions(escaped, traced, &mut self.directions);
         }
-        self.ratios.clear();
-        match in_a_row(escaped).and_then(|rays| ratios.get(rays)) {
-            Some(row) => self.ratios.extend_from_slice(row),
-            None => (self.ratios).extend(escaped.iter().map(|ray| ratios[*ray as usize])),
-        }
-        let ratios = &self.ratios;
+        let ratios = those_of(escaped, ratios, &mut self.ratios);
+        let pixels = PixelAngles { ratios, ..pixels };
         let weigh_all = |scaled: Scaling, factors: &mut Vec<f64>| {
             weigh(scaled, ratios, factors);
             if let Some(origins) = traced.rays.origins {
@@ -277,11 +287,6 @@ impl Shading {
             }
         };
         if sky.has_channels() {
-            // A pixel sees an angle of the world that is 1/W as wide.
-            let pixels = PixelAngles {
-                angle: *angle,
-                ratios,
-            };
             let looks = Looks {
                 directions: traced.rays.directions,
                 rays: escaped,
@@ -295,9 +300,9 @@ impl Shading {
             return;
         };
         weigh_all(spectra.scaled, &mut self.factors);
-        sky.each_spectral(&self.directions, |k| {
+        sky.each_spectral(&self.directions, pixels, |k| {
             let ray = escaped[k] as usize;
-            let seen = spectra.colour(sky, traced.rays.directions[ray], ratios[k]);
+            let seen = spectra.colour(sky, traced.rays.directions[ray], *pixel, ratios[k]);
             sink.add(ray, seen.map(|c| c * self.factors[k]));
         });
     }
@@ -453,6 +458,18 @@ fn take_directions(rays: &[u32], traced: &TracedRays, directions: &mut Columns) 
                 let d = traced.rays.directions[*ray as usize];
                 (x[k], y[k], z[k]) = (d.x, d.y, d.z);
             }
+        }
+    }
+}
+
+/// Those of `all` that are of `rays`, where they lie or gathered.
+fn those_of<'a>(rays: &[u32], all: &'a [f64], gathered: &'a mut Vec<f64>) -> &'a [f64] {
+    match in_a_row(rays).and_then(|rays| all.get(rays)) {
+        Some(row) => row,
+        None => {
+            gathered.clear();
+            gathered.extend(rays.iter().map(|ray| all[*ray as usize]));
+            gathered
         }
     }
 }

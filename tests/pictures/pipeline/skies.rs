@@ -164,6 +164,104 @@ stars = { file = \"one.csv\", scale = 1e-3, diameter = \"2 deg\" }
     assert_eq!(film.radiance()[0], [0.0; 3]);
 }
 
+/// A sky of 40 stars of magnitude 0 and 6000 K ahead, seen at a speed along −Z; and the picture's places of the stars, their W,
+/// and how many pixels there are per unit of its plane.
+fn starry(folder: &Path, beta: f64, quantity: &str) -> (Scene, Vec<([f64; 2], f64)>, f64) {
+    let gamma = 1.0 / (1.0 - beta * beta).sqrt();
+    let half = 30f64.to_radians().tan();
+    let mut table = String::new();
+    let mut places = Vec::new();
+    for k in 0..40 {
+        // On the plane one before the camera, 40 pixels apart and as far from its edge, at many places between pixels; d = B d′ from there.
+        let at = |n: i32, of: i32, golden: f64| {
+            let between = (f64::from(k) * golden).fract();
+            (f64::from(40 * (n - of)) + 20.0 + between) * half / 180.0
+        };
+        let place = [
+            at(k % 8, 4, 0.618),
+            at(k / 8, 3, 0.7549) + 20.0 * half / 180.0,
+        ];
+        let seen = DVec3::new(place[0], place[1], -1.0).normalize();
+        let w = gamma * (1.0 + beta * seen.z);
+        let d = DVec3::new(seen.x, seen.y, gamma * (seen.z + beta)) / w;
+        table += &format!("{},{},{},0,6000\n", d.x, d.y, d.z);
+        places.push((place, w));
+    }
+    std::fs::write(folder.join("many.csv"), table).unwrap();
+    let text = format!(
+        "
+[camera]
+eye = [0, 0, 0]
+look_at = [0, 0, -1]
+hfov = \"60 deg\"
+size = [360, 270]
+velocity = {{ beta = [0, 0, {}] }}
+[radiance]
+quantity = \"{quantity}\"
+[display]
+samples_per_pixel = 16
+[sky]
+stars = {{ file = \"many.csv\", scale = 1, diameter = \"0.001 deg\" }}
+",
+        -beta
+    );
+    (stage::scene_in(folder, &text), places, 180.0 / half)
+}
+
+#[test]
+fn stars_that_are_smaller_than_pixels_keep_their_light_and_none_is_missed() {
+    // ∫ L′ dω′ = W^(2−p) E of channels, p = 4; of a blackbody W² times its colour at T/W, as the table of luminances of Planck's law says it.
+    let folder = tempfile::tempdir().unwrap();
+    let at_rest = luminance(thermal(6000.0, 0.5));
+    for (beta, quantity) in [
+        (0.0, "integrated"),
+        (0.9, "integrated"),
+        (0.99, "integrated"),
+        (0.0, "rgb"),
+        (0.9, "rgb"),
+        (0.99, "rgb"),
+    ] {
+        let (scene, places, per_plane) = starry(folder.path(), beta, quantity);
+        for (request, bound) in [(stage::centred(), 0.05), (stage::sampled(), 0.05)] {
+            let film = stage::rendered(&scene, &request).unwrap();
+            let (mut seen, mut all) = (0.0, 0.0);
+            for ([x, y], w) in &places {
+                // Pixels about it, none of which sees another star, with dω′ = cos³ dx dy.
+                let [column, row] =
+                    [180.0 + x * per_plane, 135.0 - y * per_plane].map(|x| x as usize);
+                let mut light = 0.0;
+                for i in row - 8..=row + 8 {
+                    for j in column - 8..=column + 8 {
+                        let at = [
+                            (j as f64 + 0.5 - 180.0) / per_plane,
+                            (135.0 - i as f64 - 0.5) / per_plane,
+                        ];
+                        let cosine = 1.0 / (1.0 + at[0] * at[0] + at[1] * at[1]).sqrt();
+                        light += luminance(film.radiance()[i * 360 + j]) * cosine.powi(3)
+                            / per_plane.powi(2);
+                    }
+                }
+                let expected = match quantity {
+                    "rgb" => w * w * luminance(thermal(6000.0 / w, 0.5)) / at_rest,
+                    _ => w.powi(-2),
+                };
+                let error = (light / expected - 1.0).abs();
+                assert!(
+                    error < bound,
+                    "{beta} {quantity}: {light} of {expected} at {x} {y}"
+                );
+                seen += light;
+                all += expected;
+            }
+            // Towards the edges pixels are narrower than the widest, which sums over them show; all stars together are right to 1 %.
+            assert!(
+                (seen / all - 1.0).abs() < 0.01,
+                "{beta} {quantity}: {seen} of {all}"
+            );
+        }
+    }
+}
+
 /// Planck's law, written out: W m⁻² sr⁻¹ per metre.
 fn planck(wavelength: f64, kelvin: f64) -> f64 {
     let (h, c, k) = (6.62607015e-34, 299792458.0, 1.380649e-23);
@@ -191,13 +289,18 @@ fn luminance([r, g, b]: [f64; 3]) -> f64 {
 
 /// A camera that sees nothing but the sky, in motion along −Z with this speed.
 fn traveller(folder: &Path, beta: f64, sky: &str) -> Scene {
+    wide_traveller(folder, 120, beta, sky)
+}
+
+/// The same with a field of view of so many degrees.
+fn wide_traveller(folder: &Path, hfov: u32, beta: f64, sky: &str) -> Scene {
     let text = format!(
         "
 [camera]
 eye = [0, 0, 0]
 look_at = [0, 0, -1]
 projection = \"fisheye_equidistant\"
-hfov = \"120 deg\"
+hfov = \"{hfov} deg\"
 size = [9, 9]
 velocity = {{ beta = [0, 0, {}] }}
 [[object]]
@@ -270,11 +373,12 @@ fn a_star_in_motion_is_a_blackbody_of_another_temperature() {
     // 3000 K ahead of a camera at 0.8 c, W = 1/3: 9000 K, which is 790 times as bright per solid angle. As RGB it would be 10 times too faint.
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("one.csv"), "0,0,-1,0,3000\n").unwrap();
-    let sky = "stars = { file = \"one.csv\", scale = 1e-3, diameter = \"2 deg\" }";
-    let density = 1e-3 / (PI * 1f64.to_radians().sin().powi(2));
+    let sky = "stars = { file = \"one.csv\", scale = 1e-3, diameter = \"10 deg\" }";
+    let density = 1e-3 / (PI * 5f64.to_radians().sin().powi(2));
     let at_rest = luminance(thermal(3000.0, 0.05));
-    for (beta, kelvin) in [(0.0, 3000.0), (0.8, 9000.0), (-0.8, 1000.0)] {
-        let film = stage::film(&traveller(folder.path(), beta, sky));
+    // Pixels that are narrower than the disc at any speed.
+    for (beta, kelvin, hfov) in [(0.0, 3000.0, 12), (0.8, 9000.0, 12), (-0.8, 1000.0, 60)] {
+        let film = stage::film(&wide_traveller(folder.path(), hfov, beta, sky));
         let expected = thermal(kelvin, 0.05).map(|c| c * density / at_rest);
         let size = largest(expected);
         for (got, expected) in film.radiance()[40].into_iter().zip(expected) {

@@ -487,7 +487,7 @@ impl Level {
                     middle += part.luminance * place.direction;
                 }
             }
-            let merged = match &family[..] {
+            let merged = match family {
                 [(_, one)] => {
                     let one = &places[*one as usize];
                     copied(one.direction, parts_of(one))

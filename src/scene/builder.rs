@@ -167,7 +167,7 @@ impl Builder {
     ///
     /// let scene = Builder::new("a lamp over a box")
     ///     .shape("box", nullray::scene::model::Shape::Box { size: [1.0; 3] })
-    ///     .light("lamp", [("position", [0.0, 3.0, 0.0].into()), ("power", "100 W".into())])
+    ///     .light("lamp", [("position", [0.0, 3.0, 0.0].into()), ("power", 100.0.into())])
     ///     .build()?;
     /// assert_eq!(scene.lights[0].name, "lamp");
     /// # Ok::<(), nullray::Error>(())

@@ -256,11 +256,11 @@ fn what_a_program_has_made_of_a_scene_is_checked_before_it_is_rendered() {
 #[test]
 fn a_lamp_of_a_builder_lights_as_that_of_a_file() {
     let text = "[[object]]\nname = 'wall'\nshape = { box = { size = [2, 2, 1] } }\n[[light]]\nname = 'lamp'\n\
-                position = [0.5, 1, 3]\npower = '10 W'\n";
+                position = [0.5, 1, 3]\npower = 10\n";
     let file = stage::scene(&format!("{CAMERA}{text}"));
     let keys = [
         ("position", DVec3::new(0.5, 1.0, 3.0).into()),
-        ("power", "10 W".into()),
+        ("power", 10.0.into()),
     ];
     let memory = camera("lamp")
         .shape("wall", shapes_box())

@@ -186,6 +186,11 @@ struct Profile {
 }
 
 impl StarMap {
+    /// About as many bytes as a map of so many stars takes, once all of its levels are made.
+    pub fn bytes(stars: usize) -> u64 {
+        512 * stars as u64
+    }
+
     /// `stars` of the angular `radius`, at most some degrees.
     pub fn new(stars: Vec<Star>, radius: f64) -> StarMap {
         let sine = libm::sin(radius);

@@ -62,7 +62,7 @@ impl Prepared {
     /// Carries out `plan`, which must be that of `scene`, on the threads of rayon's current pool.
     ///
     /// # Errors
-    /// A plan of a scene with other objects, broken files, and [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
+    /// A plan of a scene with other objects, broken files, and [`Error::Cancelled`] when `progress` says so.
     pub fn new(scene: &Scene, plan: &Plan, progress: &dyn Progress) -> Result<Prepared> {
         if plan.objects.len() != scene.objects.len() {
             let what = format!(

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::files;
 use crate::io::image::{exr, hdr};
-use crate::light::sky::{BoostedSky, Panorama, Sky, stars};
+use crate::light::sky::{BoostedSky, Panorama, Sky, StarMap, stars};
 use crate::render::plan::Plan;
 use crate::render::trace::{Background, RestFrame, SkyLight};
 use crate::scene::model::{self, Catalogue, ProjectionKind, Scene, SkyRadiance};
@@ -35,7 +35,15 @@ pub(super) fn load(scene: &Scene, plan: &Plan) -> Result<Option<Arc<Sky>>> {
         SkyRadiance::Uniform(_) | SkyRadiance::Gradient { .. } | SkyRadiance::Spectrum(_) => None,
     };
     let stars = match &sky.stars {
-        Some(catalogue) => stars(catalogue, &table(catalogue, &budget)?)?,
+        Some(catalogue) => {
+            let stars = stars(catalogue, &table(catalogue, &budget)?)?;
+            let file = match &catalogue.catalogue {
+                Catalogue::File(path) => path.as_path(),
+                Catalogue::Random { .. } => Path::new(&scene.name),
+            };
+            budget.take(StarMap::bytes(stars.len()), file)?;
+            stars
+        }
         None => Vec::new(),
     };
     // Where radiance is no RGB of spectra, stars have channels as all else has.

@@ -166,6 +166,8 @@ impl Builder {
     /// use nullray::scene::Builder;
     ///
     /// let scene = Builder::new("a lamp over a box")
+    ///     .set("camera.eye", [0.0, 0.0, 5.0])
+    ///     .set("camera.look_at", [0.0, 0.0, 0.0])
     ///     .shape("box", nullray::scene::model::Shape::Box { size: [1.0; 3] })
     ///     .light("lamp", [("position", [0.0, 3.0, 0.0].into()), ("power", 100.0.into())])
     ///     .build()?;

@@ -11,7 +11,7 @@
 //! (4 × 4 lookups in the picture's smaller sizes) and d_F and W of its middle; E_F is kept at 6 × 33² normals on the faces of a cube, and
 //! interpolated bilinearly. Cell and step are 4° wide: a light that is as small as a cell is off by up to a cell's half,
 //! and max(0, cos) is interpolated to (4°)²/8 = 6·10⁻⁴ of it, so that E_F is right to 2·10⁻³ of its largest value over n.
-//! A background that is the same all around lights by the integral of [`even`](super::even) in place of that, right to 10⁻⁴ of E_F for each n. What has a spectrum of its own has its colour at W in place of W⁻ᵖ L, at
+//! A background that is the same all around lights by the integral of [`even`](super::even) in place of that, right to 2·10⁻⁴ of E_F for each n. What has a spectrum of its own has its colour at W in place of W⁻ᵖ L, at
 //! each of the lookups, and a star at its own. What is in the way is taken from it by [`BoostedSky::sample`]. There and where light is followed, the stars of a
 //! cell shine from all of it: the mean is theirs, and no direction that is drawn meets a disc that is some thousand times as bright as what is about it. Mirrors show
 //! the discs.

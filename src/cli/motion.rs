@@ -28,7 +28,7 @@ use nullray::render::metadata;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
-use nullray::render::survey::{self, SeenTimes};
+use nullray::render::survey::{self, SeenTimes, Shots};
 use nullray::scene::model::Scene;
 use nullray::scene::{Heading, Overrides, SceneFile};
 use nullray::spacetime::{Event, Velocity};
@@ -363,14 +363,14 @@ fn passing(arguments: &FilmArguments, scene: &Scene) -> Result<[f64; 2]> {
         &arguments.changes.request(arguments.work.threads.count),
     )?;
     let mut prepared = Prepared::new(&small, &plan, &Silent)?;
-    let seen = survey::seen_times(&prepared);
     // Of a cube, the part of its data that is lit.
-    let times = seen.iter().filter_map(|times| {
+    let wanted = survey::seen_times(&prepared).into_iter().map(|times| {
         let data = survey::lit(&prepared, times.source).unwrap_or(times.data);
-        let times = SeenTimes { data, ..*times };
-        survey::meeting_times(&small, &mut prepared, &times)
+        SeenTimes { data, ..times }
     });
-    let times: Vec<[f64; 2]> = times.collect();
+    let wanted: Vec<SeenTimes> = wanted.collect();
+    let mut shots = Shots::new(&small, &mut prepared);
+    let times: Vec<[f64; 2]> = wanted.iter().filter_map(|w| shots.showing(w)).collect();
     brief(&times).ok_or_else(|| {
         let what = "no source of the scene says when its light is in view";
         let help = "give the camera's times, like --from \"0 m\" --to \"5 m\", or another motion: --flyby 0.9";

@@ -346,6 +346,57 @@ fn times_that_show_none_of_a_flash_are_told_with_those_that_do() {
 }
 
 #[test]
+fn hints_hold_for_lamps_in_motion_and_pulses_of_trains() {
+    // A flash at the lamp's own time 10 m, or pulses every 20 m of it, 10 m ± 8 σ among them, over a floor.
+    let flash =
+        "clock_zero = \"0 m\"\nemission = { gaussian = { time = \"10 m\", sigma = \"5 cm\" } }";
+    let endless = "emission = { train = { time = \"10 m\", sigma = \"5 cm\", period = \"20 m\" } }";
+    let three = "emission = { train = { time = \"-10 m\", sigma = \"5 cm\", period = \"20 m\", count = 3 } }";
+    let motions = [
+        "",
+        "velocity = { beta = [0.5, 0, 0] }",
+        "velocity = { beta = [-0.95, 0, 0] }",
+        "velocity = { beta = [0, 0, 0.8] }",
+    ];
+    let is_lit = |text: &str| rendered(text, true).iter().any(|x| *x > 0.0);
+    for motion in motions {
+        for emission in [flash, endless, three] {
+            let at = |time: f64| {
+                let lamp = format!("position = [0.5, 1, 0]\n{motion}\n{emission}");
+                let text = floor(0.0, time, &lamp);
+                // Without the panel, which would keep light off the floor.
+                let [before, rest] = text
+                    .split("[[object]]\nname = \"panel\"")
+                    .collect::<Vec<_>>()[..]
+                else {
+                    panic!("{text}");
+                };
+                format!("{before}{}", &rest[rest.find("[[light]]").unwrap()..])
+            };
+            let dark = scene(&at(1.0));
+            let told = survey::moments(&dark, &mut prepared(&dark, false), true);
+            assert_eq!(told.len(), 1, "{motion} {emission} {told:?}");
+            let numbers: Vec<f64> = told[0]
+                .split('"')
+                .filter_map(|word| word.strip_suffix(" m")?.parse().ok())
+                .collect();
+            let [from, to] = numbers[..] else {
+                panic!("{motion} {emission} {told:?}")
+            };
+            // Dark right before and after, lit right within.
+            let margin = 0.02 * (to - from);
+            let found = [from - margin, from + margin, to - margin, to + margin];
+            let found = found.map(|time| is_lit(&at(time)));
+            assert_eq!(
+                found,
+                [false, true, true, false],
+                "{motion} {emission} {told:?}"
+            );
+        }
+    }
+}
+
+#[test]
 fn what_does_not_end_or_goes_through_a_medium_is_refused() {
     let bins = Bins {
         start: 0.0,

@@ -9,7 +9,7 @@ use nullray::light::time_texture::survey::{Order, of_samples};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
-use nullray::render::survey::{meeting_times, misfits, seen_times};
+use nullray::render::survey::{Shots, misfits, seen_times};
 use nullray::scene::model::Scene;
 use nullray::scene::{Overrides, parse};
 
@@ -306,7 +306,7 @@ fn times_that_do_not_reach_the_light_in_view_are_told_with_those_that_would() {
     let mut prepared = prepared(&scene).unwrap();
     let seen = seen_times(&prepared);
     assert!(!seen[0].meets() && seen[0].data == [7.0, 16.5], "{seen:?}");
-    let [from, to] = meeting_times(&scene, &mut prepared, &seen[0]).unwrap();
+    let [from, to] = Shots::new(&scene, &mut prepared).showing(&seen[0]).unwrap();
     assert!(-60.0 < from && from < 0.0 && 0.0 < to, "{from} {to}");
 }
 

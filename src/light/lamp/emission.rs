@@ -119,6 +119,40 @@ impl Emission {
         }
     }
 
+    /// The proper times from its first light to its last, without end for a train of pulses that has none; none where it never
+    /// begins nor pauses.
+    pub(crate) fn lit_times(&self) -> Option<[f64; 2]> {
+        let endless = [f64::NEG_INFINITY, f64::INFINITY];
+        self.span().or(self.pauses().then_some(endless))
+    }
+
+    /// Whether it is dark between its pulses.
+    fn pauses(&self) -> bool {
+        matches!(self, Emission::Train { sigma, period, .. } if *period > 2.0 * CUT * sigma)
+    }
+
+    /// Of a train with pauses, the proper times of the first pulse that is not over at the beginning of a range, or of its last one.
+    pub(crate) fn pulse_near(&self, [from, _]: [f64; 2]) -> Option<[f64; 2]> {
+        let Emission::Train {
+            centre,
+            sigma,
+            period,
+            count,
+        } = self
+        else {
+            return None;
+        };
+        let reach = CUT * sigma;
+        // A train without end has no beginning either.
+        let [first, last] = match count.is_finite() {
+            true => [0.0, count - 1.0],
+            false => [f64::NEG_INFINITY, f64::INFINITY],
+        };
+        let k = ((from - reach - centre) / period).ceil().clamp(first, last);
+        let middle = centre + k * period;
+        self.pauses().then_some([middle - reach, middle + reach])
+    }
+
     /// The integral up to a proper time; infinite where it has always shone.
     pub(crate) fn until(&self, proper_time: f64) -> f64 {
         match self {

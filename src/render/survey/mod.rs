@@ -9,8 +9,11 @@
 //! - a pulse: the world time at which its light left the source, E.ct − ηr; there are data ± 4 σ about its centre;
 //! - a lamp whose emission begins and ends: the lamp's own time at which its light left, against when it shines.
 //!
-//! Later shots see later light. Where the range of times moves by r per metre of the camera's own time,
-//! found by a second survey, it reaches data [c, d] from [a, b] at camera times t + (c − b)/r to t + (d − a)/r.
+//! Later shots see later light: [`Shots`] finds those that show some of it.
+
+mod search;
+
+pub use search::Shots;
 
 use rayon::prelude::*;
 
@@ -102,15 +105,19 @@ impl SeenTimes {
     }
 
     /// When light in view left, and when there is any, in words; of lamps and pulses.
-    fn said(&self, scene: &Scene) -> String {
+    fn said(&self, scene: &Scene, is_train: bool) -> String {
         let [[a, b], [c, d]] = [self.seen, self.data].map(|span| span.map(rounded));
         let source = self.source(scene);
-        match self.source < scene.sources.len() {
-            true => format!(
+        match (self.source < scene.sources.len(), is_train) {
+            (true, _) => format!(
                 "{source}: light in view left between ct = {a} m and {b} m; its data span {c} m to {d} m"
             ),
-            false => format!(
+            (false, false) => format!(
                 "{source}: light in view left between its own times {a} m and {b} m; it shines from {c} m to {d} m"
+            ),
+            (false, true) => format!(
+                "{source}: light in view left between its own times {a} m and {b} m; its pulse nearest to that lasts from \
+                 {c} m to {d} m"
             ),
         }
     }
@@ -122,11 +129,14 @@ pub fn moments(scene: &Scene, prepared: &mut Prepared, dark: bool) -> Vec<String
     // As many rays as tell the ends of what is seen.
     let every = (Tile::count(scene.camera.size) / MOST_TILES) | 1;
     let mut remarks = Vec::new();
-    for times in seen_or_sampled(prepared, every) {
+    let mut shots = Shots::among(scene, prepared, every);
+    for mut times in shots.seen() {
+        let pulse = nearest_pulse(scene, &times);
+        times.data = pulse.unwrap_or(times.data);
         if times.is_of_cube(scene) || (dark && times.meets()) {
             continue;
         }
-        let mut text = times.said(scene);
+        let mut text = times.said(scene, pulse.is_some());
         if !dark {
             let now = rounded(scene.camera.time);
             let is = if times.meets() {
@@ -137,7 +147,7 @@ pub fn moments(scene: &Scene, prepared: &mut Prepared, dark: bool) -> Vec<String
             text += &format!("; the camera's time {now} m shows {is}");
         }
         if !times.meets()
-            && let Some([from, to]) = meeting_times(scene, prepared, &times)
+            && let Some([from, to]) = shots.showing(&times)
         {
             let [from, to] = [from, to].map(rounded);
             text += &format!("; try --time \"{from} m\" to \"{to} m\"");
@@ -145,6 +155,16 @@ pub fn moments(scene: &Scene, prepared: &mut Prepared, dark: bool) -> Vec<String
         remarks.push(text);
     }
     remarks
+}
+
+/// Of a light that shines in pulses with pauses between them, the pulse in view, or the next one.
+fn nearest_pulse(scene: &Scene, times: &SeenTimes) -> Option<[f64; 2]> {
+    let light = times.source.checked_sub(scene.sources.len())?;
+    let profile = match &scene.lights.get(light)?.kind {
+        LightKind::Lamp(lamp) => &lamp.emission,
+        LightKind::Area { emission, .. } => emission,
+    };
+    Emission::from(profile).pulse_near(times.seen)
 }
 
 /// The least and the greatest W = λ′/λ with which the light of each lamp that has a spectrum falls on surfaces in view, where
@@ -353,6 +373,7 @@ pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
         }
     }
     let mut remarks = Vec::new();
+    let mut shots = Shots::new(scene, prepared);
     for (times, there, lit) in others {
         let is_alike = |own: &CubeSource| {
             let mut fitting = fitting.iter();
@@ -387,7 +408,7 @@ pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
         {
             text += "; or with clock = \"capture\", if times are those of arrival";
         }
-        if let Some([from, to]) = meeting_times(scene, prepared, &there) {
+        if let Some([from, to]) = shots.showing(&there) {
             let [from, to] = [from, to].map(rounded);
             text += &format!("; or camera times from \"{from} m\" to \"{to} m\"");
         }
@@ -446,33 +467,6 @@ pub fn lit(prepared: &Prepared, source: usize) -> Option<[f64; 2]> {
         .iter()
         .position(|known| *known == source)?;
     lit_span(&light.cubes[cube])
-}
-
-/// Camera times, in metres, between which `before`, seen at the camera's time of `scene`, comes to meet its data; none
-/// where a later shot does not see later light.
-pub fn meeting_times(
-    scene: &Scene,
-    prepared: &mut Prepared,
-    before: &SeenTimes,
-) -> Option<[f64; 2]> {
-    let gap = (before.data[0] - before.seen[1]).max(before.seen[0] - before.data[1]);
-    // How fast seen times follow the camera's, by a second shot near this one.
-    let step = gap.abs().max(before.data[1] - before.data[0]) * 0.25;
-    let mut later = scene.clone();
-    later.camera.time += step;
-    prepared.retake(&later).ok()?;
-    let after = seen_or_sampled(prepared, 1);
-    prepared.retake(scene).ok()?;
-    let after = after.iter().find(|times| times.source == before.source)?;
-    let rate = |k: usize| (after.seen[k] - before.seen[k]) / step;
-    let at = |from: f64, to: f64, rate: f64| scene.camera.time + (to - from) / rate;
-    let times = [
-        at(before.seen[1], before.data[0], rate(1)),
-        at(before.seen[0], before.data[1], rate(0)),
-    ];
-    // Where they hardly follow, no later shot sees the data.
-    let rises = rate(0) > 1e-6 && rate(1) > 1e-6;
-    (rises && times[0] < times[1] && times.iter().all(|t| t.is_finite())).then_some(times)
 }
 
 fn tile(
@@ -554,7 +548,7 @@ fn at_point(
                 };
                 let Some((origin, sigma)) = lamp.source_pulse() else {
                     let arrival = lamp.arrival_at_peak(&point.ray, point.hit.s, light.index);
-                    if let (Some(data), Some((_, left))) = (lamp.emission_span(), arrival) {
+                    if let (Some(data), Some((_, left))) = (lamp.emission().lit_times(), arrival) {
                         let times = SeenTimes {
                             source: *index,
                             seen: [left; 2],
@@ -587,7 +581,7 @@ fn shining_at_point(
 ) {
     let mut of_light = |object: u32, emission: &Emission, left: f64| {
         let known = light.area_lights.iter().find(|(lit, _)| *lit == object);
-        if let (Some((_, source)), Some(data)) = (known, emission.span()) {
+        if let (Some((_, source)), Some(data)) = (known, emission.lit_times()) {
             let times = SeenTimes {
                 source: *source,
                 seen: [left; 2],

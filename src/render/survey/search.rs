@@ -1,0 +1,156 @@
+//! The camera's times at which light comes into view and leaves it, found by surveys of shots.
+//!
+//! Light that is seen left earlier or later as the shot does: the latest time h(t) at which light in view left, and the earliest, l(t), rise
+//! with the camera's time t. Data from c to d are in view from h(t) = c to l(t) = d. How fast both rise is constant where
+//! lamp, camera and surfaces rest, and not otherwise: 1 m of a lamp's time may take 1/(1 − β) m of the camera's while it approaches, and
+//! a γth of that when it has passed. So both ends are sought by secants, and within a bracket as soon as there is one.
+
+use super::{SeenTimes, seen_or_sampled};
+use crate::render::prepare::Prepared;
+use crate::scene::model::Scene;
+
+/// How far from an end a time may be, in lengths of what is sought.
+const TOLERANCE: f64 = 1e-3;
+
+/// How many shots are looked at for one end at most. Secants take 2 to 8.
+const MOST_STEPS: usize = 16;
+
+/// How many shots are looked at for all sources together.
+const MOST_SHOTS: usize = 64;
+
+/// By how much a step may be longer than the way so far, where only one side of the end is known.
+const GROWTH: f64 = 16.0;
+
+/// The part of a bracket that each step leaves on either side at least, so that it gets shorter from both.
+const MARGIN: f64 = 0.05;
+
+/// Shots of a scene at other times of its camera, and what is seen in them.
+pub struct Shots<'a> {
+    scene: &'a Scene,
+    prepared: &'a mut Prepared,
+    /// One tile in so many is looked at.
+    every: u64,
+    /// The camera's times of the shots, and the times of the sources seen in each.
+    known: Vec<(f64, Vec<SeenTimes>)>,
+}
+
+impl<'a> Shots<'a> {
+    /// Of all tiles of the pictures.
+    pub fn new(scene: &'a Scene, prepared: &'a mut Prepared) -> Self {
+        Shots::among(scene, prepared, 1)
+    }
+
+    /// Of one tile in `every`.
+    pub(super) fn among(scene: &'a Scene, prepared: &'a mut Prepared, every: u64) -> Self {
+        let seen = seen_or_sampled(prepared, every);
+        Shots {
+            known: vec![(scene.camera.time, seen)],
+            scene,
+            prepared,
+            every,
+        }
+    }
+
+    /// What is seen at the camera's time of the scene.
+    pub fn seen(&self) -> Vec<SeenTimes> {
+        self.known[0].1.clone()
+    }
+
+    /// What is seen of a source in a shot at a camera time, and none where nothing that it lights is in view, the camera's world
+    /// line has no such time, or enough shots have been looked at.
+    fn at(&mut self, time: f64, source: usize) -> Option<[f64; 2]> {
+        let place = match self.known.iter().position(|(known, _)| *known == time) {
+            Some(place) => place,
+            None if self.known.len() == MOST_SHOTS => return None,
+            None => {
+                let mut other = self.scene.clone();
+                other.camera.time = time;
+                self.prepared.retake(&other).ok()?;
+                let seen = seen_or_sampled(self.prepared, self.every);
+                self.prepared.retake(self.scene).ok()?;
+                self.known.push((time, seen));
+                self.known.len() - 1
+            }
+        };
+        let mut seen = self.known[place].1.iter();
+        seen.find(|times| times.source == source)
+            .map(|times| times.seen)
+    }
+
+    /// Camera times, in metres, from which and until which some of the data of `wanted` are in view; none where no
+    /// shot shows any, or one of the ends is not found.
+    pub fn showing(&mut self, wanted: &SeenTimes) -> Option<[f64; 2]> {
+        let [from, to] = wanted.data;
+        if !(from.is_finite() && to.is_finite()) {
+            return None;
+        }
+        let first = self.end(wanted, 1, from)?;
+        let last = self.end(wanted, 0, to)?;
+        (first < last).then_some([first, last])
+    }
+
+    /// The camera's time at which an end of the range that is seen is `target`.
+    fn end(&mut self, wanted: &SeenTimes, end: usize, target: f64) -> Option<f64> {
+        let tolerance = TOLERANCE * (wanted.data[1] - wanted.data[0]);
+        // Shots before and after the one that is sought, nearest ones last, and one that shows nothing of the source.
+        let mut sides: [Vec<[f64; 2]>; 2] = [Vec::new(), Vec::new()];
+        let (mut hidden, mut last) = (None, None);
+        let mut time = self.known[0].0;
+        for _ in 0..MOST_STEPS {
+            match self.at(time, wanted.source) {
+                Some(seen) => {
+                    let off = seen[end] - target;
+                    // Nothing nearer can be told apart from it.
+                    if off.abs() <= tolerance || (off.abs() <= 1e-12 * target.abs()) {
+                        return Some(time);
+                    }
+                    let side = usize::from(off > 0.0);
+                    // Twice on one side: the other one counts for half (the Illinois rule), as its end of the bracket stands still.
+                    if last == Some(side)
+                        && let Some([_, off]) = sides[1 - side].last_mut()
+                    {
+                        *off *= 0.5;
+                    }
+                    last = Some(side);
+                    sides[side].push([time, off]);
+                }
+                None => hidden = Some(time),
+            }
+            time = next(&sides, hidden)?;
+        }
+        None
+    }
+}
+
+/// Where to look next; none where there is nothing left between shots, or the times that are seen do not rise.
+fn next(sides: &[Vec<[f64; 2]>; 2], hidden: Option<f64>) -> Option<f64> {
+    let time = match [sides[0].last(), sides[1].last()] {
+        [Some(&[before, under]), Some(&[after, over])] => {
+            let part = (under / (under - over)).clamp(MARGIN, 1.0 - MARGIN);
+            let time = before + part * (after - before);
+            (before < time && time < after).then_some(time)?
+        }
+        [Some(side), None] | [None, Some(side)] => {
+            let &[near, off] = side;
+            let other = sides.iter().find(|known| !known.is_empty())?;
+            let before = other.len().checked_sub(2).map(|k| other[k]);
+            // At rest, what is seen follows the camera's time.
+            let rate = before.map_or(1.0, |[far, was]| (off - was) / (near - far));
+            let step = -off / rate;
+            // Where they do not rise, no other shot shows the data.
+            let rises = rate > 1e-9 && step.is_finite();
+            let most = before.map_or(f64::INFINITY, |[far, _]| GROWTH * (near - far).abs());
+            rises.then(|| near + step.clamp(-most, most))?
+        }
+        [None, None] => return None,
+    };
+    // Not as far as where nothing of it is in view.
+    let nearest = sides.iter().filter_map(|side| side.last()).map(|[t, _]| *t);
+    Some(match hidden {
+        Some(end) => nearest.fold(time, |time, near| {
+            let beyond = (end - near) * (time - end) >= 0.0;
+            if beyond { 0.5 * (near + end) } else { time }
+        }),
+        None => time,
+    })
+}

@@ -25,8 +25,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::even::EvenSky;
+use super::faces::{axes, on_cube};
 use super::panorama::arctan;
-use super::stars::{axes, on_cube};
 use super::{Background, Sky, sum};
 use crate::light::Received;
 use crate::light::reflection::by_cosine;
@@ -157,10 +157,10 @@ impl BoostedSky {
     #[inline]
     pub fn radiance_with_sun(&self, sky: &Sky, d: Direction<World>, rho: f64) -> [f64; 3] {
         let w = 1.0 / rho;
-        let seen = self.received.radiance(w, sky.radiance(d.unit(), 0.0));
+        let seen = self.received.radiance(w, sky.radiance(d.unit()));
         match sky.has_spectra() {
             false => seen,
-            true => sum(seen, sky.spectral(d.unit(), 0.0, w)),
+            true => sum(seen, sky.spectral(d.unit(), w)),
         }
     }
 

@@ -17,6 +17,8 @@
 mod boosted;
 mod catalogue;
 mod even;
+mod faces;
+mod levels;
 mod panorama;
 mod stars;
 
@@ -146,10 +148,10 @@ impl Sky {
         matches!(self.background, Background::Uniform(radiance) if radiance == [0.0; 3])
     }
 
-    /// The stars, where there is nothing else.
+    /// Stars without spectra, where there is nothing else.
     pub(crate) fn only_stars(&self) -> Option<&StarMap> {
         let stars = self.stars.as_ref();
-        stars.filter(|_| self.is_black() && self.sun.is_none())
+        stars.filter(|_| !self.thermal_stars && self.is_black() && self.sun.is_none())
     }
 
     /// Whether loops over directions take them by component; pictures and what is uniform take them where they lie.
@@ -168,28 +170,34 @@ impl Sky {
         stars || matches!(self.background, Background::Spectrum(_))
     }
 
-    /// Linear sRGB, as it is seen at W, of what has a spectrum of its own along the look direction `d` of the world, by a pixel that is `angle` wide there.
+    /// Linear sRGB, as it is seen at W, of what has a spectrum of its own along the look direction `d` of the world, with stars as the discs that
+    /// they are.
     #[inline]
-    pub fn spectral(&self, d: DVec3, angle: f64, w: f64) -> [f64; 3] {
+    pub fn spectral(&self, d: DVec3, w: f64) -> [f64; 3] {
         let background = self.spectral_background(w);
         match self.stars.as_ref().filter(|_| self.thermal_stars) {
             None => background,
-            Some(stars) => sum(background, stars.radiance(d, angle, |star| star.colour(w))),
+            Some(stars) => sum(background, stars.radiance(d, |star| star.colour(w))),
         }
     }
 
-    /// Calls `each` with the numbers of the directions along which there may be something of it.
+    /// Calls `each` with the numbers of the directions along which there is something of it, and with its colour, as `ratio` of W says
+    /// that it is seen, in pixels as wide as `angles` says; once for the background and once for stars.
     pub(crate) fn each_spectral(
         &self,
         directions: &Columns,
         angles: PixelAngles,
-        each: impl FnMut(usize),
+        ratio: impl Fn(f64) -> f64,
+        mut each: impl FnMut(usize, [f64; 3]),
     ) {
-        let stars = self.stars.as_ref().filter(|_| self.thermal_stars);
-        match (&self.background, stars) {
-            (Background::Spectrum(_), _) => (0..directions.len()).for_each(each),
-            (_, Some(stars)) => stars.each_near(directions, angles, each),
-            (_, None) => {}
+        if let Background::Spectrum(table) = &self.background {
+            for (k, w) in angles.ratios.iter().enumerate() {
+                each(k, table.colour(ratio(*w)));
+            }
+        }
+        if let Some(stars) = self.stars.as_ref().filter(|_| self.thermal_stars) {
+            let colour = |k: usize, star: &Star| star.colour(ratio(angles.ratios[k]));
+            stars.each_seen(directions, angles, colour, each);
         }
     }
 
@@ -202,10 +210,13 @@ impl Sky {
         }
     }
 
-    /// Radiance by channel, without what has a spectrum of its own, along the look direction `d` of the world, as a pixel sees it that is `angle` wide there.
+    /// Radiance by channel, without what has a spectrum of its own, along the look direction `d` of the world: of pictures and stars as they are.
     #[inline]
-    pub fn radiance(&self, d: DVec3, angle: f64) -> [f64; 3] {
-        let mut radiance = self.without_sun(d, angle);
+    pub fn radiance(&self, d: DVec3) -> [f64; 3] {
+        let mut radiance = self.background.radiance(d, 0.0);
+        if let Some(stars) = self.stars.as_ref().filter(|_| !self.thermal_stars) {
+            radiance = sum(radiance, stars.radiance(d, Star::channels));
+        }
         if let Some(sun) = self
             .sun
             .as_ref()
@@ -238,9 +249,8 @@ impl Sky {
             Background::Spectrum(_) => radiance.fill([0.0; 3]),
         }
         if let Some(stars) = self.stars.as_ref().filter(|_| !self.thermal_stars) {
-            stars.each_near(directions, angles, |k| {
-                let angle = angles.pixel / angles.ratios[k];
-                let of_stars = stars.radiance(directions.get(k), angle, Star::channels);
+            let channels = |_: usize, star: &Star| star.channels();
+            stars.each_seen(directions, angles, channels, |k, of_stars| {
                 radiance[k] = sum(radiance[k], of_stars);
             });
         }
@@ -250,16 +260,6 @@ impl Sky {
                     *radiance = sum(*radiance, sun.radiance);
                 }
             }
-        }
-    }
-
-    /// The same without the sun, which lights surfaces as a lamp does.
-    #[inline]
-    fn without_sun(&self, d: DVec3, angle: f64) -> [f64; 3] {
-        let background = self.background.radiance(d, angle);
-        match self.stars.as_ref().filter(|_| !self.thermal_stars) {
-            None => background,
-            Some(stars) => sum(background, stars.radiance(d, angle, Star::channels)),
         }
     }
 }

@@ -4,8 +4,6 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::DVec3;
-
 use super::emitted::{Colouring, Detail, Emitted, Eye, Response, Scaling};
 use super::radiance::Radiance;
 use super::run::{Run, TracedRays, in_a_row};
@@ -13,7 +11,7 @@ use super::stats::{Counter, Meter, Stage};
 use crate::accel::Hit;
 use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, dispatch, shift_each};
 use crate::colour::{self, RgbShift};
-use crate::light::sky::{Looks, PixelAngles, Sky};
+use crate::light::sky::{Looks, PixelAngles, Sky, Star};
 use crate::light::time_texture::Coverage;
 use crate::render::film::TileFilm;
 use crate::spacetime::Quantity;
@@ -108,12 +106,10 @@ pub struct SkySpectra {
 }
 
 impl SkySpectra {
-    /// The colour along `d`, before the factor, in pixels that are so wide at rest.
+    /// At which ratio of wavelengths a sky is looked up that is seen at W.
     #[inline]
-    fn colour(&self, sky: &Sky, d: DVec3, pixel: f64, w: f64) -> [f64; 3] {
-        let ratio = self.eye.ratio(if self.shifted { w } else { 1.0 });
-        sky.spectral(d, pixel / w, ratio)
-            .map(|c| c * self.eye.gain())
+    fn ratio(&self, w: f64) -> f64 {
+        self.eye.ratio(if self.shifted { w } else { 1.0 })
     }
 }
 
@@ -122,8 +118,8 @@ impl SkySpectra {
 pub struct Shading {
     /// Rays that meet nothing, where there is a sky.
     escaped: Vec<u32>,
-    /// Those of them that look near a star.
-    near: Vec<u32>,
+    /// Those of them that look at a star.
+    starlit: Vec<u32>,
     /// Rays that hit a surface that shines, by patch.
     lit: Vec<u32>,
     /// The same in another order.
@@ -266,15 +262,18 @@ impl Shading {
             ratios: &[],
         };
         // Between stars there may be nothing to see.
-        if let Some(stars) = sky.only_stars() {
-            self.near.clear();
+        let only_stars = sky.only_stars();
+        if let Some(stars) = only_stars {
+            self.starlit.clear();
             let ratios = those_of(escaped, ratios, &mut self.ratios);
             let pixels = PixelAngles { ratios, ..pixels };
-            stars.each_near(&self.directions, pixels, |k| {
-                self.near.push(escaped[k]);
+            let (starlit, radiance) = (&mut self.starlit, &mut self.emitted.radiance);
+            let channels = |_: usize, star: &Star| star.channels();
+            stars.each_seen(&self.directions, pixels, channels, |k, seen| {
+                starlit.push(escaped[k]);
+                radiance.push(seen);
             });
-            escaped = &self.near;
-            take_directions(escaped, traced, &mut self.directions);
+            escaped = &self.starlit;
         }
         let ratios = those_of(escaped, ratios, &mut self.ratios);
         let pixels = PixelAngles { ratios, ..pixels };
@@ -291,8 +290,10 @@ impl Shading {
                 directions: traced.rays.directions,
                 rays: escaped,
             };
-            let radiance = &mut self.emitted.radiance;
-            sky.radiance_each(looks, &self.directions, pixels, radiance);
+            if only_stars.is_none() {
+                let radiance = &mut self.emitted.radiance;
+                sky.radiance_each(looks, &self.directions, pixels, radiance);
+            }
             weigh_all(self.emitted.response.scaled, &mut self.factors);
             add_colours(&mut self.emitted, ratios, &self.factors, escaped, sink);
         }
@@ -300,10 +301,11 @@ impl Shading {
             return;
         };
         weigh_all(spectra.scaled, &mut self.factors);
-        sky.each_spectral(&self.directions, pixels, |k| {
-            let ray = escaped[k] as usize;
-            let seen = spectra.colour(sky, traced.rays.directions[ray], *pixel, ratios[k]);
-            sink.add(ray, seen.map(|c| c * self.factors[k]));
+        let ratio = |w: f64| spectra.ratio(w);
+        let gain = spectra.eye.gain();
+        sky.each_spectral(&self.directions, pixels, ratio, |k, seen| {
+            let seen = seen.map(|c| c * gain * self.factors[k]);
+            sink.add(escaped[k] as usize, seen);
         });
     }
 

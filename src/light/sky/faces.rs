@@ -1,0 +1,285 @@
+//! Square cells on the faces of a cube about the observer, and the discs of the sky that lie in them.
+//!
+//! A direction d goes through the face of its longest coordinate, at u and v, the other two over that one, from −1 to 1. What is within an
+//! angle R of d is, on that face, between the planes through the v axis that touch the cap about d: they are turned from d's by δ either way, with
+//!
+//! ```text
+//! sin δ = sin R / √(1 − d_v²) = sin R √((1 + u² + v²)/(1 + u²)) ≤ sin R √(1 + v²),
+//! ```
+//!
+//! so that u is from tan(atan u − δ) to tan(atan u + δ), and v likewise.
+
+use glam::DVec3;
+
+/// The cosine of the angle between the axis of a face and its corners, 1/√3.
+const CORNER: f64 = 0.577_350_269;
+/// What rounding may move a place on a face by, with a wide margin.
+const ROUNDING: f64 = 1e-9;
+
+/// The outward axis of a face of the cube, and its sides.
+pub(super) fn axes(face: usize) -> (DVec3, DVec3, DVec3) {
+    let sign = if face.is_multiple_of(2) { 1.0 } else { -1.0 };
+    match face / 2 {
+        0 => (DVec3::X * sign, DVec3::Y, DVec3::Z),
+        1 => (DVec3::Y * sign, DVec3::Z, DVec3::X),
+        _ => (DVec3::Z * sign, DVec3::X, DVec3::Y),
+    }
+}
+
+/// The face of the cube that `d` goes through, and where, from −1 to 1 along its sides.
+#[inline]
+pub(super) fn on_cube(d: DVec3) -> (usize, [f64; 2]) {
+    let a = d.abs();
+    if a.x >= a.y && a.x >= a.z {
+        (usize::from(d.x < 0.0), [d.y / a.x, d.z / a.x])
+    } else if a.y >= a.z {
+        (2 + usize::from(d.y < 0.0), [d.z / a.y, d.x / a.y])
+    } else {
+        (4 + usize::from(d.z < 0.0), [d.x / a.z, d.y / a.z])
+    }
+}
+
+/// A rectangle of a face that holds some directions.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rectangle {
+    face: usize,
+    /// The least and the greatest place along each side.
+    sides: [[f64; 2]; 2],
+}
+
+impl Rectangle {
+    /// That of all directions with coordinates from `low` to `high`; none where they may go through more than one face.
+    #[inline]
+    pub fn of(low: [f64; 3], high: [f64; 3]) -> Option<Rectangle> {
+        // The least and the greatest size of each coordinate.
+        let far: [f64; 3] = std::array::from_fn(|k| high[k].max(-low[k]));
+        let near: [f64; 3] = std::array::from_fn(|k| low[k].max(-high[k]));
+        let is_longest =
+            |k: usize| near[k] > 0.0 && near[k] >= far[(k + 1) % 3] && near[k] >= far[(k + 2) % 3];
+        let axis = (0..3).find(|k| is_longest(*k))?;
+        let (near, far) = (near[axis], far[axis]);
+        let side = |k: usize| {
+            let (low, high) = (low[k % 3], high[k % 3]);
+            [
+                low / if low < 0.0 { near } else { far },
+                high / if high > 0.0 { near } else { far },
+            ]
+        };
+        Some(Rectangle {
+            face: 2 * axis + usize::from(low[axis] < 0.0),
+            sides: [side(axis + 1), side(axis + 2)],
+        })
+    }
+
+    /// What is within an angle of this `sine`, at most 35°, of the directions, as the head of this file says.
+    #[inline]
+    pub fn widened(self, sine: f64) -> Rectangle {
+        let [u, v] = self.sides;
+        let wider = |[low, high]: [f64; 2], [first, last]: [f64; 2]| {
+            let across = last.max(-first);
+            let square = sine * sine * (1.0 + across * across);
+            let tangent = (square / (1.0 - square)).sqrt();
+            // tan(atan x + δ); beyond a right angle, beyond all.
+            let moved = |x: f64| match 1.0 - x * tangent {
+                rest if rest > 0.0 => (x + tangent) / rest + ROUNDING,
+                _ => f64::INFINITY,
+            };
+            [-moved(-low), moved(high)]
+        };
+        Rectangle {
+            sides: [wider(u, v), wider(v, u)],
+            ..self
+        }
+    }
+}
+
+/// Cells on all faces.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Grid {
+    /// Along an edge of a face.
+    pub cells: usize,
+}
+
+impl Grid {
+    /// The cell along an edge in which a place is, or the first or the last one for what is beyond.
+    #[inline]
+    fn along(self, x: f64) -> usize {
+        // Conversion takes what is below 0 for 0.
+        ((0.5 * (x + 1.0) * self.cells as f64) as usize).min(self.cells - 1)
+    }
+
+    /// The number of a cell.
+    fn number(self, face: usize, [u, v]: [f64; 2]) -> usize {
+        (face * self.cells + self.along(v)) * self.cells + self.along(u)
+    }
+
+    /// The cell in which a direction lies.
+    pub fn cell(self, d: DVec3) -> usize {
+        let (face, place) = on_cube(d);
+        self.number(face, place)
+    }
+
+    /// Calls `each` with a cell of each face into which a disc about `d` reaches, that of its middle or the nearest one to that. Its radius
+    /// has this sine, and is at most 35°.
+    fn each_face(self, d: DVec3, sine: f64, mut each: impl FnMut(usize)) {
+        let cosine = (1.0 - sine * sine).sqrt();
+        // Of the angle from a face's axis to its corners and the radius together.
+        let (corner, across) = (CORNER, (1.0 - CORNER * CORNER).sqrt());
+        let least = corner * cosine - across * sine - ROUNDING;
+        for face in 0..6 {
+            let (axis, u, v) = axes(face);
+            let depth = d.dot(axis);
+            if depth < least {
+                continue;
+            }
+            // Whether the planes through the other side that touch the disc leave room for the face between them. There are none where the disc
+            // has the other side in it.
+            let reaches = |side: DVec3| {
+                let along = d.dot(side);
+                let rest = (depth * depth + along * along - sine * sine)
+                    .max(0.0)
+                    .sqrt();
+                let (low, high) = (depth * rest + along * sine, depth * rest - along * sine);
+                let tangent = |x: f64, depth: f64, beyond: f64| match depth > 0.0 {
+                    true => x / depth,
+                    false => beyond,
+                };
+                let first = tangent(along * rest - depth * sine, low, -2.0) - ROUNDING;
+                let last = tangent(along * rest + depth * sine, high, 2.0) + ROUNDING;
+                first <= 1.0 && last >= -1.0
+            };
+            if reaches(u) && reaches(v) {
+                each(self.number(face, [d.dot(u) / depth, d.dot(v) / depth]));
+            }
+        }
+    }
+}
+
+/// Discs by the cells in which their middles are, on each face into which they reach.
+#[derive(Debug)]
+pub(super) struct Index {
+    grid: Grid,
+    /// Where what is in a cell begins, and the numbers of the discs, cell by cell and row by row.
+    begins: Vec<u32>,
+    numbers: Vec<u32>,
+}
+
+impl Index {
+    /// Of discs about directions, whose radii have these sines.
+    pub fn new(grid: Grid, discs: impl Iterator<Item = (DVec3, f64)> + Clone) -> Index {
+        // Where cells begin, by counting; filled disc by disc, each cell has them in that order.
+        let mut begins = vec![0; 6 * grid.cells * grid.cells + 1];
+        for (d, sine) in discs.clone() {
+            grid.each_face(d, sine, |cell| begins[cell] += 1);
+        }
+        let mut sum = 0;
+        for begin in &mut begins {
+            let count = *begin;
+            *begin = sum;
+            sum += count;
+        }
+        let mut ends = begins.clone();
+        let mut numbers = vec![0; sum as usize];
+        for (number, (d, sine)) in (0..).zip(discs) {
+            grid.each_face(d, sine, |cell| {
+                numbers[ends[cell] as usize] = number;
+                ends[cell] += 1;
+            });
+        }
+        Index {
+            grid,
+            begins,
+            numbers,
+        }
+    }
+
+    /// The numbers of all discs whose middles are in the cells of a rectangle, row by row; none where there are more than `most` cells. The
+    /// order of those near a direction is the same in any rectangle.
+    #[inline]
+    pub fn rows(&self, near: Rectangle, most: usize) -> Option<impl Iterator<Item = &[u32]>> {
+        let [[left, right], [top, bottom]] =
+            near.sides.map(|side| side.map(|x| self.grid.along(x)));
+        if (right - left + 1) * (bottom - top + 1) > most {
+            return None;
+        }
+        Some((top..=bottom).map(move |row| {
+            let row = (near.face * self.grid.cells + row) * self.grid.cells;
+            &self.numbers[self.begins[row + left] as usize..self.begins[row + right + 1] as usize]
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Directions all over the sky, and many near edges and corners of the cube.
+    fn directions() -> impl Iterator<Item = DVec3> {
+        let mut state = 7u64;
+        let mut next = move || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        (0..3000).map(move |k| {
+            let v = DVec3::new(next(), next(), next());
+            let towards = match k % 3 {
+                0 => v,
+                1 => DVec3::new(v.x.signum(), v.y.signum(), v.z) + 0.05 * v,
+                _ => v.signum() + 0.05 * v,
+            };
+            towards.normalize()
+        })
+    }
+
+    #[test]
+    fn every_disc_is_found_from_all_directions_in_it() {
+        let all: Vec<_> = directions().collect();
+        for sine in [1e-9, 1e-3, 0.02, 0.5] {
+            let grid = Grid { cells: 16 };
+            let index = Index::new(grid, all.iter().map(|d| (*d, sine)));
+            for (k, d) in all.iter().enumerate() {
+                // Within the disc, right before its edge, in some direction.
+                let side = d.any_orthonormal_vector();
+                let turned = side * (k as f64).cos() + d.cross(side) * (k as f64).sin();
+                let (sin, cos) = (sine * (1.0 - 1e-9), (1.0 - sine * sine).sqrt());
+                let look = (*d * cos + turned * sin).normalize().to_array();
+                let near = Rectangle::of(look, look).unwrap().widened(sine);
+                let mut rows = index.rows(near, usize::MAX).unwrap();
+                assert!(rows.any(|row| row.contains(&(k as u32))), "{sine} {d}");
+                // And few others.
+                if sine < 0.1 {
+                    let rows = index.rows(near, 9);
+                    assert!(rows.is_some(), "{sine} {d}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_rectangle_holds_all_directions_between_the_bounds() {
+        let all: Vec<_> = directions().collect();
+        let (mut whole, mut parts) = (0, 0);
+        for chunk in all.chunks(3) {
+            let near: Vec<_> = chunk
+                .iter()
+                .map(|d| (chunk[0] + 0.1 * *d).normalize())
+                .collect();
+            let low = near.iter().fold(DVec3::ONE, |low, d| low.min(*d));
+            let high = near.iter().fold(-DVec3::ONE, |high, d| high.max(*d));
+            let faces: Vec<_> = near.iter().map(|d| on_cube(*d)).collect();
+            match Rectangle::of(low.to_array(), high.to_array()) {
+                Some(held) => {
+                    whole += 1;
+                    for (face, place) in faces {
+                        assert_eq!(face, held.face);
+                        for (x, [first, last]) in place.iter().zip(held.sides) {
+                            assert!(first - 1e-12 <= *x && *x <= last + 1e-12);
+                        }
+                    }
+                }
+                None => parts += 1,
+            }
+        }
+        assert!(whole > 100 && parts > 100, "{whole} {parts}");
+    }
+}

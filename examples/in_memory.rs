@@ -34,7 +34,7 @@ fn main() -> nullray::Result<()> {
     // 8 × 8 texels, each of which lights up at a time of its own.
     let samples = (0..8 * 8 * 64).map(|i| f32::from(i / 64 % 64 == i % 64));
     let samples = Samples::F32(samples.collect());
-    let cube = Cube::new([8, 8, 64, 1], samples).expect("its shape is right");
+    let cube = Cube::new([8, 8, 64, 1], samples)?;
     let size = [4.0, 3.0, 0.1];
     let scene = Builder::new("ring")
         .set("camera.eye", [0.0, 0.0, 4.0])

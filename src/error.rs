@@ -9,8 +9,8 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The result of what reads, plans, renders and writes. Velocities, world lines, units, meshes and cubes have errors of their own, without a
-/// file and a place.
+/// The result of what reads, plans, renders and writes. Velocities, world lines, units, meshes, atlases and cubes have errors of their own,
+/// without a file and a place; `?` makes them [`Error::Value`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// An error of this crate.
@@ -33,10 +33,25 @@ pub enum Error {
     /// The input is well-formed and asks for what this version does not do.
     #[error("{0}")]
     Unsupported(Box<Problem>),
+    /// A velocity, world line, measure, mesh, atlas or cube that is none: their own errors, without a file and a place.
+    #[error(transparent)]
+    Value(Box<dyn std::error::Error + Send + Sync>),
     /// The work was cancelled by its caller; nothing was written.
     #[error("stopped before the end; nothing was written")]
     Cancelled,
 }
+
+/// Makes `?` turn errors of values into [`Error::Value`].
+macro_rules! value_errors {
+    ($($error:ty),*) => {
+        $(impl From<$error> for $crate::error::Error {
+            fn from(error: $error) -> Self {
+                $crate::error::Error::Value(Box::new(error))
+            }
+        })*
+    };
+}
+pub(crate) use value_errors;
 
 /// A number as messages show it: with an exponent where it has more zeros than people count.
 pub(crate) fn number(value: f64) -> impl fmt::Display {
@@ -159,7 +174,7 @@ impl Error {
         match self {
             Error::Io { source, .. } => remedy(source.kind()),
             Error::Invalid(problem) | Error::Unsupported(problem) => &problem.help,
-            Error::Cancelled => "",
+            Error::Value(_) | Error::Cancelled => "",
         }
     }
 }

@@ -40,6 +40,8 @@ pub struct TooSmall {
     pub least: u32,
 }
 
+crate::error::value_errors!(TooSmall);
+
 /// The coordinates of the corners of all `triangles` (places in metres) on a texture of `size` columns and rows. Triangles without
 /// an area get the corner (0, 0).
 ///

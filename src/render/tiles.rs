@@ -73,23 +73,24 @@ fn tiles_with(
     let pipeline = Pipeline::new(scene, scene.sampler);
     let layout = &scene.layout;
     let film = Mutex::new(Film::new(layout.clone()));
-    let done = tiles
-        .into_par_iter()
-        .try_for_each_init(Buffers::default, |buffers, index| {
-            let tile = Tile::of_image(layout.size, index);
-            let mut tile_film = TileFilm::new(tile, layout);
-            let mut meter = Meter::new(total.is_some());
-            let samples = 0..layout.samples;
-            pipeline.samples(samples, buffers, &mut tile_film, progress, &mut meter)?;
-            // A poisoned lock means a panic elsewhere, which rayon passes on.
-            let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
-            film.place(&tile_film);
-            if let (Some(total), Some(stats)) = (total, meter.into_stats()) {
-                let mut total = total.lock().unwrap_or_else(PoisonError::into_inner);
-                total.merge(stats);
-            }
-            Ok(())
-        });
+    let done: Result<()> =
+        tiles
+            .into_par_iter()
+            .try_for_each_init(Buffers::default, |buffers, index| {
+                let tile = Tile::of_image(layout.size, index);
+                let mut tile_film = TileFilm::new(tile, layout);
+                let mut meter = Meter::new(total.is_some());
+                let samples = 0..layout.samples;
+                pipeline.samples(samples, buffers, &mut tile_film, progress, &mut meter)?;
+                // A poisoned lock means a panic elsewhere, which rayon passes on.
+                let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
+                film.place(&tile_film);
+                if let (Some(total), Some(stats)) = (total, meter.into_stats()) {
+                    let mut total = total.lock().unwrap_or_else(PoisonError::into_inner);
+                    total.merge(stats);
+                }
+                Ok(())
+            });
     scene.light.check()?;
     done?;
     Ok(film.into_inner().unwrap_or_else(PoisonError::into_inner))

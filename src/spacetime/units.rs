@@ -31,6 +31,8 @@ pub struct Measure<D> {
 #[error("{0}")]
 pub struct UnitError(String);
 
+crate::error::value_errors!(UnitError);
+
 impl<D: Dimension> Measure<D> {
     /// `number` in the dimension's customary unit: metres, degrees, nanometres, K, m/s, %, /m, rad/m.
     pub const fn customary(number: f64) -> Self {

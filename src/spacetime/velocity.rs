@@ -46,6 +46,8 @@ pub enum VelocityError {
     TooFast(f64),
 }
 
+crate::error::value_errors!(VelocityError);
+
 impl Velocity {
     /// At rest in the world.
     pub const REST: Velocity = Velocity {

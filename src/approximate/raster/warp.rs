@@ -44,7 +44,7 @@ impl Warped {
         let surfaces = Surfaces::unbuffered(&scene.frames, event, scene.ray_index);
         let mut texels = vec![None; map.texels() as usize];
         let runs = texels.par_chunks_mut(RUN).enumerate();
-        runs.try_for_each_init(HitBuffer::default, |hits, (run, texels)| {
+        runs.try_for_each_init(HitBuffer::default, |hits, (run, texels)| -> Result<()> {
             progress.check()?;
             let first = (run * RUN) as u64;
             let directions = (first..).map(|t| map.direction(t)).take(texels.len());

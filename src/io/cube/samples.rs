@@ -67,6 +67,8 @@ pub enum CubeError {
     },
 }
 
+crate::error::value_errors!(CubeError);
+
 impl Samples {
     /// How many samples.
     pub fn len(&self) -> usize {

@@ -121,6 +121,8 @@ pub enum WorldLineError {
     },
 }
 
+crate::error::value_errors!(WorldLineError);
+
 impl WorldLineError {
     /// The segment, knot or key event to point at, counted from 0; for a span the one at which it begins.
     pub fn index(&self) -> Option<usize> {

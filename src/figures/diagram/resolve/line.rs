@@ -156,7 +156,12 @@ fn knots(names: &Names, at: &At<Vec<At<Numbers<2>>>>) -> Vec<(f64, DVec3)> {
 
 fn circle(names: &Names, at: &At<LineCircle>, zero: Event<World>) -> Result<Track> {
     let LineCircle { radius, period } = &at.value;
-    let metres = |at, name| Ok(names.cx.positive(at, name)? * names.unit);
+    let metres = |at, name| {
+        names
+            .cx
+            .positive(at, name)
+            .map(|number| number * names.unit)
+    };
     let (radius, time) = (metres(radius, "`radius`")?, metres(period, "`period`")?);
     let n = names.direction;
     // At `zero` it is farthest along n, so its centre is a radius back; any plane that holds n looks the same from the side.

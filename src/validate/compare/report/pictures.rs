@@ -269,7 +269,7 @@ pub(super) fn displays(reference: &Picture, candidate: &Picture) -> Result<[RgbI
         Encoding::Linear => tonemap(&light[0], Exposure::Percentile(WHITE))?.white,
         Encoding::Srgb => 1.0,
     };
-    let show = |picture: &Picture, light: &[[f64; 3]]| {
+    let show = |picture: &Picture, light: &[[f64; 3]]| -> Result<RgbImage> {
         Ok(RgbImage {
             width: picture.layers.width,
             height: picture.layers.height,

@@ -358,7 +358,7 @@ fn optical(velocity: Velocity, index: f64) -> Result<(DVec3, f64, Velocity)> {
         return Ok((n, 0.0, velocity));
     }
     let slowed = index * libm::tanh(rapidity);
-    let optical = Velocity::along(n, libm::atanh(slowed));
+    let optical = Velocity::from_rapidity_along(libm::atanh(slowed), n);
     let optical = optical.ok().filter(|_| slowed < 1.0).ok_or_else(outrun)?;
     let q = ((1.0 - slowed) * (1.0 + slowed)).sqrt();
     Ok((n, 1.0 / (velocity.gamma() * q) - 1.0, optical))

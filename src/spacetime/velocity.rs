@@ -55,6 +55,9 @@ impl Velocity {
     };
 
     /// From a rapidity vector w, |w| = artanh β.
+    ///
+    /// # Errors
+    /// A vector that is not finite, or longer than [`MAX_RAPIDITY`].
     pub fn from_rapidity(rapidity: DVec3) -> Result<Self, VelocityError> {
         if !rapidity.is_finite() {
             return Err(VelocityError::NotFinite);
@@ -67,6 +70,9 @@ impl Velocity {
     }
 
     /// From β = v/c, |β| < 1. Near 1 few digits of 1 − β are left in β: prefer γ or 1 − β there.
+    ///
+    /// # Errors
+    /// A vector that is not finite, or not shorter than 1.
     pub fn from_beta(beta: DVec3) -> Result<Self, VelocityError> {
         if !beta.is_finite() {
             return Err(VelocityError::NotFinite);
@@ -75,10 +81,13 @@ impl Velocity {
         if magnitude >= 1.0 {
             return Err(VelocityError::NotSlowerThanLight(magnitude));
         }
-        Self::along(beta, libm::atanh(magnitude))
+        Self::from_rapidity_along(libm::atanh(magnitude), beta)
     }
 
     /// From γ ≥ 1 and a direction (any length but 0).
+    ///
+    /// # Errors
+    /// Numbers that are not finite, γ < 1, a rapidity above [`MAX_RAPIDITY`], no direction but for γ = 1.
     pub fn from_gamma(gamma: f64, direction: DVec3) -> Result<Self, VelocityError> {
         if !gamma.is_finite() {
             return Err(VelocityError::NotFinite);
@@ -86,10 +95,13 @@ impl Velocity {
         if gamma < 1.0 {
             return Err(VelocityError::GammaBelowOne(gamma));
         }
-        Self::along(direction, 2.0 * libm::asinh((0.5 * (gamma - 1.0)).sqrt()))
+        Self::from_rapidity_along(2.0 * libm::asinh((0.5 * (gamma - 1.0)).sqrt()), direction)
     }
 
     /// From 1 − β in (0, 1] and a direction (any length but 0).
+    ///
+    /// # Errors
+    /// 1 − β out of its range, a rapidity above [`MAX_RAPIDITY`], a direction that is not finite or, but for 1 − β = 1, none.
     pub fn from_one_minus_beta(q: f64, direction: DVec3) -> Result<Self, VelocityError> {
         if !(q > 0.0 && q <= 1.0) {
             return Err(VelocityError::OneMinusBeta(q));
@@ -99,30 +111,36 @@ impl Velocity {
         } else {
             libm::atanh(1.0 - q) // 1 − q is exact here
         };
-        Self::along(direction, magnitude)
+        Self::from_rapidity_along(magnitude, direction)
     }
 
-    /// Rapidity `magnitude` along `direction` (any length but 0), against it where negative.
-    pub fn along(direction: DVec3, magnitude: f64) -> Result<Self, VelocityError> {
-        if !direction.is_finite() || !magnitude.is_finite() {
+    /// From the rapidity artanh β and a direction (any length but 0), against which the motion is where the rapidity is negative.
+    ///
+    /// # Errors
+    /// Numbers that are not finite, a rapidity beyond ±[`MAX_RAPIDITY`], no direction but for a rapidity of 0.
+    pub fn from_rapidity_along(rapidity: f64, direction: DVec3) -> Result<Self, VelocityError> {
+        if !direction.is_finite() || !rapidity.is_finite() {
             return Err(VelocityError::NotFinite);
         }
-        if magnitude == 0.0 {
+        if rapidity == 0.0 {
             return Ok(Self::REST);
         }
-        if magnitude.abs() > MAX_RAPIDITY {
-            return Err(VelocityError::TooFast(magnitude.abs()));
+        if rapidity.abs() > MAX_RAPIDITY {
+            return Err(VelocityError::TooFast(rapidity.abs()));
         }
         let (unit, _) = unit_and_length(direction).ok_or(VelocityError::NoDirection)?;
         Ok(Velocity {
-            rapidity: unit * magnitude,
+            rapidity: unit * rapidity,
         })
     }
 
     /// This velocity as seen from a frame that moves with `observer`, both relative to the world.
     ///
     /// Components refer to the axes of that frame, which are the world's, boosted without rotation.
-    /// Collinear rapidities subtract. Fails where the relative rapidity is above [`MAX_RAPIDITY`].
+    /// Collinear rapidities subtract.
+    ///
+    /// # Errors
+    /// A relative rapidity above [`MAX_RAPIDITY`].
     pub fn relative_to(self, observer: Velocity) -> Result<Velocity, VelocityError> {
         if observer.is_rest() {
             return Ok(self);
@@ -140,7 +158,7 @@ impl Velocity {
         };
         let proper = parts.across * sinh + m * along;
         unit_and_length(proper).map_or(Ok(Self::REST), |(unit, length)| {
-            Self::along(unit, libm::asinh(length))
+            Self::from_rapidity_along(libm::asinh(length), unit)
         })
     }
 
@@ -240,7 +258,9 @@ mod tests {
         let v = DVec3::new(1.0, -1.0, 1.0);
         let expected = v / 3f64.sqrt() * 0.5;
         for scale in [5e-324, 1e-200, 1.0, 1e200, 1.7e308] {
-            let w = Velocity::along(v * scale, 0.5).unwrap().rapidity();
+            let w = Velocity::from_rapidity_along(0.5, v * scale)
+                .unwrap()
+                .rapidity();
             assert!((w - expected).length() < 2e-16, "{scale}: {w}");
         }
     }
@@ -268,9 +288,9 @@ mod tests {
     fn the_largest_rapidity_is_accepted_in_every_direction_and_nothing_above_it() {
         for x in -9..=9 {
             let direction = DVec3::new(f64::from(x) * 0.3, 1.7, -0.9);
-            let v = Velocity::along(direction, MAX_RAPIDITY).unwrap();
+            let v = Velocity::from_rapidity_along(MAX_RAPIDITY, direction).unwrap();
             assert!(v.gamma().is_finite());
-            assert!(Velocity::along(direction, MAX_RAPIDITY.next_up()).is_err());
+            assert!(Velocity::from_rapidity_along(MAX_RAPIDITY.next_up(), direction).is_err());
         }
         let too_fast = |v| matches!(v, Err(VelocityError::TooFast(w)) if w > MAX_RAPIDITY);
         assert!(too_fast(Velocity::from_gamma(1e200, DVec3::X)));
@@ -291,15 +311,15 @@ mod tests {
         // An axis: at γ = 10⁸, rounding any other direction differently is a relative motion.
         let n = DVec3::NEG_Z;
         for (a, b) in [(20.0, 19.5), (3.0, -4.0), (1e-9, 2e-9), (0.0, 17.0)] {
-            let v = Velocity::along(n, a).unwrap();
-            let observer = Velocity::along(n, b).unwrap();
+            let v = Velocity::from_rapidity_along(a, n).unwrap();
+            let observer = Velocity::from_rapidity_along(b, n).unwrap();
             let seen = v.relative_to(observer).unwrap().rapidity();
             let allowed = 8.0 * f64::EPSILON * (a - b).abs().max(a).max(b.abs());
             assert!((seen - n * (a - b)).length() <= allowed, "{a} {b}: {seen}");
             assert_eq!(v.relative_to(v), Ok(Velocity::REST));
             assert_eq!(v.relative_to(Velocity::REST), Ok(v));
         }
-        let fast = Velocity::along(n, 39.0).unwrap();
+        let fast = Velocity::from_rapidity_along(39.0, n).unwrap();
         assert!(fast.relative_to(-fast).is_err());
     }
 }

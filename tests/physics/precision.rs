@@ -71,7 +71,7 @@ impl Case {
 
     fn random(sequence: &mut Sequence) -> Self {
         let n = sequence.unit();
-        let velocity = Velocity::along(n, sequence.rapidity()).unwrap();
+        let velocity = Velocity::from_rapidity_along(sequence.rapidity(), n).unwrap();
         let d = sequence.near(velocity.rapidity().normalize());
         Case::new(velocity, Direction::<Camera>::new(d).unwrap().unit())
     }
@@ -276,9 +276,9 @@ fn relative_velocities_keep_their_digits() {
     for _ in 0..4000 {
         let n = sequence.unit();
         let psi = sequence.rapidity().min(19.0);
-        let observer = Velocity::along(n, psi).unwrap();
+        let observer = Velocity::from_rapidity_along(psi, n).unwrap();
         let phi = psi * sequence.pick([1.0, 0.5, 0.999_999]);
-        let velocity = Velocity::along(sequence.near(n), phi).unwrap();
+        let velocity = Velocity::from_rapidity_along(phi, sequence.near(n)).unwrap();
         let seen = velocity.relative_to(observer).unwrap().rapidity();
         let own = four(1.0, DVec3::ZERO);
         let in_world = ExactBoost::new(velocity.rapidity()).apply(&own);

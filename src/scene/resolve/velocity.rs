@@ -47,7 +47,9 @@ pub(crate) fn said(
     if let Some(rapidity) = &v.rapidity {
         return match rapidity.value {
             Vector(vector) => said.vector(rapidity, vector, Velocity::from_rapidity),
-            Number(magnitude) => said.along(rapidity, magnitude, |w, d| Velocity::along(d, w)),
+            Number(magnitude) => said.along(rapidity, magnitude, |w, d| {
+                Velocity::from_rapidity_along(w, d)
+            }),
         };
     }
     if let Some(gamma) = &v.gamma {
@@ -64,7 +66,7 @@ pub(crate) fn from_signed_beta(beta: f64, direction: DVec3) -> Result<Velocity, 
     if beta.abs() >= 1.0 {
         return Err(VelocityError::NotSlowerThanLight(beta.abs()));
     }
-    Velocity::along(direction, libm::atanh(beta))
+    Velocity::from_rapidity_along(libm::atanh(beta), direction)
 }
 
 /// A velocity's table while it is read.

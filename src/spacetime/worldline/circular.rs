@@ -85,7 +85,7 @@ impl Circular {
         let velocity = self.axis.cross(radial) * self.rate;
         let velocity = match self.speed {
             0.0 => Velocity::REST,
-            speed => Velocity::along(velocity, libm::atanh(speed)).ok()?,
+            speed => Velocity::from_rapidity_along(libm::atanh(speed), velocity).ok()?,
         };
         // −γ²Ω² r.
         let pull = self.gamma * self.rate;

@@ -22,7 +22,7 @@ pub(super) fn after(start: &State, elapsed: f64) -> Option<State> {
 pub(super) fn place_after(start: &State, elapsed: f64) -> Option<(Event<World>, Velocity)> {
     let Thrust { n, .. } = start.thrust;
     let (phi, _) = start.thrust.rapidity(elapsed);
-    let gained = Velocity::along(n, phi).ok()?;
+    let gained = Velocity::from_rapidity_along(phi, n).ok()?;
     // In the start's frame the world moves with the opposite velocity.
     let velocity = gained.relative_to(-start.velocity).ok()?;
     Some((start.event + way(start, elapsed), velocity))

@@ -77,7 +77,7 @@ impl Profile {
         let rapidity = libm::asinh(tangent.x.length());
         let velocity = match rapidity {
             0.0 => Velocity::REST,
-            _ => Velocity::along(tangent.x, rapidity).ok()?,
+            _ => Velocity::from_rapidity_along(rapidity, tangent.x).ok()?,
         };
         let acceleration = match self.axes {
             Axes::World => acceleration(&self.knots, proper_time),

@@ -290,7 +290,7 @@ impl KnownScene {
             false => {
                 let q = ((1.0 - slowed) * (1.0 + slowed)).sqrt();
                 let stretch = 1.0 / (frame.velocity().gamma() * q) - 1.0;
-                let velocity = Velocity::along(n, libm::atanh(slowed)).ok()?;
+                let velocity = Velocity::from_rapidity_along(libm::atanh(slowed), n).ok()?;
                 (r + n * (n.dot(r) * stretch), Boost::new(velocity))
             }
         };

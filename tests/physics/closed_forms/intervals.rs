@@ -43,7 +43,7 @@ fn the_boost_of_a_frame_at_rest_is_the_identity_bit_for_bit() {
 #[test]
 fn the_largest_rapidity_boosts_every_direction_to_finite_numbers() {
     for axis in [DVec3::X, DVec3::ONE, DVec3::new(-3.0, 0.1, 1e-9)] {
-        let velocity = Velocity::along(axis, MAX_RAPIDITY).unwrap();
+        let velocity = Velocity::from_rapidity_along(MAX_RAPIDITY, axis).unwrap();
         let boost = Boost::<World, Camera>::new(velocity);
         let n = velocity.rapidity().normalize();
         for d in [
@@ -109,7 +109,7 @@ proptest! {
     fn rapidities_of_collinear_boosts_add(
         n in unit(), a in -6.0..6.0f64, b in -6.0..6.0f64, d in displacement(),
     ) {
-        let along = |phi| Velocity::along(n, phi).unwrap();
+        let along = |phi| Velocity::from_rapidity_along(phi, n).unwrap();
         let first = Boost::<World, Camera>::new(along(a));
         let second = Boost::<Rest, World>::new(along(b));
         let both = Boost::<Rest, Camera>::new(along(a + b));

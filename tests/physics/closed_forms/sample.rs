@@ -30,7 +30,7 @@ pub fn direction<F: Frame>() -> impl Strategy<Value = Direction<F>> {
 
 /// Velocities of any direction, rapidity up to `max`.
 pub fn velocity(max: f64) -> impl Strategy<Value = Velocity> {
-    (unit(), 0.0..max).prop_map(|(n, phi)| Velocity::along(n, phi).unwrap())
+    (unit(), 0.0..max).prop_map(|(n, phi)| Velocity::from_rapidity_along(phi, n).unwrap())
 }
 
 /// A unit vector at a right angle to the unit vector `n`.

@@ -129,7 +129,10 @@ fn right() -> Displacement<World> {
 fn segments_of_equal_acceleration_are_one_hyperbola() {
     let n = DVec3::new(2.0, -1.0, 2.0) / 3.0;
     // Collinear with the velocity, so that no axes turn, and oblique to it.
-    for velocity in [Velocity::along(n, -0.8).unwrap(), rapidity(0.9, 0.8, -0.3)] {
+    for velocity in [
+        Velocity::from_rapidity_along(-0.8, n).unwrap(),
+        rapidity(0.9, 0.8, -0.3),
+    ] {
         check_pieces(n, velocity);
     }
 }

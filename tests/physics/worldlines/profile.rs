@@ -12,7 +12,7 @@ fn constant_acceleration_gives_the_hyperbola() {
     let n = DVec3::new(-1.0, 2.0, 2.0) / 3.0;
     let zero = event(2.0, 1.0, 0.0, -3.0);
     for (start, g) in [(0.0, 1.0), (-2.0, 0.3), (1.5, 7.0), (0.0, 1e-9), (0.4, 0.0)] {
-        let velocity = Velocity::along(n, start).unwrap();
+        let velocity = Velocity::from_rapidity_along(start, n).unwrap();
         let knots = [(-1.0, n * g), (0.5, n * g), (2.0, n * g)];
         let line = WorldLine::profile(velocity, zero, &knots, Axes::World).unwrap();
         let hyperbola = WorldLine::hyperbolic(velocity, zero, n * g).unwrap();

@@ -103,7 +103,7 @@ fn head_on_the_ratio_is_the_exponential_of_the_rapidity() {
             // The ball is 50 m/γ deep in the world.
             scene.camera.origin.x = DVec3::ZERO;
             let axis = scene.camera.axes[2];
-            let moving = Velocity::along(axis, sign * phi).unwrap();
+            let moving = Velocity::from_rapidity_along(sign * phi, axis).unwrap();
             scene.camera.velocity = moving;
             let camera = stage::film(&scene);
             scene.camera.velocity = Velocity::REST;

@@ -103,7 +103,7 @@ fn looking_exactly_along_the_motion_is_finite_at_any_speed() {
             let right = forward.cross(DVec3::Y).normalize();
             scene.camera.origin.x = -4.0 * forward;
             scene.camera.axes = [right, right.cross(forward), forward];
-            scene.camera.velocity = Velocity::along(forward, phi).unwrap();
+            scene.camera.velocity = Velocity::from_rapidity_along(phi, forward).unwrap();
             let film = stage::film(&scene);
             assert_finite(&film);
             // The pixel in the middle looks along the axis, at the box, and W = e^−φ.

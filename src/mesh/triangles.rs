@@ -1,6 +1,7 @@
 //! Triangles and their attributes, as they are at rest: no motion, no acceleration structure.
 
 use std::collections::HashMap;
+use std::fmt::Display;
 
 use glam::{DVec2, DVec3};
 
@@ -8,7 +9,13 @@ use super::atlas::Corners;
 
 /// An indexed triangle mesh in the coordinates of its object, metres.
 ///
-/// Whoever makes one sees to it that indices are in range and all numbers finite.
+/// The front of a triangle is the side from which its corners are seen in counter-clockwise order: from outside, on a closed surface. Its
+/// normal (b − a) × (c − a) points there. Backs are seen where the material is [double-sided](Material::double_sided), or the scene's
+/// `display.back_faces` says so.
+///
+/// Whoever makes one sees to it that indices are in range and all numbers finite: [`Mesh::check`] says what is not, and scenes are asked
+/// for it before they are rendered. Positions that are not finite are refused when they are loaded, or left out where the object's
+/// `bad_vertices` is `"drop"`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
     /// Vertex positions, metres, object coordinates. f32 positions of a file are exact here.
@@ -19,7 +26,7 @@ pub struct Mesh {
     pub uvs: Vec<Vec<[f32; 2]>>,
     /// Linear RGBA factors on base colours, per vertex (glTF COLOR_0); empty where no vertex has one.
     pub colours: Vec<[f32; 4]>,
-    /// Three vertex indices per triangle, in the order of the file.
+    /// Three vertex indices per triangle, counter-clockwise as seen from its front, in the order of the file.
     pub triangles: Vec<[u32; 3]>,
     /// Runs of consecutive triangles that share a material, in order; they cover `triangles`.
     pub parts: Vec<Part>,
@@ -176,6 +183,50 @@ impl Material {
         matches!(self.alpha_mode, AlphaMode::Mask { .. })
     }
 
+    /// Checks that all numbers are in the ranges that glTF gives them.
+    ///
+    /// # Errors
+    /// The first field that is not.
+    pub fn check(&self) -> Result<(), MeshError> {
+        let refuse = |field: &str, value: &dyn Display, right: &str| {
+            let what = format!("{value} is not {right}");
+            Err(MeshError {
+                field: field.into(),
+                what,
+            })
+        };
+        let colours = [
+            ("base_colour", self.base_colour),
+            ("emissive", self.emissive),
+        ];
+        for (field, colour) in colours {
+            if let Some(bad) = colour.iter().find(|c| !is_factor(**c)) {
+                return refuse(field, bad, FACTOR);
+            }
+        }
+        let parts = [
+            ("metallic", self.metallic),
+            ("roughness", self.roughness),
+            ("transmission", self.transmission),
+            ("alpha", self.alpha),
+        ];
+        for (field, part) in parts {
+            if !(0.0..=1.0).contains(&part) {
+                return refuse(field, &part, "from 0 to 1");
+            }
+        }
+        if !(1.0..=MOST_INDEX).contains(&self.ior) {
+            let right = format!("from 1 to {MOST_INDEX}");
+            return refuse("ior", &self.ior, &right);
+        }
+        match self.alpha_mode {
+            AlphaMode::Mask { cutoff } if !is_factor(cutoff) => {
+                refuse("alpha_mode.cutoff", &cutoff, FACTOR)
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The textures that there are.
     pub fn textures(&self) -> impl Iterator<Item = &TextureRef> {
         let all = [
@@ -237,17 +288,30 @@ pub enum Wrap {
     Clamp,
 }
 
-/// Which array of a mesh does not fit the others, and why.
+/// Which field of a mesh does not fit the others or is out of its range, and why.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{field}: {what}")]
 pub struct MeshError {
-    /// The field, as in `triangles[7]`.
+    /// The field, as in `triangles[7]` or `materials[0].roughness`.
     pub field: String,
     /// What is wrong with it.
     pub what: String,
 }
 
+crate::error::value_errors!(MeshError);
+
+/// What [`is_factor`] says yes to.
+const FACTOR: &str = "finite and at least 0";
+
+/// Whether a colour may have `value`; not so NaN.
+fn is_factor(value: f32) -> bool {
+    (0.0..=f32::MAX).contains(&value)
+}
+
 impl Mesh {
+    /// What [`Mesh::check`] asks for, for messages.
+    pub(crate) const CHECKED: &str = "arrays of a mesh must fit each other, and numbers of its materials be in the ranges of glTF";
+
     /// A mesh of one material without a name, of linear base colour `colour`, that is seen from the front.
     pub fn new(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>, colour: [f32; 3]) -> Mesh {
         Mesh {
@@ -265,10 +329,10 @@ impl Mesh {
         }
     }
 
-    /// Checks that indices are in range, and that lists are as long as they must be.
+    /// Checks that indices are in range, that lists are as long as they must be, and that colours and numbers of materials are in theirs.
     ///
     /// # Errors
-    /// The first field that does not fit the others.
+    /// The first field of which that is not so.
     pub fn check(&self) -> Result<(), MeshError> {
         let refuse = |field: String, what: String| Err(MeshError { field, what });
         let vertices = self.positions.len();
@@ -292,6 +356,16 @@ impl Mesh {
         if colours != 0 && colours != vertices {
             let what = format!("{colours} colours for {vertices} vertices");
             return refuse("colours".into(), what);
+        }
+        let bad = |colour: &[f32; 4]| !colour.iter().all(|c| is_factor(*c));
+        if let Some(i) = self.colours.iter().position(bad) {
+            let what = format!("{:?} are not all {FACTOR}", self.colours[i]);
+            return refuse(format!("colours[{i}]"), what);
+        }
+        for (i, material) in self.materials.iter().enumerate() {
+            if let Err(error) = material.check() {
+                return refuse(format!("materials[{i}].{}", error.field), error.what);
+            }
         }
         // Parts stand one behind the other: each triangle has one material.
         let mut next = 0;

@@ -103,7 +103,7 @@ impl Builder {
     pub fn mesh(mut self, name: &str, mesh: Arc<Mesh>) -> Self {
         if let Err(error) = mesh.check() {
             let place = format!("object \"{name}\", {}", error.field);
-            self.refuse(&place, &error.what, "arrays of a mesh must fit each other");
+            self.refuse(&place, &error.what, Mesh::CHECKED);
             return self;
         }
         let key = self.memory.add_mesh(mesh);

@@ -122,6 +122,7 @@ mod builder;
 mod derived;
 mod file;
 mod inputs;
+pub(crate) mod limits;
 mod load;
 mod memory;
 pub mod model;

@@ -8,15 +8,16 @@ use nullray::Error;
 use nullray::io::cube::{self, Cube, Samples, Wanted};
 use nullray::io::gltf::{self, Want};
 
-use nullray::mesh::{Mesh, shapes};
+use nullray::mesh::{AlphaMode, Mesh, shapes};
 use nullray::render::aov::Aov;
 use nullray::render::film::Film;
 use nullray::render::metadata::metadata;
 use nullray::render::plan::{Plan, Request};
 use nullray::scene::model::{BadVertices, Geometry, Scene, SourceKind};
 use nullray::scene::{Builder, Value};
-use nullray::spacetime::Velocity;
 use nullray::spacetime::units::Time;
+use nullray::spacetime::worldline::WorldLine;
+use nullray::spacetime::{Event, Velocity};
 
 use crate::pipeline::{files, stage};
 
@@ -215,6 +216,12 @@ fn what_a_program_has_made_of_a_scene_is_checked_before_it_is_rendered() {
         ),
         (refused(|s| s.medium_index = f64::NAN), "medium_index"),
         (refused(|s| s.medium_index = -1.0), "medium_index"),
+        (refused(|s| s.bounces = 65), "bounces"),
+        (refused(|s| s.camera.time = f64::NAN), "camera.time"),
+        (
+            refused(|s| s.camera.horizontal_fov = std::f64::consts::PI),
+            "camera.horizontal_fov",
+        ),
         (
             refused(|s| {
                 let mut mesh = triangle();
@@ -233,6 +240,43 @@ fn what_a_program_has_made_of_a_scene_is_checked_before_it_is_rendered() {
                 }
             }),
             "subdivisions",
+        ),
+        (
+            refused(|s| {
+                if let Geometry::Shape { shape, .. } = &mut s.objects[1].geometry {
+                    let size = [1.0, f64::NAN, 1.0];
+                    *shape = nullray::scene::model::Shape::Box { size };
+                }
+            }),
+            "object \"b\", size",
+        ),
+        (
+            refused(|s| {
+                if let Geometry::Shape { shape, .. } = &mut s.objects[1].geometry {
+                    *shape = nullray::scene::model::Shape::Lattice {
+                        cells: [1, 0, 1],
+                        spacing: 1.0,
+                        bar: 0.1,
+                    };
+                }
+            }),
+            "object \"b\", cells",
+        ),
+        (
+            refused(|s| {
+                if let Geometry::Shape { colour, .. } = &mut s.objects[1].geometry {
+                    colour[2] = -0.5;
+                }
+            }),
+            "object \"b\", colour: -0.5 is not",
+        ),
+        (
+            refused(|s| {
+                if let Geometry::Shape { ior, .. } = &mut s.objects[1].geometry {
+                    *ior = 0.9;
+                }
+            }),
+            "object \"b\", ior: 0.9 is not",
         ),
     ] {
         assert!(said.contains(part), "{part}: {said}");
@@ -370,11 +414,139 @@ fn refusals_name_the_field() {
         ),
         (Builder::from_toml("refused", "a = ["), "", "unclosed array"),
         (camera("refused"), "camera", "the scene has no object"),
+        (
+            good().set("object.a.motion.acceleration.proper", "1 /m"),
+            "object[0].motion",
+            "unknown key `motion`",
+        ),
     ];
     for (builder, place, what) in rows {
         let (found, text) = refusal(builder);
         assert_eq!(found, place, "{text}");
         assert!(text.contains(what), "{place}: {text}");
+    }
+}
+
+#[test]
+fn an_object_with_a_world_line_of_its_own_is_told_why_not() {
+    let scene = camera("refused").mesh("a", Arc::new(triangle()));
+    let error = scene
+        .set("object.a.motion.acceleration.proper", "1 /m")
+        .build()
+        .unwrap_err();
+    assert!(
+        error.help().starts_with("objects move uniformly"),
+        "{}",
+        error.help()
+    );
+    // Other keys are not known either, and have nothing to do with motion.
+    let error = camera("refused")
+        .mesh("a", Arc::new(triangle()))
+        .set("object.a.mass", 1.0)
+        .build()
+        .unwrap_err();
+    assert!(error.help().starts_with("the keys of"), "{}", error.help());
+}
+
+#[test]
+fn one_type_of_error_takes_those_of_values() {
+    fn all(beta: f64, corner: u32, width: &str, samples: usize) -> nullray::Result<()> {
+        let velocity = Velocity::from_beta(DVec3::X * beta)?;
+        WorldLine::hyperbolic(velocity, Event::new(0.0, DVec3::ZERO), DVec3::X)?;
+        Mesh::new(vec![DVec3::ZERO; 3], vec![[0, 1, corner]], [1.0; 3]).check()?;
+        width.parse::<Time>()?;
+        Cube::new([1, 1, 2, 1], Samples::F32(vec![0.0; samples]))?;
+        Ok(())
+    }
+    all(0.5, 2, "1 m", 2).unwrap();
+    for (error, said) in [
+        (all(1.5, 2, "1 m", 2), "|β| = 1.5 is not below 1"),
+        (all(0.5, 3, "1 m", 2), "triangles[0]"),
+        (all(0.5, 2, "1 apple", 2), "apple"),
+        (all(0.5, 2, "1 m", 3), "does not hold 3 samples"),
+    ] {
+        let error = error.unwrap_err();
+        assert!(matches!(error, Error::Value(_)), "{error:?}");
+        assert!(error.to_string().contains(said), "{error}");
+    }
+}
+
+#[test]
+fn numbers_of_materials_out_of_their_ranges_are_refused_by_name() {
+    type Field = fn(&mut Mesh, f32);
+    let part: &[f32] = &[0.0, 1.0];
+    let factor: &[f32] = &[0.0, 1e6];
+    let rows: [(&str, Field, &[f32], &[f32]); 9] = [
+        (
+            "roughness",
+            |m, x| m.materials[0].roughness = x,
+            part,
+            &[-0.1, 1.1],
+        ),
+        (
+            "metallic",
+            |m, x| m.materials[0].metallic = x,
+            part,
+            &[-0.1, 1.1],
+        ),
+        (
+            "transmission",
+            |m, x| m.materials[0].transmission = x,
+            part,
+            &[-0.1, 1.1],
+        ),
+        ("alpha", |m, x| m.materials[0].alpha = x, part, &[-0.1, 1.1]),
+        (
+            "ior",
+            |m, x| m.materials[0].ior = x,
+            &[1.0, 10.0],
+            &[0.99, 10.1],
+        ),
+        (
+            "emissive",
+            |m, x| m.materials[0].emissive[2] = x,
+            factor,
+            &[-0.1],
+        ),
+        (
+            "base_colour",
+            |m, x| m.materials[0].base_colour[1] = x,
+            factor,
+            &[-0.1],
+        ),
+        (
+            "alpha_mode.cutoff",
+            |m, x| m.materials[0].alpha_mode = AlphaMode::Mask { cutoff: x },
+            factor,
+            &[-0.1],
+        ),
+        (
+            "colours",
+            |m, x| m.colours = vec![[1.0, x, 1.0, 1.0]; 3],
+            factor,
+            &[-0.1],
+        ),
+    ];
+    let with = |set: Field, value: f32| {
+        let mut mesh = triangle();
+        set(&mut mesh, value);
+        camera("material").mesh("a", Arc::new(mesh))
+    };
+    for (field, set, right, wrong) in rows {
+        for value in right {
+            with(set, *value).build().unwrap();
+        }
+        let none = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
+        for value in wrong.iter().chain(&none) {
+            let (place, what) = refusal(with(set, *value));
+            let place = place.strip_prefix("object \"a\", ").unwrap();
+            let material = format!("materials[0].{field}");
+            assert!(
+                place == material || place == "colours[0]",
+                "{field}: {place}"
+            );
+            assert!(what.contains(&value.to_string()), "{field}: {what}");
+        }
     }
 }
 

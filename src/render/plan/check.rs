@@ -1,66 +1,124 @@
 //! Numbers of a scene that no scene file can have: a program that changes a [`Scene`] may leave them there.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, number};
 use crate::mesh::shapes::Shape;
-use crate::scene::model::{Geometry, MOST_SAMPLES, Object, Scene};
+use crate::mesh::{Material, Mesh, MeshError};
+use crate::scene::limits::{self, Wrong};
+use crate::scene::model::{Geometry, Object, Scene};
 
-/// Refuses sizes, counts and indices with which nothing can be rendered.
+/// Refuses sizes, counts, indices and materials with which nothing can be rendered.
 pub(super) fn check(scene: &Scene) -> Result<()> {
     let refuse =
-        |place: &str, what: String, help: &str| Err(Error::invalid(&scene.name, place, what, help));
-    let [width, height] = scene.camera.size;
-    let area = u64::from(width) * u64::from(height);
-    if width.max(height) > 65_536 || !(1..=1 << 28).contains(&area) {
-        let what = format!("a picture of {width} × {height} pixels");
-        return refuse("camera.size", what, "each 1 to 65536, together at most 2²⁸");
+        |place: &str, (what, help): Wrong| Err(Error::invalid(&scene.name, place, what, help));
+    let camera = &scene.camera;
+    let checks = [
+        ("camera.size", limits::image_size(camera.size)),
+        (
+            "samples_per_pixel",
+            limits::samples_per_pixel(scene.samples_per_pixel),
+        ),
+        ("bounces", limits::bounces(scene.bounces)),
+        ("medium_index", limits::medium_index(scene.medium_index)),
+        ("camera.time", finite(camera.time)),
+    ];
+    for (place, check) in checks {
+        if let Err(wrong) = check {
+            return refuse(place, wrong);
+        }
     }
-    let samples = scene.samples_per_pixel;
-    if !(1..=MOST_SAMPLES).contains(&samples) {
-        let what = format!("{samples} samples per pixel");
-        return refuse("samples_per_pixel", what, "from 1 to 65536");
-    }
-    // In this form also for NaN.
-    let fov = scene.camera.horizontal_fov;
-    if !(fov > 0.0 && fov.is_finite()) {
+    let (fov, projection) = (camera.horizontal_fov, camera.projection);
+    if !limits::is_field_of_view(fov, projection) {
         let what = format!("a field of view of {fov} rad");
-        return refuse("camera.horizontal_fov", what, "above 0");
+        let help = format!("above 0, and at most {} degrees", projection.widest());
+        return refuse("camera.horizontal_fov", (what, help));
     }
-    let index = scene.medium_index;
-    if !(index >= 1.0 && index.is_finite()) {
-        let what = format!("a refractive index of {index}");
-        return refuse("medium_index", what, "1 for vacuum, or more");
-    }
-    scene
-        .objects
-        .iter()
-        .try_for_each(|object| shape(scene, object))
+    scene.objects.iter().try_for_each(|one| object(scene, one))
 }
 
 /// The same of an object.
-fn shape(scene: &Scene, object: &Object) -> Result<()> {
-    let refuse = |what: String, help: &str| {
-        let place = format!("object \"{}\"", object.name);
-        Err(Error::invalid(&scene.name, place, what, help))
-    };
+fn object(scene: &Scene, object: &Object) -> Result<()> {
+    let name = &object.name;
+    let refuse =
+        |place: String, (what, help): Wrong| Err(Error::invalid(&scene.name, place, what, help));
     match &object.geometry {
         Geometry::Mesh(mesh) => match mesh.check() {
-            Err(error) => refuse(
-                format!("{}: {}", error.field, error.what),
-                "arrays of a mesh must fit each other",
+            Err(MeshError { field, what, .. }) => refuse(
+                format!("object \"{name}\", {field}"),
+                (what, Mesh::CHECKED.into()),
             ),
             Ok(()) => Ok(()),
         },
-        Geometry::Shape { shape, .. } => match shape {
-            Shape::Sphere { subdivisions, .. } if *subdivisions > 8 => refuse(
-                format!("{subdivisions} subdivisions would be 20·4^{subdivisions} triangles"),
-                "0 to 8",
-            ),
-            Shape::Lattice { cells, .. } if !cells.iter().all(|n| (1..=64).contains(n)) => refuse(
-                format!("a lattice of {cells:?} cells"),
-                "1 to 64 along each axis",
-            ),
-            _ => Ok(()),
-        },
+        Geometry::Shape {
+            shape: of,
+            colour,
+            metallic,
+            roughness,
+            transmission,
+            ior,
+        } => {
+            let material = Material {
+                metallic: *metallic,
+                roughness: *roughness,
+                transmission: *transmission,
+                ior: *ior,
+                ..Material::matte(*colour)
+            };
+            if let Err(MeshError { field, what, .. }) = material.check() {
+                // The base colour by its name here.
+                let field = field.trim_start_matches("base_");
+                return refuse(
+                    format!("object \"{name}\", {field}"),
+                    (what, Mesh::CHECKED.into()),
+                );
+            }
+            let Err((field, wrong)) = shape(of) else {
+                return Ok(());
+            };
+            refuse(format!("object \"{name}\", {field}"), wrong)
+        }
         Geometry::Gltf { .. } => Ok(()),
+    }
+}
+
+/// The field of a shape that is wrong, and why.
+fn shape(shape: &Shape) -> Result<(), (&'static str, Wrong)> {
+    let positive = |field, lengths: &[f64]| match lengths.iter().find(|x| !is_length(**x)) {
+        Some(bad) => {
+            let what = format!("{} m is not above 0", number(*bad));
+            Err((field, (what, "give a length in metres, like 1".into())))
+        }
+        None => Ok(()),
+    };
+    match shape {
+        Shape::Box { size } => positive("size", size),
+        Shape::Plane { size } => positive("size", size),
+        Shape::Sphere {
+            radius,
+            subdivisions,
+        } => {
+            positive("radius", &[*radius])?;
+            limits::subdivisions(*subdivisions).map_err(|wrong| ("subdivisions", wrong))
+        }
+        Shape::Lattice {
+            cells,
+            spacing,
+            bar,
+        } => {
+            positive("spacing", &[*spacing])?;
+            positive("bar", &[*bar])?;
+            limits::cells(*cells).map_err(|wrong| ("cells", wrong))
+        }
+    }
+}
+
+/// Whether a shape may be so long; not so NaN.
+fn is_length(length: f64) -> bool {
+    length > 0.0 && length.is_finite()
+}
+
+fn finite(value: f64) -> Result<(), Wrong> {
+    match value.is_finite() {
+        true => Ok(()),
+        false => Err((format!("{value} is not finite"), "give a number".into())),
     }
 }

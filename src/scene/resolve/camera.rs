@@ -8,17 +8,14 @@ use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file::Camera;
 use crate::scene::inputs::Pose;
+use crate::scene::limits;
 use crate::scene::model::{CameraModel, ProjectionKind};
-
-/// The largest width or height.
-const LARGEST_SIDE: u32 = 65536;
-/// The largest number of pixels.
-const LARGEST_AREA: u64 = 1 << 28;
 
 /// The camera, whose parts are resolved on their own and then held against each other.
 pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
     let camera = &at.value;
-    let size = image_size(cx, &camera.size)?;
+    let size = camera.size.value;
+    cx.checked(&camera.size, limits::image_size(size))?;
     let mover = Mover::from(camera);
     only_one_way(cx, &mover)?;
     let pose = pose(cx, at)?;
@@ -87,26 +84,6 @@ fn horizontal_fov(
         Some((None, vertical)) => 2.0 * libm::atan(aspect * libm::tan(0.5 * vertical)),
         None => Camera::hfov(projection).radians(),
     })
-}
-
-fn image_size(cx: &Context, at: &At<[u32; 2]>) -> Result<[u32; 2]> {
-    let [width, height] = at.value;
-    let side = |n: u32| (1..=LARGEST_SIDE).contains(&n);
-    if !side(width) || !side(height) {
-        let what = format!("an image of {width} by {height} pixels cannot be made");
-        let help = format!("width and height are each 1 to {LARGEST_SIDE}, like [640, 480]");
-        return Err(cx.refuse(at, what, help));
-    }
-    let area = u64::from(width) * u64::from(height);
-    if area > LARGEST_AREA {
-        let what = format!("{width} by {height} are {area} pixels");
-        return Err(cx.refuse(
-            at,
-            what,
-            format!("an image has at most {LARGEST_AREA} pixels"),
-        ));
-    }
-    Ok(at.value)
 }
 
 #[cfg(test)]

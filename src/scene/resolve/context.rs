@@ -10,6 +10,7 @@ use crate::error::{Error, Result};
 use crate::io::gltf::Track;
 use crate::scene::at::At;
 use crate::scene::inputs::{Inputs, Pose};
+use crate::scene::limits::Wrong;
 use crate::scene::memory;
 use crate::scene::report::Report;
 use crate::scene::values::{Number, Vector};
@@ -68,6 +69,11 @@ impl Context {
     /// The refusal of the value at `at`.
     pub fn refuse<T>(&self, at: &At<T>, what: impl Into<String>, help: impl Into<String>) -> Error {
         self.report.refuse(&at.span, what, help)
+    }
+
+    /// Refuses the value at `at` for what is wrong with it.
+    pub fn checked<T>(&self, at: &At<T>, check: Result<(), Wrong>) -> Result<()> {
+        check.map_err(|(what, help)| self.refuse(at, what, help))
     }
 
     /// The refusal of `second`, which cannot be given together with `first`.

@@ -9,6 +9,7 @@ use crate::error::{Error, Result, number};
 use crate::scene::at::At;
 use crate::scene::file::{Camera, Capture, GivenPose, PoseConvention};
 use crate::scene::inputs::Pose;
+use crate::scene::limits;
 use crate::scene::model::ProjectionKind;
 use crate::scene::values::Vector;
 use crate::spacetime::units::{Angle, LARGEST};
@@ -293,18 +294,13 @@ fn unit(v: DVec3) -> Option<DVec3> {
     Direction::<World>::new(v).map(Direction::unit)
 }
 
-/// Whether this is in (0, π), and tan(fov/2) has digits left: to within a billionth at either end.
-pub(super) fn is_fov(radians: f64) -> bool {
-    radians > 1e-9 && radians < std::f64::consts::PI - 1e-9
-}
-
 /// A field of view in radians, as wide as `projection` can show: in (0, π) for a perspective camera.
 pub(super) fn fov(cx: &Context, hfov: &At<Angle>, projection: ProjectionKind) -> Result<f64> {
     let radians = hfov.value.radians();
     if projection != ProjectionKind::Perspective {
         return wide_fov(cx, hfov, projection);
     }
-    if is_fov(radians) {
+    if limits::is_field_of_view(radians, projection) {
         return Ok(radians);
     }
     if radians > 0.0 && radians < std::f64::consts::PI {
@@ -338,7 +334,7 @@ fn extreme(cx: &Context, hfov: &At<Angle>) -> Error {
 /// A field of view in radians, in (0, π] or (0, 2π].
 fn wide_fov(cx: &Context, hfov: &At<Angle>, projection: ProjectionKind) -> Result<f64> {
     let (radians, widest) = (hfov.value.radians(), projection.widest());
-    if radians > 1e-9 && radians <= widest.to_radians() {
+    if limits::is_field_of_view(radians, projection) {
         return Ok(radians);
     }
     if radians > 0.0 && radians <= 1e-9 {

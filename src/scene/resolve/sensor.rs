@@ -8,12 +8,12 @@
 use glam::DVec3;
 
 use super::context::{BELOW, Context};
-use super::pose;
 use crate::error::{Result, number};
 use crate::scene::at::At;
 use crate::scene::file;
+use crate::scene::limits;
 use crate::scene::model::{
-    Assembly, CameraModel, Elements, Motion, Pivot, Rotation, Sensor, Shutter,
+    Assembly, CameraModel, Elements, Motion, Pivot, ProjectionKind, Rotation, Sensor, Shutter,
 };
 
 /// The sensor of the file, if there is one.
@@ -50,7 +50,7 @@ pub(super) fn horizontal_fov(cx: &Context, camera: &file::Camera) -> Result<Opti
     };
     let metres = cx.positive_length(width, "`width`")?;
     let radians = 2.0 * libm::atan2(0.5 * metres, focal_length(cx, sensor)?);
-    if pose::is_fov(radians) {
+    if limits::is_field_of_view(radians, ProjectionKind::Perspective) {
         return Ok(Some(radians));
     }
     let what = format!(

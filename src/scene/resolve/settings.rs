@@ -1,12 +1,13 @@
 //! Medium, effects, outside data, display.
 
 use super::context::Context;
-use crate::error::{Result, number};
+use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
+use crate::scene::limits;
 use crate::scene::model::{
-    CameraModel, Effects, Equations, Exposure, Fill, FlashClock, FlashTimes, MOST_BOUNCES,
-    MOST_SAMPLES, Motion, Object, Outside,
+    CameraModel, Effects, Equations, Exposure, Fill, FlashClock, FlashTimes, Motion, Object,
+    Outside,
 };
 use crate::scene::values::Numbers;
 use crate::spacetime::Event;
@@ -14,18 +15,8 @@ use crate::spacetime::units::quoted;
 
 pub(super) fn medium_index(cx: &Context, medium: &file::Medium) -> Result<f64> {
     let index = medium.index.value.0;
-    if index >= 1.0 {
-        return Ok(index);
-    }
-    let what = format!(
-        "a refractive index of {} is below 1, that of vacuum",
-        number(index)
-    );
-    Err(cx.refuse(
-        &medium.index,
-        what,
-        "give 1 (vacuum) or more, like 1.33 for water",
-    ))
+    cx.checked(&medium.index, limits::medium_index(index))?;
+    Ok(index)
 }
 
 pub(super) fn effects(effects: &file::Effects) -> Effects {
@@ -214,20 +205,14 @@ pub(super) fn isochrones(
 
 pub(super) fn samples_per_pixel(cx: &Context, at: &At<file::Display>) -> Result<u32> {
     let samples = &at.value.samples_per_pixel;
-    if (1..=MOST_SAMPLES).contains(&samples.value) {
-        return Ok(samples.value);
-    }
-    let what = format!("{} samples per pixel cannot be taken", samples.value);
-    Err(cx.refuse(samples, what, format!("give 1 to {MOST_SAMPLES}, like 16")))
+    cx.checked(samples, limits::samples_per_pixel(samples.value))?;
+    Ok(samples.value)
 }
 
 /// How often light is reflected after direct light.
 pub(super) fn bounces(cx: &Context, file: &file::Scene) -> Result<u32> {
     let bounces = &file.render.bounces;
-    if bounces.value > MOST_BOUNCES {
-        let what = format!("{} bounces cannot be followed", bounces.value);
-        return Err(cx.refuse(bounces, what, format!("give 0 to {MOST_BOUNCES}, like 4")));
-    }
+    cx.checked(bounces, limits::bounces(bounces.value))?;
     if bounces.value > 0 && !file.effects.retardation {
         let what = "light that takes no time cannot be followed from surface to surface";
         let help = "leave `bounces` out, or turn `effects.retardation` on";

@@ -4,6 +4,7 @@ use super::context::Context;
 use crate::error::{Result, number};
 use crate::scene::at::At;
 use crate::scene::file;
+use crate::scene::limits;
 use crate::scene::model::Shape;
 
 const HELP: &str = "give exactly one shape: { box = { size = [1, 1, 1] } }, { sphere = { radius = 1 } }, \
@@ -48,10 +49,7 @@ pub(super) fn kind(shape: &file::Shape) -> Option<&'static str> {
 
 fn sphere_shape(cx: &Context, sphere: &file::Sphere) -> Result<Shape> {
     let subdivisions = sphere.subdivisions.value;
-    if subdivisions > 8 {
-        let what = format!("{subdivisions} subdivisions would be 20·4^{subdivisions} triangles");
-        return Err(cx.refuse(&sphere.subdivisions, what, "give 0 to 8"));
-    }
+    cx.checked(&sphere.subdivisions, limits::subdivisions(subdivisions))?;
     Ok(Shape::Sphere {
         radius: cx.positive(&sphere.radius, "`radius`")?,
         subdivisions,
@@ -60,10 +58,7 @@ fn sphere_shape(cx: &Context, sphere: &file::Sphere) -> Result<Shape> {
 
 fn lattice_shape(cx: &Context, lattice: &file::Lattice) -> Result<Shape> {
     let cells = lattice.cells.value;
-    if !cells.iter().all(|n| (1..=64).contains(n)) {
-        let what = "a lattice has 1 to 64 cells along each axis";
-        return Err(cx.refuse(&lattice.cells, what, "give numbers like [4, 4, 4]"));
-    }
+    cx.checked(&lattice.cells, limits::cells(cells))?;
     let spacing = cx.positive(&lattice.spacing, "`spacing`")?;
     let bar = cx.positive(&lattice.bar, "`bar`")?;
     if bar >= spacing {

@@ -1,0 +1,95 @@
+//! The ranges of numbers in scenes, whether a file or a program gives them. Each check says what is wrong, and what would be right.
+
+use super::model::{MOST_BOUNCES, MOST_SAMPLES, ProjectionKind};
+use crate::error::number;
+
+/// What is wrong, and what would be right.
+pub(crate) type Wrong = (String, String);
+
+/// The largest width or height of a picture.
+const LARGEST_SIDE: u32 = 65_536;
+/// The largest number of pixels.
+const LARGEST_AREA: u64 = 1 << 28;
+/// The most subdivisions of a sphere: 1.3 million triangles.
+const MOST_SUBDIVISIONS: u32 = 8;
+/// The most cells of a lattice along each axis.
+const MOST_CELLS: u32 = 64;
+
+/// Width and height of a picture.
+pub(crate) fn image_size([width, height]: [u32; 2]) -> Result<(), Wrong> {
+    let side = |n: u32| (1..=LARGEST_SIDE).contains(&n);
+    if !side(width) || !side(height) {
+        let what = format!("an image of {width} by {height} pixels cannot be made");
+        let help = format!("width and height are each 1 to {LARGEST_SIDE}, like [640, 480]");
+        return Err((what, help));
+    }
+    let area = u64::from(width) * u64::from(height);
+    if area > LARGEST_AREA {
+        let what = format!("{width} by {height} are {area} pixels");
+        let help = format!("an image has at most {LARGEST_AREA} pixels");
+        return Err((what, help));
+    }
+    Ok(())
+}
+
+/// Samples of each pixel.
+pub(crate) fn samples_per_pixel(samples: u32) -> Result<(), Wrong> {
+    if (1..=MOST_SAMPLES).contains(&samples) {
+        return Ok(());
+    }
+    let what = format!("{samples} samples per pixel cannot be taken");
+    Err((what, format!("give 1 to {MOST_SAMPLES}, like 16")))
+}
+
+/// How often light is reflected after direct light.
+pub(crate) fn bounces(bounces: u32) -> Result<(), Wrong> {
+    if bounces <= MOST_BOUNCES {
+        return Ok(());
+    }
+    let what = format!("{bounces} bounces cannot be followed");
+    Err((what, format!("give 0 to {MOST_BOUNCES}, like 4")))
+}
+
+/// The refractive index of the medium.
+pub(crate) fn medium_index(index: f64) -> Result<(), Wrong> {
+    let help = || "give 1 (vacuum) or more, like 1.33 for water".to_string();
+    if index < 1.0 {
+        let what = format!(
+            "a refractive index of {} is below 1, that of vacuum",
+            number(index)
+        );
+        return Err((what, help()));
+    }
+    match index.is_finite() {
+        true => Ok(()),
+        false => Err((format!("a refractive index of {index}"), help())),
+    }
+}
+
+/// Subdivisions of a sphere.
+pub(crate) fn subdivisions(subdivisions: u32) -> Result<(), Wrong> {
+    if subdivisions <= MOST_SUBDIVISIONS {
+        return Ok(());
+    }
+    let what = format!("{subdivisions} subdivisions would be 20·4^{subdivisions} triangles");
+    Err((what, format!("give 0 to {MOST_SUBDIVISIONS}")))
+}
+
+/// Cells of a lattice.
+pub(crate) fn cells(cells: [u32; 3]) -> Result<(), Wrong> {
+    if cells.iter().all(|n| (1..=MOST_CELLS).contains(n)) {
+        return Ok(());
+    }
+    let what = format!("a lattice has 1 to {MOST_CELLS} cells along each axis");
+    Err((what, "give numbers like [4, 4, 4]".into()))
+}
+
+/// Whether a picture of this projection can be so wide, radians: up to what it shows, and so that the tangent of half the angle has digits
+/// left, to within a billionth of 0 and, for a pinhole's, of π.
+pub(crate) fn is_field_of_view(radians: f64, projection: ProjectionKind) -> bool {
+    radians > 1e-9
+        && match projection {
+            ProjectionKind::Perspective => radians < std::f64::consts::PI - 1e-9,
+            _ => radians <= projection.widest().to_radians(),
+        }
+}

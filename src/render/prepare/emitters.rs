@@ -37,7 +37,7 @@ pub enum Light {
     TimeResolved(TimeResolved),
     /// The same, and light that goes on from surface to surface.
     PathTraced(PathTraced),
-    /// Whatever the caller puts in place of what the scene says.
+    /// Whatever the caller puts in place of what the scene says, by [`Prepared::set_radiance`](super::Prepared::set_radiance).
     Custom(Box<dyn Radiance>),
 }
 

@@ -24,7 +24,9 @@ use crate::render::film::Layout;
 use crate::render::plan::{Plan, unfound_light, unshown_emission};
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
-use crate::render::trace::{Background, HitBuffer, Meter, Rays, RestFrame, Surfaces, TracedRays};
+use crate::render::trace::{
+    Background, HitBuffer, Meter, Radiance, Rays, RestFrame, Surfaces, TracedRays,
+};
 use crate::scene::model::Scene;
 
 /// A scene with everything loaded and built that its plan lists.
@@ -149,6 +151,16 @@ impl Prepared {
             event: self.camera.shot.event,
             index: self.ray_index,
         }
+    }
+
+    /// Puts `radiance` in place of what all surfaces shine with by the scene: base colours, cubes, lamps. Which triangles are seen, their holes by
+    /// alpha masks, the background and the sky stay.
+    ///
+    /// Every rendering from here on asks it, once for each run of points of one material: see [`Radiance`]. Its
+    /// [gaps](Radiance::has_gaps) count in the film's coverage.
+    pub fn set_radiance(&mut self, radiance: Box<dyn Radiance>) {
+        self.layout.has_gaps |= radiance.has_gaps();
+        self.light = SurfaceLight::Custom(radiance);
     }
 
     /// Has the next picture taken by the camera of `scene`, which may differ from that of the scene that was

@@ -23,13 +23,70 @@ use crate::light::reflection::{Glosses, Reflection};
 use crate::light::time_texture::{BATCH, Capture, CaptureView, Coverage, TimeTexture};
 
 /// Radiance of surfaces, run by run.
+///
+/// A radiance of one's own is a type with two functions: [`emit`](Radiance::emit), which says what leaves each point in the frame in which its
+/// object rests (the camera's Doppler factor comes after it, by the [`Response`](super::Response)), and [`has_gaps`](Radiance::has_gaps).
+/// [`Prepared::set_radiance`](crate::render::prepare::Prepared::set_radiance) puts it in place of what the scene says. Stripes that wander
+/// along a moving sphere by its own clock, of which nothing is known before its time −3:
+///
+/// ```
+/// use nullray::light::time_texture::Coverage;
+/// use nullray::render::plan::{Plan, Request};
+/// use nullray::render::trace::{Colouring, Emission, Emitted, Meter, Radiance, Response, Run, Scaling};
+/// use nullray::render::{prepare::Prepared, progress::Silent, render};
+/// use nullray::scene::{Builder, model::Shape};
+/// use nullray::spacetime::Quantity;
+///
+/// #[derive(Debug)]
+/// struct Stripes;
+///
+/// impl Radiance for Stripes {
+///     fn has_gaps(&self) -> bool {
+///         true
+///     }
+///
+///     fn emit(&self, run: &Run, emitted: &mut Emitted, _: &mut Meter) {
+///         // The channels are colours, whose brightness changes as that of radiance over the whole spectrum, by W⁻⁴.
+///         emitted.start(Response {
+///             scaled: Scaling::Of(Quantity::Integrated),
+///             colour: Colouring::Channels,
+///         });
+///         for point in run.points() {
+///             let event = point.rest_event() - point.patch.object_origin;
+///             let stripe = 0.5 + 0.5 * (20.0 * event.x.y - event.ct).sin();
+///             emitted.push(match event.ct < -3.0 {
+///                 true => Emission {
+///                     coverage: Coverage { before: 1.0, ..Coverage::NONE },
+///                     ..Emission::full([0.0; 3])
+///                 },
+///                 false => Emission::full([stripe; 3]),
+///             });
+///         }
+///     }
+/// }
+///
+/// let scene = Builder::new("a striped sphere")
+///     .set("camera.eye", [0.0, 0.0, 4.0])
+///     .set("camera.look_at", [0.0, 0.0, 0.0])
+///     .set("camera.size", [64, 48])
+///     .shape("sphere", Shape::Sphere { radius: 1.0, subdivisions: 3 })
+///     .set("object.sphere.velocity.beta", [0.3, 0.0, 0.0])
+///     .build()?;
+/// let plan = Plan::new(&scene, &Request::default())?;
+/// let mut prepared = Prepared::new(&scene, &plan, &Silent)?;
+/// prepared.set_radiance(Box::new(Stripes));
+/// let film = render(&prepared, &Silent)?;
+/// let coverage = film.mean_coverage().unwrap_or_default();
+/// assert!(coverage.held > 0.0 && coverage.before > 0.0);
+/// # Ok::<(), nullray::Error>(())
+/// ```
 pub trait Radiance: Debug + Send + Sync {
     /// What radiance depends on: of all else, hits need not tell. Channels may ask for more.
     fn dependence(&self) -> Dependence {
         Dependence::Weights
     }
 
-    /// Whether coverage can be other than full.
+    /// Whether coverage can be other than full: then the film counts it.
     fn has_gaps(&self) -> bool;
 
     /// Whether what emitter `emitter` shines with is read from data, which may lack some of it.

@@ -5,8 +5,15 @@
 
 use std::path::Path;
 
+use nullray::light::time_texture::Coverage;
 use nullray::render::aov::Aov;
-use nullray::render::plan::Request;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
+use nullray::render::render;
+use nullray::render::trace::{
+    Colouring, Emission, Emitted, Meter, Radiance, Response, Run, Scaling,
+};
 use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};
 
@@ -295,4 +302,72 @@ shape = { box = { size = [8, 8, 14] } }
         .filter(|i| stage::value(&film, Aov::MissingOccluded, *i) == 1.0)
         .inspect(|i| assert!(stage::value(&film, Aov::DirectionX, *i).is_nan()));
     assert!(wholly.count() > 20);
+}
+
+/// 1 where x of the object is above 0; beyond there are no data.
+#[derive(Debug)]
+struct Half;
+
+impl Radiance for Half {
+    fn has_gaps(&self) -> bool {
+        true
+    }
+
+    fn emit(&self, run: &Run, emitted: &mut Emitted, _: &mut Meter) {
+        emitted.start(Response {
+            scaled: Scaling::None,
+            colour: Colouring::Channels,
+        });
+        for point in run.points() {
+            let event = point.rest_event() - point.patch.object_origin;
+            emitted.push(match event.x.x > 0.0 {
+                true => Emission::full([1.0; 3]),
+                false => Emission {
+                    coverage: Coverage::OFF_TEXTURE,
+                    ..Emission::full([0.0; 3])
+                },
+            });
+        }
+    }
+}
+
+/// The second of two objects with one velocity has another origin than their frame.
+#[test]
+fn a_radiance_of_the_callers_own_counts_what_it_does_not_have() {
+    let scene = stage::scene(
+        "[camera]\neye = [0, 0, 4]\nlook_at = [0, 0, 0]\nsize = [32, 24]\n\
+         [[object]]\nname = 'far'\nshape = { box = { size = [1, 1, 1] } }\norigin = { position = [0, 0, 90] }\n\
+         [[object]]\nname = 'near'\nshape = { box = { size = [2, 2, 1] } }\norigin = { position = [0.25, 0, 0] }\n",
+    );
+    let request = Request {
+        aovs: vec![
+            Aov::Object,
+            Aov::ObjectEventX,
+            Aov::Coverage,
+            Aov::MissingOffTexture,
+        ],
+        pixel_centers: true,
+        ..Request::default()
+    };
+    let plan = Plan::new(&scene, &request).unwrap();
+    let mut prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+    prepared.set_radiance(Box::new(Half));
+    let film = render(&prepared, &Silent).unwrap();
+    let mut held = [0; 2];
+    for i in stage::met(&film) {
+        let is_there = stage::value(&film, Aov::ObjectEventX, i) > 0.0;
+        let expected = f64::from(u8::from(is_there));
+        assert_eq!(film.radiance()[i], [expected; 3]);
+        assert_eq!(stage::value(&film, Aov::Coverage, i), expected);
+        assert_eq!(
+            stage::value(&film, Aov::MissingOffTexture, i),
+            1.0 - expected
+        );
+        held[usize::from(is_there)] += 1;
+    }
+    assert!(held[0] > 20 && held[1] > 20, "{held:?}");
+    let mean = film.mean_coverage().unwrap();
+    let expected = f64::from(held[1]) / f64::from(held[0] + held[1]);
+    assert!((mean.held - expected).abs() < 1e-12, "{mean:?} {held:?}");
+    assert!((mean.off_texture - (1.0 - expected)).abs() < 1e-12);
 }

@@ -36,19 +36,22 @@ pub struct ObservedPoint<'a> {
 }
 
 impl SurfacePoint<'_> {
-    /// The emission event in the world.
+    /// The emission event in the world's frame, with the scene's own origin.
     #[inline]
     pub fn event(&self) -> Event<World> {
         self.ray.at(self.hit.s)
     }
 
-    /// The emission event in the rest frame.
+    /// The emission event in the frame in which the object rests: the world's axes, boosted without rotation by its velocity. All objects of
+    /// one velocity share that frame, whose origin is that of the first of them in the scene
+    /// ([`Object::origin`](crate::scene::model::Object::origin)). On the object's own clock and from its own origin the event is
+    /// `rest_event() - patch.object_origin`, as the channels `object_event` have it.
     #[inline]
     pub fn rest_event(&self) -> Event<Rest> {
         self.local.at(self.hit.s)
     }
 
-    /// Index of the triangle in its object.
+    /// Index of the triangle in its object's mesh.
     #[inline]
     pub fn primitive(&self) -> u32 {
         self.hit.triangle - self.patch.object_first

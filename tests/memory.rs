@@ -15,7 +15,7 @@ use nullray::io::image::{Channel, Layers, Samples};
 use nullray::render::aov::Aov;
 use nullray::render::bake::{self, Bins, Coordinates, Surface};
 use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::{Light, Prepared};
+use nullray::render::prepare::{Prepared, SurfaceLight};
 use nullray::render::progress::Silent;
 use nullray::render::trace::RestFrame;
 use nullray::scene::{Overrides, parse};
@@ -128,7 +128,7 @@ fn a_cube_that_several_sources_show_is_held_once() {
     let shapes = object(0, SPHERE, 0.0) + &object(1, SPHERE, 0.5);
     let (plan, prepared) = prepare(&shapes, 2);
     assert_eq!(plan.memory.cubes, 4 * 4 * 5 * 6);
-    let Light::TimeResolved(light) = prepared.light else {
+    let SurfaceLight::TimeResolved(light) = prepared.light else {
         panic!("no cube");
     };
     let [first, second] = light.cubes.as_slice() else {

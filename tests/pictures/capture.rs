@@ -4,7 +4,7 @@
 use glam::DVec3;
 use nullray::io::cube::{Cube, Samples};
 use nullray::light::time_texture::{
-    Capture, Coverage, Sampled, SeenPoint, SurfacePoint, TimeAxis, TimeTexture,
+    Capture, CapturePoint, Coverage, Sampled, SeenPoint, TimeAxis, TimeTexture,
 };
 use nullray::scene::model::{BinValues, CaptureCamera, Fill, TimeBins, TimeFilter};
 
@@ -107,21 +107,21 @@ fn direction_through(pixel: usize) -> DVec3 {
 }
 
 /// Points on plane and sphere, on a fixed irregular grid.
-fn points() -> Vec<SurfacePoint> {
+fn points() -> Vec<CapturePoint> {
     let mut points = Vec::new();
     for i in 0..4000 {
         let (a, b) = (
             (i as f64 * 0.618_033_988_75).fract(),
             (i as f64 + 0.5) / 4000.0,
         );
-        points.push(SurfacePoint {
+        points.push(CapturePoint {
             position: DVec3::new(2.0 * a - 1.0, 2.0 * b - 1.0, 0.0),
             normal: DVec3::Z,
         });
         let (z, phi) = (2.0 * b - 1.0, a * std::f64::consts::TAU);
         let r = (1.0 - z * z).sqrt();
         let normal = DVec3::new(r * phi.cos(), r * phi.sin(), z);
-        points.push(SurfacePoint {
+        points.push(CapturePoint {
             position: CENTRE + RADIUS * normal,
             normal,
         });
@@ -131,7 +131,7 @@ fn points() -> Vec<SurfacePoint> {
 
 /// √(Σ(a − b)²/Σb²) of lookups that the data hold, at the time when the wave passes each point (and
 /// a little before and after); and how many there were.
-fn relative_error(look: impl Fn(&SurfacePoint, f64) -> Sampled) -> (f64, usize) {
+fn relative_error(look: impl Fn(&CapturePoint, f64) -> Sampled) -> (f64, usize) {
     let (mut error, mut norm, mut held) = (0.0, 0.0, 0);
     for point in points() {
         for shift in [-0.15, 0.0, 0.1] {
@@ -183,7 +183,7 @@ fn a_pixel_centre_reads_its_own_pixel() {
     for pixel in (0..SIZE * SIZE).step_by(37) {
         let ray = direction_through(pixel);
         let seen = trace(EYE, ray).unwrap();
-        let point = SurfacePoint {
+        let point = CapturePoint {
             position: EYE + ray * seen.distance,
             normal: seen.normal * -seen.normal.dot(ray).signum(),
         };
@@ -232,7 +232,7 @@ fn hidden_points_are_occluded_and_the_rest_is_not() {
 #[test]
 fn the_other_side_of_a_surface_was_not_seen() {
     let (capture, texture) = capture(None, Fill::Black);
-    let below = SurfacePoint {
+    let below = CapturePoint {
         position: DVec3::new(0.8, 0.0, 0.0),
         normal: DVec3::NEG_Z,
     };
@@ -251,7 +251,7 @@ fn outside_the_image_and_behind_the_pinhole_is_off_the_texture() {
     ] {
         for fill in [Fill::Black, Fill::Mark([7.0; 3]), Fill::Hold] {
             let (capture, texture) = constant(fill);
-            let point = SurfacePoint {
+            let point = CapturePoint {
                 position,
                 normal: DVec3::Z,
             };
@@ -266,7 +266,7 @@ fn outside_the_image_and_behind_the_pinhole_is_off_the_texture() {
 
 #[test]
 fn what_was_not_seen_is_filled_by_its_policy() {
-    let hidden = SurfacePoint {
+    let hidden = CapturePoint {
         position: CENTRE + DVec3::Y * RADIUS,
         normal: DVec3::Y,
     };

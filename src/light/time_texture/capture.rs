@@ -31,7 +31,7 @@ const LEAST_NORMAL_AGREEMENT: f64 = 0.5;
 
 /// A point on a surface whose radiance is asked for, in the capture camera's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfacePoint {
+pub struct CapturePoint {
     /// Metres.
     pub position: DVec3,
     /// Unit geometric normal on the side that is looked at.
@@ -229,7 +229,7 @@ impl Capture {
 
     /// Where `point` lies in the image, pixels from its top left corner; none behind the pinhole.
     pub fn project(&self, point: DVec3) -> Option<[f64; 2]> {
-        let point = SurfacePoint {
+        let point = CapturePoint {
             position: point,
             normal: DVec3::ZERO,
         };
@@ -247,7 +247,7 @@ impl Capture {
     pub(super) fn look_at<P: Projection>(
         &self,
         film: &P,
-        point: &SurfacePoint,
+        point: &CapturePoint,
     ) -> (Option<[f64; 2]>, Aim) {
         let position = film.along_axes(point.position - self.lens.eye);
         let aim = Aim {
@@ -284,13 +284,13 @@ impl Capture {
 
     /// The point, if its looked-at side faces the pinhole and is before it.
     #[inline]
-    pub(super) fn aim(&self, point: &SurfacePoint) -> Option<Aim> {
+    pub(super) fn aim(&self, point: &CapturePoint) -> Option<Aim> {
         let (place, aim) = self.look_at(&self.lens.projection, point);
         (place.is_some() && aim.faces()).then_some(aim)
     }
 
     /// How this camera looks at the point; none from behind its surface, and behind the pinhole.
-    pub fn view_of(&self, point: &SurfacePoint) -> Option<CaptureView> {
+    pub fn view_of(&self, point: &CapturePoint) -> Option<CaptureView> {
         let aim = self.aim(point)?;
         let cosine = -aim.normal.dot(aim.position) / aim.position.length();
         Some(CaptureView {

@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::capture::{Aim, Capture, Seen, SurfacePoint};
+use super::capture::{Aim, Capture, CapturePoint, Seen};
 use super::places::{BATCH, integer, neighbours};
 use super::texture::{Located, TimeTexture};
 use crate::accel::vectors::{
@@ -268,7 +268,7 @@ impl LocatedBlock {
         let mut footprint = [0.0; BLOCK];
         let (mut is_before, mut faces) = ([false; BLOCK], [false; BLOCK]);
         for k in 0..BLOCK {
-            let point = SurfacePoint {
+            let point = CapturePoint {
                 position: positions.get(k),
                 normal: normals.get(k),
             };

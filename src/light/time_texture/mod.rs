@@ -41,7 +41,7 @@ mod texture;
 mod weights;
 
 pub use axis::TimeAxis;
-pub use capture::{Capture, CaptureView, SeenPoint, SurfacePoint};
+pub use capture::{Capture, CapturePoint, CaptureView, SeenPoint};
 pub use capture_lookups::CaptureLookups;
 pub use capture_points::CapturePoints;
 pub use coverage::Coverage;

@@ -9,7 +9,7 @@ use crate::scene::model::{CubeBacks, Fill, Outside, Reconstruction};
 use super::axis::TimeAxis;
 use super::axis::{Moment, Phase, Reading, Timeline};
 use super::bilinear::{Tap, taps};
-use super::capture::{Aim, Capture, SurfacePoint};
+use super::capture::{Aim, Capture, CapturePoint};
 use super::coverage::Coverage;
 use super::near::Near;
 use super::reader;
@@ -359,7 +359,7 @@ impl TimeTexture {
     pub fn sample_capture(
         &self,
         capture: &Capture,
-        point: &SurfacePoint,
+        point: &CapturePoint,
         t: f64,
         occluded: impl FnOnce(DVec3, DVec3) -> bool,
     ) -> Sampled {
@@ -370,7 +370,7 @@ impl TimeTexture {
 
     /// Where `point` lies in the image of `capture`, and whether a pixel saw its surface.
     #[inline]
-    pub fn locate(&self, capture: &Capture, point: &SurfacePoint) -> Located {
+    pub fn locate(&self, capture: &Capture, point: &CapturePoint) -> Located {
         let (place, aim) = capture.look_at(capture.projection(), point);
         let aim = (place.is_some() && aim.faces()).then_some(aim);
         self.located(capture, place, aim)

@@ -30,7 +30,7 @@ use crate::spacetime::{Event, Quantity, World};
 /// Radiance of surfaces: constant, varying with time, or of the caller's own.
 #[derive(Debug)]
 #[non_exhaustive]
-pub enum Light {
+pub enum SurfaceLight {
     /// Base colours only.
     Constant(BaseColours),
     /// Cubes, lamps, base colours.
@@ -41,22 +41,22 @@ pub enum Light {
     Custom(Box<dyn Radiance>),
 }
 
-impl Light {
+impl SurfaceLight {
     pub(crate) fn radiance(&self) -> &dyn Radiance {
         match self {
-            Light::Constant(radiance) => radiance,
-            Light::TimeResolved(radiance) => radiance,
-            Light::PathTraced(radiance) => radiance,
-            Light::Custom(radiance) => radiance.as_ref(),
+            SurfaceLight::Constant(radiance) => radiance,
+            SurfaceLight::TimeResolved(radiance) => radiance,
+            SurfaceLight::PathTraced(radiance) => radiance,
+            SurfaceLight::Custom(radiance) => radiance.as_ref(),
         }
     }
 
     /// Cubes and lamps, where there are any.
     pub(crate) fn time_resolved(&self) -> Option<&TimeResolved> {
         match self {
-            Light::TimeResolved(light) => Some(light),
-            Light::PathTraced(paths) => Some(&paths.light),
-            Light::Constant(_) | Light::Custom(_) => None,
+            SurfaceLight::TimeResolved(light) => Some(light),
+            SurfaceLight::PathTraced(paths) => Some(&paths.light),
+            SurfaceLight::Constant(_) | SurfaceLight::Custom(_) => None,
         }
     }
 
@@ -97,9 +97,9 @@ impl Light {
     /// The same, to be changed.
     pub(crate) fn time_resolved_mut(&mut self) -> Option<&mut TimeResolved> {
         match self {
-            Light::TimeResolved(light) => Some(light),
-            Light::PathTraced(paths) => Some(&mut paths.light),
-            Light::Constant(_) | Light::Custom(_) => None,
+            SurfaceLight::TimeResolved(light) => Some(light),
+            SurfaceLight::PathTraced(paths) => Some(&mut paths.light),
+            SurfaceLight::Constant(_) | SurfaceLight::Custom(_) => None,
         }
     }
 }
@@ -240,7 +240,7 @@ impl<'a> Builder<'a> {
         (shot, sky): (Event<World>, Option<&Arc<Sky>>),
         warnings: &mut Vec<String>,
         progress: &dyn Progress,
-    ) -> Result<Light> {
+    ) -> Result<SurfaceLight> {
         let scene = self.scene;
         let (sun, areas) = (self.sun(), self.areas(frames));
         let base = BaseColours {
@@ -250,7 +250,7 @@ impl<'a> Builder<'a> {
         };
         // Without time, emitter k is base colour k.
         if !plan.time_resolved {
-            return Ok(Light::Constant(base));
+            return Ok(SurfaceLight::Constant(base));
         }
         let mut stores = Stores::new(plan.counts_only);
         let mut sources = Vec::new();
@@ -336,8 +336,8 @@ impl<'a> Builder<'a> {
             index: scene.medium_index,
         };
         Ok(match scene.bounces {
-            0 => Light::TimeResolved(light),
-            bounces => Light::PathTraced(PathTraced::new(light, bounces, arriving, frames)),
+            0 => SurfaceLight::TimeResolved(light),
+            bounces => SurfaceLight::PathTraced(PathTraced::new(light, bounces, arriving, frames)),
         })
     }
 }

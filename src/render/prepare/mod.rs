@@ -10,7 +10,7 @@ mod sky;
 mod smooth;
 mod stores;
 
-pub use emitters::Light;
+pub use emitters::SurfaceLight;
 pub use files::check_files;
 pub use geometry::object_mesh;
 pub(crate) use response::scaling;
@@ -36,8 +36,8 @@ pub struct Prepared {
     pub camera: Camera,
     /// The rest frames with their BVHs.
     pub frames: Vec<RestFrame>,
-    /// Radiance of surfaces.
-    pub light: Light,
+    /// Radiance of surfaces; [`set_radiance`](Prepared::set_radiance) puts one of the caller's own there.
+    pub light: SurfaceLight,
     /// Refractive index that delays camera rays; 0 where retardation is turned off.
     pub ray_index: f64,
     /// How long the shutter is open, metres of the camera's own time, where data are integrated over that.

@@ -2,11 +2,11 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use super::emitters::Light;
+use super::emitters::SurfaceLight;
 use crate::render::trace::{Emitter, RestFrame};
 
 /// The objects that have a texture by which their roughness is 0 in some texel, and that reflect light of lamps and let none through.
-pub(super) fn mirrors_by_texture(light: &Light, frames: &[RestFrame]) -> BTreeSet<usize> {
+pub(super) fn mirrors_by_texture(light: &SurfaceLight, frames: &[RestFrame]) -> BTreeSet<usize> {
     let mut mirrors = BTreeSet::new();
     let Some(light) = light.time_resolved() else {
         return mirrors;

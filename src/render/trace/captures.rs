@@ -27,9 +27,7 @@ use super::run::Run;
 use super::stats::{Counter, Meter};
 use super::time_resolved::{CapturedCube, TimeResolved};
 use crate::accel::Segment;
-use crate::light::time_texture::{
-    Capture, CaptureView, Located, Near, SurfacePoint as CapturePoint, TimeTexture,
-};
+use crate::light::time_texture::{Capture, CapturePoint, CaptureView, Located, Near, TimeTexture};
 
 impl TimeResolved {
     /// What `captures` recorded of the points of `run`, in those of their cubes that `cube` says, as far as they saw them.

@@ -56,9 +56,7 @@ use super::emitted::{Emission, Emitted};
 use super::point::EmissionClock;
 use super::run::Run;
 use super::stats::{Counter, Meter};
-use crate::light::time_texture::{
-    Capture, Located, Near, Sampled, SurfacePoint as CapturePoint, TimeTexture,
-};
+use crate::light::time_texture::{Capture, CapturePoint, Located, Near, Sampled, TimeTexture};
 use crate::scene::model::Reconstruction;
 use crate::spacetime::{Direction, NullRay, World};
 

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::run::{Run, TracedRays, in_a_row};
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch, gather_vectors, load};
 use crate::light::lamp::{EventColumns, PointsOnRays, Start};
-use crate::light::time_texture::SurfacePoint as CapturePoint;
+use crate::light::time_texture::CapturePoint;
 use crate::spacetime::{Displacement, Event, World};
 
 /// The points of a run, by member.

@@ -7,7 +7,7 @@ use nullray::accel::{Precision, Preset};
 use nullray::camera::Kind;
 use nullray::render;
 use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::{Light, Prepared};
+use nullray::render::prepare::{Prepared, SurfaceLight};
 use nullray::render::progress::Silent;
 use nullray::scene::model::{Binding, Scene};
 use tempfile::TempDir;
@@ -171,7 +171,7 @@ fn a_scene_at_rest_without_sources_has_no_boosts_no_time_and_no_channels() {
         (plan.view, prepared.camera.view.kind()),
         (Kind::Still, Kind::Still)
     );
-    assert!(matches!(prepared.light, Light::Constant(_)));
+    assert!(matches!(prepared.light, SurfaceLight::Constant(_)));
     assert!(prepared.layout.channels.is_empty() && !prepared.layout.has_gaps);
     assert!(
         prepared.frames[0]
@@ -201,7 +201,7 @@ shape = { box = { size = [0.3, 0.3, 0.3] } }
     assert_eq!(triangles, [14, 1280]);
     let built: Vec<u64> = prepared.frames.iter().map(|f| f.bvh.len() as u64).collect();
     assert_eq!(built, triangles);
-    let Light::TimeResolved(light) = &prepared.light else {
+    let SurfaceLight::TimeResolved(light) = &prepared.light else {
         panic!("a cube varies with time");
     };
     assert_eq!(light.cubes.len(), plan.cubes.iter().flatten().count());

@@ -65,6 +65,7 @@ pub(crate) fn number(value: f64) -> impl fmt::Display {
 
 /// What is wrong with an input: where, what, and what would be right.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Problem {
     /// The file (or "command line", or "built-in scene").
     pub file: String,
@@ -81,6 +82,7 @@ pub struct Problem {
 
 /// A text with labels at parts of it.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Snippet {
     /// The whole text.
     pub text: Arc<str>,

@@ -44,6 +44,7 @@ use crate::scene::model::Scene;
 
 /// What tessellation a picture needs.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct Forecast {
     /// The scene's name.
     pub scene: String,
@@ -55,6 +56,7 @@ pub struct Forecast {
 
 /// What tessellation an object needs.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct Needed {
     /// Index of the object in the scene.
     pub object: u32,
@@ -77,6 +79,7 @@ pub struct Needed {
 
 /// Where the shortest edges are needed.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct Worst {
     /// Index of the triangle in its object.
     pub triangle: u32,

@@ -185,6 +185,7 @@ fn report(output: &Path, made: &DepthMesh, distances: &[f64]) -> Result<()> {
         mesh,
         unknown,
         torn,
+        ..
     } = made;
     // By these a wrong unit shows.
     let known = || {

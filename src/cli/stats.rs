@@ -64,7 +64,7 @@ impl Account {
             &plan::bytes(stats.texture_bytes),
         ));
         if stats.disk.all > 0 {
-            let BytesRead { all, again } = stats.disk;
+            let BytesRead { all, again, .. } = stats.disk;
             rows.push(row("needed of cubes on disk", &plan::bytes(all - again)));
             rows.push(row("read of them", &plan::bytes(all)));
             rows.push(row("read again", &plan::bytes(again)));

@@ -35,6 +35,7 @@ const MODELS: [(&str, usize, usize); 11] = [
 
 /// Where the camera of an image was, and how it looked.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ColmapPose {
     /// The pinhole, in the units of the reconstruction.
     pub eye: DVec3,

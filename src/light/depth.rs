@@ -60,6 +60,7 @@ impl Default for FirstLight {
 
 /// A mesh from distances, and what became of the pixels.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct DepthMesh {
     /// The mesh, in the camera's surroundings.
     pub mesh: Mesh,

@@ -33,6 +33,7 @@ const ROUNDING: f64 = 1e-9;
 /// A texture too small for its charts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("its {charts} charts need a texture of at least {least}x{least} texels")]
+#[non_exhaustive]
 pub struct TooSmall {
     /// How many charts there are.
     pub charts: usize,

@@ -89,6 +89,7 @@ pub struct Material {
 
 /// How a material looks by its factors alone, on which textures may put numbers below 1: what is known before any texture is loaded.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Factors {
     /// Metalness, 0 to 1.
     pub metallic: f32,
@@ -291,6 +292,7 @@ pub enum Wrap {
 /// Which field of a mesh does not fit the others or is out of its range, and why.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{field}: {what}")]
+#[non_exhaustive]
 pub struct MeshError {
     /// The field, as in `triangles[7]` or `materials[0].roughness`.
     pub field: String,

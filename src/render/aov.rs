@@ -13,6 +13,7 @@ macro_rules! aovs {
     ($($variant:ident, $name:literal, $combine:ident, $meaning:literal, $definition:literal;)*) => {
         /// One auxiliary channel.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[non_exhaustive]
         pub enum Aov {
             $(#[doc = $meaning] $variant,)*
         }

@@ -12,6 +12,7 @@ use crate::spacetime::{Event, World};
 
 /// A lamp inside a body, whose outside it does not light but through openings.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct EnclosedLamp {
     /// The name of the light, or of the pulse.
     pub lamp: String,

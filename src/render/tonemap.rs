@@ -21,6 +21,7 @@ pub(crate) const NOT_A_NUMBER: [u8; 3] = [255, 0, 255];
 
 /// What a display shows, and by which factor.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Display {
     /// 8-bit sRGB, 3 bytes per pixel.
     pub rgb: Vec<u8>,

@@ -335,6 +335,7 @@ pub enum CubeData {
 
 /// A file of a cube, or a sequence of pictures.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub struct CubeFile {
     /// Relative paths are already resolved against the scene file.
     pub path: PathBuf,

@@ -21,6 +21,7 @@ pub struct Velocity {
 
 /// Why something is not a velocity.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum VelocityError {
     /// A component is NaN or infinite.
     #[error("a velocity must be finite")]

@@ -260,7 +260,7 @@ fn as_much_is_read_as_was_estimated_and_nothing_twice_where_there_is_room() {
         let estimated = plan.cubes[0].as_ref().unwrap().read.unwrap();
         let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
         let (_, stats) = render_with_stats(&prepared, &Silent).unwrap();
-        let BytesRead { all, again } = stats.disk;
+        let BytesRead { all, again, .. } = stats.disk;
         assert_eq!((all, again), (estimated, 0));
         // Each of 5,120 pixels has two samples of four texels, each in two bricks at the most.
         assert!(all > 1 << 20 && all <= 5120 * 2 * 4 * 2 * 4096, "{all}");

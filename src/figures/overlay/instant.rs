@@ -20,6 +20,7 @@ use crate::scene::model::{Equations, Scene};
 
 /// A picture of one ray through the centre of each pixel.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Seen {
     /// The channels.
     pub film: Film,

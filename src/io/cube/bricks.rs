@@ -90,6 +90,7 @@ macro_rules! with_form {
 
 /// Bytes that have been read of cubes on disk; of chunks, those of their samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct BytesRead {
     /// All.
     pub all: u64,

@@ -29,6 +29,7 @@
 /// What tells of a wrong order of bytes: parts of the samples that are not 0, or a size, as they were read and with their bytes in the
 /// other order.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ByteOrder {
     /// What it is that tells.
     pub sign: Sign,

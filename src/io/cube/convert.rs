@@ -73,6 +73,7 @@ impl Default for Changes {
 
 /// What was written.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Converted {
     /// H, W, T, C.
     pub shape: [usize; 4],

@@ -141,6 +141,7 @@ impl CubeInfo {
 
 /// What a cube will be once it is loaded: its shape and its size in memory.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct CubeInfo {
     /// H, W, T, C; each at least 1.
     pub shape: [usize; 4],

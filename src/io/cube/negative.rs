@@ -26,6 +26,7 @@ pub enum Negative {
 
 /// What samples there are below 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct BelowZero {
     /// How many, and of how many.
     pub count: u64,

@@ -29,6 +29,7 @@ pub struct Cube {
 
 /// Why something is not a cube, or not one that can be looked up. The reader of the file adds its name.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CubeError {
     /// An axis has no entries.
     #[error("the {0} axis is empty; every axis of (H, W, T, C) needs at least one entry")]

@@ -13,6 +13,7 @@ use crate::mesh::Mesh;
 
 /// The points.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Wall {
     /// Rows and columns of pixels.
     pub size: [usize; 2],

@@ -29,6 +29,7 @@ use crate::Result;
 
 /// A node on its way.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Track {
     /// Seconds, ascending, and the node's origin, metres, in the coordinates of the file's root.
     pub points: Vec<(f64, DVec3)>,

@@ -12,6 +12,7 @@ use crate::Result;
 
 /// A perspective camera, placed.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct GltfCamera {
     /// The pinhole, metres, in the coordinates of the file's root.
     pub eye: DVec3,

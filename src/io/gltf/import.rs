@@ -23,6 +23,7 @@ pub struct Want {
 
 /// What was read.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Imported {
     /// The triangles, in the coordinates of the file's root, metres. Vertices of a primitive
     /// without a texture coordinate set that others have hold NaN in it, which
@@ -54,6 +55,7 @@ pub enum BadVertices {
 
 /// An image as it stands in the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct EncodedImage {
     /// A PNG or JPEG file; only its first bytes have been looked at.
     pub bytes: Vec<u8>,

@@ -16,6 +16,7 @@ use crate::spacetime::{Direction, World};
 
 /// A light, placed.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct GltfLight {
     /// The name of its node, or its own; "" where neither has one.
     pub name: String,
@@ -31,6 +32,7 @@ pub struct GltfLight {
 
 /// What a light shines like.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum GltfLightKind {
     /// In all directions.
     Point,

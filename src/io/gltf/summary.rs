@@ -17,6 +17,7 @@ use crate::mesh::{Factors, Material};
 
 /// What an import would give, and what else there is to choose from.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Summary {
     /// The program that wrote the file, where it says so.
     pub generator: Option<String>,

@@ -120,6 +120,7 @@ const HEADER_MEMORY: usize = 64 << 20;
 
 /// What a PNG file says before its pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct PngInfo {
     /// Pixels per row.
     pub width: u32,

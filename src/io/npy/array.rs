@@ -18,6 +18,7 @@ const LARGEST_EXACT: i128 = 1 << 53;
 
 /// An array of numbers.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Plain {
     /// Sizes, the slowest first whatever the order in the file.
     pub shape: Vec<usize>,

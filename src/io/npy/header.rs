@@ -51,6 +51,7 @@ impl Dtype {
 
 /// The header of an array.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Header {
     /// The array's name in a `.npz` archive; none in a `.npy` file.
     pub name: Option<String>,

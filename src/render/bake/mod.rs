@@ -85,6 +85,7 @@ impl Bins {
 
 /// Energy of light by when it arrives, sums over all pixels or texels.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Energy {
     /// In bins, before the first and after the last.
     pub held: f64,
@@ -98,6 +99,7 @@ pub struct Energy {
 
 /// A baked cube.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Baked {
     /// Energy per bin, (H, W, T, 3), linear RGB, f32.
     pub cube: Cube,

@@ -46,6 +46,7 @@ impl Default for Request {
 
 /// What will be done.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct Plan {
     /// The scene's name.
     pub scene: String,
@@ -80,6 +81,7 @@ pub struct Plan {
 
 /// Objects at rest relative to each other.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct PlannedFrame {
     /// β in the world.
     pub beta: [f64; 3],
@@ -93,6 +95,7 @@ pub struct PlannedFrame {
 
 /// What is loaded of an object.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct PlannedObject {
     /// The object's name.
     pub name: String,
@@ -153,6 +156,7 @@ impl PlannedObject {
 
 /// A cube that is loaded.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct PlannedCube {
     /// The source's name.
     pub source: String,
@@ -180,6 +184,7 @@ pub struct PlannedCube {
 
 /// How many rays a picture takes.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct Rays {
     /// From the camera.
     pub camera: u64,
@@ -205,6 +210,7 @@ impl Rays {
 
 /// Something that is not done.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct Skipped {
     /// What.
     pub what: String,
@@ -214,6 +220,7 @@ pub struct Skipped {
 
 /// Bytes, estimated.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct Memory {
     /// Triangles and BVHs.
     pub geometry: u64,

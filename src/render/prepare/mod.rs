@@ -31,6 +31,7 @@ use crate::scene::model::Scene;
 
 /// A scene with everything loaded and built that its plan lists.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Prepared {
     /// The camera at the moment of the shot.
     pub camera: Camera,

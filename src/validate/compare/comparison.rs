@@ -19,6 +19,7 @@ use crate::io::image::Layers;
 
 /// What a comparison has found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Comparison {
     /// Columns and rows.
     pub size: [u32; 2],
@@ -47,6 +48,7 @@ pub struct Comparison {
 
 /// Errors of one channel.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct ChannelErrors {
     /// Its name.
     pub name: String,

@@ -30,6 +30,7 @@ const MRSE_FLOOR: f64 = 0.01;
 
 /// Errors, in the unit of the channel unless a ratio.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Errors {
     /// How many samples were compared.
     pub count: u64,
@@ -69,6 +70,7 @@ pub struct Errors {
 
 /// How many absolute errors lie in each quarter of an octave.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Histogram {
     /// Errors that are exactly 0.
     pub zeros: u64,

@@ -42,6 +42,7 @@ const NOT_PLAIN: [&str; 2] = ["camera_projection", "camera_interpupillary_distan
 
 /// Channels that are in one of the pictures and not compared.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
+#[non_exhaustive]
 pub struct Uncompared {
     /// What the candidate lacks.
     pub only_reference: Vec<String>,

@@ -458,6 +458,7 @@ pub struct Tolerance {
 
 /// A limit that is exceeded.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Breach {
     /// The limit.
     #[serde(flatten)]
@@ -469,6 +470,7 @@ pub struct Breach {
 /// What a metric is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Found {
     /// A number.
     Value(f64),

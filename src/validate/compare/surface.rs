@@ -59,6 +59,7 @@ use crate::render::aov::Aov;
 
 /// Errors of what surfaces are seen where. Each is none where a channel that it needs is missing.
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]
+#[non_exhaustive]
 pub struct SurfaceErrors {
     /// Pixels whose objects differ.
     pub wrong_objects: Option<Share>,
@@ -80,6 +81,7 @@ pub struct SurfaceErrors {
 
 /// Part of the compared pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Share {
     /// How many.
     pub pixels: u64,
@@ -96,6 +98,7 @@ impl Share {
 
 /// How far boundaries between objects are off, pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Silhouette {
     /// Mean displacement along the boundary.
     pub mean: f64,
@@ -107,6 +110,7 @@ pub struct Silhouette {
 
 /// Of values that are not below 0.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Distribution {
     /// How many.
     pub count: u64,
@@ -126,6 +130,7 @@ pub struct Distribution {
 
 /// An object without a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct Unmeasured {
     /// Its index.
     pub object: u64,
@@ -140,6 +145,7 @@ pub(super) const FEWEST_OF_OBJECT: u64 = 8;
 
 /// The size of values that are not below 0, of which there is one at least.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Summary {
     /// Mean.
     pub mean: f64,
@@ -159,6 +165,7 @@ pub struct Summary {
 
 /// Of values of both signs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Signed {
     /// Mean; none where there are no values.
     pub bias: Option<f64>,

@@ -20,6 +20,7 @@ pub type Matrix = [FourVector; 4];
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[cfg_attr(feature = "schema", schemars(title = "nullray bundle"))]
+#[non_exhaustive]
 pub struct Bundle {
     /// Always "nullray-bundle".
     pub format: &'static str,
@@ -50,6 +51,7 @@ pub struct Bundle {
 /// What holds for the whole scene.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[non_exhaustive]
 pub struct SceneEntry {
     /// The scene file, as it was named.
     pub name: String,
@@ -87,6 +89,7 @@ pub struct SceneEntry {
 /// A velocity relative to the world.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[non_exhaustive]
 pub struct VelocityEntry {
     /// The rapidity vector artanh(β) β̂: exact where β rounds to 1.
     pub rapidity: [f64; 3],
@@ -99,6 +102,7 @@ pub struct VelocityEntry {
 /// The camera at the moment of the shot, or at which its shutter opens.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[non_exhaustive]
 pub struct CameraEntry {
     /// What kind of camera: "still" and "moving" are points whose rays all leave `shot_event`, and are wholly
     /// described by the matrix; "unaberrated" is such a one whose directions are not boosted. The rays of all
@@ -145,6 +149,7 @@ pub struct CameraEntry {
 /// A sensor across the forward axis.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[non_exhaustive]
 pub struct SensorEntry {
     /// From the sensor to the pinhole as `assembly` has it, metres.
     pub focal_length: f64,
@@ -159,6 +164,7 @@ pub struct SensorEntry {
 /// A sensor that turns.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[non_exhaustive]
 pub struct RotationEntry {
     /// Unit vector along the axis, camera frame.
     pub axis: [f64; 3],
@@ -173,6 +179,7 @@ pub struct RotationEntry {
 /// A shutter.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[non_exhaustive]
 pub struct ShutterEntry {
     /// Camera time for which it is open.
     pub duration: f64,
@@ -183,6 +190,7 @@ pub struct ShutterEntry {
 /// An object at rest in its own frame.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[non_exhaustive]
 pub struct ObjectEntry {
     /// Its name in the scene.
     pub name: String,
@@ -208,6 +216,7 @@ pub struct ObjectEntry {
 /// A primitive of an object.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[non_exhaustive]
 pub struct PartEntry {
     /// Its first triangle.
     pub first_triangle: u32,
@@ -237,6 +246,7 @@ pub struct PartEntry {
 /// What a radiance measures.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[non_exhaustive]
 pub struct Radiometry {
     /// The word of scene files, like "integrated" or "line".
     pub quantity: &'static str,
@@ -254,6 +264,7 @@ pub struct Radiometry {
 /// Time-resolved radiance of surfaces.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[non_exhaustive]
 pub struct SourceEntry {
     /// Its name in the scene.
     pub name: String,
@@ -269,6 +280,7 @@ pub struct SourceEntry {
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum LightEntry {
     /// A stored x-y-t cube.
     Cube(Box<CubeEntry>),
@@ -279,6 +291,7 @@ pub enum LightEntry {
 /// A stored cube: rows, columns, bins of time, and channels where there are four dimensions.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[non_exhaustive]
 pub struct CubeEntry {
     /// The .npy or .npz file: within the bundle where it was copied, else where it was.
     pub file: String,
@@ -322,6 +335,7 @@ pub struct CubeEntry {
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(tag = "by", rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum MappingEntry {
     /// By texture coordinates; row 0 of the cube is v = 0.
     Uv {
@@ -362,6 +376,7 @@ pub enum MappingEntry {
 /// irradiance g((t − t₀ − ηr)/σ)/σ · intensity · cos θ / r², albedo/π, g the unit Gaussian.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[non_exhaustive]
 pub struct PulseEntry {
     /// Where and when its centre is emitted, in the world.
     pub event: FourVector,
@@ -376,6 +391,7 @@ pub struct PulseEntry {
 /// A light without extent: a point, a cone from a point, or parallel light.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[non_exhaustive]
 pub struct LampEntry {
     /// Its name in the scene.
     pub name: String,
@@ -403,6 +419,7 @@ pub struct LampEntry {
 /// How bright a lamp is at its proper time τ.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[non_exhaustive]
 pub struct EmissionEntry {
     /// "steady": 1; "gaussian": exp(−½ ((τ − centre)/σ)²); "train": such pulses at centre + k period, for k from 0 to count − 1, or for
     /// all whole k where `count` is null; "table": linear between its rows, 0 outside.
@@ -422,6 +439,7 @@ pub struct EmissionEntry {
 /// A channel.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[non_exhaustive]
 pub struct ChannelEntry {
     /// Its name in files.
     pub name: &'static str,
@@ -438,6 +456,7 @@ pub struct ChannelEntry {
 /// The reference pictures, by the ray tracer: one ray through each pixel's centre.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[non_exhaustive]
 pub struct ReferenceEntry {
     /// All channels in double precision, for numpy.
     pub npz: &'static str,
@@ -453,6 +472,7 @@ pub struct ReferenceEntry {
 /// A file of the bundle.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[non_exhaustive]
 pub struct FileEntry {
     /// Its path in the bundle.
     pub path: String,

@@ -90,6 +90,7 @@ impl Default for ExportOptions {
 
 /// What was written.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Exported {
     /// The description.
     pub bundle: Bundle,

@@ -27,6 +27,7 @@ const MARGIN: f64 = 4.0;
 
 /// Test vectors of a scene.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct Vectors {
     /// Always "nullray-vectors".
     pub format: &'static str,
@@ -38,6 +39,7 @@ pub struct Vectors {
 
 /// Test vectors of an object.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct ObjectVectors {
     /// Its name.
     pub object: String,
@@ -49,6 +51,7 @@ pub struct ObjectVectors {
 
 /// Errors that are allowed, absolute.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
+#[non_exhaustive]
 pub struct Tolerances {
     /// Of each coordinate of the event, metres.
     pub event: f64,
@@ -60,6 +63,7 @@ pub struct Tolerances {
 
 /// A vertex and how it is seen.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct Vector {
     /// Its index in the object.
     pub vertex: usize,

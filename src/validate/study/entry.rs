@@ -9,6 +9,7 @@ use crate::approximate::raster::{Map, Method, Tessellation};
 
 /// What a study has found.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct Study {
     /// Always "nullray-study".
     pub format: &'static str,
@@ -46,6 +47,7 @@ pub struct Study {
 
 /// What is built once for a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Once {
     /// Seconds for the trees, which the ray tracer needs, warps, and shadows.
     pub tree_seconds: f64,
@@ -57,6 +59,7 @@ pub struct Once {
 
 /// A method that cannot render the scene.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct LeftOut {
     /// As the command line says it.
     pub method: String,
@@ -66,6 +69,7 @@ pub struct LeftOut {
 
 /// The picture that radiance is compared with, by the ray tracer.
 #[derive(Debug, Clone, Copy, Serialize)]
+#[non_exhaustive]
 pub struct Reference {
     /// Samples per pixel.
     pub samples: u32,
@@ -75,6 +79,7 @@ pub struct Reference {
 
 /// One method with one number of samples.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct Entry {
     /// As the command line says it.
     pub method: String,
@@ -98,6 +103,7 @@ pub struct Entry {
 
 /// Whether an entry is on the fronts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct Front {
     /// Of time and largest geometric error, among the entries with the fewest samples.
     pub geometry: bool,
@@ -107,6 +113,7 @@ pub struct Front {
 
 /// Wall times of pictures, seconds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Timing {
     /// All runs, in their order.
     pub runs: Vec<f64>,
@@ -120,6 +127,7 @@ pub struct Timing {
 
 /// The fastest ways to a geometric error.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct Verdict {
     /// The largest error of a point that is allowed, pixels.
     pub pixels: f64,

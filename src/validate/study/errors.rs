@@ -14,6 +14,7 @@ use crate::validate::compare::{CompareOptions, NotFinite, Picture, compare};
 
 /// Errors of geometry and of time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct GeometricError {
     /// How far points are from where they should be, pixels.
     pub pixels: Spread,
@@ -27,6 +28,7 @@ pub struct GeometricError {
 
 /// How large errors are.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Spread {
     /// That of the middle one.
     pub median: f64,
@@ -89,6 +91,7 @@ fn late(film: &Film, exact: &Film, pixels: impl Iterator<Item = usize>) -> Vec<f
 
 /// Errors of radiance, by the definitions of [`crate::validate::compare`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct RadianceError {
     /// Root mean square error relative to the reference's root mean square; NaN against black.
     pub relrmse: f64,

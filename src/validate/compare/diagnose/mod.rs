@@ -83,6 +83,7 @@ const NEAR: f64 = 0.1;
 
 /// What is wrong with a candidate, and how one sees it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Diagnosis {
     /// Which hypothesis.
     pub kind: Kind,
@@ -95,6 +96,7 @@ pub struct Diagnosis {
 /// What can be diagnosed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Kind {
     /// The picture is mirrored or turned.
     Mirrored,

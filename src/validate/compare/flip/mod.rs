@@ -33,6 +33,7 @@ use tile::{Exposing, HEIGHT, Sum, Tile, WIDTH};
 
 /// ꟻLIP of two pictures.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[non_exhaustive]
 pub struct Flip {
     /// Mean error over the region, 0 (none) to 1.
     pub mean: f64,

@@ -41,6 +41,9 @@ pub fn load(path: &Path) -> Result<Vec<[f64; 2]>> {
 }
 
 /// As [`load`], from a text; `path` stands for the file in messages.
+///
+/// # Errors
+/// A text that is no such table, with the line.
 pub fn parse(text: &str, path: &Path) -> Result<Vec<[f64; 2]>> {
     let mut rows: Vec<[f64; 2]> = Vec::new();
     for (number, line) in (1..).zip(text.lines()) {

@@ -172,6 +172,9 @@ impl Aov {
 
 /// The channels that a comma-separated list names: channels ("event.ct"), groups ("event") or "all".
 /// The radiance is always written, so "radiance" names nothing more.
+///
+/// # Errors
+/// The sentence that says which word names no channel, and what there is.
 pub fn parse(list: &str) -> Result<Vec<Aov>, String> {
     let mut chosen: Vec<Aov> = Vec::new();
     for word in list.split(',').map(str::trim).filter(|w| !w.is_empty()) {

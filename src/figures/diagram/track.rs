@@ -73,7 +73,9 @@ impl From<WorldLine> for Track {
 
 impl Track {
     /// Straight from event to event; none where one is not after the one before and within its light cone.
-    /// On failure the index of the first event that cannot be reached.
+    ///
+    /// # Errors
+    /// The index of the first event that cannot be reached.
     pub fn broken(events: &[Event<World>]) -> Result<Track, usize> {
         let mut proper_time = 0.0;
         let mut corners = Vec::with_capacity(events.len());

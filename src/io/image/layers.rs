@@ -50,6 +50,9 @@ pub enum Samples {
 impl Layers {
     /// Layers that have been checked: a size above 0, a sample per pixel in every channel, unique
     /// names and keys.
+    ///
+    /// # Errors
+    /// What is not so.
     pub fn new(
         width: u32,
         height: u32,
@@ -67,6 +70,9 @@ impl Layers {
     }
 
     /// Checks what [`Layers::new`] promises; every writer calls it.
+    ///
+    /// # Errors
+    /// As [`Layers::new`].
     pub fn check(&self) -> Result<()> {
         let pixels = pixel_count(self.width, self.height)?;
         let mut names = HashSet::new();

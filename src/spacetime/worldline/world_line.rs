@@ -34,6 +34,9 @@ impl WorldLine {
 
     /// With constant proper acceleration for ever: a hyperbola in the frame comoving at proper time 0, in
     /// whose axes `acceleration` is given (1/m). Without acceleration it is inertial.
+    ///
+    /// # Errors
+    /// An acceleration that is not finite, or above [`MAX_ACCELERATION`](super::MAX_ACCELERATION).
     pub fn hyperbolic(
         velocity: Velocity,
         zero: Event<World>,
@@ -44,6 +47,10 @@ impl WorldLine {
 
     /// One stretch of constant proper acceleration after the other from proper time 0 on; without acceleration
     /// before and after them.
+    ///
+    /// # Errors
+    /// More than [`MAX_ENTRIES`](super::MAX_ENTRIES) segments, one of no duration or of an acceleration that
+    /// [`hyperbolic`](WorldLine::hyperbolic) refuses, and one that leads beyond [`MAX_RAPIDITY`](crate::spacetime::MAX_RAPIDITY).
     pub fn segments(
         velocity: Velocity,
         zero: Event<World>,
@@ -55,6 +62,10 @@ impl WorldLine {
     /// With the proper acceleration given at knots of proper time, as components along `axes`, and linear between
     /// them; from the first knot to the last.
     /// `velocity` and `zero` are the state at proper time 0, which must be among these times.
+    ///
+    /// # Errors
+    /// Fewer than two knots or more than [`MAX_ENTRIES`](super::MAX_ENTRIES), times that do not ascend or do not hold 0, and accelerations as
+    /// [`segments`](WorldLine::segments) refuses them.
     pub fn profile(
         velocity: Velocity,
         zero: Event<World>,
@@ -67,7 +78,11 @@ impl WorldLine {
     /// The natural cubic spline x(ct) through `events`, from the first, at proper time 0, to the last.
     ///
     /// Of all curves through them it has the least ∫|x″|² dct; velocity and acceleration are continuous, and
-    /// the latter is zero at both ends. Refused where it is not slower than light.
+    /// the latter is zero at both ends.
+    ///
+    /// # Errors
+    /// Fewer than two events or more than [`MAX_ENTRIES`](super::MAX_ENTRIES), numbers that are not finite, times that do not ascend, and a curve
+    /// that is somewhere faster than [`MAX_KEYFRAME_SPEED`](super::MAX_KEYFRAME_SPEED).
     pub fn keyframes(events: &[Event<World>]) -> Result<WorldLine, WorldLineError> {
         Ok(Kind::Keyframes(Keyframes::smooth(events)?).into())
     }
@@ -75,13 +90,19 @@ impl WorldLine {
     /// Straight at constant velocity from each of `events` to the next, from the first, at proper time 0, to the last.
     ///
     /// About each event between, the velocity changes within 1/16 of the shorter of the two times beside it, before
-    /// and after, at a constant rate in world time. Refused where it is not slower than light.
+    /// and after, at a constant rate in world time.
+    ///
+    /// # Errors
+    /// As [`keyframes`](WorldLine::keyframes).
     pub fn polyline(events: &[Event<World>]) -> Result<WorldLine, WorldLineError> {
         Ok(Kind::Keyframes(Keyframes::straight(events)?).into())
     }
 
     /// As an animation goes: through `events` straight ([`WorldLine::polyline`]) or smoothly ([`WorldLine::keyframes`]), and at rest
     /// at the first of them before it and at the last one after it. The velocity jumps at both; proper time is 0 at the first.
+    ///
+    /// # Errors
+    /// As [`keyframes`](WorldLine::keyframes).
     pub fn animation(
         events: &[Event<World>],
         is_straight: bool,
@@ -95,6 +116,9 @@ impl WorldLine {
 
     /// At constant speed around the axis through the point `centre` along `axis` (of any length but 0), with
     /// `rate` radians per metre of world time, right-handed about it; at `zero` at proper time 0.
+    ///
+    /// # Errors
+    /// Numbers that are not finite, no axis, `zero` on the axis, and a speed that is not below that of light.
     pub fn circular(
         zero: Event<World>,
         centre: DVec3,

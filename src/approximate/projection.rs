@@ -371,7 +371,7 @@ pub(crate) fn apart() -> Error {
         "vertices have apparent positions for a camera all of whose rays leave one event, and those of this \
          one leave events of their own (a sensor, a shutter, a rotation, a stereo pair, or model = \"paper2015\"), \
          or places on its film see nothing (corners of a fisheye, what is beyond the poles of a panorama)",
-        "render it by --method trace, or take the sensor, the shutter, the rotation or the second eye away; or set a size \
+        "trace it with `render::render`, or take the sensor, the shutter, the rotation or the second eye away; or set a size \
          or an hfov for which all of the film sees something (rasterizers need a perspective)",
     )
 }
@@ -381,7 +381,7 @@ fn curved() -> Error {
         "camera",
         "method",
         "rasterizers draw straight edges, and this camera's projection bends them",
-        "render it by --method trace, or with a perspective camera",
+        "trace it with `render::render`, or with a perspective camera",
     )
 }
 
@@ -390,7 +390,7 @@ fn outrun() -> Error {
         "object",
         "velocity",
         "an object moves as fast as light in the medium, or faster: its points are seen twice, or not at all",
-        "render it by --method trace, or give a slower object or a smaller index of the medium",
+        "trace it with `render::render`, or give a slower object or a smaller index of the medium",
     )
 }
 

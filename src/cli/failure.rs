@@ -14,6 +14,7 @@ use std::sync::{Mutex, PoisonError};
 
 use nullray::{Error, Result};
 
+use super::flags::with_flags;
 use super::{complain, complain_styled, interrupt};
 
 const OUT_OF_BOUNDS: u8 = 1;
@@ -43,7 +44,7 @@ pub fn outcome(work: impl FnOnce() -> Result<Done>) -> ExitCode {
         Ok(Ok(Done::Well)) => ExitCode::SUCCESS,
         Ok(Ok(Done::OutOfBounds)) => ExitCode::from(OUT_OF_BOUNDS),
         Ok(Err(error)) => {
-            complain_styled(&error.report(true));
+            complain_styled(&with_flags(error).report(true));
             ExitCode::from(FAILED)
         }
         Err(what) => {

@@ -13,6 +13,7 @@ mod export;
 mod exposure;
 mod failure;
 mod film;
+mod flags;
 mod frames;
 mod help;
 mod info;

@@ -17,10 +17,10 @@ pub struct Budget {
 
 impl Budget {
     /// So many bytes.
-    pub fn new(limit: u64) -> Self {
+    pub fn new(memory_limit: u64) -> Self {
         Budget {
-            limit,
-            left: AtomicU64::new(limit),
+            limit: memory_limit,
+            left: AtomicU64::new(memory_limit),
         }
     }
 
@@ -42,7 +42,7 @@ impl Budget {
                 file,
                 "memory",
                 what,
-                "a smaller file, or a higher limit (--max-memory)",
+                "a smaller file, or a higher `memory_limit`",
             )
         })
     }

@@ -740,7 +740,11 @@ fn texture_coordinates_without_an_area_are_refused() {
     for words in ["\"floor\"", "1 of its 2 triangles", "without an area"] {
         assert!(said.contains(words), "{said}");
     }
-    assert!(error.help().contains("--atlas"), "{}", error.help());
+    assert!(
+        error.help().contains("`Coordinates::Atlas`"),
+        "{}",
+        error.help()
+    );
     mesh.uvs[0].fill([0.5; 2]);
     scene.objects[0].geometry = Geometry::Mesh(Arc::new(mesh));
     let error = surface_cube(&scene, 0, [8, 8], &bins)

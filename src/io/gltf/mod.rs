@@ -103,7 +103,7 @@ pub fn camera(path: &Path, node: Option<&str>) -> Result<GltfCamera> {
 /// # Errors
 /// It does, or it cannot be read or is not glTF 2.0.
 pub(crate) fn refuse_outside(path: &Path) -> Result<()> {
-    let help = "put the file beside it, or allow this (--allow-outside) if you trust the file";
+    let help = "put the file beside it, or allow this (`allow_outside`) if you trust the file";
     summary::refuse_outside(&Document::open(path)?, help)
 }
 

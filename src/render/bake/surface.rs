@@ -201,7 +201,7 @@ impl<'a> Charts<'a> {
             ),
             _ => return Ok(()),
         };
-        let help = "--atlas, which makes coordinates; a mesh that has its own for every place; or --camera";
+        let help = "`Coordinates::Atlas`, which makes some; a mesh that has its own for every place; or `camera_cube`";
         Err(self.refuse(what, help))
     }
 
@@ -225,7 +225,7 @@ impl<'a> Charts<'a> {
             triangles[(triangle - patch.object_first) as usize] = rest.bvh.corners(*slot);
         }
         atlas(&triangles, size).map_err(|error| {
-            let help = format!("--texels {0}x{0} or more", error.least);
+            let help = format!("a `size` of {0}x{0} or more", error.least);
             self.refuse(error.to_string(), &help)
         })
     }
@@ -252,7 +252,7 @@ impl<'a> Charts<'a> {
         set: usize,
         [triangle, slot]: [u32; 2],
     ) -> Result<[DVec2; 3]> {
-        let help = "--atlas, which makes coordinates; a mesh that has its own for every place, within 0 to 1; or --camera";
+        let help = "`Coordinates::Atlas`, which makes some; a mesh that has its own for every place, within 0 to 1; or `camera_cube`";
         let at = |u, v| rest.uv(patch, set, &place(triangle, slot, [u, v]));
         let corners = [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0)];
         let [Some(a), Some(b), Some(c)] = corners else {
@@ -296,7 +296,7 @@ impl<'a> Charts<'a> {
             let bytes = 2 * size_of::<u32>() as u64 * columns.len() as u64;
             let Some(left) = added.left.checked_sub(bytes) else {
                 let what = "its charts reach so many texels that lists of them take more memory than the limit leaves";
-                let help = "fewer texels, or a higher limit (--max-memory)";
+                let help = "fewer texels, or a higher `memory_limit`";
                 return Err(self.refuse(what.into(), help));
             };
             added.left = left;
@@ -322,7 +322,7 @@ impl<'a> Charts<'a> {
             point.x / self.size[0] as f64,
             point.y / self.size[1] as f64
         );
-        let help = "--atlas, which makes coordinates; a mesh that has its own for every place; or --camera";
+        let help = "`Coordinates::Atlas`, which makes some; a mesh that has its own for every place; or `camera_cube`";
         self.refuse(what, help)
     }
 

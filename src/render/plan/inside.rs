@@ -44,6 +44,6 @@ fn outside(file: &Path, other: &Path, real: &Path) -> Error {
         other.display(),
         real.display()
     );
-    let help = "put the file beside it, or allow this (--allow-outside) if you trust the file";
+    let help = "put the file beside it, or allow this (`allow_outside`) if you trust the file";
     Error::invalid(file, "uri", what, help)
 }

@@ -117,7 +117,7 @@ impl Plan {
                 report::bytes(total),
                 report::bytes(limit)
             ),
-            "a smaller image or mesh, or a higher limit (--max-memory)",
+            "a smaller image or mesh, or a higher `memory_limit`",
         ))
     }
 }

@@ -482,7 +482,7 @@ impl Textures {
         let left = self.budget.checked_sub(texture.bytes() as u64);
         self.budget = left.ok_or_else(|| {
             let what = "with this image, textures take more memory than the limit leaves";
-            let help = "smaller textures, or a higher limit (--max-memory)";
+            let help = "smaller textures, or a higher `memory_limit`";
             Error::invalid(file, &key.1, what, help)
         })?;
         self.decoded.push(Arc::new(texture));

@@ -155,7 +155,7 @@ fn encodings([r, c]: [&Picture; 2]) -> Result<()> {
     };
     let what = format!("it holds {}; {} holds {}", of(c), r.name, of(r));
     let help = "pictures of one colour space: two .exr or .npz, or two .png of one exposure; a .png that holds linear \
-                values is read with --transfer linear";
+                values is read as `Encoding::Linear`";
     refuse(c, "colour space", what, help)
 }
 
@@ -174,7 +174,7 @@ fn swapped([r, c]: [&Picture; 2], options: &CompareOptions) -> Result<()> {
         c,
         "order",
         what,
-        "the reference comes first; --allow-swapped compares them as they are given",
+        "the reference comes first; `allow_swapped` compares them as they are given",
     )
 }
 
@@ -391,7 +391,7 @@ fn alpha<'a>(
             Alpha::Unknown => "light is compared as it is stored",
         };
         let help = format!(
-            "{stored}: compose both over the same background, or leave alpha out with --channels radiance"
+            "{stored}: compose both over the same background, or leave alpha out with `channels` of \"radiance\""
         );
         return refuse(pair[one], "alpha", what, help);
     }
@@ -414,7 +414,7 @@ fn demanded(pair: [&Picture; 2], names: &[String]) -> Result<()> {
             let lacks = wanted.iter().find(|name| !there.contains(name));
             let lacks = lacks.or((there.is_empty() && wanted.is_empty()).then_some(name));
             if let Some(lacks) = lacks {
-                let what = format!("there is no {lacks}, which --channels demands");
+                let what = format!("there is no {lacks}, which `channels` demands");
                 let help = format!("it holds {}", list(&names_of(pair[one])));
                 return refuse(pair[one], "channels", what, help);
             }
@@ -498,7 +498,7 @@ fn usable(
             pair[1],
             "pixels",
             what,
-            "--nan count-as=0 counts such samples as a value",
+            "`NotFinite::CountAs(0.0)` counts such samples as a value",
         );
     }
     if dropped > 0 {
@@ -605,8 +605,12 @@ impl Unusable {
             false => self.words(),
         };
         let help = match overflow {
-            true => "write the picture in single precision; --nan ignore leaves the pixels out",
-            false => "--nan ignore leaves the pixels out; --nan count-as=0 counts them as a value",
+            true => {
+                "write the picture in single precision; `NotFinite::Ignore` leaves the pixels out"
+            }
+            false => {
+                "`NotFinite::Ignore` leaves the pixels out; `NotFinite::CountAs(0.0)` counts them as a value"
+            }
         };
         Error::invalid(
             &picture.name,

@@ -667,7 +667,7 @@ impl Comparison {
     }
 
     fn unknown(&self, metric: &str) -> Error {
-        let place = format!("--tolerance {metric}");
+        let place = format!("tolerance of {metric}");
         // A known metric of an unknown channel is not an unknown metric.
         if let Some((channel, _)) = metric
             .rsplit_once(':')
@@ -676,13 +676,13 @@ impl Comparison {
             let is_identity = Aov::named(channel).is_some_and(Aov::is_identity);
             if is_identity {
                 let what = format!("{channel} holds indices, whose differences mean nothing");
-                let help = "wrong_objects counts the pixels at which objects differ: --tolerance wrong_objects=0";
-                return Error::invalid("command line", place, what, help);
+                let help = "wrong_objects counts the pixels at which objects differ";
+                return Error::invalid("comparison", place, what, help);
             }
             let what = format!("neither picture has a channel {channel} with numbers");
             let names: Vec<&str> = self.channels.iter().map(|c| c.name.as_str()).collect();
             let help = format!("compared are {}", names.join(", "));
-            return Error::invalid("command line", place, what, help);
+            return Error::invalid("comparison", place, what, help);
         }
         let names = METRICS.iter().map(|metric| match metric.of {
             Of::Channel(_) | Of::Picture(..) => metric.name.to_string(),
@@ -694,6 +694,6 @@ impl Comparison {
             "there are {}, and CHANNEL:METRIC for each channel; in place of .mean also {parts}",
             names.join(", ")
         );
-        Error::invalid("command line", place, "there is no such metric", help)
+        Error::invalid("comparison", place, "there is no such metric", help)
     }
 }

@@ -146,7 +146,7 @@ fn check(target: &Path, overwrite: bool) -> Result<Option<Listed>> {
     if !overwrite {
         return refused(
             "there is an export of this name already".into(),
-            "name a new directory, or replace that one with --overwrite",
+            "name a new directory, or replace that one (`overwrite`)",
         );
     }
     match stranger(target, Path::new(""), &listed).map_err(failed())? {

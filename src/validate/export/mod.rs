@@ -167,7 +167,7 @@ fn filled(
     let camera = describe::camera(scene, &shot);
     if options.vectors && !vectors::fits(&camera) {
         let what = "test vectors are of cameras all of whose rays leave one event, before a plane";
-        let help = "leave out --vectors, or the sensor, the shutter and the projection";
+        let help = "leave out `vectors`, or the sensor, the shutter and the projection";
         return Err(Error::unsupported(&scene.name, "camera", what, help));
     }
     // Geometry goes first: the description refers to its files, and test vectors are of the vertices as they were written.

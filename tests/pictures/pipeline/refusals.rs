@@ -96,7 +96,7 @@ fn a_scene_beyond_the_memory_limit_names_the_option() {
     let error = Plan::new(&scene, &request).unwrap_err();
     let help = error.help();
     assert!(
-        error.to_string().contains("1.0 MiB") && help.contains("--max-memory"),
+        error.to_string().contains("1.0 MiB") && help.contains("`memory_limit`"),
         "{error}"
     );
 }
@@ -189,7 +189,7 @@ gltf = \"quad.glb\"
     let error = within(texture - 1).unwrap_err();
     let help = error.help();
     assert!(
-        error.to_string().contains("quad.glb") && help.contains("--max-memory"),
+        error.to_string().contains("quad.glb") && help.contains("`memory_limit`"),
         "{error}"
     );
 }

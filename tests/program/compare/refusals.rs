@@ -65,7 +65,7 @@ fn channels_that_are_demanded_have_to_be_there() {
     ] {
         let message = demand(names).unwrap_err();
         assert!(
-            message.contains(lacks) && message.contains("--channels"),
+            message.contains(lacks) && message.contains("`channels`"),
             "{message}"
         );
     }

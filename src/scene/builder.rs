@@ -100,6 +100,9 @@ impl Builder {
 
     /// Adds the object `name` with a mesh in memory, which is shared. The base colours of its materials
     /// hold, but not their textures: those are images in files.
+    ///
+    /// It rests at the world's origin until `object.NAME.velocity`, `object.NAME.origin` and `object.NAME.transform` are set. Objects move
+    /// uniformly: accelerated world lines (`motion`) are for the camera and for lamps.
     pub fn mesh(mut self, name: &str, mesh: Arc<Mesh>) -> Self {
         if let Err(error) = mesh.check() {
             let place = format!("object \"{name}\", {}", error.field);

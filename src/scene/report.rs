@@ -179,8 +179,21 @@ fn unknown_key(schema: &Value, place: &Place) -> (String, String) {
     } else {
         format!("`{table}`")
     };
-    (what, format!("{meant}the keys of {table} are: {keys}"))
+    let help = format!("{meant}the keys of {table} are: {keys}");
+    match place.0.as_slice() {
+        [Step::Key(list), Step::Index(_), Step::Key(key)]
+            if list == "object" && MOTIONS.contains(&key.as_str()) =>
+        {
+            (what, format!("{UNIFORM}; {help}"))
+        }
+        _ => (what, help),
+    }
 }
+
+/// Keys by which cameras and lamps move on, and what is said where an object has one of them.
+const MOTIONS: [&str; 4] = ["motion", "world_line", "keyframes", "acceleration"];
+const UNIFORM: &str = "objects move uniformly (`velocity`, and `origin` for when they are where), so that they are intersected in a \
+                       frame in which they rest for ever; world lines of any kind are for [camera] and [[light]]";
 
 fn last_key(place: &[Step]) -> Option<&str> {
     match place.last()? {

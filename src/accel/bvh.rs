@@ -162,12 +162,18 @@ impl Bvh {
     }
 
     /// The corners of the triangle in `slot`, metres.
+    ///
+    /// # Panics
+    /// Where the tree has no such slot: [`Hit::slot`] of its own hits always is one, [`NO_SLOT`](super::NO_SLOT) never.
     #[inline]
     pub fn corners(&self, slot: u32) -> [DVec3; 3] {
         self.corners[slot as usize]
     }
 
     /// The id of the triangle in `slot`, and which of its sides are there.
+    ///
+    /// # Panics
+    /// As [`corners`](Bvh::corners).
     #[inline]
     pub fn triangle(&self, slot: u32) -> (u32, Facing) {
         let tag = self.tags[slot as usize];

@@ -436,6 +436,10 @@ impl Mesh {
     }
 
     /// The three corners of triangle `index`.
+    ///
+    /// # Panics
+    /// Where there is no such triangle, or it names vertices that are not there ([`check`](Mesh::check)); so do
+    /// [`uv`](Mesh::uv) and [`colour`](Mesh::colour) without such a triangle.
     pub fn corners(&self, index: u32) -> [DVec3; 3] {
         self.triangles[index as usize].map(|v| self.positions[v as usize])
     }

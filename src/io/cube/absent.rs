@@ -96,6 +96,8 @@ pub(super) mod zarr {
 /// A file that needs a feature which is off.
 fn without(path: &std::path::Path, format: &str, feature: &str) -> crate::error::Error {
     let what = format!("this program was built without {format}");
-    let help = format!("install it with {format}: cargo install nullray --features {feature}");
+    let help = format!(
+        "install it with {format}: in its sources, cargo install --path . --features {feature}"
+    );
     crate::error::Error::unsupported(path, "", what, help)
 }

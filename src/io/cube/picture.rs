@@ -240,7 +240,7 @@ impl Picture {
     fn of_tiff(frame: &Frame, _: Option<Transfer>) -> Result<Picture> {
         let file = &*frame.file;
         let what = "this program was built without TIFF";
-        let help = "install it with TIFF (cargo install nullray --features tiff), or convert the frames to EXR";
+        let help = "install it with TIFF (in its sources: cargo install --path . --features tiff), or convert the frames to EXR";
         Err(Error::unsupported(file, "", what, help))
     }
 

@@ -172,13 +172,7 @@ fn samples(
         let centre = |(column, row): (u32, u32)| [column, row].map(|p| f64::from(p) + 0.5);
         let look = |[x, y]: [f64; 2]| prepared.camera.view.ray(x, y, 0.0).d.unit();
         let directions: Vec<_> = tile.coordinates().map(centre).map(look).collect();
-        let rays = Rays {
-            directions: &directions,
-            origins: None,
-            left: &[],
-            method: prepared.method,
-            samples: Default::default(),
-        };
+        let rays = Rays::from_shot(&directions, prepared.method);
         surfaces.nearest(&rays, hits, &mut Meter::off());
         progress.rays_done(tile.pixels() as u64);
         let met = tile

@@ -24,6 +24,4 @@ pub use rgb_basis::Continuation;
 pub use shift::{ColourTable, ReflectionTable, RgbShift};
 pub(crate) use shift_matrix::ShiftMatrix;
 pub use spectrum::{Scale, Shape, Spectrum};
-pub use srgb::{
-    RGB_FROM_XYZ, rgb_from_xyz, srgb_decode, srgb_encode, srgb_encode_8, srgb_encode_16,
-};
+pub use srgb::{rgb_from_xyz, srgb_decode, srgb_encode, srgb_encode_8, srgb_encode_16};

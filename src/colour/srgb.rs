@@ -5,7 +5,7 @@
 
 /// Linear sRGB from CIE XYZ: the inverse of the matrix that has the primaries as columns, each scaled
 /// so that they add up to white.
-pub const RGB_FROM_XYZ: [[f64; 3]; 3] = [
+const RGB_FROM_XYZ: [[f64; 3]; 3] = [
     [3.240969941904523, -1.537383177570094, -0.498610760293003],
     [-0.969243636280880, 1.875967501507721, 0.041555057407176],
     [0.055630079696994, -0.203976958888977, 1.056971514242879],

@@ -144,13 +144,7 @@ fn each_front(bvh: &Bvh, origin: DVec3, direction: DVec3, reach: f64, mut each: 
 fn around(prepared: &Prepared, at: Event<World>) -> Option<u32> {
     let directions = directions();
     let surfaces = Surfaces::unbuffered(&prepared.frames, at, prepared.ray_index);
-    let rays = Rays {
-        directions: &directions,
-        origins: None,
-        left: &[],
-        method: prepared.method,
-        samples: Default::default(),
-    };
+    let rays = Rays::from_shot(&directions, prepared.method);
     let mut hits = HitBuffer::default();
     surfaces.nearest(&rays, &mut hits, &mut Meter::off());
     let met = (0..directions.len()).map(|ray| hits.hit(ray));

@@ -107,7 +107,7 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
 }
 
 /// The key of what baked light has on the backs of its surface.
-pub const BACKS: &str = "backs";
+pub(crate) const BACKS: &str = "backs";
 
 /// Of baked light: program, scene, hash, units, bins.
 pub fn of_baked(scene: &Scene, bins: &Bins, samples: u32, baked: &Baked) -> Vec<(String, String)> {

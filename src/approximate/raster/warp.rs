@@ -68,13 +68,7 @@ fn fill(
     method: Method,
     hits: &mut HitBuffer,
 ) {
-    let rays = Rays {
-        directions,
-        origins: None,
-        left: &[],
-        method,
-        samples: Default::default(),
-    };
+    let rays = Rays::from_shot(directions, method);
     surfaces.nearest(&rays, hits, &mut Meter::off());
     for (ray, texel) in texels.iter_mut().enumerate() {
         *texel = hits.hit(ray);

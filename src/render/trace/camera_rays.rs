@@ -49,6 +49,19 @@ pub struct Rays<'a> {
     pub samples: Samples<'a>,
 }
 
+impl<'a> Rays<'a> {
+    /// Rays that all leave the event of the shot, and at whose hits nothing is drawn at random.
+    pub fn from_shot(directions: &'a [DVec3], method: Method) -> Self {
+        Rays {
+            directions,
+            origins: None,
+            left: &[],
+            method,
+            samples: Samples::default(),
+        }
+    }
+}
+
 /// A triangle that a ray leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LeftTriangle {

@@ -1,7 +1,7 @@
 //! Ctrl-C: soon, with exit code 130, and every file as it was.
 #![cfg(unix)]
 
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use super::{Folder, SMALL};
@@ -22,28 +22,40 @@ fn stopped_saying(
     signal: &str,
     delay: Duration,
 ) -> (Duration, String) {
+    let (took, output) = signalled(folder, arguments, signal, || std::thread::sleep(delay));
+    assert_eq!(output.stdout, b"");
+    (took, String::from_utf8(output.stderr).unwrap())
+}
+
+/// Sends `signal` to the program with these arguments once `wait` returns; how long it then took to end with exit code 130, and what it wrote.
+fn signalled(
+    folder: &Folder,
+    arguments: &[&str],
+    signal: &str,
+    wait: impl FnOnce(),
+) -> (Duration, Output) {
     let child = folder
         .command(arguments)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    std::thread::sleep(delay);
+    wait();
     let id = child.id().to_string();
-    assert!(
-        Command::new("kill")
-            .args([signal, &id])
-            .status()
-            .unwrap()
-            .success()
-    );
+    let kill = Command::new("kill").args([signal, &id]).status();
+    assert!(kill.unwrap().success());
     let start = Instant::now();
     let output = child.wait_with_output().unwrap();
-    let took = start.elapsed();
-    assert_eq!(output.status.code(), Some(130), "{signal} after {delay:?}");
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.stdout, b"");
-    (took, said)
+    assert_eq!(output.status.code(), Some(130), "{signal}: {output:?}");
+    (start.elapsed(), output)
+}
+
+/// Waits until something is so, which is soon, or for two minutes.
+fn until(is_so: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !is_so() && start.elapsed() < Duration::from_secs(120) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
 }
 
 /// A second is the promise; the rest is for machines that run other tests meanwhile.
@@ -120,24 +132,10 @@ fn a_bake_that_is_stopped_can_be_resumed_once_a_part_is_kept_and_says_so_then_al
     }
     // Rows that are soon done, and very many of them.
     let arguments = [&bake[..], &["--spp=64", "--texels=16x40000"]].concat();
-    let child = folder
-        .command(&arguments)
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
     let kept = || std::fs::metadata(folder.path("a.npz.parts")).map_or(0, |file| file.len());
-    let start = Instant::now();
     // Several parts of 16 texels with 100 bins.
-    while kept() < 100_000 && start.elapsed() < Duration::from_secs(120) {
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(130));
+    let several = || until(|| kept() >= 100_000);
+    let (_, output) = signalled(&folder, &arguments, "-INT", several);
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(
         said,
@@ -183,27 +181,13 @@ fn writing_stops_and_clears_its_temporary_file_away() {
         "-o",
         "big.npz",
     ];
-    let child = folder
-        .command(&arguments)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
     // The temporary file shows that writing has begun.
-    let start = Instant::now();
     let begun = || folder.names().iter().any(|n| n.ends_with(".part"));
-    while !begun() && start.elapsed() < Duration::from_secs(60) {
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    assert!(begun(), "{:?}", folder.names());
-    Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .unwrap();
-    let signalled = Instant::now();
-    let output = child.wait_with_output().unwrap();
-    assert!(signalled.elapsed() < SOON, "{:?}", signalled.elapsed());
-    assert_eq!(output.status.code(), Some(130));
+    let (took, _) = signalled(&folder, &arguments, "-INT", || {
+        until(begun);
+        assert!(begun(), "{:?}", folder.names());
+    });
+    assert!(took < SOON, "{took:?}");
     assert_eq!(folder.names(), ["scene.toml"]);
 }
 
@@ -222,22 +206,8 @@ fn a_sequence_stops_with_whole_frames_and_says_how_to_go_on() {
         "--white",
         "1",
     ];
-    let child = folder
-        .command(&arguments)
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let start = Instant::now();
-    while folder.names().len() < 4 && start.elapsed() < Duration::from_secs(120) {
-        std::thread::sleep(Duration::from_millis(20));
-    }
-    Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(130));
+    let several = || until(|| folder.names().len() >= 4);
+    let (_, output) = signalled(&folder, &arguments, "-INT", several);
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(said.contains("run the same command again"), "{said}");
     let names = folder.names();

@@ -50,6 +50,38 @@ pub(super) struct Frustum {
     size: [f64; 2],
 }
 
+/// The edges of the film: its size, pixels.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FilmEdges {
+    size: [f64; 2],
+}
+
+impl FilmEdges {
+    /// Whether what has these bounds, left, top, right and bottom, can reach the film, and which part of it.
+    #[inline(always)]
+    pub fn reach(self, [left, top, right, bottom]: [f64; 4]) -> (bool, [f32; 4]) {
+        let [width, height] = self.size;
+        let outside = (right < -BESIDE) | (bottom < -BESIDE) | (left > width) | (top > height);
+        let within = |x: f64, size: f64| x.max(0.0).min(size);
+        // No less far beside than f32 rounds.
+        let before = |x: f64, size: f64| (within(x - BESIDE, size) * (1.0 - ROUNDING)) as f32;
+        let after = |x: f64, size: f64| (within(x + BESIDE, size) * (1.0 + ROUNDING)) as f32;
+        let reach = [
+            before(left, width),
+            before(top, height),
+            after(right, width),
+            after(bottom, height),
+        ];
+        (!outside, reach)
+    }
+}
+
+/// Whether points with these z are all before the camera, and none in its plane but for rounding.
+#[inline(always)]
+pub(super) fn is_before(a: f64, b: f64, c: f64) -> bool {
+    a.min(b).min(c) > 1e-9 * a.abs().max(b.abs()).max(c.abs())
+}
+
 impl Frustum {
     pub fn of(projection: &Projection) -> Self {
         Frustum {
@@ -88,8 +120,7 @@ impl Frustum {
     /// The part of the film that a flat triangle can reach: left, top, right, bottom. None where it is outside the film.
     #[inline]
     pub fn reach(&self, [a, b, c]: [&Vertex; 3]) -> Option<Reach> {
-        let far = 1e-9 * a.film.z.abs().max(b.film.z.abs()).max(c.film.z.abs());
-        let bounds = match a.film.z.min(b.film.z).min(c.film.z) > far {
+        let bounds = match is_before(a.film.z, b.film.z, c.film.z) {
             true => [
                 a.point[0].min(b.point[0]).min(c.point[0]),
                 a.point[1].min(b.point[1]).min(c.point[1]),
@@ -98,20 +129,14 @@ impl Frustum {
             ],
             false => self.bounds_beside([a.film, b.film, c.film])?,
         };
-        let [width, height] = self.size;
-        let [left, top, right, bottom] = bounds;
-        let outside = right < -BESIDE || bottom < -BESIDE || left > width || top > height;
-        // No less far beside than f32 rounds.
-        let before = |x: f64, size: f64| ((x - BESIDE).clamp(0.0, size) * (1.0 - ROUNDING)) as f32;
-        let after = |x: f64, size: f64| ((x + BESIDE).clamp(0.0, size) * (1.0 + ROUNDING)) as f32;
-        (!outside).then(|| {
-            Reach([
-                before(left, width),
-                before(top, height),
-                after(right, width),
-                after(bottom, height),
-            ])
-        })
+        let (is_seen, reach) = self.edges().reach(bounds);
+        is_seen.then_some(Reach(reach))
+    }
+
+    /// The edges of the film.
+    #[inline(always)]
+    pub fn edges(&self) -> FilmEdges {
+        FilmEdges { size: self.size }
     }
 
     /// The bounds of a triangle a part of which may be behind the camera.

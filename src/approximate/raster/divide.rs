@@ -26,7 +26,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::DVec3;
 
 use super::batch::{Batch, Bins, Grid, Piece};
-use super::cull::Frustum;
+use super::cull::{Frustum, Reach, is_before};
 use super::method::Tessellation;
 use super::vertices::{Vertex, extend};
 use crate::accel::vectors::{VectorLoop, dispatch};
@@ -197,6 +197,7 @@ impl<'a> BatchBuilder<'a> {
     /// Divides until there are enough triangles to estimate from, or none that is to be divided. Most are straight enough as they are:
     /// those are kept at once, and not asked again.
     pub fn begin(&mut self) {
+        self.keep_straight();
         while (self.depth == 0 || self.level.len() < ENOUGH) && self.is_unfinished() {
             self.descend();
         }
@@ -250,6 +251,54 @@ impl<'a> BatchBuilder<'a> {
             }
         }
         FINER * sum
+    }
+
+    /// Keeps triangles of the first level that are straight enough by more than rounding, without a division; the others are left.
+    fn keep_straight(&mut self) {
+        let Tessellation::Adaptive(pixels) = self.divider.tessellation else {
+            return;
+        };
+        let mut lot = Box::new(Whole::EMPTY);
+        self.batch.pieces.reserve(self.level.len());
+        let mut left = 0;
+        for begin in (0..self.level.len()).step_by(LOT) {
+            let end = (begin + LOT).min(self.level.len());
+            let seen = self.divider.vertices.seen;
+            for (at, part) in self.level[begin..end].iter().enumerate() {
+                for (k, index) in part.corners.iter().enumerate() {
+                    let corner = &seen[*index as usize];
+                    lot.c[k][0][at] = corner.c.x;
+                    lot.c[k][1][at] = corner.c.y;
+                    lot.c[k][2][at] = corner.c.z;
+                    lot.scale[k][at] = corner.scale;
+                    lot.point[k][0][at] = corner.point[0];
+                    lot.point[k][1][at] = corner.point[1];
+                    lot.z[k][at] = corner.film.z;
+                }
+            }
+            dispatch(Straight {
+                lot: &mut lot,
+                pixels,
+                frustum: self.divider.frustum,
+            });
+            for at in begin..end {
+                let part = self.level[at];
+                match lot.kinds[at - begin] {
+                    Kind::BENT => {
+                        self.level[left] = part;
+                        left += 1;
+                    }
+                    Kind::SEEN => self.batch.pieces.push(Piece {
+                        corners: part.corners,
+                        slot: part.slot,
+                        reach: Reach(lot.reach.each_ref().map(|bound| bound[at - begin])),
+                    }),
+                    Kind::BESIDE => self.keep(part),
+                    _ => {}
+                }
+            }
+        }
+        self.level.truncate(left);
     }
 
     fn is_unfinished(&self) -> bool {
@@ -476,6 +525,107 @@ fn points([a, b, c]: [f64; 3]) -> f64 {
     }
 }
 
+/// What becomes of a triangle of the first level.
+struct Kind;
+
+impl Kind {
+    /// It is outside of the film.
+    const UNSEEN: u32 = 0;
+    /// It is straight enough, and in front of the camera.
+    const SEEN: u32 = 1;
+    /// It is straight enough, and a part of it may be behind the camera.
+    const BESIDE: u32 = 2;
+    /// It may have to be cut.
+    const BENT: u32 = 3;
+}
+
+/// Triangles of the first level.
+struct Whole {
+    /// By corner: the places c, |c| |Δ/δ|, the film point and z.
+    c: [[[f64; LOT]; 3]; 3],
+    scale: [[f64; LOT]; 3],
+    point: [[[f64; LOT]; 2]; 3],
+    z: [[f64; LOT]; 3],
+    /// What becomes of them, and the part of the film that those which are seen can reach.
+    kinds: [u32; LOT],
+    reach: [[f32; LOT]; 4],
+}
+
+impl Whole {
+    const EMPTY: Whole = Whole {
+        c: [[[0.0; LOT]; 3]; 3],
+        scale: [[0.0; LOT]; 3],
+        point: [[[0.0; LOT]; 2]; 3],
+        z: [[0.0; LOT]; 3],
+        kinds: [0; LOT],
+        reach: [[0.0; LOT]; 4],
+    };
+}
+
+/// The loop over triangles of the first level.
+struct Straight<'a> {
+    lot: &'a mut Whole,
+    pixels: f64,
+    frustum: &'a Frustum,
+}
+
+impl VectorLoop for Straight<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Whole {
+            c,
+            scale,
+            point,
+            z,
+            kinds,
+            reach,
+        } = self.lot;
+        let (pixels, frustum) = (self.pixels, self.frustum.edges());
+        let mut is_bent = [0; LOT];
+        for edge in 0..3 {
+            let (from, to) = ((edge + 1) % 3, (edge + 2) % 3);
+            for at in 0..LOT {
+                let a = DVec3::new(c[from][0][at], c[from][1][at], c[from][2][at]);
+                let b = DVec3::new(c[to][0][at], c[to][1][at], c[to][2][at]);
+                let is_straight = is_straight(a, b, scale[from][at].max(scale[to][at]), pixels);
+                is_bent[at] |= u32::from(!is_straight);
+            }
+        }
+        let [left, top, right, bottom] = reach;
+        for at in 0..LOT {
+            let least = |axis: usize| {
+                let [a, b, c] = [point[0][axis][at], point[1][axis][at], point[2][axis][at]];
+                (a.min(b).min(c), a.max(b).max(c))
+            };
+            let ((x, to_x), (y, to_y)) = (least(0), least(1));
+            let [a, b, c] = [z[0][at], z[1][at], z[2][at]];
+            let is_beside = !is_before(a, b, c);
+            let (is_seen, [l, t, r, b]) = frustum.reach([x, y, to_x, to_y]);
+            (left[at], top[at], right[at], bottom[at]) = (l, t, r, b);
+            let kind = if is_seen { Kind::SEEN } else { Kind::UNSEEN };
+            let kind = if is_beside { Kind::BESIDE } else { kind };
+            kinds[at] = if is_bent[at] != 0 { Kind::BENT } else { kind };
+        }
+    }
+}
+
+/// Whether [`bend`] is at most so many pixels by more than rounding, which is a few eps: its terms multiplied out. Not for NaN.
+#[inline(always)]
+fn is_straight(a: DVec3, b: DVec3, scale: f64, pixels: f64) -> bool {
+    const SAFELY: f64 = 1.0 - 1e-12;
+    let e = b - a;
+    let cross = a.cross(b).length_squared();
+    let between = (a.dot(e) < 0.0) & (b.dot(e) > 0.0);
+    // |c|² of the nearest point is cross/|e|² between the ends.
+    let (square, ends) = (
+        e.length_squared(),
+        a.length_squared().min(b.length_squared()),
+    );
+    let error = 4.0 / 3.0 / 8.0 * scale * if between { square * square } else { cross };
+    let most = SAFELY * pixels * if between { cross } else { ends * ends };
+    error <= most
+}
+
 /// The edges of a lot of triangles.
 struct Edges {
     /// By corner and coordinate, the places c.
@@ -567,5 +717,40 @@ mod tests {
         cuts.count.store(1001, Ordering::Relaxed);
         assert_eq!(cuts.outlook(0.0, 1), Outlook::TooMany);
         assert_eq!(cuts.outlook(100.0, Cuts::CLOSE), Outlook::TooMany);
+    }
+
+    /// Edges before and beside the camera whose bend is around a tenth of a pixel.
+    #[test]
+    fn edges_taken_for_straight_are_and_others_by_rounding_alone() {
+        let mut state = 1u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        let mut counts = [0; 2];
+        for _ in 0..20_000 {
+            let [a, b] = [(); 2].map(|()| DVec3::new(random(), random(), random()));
+            let error = bend(a, b, 1.0);
+            for factor in [
+                0.5,
+                1.0 - 1e-11,
+                1.0 - 1e-14,
+                1.0,
+                1.0 + 1e-14,
+                1.0 + 1e-11,
+                2.0,
+            ] {
+                let pixels = factor * error;
+                let is_taken = is_straight(a, b, 1.0, pixels);
+                assert!(!is_taken || error / pixels <= 1.0, "{a} {b} {factor}");
+                assert!(is_taken || factor < 1.0 + 1e-11, "{a} {b} {factor}");
+                counts[usize::from(is_taken)] += 1;
+            }
+        }
+        assert!(counts[0] > 40_000 && counts[1] >= 40_000, "{counts:?}");
+        assert!(!is_straight(DVec3::NAN, DVec3::X, 1.0, 1.0));
+        assert!(!is_straight(DVec3::X, -DVec3::X, f64::NAN, 1.0));
     }
 }

@@ -1,5 +1,6 @@
 //! From samples to radiance: what is seen at each, in the terms of the ray tracer.
 
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use glam::DVec3;
@@ -102,12 +103,44 @@ impl Strip {
 
     /// The pixel of the tile that has sample `sample`.
     #[inline(always)]
-    fn pixel(&self, sample: usize) -> usize {
+    pub fn pixel(&self, sample: usize) -> usize {
         (self.first * self.rows.size[0]) as usize + sample / self.each
     }
 
+    /// Fills `x` and `y` with where its samples are on the film, pixels from the corner of the tile, from where they are in their pixels.
+    pub fn points(&self, [in_x, in_y]: [&[f64]; 2], x: &mut Vec<f64>, y: &mut Vec<f64>) {
+        let Strip { rows, first, each } = *self;
+        let count = rows.pixels() * each;
+        x.resize(count, 0.0);
+        y.resize(count, 0.0);
+        let in_row = rows.size[0] as usize * each;
+        for (row, begin) in (first..).zip((0..count).step_by(in_row.max(1))) {
+            let samples = begin..begin + in_row;
+            for (y, in_y) in y[samples.clone()].iter_mut().zip(&in_y[samples.clone()]) {
+                *y = f64::from(row) + in_y;
+            }
+            if each == 1 {
+                // As below, in a loop that goes in vectors.
+                for (column, (x, in_x)) in
+                    (0u32..).zip(x[samples.clone()].iter_mut().zip(&in_x[samples]))
+                {
+                    *x = f64::from(column) + in_x;
+                }
+                continue;
+            }
+            let columns = x[samples.clone()].chunks_exact_mut(each);
+            let in_columns = in_x[samples].chunks_exact(each);
+            for (column, (x, in_x)) in (0..).zip(columns.zip(in_columns)) {
+                let column = f64::from(column);
+                for (x, in_x) in x.iter_mut().zip(in_x) {
+                    *x = column + in_x;
+                }
+            }
+        }
+    }
+
     /// Whether there is one sample for each pixel of `tile`.
-    fn is_all_of(&self, tile: Tile) -> bool {
+    pub fn is_all_of(&self, tile: Tile) -> bool {
         self.each == 1 && self.rows.size == tile.size
     }
 }
@@ -272,35 +305,7 @@ pub(super) struct StripSamples<'a> {
 impl StripSamples<'_> {
     /// Fills `x` and `y` with where the samples are on the film, pixels from the corner of the tile.
     pub fn points(&self, x: &mut Vec<f64>, y: &mut Vec<f64>) {
-        let Strip { rows, first, each } = self.strip;
-        let count = rows.pixels() * each;
-        x.resize(count, 0.0);
-        y.resize(count, 0.0);
-        let [in_x, in_y] = self.camera_rays.offsets();
-        let in_row = rows.size[0] as usize * each;
-        for (row, begin) in (first..).zip((0..count).step_by(in_row.max(1))) {
-            let samples = begin..begin + in_row;
-            for (y, in_y) in y[samples.clone()].iter_mut().zip(&in_y[samples.clone()]) {
-                *y = f64::from(row) + in_y;
-            }
-            if each == 1 {
-                // As below, in a loop that goes in vectors.
-                for (column, (x, in_x)) in
-                    (0u32..).zip(x[samples.clone()].iter_mut().zip(&in_x[samples]))
-                {
-                    *x = f64::from(column) + in_x;
-                }
-                continue;
-            }
-            let columns = x[samples.clone()].chunks_exact_mut(each);
-            let in_columns = in_x[samples].chunks_exact(each);
-            for (column, (x, in_x)) in (0..).zip(columns.zip(in_columns)) {
-                let column = f64::from(column);
-                for (x, in_x) in x.iter_mut().zip(in_x) {
-                    *x = column + in_x;
-                }
-            }
-        }
+        self.strip.points(self.camera_rays.offsets(), x, y);
     }
 
     /// Fills `ratios` and `directions` with those of the camera rays.
@@ -332,8 +337,9 @@ impl StripSamples<'_> {
 }
 
 /// A scene, and who sees it.
-struct Stage<'a> {
+struct Stage<'a, P> {
     scene: &'a Prepared,
+    visibility: &'a P,
     surfaces: Surfaces<'a>,
     /// Of the medium; 1 where rays have delays of their own.
     index: f64,
@@ -369,19 +375,47 @@ pub(super) fn film<P: Visibility>(
         scene,
         surfaces: Surfaces::unbuffered(&scene.frames, scene.camera.shot.event, index),
         index,
+        visibility,
     };
+    paint(scene, visibility.samples_at_once(), &stage, progress)
+}
+
+/// Paints the strips of tiles.
+pub(super) trait Painter: Sync {
+    /// What is reused from tile to tile.
+    type Buffers: Default;
+
+    /// Gets ready for `tile`, which is painted in strips of so many rows.
+    fn begin(&self, tile: Tile, rows: u32, buffers: &mut Self::Buffers);
+
+    /// Adds the radiance of `samples` of each pixel of `strip`, which is of `tile`, to its film.
+    fn paint(
+        &self,
+        strip: Strip,
+        samples: Range<u32>,
+        buffers: &mut Self::Buffers,
+        film: (Tile, &mut TileFilm),
+    );
+}
+
+/// The film of `scene` by `painter`, which takes at most so many samples of a pixel together.
+pub(super) fn paint<P: Painter>(
+    scene: &Prepared,
+    most: u32,
+    painter: &P,
+    progress: &dyn Progress,
+) -> Result<Film> {
     let layout = &scene.layout;
     let film = Mutex::new(Film::new(layout.clone()));
     let done = (0..Tile::count(layout.size))
         .into_par_iter()
-        .try_for_each_init(Buffers::<P::TileBuffers>::default, |buffers, index| {
+        .try_for_each_init(P::Buffers::default, |buffers, index| {
             let tile = Tile::of_image(layout.size, index);
             let mut tile_film = TileFilm::new(tile, layout);
             // As many samples together as a film takes between ends of its parts.
-            let most = visibility.samples_at_once();
             let all = 0..layout.samples;
             let rows = Strip::height(tile_film.together(all.clone(), most).len() as u32);
-            visibility.begin(tile, rows, &mut buffers.tile);
+            painter.begin(tile, rows, buffers);
             let mut left = all;
             while !left.is_empty() {
                 let samples = tile_film.together(left.clone(), most);
@@ -389,21 +423,7 @@ pub(super) fn film<P: Visibility>(
                     if progress.is_cancelled() || scene.light.has_failed() {
                         return Err(Error::Cancelled);
                     }
-                    let Buffers {
-                        camera_rays, rays, ..
-                    } = buffers;
-                    let view = &scene.camera.view;
-                    let sampler = &scene.sampler;
-                    view.generate_by_pixel(camera_rays, sampler, strip.rows, samples.clone());
-                    let strip_samples = StripSamples {
-                        strip,
-                        camera_rays,
-                        surfaces: &stage.surfaces,
-                        index: scene.ray_index,
-                    };
-                    rays.clear();
-                    visibility.paint(&strip_samples, &mut buffers.tile, rays);
-                    stage.shade(strip, tile, buffers, &mut tile_film);
+                    painter.paint(strip, samples.clone(), buffers, (tile, &mut tile_film));
                     progress.rays_done(strip.samples() as u64);
                 }
                 left.start = samples.end;
@@ -419,7 +439,40 @@ pub(super) fn film<P: Visibility>(
     Ok(film.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
-impl Stage<'_> {
+impl<P: Visibility> Painter for Stage<'_, P> {
+    type Buffers = Buffers<P::TileBuffers>;
+
+    fn begin(&self, tile: Tile, rows: u32, buffers: &mut Self::Buffers) {
+        self.visibility.begin(tile, rows, &mut buffers.tile);
+    }
+
+    fn paint(
+        &self,
+        strip: Strip,
+        samples: Range<u32>,
+        buffers: &mut Self::Buffers,
+        (tile, film): (Tile, &mut TileFilm),
+    ) {
+        let Buffers {
+            camera_rays, rays, ..
+        } = buffers;
+        let Stage { scene, .. } = self;
+        let view = &scene.camera.view;
+        view.generate_by_pixel(camera_rays, &scene.sampler, strip.rows, samples);
+        let strip_samples = StripSamples {
+            strip,
+            camera_rays,
+            surfaces: &self.surfaces,
+            index: scene.ray_index,
+        };
+        rays.clear();
+        self.visibility
+            .paint(&strip_samples, &mut buffers.tile, rays);
+        self.shade(strip, tile, buffers, film);
+    }
+}
+
+impl<P> Stage<'_, P> {
     /// Adds the radiance of the rays of `strip`, which is of `tile`, to `film`.
     fn shade<T>(&self, strip: Strip, tile: Tile, buffers: &mut Buffers<T>, film: &mut TileFilm) {
         let Buffers {

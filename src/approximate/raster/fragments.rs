@@ -192,19 +192,26 @@ impl Fragments {
     }
 
     /// The points of the samples.
-    pub fn points(&self) -> (&[f64], &[f64]) {
-        (&self.x[..self.count], &self.y[..self.count])
+    pub fn points_mut(&mut self) -> (&mut [f64], &mut [f64]) {
+        (&mut self.x[..self.count], &mut self.y[..self.count])
     }
 
     /// Says which surface the next `samples` samples see, by its index.
     #[inline(always)]
     pub fn see(&mut self, surface: Option<u32>, samples: usize) {
-        let begin = self.runs.last().map_or(0, |run| run.end);
-        self.runs.push(Run {
-            surface: surface.unwrap_or(NOTHING),
-            begin,
-            end: begin + samples,
-        });
+        let surface = surface.unwrap_or(NOTHING);
+        match self.runs.last_mut() {
+            Some(last) if last.surface == surface => last.end += samples,
+            last => {
+                let begin = last.map_or(0, |run| run.end);
+                let end = begin + samples;
+                self.runs.push(Run {
+                    surface,
+                    begin,
+                    end,
+                });
+            }
+        }
     }
 
     /// Turns `rays` to the fragments on `surfaces`, where these are needed, and says what they meet there: at the fragments' own

@@ -27,7 +27,8 @@
 //! coordinate (`vertices`); triangles are divided level by level (`divide`), culled (`cull`) and sorted by the tiles
 //! that they may reach (`batch`). A tile is painted in strips of rows (`draw`), all samples of a pixel together: their depths stay in
 //! the cache while triangles cover them in f32, and in f64 where that is in doubt (`tile`); what is seen at all, and of that only
-//! what radiance depends on, is interpolated (`fragments`), and shaded by the loops of the ray tracer.
+//! what radiance depends on, is interpolated (`fragments`), and shaded by the loops of the ray tracer. Where radiance depends on the patch
+//! alone, no more is found of each sample than its patch and W (`even`).
 //!
 //! *Attributes.* By fragment, time and place of emission are those of X itself, whose world line meets the
 //! light cone of the shot somewhere, and W that of the look direction. By vertex, the rest frame's time
@@ -42,6 +43,7 @@ mod batch;
 mod cull;
 mod divide;
 mod draw;
+mod even;
 mod fragments;
 mod map;
 mod method;
@@ -74,7 +76,10 @@ pub fn render(scene: &Prepared, method: &Method, progress: &dyn Progress) -> Res
         Method::Raster(raster) => {
             let observer = Observer::new(scene)?;
             let drawn = triangles::Triangles::new(scene, &observer, raster, progress)?;
-            draw::film(scene, &drawn, progress)
+            match even::Even::new(scene, &drawn) {
+                Some(even) => draw::paint(scene, tile::MOST_TOGETHER, &even, progress),
+                None => draw::film(scene, &drawn, progress),
+            }
         }
         Method::Warp(warp) => {
             scene.camera.view.point().ok_or_else(apart)?;

@@ -31,6 +31,8 @@ const ROUNDING: f64 = 4.0 / (1u64 << 24) as f64;
 
 /// Number of samples that loops take together: eight f32 are a vector of AVX2.
 const LANES: usize = 8;
+/// Samples of a pixel fill whole blocks where they are a multiple of this.
+pub(super) const WHOLE: usize = LANES;
 /// Blocks of the samples of a strip: as many as a tile has pixels.
 const BLOCKS: usize = SIDE * SIDE / LANES;
 /// The most samples of a pixel that a strip holds, which is a row of pixels at least.
@@ -47,12 +49,21 @@ pub(super) struct Gathered {
     pub piece: u32,
     /// Pixels of the tile: first column and row, last column and row.
     pixels: [u8; 4],
+    /// The only sample that it may hold, or [`SEVERAL`].
+    only: u16,
 }
+
+/// Of a triangle that may hold more than one sample, or of which that has not been asked.
+const SEVERAL: u16 = u16::MAX;
 
 /// All pieces, where their vertices are, and the length that depths are measured in, metres.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pieces<'a> {
+    /// Of the film, pixels.
+    pub size: [u32; 2],
     pub batches: &'a [Batch],
+    /// The batches by tile.
+    pub by_tile: &'a TileBatches,
     /// By rest frame.
     pub seen: &'a [Vec<Vertex>],
     pub unit: f64,
@@ -143,18 +154,93 @@ impl StripLists {
 /// What is reused from tile to tile.
 #[derive(Debug)]
 pub(super) struct TileBuffers {
-    /// The corner of the tile.
-    corner: [u32; 2],
     pub triangles: Vec<Gathered>,
-    /// By triangle, as far as they have been set up.
+    /// By triangle.
     functions: Vec<Functions>,
-    is_set_up: bool,
+    /// Whether the triangles are all that may reach the tile.
+    is_complete: bool,
+    /// Whether strips have lists of their triangles, and are not the whole tile.
+    is_listed: bool,
     lists: StripLists,
-    /// Indices of triangles.
-    chosen: Vec<u32>,
+    /// Indices of all triangles.
+    every: Vec<u32>,
     /// By coordinate, the corners of triangles whose functions are set up together.
     corners: Box<[[[f64; LOT]; 3]; 3]>,
     samples: Box<Samples>,
+    pixels: Box<Pixels>,
+}
+
+/// The pixels of a strip whose samples fill whole blocks.
+#[derive(Debug)]
+struct Pixels {
+    /// Index of the triangle that all samples of a pixel see.
+    nearest: [u32; PIXELS],
+    /// Bounds on 1/z of the nearest so far, of all samples.
+    least: [f32; PIXELS],
+    most: [f32; PIXELS],
+    /// Whether samples may see several triangles, which are told one by one.
+    is_mixed: [bool; PIXELS],
+    /// Which pixels are asked sample by sample.
+    is_sampled: [bool; PIXELS],
+}
+
+impl Pixels {
+    /// Of which nothing is known.
+    const EMPTY: Pixels = Pixels {
+        nearest: [NOTHING; PIXELS],
+        least: [0.0; PIXELS],
+        most: [0.0; PIXELS],
+        is_mixed: [false; PIXELS],
+        is_sampled: [false; PIXELS],
+    };
+}
+
+/// The most pixels of a strip whose samples fill whole blocks.
+pub(super) const PIXELS: usize = BLOCKS;
+
+/// Triangles that span fewer columns are asked at once about the samples of all their pixels.
+const WIDE: usize = 3;
+
+/// Gathers those triangles that may reach `tile` and of which `holds` says what their only sample is, with their reach and their pixels.
+#[inline(always)]
+fn gather(
+    triangles: &mut Vec<Gathered>,
+    pieces: &Pieces,
+    tile: Tile,
+    holds: impl Fn(&Reach, [u8; 4]) -> Option<u16>,
+) {
+    triangles.clear();
+    let last = [0, 1].map(|axis| tile.corner[axis] + tile.size[axis] - 1);
+    // What may reach the tile, with the pixels that it may cover there.
+    let tile_index = tile.index(pieces.size);
+    for &at in pieces.by_tile.of(tile_index) {
+        let batch = &pieces.batches[at as usize];
+        let own = batch.bins.of(tile_index);
+        let begin = triangles.len();
+        let nothing = Gathered {
+            batch: at,
+            piece: 0,
+            pixels: [0; 4],
+            only: SEVERAL,
+        };
+        triangles.resize(begin + own.len(), nothing);
+        let mut count = begin;
+        for &piece in own {
+            let reach = &batch.pieces[piece as usize].reach;
+            // A tile is less than 256 pixels wide.
+            let pixels = reach.pixels(tile.corner, last).map(|p| p as u8);
+            let only = holds(reach, pixels);
+            // Without a branch, which no processor could predict.
+            triangles[count] = Gathered {
+                batch: at,
+                piece,
+                pixels,
+                only: only.unwrap_or(SEVERAL),
+            };
+            count += usize::from(only.is_some());
+        }
+        triangles.truncate(count);
+    }
 }
 
 /// Number of triangles that are set up together.
@@ -163,73 +249,113 @@ const LOT: usize = 32;
 impl Default for TileBuffers {
     fn default() -> Self {
         TileBuffers {
-            corner: [0; 2],
             triangles: Vec::new(),
             functions: Vec::new(),
-            is_set_up: false,
+            is_complete: false,
+            is_listed: false,
             lists: StripLists::default(),
-            chosen: Vec::new(),
+            every: Vec::new(),
             corners: Box::new([[[0.0; LOT]; 3]; 3]),
-            samples: Box::new(Samples {
-                x: [[f32::NAN; LANES]; BLOCKS],
-                y: [[f32::NAN; LANES]; BLOCKS],
-                least: [[0.0; LANES]; BLOCKS],
-                most: [[0.0; LANES]; BLOCKS],
-                nearest: [[NOTHING; LANES]; BLOCKS],
-            }),
+            samples: Box::new(Samples::NONE),
+            pixels: Box::new(Pixels::EMPTY),
         }
     }
 }
 
 impl TileBuffers {
-    /// Gathers the triangles that may reach `tile`, which has strips of `rows` rows, of a film of `size` pixels.
-    pub fn gather(
-        &mut self,
-        size: [u32; 2],
-        (tile, rows): (Tile, u32),
-        (batches, by_tile): (&[Batch], &TileBatches),
-    ) {
+    /// Forgets the triangles of the last tile.
+    pub fn start(&mut self) {
+        self.is_complete = false;
         self.triangles.clear();
-        self.corner = tile.corner;
-        let last = [0, 1].map(|axis| tile.corner[axis] + tile.size[axis] - 1);
-        // What may reach the tile, with the pixels that it may cover there.
-        let tile_index = tile.index(size);
-        for &at in by_tile.of(tile_index) {
-            let batch = &batches[at as usize];
-            let pieces = batch.bins.of(tile_index).iter();
-            self.triangles.extend(pieces.map(|&index| {
-                let reach = &batch.pieces[index as usize].reach;
-                Gathered {
-                    batch: at,
-                    piece: index,
-                    // A tile is less than 256 pixels wide.
-                    pixels: reach.pixels(tile.corner, last).map(|p| p as u8),
-                }
-            }));
-        }
-        if rows < tile.size[1] {
-            self.lists.fill(&self.triangles, rows as usize);
-        }
-        self.functions.resize(self.triangles.len(), NEVER);
-        self.is_set_up = false;
     }
 
-    /// Finds the nearest triangle at the samples of `strip`, which are at these points of the tile.
-    pub fn cover(&mut self, pieces: &Pieces, strip: &Strip, is_whole: bool, x: &[f64], y: &[f64]) {
+    /// Gathers the triangles that may reach `tile`, which has strips of `rows` rows, and sets them up, where that has not been done. Whether it has now.
+    pub fn complete(&mut self, pieces: &Pieces, tile: Tile, rows: u32) -> bool {
+        if self.is_complete {
+            return false;
+        }
+        gather(&mut self.triangles, pieces, tile, |_, _| Some(SEVERAL));
+        self.is_listed = rows < tile.size[1];
+        if self.is_listed {
+            self.lists.fill(&self.triangles, rows as usize);
+        }
+        self.set_up(pieces, tile);
+        self.is_complete = true;
+        true
+    }
+
+    /// Finds the nearest triangle at the samples of `tile`, one for each pixel, which are at these points of it: of triangles smaller than a pixel most
+    /// hold none, and are not kept.
+    pub fn cover_tile(&mut self, pieces: &Pieces, tile: Tile, x: &[f64], y: &[f64]) {
         dispatch(Start {
             points: [x, y],
             samples: &mut self.samples,
         });
-        // Of one sample for each pixel most triangles that are smaller than a pixel hold none, and need no functions.
-        if is_whole && strip.each == 1 && !self.is_set_up {
-            self.choose(pieces, strip.rows.size[0] as usize);
-            self.set_up(pieces);
-        } else {
-            self.set_up_all(pieces);
-        }
-        let list = match is_whole {
-            true => &self.chosen,
-            false => self.lists.of(strip.first as usize),
+        self.is_complete = false;
+        self.gather_held(pieces, tile);
+        self.set_up(pieces, tile);
+        let strip = Strip {
+            rows: tile,
+            first: 0,
+            each: 1,
+        };
+        dispatch(Cover {
+            triangles: &self.triangles,
+            functions: &self.functions,
+            list: &self.every,
+            strip: &strip,
+            samples: &mut self.samples,
+        });
+    }
+
+    /// Gathers the triangles that may hold a sample of `tile`.
+    fn gather_held(&mut self, pieces: &Pieces, tile: Tile) {
+        let [left, top] = tile.corner.map(|first| first as f32);
+        let width = tile.size[0] as usize;
+        let (x, y) = (self.samples.x.as_flattened(), self.samples.y.as_flattened());
+        gather(&mut self.triangles, pieces, tile, |reach, pixels| {
+            let [column, row, last_column, last_row] = pixels.map(usize::from);
+            if (last_column - column > 1) | (last_row - row > 1) {
+                return Some(SEVERAL);
+            }
+            let Reach(reach) = reach;
+            // Exact: whole numbers from multiples of the last digit of larger ones.
+            let [from_x, from_y] = [reach[0] - left, reach[1] - top];
+            let [to_x, to_y] = [reach[2] - left, reach[3] - top];
+            // Of four samples, or two or one twice, which are inside.
+            let (mut inside, mut only, mut count) = (0, 0, 0);
+            let all = [
+                row * width + column,
+                row * width + last_column,
+                last_row * width + column,
+                last_row * width + last_column,
+            ];
+            for sample in all {
+                let (x, y) = (x[sample], y[sample]);
+                let holds = (x >= from_x) & (x <= to_x) & (y >= from_y) & (y <= to_y);
+                let is_new = holds & !((inside != 0) & (only == sample));
+                inside |= u32::from(holds);
+                only = if holds { sample } else { only };
+                count += u32::from(is_new);
+            }
+            match count {
+                0 => None,
+                1 => Some(only as u16),
+                _ => Some(SEVERAL),
+            }
+        });
+    }
+
+    /// Finds the nearest triangle at the samples of `strip`, which are at these points of the tile.
+    pub fn cover(&mut self, strip: &Strip, x: &[f64], y: &[f64]) {
+        debug_assert!(self.is_complete);
+        dispatch(Start {
+            points: [x, y],
+            samples: &mut self.samples,
+        });
+        let list = match self.is_listed {
+            true => self.lists.of(strip.first as usize),
+            false => &self.every,
         };
         dispatch(Cover {
             triangles: &self.triangles,
@@ -240,45 +366,100 @@ impl TileBuffers {
         });
     }
 
-    /// Selects the triangles that may cover a sample, where each pixel of the tile has one sample, in rows of `width`.
-    fn choose(&mut self, pieces: &Pieces, width: usize) {
-        let [left, top] = self.corner.map(|first| first as f32);
-        let (x, y) = (self.samples.x.as_flattened(), self.samples.y.as_flattened());
-        self.chosen.clear();
-        self.chosen.resize(self.triangles.len(), 0);
-        let mut count = 0;
-        for (index, triangle) in (0..).zip(&self.triangles) {
-            let [column, row, last_column, last_row] = triangle.pixels.map(usize::from);
-            let is_small = (last_column - column < 2) & (last_row - row < 2);
-            let holds_some = !is_small || {
-                let piece =
-                    &pieces.batches[triangle.batch as usize].pieces[triangle.piece as usize];
-                let Reach(reach) = piece.reach;
-                // Exact: whole numbers from multiples of the last digit of larger ones.
-                let [from_x, from_y] = [reach[0] - left, reach[1] - top];
-                let [to_x, to_y] = [reach[2] - left, reach[3] - top];
-                let holds = |column: usize, row: usize| {
-                    let (x, y) = (x[row * width + column], y[row * width + column]);
-                    (x >= from_x) & (x <= to_x) & (y >= from_y) & (y <= to_y)
-                };
-                holds(column, row)
-                    | holds(last_column, row)
-                    | holds(column, last_row)
-                    | holds(last_column, last_row)
-            };
-            // Without a branch, which no processor could predict.
-            self.chosen[count] = index;
-            count += usize::from(holds_some);
-        }
-        self.chosen.truncate(count);
+    /// Nothing is known of the pixels of `strip`.
+    fn clear_pixels(&mut self, strip: &Strip) {
+        debug_assert!(self.is_complete && strip.each.is_multiple_of(LANES));
+        *self.pixels = Pixels::EMPTY;
     }
 
-    /// Sets up the functions of the chosen triangles: by lots, as columns, in vectors.
-    fn set_up(&mut self, pieces: &Pieces) {
+    /// Finds the nearest triangle at the samples of `strip`, which fill whole blocks of each pixel, and are at these points of the tile: by pixels first.
+    pub fn cover_by_pixels(&mut self, strip: &Strip, x: &mut [f64], y: &mut [f64]) {
+        self.clear_pixels(strip);
+        self.pixels.is_sampled.fill(true);
+        self.cover_each(strip, (x, y, false), &mut |_, _, _| {});
+    }
+
+    /// Says of which pixels of `strip` the samples are asked for: of those that a triangle may cover in part, and of all that may see one of the batches
+    /// that `needs` says. For strips whose samples fill whole blocks of each pixel.
+    pub fn begin_pixels(&mut self, strip: &Strip, needs: &[bool]) -> &[bool] {
+        self.clear_pixels(strip);
+        let list = match self.is_listed {
+            true => self.lists.of(strip.first as usize),
+            false => &self.every,
+        };
+        dispatch(Reached {
+            strip,
+            triangles: &self.triangles,
+            functions: &self.functions,
+            list,
+            needs,
+            pixels: &mut self.pixels,
+        });
+        &self.pixels.is_sampled[..strip.rows.pixels()]
+    }
+
+    /// Finds the nearest triangle at the samples of `strip`, which [`TileBuffers::begin_pixels`] has begun: of pixels that it has not asked for, `sample` is
+    /// called, if they are asked about after all. `x` and `y` are where samples are in their pixels.
+    pub fn cover_pixels(
+        &mut self,
+        strip: &Strip,
+        (x, y): (&mut [f64], &mut [f64]),
+        sample: &mut dyn FnMut(usize, &mut [f64], &mut [f64]),
+    ) {
+        self.cover_each(strip, (x, y, true), sample);
+    }
+
+    /// The same with points in their pixels, or else of the tile.
+    fn cover_each(
+        &mut self,
+        strip: &Strip,
+        (x, y, are_in_pixels): (&mut [f64], &mut [f64], bool),
+        sample: &mut dyn FnMut(usize, &mut [f64], &mut [f64]),
+    ) {
+        let list = match self.is_listed {
+            true => self.lists.of(strip.first as usize),
+            false => &self.every,
+        };
+        dispatch(CoverPixels {
+            triangles: &self.triangles,
+            functions: &self.functions,
+            list,
+            strip,
+            samples: &mut self.samples,
+            pixels: &mut self.pixels,
+            points: [x, y],
+            are_in_pixels,
+            sample,
+        });
+    }
+
+    /// Calls `each` with the index of the nearest triangle of samples in a row, and how many they are, after [`TileBuffers::cover_pixels`]. In the order of the samples.
+    #[inline(always)]
+    pub fn each_run_of_pixels(&self, strip: &Strip, mut each: impl FnMut(u32, usize)) {
+        let nearest = self.samples.nearest.as_flattened();
+        for pixel in 0..strip.rows.pixels().min(PIXELS) {
+            if !self.pixels.is_mixed[pixel] {
+                each(self.pixels.nearest[pixel], strip.each);
+                continue;
+            }
+            let own = &nearest[pixel * strip.each..(pixel + 1) * strip.each];
+            for alike in own.chunk_by(|a, b| a == b) {
+                each(alike[0], alike.len());
+            }
+        }
+    }
+
+    /// Sets up the functions of the triangles: by lots, as columns, in vectors. Those that do not hold their only sample are not kept.
+    fn set_up(&mut self, pieces: &Pieces, tile: Tile) {
         let mut lot = [NEVER; LOT];
-        for chosen in self.chosen.chunks(LOT) {
-            for (at, index) in chosen.iter().enumerate() {
-                let triangle = &self.triangles[*index as usize];
+        let (mut points, mut is_held) = ([[0.0; LOT]; 2], [1; LOT]);
+        let (x, y) = (self.samples.x.as_flattened(), self.samples.y.as_flattened());
+        self.functions.resize(self.triangles.len(), NEVER);
+        let corner = tile.corner.map(f64::from);
+        let mut count = 0;
+        for begin in (0..self.triangles.len()).step_by(LOT) {
+            let end = self.triangles.len().min(begin + LOT);
+            for (at, triangle) in self.triangles[begin..end].iter().enumerate() {
                 let batch = &pieces.batches[triangle.batch as usize];
                 let piece = &batch.pieces[triangle.piece as usize];
                 let corners = batch.corners(&pieces.seen[batch.frame as usize], piece);
@@ -288,28 +469,31 @@ impl TileBuffers {
                     corner[1][at] = h.y;
                     corner[2][at] = h.z;
                 }
+                // Where there are several, the first stands for them.
+                let only = usize::from(triangle.only) % (SIDE * SIDE);
+                (points[0][at], points[1][at]) = (x[only], y[only]);
             }
-            let of_chosen = &mut lot[..chosen.len()];
             dispatch(SetUp {
-                origin: self.corner.map(f64::from),
+                origin: corner,
                 unit: pieces.unit,
                 corners: &self.corners,
-                functions: of_chosen,
+                functions: &mut lot[..end - begin],
+                points: &points,
+                is_held: &mut is_held,
             });
-            for (index, functions) in chosen.iter().zip(of_chosen) {
-                self.functions[*index as usize] = *functions;
+            for at in begin..end {
+                let triangle = self.triangles[at];
+                if triangle.only == SEVERAL || is_held[at - begin] != 0 {
+                    self.triangles[count] = triangle;
+                    self.functions[count] = lot[at - begin];
+                    count += 1;
+                }
             }
         }
-    }
-
-    /// Sets up the functions of all triangles, where that has not been done.
-    pub fn set_up_all(&mut self, pieces: &Pieces) {
-        if !self.is_set_up {
-            self.chosen.clear();
-            self.chosen.extend(0..self.triangles.len() as u32);
-            self.set_up(pieces);
-            self.is_set_up = true;
-        }
+        self.triangles.truncate(count);
+        self.functions.truncate(count);
+        self.every.clear();
+        self.every.extend(0..count as u32);
     }
 
     /// The indices of the nearest triangles at the samples of the strip.
@@ -370,6 +554,9 @@ struct SetUp<'a> {
     unit: f64,
     corners: &'a [[[f64; LOT]; 3]; 3],
     functions: &'a mut [Functions],
+    /// A point for each, and whether it is inside.
+    points: &'a [[f32; LOT]; 2],
+    is_held: &'a mut [u32; LOT],
 }
 
 impl SetUp<'_> {
@@ -411,6 +598,14 @@ impl VectorLoop for SetUp<'_> {
             depth[1][at] = if is_seen { near.y } else { 0.0 };
             depth[2][at] = if is_seen { near.z } else { 0.0 };
             slack[at] = if is_seen { bound as f32 } else { 0.0 };
+        }
+        let [x, y] = self.points;
+        for at in 0..LOT {
+            let mut is_inside = true;
+            for [a, b, c] in &edges {
+                is_inside &= a[at] * x[at] + b[at] * y[at] + c[at] >= 0.0;
+            }
+            self.is_held[at] = u32::from(is_inside);
         }
         for (at, function) in self.functions.iter_mut().enumerate().take(LOT) {
             // One by one: to map the arrays would copy all of them for each triangle.
@@ -474,8 +669,12 @@ impl VectorLoop for Cover<'_> {
         let [width, height] = strip.rows.size.map(|n| n as usize);
         for &index in list {
             let of = &functions[index as usize];
-            let pixels = triangles[index as usize].pixels.map(usize::from);
-            let [left, top, right, bottom] = pixels;
+            let Gathered { pixels, only, .. } = triangles[index as usize];
+            if only != SEVERAL {
+                cover_one(functions, index, samples, usize::from(only));
+                continue;
+            }
+            let [left, top, right, bottom] = pixels.map(usize::from);
             for row in top.max(first)..=bottom.min(first + height - 1) {
                 // Whole blocks: samples beside the triangle are outside of it wherever they are.
                 let begin = (row - first) * width * each;
@@ -491,7 +690,237 @@ impl VectorLoop for Cover<'_> {
     }
 }
 
+/// A triangle's functions over a row of pixels: whether it reaches each pixel at all, and whether it covers all of it. In f32 the functions are monotonic
+/// in x and in y, as sums, products and rounding are: what they are at samples lies between what they are at two corners of the pixel, bit for bit.
+#[inline(always)]
+fn over_row(of: &Functions, row: usize) -> [[u32; SIDE]; 2] {
+    let (mut reached, mut full) = ([1; SIDE], [1; SIDE]);
+    for [a, b, c] in of.edges {
+        let (low, high) = corners_of_row([a, b, c], row);
+        for i in 0..SIDE {
+            reached[i] &= u32::from(high[i] >= 0.0);
+            full[i] &= u32::from(low[i] >= 0.0);
+        }
+    }
+    [reached, full]
+}
+
+/// The least and the greatest value that a function has over each pixel of a row.
+#[inline(always)]
+fn corners_of_row([a, b, c]: [f32; 3], row: usize) -> ([f32; SIDE], [f32; SIDE]) {
+    let [left, right] = if a >= 0.0 { [0.0, 1.0] } else { [1.0, 0.0] };
+    let row = row as f32;
+    let [top, bottom] = if b >= 0.0 {
+        [row, row + 1.0]
+    } else {
+        [row + 1.0, row]
+    };
+    let (mut low, mut high) = ([0.0; SIDE], [0.0; SIDE]);
+    for i in 0..SIDE {
+        let column = i as u32 as f32;
+        low[i] = a * (column + left) + b * top + c;
+        high[i] = a * (column + right) + b * bottom + c;
+    }
+    (low, high)
+}
+
+/// Bounds on 1/z over a pixel.
+#[inline(always)]
+fn bounds_over(of: &Functions, column: usize, row: usize) -> [f32; 2] {
+    let [a, b, c] = of.depth;
+    let (column, row) = (column as f32, row as f32);
+    let [left, right] = if a >= 0.0 { [0.0, 1.0] } else { [1.0, 0.0] };
+    let [top, bottom] = if b >= 0.0 { [0.0, 1.0] } else { [1.0, 0.0] };
+    let low = a * (column + left) + b * (row + top) + c;
+    let high = a * (column + right) + b * (row + bottom) + c;
+    [low - of.slack, high + of.slack]
+}
+
+/// The loop over triangles that notes which pixels have to be sampled.
+struct Reached<'a> {
+    strip: &'a Strip,
+    triangles: &'a [Gathered],
+    functions: &'a [Functions],
+    list: &'a [u32],
+    /// By batch, whether all of its pixels have to be.
+    needs: &'a [bool],
+    pixels: &'a mut Pixels,
+}
+
+impl VectorLoop for Reached<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let first = self.strip.first as usize;
+        let [width, height] = self.strip.rows.size.map(|n| n as usize);
+        for &index in self.list {
+            let triangle = &self.triangles[index as usize];
+            let [left, top, right, bottom] = triangle.pixels.map(usize::from);
+            for row in top.max(first)..=bottom.min(first + height - 1) {
+                let begin = (row - first) * width;
+                let of_row = &mut self.pixels.is_sampled[begin + left..=begin + right];
+                if right - left + 1 < WIDE {
+                    for is_sampled in of_row {
+                        *is_sampled = true;
+                    }
+                    continue;
+                }
+                let needs = self.needs[triangle.batch as usize];
+                let [reached, full] = over_row(&self.functions[index as usize], row);
+                let reached = reached[left..=right].iter().zip(&full[left..=right]);
+                for (is_sampled, (reached, full)) in of_row.iter_mut().zip(reached) {
+                    *is_sampled |= (*reached != 0) & (needs | (*full == 0));
+                }
+            }
+        }
+    }
+}
+
+/// The loop over triangles and the pixels that they may cover.
+struct CoverPixels<'a> {
+    triangles: &'a [Gathered],
+    functions: &'a [Functions],
+    list: &'a [u32],
+    strip: &'a Strip,
+    samples: &'a mut Samples,
+    pixels: &'a mut Pixels,
+    points: [&'a mut [f64]; 2],
+    /// Whether points are counted from the corners of their pixels, and not from that of the tile.
+    are_in_pixels: bool,
+    sample: &'a mut dyn FnMut(usize, &mut [f64], &mut [f64]),
+}
+
+impl VectorLoop for CoverPixels<'_> {
+    #[inline(always)]
+    fn run(mut self) {
+        let first = self.strip.first as usize;
+        let [width, height] = self.strip.rows.size.map(|n| n as usize);
+        for &index in self.list {
+            let of = &self.functions[index as usize];
+            let [left, top, right, bottom] = self.triangles[index as usize].pixels.map(usize::from);
+            for row in top.max(first)..=bottom.min(first + height - 1) {
+                let begin = (row - first) * width;
+                if right - left + 1 < WIDE {
+                    for column in left..=right {
+                        let bounds = bounds_over(of, column, row);
+                        self.cover_some(index, (begin + column, row), bounds);
+                    }
+                    continue;
+                }
+                let [reached, full] = over_row(of, row);
+                let (low, high) = corners_of_row(of.depth, row);
+                for column in left..=right.min(SIDE - 1) {
+                    if reached[column] != 0 {
+                        let bounds = [low[column] - of.slack, high[column] + of.slack];
+                        let is_full = full[column] != 0;
+                        self.cover(index, (begin + column, row), bounds, is_full);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl CoverPixels<'_> {
+    /// Covers a pixel, or some of its samples, with 1/z within these bounds.
+    #[inline(always)]
+    fn cover(
+        &mut self,
+        index: u32,
+        (pixel, row): (usize, usize),
+        [low, high]: [f32; 2],
+        is_full: bool,
+    ) {
+        if pixel >= PIXELS {
+            return;
+        }
+        let pixels = &mut *self.pixels;
+        // Before or behind all that is there, for all samples.
+        if is_full && low > pixels.most[pixel] {
+            pixels.nearest[pixel] = index;
+            (pixels.least[pixel], pixels.most[pixel]) = (low, high);
+            pixels.is_mixed[pixel] = false;
+        } else if high >= pixels.least[pixel] {
+            self.cover_some(index, (pixel, row), [low, high]);
+        }
+    }
+
+    /// Covers samples of a pixel.
+    #[inline(always)]
+    fn cover_some(&mut self, index: u32, (pixel, row): (usize, usize), [low, high]: [f32; 2]) {
+        if pixel >= PIXELS {
+            return;
+        }
+        if !self.pixels.is_mixed[pixel] {
+            self.mix(pixel, row);
+        }
+        let Pixels { least, most, .. } = &mut *self.pixels;
+        least[pixel] = least[pixel].min(low);
+        most[pixel] = most[pixel].max(high);
+        let (each, of) = (self.strip.each, &self.functions[index as usize]);
+        for block in pixel * each / LANES..(pixel + 1) * each / LANES {
+            if block < BLOCKS && cover_block(of, index, self.samples, block) {
+                resolve(self.functions, index, self.samples, block);
+            }
+        }
+    }
+
+    /// Gives the samples of a pixel what it has.
+    #[inline(always)]
+    fn mix(&mut self, pixel: usize, row: usize) {
+        let each = self.strip.each;
+        let [x, y] = &mut self.points;
+        if !self.pixels.is_sampled[pixel] {
+            (self.sample)(pixel, x, y);
+            self.pixels.is_sampled[pixel] = true;
+        }
+        self.pixels.is_mixed[pixel] = true;
+        let nearest = self.pixels.nearest[pixel];
+        let of = self.functions.get(nearest as usize);
+        let column = pixel % self.strip.rows.size[0] as usize;
+        let (column, row) = match self.are_in_pixels {
+            true => (column as f64, row as f64),
+            false => (0.0, 0.0),
+        };
+        for block in pixel * each / LANES..(pixel + 1) * each / LANES {
+            let samples = &mut *self.samples;
+            let own = block * LANES..(block + 1) * LANES;
+            let (Some(in_x), Some(in_y)) = (
+                x[own.clone()].first_chunk::<LANES>(),
+                y[own].first_chunk::<LANES>(),
+            ) else {
+                return;
+            };
+            let (to_x, to_y) = (&mut samples.x[block], &mut samples.y[block]);
+            for i in 0..LANES {
+                to_x[i] = (column + in_x[i]) as f32;
+                to_y[i] = (row + in_y[i]) as f32;
+            }
+            samples.nearest[block] = [nearest; LANES];
+            let (least, most) = (&mut samples.least[block], &mut samples.most[block]);
+            match of {
+                None => (*least, *most) = ([0.0; LANES], [0.0; LANES]),
+                Some(of) => {
+                    let [a, b, c] = of.depth;
+                    for i in 0..LANES {
+                        let near = a * to_x[i] + b * to_y[i] + c;
+                        (least[i], most[i]) = (near - of.slack, near + of.slack);
+                    }
+                }
+            }
+        }
+    }
+}
+
 impl Samples {
+    /// None.
+    const NONE: Samples = Samples {
+        x: [[f32::NAN; LANES]; BLOCKS],
+        y: [[f32::NAN; LANES]; BLOCKS],
+        least: [[0.0; LANES]; BLOCKS],
+        most: [[0.0; LANES]; BLOCKS],
+        nearest: [[NOTHING; LANES]; BLOCKS],
+    };
+
     /// Takes the points of all samples, none of which sees anything yet.
     #[inline(always)]
     fn start(&mut self, x: &[f64], y: &[f64]) {
@@ -552,6 +981,22 @@ fn cover_block(of: &Functions, index: u32, samples: &mut Samples, block: usize) 
     close != 0
 }
 
+/// Replaces what lies behind a triangle at a sample that it holds.
+#[inline(always)]
+fn cover_one(functions: &[Functions], index: u32, samples: &mut Samples, sample: usize) {
+    let (of, block, i) = (&functions[index as usize], sample / LANES, sample % LANES);
+    let [a, b, c] = of.depth;
+    let near = a * samples.x[block][i] + b * samples.y[block][i] + c;
+    let (low, high) = (near - of.slack, near + of.slack);
+    if low > samples.most[block][i] {
+        samples.least[block][i] = low;
+        samples.most[block][i] = high;
+        samples.nearest[block][i] = index;
+    } else if high >= samples.least[block][i] {
+        resolve(functions, index, samples, block);
+    }
+}
+
 /// Decides in f64 where [`cover_block`] could not.
 #[cold]
 fn resolve(functions: &[Functions], index: u32, samples: &mut Samples, block: usize) {
@@ -589,6 +1034,7 @@ mod tests {
             batch: 0,
             piece: 0,
             pixels: [3, top, 7, bottom],
+            only: SEVERAL,
         };
         let spans = [[0, 15], [4, 4], [15, 15], [0, 0], [3, 5], [14, 15], [7, 8]];
         let triangles = spans.map(rows);
@@ -675,7 +1121,9 @@ mod tests {
         let by_tile = TileBatches::new(&batches, Tile::count(size));
         let all = [seen];
         let pieces = Pieces {
+            size,
             batches: &batches,
+            by_tile: &by_tile,
             seen: &all,
             unit: 2.0,
         };
@@ -688,13 +1136,17 @@ mod tests {
             each: 1,
         };
         let mut buffers = TileBuffers::default();
-        let mut nearest = [false, true].map(|is_set_up| {
-            buffers.gather(size, (tile, 16), (&batches, &by_tile));
-            if is_set_up {
-                buffers.set_up_all(&pieces);
+        let mut nearest = [false, true].map(|is_complete| {
+            match is_complete {
+                true => {
+                    buffers.complete(&pieces, tile, 16);
+                    buffers.cover(&strip, &x, &y);
+                }
+                false => buffers.cover_tile(&pieces, tile, &x, &y),
             }
-            buffers.cover(&pieces, &strip, true, &x, &y);
-            (buffers.chosen.len(), buffers.nearest()[..x.len()].to_vec())
+            let piece = |k: &u32| buffers.triangles.get(*k as usize).map(|one| one.piece);
+            let seen: Vec<_> = buffers.nearest()[..x.len()].iter().map(piece).collect();
+            (buffers.triangles.len(), seen)
         });
         assert_eq!(nearest[0].1, nearest[1].1);
         let count = nearest[1].0;
@@ -702,7 +1154,7 @@ mod tests {
         // Small ones are seen, and not large ones alone.
         nearest[0]
             .1
-            .retain(|k| *k != NOTHING && buffers.triangles[*k as usize].piece % 50 != 0);
+            .retain(|piece| piece.is_some_and(|piece| piece % 50 != 0));
         assert!(nearest[0].1.len() > 20, "{}", nearest[0].1.len());
     }
 }

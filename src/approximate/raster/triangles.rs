@@ -9,6 +9,7 @@ use super::batch::{Batch, Grid, TileBatches};
 use super::cull::Frustum;
 use super::divide::{BatchBuilder, Cuts, Divider, FrameVertices, Outlook};
 use super::method::{Attributes, Raster, Tessellation};
+use super::tile::Pieces;
 use super::vertices::{Vertex, transformed};
 use crate::accel::Facing;
 use crate::approximate::projection::{Observer, Projection};
@@ -22,6 +23,8 @@ use crate::render::trace::{Dependence, RestFrame};
 const BATCH: u32 = 4096;
 /// Number of batches that a rest frame is divided into, where they are smaller.
 const BATCHES: u32 = 16;
+/// Number of triangles of a batch, in rest frames that have so many.
+const LEAST: u32 = 1024;
 
 /// All triangles of a scene in homogeneous film coordinates.
 #[derive(Debug)]
@@ -47,6 +50,17 @@ impl<'a> Triangles<'a> {
     /// Whether times and wavelength ratios are interpolated between vertices.
     pub fn has_interpolated_attributes(&self) -> bool {
         self.attributes == Attributes::Vertex
+    }
+
+    /// What tiles are painted from.
+    pub fn pieces(&self) -> Pieces<'_> {
+        Pieces {
+            size: self.size,
+            batches: &self.batches,
+            by_tile: &self.by_tile,
+            seen: &self.seen,
+            unit: self.unit,
+        }
     }
 
     /// Divides the triangles of `scene` as `raster` says, moves them to their apparent positions and
@@ -84,8 +98,7 @@ impl<'a> Triangles<'a> {
             return Err(cuts.refusal());
         }
         // Depths in units of the farthest vertex are of the order of 1 in scenes of any size.
-        let all = seen.iter().flatten();
-        let farthest = all.fold(0.0, |far: f64, vertex| far.max(vertex.film.z.abs()));
+        let farthest = farthest(&seen);
         Ok(Triangles {
             size,
             frames,
@@ -116,7 +129,7 @@ fn divided(
 ) -> Result<Vec<Batch>> {
     let runs = frames.iter().enumerate().flat_map(|(frame, rest)| {
         let slots = rest.bvh.len() as u32;
-        let run = slots.div_ceil(BATCHES).clamp(256, BATCH);
+        let run = slots.div_ceil(BATCHES).clamp(LEAST, BATCH);
         (0..slots.div_ceil(run)).map(move |k| (frame, k * run..slots.min((k + 1) * run)))
     });
     let runs: Vec<_> = runs.collect();
@@ -157,6 +170,18 @@ fn divided(
             _ => return batches.into_par_iter().map(finished).collect(),
         }
     }
+}
+
+/// The largest |z| of all vertices.
+fn farthest(seen: &[Vec<Vertex>]) -> f64 {
+    // Several at a time, as none has to wait for another.
+    let mut far = [0.0f64; 8];
+    for vertices in seen.iter().flat_map(|all| all.chunks(8)) {
+        for (far, vertex) in far.iter_mut().zip(vertices) {
+            *far = far.max(vertex.film.z.abs());
+        }
+    }
+    far.into_iter().fold(0.0, f64::max)
 }
 
 /// Whether the camera is on the side from which the corners run counter-clockwise. Light goes straight in

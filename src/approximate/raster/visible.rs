@@ -2,15 +2,15 @@
 
 use super::draw::{RayBatch, StripSamples, Visibility};
 use super::fragments::{Fragments, Surface};
-use super::tile::{MOST_TOGETHER, NOTHING, Pieces, TileBuffers};
+use super::tile::{MOST_TOGETHER, NOTHING, TileBuffers, WHOLE};
 use super::triangles::Triangles;
 use crate::render::film::Tile;
 
 /// What is reused from tile to tile.
 #[derive(Debug, Default)]
 pub(super) struct Buffers {
-    /// The tile that was begun last.
-    tile: Option<Tile>,
+    /// The tile that was begun last, and how many rows its strips have.
+    tile: Option<(Tile, u32)>,
     triangles: TileBuffers,
     seen: SeenSurfaces,
     fragments: Fragments,
@@ -63,10 +63,8 @@ impl Visibility for Triangles<'_> {
     }
 
     fn begin(&self, tile: Tile, rows: u32, buffers: &mut Buffers) {
-        let (strips, batches) = ((tile, rows), (self.batches.as_slice(), &self.by_tile));
-        buffers.triangles.gather(self.size, strips, batches);
-        buffers.tile = Some(tile);
-        buffers.seen.start(buffers.triangles.triangles.len());
+        buffers.triangles.start();
+        buffers.tile = Some((tile, rows));
     }
 
     /// Which triangle each sample shows, by depth, and the fragments of these.
@@ -77,22 +75,35 @@ impl Visibility for Triangles<'_> {
             seen,
             fragments,
         } = buffers;
-        let Some(tile) = *tile else {
+        let Some((tile, rows)) = *tile else {
             return;
         };
         fragments.start(samples, self.needed, rays);
-        let (x, y) = fragments.points();
-        let pieces = Pieces {
-            batches: &self.batches,
-            seen: &self.seen,
-            unit: self.unit,
-        };
-        let is_whole = samples.strip.rows == tile;
-        triangles.cover(&pieces, &samples.strip, is_whole, x, y);
+        let (x, y) = fragments.points_mut();
+        let (pieces, strip) = (self.pieces(), &samples.strip);
+        // Behind a hole any triangle may be seen.
+        if strip.is_all_of(tile) && !self.has_holes {
+            triangles.cover_tile(&pieces, tile, x, y);
+            seen.start(triangles.triangles.len());
+        } else {
+            if triangles.complete(&pieces, tile, rows) {
+                seen.start(triangles.triangles.len());
+            }
+            match strip.each.is_multiple_of(WHOLE) && !self.has_holes {
+                true => {
+                    triangles.cover_by_pixels(strip, x, y);
+                    triangles.each_run_of_pixels(strip, |triangle, samples| {
+                        let surface = seen.of(self, tile, triangles, triangle);
+                        fragments.see(surface, samples);
+                    });
+                    return fragments.finish(self, samples, &seen.surfaces, rays);
+                }
+                false => triangles.cover(strip, x, y),
+            }
+        }
         let count = x.len();
         if self.has_holes {
-            triangles.set_up_all(&pieces);
-            for (sample, (x, y)) in x.iter().zip(y).enumerate() {
+            for (sample, (x, y)) in x.iter().zip(&*y).enumerate() {
                 let mut is_opaque = |triangle: u32| {
                     let surface = seen.of(self, tile, triangles, triangle);
                     let surface = surface.map(|known| &seen.surfaces[known as usize]);

@@ -211,6 +211,12 @@ impl TileFilm {
         }
     }
 
+    /// The sum of the radiance of a pixel, to be added to sample by sample.
+    #[inline(always)]
+    pub(crate) fn sum_mut(&mut self, pixel: usize) -> &mut [f64; 3] {
+        &mut self.radiance[pixel]
+    }
+
     /// Adds the radiance of one sample of a pixel after the other.
     pub(crate) fn add_samples(&mut self, pixel: usize, samples: &[[f64; 3]]) {
         let mut sum = self.radiance[pixel];

@@ -61,7 +61,7 @@ pub use rest_frame::{Patch, RestFrame};
 pub use run::Run;
 pub(crate) use run::TracedRays;
 pub use shading::{Background, SkySpectra};
-pub(crate) use shading::{RadianceSink, Shading};
+pub(crate) use shading::{RadianceSink, Shading, weigh};
 pub(crate) use sharing::AT_ONCE;
 pub use sky_light::SkyLight;
 pub(crate) use stats::Counter;

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::base_colours::{BaseColour, BaseColours, Dependence, Finish};
 use super::captures::captured_point;
-use super::emitted::{Colouring, Detail, Emission, Emitted};
+use super::emitted::{Colouring, Detail, Emission, Emitted, Response, Scaling};
 use super::footprint::{self, Recorded};
 use super::lamps;
 use super::occlusion::{any_to_point, shadow_starts};
@@ -86,6 +86,12 @@ pub trait Radiance: Debug + Send + Sync {
         Dependence::Weights
     }
 
+    /// By emitter, its radiance, and the factor that an observer puts on all of them: where each shines alike everywhere, at all times and in all
+    /// directions, and channels are colours as they stand.
+    fn even(&self) -> Option<(Scaling, Vec<[f64; 3]>)> {
+        None
+    }
+
     /// Whether coverage can be other than full: then the film counts it.
     fn has_gaps(&self) -> bool;
 
@@ -119,6 +125,15 @@ impl Radiance for BaseColours {
     fn dependence(&self) -> Dependence {
         let all = self.colours.iter().map(BaseColour::dependence);
         all.max().unwrap_or(Dependence::Patch)
+    }
+
+    fn even(&self) -> Option<(Scaling, Vec<[f64; 3]>)> {
+        let Response { scaled, colour } = &self.response;
+        let are_channels = matches!(colour, Colouring::Channels);
+        let is_alike = |base: &BaseColour| base.response.is_none() && base.profile.is_none();
+        let radiance = |base: &BaseColour| base.constant().filter(|_| is_alike(base));
+        let all: Option<Vec<_>> = self.colours.iter().map(radiance).collect();
+        all.filter(|_| are_channels).map(|all| (*scaled, all))
     }
 
     fn has_gaps(&self) -> bool {

@@ -477,7 +477,7 @@ fn those_of<'a>(rays: &[u32], all: &'a [f64], gathered: &'a mut Vec<f64>) -> &'a
 }
 
 /// The observer's factors for wavelength ratios `ratios`.
-fn weigh(scaled: Scaling, ratios: &[f64], factors: &mut Vec<f64>) {
+pub(crate) fn weigh(scaled: Scaling, ratios: &[f64], factors: &mut Vec<f64>) {
     factors.clear();
     match scaled {
         Scaling::None => factors.resize(ratios.len(), 1.0),

@@ -1,0 +1,688 @@
+//! Pictures of surfaces that shine alike everywhere: no sample is asked for more than it takes.
+//!
+//! Where radiance depends on nothing but the patch (colours, no lamps, no channels), a sample is the product of its patch's radiance L and the
+//! observer's factor f(W), and pixels that all see one patch at W = 1, or nothing, are the same wherever their samples lie. So triangles cover
+//! pixels first (`tile`); positions of samples are worked out for pixels that a triangle covers in part, and where W differs from sample to sample; W for
+//! samples that see something that moves relative to the camera:
+//!
+//! ```text
+//! W = W_camera(d′) W_rest(d),     d′ the direction in which the camera looks at the sample, d that in the world,
+//! ```
+//!
+//! by the sums and products of the ray tracer, and added up in its order: bit for bit the film that shading gives.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::draw::{Painter, Strip};
+use super::tile::{Gathered, NOTHING, TileBuffers, WHOLE};
+use super::triangles::{Triangles, is_front};
+use crate::accel::vectors::{VectorLoop, dispatch};
+use crate::camera::{AnyProjection, Point, Projection};
+use crate::render::film::{TILE, Tile, TileFilm};
+use crate::render::prepare::Prepared;
+use crate::render::sampler::{Sampler, halves, pixel_key};
+use crate::render::trace::{Background, Dependence, Scaling, weigh};
+use crate::spacetime::{Boost, Camera, Direction, Rest, World};
+
+/// A patch that shows nothing but black.
+const BLACK: u32 = NOTHING - 1;
+
+/// A scene whose surfaces shine alike everywhere, and a background of one colour.
+pub(super) struct Even<'a> {
+    triangles: &'a Triangles<'a>,
+    sampler: Sampler,
+    film: &'a AnyProjection,
+    /// None for a camera that rests in the world.
+    world_from_camera: Option<Boost<World, Camera>>,
+    /// Whether directions of the camera are taken as the world's.
+    is_unaberrated: bool,
+    scaled: Scaling,
+    background: [f64; 3],
+    /// The patches of all frames, and where those of each begin.
+    patches: Vec<EvenPatch>,
+    firsts: Vec<u32>,
+    /// By batch of triangles, whether W differs from sample to sample.
+    batches_with_ratios: Vec<bool>,
+}
+
+/// What a patch shows.
+#[derive(Debug, Clone, Copy)]
+struct EvenPatch {
+    radiance: [f64; 3],
+    frame: u32,
+    /// Whether W differs from sample to sample.
+    has_ratios: bool,
+}
+
+/// What is reused from tile to tile.
+#[derive(Debug, Default)]
+pub(super) struct Buffers {
+    /// The tile that was begun last, and how many rows its strips have.
+    tile: Option<(Tile, u32)>,
+    triangles: TileBuffers,
+    /// By triangle of the tile, its patch, or [`BLACK`]; [`NOTHING`] where that has not been asked.
+    patches: Vec<u32>,
+    samples: Positions,
+    runs: Vec<PatchRun>,
+    /// Film points of the samples whose W is asked for.
+    x: Vec<f64>,
+    y: Vec<f64>,
+    ratios: Vec<f64>,
+    factors: Vec<f64>,
+}
+
+/// Where the samples of a strip are.
+#[derive(Debug, Default)]
+struct Positions {
+    keys: Vec<u64>,
+    /// In their pixels.
+    x: Vec<f64>,
+    y: Vec<f64>,
+}
+
+/// Samples in a row that see one patch.
+#[derive(Debug, Clone, Copy)]
+struct PatchRun {
+    /// Its number, [`BLACK`] or [`NOTHING`].
+    patch: u32,
+    samples: u32,
+    /// Where its W begin, if it has some.
+    at: u32,
+}
+
+impl<'a> Even<'a> {
+    /// None where radiance depends on more than the patch, or a channel is asked for.
+    pub fn new(scene: &'a Prepared, triangles: &'a Triangles<'a>) -> Option<Self> {
+        let (scaled, radiance) = scene.light.radiance().even()?;
+        let Background::Observed(background) = scene.background else {
+            return None;
+        };
+        if triangles.needed > Dependence::Patch
+            || triangles.has_holes
+            || scene.light.radiance().has_gaps()
+        {
+            return None;
+        }
+        let shot = &scene.camera.shot;
+        let (moves, is_unaberrated) = match scene.camera.view.point()? {
+            Point::Still(_) => (false, false),
+            Point::Moving(_) => (true, false),
+            Point::Unaberrated(_) => (true, true),
+        };
+        let boost = *shot.frame.world_from_frame();
+        let world_from_camera = (moves && !boost.is_identity()).then_some(boost);
+        let (mut patches, mut firsts) = (Vec::new(), Vec::new());
+        for (frame, rest) in (0..).zip(triangles.frames) {
+            firsts.push(patches.len() as u32);
+            let is_still = rest.frame.frame_from_world().is_identity();
+            for patch in &rest.patches {
+                patches.push(EvenPatch {
+                    radiance: *radiance.get(patch.emitter as usize)?,
+                    frame,
+                    has_ratios: world_from_camera.is_some() || !is_still,
+                });
+            }
+        }
+        let has_ratios = |frame: u32| {
+            let first = patches.get(firsts[frame as usize] as usize);
+            first.is_some_and(|patch: &EvenPatch| patch.has_ratios)
+        };
+        let batches = triangles.batches.iter();
+        Some(Even {
+            batches_with_ratios: batches.map(|batch| has_ratios(batch.frame)).collect(),
+            triangles,
+            sampler: scene.sampler,
+            film: &shot.projection,
+            world_from_camera,
+            is_unaberrated,
+            scaled,
+            background,
+            patches,
+            firsts,
+        })
+    }
+
+    /// The number of the patch of a triangle.
+    fn patch_of(&self, triangle: &Gathered) -> u32 {
+        let batch = &self.triangles.batches[triangle.batch as usize];
+        let rest = &self.triangles.frames[batch.frame as usize];
+        let first = self.firsts[batch.frame as usize];
+        if let [only] = rest.patches.as_slice()
+            && !only.black_back
+        {
+            return first;
+        }
+        let slot = batch.pieces[triangle.piece as usize].slot;
+        let (triangle, _) = rest.bvh.triangle(slot);
+        let after = (rest.patches).partition_point(|patch| patch.first <= triangle);
+        let own = after.max(1) - 1;
+        let projection = &self.triangles.projections[batch.frame as usize];
+        match rest.patches[own].black_back && !is_front(rest.bvh.corners(slot), projection) {
+            true => BLACK,
+            false => first + own as u32,
+        }
+    }
+
+    /// Fills `ratios` with W of the samples at these film points that see rest frame `frame`.
+    fn ratios(&self, frame: u32, [x, y]: [&[f64]; 2], ratios: &mut [f64]) {
+        let boost = self.triangles.frames[frame as usize]
+            .frame
+            .frame_from_world();
+        let loops = Looks {
+            film: self.film,
+            world_from_camera: self.world_from_camera.as_ref(),
+            is_unaberrated: self.is_unaberrated,
+            rest_from_world: (!boost.is_identity()).then_some(boost),
+            points: [x, y],
+            ratios,
+        };
+        match self.film {
+            AnyProjection::Perspective(film) => dispatch(loops.through(film)),
+            _ => dispatch(loops),
+        }
+    }
+}
+
+impl Painter for Even<'_> {
+    type Buffers = Buffers;
+
+    fn begin(&self, tile: Tile, rows: u32, buffers: &mut Buffers) {
+        buffers.triangles.start();
+        buffers.tile = Some((tile, rows));
+    }
+
+    fn paint(
+        &self,
+        strip: Strip,
+        samples: Range<u32>,
+        buffers: &mut Buffers,
+        (tile, film): (Tile, &mut TileFilm),
+    ) {
+        let Buffers {
+            tile: Some((_, rows)),
+            triangles,
+            patches,
+            samples: positions,
+            runs,
+            x,
+            y,
+            ratios,
+            factors,
+        } = buffers
+        else {
+            return;
+        };
+        let pieces = self.triangles.pieces();
+        // Where the samples are, and which triangle each sees.
+        positions.start(&strip);
+        let are_pixels = strip.each.is_multiple_of(WHOLE);
+        let has_more = match strip.is_all_of(tile) {
+            true => true,
+            false => triangles.complete(&pieces, tile, *rows),
+        };
+        if are_pixels {
+            let is_sampled = triangles.begin_pixels(&strip, &self.batches_with_ratios);
+            positions.sample(&self.sampler, samples.clone(), is_sampled);
+            let Positions { keys, x, y } = &mut *positions;
+            let mut sample = |pixel: usize, x: &mut [f64], y: &mut [f64]| {
+                let own = pixel * strip.each..(pixel + 1) * strip.each;
+                let keys = &keys[pixel..=pixel];
+                let (x, y) = (&mut x[own.clone()], &mut y[own]);
+                (self.sampler).offsets_by_pixel(keys, samples.clone(), x, y);
+            };
+            triangles.cover_pixels(&strip, (x, y), &mut sample);
+        } else {
+            let is_sampled = [true; (TILE * TILE) as usize];
+            positions.sample(&self.sampler, samples, &is_sampled[..strip.rows.pixels()]);
+            strip.points([&positions.x, &positions.y], x, y);
+            match strip.is_all_of(tile) {
+                true => triangles.cover_tile(&pieces, tile, x, y),
+                false => triangles.cover(&strip, x, y),
+            }
+        }
+        if has_more {
+            patches.clear();
+            patches.resize(triangles.triangles.len(), NOTHING);
+        }
+        // Which patch each sample sees.
+        runs.clear();
+        let see = |triangle: u32, samples: usize| {
+            let patch = match patches.get_mut(triangle as usize) {
+                None => NOTHING,
+                Some(known) => {
+                    if *known == NOTHING {
+                        *known = self.patch_of(&triangles.triangles[triangle as usize]);
+                    }
+                    *known
+                }
+            };
+            match runs.last_mut() {
+                Some(last) if last.patch == patch => last.samples += samples as u32,
+                _ => runs.push(PatchRun {
+                    patch,
+                    samples: samples as u32,
+                    at: 0,
+                }),
+            }
+        };
+        match are_pixels {
+            true => triangles.each_run_of_pixels(&strip, see),
+            false => triangles.each_run(strip.samples(), see),
+        }
+        // W of those that need it, in the order of samples: by frames.
+        x.clear();
+        y.clear();
+        let mut begin = 0;
+        for run in &mut *runs {
+            let own = begin..begin + run.samples as usize;
+            begin = own.end;
+            let known = self.patches.get(run.patch as usize);
+            run.at = x.len() as u32;
+            if known.is_some_and(|patch| patch.has_ratios) {
+                positions.append(strip.each, own, [x, y]);
+            }
+        }
+        ratios.resize(x.len(), 0.0);
+        let mut frames = runs.iter().filter_map(|run| {
+            let patch = self.patches.get(run.patch as usize)?;
+            patch.has_ratios.then_some((patch.frame, run.at as usize))
+        });
+        let mut next = frames.next();
+        while let Some((frame, begin)) = next {
+            next = frames.find(|(other, _)| *other != frame);
+            let end = next.map_or(x.len(), |(_, begin)| begin);
+            let own = begin..end;
+            let points = [&x[own.clone()], &y[own.clone()]];
+            self.ratios(frame, points, &mut ratios[own]);
+        }
+        weigh(self.scaled, ratios, factors);
+        // At W = 1.
+        let one = {
+            let mut one = Vec::new();
+            weigh(self.scaled, &[1.0], &mut one);
+            one[0]
+        };
+        let unmet = runs.iter().filter(|run| run.patch == NOTHING);
+        film.add_unmet(unmet.map(|run| u64::from(run.samples)).sum());
+        dispatch(AddUp {
+            even: self,
+            one,
+            strip: &strip,
+            runs,
+            factors,
+            film,
+        });
+    }
+}
+
+impl Positions {
+    /// None yet of those of `strip`.
+    fn start(&mut self, strip: &Strip) {
+        let Tile {
+            corner: [left, top],
+            size: [width, height],
+        } = strip.rows;
+        self.keys.clear();
+        for row in top..top + height {
+            (self.keys).extend((left..left + width).map(|column| pixel_key(column, row)));
+        }
+        self.x.resize(strip.samples(), 0.0);
+        self.y.resize(strip.samples(), 0.0);
+    }
+
+    /// Works out where the samples of some pixels are.
+    fn sample(&mut self, sampler: &Sampler, samples: Range<u32>, is_sampled: &[bool]) {
+        let each = samples.len();
+        let mut begin = 0;
+        for alike in is_sampled.chunk_by(|a, b| a == b) {
+            let own = begin..begin + alike.len();
+            begin = own.end;
+            if !alike[0] {
+                continue;
+            }
+            let keys = &mut self.keys[own.clone()];
+            let own = own.start * each..own.end * each;
+            let (x, y) = (&mut self.x[own.clone()], &mut self.y[own]);
+            match each {
+                1 => {
+                    let (within, salt) = sampler.replicate(samples.start);
+                    keys.iter_mut().for_each(|key| *key ^= salt);
+                    sampler.offsets(keys, within, x, y);
+                    keys.iter_mut().for_each(|key| *key ^= salt);
+                }
+                _ => sampler.offsets_by_pixel(keys, samples.clone(), x, y),
+            }
+        }
+    }
+
+    /// Adds the film points of some samples, of which each pixel has `each`, to `x` and `y`.
+    fn append(&self, each: usize, samples: Range<usize>, [x, y]: [&mut Vec<f64>; 2]) {
+        let from = x.len();
+        x.extend_from_slice(&self.x[samples.clone()]);
+        y.extend_from_slice(&self.y[samples.clone()]);
+        let (x, y) = (&mut x[from..], &mut y[from..]);
+        if each == 1 {
+            for ((x, y), key) in x.iter_mut().zip(y).zip(&self.keys[samples]) {
+                let [column, row] = halves(*key);
+                (*x, *y) = (column + *x, row + *y);
+            }
+            return;
+        }
+        // The first pixel may not begin with the samples, nor the last one end with them.
+        let (mut pixel, mut begin) = (samples.start / each, 0);
+        let mut end = ((pixel + 1) * each - samples.start).min(x.len());
+        while begin < x.len() {
+            let [column, row] = halves(self.keys[pixel]);
+            for (x, y) in x[begin..end].iter_mut().zip(&mut y[begin..end]) {
+                (*x, *y) = (column + *x, row + *y);
+            }
+            (pixel, begin) = (pixel + 1, end);
+            end = (end + each).min(x.len());
+        }
+    }
+}
+
+/// Number of samples whose W are worked out together.
+const LANES: usize = 16;
+
+/// The loop over film points that gives W of samples that see one rest frame.
+struct Looks<'a, P> {
+    film: &'a P,
+    world_from_camera: Option<&'a Boost<World, Camera>>,
+    is_unaberrated: bool,
+    rest_from_world: Option<&'a Boost<Rest, World>>,
+    points: [&'a [f64]; 2],
+    ratios: &'a mut [f64],
+}
+
+impl<'a, P> Looks<'a, P> {
+    /// The same through another projection.
+    fn through<Q>(self, film: &'a Q) -> Looks<'a, Q> {
+        let Looks {
+            world_from_camera,
+            is_unaberrated,
+            rest_from_world,
+            points,
+            ratios,
+            ..
+        } = self;
+        Looks {
+            film,
+            world_from_camera,
+            is_unaberrated,
+            rest_from_world,
+            points,
+            ratios,
+        }
+    }
+}
+
+impl<P: Projection> VectorLoop for Looks<'_, P> {
+    #[inline(always)]
+    fn run(self) {
+        let [x, y] = self.points.map(|all| all.chunks(LANES));
+        for ((x, y), to) in x.zip(y).zip(self.ratios.chunks_mut(LANES)) {
+            let (mut at_x, mut at_y) = ([0.0; LANES], [0.0; LANES]);
+            match (x.first_chunk(), y.first_chunk()) {
+                (Some(x), Some(y)) => (at_x, at_y) = (*x, *y),
+                _ => {
+                    at_x[..x.len()].copy_from_slice(x);
+                    at_y[..y.len()].copy_from_slice(y);
+                }
+            }
+            // In short loops, one step after the other: of long ones compilers make no vector code for AVX2.
+            let (mut dx, mut dy, mut dz) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+            for k in 0..LANES {
+                let d = self.film.direction(at_x[k], at_y[k]).unit();
+                (dx[k], dy[k], dz[k]) = (d.x, d.y, d.z);
+            }
+            let mut ratios = [1.0; LANES];
+            if let Some(boost) = self.world_from_camera.copied() {
+                if self.is_unaberrated || self.rest_from_world.is_none() {
+                    for k in 0..LANES {
+                        let d = Direction::from_unit(DVec3::new(dx[k], dy[k], dz[k]));
+                        ratios[k] = boost.direction_of_moving(d).1;
+                    }
+                } else {
+                    for k in 0..LANES {
+                        let d = Direction::from_unit(DVec3::new(dx[k], dy[k], dz[k]));
+                        let (d, ratio) = boost.direction_of_moving(d);
+                        ratios[k] = ratio;
+                        (dx[k], dy[k], dz[k]) = (d.unit().x, d.unit().y, d.unit().z);
+                    }
+                }
+            }
+            if let Some(boost) = self.rest_from_world.copied() {
+                for k in 0..LANES {
+                    let d = Direction::from_unit(DVec3::new(dx[k], dy[k], dz[k]));
+                    ratios[k] *= boost.direction_of_moving(d).1;
+                }
+            }
+            match to.first_chunk_mut() {
+                Some(to) => *to = ratios,
+                None => to.copy_from_slice(&ratios[..to.len()]),
+            }
+        }
+    }
+}
+
+/// The loop over runs that adds their radiance to their pixels, sample by sample.
+struct AddUp<'a> {
+    even: &'a Even<'a>,
+    /// The factor at W = 1.
+    one: f64,
+    strip: &'a Strip,
+    runs: &'a [PatchRun],
+    factors: &'a [f64],
+    film: &'a mut TileFilm,
+}
+
+impl VectorLoop for AddUp<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let each = self.strip.each;
+        let (mut pixel, mut left) = (self.strip.pixel(0), each);
+        let end = pixel + self.strip.rows.pixels();
+        let mut sum = wide(*self.film.sum_mut(pixel));
+        for run in self.runs {
+            let (colour, factors) = match self.even.patches.get(run.patch as usize) {
+                Some(patch) => {
+                    let own = match patch.has_ratios {
+                        true => self.factors.get(run.at as usize..).unwrap_or_default(),
+                        false => &[],
+                    };
+                    (wide(patch.radiance), own)
+                }
+                None if run.patch == BLACK => ([0.0; 4], [].as_slice()),
+                None => (wide(self.even.background), [].as_slice()),
+            };
+            let is_seen = run.patch < BLACK;
+            // One sample for each pixel.
+            if each == 1 {
+                let own = pixel..pixel + run.samples as usize;
+                pixel = own.end;
+                let factor = if is_seen { self.one } else { 1.0 };
+                match factors {
+                    [] => {
+                        for pixel in own {
+                            add(self.film.sum_mut(pixel), factor, colour);
+                        }
+                    }
+                    factors => {
+                        for (pixel, factor) in own.zip(factors) {
+                            add(self.film.sum_mut(pixel), *factor, colour);
+                        }
+                    }
+                }
+                continue;
+            }
+            let (mut at, mut samples) = (0, run.samples as usize);
+            while samples > 0 {
+                let now = samples.min(left);
+                match factors.get(at..at + now) {
+                    Some(factors) if !factors.is_empty() => {
+                        for factor in factors {
+                            for k in 0..4 {
+                                sum[k] += factor * colour[k];
+                            }
+                        }
+                    }
+                    _ => {
+                        let factor = if is_seen { self.one } else { 1.0 };
+                        for _ in 0..now {
+                            for k in 0..4 {
+                                sum[k] += factor * colour[k];
+                            }
+                        }
+                    }
+                }
+                at += now;
+                samples -= now;
+                left -= now;
+                if left == 0 {
+                    let [r, g, b, _] = sum;
+                    *self.film.sum_mut(pixel) = [r, g, b];
+                    (pixel, left) = (pixel + 1, each);
+                    if pixel < end {
+                        sum = wide(*self.film.sum_mut(pixel));
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn add(sum: &mut [f64; 3], factor: f64, [r, g, b, _]: [f64; 4]) {
+    for (sum, value) in sum.iter_mut().zip([r, g, b]) {
+        *sum += factor * value;
+    }
+}
+
+/// Three numbers in a vector of four.
+#[inline(always)]
+fn wide([r, g, b]: [f64; 3]) -> [f64; 4] {
+    [r, g, b, 0.0]
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::super::draw;
+    use super::super::{Method, tile};
+    use super::*;
+    use crate::approximate::projection::Observer;
+    use crate::render::film::Film;
+    use crate::render::plan::{Plan, Request};
+    use crate::render::progress::Silent;
+    use crate::scene::{self, Overrides};
+
+    /// Boxes and balls of several colours at rest and in motion, before each other and through each other, on a floor that passes below the camera.
+    const BODIES: &str = r#"
+[[object]]
+shape = { plane = { size = [9.0, 9.0] } }
+colour = [0.5, 0.6, 0.4]
+[[object]]
+shape = { box = { size = [1.0, 1.1, 0.9] } }
+colour = [0.7, 0.3, 0.2]
+transform = { rotate = { axis = [0.2, 1.0, 0.1], angle = "30 deg" }, translate = [0.2, 0.5, 0.0] }
+[[object]]
+shape = { sphere = { radius = 0.4, subdivisions = 3 } }
+colour = [0.2, 0.3, 0.9]
+transform = { translate = [0.7, 0.5, 0.3] }
+"#;
+    const MOVING: &str = r#"
+[[object]]
+shape = { sphere = { radius = 0.5, subdivisions = 3 } }
+colour = [0.1, 0.9, 0.3]
+velocity = { beta = [0.8, 0.0, 0.0] }
+origin = { position = [-0.6, 0.9, 0.4], time = "-3 m" }
+[[object]]
+shape = { box = { size = [0.8, 0.8, 0.8] } }
+colour = [0.9, 0.9, 0.3]
+velocity = { beta = [0.0, 0.3, -0.4] }
+origin = { position = [0.3, 0.6, 0.8], time = "-3 m" }
+"#;
+
+    /// The films of a scene by this painter and by shading, if it is one for this painter.
+    fn films(text: &str, samples: u32, method: &str) -> Option<[Film; 2]> {
+        let text = format!(
+            "[display]\nsamples_per_pixel = {samples}\nbackground = [0.01, 0.3, 0.02]\n{text}"
+        );
+        let scene = scene::parse(&text, "even", Path::new("."), &Overrides::default()).unwrap();
+        let plan = Plan::new(&scene, &Request::default()).unwrap();
+        let scene = Prepared::new(&scene, &plan, &Silent).unwrap();
+        let observer = Observer::new(&scene).unwrap();
+        let Ok(Method::Raster(raster)) = method.parse() else {
+            panic!("{method}");
+        };
+        let drawn = Triangles::new(&scene, &observer, &raster, &Silent).unwrap();
+        let even = Even::new(&scene, &drawn)?;
+        let fast = draw::paint(&scene, tile::MOST_TOGETHER, &even, &Silent).unwrap();
+        Some([fast, draw::film(&scene, &drawn, &Silent).unwrap()])
+    }
+
+    fn camera(more: &str) -> String {
+        format!(
+            "[camera]\neye = [0.4, 0.9, 2.0]\nlook_at = [0.1, 0.4, 0]\nhfov = \"70 deg\"\nsize = [70, 53]\n{more}\n"
+        )
+    }
+
+    #[test]
+    fn pictures_of_even_surfaces_are_those_of_shading_bit_for_bit() {
+        let cameras = [
+            "",
+            "velocity = { beta = [0.1, -0.5, -0.6] }",
+            "velocity = { beta = [0.0, 0.0, 0.9] }",
+        ];
+        let mut count = 0;
+        for more in cameras {
+            for moving in ["", MOVING] {
+                let text = format!("{}{BODIES}{moving}", camera(more));
+                for samples in [1, 2, 7, 8, 16, 24, 33] {
+                    let method = "raster:adaptive=0.5";
+                    let [fast, shaded] = films(&text, samples, method).unwrap();
+                    let bits = |film: &Film| -> Vec<_> {
+                        let all = film.radiance().iter();
+                        all.map(|rgb| rgb.map(f64::to_bits)).collect()
+                    };
+                    assert!(bits(&fast) == bits(&shaded), "{more} {samples}");
+                    assert_eq!(fast.met(), shaded.met());
+                    count += bits(&fast).len();
+                }
+            }
+        }
+        assert_eq!(count, 3 * 2 * 7 * 70 * 53);
+    }
+
+    #[test]
+    fn black_backs_and_directions_without_aberration_are_those_of_shading() {
+        let open = "[[object]]\nshape = { plane = { size = [3.0, 3.0] } }\ncolour = [0.9, 0.1, 0.2]\n\
+                    transform = { rotate = { axis = [1.0, 0.0, 0.0], angle = \"-50 deg\" }, translate = [0.0, 0.6, -0.4] }\n";
+        let velocity = "velocity = { beta = [0.3, 0.0, -0.6] }";
+        for more in ["", "[effects]\naberration = false\n"] {
+            let text = format!(
+                "back_faces = \"black\"\n{more}{}{BODIES}{open}{MOVING}",
+                camera(velocity)
+            );
+            for samples in [1, 16] {
+                let [fast, shaded] = films(&text, samples, "raster:none").unwrap();
+                assert_eq!(fast.radiance(), shaded.radiance());
+                assert!(fast.radiance().contains(&[0.0; 3]));
+            }
+        }
+    }
+
+    #[test]
+    fn what_depends_on_more_than_patches_is_left_to_shading() {
+        let lamp = "[[source]]\npulse = { position = [1, 3, 2], time = \"0 m\", sigma = \"9 m\", intensity = 20.0 }\n";
+        let still = camera("");
+        assert!(films(&format!("{still}{BODIES}"), 1, "raster:none").is_some());
+        assert!(films(&format!("{still}{BODIES}{lamp}"), 1, "raster:none").is_none());
+        let by_vertex = "raster:none,attributes=vertex";
+        assert!(films(&format!("{still}{BODIES}"), 1, by_vertex).is_none());
+    }
+}

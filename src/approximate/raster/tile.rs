@@ -198,6 +198,9 @@ impl Pixels {
 /// The most pixels of a strip whose samples fill whole blocks.
 pub(super) const PIXELS: usize = BLOCKS;
 
+/// Works out where the samples of a pixel of a strip are, in their places in lists of x and y of all samples.
+pub(super) type SamplePixel<'a> = dyn FnMut(usize, &mut [f64], &mut [f64]) + 'a;
+
 /// Triangles that span fewer columns are asked at once about the samples of all their pixels.
 const WIDE: usize = 3;
 
@@ -322,22 +325,24 @@ impl TileBuffers {
             // Exact: whole numbers from multiples of the last digit of larger ones.
             let [from_x, from_y] = [reach[0] - left, reach[1] - top];
             let [to_x, to_y] = [reach[2] - left, reach[3] - top];
-            // Of four samples, or two or one twice, which are inside.
-            let (mut inside, mut only, mut count) = (0, 0, 0);
-            let all = [
-                row * width + column,
-                row * width + last_column,
-                last_row * width + column,
-                last_row * width + last_column,
+            let holds = |column: usize, row: usize| {
+                let (x, y) = (x[row * width + column], y[row * width + column]);
+                (x >= from_x) & (x <= to_x) & (y >= from_y) & (y <= to_y)
+            };
+            // Of four samples, two or one, which are inside.
+            let (is_wide, is_high) = (last_column != column, last_row != row);
+            let inside = [
+                holds(column, row),
+                is_wide & holds(last_column, row),
+                is_high & holds(column, last_row),
+                is_wide & is_high & holds(last_column, last_row),
             ];
-            for sample in all {
-                let (x, y) = (x[sample], y[sample]);
-                let holds = (x >= from_x) & (x <= to_x) & (y >= from_y) & (y <= to_y);
-                let is_new = holds & !((inside != 0) & (only == sample));
-                inside |= u32::from(holds);
-                only = if holds { sample } else { only };
-                count += u32::from(is_new);
-            }
+            let [_, b, c, d] = inside.map(usize::from);
+            // The one that is, where there is one: each step is 1 or none.
+            let only = (row + (c | d) * (last_row - row)) * width
+                + column
+                + (b | d) * (last_column - column);
+            let count: usize = inside.map(usize::from).iter().sum();
             match count {
                 0 => None,
                 1 => Some(only as u16),
@@ -404,7 +409,7 @@ impl TileBuffers {
         &mut self,
         strip: &Strip,
         (x, y): (&mut [f64], &mut [f64]),
-        sample: &mut dyn FnMut(usize, &mut [f64], &mut [f64]),
+        sample: &mut SamplePixel,
     ) {
         self.cover_each(strip, (x, y, true), sample);
     }
@@ -414,7 +419,7 @@ impl TileBuffers {
         &mut self,
         strip: &Strip,
         (x, y, are_in_pixels): (&mut [f64], &mut [f64], bool),
-        sample: &mut dyn FnMut(usize, &mut [f64], &mut [f64]),
+        sample: &mut SamplePixel,
     ) {
         let list = match self.is_listed {
             true => self.lists.of(strip.first as usize),
@@ -786,7 +791,7 @@ struct CoverPixels<'a> {
     points: [&'a mut [f64]; 2],
     /// Whether points are counted from the corners of their pixels, and not from that of the tile.
     are_in_pixels: bool,
-    sample: &'a mut dyn FnMut(usize, &mut [f64], &mut [f64]),
+    sample: &'a mut SamplePixel<'a>,
 }
 
 impl VectorLoop for CoverPixels<'_> {

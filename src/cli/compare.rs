@@ -1,6 +1,6 @@
 //! `nullray compare`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use nullray::Result;
@@ -19,16 +19,23 @@ use super::args::CompareArguments;
 use super::check::Names;
 use super::failure::{Done, refused};
 use super::output::extension;
-use super::{builtin, interrupt, print, print_json};
+use super::{builtin, inputs, interrupt, print, print_json};
 
 /// Compares, writes what is asked for, and says whether all tolerances are met.
 pub fn run(arguments: &CompareArguments) -> Result<Done> {
-    check_outputs(arguments)?;
+    check_outputs(arguments, &[])?;
     let budget = Budget::new(arguments.memory.bytes());
     let reference = picture(&arguments.reference, arguments, &budget)?;
     let candidate = picture(&arguments.candidate, arguments, &budget)?;
+    let scene = scene(arguments, &reference)?;
+    if let Some(scene) = scene
+        .as_ref()
+        .filter(|_| arguments.outputs().next().is_some())
+    {
+        check_outputs(arguments, &inputs::of_any(scene))?;
+    }
     let options = CompareOptions {
-        scene: scene(arguments, &reference)?,
+        scene,
         ..options(arguments, &budget)?
     };
     let taken = working_memory(&reference, &candidate, &options);
@@ -142,11 +149,12 @@ fn write(
     Ok(())
 }
 
-/// Refuses, before any work, what could not be written after it.
-fn check_outputs(arguments: &CompareArguments) -> Result<()> {
+/// Refuses, before any work, what could not be written after it; `read` are the files of the scene.
+fn check_outputs(arguments: &CompareArguments, read: &[PathBuf]) -> Result<()> {
     let overwritten = "this is one of the files that are read and would be overwritten";
     let compared = [&arguments.reference, &arguments.candidate];
     let others = [&arguments.mask, &arguments.scene].into_iter().flatten();
+    let others = others.chain(read);
     let mut names = Names::new(compared.into_iter().chain(others), overwritten, "");
     for (flag, path, kind) in arguments.outputs() {
         let option = format!("{flag} {}", path.display());

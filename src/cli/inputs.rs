@@ -4,11 +4,34 @@ use std::path::{Path, PathBuf};
 
 use nullray::io::cube::{is_sequence, pictures};
 use nullray::io::{colmap, files};
-use nullray::render::plan::Plan;
-use nullray::scene::model::{Scene, SourceKind};
+use nullray::render::plan::{Plan, Request};
+use nullray::scene::model::{Geometry, Scene, SourceKind};
 
 /// All files that `scene` and `plan` name, sources that light nothing included.
 pub fn of(scene: &Scene, plan: &Plan) -> Vec<PathBuf> {
+    let meshes = plan
+        .objects
+        .iter()
+        .flat_map(|o| o.file.iter().chain(&o.files).cloned());
+    with(scene, meshes)
+}
+
+/// The same of a scene that may be rendered or not: where it cannot be planned, the files beside its meshes are not known.
+pub fn of_any(scene: &Scene) -> Vec<PathBuf> {
+    match Plan::new(scene, &Request::default()) {
+        Ok(plan) => of(scene, &plan),
+        Err(_) => {
+            let meshes = scene.objects.iter().filter_map(|o| match &o.geometry {
+                Geometry::Gltf { path, .. } => Some(path.clone()),
+                _ => None,
+            });
+            with(scene, meshes)
+        }
+    }
+}
+
+/// All files that `scene` names, and `meshes`.
+fn with(scene: &Scene, meshes: impl Iterator<Item = PathBuf>) -> Vec<PathBuf> {
     let cubes = scene.sources.iter().filter_map(|s| match &s.kind {
         SourceKind::Cube(cube) => cube.data.path(),
         SourceKind::Pulse(_) => None,
@@ -17,10 +40,6 @@ pub fn of(scene: &Scene, plan: &Plan) -> Vec<PathBuf> {
         true => pictures(path).unwrap_or_default(),
         false => vec![path.to_path_buf()],
     });
-    let meshes = plan
-        .objects
-        .iter()
-        .flat_map(|o| o.file.iter().chain(&o.files).cloned());
     let coordinates = scene.objects.iter().filter_map(|o| {
         let file = o.texture_coordinates.as_ref()?;
         Some(file.path.clone())

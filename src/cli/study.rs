@@ -62,13 +62,15 @@ pub fn run(arguments: &StudyArguments) -> Result<()> {
 /// Where to write; refused before anything is measured.
 fn outputs(arguments: &StudyArguments, read: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let path = arguments.scene.path();
-    if arguments.output.is_empty() {
-        let endings = ["-study.csv", "-study.json", "-study.svg"];
-        return Ok(endings.map(|ending| named_after(path, ending)).into());
-    }
+    let outputs = match arguments.output.as_slice() {
+        [] => ["-study.csv", "-study.json", "-study.svg"]
+            .map(|ending| named_after(path, ending))
+            .into(),
+        said => said.to_vec(),
+    };
     let overwritten = "the scene is made from this file, which would be overwritten";
     let mut names = Names::new(read, overwritten, "");
-    for output in &arguments.output {
+    for output in &outputs {
         let option = format!("-o {}", output.display());
         if !["csv", "json", "svg", "pdf", "png"].contains(&extension(output).as_str()) {
             let help = "end it in .csv, .json, .svg, .pdf or .png";
@@ -76,7 +78,7 @@ fn outputs(arguments: &StudyArguments, read: &[PathBuf]) -> Result<Vec<PathBuf>>
         }
         names.check(&option, output)?;
     }
-    Ok(arguments.output.clone())
+    Ok(outputs)
 }
 
 fn write(study: &Study, path: &Path, scene: &Scene) -> Result<()> {

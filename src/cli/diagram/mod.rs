@@ -17,7 +17,7 @@ use super::check::Names;
 use super::failure::refused;
 use super::names::named_after;
 use super::output::{encoded, extension};
-use super::{builtin, interrupt, reel, say};
+use super::{builtin, inputs, interrupt, reel, say};
 
 /// The kinds of files, by extension.
 const KINDS: [&str; 6] = ["svg", "pdf", "png", "tex", "apng", "y4m"];
@@ -138,7 +138,7 @@ fn outputs(arguments: &DiagramArguments) -> Result<Vec<Output>> {
         said => said.iter().map(|path| Output::of(path)).collect(),
     };
     let overwritten = "the diagram is made from this file, which would be overwritten";
-    let mut names = Names::new(arguments.scene.path(), overwritten, " drawing");
+    let mut names = Names::new(read(arguments), overwritten, " drawing");
     for output in &outputs {
         let option = format!("-o {}", output.path.display());
         if !KINDS.contains(&output.kind.as_str()) {
@@ -155,6 +155,15 @@ fn outputs(arguments: &DiagramArguments) -> Result<Vec<Output>> {
         }
     }
     Ok(outputs)
+}
+
+/// The file, and what the scene in it, if there is one, is made of.
+fn read(arguments: &DiagramArguments) -> Vec<PathBuf> {
+    let path = arguments.scene.path();
+    // What is wrong with the scene is said where it matters, after this.
+    let scene = pixel::scene(arguments, &overrides(arguments, None));
+    let files = scene.map_or_else(|_| Vec::new(), |scene| inputs::of_any(&scene));
+    path.into_iter().map(PathBuf::from).chain(files).collect()
 }
 
 /// What the command line changes of the file; drawn in `frame`.

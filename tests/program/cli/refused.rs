@@ -256,6 +256,39 @@ fn textures_beside_a_mesh_are_not_overwritten() {
     refused(&folder, &arguments, &["bricks.png", "overwritten"]);
 }
 
+#[test]
+fn diagrams_and_studies_do_not_overwrite_what_their_scene_is_made_of() {
+    let folder = Folder::empty();
+    let path = folder.path("floor.png");
+    nullray::io::image::png::write(&path, 4, 4, &[200; 48], &[]).unwrap();
+    let floor = r#"
+[camera]
+eye = [0, 0, 5]
+look_at = [0, 0, 0]
+size = [8, 8]
+[[object]]
+shape = { plane = { size = [2, 2] } }
+[[source]]
+[source.cube]
+file = "floor.png"
+transfer = "linear"
+capture = { eye = [0, 5, 0], look_at = [0, 0, 0], up = [0, 0, -1], hfov = "40 deg" }
+"#;
+    folder.write("floor.toml", floor);
+    for options in [&["--pixel", "4,4"][..], &[]] {
+        let arguments = [&["diagram", "floor.toml", "-o", "floor.png"], options].concat();
+        refused(&folder, &arguments, &["-o floor.png", "overwritten"]);
+    }
+    // The name that a study writes to where none is given.
+    folder.write("s-study.csv", "0, 0, -1, 0, 6500\n");
+    folder.write(
+        "s.toml",
+        format!("{SMALL}[sky]\nstars = {{ file = \"s-study.csv\" }}\n"),
+    );
+    let arguments = ["study", "s.toml", "--methods", "trace", "--samples", "1"];
+    refused(&folder, &arguments, &["s-study.csv", "overwritten"]);
+}
+
 /// A triangle with its buffer in a file `mesh.bin`, and an image file.
 pub const TRIANGLE: &str = r#"{
 "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "name": "roof"}],

@@ -263,6 +263,25 @@ fn the_mask_is_not_overwritten() {
 }
 
 #[test]
+fn what_the_named_scene_is_made_of_is_not_overwritten() {
+    let folder = folder();
+    let sky = folder.path().join("sky.exr");
+    fs::copy(folder.path().join("exact.exr"), &sky).unwrap();
+    let scene = "[camera]\neye = [0, 1, 5]\nlook_at = [0, 0, 0]\nhfov = \"60 deg\"\nsize = [61, 47]\n\
+                 [[object]]\nshape = { box = { size = [1, 1, 1] } }\n[sky]\nimage = { file = \"sky.exr\" }\n";
+    fs::write(folder.path().join("scene.toml"), scene).unwrap();
+    let before = fs::read(&sky).unwrap();
+    let options = ["--scene", "scene.toml", "--maps", "sky.exr"];
+    let output = run(
+        folder.path(),
+        &[&["exact.exr", "mine.exr"], &options[..]].concat(),
+    );
+    assert_eq!(code(&output), 2, "{}", message(&output));
+    assert!(message(&output).contains("would be overwritten"));
+    assert_eq!(fs::read(&sky).unwrap(), before);
+}
+
+#[test]
 fn a_limit_of_flip_without_flip_says_why_it_is_not_met() {
     let folder = folder();
     let pair = [

@@ -2,7 +2,8 @@
 //!
 //! A sequence is named by its folder, where that holds one only, or by a pattern for the names of its files in which a
 //! placeholder stands for the number: `{i:03d}` as Python has it, `%04d` as C does, or `####`. Files are taken in the
-//! order of their numbers, whatever their zeros; none may be missing between the first and the last.
+//! order of their numbers, whatever their zeros; none may be missing between the first and the last. A file that has such a name
+//! as it stands is that file, and no pattern.
 //!
 //! A single picture, or a folder of one, may be steady: its axes are "H W" then, those of a single picture unless the caller says otherwise.
 //! A TIFF file may hold many pictures, a stack: with an axis of time these are the pictures of the sequence.
@@ -141,12 +142,15 @@ struct Pattern {
 }
 
 impl Pattern {
-    /// That of a name with a placeholder.
+    /// That of a name with a placeholder; none where a file has the name as it stands.
     fn of(path: &Path) -> Option<Pattern> {
         let name = path.file_name()?.to_str()?;
         let (start, end) = braces(name)
             .or_else(|| printf(name))
             .or_else(|| hashes(name))?;
+        if path.is_file() {
+            return None;
+        }
         Some(Pattern {
             before: name[..start].into(),
             after: name[end..].into(),
@@ -489,6 +493,20 @@ mod tests {
         ] {
             assert_eq!(pattern(name), None, "{name}");
         }
+    }
+
+    #[test]
+    fn a_file_that_has_the_name_of_a_pattern_is_that_file() {
+        let names = ["shot#1.png", "run_%d.png", "x{i}.png", "run#2.npy"];
+        let found = folder(&[&names[..], &["shot01.png", "run_0.png", "x0.png"]].concat());
+        for name in &names[..3] {
+            let path = found.path().join(name);
+            assert_eq!(pictures(&path).unwrap(), [path.clone()], "{name}");
+        }
+        assert!(!is_sequence(&found.path().join("run#2.npy")));
+        // Without such a file it is a pattern.
+        let numbered = pictures(&found.path().join("shot#.png")).unwrap();
+        assert_eq!(numbered, [found.path().join("shot01.png")]);
     }
 
     fn folder(names: &[&str]) -> tempfile::TempDir {

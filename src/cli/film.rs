@@ -37,7 +37,7 @@ pub fn one(
     let mut rendered = film(scene, &plan, &outputs.method, quiet, account)?;
     let times = times(outputs, scene, &mut rendered.prepared, quiet)?;
     outputs.write(scene, &rendered.film, times.as_ref(), quiet)?;
-    warn(quiet, &outputs.beyond_half(&rendered.film))?;
+    warn(quiet, &outputs.beyond_precision(&rendered.film))?;
     rendered.remark(scene, plan.rays.camera, quiet)?;
     let Rendered { film, prepared, .. } = &mut rendered;
     overlay::write(outputs, scene, film, prepared, quiet)

@@ -203,11 +203,14 @@ impl Outputs {
         Ok(())
     }
 
-    /// What half precision cannot hold of the radiance, where a file has it: brighter than its greatest number, or so dim that the
-    /// nearest one is 0. A few dim pixels are not worth a word.
-    pub fn beyond_half(&self, film: &Film) -> Option<String> {
-        if !self.half || !self.files().any(|(_, kind)| kind == Kind::Exr) {
+    /// What half precision, or else single precision, cannot hold of the radiance, where a file has it: brighter than its greatest
+    /// number, or of half precision so dim that the nearest one is 0. A few dim pixels are not worth a word.
+    pub fn beyond_precision(&self, film: &Film) -> Option<String> {
+        if !self.files().any(|(_, kind)| kind == Kind::Exr) {
             return None;
+        }
+        if !self.half {
+            return beyond_single(film);
         }
         const GREATEST: f64 = 65504.0;
         // Half of the least number above 0, 2⁻²⁴, and less are rounded to 0.
@@ -320,6 +323,20 @@ impl Outputs {
         }
         Ok(format!(" ({} channels)", layers.channels.len()))
     }
+}
+
+/// What single precision cannot hold of the radiance.
+fn beyond_single(film: &Film) -> Option<String> {
+    let is_beyond = |c: &f64| c.is_finite() && c.abs() > f64::from(f32::MAX);
+    let pixels = film.radiance().iter();
+    let bright = pixels.filter(|rgb| rgb.iter().any(is_beyond)).count() as u64;
+    (bright > 0).then(|| {
+        let pixels = counted(bright, "pixel");
+        format!(
+            "EXR: {pixels} brighter than {:.4e} limited to that: a .npz file holds them in f64",
+            f32::MAX
+        )
+    })
 }
 
 /// A number of things.

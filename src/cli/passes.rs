@@ -192,7 +192,7 @@ impl Work<'_> {
         }
         let times = times(outputs, scene, &mut rendered.prepared, quiet)?;
         outputs.write(scene, &rendered.film, times.as_ref(), quiet)?;
-        warn(quiet, &outputs.beyond_half(&rendered.film))?;
+        warn(quiet, &outputs.beyond_precision(&rendered.film))?;
         let (passes, error) = (self.passes.done(), 100.0 * self.passes.error());
         let of_pixels = format!("{error:.3} % of the mean radiance (root mean square over pixels)");
         // Of an error that was asked for, what was asked: that of tiles, which is less than that of pixels.

@@ -124,8 +124,8 @@ struct Done {
     black: u64,
     /// Of the first black frame.
     remark: String,
-    /// Frames that half precision does not hold, and what is said of the first of them.
-    beyond_half: u64,
+    /// Frames that the precision of a file does not hold, and what is said of the first of them.
+    beyond_precision: u64,
     limited: Option<String>,
 }
 
@@ -257,8 +257,8 @@ impl Sequence<'_> {
 
     fn note(&mut self, number: u64, scene: &Scene, film: &Film) {
         self.done.rendered += 1;
-        if let Some(text) = self.job.outputs.beyond_half(film) {
-            self.done.beyond_half += 1;
+        if let Some(text) = self.job.outputs.beyond_precision(film) {
+            self.done.beyond_precision += 1;
             let first = &mut self.done.limited;
             first.get_or_insert_with(|| format!("frame {number}: {text}"));
         }
@@ -314,7 +314,7 @@ impl Sequence<'_> {
             ))?;
         }
         self.say(&done.remark)?;
-        let more = done.beyond_half.saturating_sub(1);
+        let more = done.beyond_precision.saturating_sub(1);
         let limited = done.limited.iter().map(|text| match more {
             0 => text.clone(),
             1 => format!("{text} (and the same of one more frame)"),
@@ -333,6 +333,6 @@ fn changed(path: &Path) -> Error {
 }
 
 /// Whether brightness matters to what is written.
-fn is_shown(outputs: &Outputs) -> bool {
+pub fn is_shown(outputs: &Outputs) -> bool {
     outputs.files().any(|(_, kind)| kind == Kind::Display) || !outputs.overlays.is_empty()
 }

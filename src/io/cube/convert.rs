@@ -388,6 +388,14 @@ impl<'a> Work<'a> {
                 "choose f16 or f32, or write a .npy file",
             ));
         }
+        if let Some(axes) = &self.to_come.axes {
+            let what = "EXR frames are pictures, one per bin: they have no order of axes";
+            let help = "leave it out, or write a .npy file";
+            return Err(Error::invalid(to, format!("axes {axes}"), what, help));
+        }
+        if self.dtype == Dtype::F64 {
+            self.dtype = Dtype::F32;
+        }
         let folder = new_folder(to)?;
         let digits = (self.shape[2] - 1).to_string().len().max(3);
         let options = image::exr::Options {
@@ -677,7 +685,8 @@ fn too_large(to: &Path, sample: f64, dtype: &Dtype) -> Error {
         _ => "f32",
     };
     let what = format!("{name} cannot hold a sample of {sample:e}");
-    Error::invalid(to, "", what, "choose a wider type")
+    let help = "choose a wider type; EXR has none wider than f32";
+    Error::invalid(to, "", what, help)
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@
 //! | any other name | the same name: `event.ct` is component `ct` of layer `event` |
 //! | f32, u32 | as they are |
 //! | radiance, alpha | half precision, where that is asked for; what half cannot hold becomes its largest value |
-//! | f64 | rounded to f32 (EXR has no f64; `.npz` has) |
+//! | f64 | rounded to f32 (EXR has no f64; `.npz` has); what f32 cannot hold becomes its largest value |
 //! | i32 | two's complement in u32, so that every identifier is exact: −1 is 4294967295 |
 //!
 //! RGB has the primaries and white of sRGB (Rec. 709, D65), stated in the file. The attribute
@@ -363,7 +363,7 @@ fn channel(channel: &Channel, half: bool) -> AnyChannel<FlatSamples> {
     }
     let samples = match &channel.samples {
         Samples::F32(v) => FlatSamples::F32(v.clone()),
-        Samples::F64(v) => FlatSamples::F32(v.iter().map(|&x| x as f32).collect()),
+        Samples::F64(v) => FlatSamples::F32(v.iter().map(|&x| single_of(x)).collect()),
         Samples::U32(v) => FlatSamples::U32(v.clone()),
         Samples::I32(v) => FlatSamples::U32(v.iter().map(|&x| x.cast_unsigned()).collect()),
     };
@@ -377,6 +377,15 @@ fn half_of(value: f64) -> f16 {
         true => f16::from_f64(value),
         // NaN stays NaN.
         false => f16::from_f64(value.clamp(-largest, largest)),
+    }
+}
+
+/// The nearest single; the largest one in place of what is beyond it, which would become infinite.
+fn single_of(value: f64) -> f32 {
+    let largest = f64::from(f32::MAX);
+    match value.is_infinite() {
+        true => value as f32,
+        false => value.clamp(-largest, largest) as f32,
     }
 }
 

@@ -299,6 +299,23 @@ fn what_half_precision_does_not_hold_is_counted() {
 }
 
 #[test]
+fn what_single_precision_does_not_hold_is_limited_and_said() {
+    let folder = Folder::empty();
+    // Light from ahead is (γ (1 + β))⁴ = 4e12 times as bright.
+    let scene = "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nsize = [4, 4]\nhfov = \"0.01 deg\"\n\
+                 velocity = { one_minus_beta = 1e-6, direction = [0, 0, -1] }\n[sky]\nradiance = 1e30\n";
+    folder.write("hot.toml", scene);
+    let said = folder.ok(&["render", "hot.toml", "-o", "a.exr"]);
+    let words = "warning: EXR: 16 pixels brighter than 3.4028e38 limited to that";
+    assert_eq!(said.matches(words).count(), 1, "{said}");
+    let layers = exr::read(&folder.path("a.exr"), &Default::default()).unwrap();
+    let red = layers.channels.iter().find(|c| c.name == "radiance.R");
+    assert_eq!(red.unwrap().samples, Samples::F32(vec![f32::MAX; 16]));
+    let said = folder.ok(&["render", "hot.toml", "-o", "a.npz"]);
+    assert!(!said.contains("limited"), "{said}");
+}
+
+#[test]
 fn quiet_says_nothing() {
     let folder = Folder::new();
     assert_eq!(folder.ok(&["render", "scene.toml", "--quiet"]), "");

@@ -97,8 +97,8 @@ impl Names {
         }
     }
 
-    /// Refuses to write `path`, which `option` names, where that cannot be, or over what is read or written.
-    pub fn check(&mut self, option: &str, path: &Path) -> Result<()> {
+    /// Refuses to write `path`, which `option` names, over what is read or written.
+    pub fn take(&mut self, option: &str, path: &Path) -> Result<()> {
         let identity = inputs::identity(path);
         if self.read.contains(&identity) {
             return Err(refused(option, self.overwritten, "write to another name"));
@@ -107,6 +107,12 @@ impl Names {
             let help = format!("give each{} a name of its own", self.thing);
             return Err(refused(option, "two outputs have this name", &help));
         }
+        Ok(())
+    }
+
+    /// The same, and where that cannot be.
+    pub fn check(&mut self, option: &str, path: &Path) -> Result<()> {
+        self.take(option, path)?;
         refuse_dangling(option, path)?;
         // `Path` passes over a slash at the end, and a dot behind it; the system does not.
         let name = path.to_string_lossy();

@@ -7,14 +7,17 @@ use nullray::io::budget::Budget;
 use nullray::io::cube::{self, Changes, Converted, FileTimes, Wanted};
 use nullray::io::gltf;
 use nullray::io::npy::{self, Dtype};
+use nullray::mesh::Mesh;
 use nullray::render::plan::bytes;
 use nullray::scene::model::SPEED_OF_LIGHT;
 use nullray::{Error, Result};
 
 use super::args::{ConvertArguments, SampleType};
+use super::check::Names;
 use super::failure::refused;
+use super::output::extension;
 use super::progress::Bar;
-use super::{inputs, print, warn};
+use super::{print, warn};
 
 pub fn run(arguments: &ConvertArguments) -> Result<()> {
     let wanted = Wanted {
@@ -31,7 +34,11 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
     }
     // Refusals come before the first sample is read.
     let times = Times::of(arguments)?;
-    refuse_input(arguments)?;
+    check_outputs(arguments)?;
+    let surface = match &arguments.surface {
+        Some(to) => surface(arguments, wanted)?.map(|mesh| (to, mesh)),
+        None => None,
+    };
     let [h, w, ..] = info.shape;
     let changes = Changes {
         rows: arguments.rows.clone(),
@@ -61,8 +68,8 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
         &mut done,
     )?;
     drop(bar);
-    if let Some(to) = &arguments.surface {
-        surface(arguments, wanted, to)?;
+    if let Some((to, mesh)) = &surface {
+        gltf::save(to, "wall", mesh)?;
     }
     match arguments.quiet.on {
         true => Ok(()),
@@ -70,8 +77,8 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
     }
 }
 
-/// Writes the surface that the pixels lie on.
-fn surface(arguments: &ConvertArguments, wanted: Wanted, to: &Path) -> Result<()> {
+/// The surface that the pixels lie on; none of rows and columns that there are not, which converting refuses.
+fn surface(arguments: &ConvertArguments, wanted: Wanted) -> Result<Option<Mesh>> {
     let input = &arguments.input;
     let refuse = |what| {
         let help = "the files of y-tal, of the Zaragoza NLOS data set and of phasor fields, and transient images of Bonn, say \
@@ -83,8 +90,12 @@ fn surface(arguments: &ConvertArguments, wanted: Wanted, to: &Path) -> Result<()
     };
     let kept = |range: &Option<Range<usize>>, count| range.clone().unwrap_or(0..count);
     let rows = kept(&arguments.rows, wall.size[0]);
-    match wall.mesh(rows, kept(&arguments.columns, wall.size[1])) {
-        Some(mesh) => gltf::save(to, "wall", &mesh),
+    let columns = kept(&arguments.columns, wall.size[1]);
+    if rows.end > wall.size[0] || columns.end > wall.size[1] {
+        return Ok(None);
+    }
+    match wall.mesh(rows, columns) {
+        Some(mesh) => Ok(Some(mesh)),
         None => refuse("the points of a single row or column make no surface"),
     }
 }
@@ -121,26 +132,27 @@ impl Times {
     }
 }
 
-/// Refuses to write over what is read.
-fn refuse_input(arguments: &ConvertArguments) -> Result<()> {
+/// Refuses, before any work, what could not be written after it, what would be written twice, and to write over what is read.
+fn check_outputs(arguments: &ConvertArguments) -> Result<()> {
     let maps = arguments.unwarp.iter().chain(&arguments.warp);
     let read: Vec<_> = maps.chain([&arguments.input]).collect();
-    let outputs = [
-        ("-o", Some(&arguments.output)),
-        ("--surface", arguments.surface.as_ref()),
-    ];
-    for (option, output) in outputs {
-        let Some(output) = output else { continue };
-        let target = inputs::identity(output);
-        if let Some(path) = read.iter().find(|path| inputs::identity(path) == target) {
-            return Err(refused(
-                format!("{option} {}", output.display()),
-                format!("{} is read", path.display()),
-                "write to another name",
-            ));
-        }
+    let mut names = Names::new(read, "this file is read", "");
+    let output = &arguments.output;
+    let option = format!("-o {}", output.display());
+    // A new folder may be named with a slash at the end; whether there is one already is looked at when it is made.
+    match extension(output).as_str() {
+        "" | "zarr" => names.take(&option, output)?,
+        _ => names.check(&option, output)?,
     }
-    Ok(())
+    let Some(surface) = &arguments.surface else {
+        return Ok(());
+    };
+    let option = format!("--surface {}", surface.display());
+    if extension(surface) != "glb" {
+        let what = "the surface is binary glTF";
+        return Err(refused(option, what, "give a name that ends in .glb"));
+    }
+    names.check(&option, surface)
 }
 
 /// By how many bins each pixel is later: ∓ η r/w.
@@ -158,7 +170,7 @@ fn shift(
         let what = "the width of a bin is not known, or not above 0";
         return Err(refused(option, what, "add it, like --bin-width \"0.05 m\""));
     };
-    let index = arguments.medium_index;
+    let index = arguments.medium_index.unwrap_or(1.0);
     let distances = distances(file, size, arguments.memory.bytes())?;
     let shift = |distance: f64| match distance > 0.0 && distance.is_finite() {
         true => sign * index * distance / width,

@@ -12,10 +12,16 @@ use nullray::spacetime::units::Time;
 use nullray::{Error, Result};
 
 use super::args::{DepthKind, MeshFromDepthArguments};
+use super::check::Names;
 use super::failure::refused;
 use super::names::named_after;
 use super::output::extension;
-use super::{inputs, print, warn};
+use super::{print, warn};
+
+/// The parts of its highest value above which a pixel's first maximum is taken, and of the brightest below which it is in shadow,
+/// where nothing is said.
+const RISE: f64 = 0.2;
+const LEAST: f64 = 0.02;
 
 /// Makes the mesh of a capture's distances and writes it; refusals of names come before any reading.
 pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
@@ -31,14 +37,9 @@ pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
             "give a name that ends in .glb",
         ));
     }
-    if inputs::identity(&output) == inputs::identity(&arguments.input) {
-        let option = format!("-o {}", output.display());
-        return Err(refused(
-            option,
-            "this file is read",
-            "write to another name",
-        ));
-    }
+    let option = format!("-o {}", output.display());
+    Names::new([&arguments.input], "this file is read", "").check(&option, &output)?;
+    refuse_unread(arguments)?;
     let camera = camera(arguments)?;
     let budget = Budget::new(arguments.memory.bytes());
     let (rays, distances) = match arguments.from {
@@ -56,6 +57,30 @@ pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
         return Ok(());
     }
     report(&output, &made, &distances)
+}
+
+/// Refuses options of light that first came back where a map is read.
+fn refuse_unread(arguments: &MeshFromDepthArguments) -> Result<()> {
+    if arguments.from == DepthKind::FirstLight {
+        return Ok(());
+    }
+    let given = [
+        ("--lamp", arguments.lamp.is_some()),
+        ("--lamp-time", arguments.lamp_time.is_some()),
+        ("--start", arguments.start.is_some()),
+        ("--bin-width", arguments.bin_width.is_some()),
+        ("--axes", arguments.axes.is_some()),
+        ("--medium-index", arguments.medium_index.is_some()),
+        ("--rise", arguments.rise.is_some()),
+        ("--least", arguments.least.is_some()),
+    ];
+    match given.into_iter().find(|(_, is_given)| *is_given) {
+        Some((option, _)) => {
+            let what = "it is for a cube of light that first came back, and --from names a map";
+            Err(refused(option, what, "leave it out, or leave out --from"))
+        }
+        None => Ok(()),
+    }
 }
 
 /// The camera that the options describe.
@@ -132,15 +157,15 @@ fn by_first_light(
     let cube = cube::load(&arguments.input, wanted)?;
     let rays = PixelRays::new(camera, [w, h]);
     let first = FirstLight {
-        rise: arguments.rise,
-        least: arguments.least,
+        rise: arguments.rise.unwrap_or(RISE),
+        least: arguments.least.unwrap_or(LEAST),
     };
     let arrivals = first_light(&cube, start.unwrap_or(0.0), width, &first);
     let flash = Flash {
         position,
         time: arguments.lamp_time.as_ref().map_or(0.0, metres),
     };
-    let distances = rays.distances(&arrivals, &flash, arguments.medium_index);
+    let distances = rays.distances(&arrivals, &flash, arguments.medium_index.unwrap_or(1.0));
     Ok((rays, distances))
 }
 

@@ -64,8 +64,13 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
     };
     film.check(frames.is_some())?;
     check_caption(arguments, &outputs, &films)?;
+    check_effects(arguments, &outputs, &films)?;
     // Three ways from here: a sequence, all panels, or one picture, which passes may improve.
     let of_panels = !scene.panels.is_empty() || !arguments.panel.is_empty();
+    if arguments.exposure.says_same() && frames.is_none() && !of_panels {
+        let what = "there is one picture, whose exposure is its own";
+        return Err(refused("--same-exposure", what, "leave it out"));
+    }
     if let Some(path) = &arguments.stats_json {
         let plan = Plan::new(&scene, &request(arguments, &outputs, &scene))?;
         check_statistics(path, &inputs::of(&scene, &plan))?;
@@ -189,6 +194,31 @@ impl Film<'_> {
         }
         Ok(())
     }
+}
+
+/// Refuses options of files that are not among those that are written.
+fn check_effects(arguments: &RenderArguments, outputs: &Outputs, films: &[PathBuf]) -> Result<()> {
+    if arguments.half && !outputs.files().any(|(_, kind)| kind == Kind::Exr) {
+        let what = "it is the precision of .exr files, and none of these files is one";
+        let help = "add an output, -o FILE.exr, or leave out --half";
+        return Err(refused("--half", what, help));
+    }
+    if arguments.play_fps.is_some() && films.is_empty() {
+        let what = "it is the speed of a film, and none of these files is one";
+        let help = "add an output, -o FILE.apng or -o FILE.y4m, or leave out --play-fps";
+        return Err(refused("--play-fps", what, help));
+    }
+    let option = match &arguments.changes {
+        changes if changes.white.is_some() => "--white",
+        changes if changes.exposure.is_some() => "--exposure",
+        _ => return Ok(()),
+    };
+    if frames::is_shown(outputs) || !films.is_empty() {
+        return Ok(());
+    }
+    let what = "it says what is white in pictures for displays, and none of these files is one";
+    let help = format!("add an output, -o FILE.png, or leave out {option}");
+    Err(refused(option, what, &help))
 }
 
 /// Refuses a caption that has no picture to stand beneath, and characters that cannot be set.

@@ -51,6 +51,12 @@ pub fn positive(text: &str) -> Result<f64, String> {
     fits.ok_or_else(|| "write a number above 0".into())
 }
 
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok();
+    let fits = number.filter(|number| *number >= 0.0 && number.is_finite());
+    fits.ok_or_else(|| "write a number, 0 or above".into())
+}
+
 /// Where a camera moves to.
 pub fn heading(text: &str) -> Result<Heading, String> {
     let (sign, axis) = match text.strip_prefix('-') {

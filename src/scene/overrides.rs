@@ -54,6 +54,7 @@ pub(super) fn apply(text: &str, overrides: &Overrides) -> Result<(String, Vec<Ed
         return Ok((text.to_string(), Vec::new()));
     };
     let mut edits = Vec::new();
+    refuse_rivals(&changes)?;
     for (flag, key, value) in changes {
         let place = set(&mut document, &key, value, &|what, help| {
             refuse(&flag, what, help)
@@ -75,6 +76,34 @@ pub(super) fn apply(text: &str, overrides: &Overrides) -> Result<(String, Vec<Ed
         edits.push(Edit { flag, place });
     }
     Ok((document.to_string(), edits))
+}
+
+/// Refuses an option for how bright white is beside a `--set` for the same, which it would take the place of.
+fn refuse_rivals(changes: &[(String, String, Value)]) -> Result<()> {
+    let is_set = |flag: &str| flag.starts_with("--set ");
+    let own = changes.iter().find(|(flag, key, _)| {
+        !is_set(flag) && ["display.exposure", "display.white"].contains(&key.as_str())
+    });
+    let says_white = |key: &str, value: &Value| {
+        let ways = ["exposure", "white", "logarithmic"];
+        match key.strip_prefix("display.") {
+            Some(key) => ways.contains(&key),
+            None => {
+                let table = value.as_inline_table().filter(|_| key == "display");
+                table.is_some_and(|table| ways.iter().any(|way| table.contains_key(way)))
+            }
+        }
+    };
+    let rival = changes
+        .iter()
+        .find(|(flag, key, value)| is_set(flag) && says_white(key, value));
+    match (own, rival) {
+        (Some((own, ..)), Some((rival, ..))) => {
+            let what = format!("{own} says what is white, too");
+            Err(refuse(rival, what, "leave one of them out".into()))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// What is set: as it stands on the command line, the dotted key, the value.

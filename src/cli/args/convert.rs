@@ -61,18 +61,18 @@ pub struct ConvertArguments {
     /// Turn times of arrival at the capture camera into times of emission. FILE holds the distance (not
     /// the depth) of every pixel in metres: a .npy file, a picture rendered from the capture camera as .npz, or an HDF5
     /// file of a capture that says where its sensor and its points are.
-    #[arg(long, value_name = "FILE", conflicts_with = "warp")]
+    #[arg(long, value_name = "FILE", conflicts_with = "warp", group = "way")]
     pub unwarp: Option<PathBuf>,
     /// The reverse of --unwarp.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", group = "way")]
     pub warp: Option<PathBuf>,
     /// Also write the surface through the points of the pixels, where the file gives them, as a .glb file with texture
     /// coordinates into the output.
     #[arg(long, value_name = "FILE")]
     pub surface: Option<PathBuf>,
-    /// Refractive index of the medium, for --unwarp and --warp.
-    #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = values::positive)]
-    pub medium_index: f64,
+    /// Refractive index of the medium, for --unwarp and --warp. Default: 1.
+    #[arg(long, value_name = "N", requires = "way", value_parser = values::positive)]
+    pub medium_index: Option<f64>,
     /// Width of the input's bins, like "0.05 m" or "4 ps"; needed for --unwarp and --warp unless the file says it.
     #[arg(long, value_name = "TIME")]
     pub bin_width: Option<Time>,

@@ -38,7 +38,7 @@ pub struct MeshFromDepthArguments {
     #[arg(long, value_name = "AXIS", default_value = "x")]
     pub fov_axis: FovAxisArgument,
     /// Depth of the near plane on which the capture's rays began, metres.
-    #[arg(long, value_name = "METRES", default_value_t = 0.0)]
+    #[arg(long, value_name = "METRES", default_value_t = 0.0, value_parser = values::not_negative)]
     pub near_clip: f64,
     /// Where the pulse of light was emitted, metres; for --from first-light.
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
@@ -58,15 +58,15 @@ pub struct MeshFromDepthArguments {
     /// The order of the cube's axes, like "T H W". Default: "H W T [C]"; for pictures "T H W".
     #[arg(long, value_name = "AXES")]
     pub axes: Option<Axes>,
-    /// Refractive index of the medium.
-    #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = values::positive)]
-    pub medium_index: f64,
-    /// Take a pixel's first maximum only above this part of its highest value.
-    #[arg(long, value_name = "PART", default_value_t = 0.2, value_parser = values::positive)]
-    pub rise: f64,
-    /// Leave out pixels below this part of the brightest: they are in shadow, where only indirect light arrives.
-    #[arg(long, value_name = "PART", default_value_t = 0.02, value_parser = values::positive)]
-    pub least: f64,
+    /// Refractive index of the medium. Default: 1.
+    #[arg(long, value_name = "N", value_parser = values::positive)]
+    pub medium_index: Option<f64>,
+    /// Take a pixel's first maximum only above this part of its highest value. Default: 0.2.
+    #[arg(long, value_name = "PART", value_parser = values::positive)]
+    pub rise: Option<f64>,
+    /// Leave out pixels below this part of the brightest: they are in shadow, where only indirect light arrives. Default: 0.02.
+    #[arg(long, value_name = "PART", value_parser = values::positive)]
+    pub least: Option<f64>,
     /// Do not join neighbours whose distances differ by more than this many pixel widths, and by more than on a plane.
     #[arg(long, value_name = "PIXELS", default_value_t = 4.0, value_parser = values::positive)]
     pub tear: f64,

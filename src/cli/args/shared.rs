@@ -281,6 +281,11 @@ impl ExposureArgument {
         Ok(scenes)
     }
 
+    /// Whether one exposure for all is asked for.
+    pub fn says_same(&self) -> bool {
+        self.same_exposure
+    }
+
     /// Whether all have one exposure; `default` where neither is asked for.
     pub fn is_same(&self, default: bool) -> bool {
         // The two flags exclude each other.

@@ -4,11 +4,11 @@ use std::io::{BufReader, Cursor};
 use std::path::Path;
 
 use super::dead::DeadBins;
-use super::format::{CubeFormat, CubeInfo, FileTimes, Wanted, first_bytes};
+use super::format::{CubeFormat, CubeInfo, FileTimes, Transfer, Wanted, first_bytes};
 use super::samples::Cube;
 use super::wall::Wall;
 use super::{hdf5, npy, sequence, transient_image, zarr};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::io::files::{ReadSeek, Reader};
 use crate::io::npy::Header;
 use crate::io::open::open_regular;
@@ -38,8 +38,10 @@ pub fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
         return sequence::inspect(path, wanted);
     }
     if sequence::is_zarr(path) {
+        refuse_transfer(path, wanted)?;
         return zarr::inspect(path, wanted);
     }
+    refuse_transfer(path, wanted)?;
     let (reader, format) = opened(path)?;
     (format.inspect)(reader, path, wanted)
 }
@@ -66,11 +68,23 @@ fn read(path: &Path, wanted: Wanted) -> Result<Cube> {
     if sequence::is_sequence(path) {
         return sequence::load(path, wanted);
     }
+    refuse_transfer(path, wanted)?;
     if sequence::is_zarr(path) {
         return zarr::load(path, wanted);
     }
     let (reader, format) = opened(path)?;
     (format.load)(reader, path, wanted)
+}
+
+/// Refuses to decode what is no code of a picture.
+fn refuse_transfer(path: &Path, wanted: Wanted) -> Result<()> {
+    match wanted.transfer {
+        Some(Transfer::Srgb) => {
+            let what = "an array holds radiance as it is, and no codes of pictures";
+            Err(Error::invalid(path, "", what, "leave out `transfer`"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// What the file at `path` says of the time axis of its array of this name, or of its only one, if its format has a place for
@@ -115,6 +129,7 @@ pub fn arrays(path: &Path) -> Result<Vec<Header>> {
 /// As for [`load`].
 pub fn load_bytes(bytes: &[u8], name: &str, wanted: Wanted) -> Result<Cube> {
     let (mut reader, name) = (Cursor::new(bytes.to_vec()), Path::new(name));
+    refuse_transfer(name, wanted)?;
     let format = told_apart(&mut reader, name)?;
     mended((format.load)(Box::new(reader), name, wanted)?, name, wanted)
 }

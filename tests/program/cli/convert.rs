@@ -276,7 +276,7 @@ fn what_cannot_be_converted_is_refused_and_leaves_nothing() {
             "no samples of double precision",
         ),
         (&["-o", "a.npy", "--array", "x"], "there is no such array"),
-        (&["-o", "large.npy/a.npy"], "cannot write"),
+        (&["-o", "large.npy/a.npy"], "no directory large.npy"),
     ] {
         refused(
             &folder,
@@ -295,6 +295,55 @@ fn what_cannot_be_converted_is_refused_and_leaves_nothing() {
         &["is read"],
     );
     assert_eq!(folder.names(), ["large.npy"]);
+}
+
+#[test]
+fn frames_say_their_own_precision_and_hold_no_infinity() {
+    let folder = Folder::empty();
+    let write = |name: &str, sample: f64| {
+        let cube = Cube::new([1, 1, 2, 1], Samples::F64(vec![0.5, sample])).unwrap();
+        nullray::io::image::npz::write_cube(&folder.path(name), &cube).unwrap();
+    };
+    write("wide.npy", 0.1);
+    let said = folder.ok(&["convert", "wide.npy", "-o", "frames"]);
+    assert!(said.contains("grey; f32, 8"), "{said}");
+    write("big.npy", 1e60);
+    refused(
+        &folder,
+        &["convert", "big.npy", "-o", "big"],
+        &["f32 cannot hold a sample of 1e60"],
+    );
+}
+
+#[test]
+fn what_has_no_effect_on_a_conversion_is_refused() {
+    let folder = Folder::empty();
+    folder.write("large.npy", large());
+    for (options, said) in [
+        (
+            &["-o", "a.npy", "--transfer", "srgb"][..],
+            "no codes of pictures",
+        ),
+        (&["-o", "a.npy", "--medium-index", "3"], "--warp"),
+        (&["-o", "a", "--to-axes", "T H W C"], "frames"),
+        // What the surface is written to is checked before the cube is written.
+        (
+            &["-o", "a.npy", "--surface", "a.npy"],
+            "two outputs have this name",
+        ),
+        (&["-o", "a.npy", "--surface", "b.obj"], "ends in .glb"),
+        (&["-o", "a.npy", "--surface", "no/b.glb"], "no directory no"),
+        (
+            &["-o", "a.npy", "--surface", "b.glb"],
+            "does not say where the points",
+        ),
+    ] {
+        refused(
+            &folder,
+            &[&["convert", "large.npy"], options].concat(),
+            &[said],
+        );
+    }
 }
 
 /// One sample of a million.

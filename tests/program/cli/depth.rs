@@ -134,6 +134,20 @@ fn what_makes_no_mesh_is_refused_and_leaves_nothing() {
         (&["--lamp", "1,2"], "three numbers"),
         (&["--lamp", "0,0,0"], "--bin-width"),
         (&["--from", "distance", "--up", "-3.6,-2,-5.2"], "--up"),
+        // Found before the file is read.
+        (&["-o", "nodir/d.glb", "--from", "depth"], "no directory"),
+        (&["--near-clip", "nan"], "--near-clip"),
+        (&["--from", "distance", "--lamp", "1,2,3"], "--lamp"),
+        (&["--from", "distance", "--lamp-time", "0 m"], "--lamp-time"),
+        (&["--from", "distance", "--start", "0 m"], "--start"),
+        (&["--from", "depth", "--bin-width", "1 m"], "--bin-width"),
+        (&["--from", "depth", "--axes", "T H W"], "--axes"),
+        (
+            &["--from", "depth", "--medium-index", "2"],
+            "--medium-index",
+        ),
+        (&["--from", "depth", "--rise", "0.5"], "--rise"),
+        (&["--from", "depth", "--least", "0.5"], "--least"),
     ] {
         let run = folder.run(&[&made[..], arguments].concat());
         assert_eq!(run.code, 2, "{arguments:?}");

@@ -83,6 +83,32 @@ fn wrong_values_of_options_are_refused() {
             &["--spp", "4", "--pixel-centers"],
             &["--pixel-centers", "cannot be used with"],
         ),
+        (
+            &["--white", "2", "--set", "display.exposure=\"50 %\""],
+            &["--set display.exposure", "--white 2 says what is white"],
+        ),
+        (
+            &["--exposure", "9 %", "--set", "display={ white = 1 }"],
+            &["--set display=", "says what is white"],
+        ),
+        // What has no effect on any of the files.
+        (&["-o", "a.png", "--half"], &["--half", "-o FILE.exr"]),
+        (
+            &["-o", "a.png", "--play-fps", "10"],
+            &["--play-fps", "-o FILE.y4m"],
+        ),
+        (
+            &["-o", "a.exr", "--white", "3"],
+            &["--white", "-o FILE.png"],
+        ),
+        (
+            &["-o", "a.npz", "--isochrones", "t.png", "--exposure", "50"],
+            &["--exposure", "-o FILE.png"],
+        ),
+        (
+            &["-o", "a.png", "--same-exposure"],
+            &["--same-exposure", "one picture"],
+        ),
         (&["--isochrone-step", "1 m"], &["--isochrones"]),
         (
             &["--isochrones", "t.png", "--isochrone-step", "0 m"],

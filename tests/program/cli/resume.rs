@@ -95,7 +95,7 @@ fn another_request_makes_other_frames() {
         &["--aovs", "event"],
         &["--pixel-centers"],
         &["--isochrone-step", "30 cm"],
-        &["--white", "0.25"],
+        &["--set", "display.white=0.25"],
         &["--set", "object.crate.velocity.beta=[0.5,0,0]"],
         &["--time", "1 m"],
     ];

@@ -236,7 +236,8 @@ fn decode_jpeg(bytes: &[u8]) -> Result<Texture, Refused> {
         e => Refused::Broken(e.to_string()),
     };
     let options = DecoderOptions::default()
-        .set_strict_mode(false)
+        // Otherwise what is cut short or broken becomes grey without a word.
+        .set_strict_mode(true)
         .set_max_width(MAX_SIDE)
         .set_max_height(MAX_SIDE);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
@@ -253,8 +254,29 @@ fn decode_jpeg(bytes: &[u8]) -> Result<Texture, Refused> {
     };
     decoder.set_options(decoder.options().jpeg_set_out_colorspace(colours));
     let texels = Texels::Eight(decoder.decode().map_err(refused)?);
+    if !ends(bytes) {
+        return Err(Refused::Broken("it ends before its last pixel".into()));
+    }
     let size = decoder.dimensions().unwrap_or_default().into();
     Texture::new(size, colours.num_components(), texels)
+}
+
+/// Whether the data of a JPEG file have an end: the decoder does not miss it in the last row of blocks.
+fn ends(bytes: &[u8]) -> bool {
+    const SCAN: u8 = 0xda;
+    const END: [u8; 2] = [0xff, 0xd9];
+    // Segments up to the first scan have lengths, and may hold pictures with ends of their own.
+    let mut at = 2;
+    while let Some(&[0xff, kind, high, low]) = bytes.get(at..at + 4) {
+        match kind {
+            0xff => at += 1,
+            SCAN => break,
+            _ => at += 2 + usize::from(u16::from_be_bytes([high, low])),
+        }
+    }
+    // In the data a 0xff is followed by 0.
+    let data = bytes.get(at..).unwrap_or_default();
+    data.windows(2).any(|pair| pair == END)
 }
 
 fn check_size(size: [usize; 2]) -> Result<(), Refused> {
@@ -292,4 +314,50 @@ fn taps(x: f64, n: usize, wrap: Wrap) -> ([usize; 2], f64) {
 
 fn mix(a: [f64; 3], b: [f64; 3], weight: f64) -> [f64; 3] {
     std::array::from_fn(|k| a[k] + (b[k] - a[k]) * weight)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A grey JPEG of 64 × 64 pixels: a bit, 0, for no difference of each block's mean, and another for the end of the block.
+    fn grey(data: &[u8], end: &[u8]) -> Vec<u8> {
+        let table = |kind: u8| {
+            let mut lengths = [0; 16];
+            lengths[0] = 1;
+            [&[0xff, 0xc4, 0, 20, kind][..], &lengths, &[0]].concat()
+        };
+        [
+            &[0xff, 0xd8, 0xff, 0xdb, 0, 67, 0][..],
+            &[1; 64],
+            &[0xff, 0xc0, 0, 11, 8, 0, 64, 0, 64, 1, 1, 0x11, 0],
+            &table(0),
+            &table(0x10),
+            &[0xff, 0xda, 0, 8, 1, 1, 0, 0, 63, 0],
+            data,
+            end,
+        ]
+        .concat()
+    }
+
+    #[test]
+    fn a_jpeg_that_is_cut_short_or_broken_is_refused() {
+        let end = [0xff, 0xd9];
+        let decode = |bytes: Vec<u8>| Texture::decode(&bytes, "image 0", Path::new("a.glb"));
+        let whole = decode(grey(&[0; 16], &end)).unwrap();
+        assert_eq!(whole.size(), [64, 64]);
+        assert_eq!(whole.texels, Texels::Eight(vec![128; 4096]));
+        // In the last row of blocks, before it, and with bits that are no code.
+        let broken: [(&[u8], &[u8]); 4] = [
+            (&[0; 16], &[]),
+            (&[0; 4], &[]),
+            (&[0; 4], &end),
+            (&[0x55; 16], &end),
+        ];
+        for (data, end) in broken {
+            let error = decode(grey(data, end)).unwrap_err().to_string();
+            assert!(error.contains("image 0"), "{data:?}: {error}");
+            assert!(error.contains("not a readable image"), "{data:?}: {error}");
+        }
+    }
 }

@@ -655,6 +655,63 @@ fn animations_that_are_no_way_are_refused() {
         let error = gltf::track(&path, node, animation).unwrap_err().to_string();
         assert!(error.contains(said), "{error}");
     }
+    // A matrix is not left out, and not kept in place of the animation.
+    let text = std::fs::read_to_string(&path).unwrap();
+    let matrix = "\"name\": \"cart\", \"matrix\": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1]";
+    std::fs::write(&path, text.replace("\"name\": \"cart\"", matrix)).unwrap();
+    let error = gltf::track(&path, "cart", Some("drive")).unwrap_err();
+    let error = error.to_string();
+    assert!(
+        error.contains("node 2 \"cart\"") && error.contains("`matrix`"),
+        "{error}"
+    );
+}
+
+#[test]
+fn channels_without_a_node_are_passed_over_and_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = animated(folder.path());
+    let text = std::fs::read_to_string(&path).unwrap();
+    let pointer = "{ \"sampler\": 0, \"target\": { \"path\": \"pointer\", \"extensions\": \
+                   { \"KHR_animation_pointer\": { \"pointer\": \"/materials/0/emissiveFactor\" } } } }, ";
+    let first = "\"channels\": [";
+    std::fs::write(&path, text.replacen(first, &format!("{first}{pointer}"), 1)).unwrap();
+    // The channels that have a node are as before.
+    let tip = gltf::track(&path, "tip", Some("turn")).unwrap();
+    assert_eq!(tip.points.len(), 9);
+    let said = "animation 0, channel 0: it animates something else than a node, and is not played";
+    let mesh =
+        "\"meshes\": [{ \"primitives\": [{ \"attributes\": { \"POSITION\": 3 } }] }], \"nodes\"";
+    let text = std::fs::read_to_string(&path).unwrap();
+    let text = text.replacen("\"nodes\"", mesh, 1);
+    let cart = "\"name\": \"cart\"";
+    std::fs::write(&path, text.replace(cart, &format!("{cart}, \"mesh\": 0"))).unwrap();
+    let held = gltf::inspect(&path, None).unwrap();
+    assert!(
+        held.warnings.iter().any(|warning| warning == said),
+        "{:?}",
+        held.warnings
+    );
+}
+
+#[test]
+fn texture_coordinates_and_colours_without_data_are_zeros() {
+    let text = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}}]}],
+        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3, "min": [0, 0, 0], "max": [1, 1, 0]},
+                      {"componentType": 5126, "type": "VEC2", "count": COUNT}]}"#;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.gltf");
+    let load = |count: &str| {
+        std::fs::write(&path, text.replace("COUNT", count)).unwrap();
+        gltf::load(&path, None, ALL)
+    };
+    assert_eq!(load("3").unwrap().mesh.uvs, [vec![[0.0; 2]; 3]]);
+    // No more of them than positions, which have data.
+    let error = load("4000000000").unwrap_err().to_string();
+    assert!(error.contains("4000000000"), "{error}");
 }
 
 #[test]

@@ -105,13 +105,15 @@ impl Check<'_, '_> {
         if count == 0 {
             return Err(self.invalid("it has no elements", "count must be at least 1"));
         }
-        // Without a buffer view elements are zeros, which makes sense only if some are replaced (§3.6.2.3).
+        // Without a buffer view elements are zeros (§3.6.2.3), which makes sense of what a vertex has besides its place: there are no
+        // more of them than of positions, which have data. Of others some have to be replaced.
         let dense = match self.accessor.buffer_view {
             Some(view) => {
                 let offset = self.accessor.byte_offset.unwrap_or_default().0;
                 Some(self.strided(view, offset, count, element)?)
             }
             None if self.accessor.sparse.is_some() => None,
+            None if matches!(purpose, Purpose::TexCoords | Purpose::Colours { .. }) => None,
             None => return Err(self.invalid("it has no data: no bufferView", EXPORT_AGAIN)),
         };
         let sparse = match &self.accessor.sparse {

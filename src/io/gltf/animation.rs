@@ -170,6 +170,12 @@ fn channels(document: &mut Document, animation: usize, nodes: &[usize]) -> Resul
         if property == Property::MorphTargetWeights {
             continue;
         }
+        // What it holds would have to be taken apart, and glTF 2.0 (§3.11) has no such nodes.
+        if document.root.nodes[node].matrix.is_some() {
+            let what = "the node has a `matrix`, and what is animated has none in glTF";
+            let help = "give the node `translation`, `rotation` and `scale` in its place";
+            return Err(document.invalid(place, what, help));
+        }
         let samplers = &document.root.animations[animation].samplers;
         let Some(Sampler {
             input,
@@ -290,7 +296,7 @@ fn posed(document: &Document, node: usize, channels: &[Channel], seconds: f64) -
         .iter()
         .filter(|channel| channel.node == node)
         .peekable();
-    if own.peek().is_none() || rest.matrix.is_some() {
+    if own.peek().is_none() {
         return local(document, rest, node, &mut Warnings::default());
     }
     let wide = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));

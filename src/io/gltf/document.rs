@@ -34,6 +34,8 @@ pub(super) struct Document<'a> {
     /// The directory that relative URIs start from; none for a document in memory.
     pub directory: Option<PathBuf>,
     pub root: Root,
+    /// Animation and channel of each channel without a node, which are left out of `root`.
+    pub without_node: Vec<[usize; 2]>,
     /// Where the binary chunk lies in `storage`: offset and length.
     pub bin: Option<(u64, u64)>,
     pub storage: Box<dyn Storage + 'a>,
@@ -57,12 +59,12 @@ impl<'a> Document<'a> {
 
     fn parse(mut storage: Box<dyn Storage + 'a>, length: u64, file: &Path) -> Result<Self> {
         let container = container::read(&mut *storage, length, file)?;
-        let root = Root::from_slice(&container.json)
-            .map_err(|error| unreadable(&container.json, &error, file))?;
+        let (root, without_node) = root(&container.json, file)?;
         let document = Document {
             file: file.to_path_buf(),
             directory: None,
             root,
+            without_node,
             bin: container.bin,
             storage,
         };
@@ -158,6 +160,60 @@ impl<'a> Document<'a> {
     ) -> Error {
         Error::unsupported(&self.file, place, what, help)
     }
+}
+
+/// The document of a JSON, and what is left out of it: channels of animations whose target has no node, as those of materials have by
+/// KHR_animation_pointer, are to be passed over (glTF 2.0 §5.7), and would be refused as they are.
+fn root(text: &[u8], file: &Path) -> Result<(Root, Vec<[usize; 2]>)> {
+    let error = match Root::from_slice(text) {
+        Ok(root) => return Ok((root, Vec::new())),
+        Err(error) => error,
+    };
+    let found = channels_without_node(text);
+    if found.is_empty() {
+        return Err(unreadable(text, &error, file));
+    }
+    let refuse = |error: json::Error| unreadable(text, &error, file);
+    let mut value: json::Value = json::deserialize::from_slice(text).map_err(refuse)?;
+    for [animation, channel] in found.iter().rev() {
+        let channels = value["animations"][*animation]["channels"].as_array_mut();
+        channels.map(|channels| channels.remove(*channel));
+    }
+    let root = json::deserialize::from_value(value).map_err(refuse)?;
+    Ok((root, found))
+}
+
+/// Animation and channel of each channel whose target has no node, ascending.
+fn channels_without_node(text: &[u8]) -> Vec<[usize; 2]> {
+    // Of a JSON of any size, no more than this is kept.
+    #[derive(Deserialize)]
+    struct Head {
+        #[serde(default)]
+        animations: Vec<Animation>,
+    }
+    #[derive(Deserialize)]
+    struct Animation {
+        #[serde(default)]
+        channels: Vec<Channel>,
+    }
+    #[derive(Deserialize)]
+    struct Channel {
+        target: Target,
+    }
+    #[derive(Deserialize)]
+    struct Target {
+        node: Option<IgnoredAny>,
+    }
+    let Ok(head) = json::deserialize::from_slice::<Head>(text) else {
+        return Vec::new();
+    };
+    let mut found = Vec::new();
+    for (k, animation) in head.animations.iter().enumerate() {
+        let channels = animation.channels.iter().enumerate();
+        let lacking = channels.filter(|(_, channel)| channel.target.node.is_none());
+        found.extend(lacking.map(|(channel, _)| [k, channel]));
+    }
+    found
 }
 
 /// What is wrong with a JSON that is not read as glTF.

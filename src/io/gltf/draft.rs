@@ -79,6 +79,10 @@ fn warn_of_unread(document: &Document, placed: &[Placed], want: Want, warnings: 
     if let Some(first) = animated.first() {
         warnings.add_many(what, &format!("animation {first}"), animated.len() as u64);
     }
+    for [animation, channel] in &document.without_node {
+        let what = "it animates something else than a node, and is not played";
+        warnings.add(what, &format!("animation {animation}, channel {channel}"));
+    }
     let has_light = |&placed: &Placed| lights::index_of(document, placed.node).is_some();
     let lights: Vec<Placed> = placed.iter().copied().filter(has_light).collect();
     // Without shading nothing is lit, so that no light is missed.

@@ -129,17 +129,20 @@ pub(super) fn files(document: &Document) -> Vec<PathBuf> {
 
 /// Refuses a file that refers to others outside its own folder; `help` says what to do instead.
 pub(super) fn refuse_outside(document: &Document, help: &str) -> Result<()> {
-    let own = document
-        .directory
-        .as_ref()
-        .map(|folder| match folder.as_os_str().is_empty() {
-            true => Path::new(".").canonicalize(),
-            false => folder.canonicalize(),
-        });
-    let Some(Ok(own)) = own else { return Ok(()) };
+    // No name is the current folder.
+    let real = |folder: &Path| match folder.as_os_str().is_empty() {
+        true => Path::new(".").canonicalize().ok(),
+        false => folder.canonicalize().ok(),
+    };
+    let Some(own) = document.directory.as_deref().and_then(real) else {
+        return Ok(());
+    };
     for other in files(document) {
-        let real = other.canonicalize().unwrap_or_else(|_| other.clone());
-        if !real.starts_with(&own) {
+        // Of a file that is not there, its folder tells.
+        let in_folder = || Some(real(other.parent()?)?.join(other.file_name()?));
+        let place = other.canonicalize().ok().or_else(in_folder);
+        let place = place.unwrap_or_else(|| other.clone());
+        if !place.starts_with(&own) {
             let what = format!(
                 "it refers to {}, which is outside its folder",
                 other.display()

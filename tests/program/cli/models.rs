@@ -28,6 +28,26 @@ fn folder(size: f32) -> Folder {
     folder
 }
 
+#[test]
+fn a_file_that_is_missing_beside_a_model_is_called_missing() {
+    let folder = folder(1.0);
+    std::fs::create_dir(folder.path("below")).unwrap();
+    std::fs::rename(folder.path("model.gltf"), folder.path("below/model.gltf")).unwrap();
+    std::fs::rename(folder.path("model.bin"), folder.path("other.bin")).unwrap();
+    for arguments in [["render", "below/model.gltf"], ["info", "below/model.gltf"]] {
+        let run = folder.run(&arguments);
+        let said = run.message() + &run.stdout;
+        assert!(!said.contains("outside"), "{arguments:?}: {said}");
+    }
+    let run = folder.run(&["render", "below/model.gltf"]);
+    assert_eq!(run.code, 2);
+    assert!(
+        run.message().contains("model.bin: cannot read"),
+        "{}",
+        run.message()
+    );
+}
+
 const SIZE: [&str; 4] = ["--size", "60x40", "--spp", "1"];
 
 fn render(folder: &Folder, arguments: &[&str]) {

@@ -73,7 +73,7 @@ impl Picture {
         let picture = match extension.as_str() {
             "exr" => {
                 refuse_transfer(file, transfer)?;
-                let layers = image::exr::read(file, &Budget::default())?;
+                let layers = image::exr::read_whole(file, &Budget::default())?;
                 match wanted.channels {
                     Some(channels) => Picture::of_names(file, &layers, channels)?,
                     None => Picture::of_exr(file, &layers)?,

@@ -13,7 +13,7 @@
 //! | f64 | rounded to f32 (EXR has no f64; `.npz` has); what f32 cannot hold becomes its largest value |
 //! | i32 | two's complement in u32, so that every identifier is exact: −1 is 4294967295 |
 //!
-//! RGB has the primaries and white of sRGB (Rec. 709, D65), stated in the file. The attribute
+//! RGB has the primaries and white of sRGB (Rec. 709, D65), stated in the file; files that state others are refused. The attribute
 //! `nullray.signed` lists the channels that hold i32. Metadata entry `key` becomes the text attribute
 //! `nullray.key`, UTF-8. The same layers give the same bytes.
 
@@ -115,6 +115,33 @@ pub fn read(path: &Path, budget: &Budget) -> Result<Layers> {
     convert(path, settle(path, decoded)?)
 }
 
+/// As [`read`], of a picture that is there as a whole: its data window is its display window.
+///
+/// # Errors
+/// As [`read`], and those of other windows.
+pub fn read_whole(path: &Path, budget: &Budget) -> Result<Layers> {
+    for header in headers(path)? {
+        let shown = header.shared_attributes.display_window;
+        let position = header.own_attributes.layer_position;
+        if position != shown.position || header.layer_size != shown.size {
+            let what = format!(
+                "its pixels ({} x {} from {}, {}) are not those of its display window ({} x {} from {}, {})",
+                header.layer_size.0,
+                header.layer_size.1,
+                position.0,
+                position.1,
+                shown.size.0,
+                shown.size.1,
+                shown.position.0,
+                shown.position.1,
+            );
+            let help = "save the whole picture, without a crop or an overscan";
+            return Err(Error::unsupported(path, "", what, help));
+        }
+    }
+    read(path, budget)
+}
+
 /// The names of channels that the file holds in half precision; no pixel is decoded.
 ///
 /// # Errors
@@ -174,6 +201,7 @@ fn check(path: &Path, headers: &[Header], length: u64, budget: &Budget) -> Resul
     let refuse = |what: String| Err(Error::unsupported(path, "", what, ""));
     let (mut stored, mut bytes) = (0u64, 0u64);
     for header in headers {
+        refuse_other_primaries(path, header)?;
         if header.deep {
             return refuse("deep data are not supported".into());
         }
@@ -202,6 +230,31 @@ fn check(path: &Path, headers: &[Header], length: u64, budget: &Budget) -> Resul
         return Err(broken(path, &what));
     }
     budget.take(bytes, path)
+}
+
+/// Refuses colours of other primaries than those of Rec. 709 and D65, which are meant where nothing is said.
+fn refuse_other_primaries(path: &Path, header: &Header) -> Result<()> {
+    /// Chromaticities are written in three or four digits.
+    const SAME: f32 = 1e-3;
+    let Some(said) = header.shared_attributes.chromaticities else {
+        return Ok(());
+    };
+    let is_colour = |name: &Text| {
+        let name = name.to_string();
+        let last = name.rsplit('.').next();
+        matches!(last, Some("R" | "G" | "B"))
+    };
+    let is_near = |a: Vec2<f32>, b: Vec2<f32>| (a.0 - b.0).abs() < SAME && (a.1 - b.1).abs() < SAME;
+    let same = is_near(said.red, REC_709.red)
+        && is_near(said.green, REC_709.green)
+        && is_near(said.blue, REC_709.blue)
+        && is_near(said.white, REC_709.white);
+    if same || !header.channels.list.iter().any(|c| is_colour(&c.name)) {
+        return Ok(());
+    }
+    let what = "its primaries (`chromaticities`) are not those of Rec. 709 with white D65";
+    let help = "convert it to linear Rec. 709, the colour space of linear sRGB";
+    Err(Error::unsupported(path, "", what, help))
 }
 
 fn convert(path: &Path, image: FlatImage) -> Result<Layers> {
@@ -390,14 +443,16 @@ fn single_of(value: f64) -> f32 {
 }
 
 /// Rec. 709 primaries and D65, the space of linear sRGB.
+const REC_709: Chromaticities = Chromaticities {
+    red: Vec2(0.64, 0.33),
+    green: Vec2(0.30, 0.60),
+    blue: Vec2(0.15, 0.06),
+    white: Vec2(0.3127, 0.3290),
+};
+
 fn image_attributes(size: Vec2<usize>) -> ImageAttributes {
     ImageAttributes {
-        chromaticities: Some(Chromaticities {
-            red: Vec2(0.64, 0.33),
-            green: Vec2(0.30, 0.60),
-            blue: Vec2(0.15, 0.06),
-            white: Vec2(0.3127, 0.3290),
-        }),
+        chromaticities: Some(REC_709),
         ..ImageAttributes::new(IntegerBounds::from_dimensions(size))
     }
 }

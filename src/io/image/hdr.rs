@@ -4,6 +4,7 @@
 //! run-length encoded by component or by pixel, or not at all. A pixel is (m + ½) 2^(e − 136) per mantissa m, and 0 where
 //! e is 0. Source: Ward, "Real Pixels", Graphics Gems II, 1991, and the reference decoder color.c of Radiance.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use crate::error::{Error, Result};
@@ -15,43 +16,85 @@ const MAX_HEADER: usize = 1 << 16;
 /// The most pixels.
 const MAX_PIXELS: usize = 1 << 28;
 
+/// The primaries of Rec. 709 with its white, and with that of Radiance, which are meant where a file says nothing.
+const PRIMARIES: [f32; 6] = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06];
+const WHITES: [[f32; 2]; 2] = [[0.3127, 0.3290], [0.3333, 0.3333]];
+/// By no more than this do chromaticities differ that are the same: they are written in three digits, red of Radiance is 0.640 and green 0.290.
+const SAME: f32 = 0.0101;
+
 /// Width, height and linear RGB by rows from the top of the file in `bytes`, with memory of `budget`; `path` is for
 /// messages.
 ///
 /// # Errors
-/// What is no RGBE file, or a broken one; XYZE and other orientations; sides above 32768 pixels.
+/// What is no RGBE file, or a broken one; XYZE, other primaries and orientations; sides above 32768 pixels.
 pub fn read(bytes: &[u8], path: &Path, budget: &Budget) -> Result<([usize; 2], Vec<[f32; 3]>)> {
     let help = "a Radiance picture (.hdr) in RGBE, rows from the top";
     let refuse = |what| Error::invalid(path, "", what, help);
     let mut rest = bytes;
-    let (size, exposure) = header(&mut rest).map_err(refuse)?;
+    let (size, factors) = header(&mut rest).map_err(refuse)?;
     budget.take((size[0] * size[1]) as u64 * 12, path)?;
-    let pixels = decode(rest, size, exposure);
+    let pixels = decode(rest, size, &factors);
     let missing = || refuse("it has not all its pixels".into());
     Ok((size, pixels.ok_or_else(missing)?))
 }
 
+/// What the values in a file are those of the scene times.
+struct Factors {
+    exposure: f32,
+    /// Of red, green and blue.
+    corrections: [f32; 3],
+}
+
 /// Width and height, and what the pixels are multiples of.
-fn header(rest: &mut &[u8]) -> Result<([usize; 2], f32), String> {
+fn header(rest: &mut &[u8]) -> Result<([usize; 2], Factors), String> {
     let first = line(rest).unwrap_or_default();
     if !first.starts_with("#?") {
         return Err("not a Radiance HDR file: it does not begin with #?".into());
     }
-    let mut exposure = 1.0;
+    let mut factors = Factors {
+        exposure: 1.0,
+        corrections: [1.0; 3],
+    };
     loop {
-        match line(rest).ok_or("its header has no end")? {
-            "" => break,
-            "FORMAT=32-bit_rle_xyze" => return Err("its pixels are XYZE".into()),
+        let line = line(rest).ok_or("its header has no end")?;
+        if line.is_empty() {
+            break;
+        }
+        // Of other pictures that this one is made of, lines begin with a tab, and their keys say nothing here.
+        let Some((key, value)) = line.split_once('=') else {
+            continue;
+        };
+        let wrong = || format!("its {} is {value:?}", key.trim_end());
+        match key.trim_end() {
+            "FORMAT" => match value.trim() {
+                "32-bit_rle_rgbe" => {}
+                "32-bit_rle_xyze" => return Err("its pixels are XYZE".into()),
+                _ => return Err(wrong()),
+            },
             // Values in the file are those of the scene times all of these.
-            text => {
-                let factor = text
-                    .strip_prefix("EXPOSURE=")
-                    .and_then(|x| x.trim().parse::<f32>().ok());
-                exposure *= factor.filter(|x| x.is_finite() && *x > 0.0).unwrap_or(1.0);
+            "EXPOSURE" => {
+                let [factor] = above_zero(value).ok_or_else(wrong)?;
+                factors.exposure *= factor;
             }
+            "COLORCORR" => {
+                let all = above_zero::<3>(value).ok_or_else(wrong)?;
+                (factors.corrections.iter_mut().zip(all)).for_each(|(c, factor)| *c *= factor);
+            }
+            "PRIMARIES" => {
+                let said = numbers::<8>(value).ok_or_else(wrong)?;
+                let is_near = |known: &[f32], from: usize| {
+                    let pairs = known.iter().zip(&said[from..]);
+                    pairs.into_iter().all(|(a, b)| (a - b).abs() < SAME)
+                };
+                if !is_near(&PRIMARIES, 0) || !WHITES.iter().any(|white| is_near(white, 6)) {
+                    return Err(format!("{}, which are not those of Rec. 709", wrong()));
+                }
+            }
+            _ => {}
         }
     }
     let size = line(rest).ok_or("its size is missing")?;
+    let size = size.as_ref();
     let words: Vec<&str> = size.split_whitespace().collect();
     let ["-Y", height, "+X", width] = words[..] else {
         return Err(format!("its rows are ordered by {size:?}"));
@@ -64,25 +107,43 @@ fn header(rest: &mut &[u8]) -> Result<([usize; 2], f32), String> {
     if width * height > MAX_PIXELS || width * height / 256 > rest.len() {
         return Err("it has not all its pixels".into());
     }
-    Ok(([width, height], exposure))
+    Ok(([width, height], factors))
 }
 
-fn decode(mut rest: &[u8], [width, height]: [usize; 2], exposure: f32) -> Option<Vec<[f32; 3]>> {
+/// The numbers of a line, which are so many.
+fn numbers<const N: usize>(text: &str) -> Option<[f32; N]> {
+    let all: Option<Vec<f32>> = text.split_whitespace().map(|n| n.parse().ok()).collect();
+    let all: [f32; N] = all?.try_into().ok()?;
+    all.iter().all(|x| x.is_finite()).then_some(all)
+}
+
+/// The same, all above 0.
+fn above_zero<const N: usize>(text: &str) -> Option<[f32; N]> {
+    numbers(text).filter(|all: &[f32; N]| all.iter().all(|x| *x > 0.0))
+}
+
+fn decode(
+    mut rest: &[u8],
+    [width, height]: [usize; 2],
+    factors: &Factors,
+) -> Option<Vec<[f32; 3]>> {
     let mut pixels = Vec::with_capacity(width * height);
     let mut row = vec![[0u8; 4]; width];
     for _ in 0..height {
         scan_line(&mut rest, &mut row)?;
-        pixels.extend(row.iter().map(|rgbe| linear(*rgbe, exposure)));
+        pixels.extend(row.iter().map(|rgbe| linear(*rgbe, factors)));
     }
     Some(pixels)
 }
 
-/// The next line, without its end.
-fn line<'a>(rest: &mut &'a [u8]) -> Option<&'a str> {
+/// The next line, without its end. Comments in it may be of any encoding.
+fn line<'a>(rest: &mut &'a [u8]) -> Option<Cow<'a, str>> {
     let end = rest.iter().take(MAX_HEADER).position(|b| *b == b'\n')?;
-    let text = std::str::from_utf8(&rest[..end]).ok()?;
+    let text = &rest[..end];
     *rest = &rest[end + 1..];
-    Some(text.trim_end_matches('\r'))
+    Some(String::from_utf8_lossy(
+        text.strip_suffix(b"\r").unwrap_or(text),
+    ))
 }
 
 fn take<'a>(rest: &mut &'a [u8], count: usize) -> Option<&'a [u8]> {
@@ -147,12 +208,13 @@ fn old_scan_line(rest: &mut &[u8], row: &mut [[u8; 4]]) -> Option<()> {
     Some(())
 }
 
-fn linear([r, g, b, e]: [u8; 4], exposure: f32) -> [f32; 3] {
+fn linear([r, g, b, e]: [u8; 4], factors: &Factors) -> [f32; 3] {
     if e == 0 {
         return [0.0; 3];
     }
-    let scale = libm::exp2f(f32::from(e) - 136.0) / exposure;
-    [r, g, b].map(|m| (f32::from(m) + 0.5) * scale)
+    let scale = libm::exp2f(f32::from(e) - 136.0) / factors.exposure;
+    let [cr, cg, cb] = factors.corrections;
+    [(r, cr), (g, cg), (b, cb)].map(|(m, c)| (f32::from(m) + 0.5) * scale / c)
 }
 
 #[cfg(test)]
@@ -185,6 +247,50 @@ mod tests {
         new.extend([128 + 8, 0, 128 + 8, 129]);
         let (_, read) = all(&file("-Y 1 +X 8", &new)).unwrap();
         assert_eq!(read, vec![expected; 8]);
+    }
+
+    #[test]
+    fn headers_say_what_pixels_are_and_are_believed_or_refused() {
+        let with = |line: &[u8]| {
+            let start = b"#?RADIANCE\n";
+            let pixels = b"\n\n-Y 1 +X 1\n\x80\x80\x80\x81";
+            all(&[start, line, pixels].concat())
+        };
+        // (128 + ½)/128, divided by what the values were multiplied by.
+        let white = 1.003_906_3;
+        let known: [(&[u8], [f32; 3]); 6] = [
+            (b"FORMAT= 32-bit_rle_rgbe \r", [white; 3]),
+            (b"EXPOSURE=2\nEXPOSURE= 2", [white / 4.0; 3]),
+            (b"COLORCORR=1 2 4", [white, white / 2.0, white / 4.0]),
+            (
+                b"PRIMARIES=0.640 0.330 0.290 0.600 0.150 0.060 0.333 0.333",
+                [white; 3],
+            ),
+            // Of a picture that this one was made of.
+            (b"\tEXPOSURE=nothing", [white; 3]),
+            // A name in Latin-1.
+            (b"CAMERA=caf\xe9", [white; 3]),
+        ];
+        for (line, expected) in known {
+            let (_, read) = with(line).unwrap();
+            assert_eq!(read, [expected], "{:?}", String::from_utf8_lossy(line));
+        }
+        let refused: [(&[u8], &str); 7] = [
+            (b"FORMAT=32-bit_rle_xyze ", "XYZE"),
+            (b"FORMAT= 32-bit_rle_xyze", "XYZE"),
+            (b"FORMAT=64-bit", "its FORMAT is"),
+            (b"EXPOSURE=1,5", "its EXPOSURE is"),
+            (b"EXPOSURE=0", "its EXPOSURE is"),
+            (b"COLORCORR=2 2", "its COLORCORR is"),
+            (
+                b"PRIMARIES=0.7347 0.2653 0 1 0.0001 -0.077 0.32168 0.33767",
+                "Rec. 709",
+            ),
+        ];
+        for (line, said) in refused {
+            let error = with(line).unwrap_err().to_string();
+            assert!(error.contains(said), "{said}: {error}");
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Spectra in text files: a wavelength in nanometres and a value per line, separated by a comma, a semicolon or blanks.
 //!
-//! Wavelengths ascend. Empty lines, lines that begin with `#`, and a first line of words are left out.
+//! Wavelengths ascend. Empty lines, lines that begin with `#`, and of the others a first one of words are left out; so is a byte order
+//! mark.
 
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -24,12 +25,12 @@ const FORM: &str = "each line holds a wavelength in nm and a value, like 550, 0.
 /// ascend; fewer than 2 rows, or more than 4096.
 pub fn load(path: &Path) -> Result<Vec<[f64; 2]>> {
     let (reader, _) = open_regular(path)?;
-    let mut text = String::new();
+    let mut bytes = Vec::new();
     let read = BufReader::new(reader)
         .take(LONGEST + 1)
-        .read_to_string(&mut text);
+        .read_to_end(&mut bytes);
     read.map_err(Error::io(path, "cannot read"))?;
-    if text.len() as u64 > LONGEST {
+    if bytes.len() as u64 > LONGEST {
         return Err(refused(
             path,
             None,
@@ -37,7 +38,35 @@ pub fn load(path: &Path) -> Result<Vec<[f64; 2]>> {
             FORM,
         ));
     }
-    parse(&text, path)
+    parse(&text_of(bytes, path, FORM)?, path)
+}
+
+/// The text of a table; `help` says what its lines hold.
+pub(crate) fn text_of(bytes: Vec<u8>, path: &Path, help: &str) -> Result<String> {
+    String::from_utf8(bytes).map_err(|error| {
+        let before = error.utf8_error().valid_up_to();
+        let ends = error.as_bytes()[..before].iter().filter(|b| **b == b'\n');
+        let what = "this is not UTF-8 text".into();
+        refused(path, Some(ends.count() + 1), what, help)
+    })
+}
+
+/// The lines of a table that hold its rows, with their numbers: without empty ones, comments, and a first line that names the columns.
+pub(crate) fn rows_of(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    // Spreadsheets begin their files with it.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let lines = (1..).zip(text.lines().map(str::trim));
+    let mut lines = lines
+        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
+        .peekable();
+    let is_header = |(_, line): &(usize, &str)| {
+        let first = line.split([',', ';', ' ', '\t']).next().unwrap_or_default();
+        let is_word = first.starts_with(|c: char| c.is_alphabetic() || c == '"');
+        // `nan` and `inf` are numbers, if none that are right.
+        is_word && first.parse::<f64>().is_err()
+    };
+    lines.next_if(is_header);
+    lines
 }
 
 /// As [`load`], from a text; `path` stands for the file in messages.
@@ -46,13 +75,7 @@ pub fn load(path: &Path) -> Result<Vec<[f64; 2]>> {
 /// A text that is no such table, with the line.
 pub fn parse(text: &str, path: &Path) -> Result<Vec<[f64; 2]>> {
     let mut rows: Vec<[f64; 2]> = Vec::new();
-    for (number, line) in (1..).zip(text.lines()) {
-        let line = line.trim();
-        // The first line may name the columns.
-        let is_words = number == 1 && line.starts_with(|c: char| c.is_alphabetic() || c == '"');
-        if line.is_empty() || line.starts_with('#') || is_words {
-            continue;
-        }
+    for (number, line) in rows_of(text) {
         let refuse = |what: String, help| Err(refused(path, Some(number), what, help));
         if line.contains(';') && line.contains(',') {
             let what = "a comma in a number, beside a semicolon between numbers";
@@ -126,6 +149,22 @@ mod tests {
             [600.0 * 1e-9, 0.0],
         ];
         assert_eq!(rows, expected);
+        // As spreadsheets write it, with and without names of columns, and with these behind a comment.
+        for text in [
+            "\u{feff}400, 1\n500;2.5\n600\t0\n",
+            "\u{feff}nm,W\r\n400,1\r\n500,2.5\r\n600,0\r\n",
+            "# measured\n\nnm,W\n400,1\n500,2.5\n600,0\n",
+        ] {
+            assert_eq!(read(text).unwrap(), expected, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn text_of_another_encoding_is_refused_with_its_line() {
+        let bytes = b"nm,W\n400,1\n500,\xb5\n".to_vec();
+        let error = text_of(bytes, Path::new("lamp.csv"), FORM).unwrap_err();
+        let said = "line 3: this is not UTF-8 text";
+        assert!(error.to_string().contains(said), "{error}");
     }
 
     #[test]
@@ -135,6 +174,8 @@ mod tests {
             ("400,1\n400,1", "line 2"),
             ("400,-1\n500,1", "line 1: a value of -1"),
             ("400,NaN\n500,1", "a value of NaN"),
+            ("nan,1\n500,1\n600,1", "line 1: a wavelength of NaN nm"),
+            ("nm,W\nnm,W\n500,1", "line 2: this is not two numbers"),
             ("400,1\n500,inf", "line 2: a value of inf"),
             ("0,1\n500,1", "a wavelength of 0 nm"),
             ("400,1\n500", "line 2: this is not two numbers"),

@@ -10,6 +10,7 @@ use glam::DVec3;
 
 use super::Star;
 use crate::error::{Error, Result};
+use crate::io::spectrum::rows_of;
 use crate::scene::model::{Catalogue, Stars};
 
 /// The most stars of a table.
@@ -61,13 +62,7 @@ fn random(scale: f64, key: u64, faintest: f64) -> Star {
 
 fn table(scale: f64, text: &str, path: &Path) -> Result<Vec<Star>> {
     let mut stars = Vec::new();
-    for (number, line) in (1..).zip(text.lines()) {
-        let line = line.trim();
-        // A header begins with a letter.
-        let is_header = number == 1 && line.starts_with(|c: char| c.is_alphabetic());
-        if line.is_empty() || line.starts_with('#') || is_header {
-            continue;
-        }
+    for (number, line) in rows_of(text) {
         let refuse = |what: &str| Error::invalid(path, format!("line {number}"), what, FORM);
         if line.contains(';') {
             return Err(refuse("semicolons between numbers, where commas are right"));
@@ -138,6 +133,17 @@ mod tests {
         )
         .unwrap();
         assert_eq!(read.len(), 2);
+        // As a spreadsheet writes it, and with names of columns behind a comment.
+        for start in [
+            "\u{feff}",
+            "\u{feff}x,y,z,magnitude,temperature\r\n",
+            "# bright\nx,y,z,m,t\n",
+        ] {
+            let read = stars(&file, &format!("{start}0,0,-2,0,6500\n")).unwrap();
+            assert_eq!(read.len(), 1, "{start:?}");
+        }
+        let nan = stars(&file, "nan,0,1,0,6500\n0,0,1,0,6500\n").unwrap_err();
+        assert!(nan.to_string().contains("line 1"), "{nan}");
         assert_eq!(read[0].direction, DVec3::NEG_Z);
         // Five magnitudes are a factor of 100, and 3000 K is red.
         let [r, g, b] = read[1].channels();

@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::files;
 use crate::io::image::{exr, hdr};
+use crate::io::spectrum::text_of;
 use crate::light::sky::{BoostedSky, Panorama, Sky, StarMap, stars};
 use crate::render::plan::Plan;
 use crate::render::trace::{Background, RestFrame, SkyLight};
@@ -99,8 +100,7 @@ fn table(stars: &model::Stars, budget: &Budget) -> Result<String> {
     let Catalogue::File(path) = &stars.catalogue else {
         return Ok(String::new());
     };
-    String::from_utf8(contents(path, budget)?)
-        .map_err(|_| Error::invalid(path, "", "not UTF-8 text", "a CSV table of stars"))
+    text_of(contents(path, budget)?, path, "a CSV table of stars")
 }
 
 /// All bytes of a file, taken from `budget`.
@@ -121,7 +121,7 @@ fn picture(path: &Path, budget: &Budget) -> Result<(Vec<[f32; 3]>, usize)> {
     let ([width, height], texels) = if is_hdr {
         hdr::read(&contents(path, budget)?, path, budget)?
     } else {
-        let layers = exr::read(path, budget)?;
+        let layers = exr::read_whole(path, budget)?;
         let help = "an EXR image with the channels R, G and B";
         let missing = || Error::invalid(path, "", "it has no R, G and B", help);
         let radiance = layers.radiance().ok_or_else(missing)?;

@@ -276,7 +276,7 @@ impl Reel<'_> {
         let first = picture(0)?;
         let size = [first.width, first.height];
         let count = u32::try_from(self.count).unwrap_or(u32::MAX);
-        let delay = Delay::of_rate(self.fps);
+        let delay = Delay::of_rate(self.fps)?;
         let mut film = match kind {
             Kind::Apng => FilmWriter::apng(out, size, count, delay, self.metadata)?,
             Kind::Y4m => FilmWriter::y4m(out, size, count, delay)?,

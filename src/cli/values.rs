@@ -4,6 +4,7 @@ use std::ops::{Range, RangeBounds};
 
 use glam::DVec3;
 use nullray::accel::Precision;
+use nullray::io::image::film::Delay;
 use nullray::render::aov::{self, Aov};
 use nullray::scene::Heading;
 use nullray::spacetime::units::Percentage;
@@ -253,6 +254,14 @@ pub fn frames(text: &str) -> Result<Range<u64>, String> {
 pub fn rate(text: &str) -> Result<f64, String> {
     let help = "give a number above 0, like 25 or 1e9";
     number(text, f64::MIN_POSITIVE..f64::INFINITY, help)
+}
+
+/// A rate at which films are played, which files state as a fraction.
+pub fn film_rate(text: &str) -> Result<f64, String> {
+    let fps = rate(text)?;
+    let help =
+        "no fraction of numbers up to 65535 comes near to this rate: give one like 25 or 29.97";
+    Delay::of_rate(fps).map(|_| fps).map_err(|_| help.into())
 }
 
 pub fn transfer(text: &str) -> Result<Encoding, String> {

@@ -22,7 +22,7 @@ pub struct FilmArguments {
     #[arg(long, value_name = "N", default_value_t = 72, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub pictures: u32,
     /// Pictures per second.
-    #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = values::rate, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = values::film_rate, allow_hyphen_values = true)]
     pub fps: f64,
     /// Beside each picture: what a camera at rest in the same place sees ("rest"), or the scene's space-time diagram in the
     /// camera's frame ("diagram", with --speeds).

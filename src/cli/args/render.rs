@@ -55,7 +55,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "TEXT")]
     pub caption: Option<String>,
     /// Pictures per second of a film when it is played. Default: 24.
-    #[arg(long, value_name = "N", value_parser = values::rate, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = values::film_rate, allow_hyphen_values = true)]
     pub play_fps: Option<f64>,
     /// Render this panel of the scene. Default: all panels. Repeatable.
     #[arg(long, value_name = "NAME")]

@@ -97,7 +97,7 @@ fn animate(pages: &Pages, series: Series, output: &Output, frames: &Range<u64>) 
         size = [drawing.width, drawing.height];
         png::render(&drawing, arguments.scale)
     });
-    let delay = Delay::of_rate(fps);
+    let delay = Delay::of_rate(fps)?;
     if output.kind == "y4m" {
         reel::pipe_or_save(path, |out| video(out, count as u32, rasters, delay))?;
     } else {

@@ -31,19 +31,59 @@ pub struct Delay {
 }
 
 impl Delay {
-    /// That of so many pictures per second, in whole milliseconds or, where these are too coarse, as a fraction.
-    pub fn of_rate(fps: f64) -> Delay {
-        let most = f64::from(u16::MAX);
-        let (numerator, denominator) = match fps {
-            fps if fps == fps.round() && fps <= most => (1.0, fps),
-            fps if fps > 100.0 => (1.0, fps.round().min(most)),
-            fps => ((1000.0 / fps).round().clamp(1.0, most), 1000.0),
+    /// That of so many pictures per second: in whole milliseconds where it is so many, or else the best fraction, like 1001/30000.
+    ///
+    /// # Errors
+    /// A rate that no fraction of numbers up to 65535 is within 1e-5 of: a second in a day.
+    pub fn of_rate(fps: f64) -> Result<Delay> {
+        let milliseconds = 1000.0 / fps;
+        let is_whole = |x: f64| x == x.round() && (1.0..=f64::from(u16::MAX)).contains(&x);
+        let [numerator, denominator] = match fps {
+            fps if is_whole(fps) => [1, fps as u16],
+            _ if is_whole(milliseconds) => [milliseconds as u16, 1000],
+            fps => best_fraction(1.0 / fps),
         };
-        Delay {
-            numerator: numerator as u16,
-            denominator: (denominator as u16).max(1),
+        let stated = f64::from(denominator) / f64::from(numerator);
+        match (stated - fps).abs() <= RATE_ERROR * fps {
+            true => Ok(Delay {
+                numerator,
+                denominator,
+            }),
+            false => Err(wrong(
+                &format!(
+                    "a rate of {fps} pictures per second, which no fraction of numbers up to 65535 comes near to"
+                ),
+                "a rate like 25, 29.97 or 0.5",
+            )),
         }
     }
+}
+
+/// What a rate may differ from the one that is asked for, relative.
+const RATE_ERROR: f64 = 1e-5;
+
+/// The last of the fractions that continued fractions give for `x` above 0 that two numbers up to 65535 hold; its parts may be 0 only
+/// where `x` is beyond all of these, or not finite.
+fn best_fraction(x: f64) -> [u16; 2] {
+    let most = f64::from(u16::MAX);
+    // Convergents p/q of [a₀; a₁, a₂ …]: p_k = a_k p_(k−1) + p_(k−2), and q alike.
+    let (mut last, mut before) = ([1.0, 0.0], [0.0, 1.0]);
+    let mut rest = x;
+    for _ in 0..64 {
+        let whole = rest.floor();
+        let next = [0, 1].map(|i| whole * last[i] + before[i]);
+        // Not so of NaN.
+        if !next.iter().all(|n| *n <= most) {
+            break;
+        }
+        (before, last) = (last, next);
+        // What is left is rounding where the fraction is that number.
+        if rest == whole || last[0] / last[1] == x {
+            break;
+        }
+        rest = 1.0 / (rest - whole);
+    }
+    last.map(|n| n as u16)
 }
 
 /// A film that is being written.
@@ -238,13 +278,30 @@ mod tests {
             let Delay {
                 numerator,
                 denominator,
-            } = Delay::of_rate(fps);
+            } = Delay::of_rate(fps).unwrap();
             (numerator, denominator)
         };
         assert_eq!(delay(24.0), (1, 24));
         assert_eq!(delay(12.5), (80, 1000));
-        assert_eq!(delay(1e9), (1, 65535));
-        assert_eq!(delay(1e-9), (65535, 1000));
+        assert_eq!(delay(0.5), (2000, 1000));
+        assert_eq!(delay(29.97), (100, 2997));
+        assert_eq!(delay(30000.0 / 1001.0), (1001, 30000));
+        assert_eq!(delay(24000.0 / 1001.0), (1001, 24000));
+        assert_eq!(delay(60.0), (1, 60));
+        // π is within 1e-7 of 355/113.
+        assert_eq!(delay(std::f64::consts::PI), (113, 355));
+        for fps in [
+            1e9,
+            1e-9,
+            65_536.0,
+            9_999.7,
+            f64::NAN,
+            f64::INFINITY,
+            0.0,
+            -1.0,
+        ] {
+            assert!(Delay::of_rate(fps).is_err(), "{fps}");
+        }
     }
 
     #[test]
@@ -253,7 +310,7 @@ mod tests {
         // 128 − 25.66; Cr 127.5, so 128 + 112.
         let rgb = [255, 255, 255, 0, 0, 0, 255, 0, 0, 0, 0, 255];
         let mut file = Vec::new();
-        let delay = Delay::of_rate(25.0);
+        let delay = Delay::of_rate(25.0).unwrap();
         let mut film = FilmWriter::y4m(&mut file, [4, 1], 1, delay).unwrap();
         film.picture(&RgbImage {
             width: 4,
@@ -279,7 +336,8 @@ mod tests {
             height: 1,
             rgb: vec![7; 3 * width as usize],
         };
-        let film = |count| FilmWriter::apng(Vec::new(), [2, 1], count, Delay::of_rate(10.0), &[]);
+        let delay = Delay::of_rate(10.0).unwrap();
+        let film = |count| FilmWriter::apng(Vec::new(), [2, 1], count, delay, &[]);
         assert!(film(0).is_err());
         let mut two = film(2).unwrap();
         assert!(two.picture(&picture(3)).is_err());

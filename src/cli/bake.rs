@@ -19,7 +19,7 @@ use super::args::BakeArguments;
 use super::check::Names;
 use super::failure::refused;
 use super::film::in_pool;
-use super::names::{named_after, suffixed};
+use super::names::{in_file_name, named_after, suffixed};
 use super::output::{Identity, Inputs, Outputs, extension};
 use super::progress::Bar;
 use super::{inputs, interrupt, print, say, warn};
@@ -204,7 +204,7 @@ fn jobs(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<Job>> {
     let job = |object: usize| Job {
         path: match alone {
             true => path.clone(),
-            false => suffixed(&path, &scene.objects[object].name),
+            false => suffixed(&path, &in_file_name(&scene.objects[object].name)),
         },
         surface: Some(Surface {
             object,

@@ -42,6 +42,12 @@ pub fn suffixed(path: &Path, suffix: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
+/// A name as a part of that of a file: what separates directories, or is no character to see, becomes `_`.
+pub fn in_file_name(name: &str) -> String {
+    let is_apart = |c: char| std::path::is_separator(c) || c.is_control();
+    name.replace(is_apart, "_")
+}
+
 /// The name of the scene's file without its extension.
 pub fn stem(path: Option<&Path>) -> PathBuf {
     if path.is_some_and(builtin::is_standard_input) {
@@ -87,5 +93,11 @@ mod tests {
     fn the_name_of_a_panel_stands_before_the_extension() {
         let path = suffixed(Path::new("out/fig.png"), "beta-0.9");
         assert_eq!(path, Path::new("out/fig-beta-0.9.png"));
+    }
+
+    #[test]
+    fn the_name_of_an_object_leads_into_no_other_directory() {
+        let path = suffixed(Path::new("out/a.npz"), &in_file_name("../up\n/./x"));
+        assert_eq!(path, Path::new("out/a-.._up__._x.npz"));
     }
 }

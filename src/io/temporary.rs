@@ -57,7 +57,8 @@ pub(crate) fn in_target(error: Error, temporary: &Path, target: &Path) -> Error 
 }
 
 impl Temporary {
-    /// A new file beside `target`, open for reading and writing and locked.
+    /// A new file beside `target`, open for reading and writing and locked; who may read it is as of the file that it is to take the
+    /// place of.
     pub fn file(target: &Path) -> io::Result<(Temporary, File)> {
         let (path, file) = make_beside(target, |path| {
             let mut options = OpenOptions::new();
@@ -68,6 +69,13 @@ impl Temporary {
             kept: false,
             _lock: None,
         };
+        // Before the first byte is in it. Where the system keeps no permissions, they are the same.
+        if let Ok(old) = fs::metadata(target)
+            && old.is_file()
+            && old.permissions() != file.metadata()?.permissions()
+        {
+            file.set_permissions(old.permissions())?;
+        }
         Ok((temporary, file))
     }
 

@@ -329,6 +329,67 @@ fn an_exr_that_claims_too_much_is_refused_before_anything_is_allocated() {
 }
 
 #[test]
+fn colours_of_other_primaries_and_parts_of_pictures_are_refused() {
+    use ::exr::meta::attribute::Chromaticities;
+    use ::exr::prelude::{
+        AnyChannel, AnyChannels, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds,
+        Layer, LayerAttributes, Vec2, WritableImage,
+    };
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("a.exr");
+    let rec_709 = Chromaticities {
+        red: Vec2(0.64, 0.33),
+        green: Vec2(0.30, 0.60),
+        blue: Vec2(0.15, 0.06),
+        white: Vec2(0.3127, 0.3290),
+    };
+    // Of ACES.
+    let ap0 = Chromaticities {
+        red: Vec2(0.7347, 0.2653),
+        green: Vec2(0.0, 1.0),
+        blue: Vec2(0.0001, -0.077),
+        white: Vec2(0.32168, 0.33767),
+    };
+    let write = |names: &[&'static str], chromaticities, shown: (usize, usize), from| {
+        let channel = |name: &&'static str| AnyChannel::new(*name, FlatSamples::F32(vec![1.0; 2]));
+        let channels = AnyChannels::sort(names.iter().map(channel).collect());
+        let attributes = LayerAttributes {
+            layer_position: from,
+            ..LayerAttributes::default()
+        };
+        let layer = Layer::new((2, 1), attributes, Encoding::SMALL_LOSSLESS, channels);
+        let attributes = ImageAttributes {
+            chromaticities,
+            ..ImageAttributes::new(IntegerBounds::from_dimensions(shown))
+        };
+        let image = Image {
+            attributes,
+            layer_data: layer,
+        };
+        image.write().to_file(&path).unwrap();
+    };
+    let said = |read: nullray::Result<Layers>| read.map(drop).map_err(|error| error.to_string());
+    let budget = Default::default();
+    let (whole, start) = ((2, 1), Vec2(0, 0));
+    for known in [None, Some(rec_709)] {
+        write(&["R", "G", "B"], known, whole, start);
+        assert_eq!(said(exr::read_whole(&path, &budget)), Ok(()));
+    }
+    write(&["R", "G", "B"], Some(ap0), whole, start);
+    let error = said(exr::read(&path, &budget)).unwrap_err();
+    assert!(error.contains("`chromaticities`"), "{error}");
+    // What is no colour has no primaries.
+    write(&["Z"], Some(ap0), whole, start);
+    assert_eq!(said(exr::read(&path, &budget)), Ok(()));
+    for (shown, from) in [((4, 2), start), (whole, Vec2(1, 0))] {
+        write(&["R", "G", "B"], None, shown, from);
+        assert_eq!(said(exr::read(&path, &budget)), Ok(()));
+        let error = said(exr::read_whole(&path, &budget)).unwrap_err();
+        assert!(error.contains("display window"), "{error}");
+    }
+}
+
+#[test]
 fn parts_of_a_foreign_exr_become_layers() {
     use ::exr::prelude::{
         AnyChannel, AnyChannels, Encoding, FlatSamples, Image, ImageAttributes, Layer,

@@ -91,6 +91,23 @@ mod tests {
         names
     }
 
+    #[cfg(unix)]
+    #[test]
+    fn who_may_read_a_file_is_as_before_when_it_is_replaced() {
+        use std::os::unix::fs::PermissionsExt;
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.bin");
+        for mode in [0o600, 0o664, 0o444] {
+            fs::write(&path, "old").unwrap();
+            fs::set_permissions(&path, fs::Permissions::from_mode(mode)).unwrap();
+            write_atomically(&path, |w| w.write_all(b"new").map_err(write_failed(&path))).unwrap();
+            assert_eq!(fs::read(&path).unwrap(), b"new");
+            let now = fs::metadata(&path).unwrap().permissions().mode();
+            assert_eq!(now & 0o777, mode);
+            fs::remove_file(&path).unwrap();
+        }
+    }
+
     #[test]
     fn a_failure_leaves_the_old_file_and_nothing_else() {
         let directory = tempfile::tempdir().unwrap();

@@ -6,7 +6,7 @@ use half::f16;
 
 use super::blosc;
 use super::decompress::{Broken, gzip, lz4, zlib, zstd};
-use super::number::Number;
+use super::number::{Number, exact_i64, exact_u64};
 use crate::io::files::Reader;
 
 /// A step of the encoding of chunks.
@@ -132,8 +132,6 @@ fn numbers(bytes: &[u8], number: Number, is_big: bool) -> Result<Vec<f64>, Broke
             .map(|word| little(*word))
             .collect()
     }
-    /// Whole numbers up to here are exact.
-    const EXACT: f64 = 9_007_199_254_740_992.0;
     let numbers = match number {
         Number::F16 => each(bytes, is_big, |b| f16::from_le_bytes(b).to_f64()),
         Number::F32 => each(bytes, is_big, |b| f32::from_le_bytes(b).into()),
@@ -141,14 +139,14 @@ fn numbers(bytes: &[u8], number: Number, is_big: bool) -> Result<Vec<f64>, Broke
         Number::I8 => each(bytes, is_big, |b| i8::from_le_bytes(b).into()),
         Number::I16 => each(bytes, is_big, |b| i16::from_le_bytes(b).into()),
         Number::I32 => each(bytes, is_big, |b| i32::from_le_bytes(b).into()),
-        Number::I64 => each(bytes, is_big, |b| i64::from_le_bytes(b) as f64),
+        Number::I64 => each(bytes, is_big, |b| exact_i64(i64::from_le_bytes(b))),
         Number::U8 => each(bytes, is_big, |[b]| b.into()),
         Number::U16 => each(bytes, is_big, |b| u16::from_le_bytes(b).into()),
         Number::U32 => each(bytes, is_big, |b| u32::from_le_bytes(b).into()),
-        Number::U64 => each(bytes, is_big, |b| u64::from_le_bytes(b) as f64),
+        Number::U64 => each(bytes, is_big, |b| exact_u64(u64::from_le_bytes(b))),
     };
     let is_whole = matches!(number, Number::I64 | Number::U64);
-    match is_whole && numbers.iter().any(|x| x.abs() > EXACT) {
+    match is_whole && numbers.iter().any(|x| x.is_nan()) {
         true => Err("an integer is beyond 2⁵³, which double precision does not hold".into()),
         false => Ok(numbers),
     }
@@ -235,6 +233,23 @@ pub(super) fn index(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn integers_that_double_precision_does_not_hold_are_refused() {
+        let most = 1i64 << 53;
+        let read = |n: i64, number| numbers(&n.to_le_bytes(), number, false).ok();
+        for number in [Number::I64, Number::U64] {
+            assert_eq!(read(most, number), Some(vec![9_007_199_254_740_992.0]));
+            // As f64 it would be 2⁵³ again.
+            assert_eq!(read(most + 1, number), None);
+            assert_eq!(read(i64::MAX, number), None);
+        }
+        assert_eq!(
+            read(-most, Number::I64),
+            Some(vec![-9_007_199_254_740_992.0])
+        );
+        assert_eq!(read(-most - 1, Number::I64), None);
+    }
 
     /// RFC 3720, B.4: 32 bytes of 0, of 0xff, and ascending.
     #[test]

@@ -714,6 +714,61 @@ fn texture_coordinates_and_colours_without_data_are_zeros() {
     assert!(error.contains("4000000000"), "{error}");
 }
 
+/// `nodes` in a row, each turned by the same `keys`, and "tip" below them.
+fn turned_by_all(folder: &Path, nodes: usize, keys: usize) -> PathBuf {
+    let times = (0..keys).flat_map(|k| (k as f32).to_le_bytes());
+    let rotations = (0..keys).flat_map(|_| [0, 0, 0, 127]);
+    let bytes: Vec<u8> = times.chain(rotations).collect();
+    std::fs::write(folder.join("turned.bin"), &bytes).unwrap();
+    let node = |i: usize| format!("{{\"children\": [{}]}}, ", i + 1);
+    let channel = |i: usize| {
+        format!("{{\"sampler\": 0, \"target\": {{\"node\": {i}, \"path\": \"rotation\"}}}}")
+    };
+    let channels: Vec<String> = (0..nodes).map(channel).collect();
+    let all: String = (0..nodes).map(node).collect();
+    let text = format!(
+        r#"{{"asset": {{"version": "2.0"}}, "nodes": [{all}{{"name": "tip"}}],
+        "animations": [{{"samplers": [{{"input": 0, "output": 1}}], "channels": [{}]}}],
+        "buffers": [{{"uri": "turned.bin", "byteLength": {}}}],
+        "bufferViews": [{{"buffer": 0, "byteLength": {}}}, {{"buffer": 0, "byteOffset": {}, "byteLength": {}}}],
+        "accessors": [{{"bufferView": 0, "componentType": 5126, "count": {keys}, "type": "SCALAR"}},
+        {{"bufferView": 1, "componentType": 5120, "normalized": true, "count": {keys}, "type": "VEC4"}}]}}"#,
+        channels.join(", "),
+        8 * keys,
+        4 * keys,
+        4 * keys,
+        4 * keys
+    );
+    let path = folder.join("turned.gltf");
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+/// A small file may name the same keys many times: what they cost is known, and refused, before it is spent.
+#[test]
+fn animations_of_more_keys_points_or_transforms_than_a_path_needs_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for (nodes, keys, said) in [
+        (3, 10, None),
+        // 1.2 million values.
+        (12, 100_000, Some("more than 1000000 values")),
+        // Eight pieces between two keys.
+        (1, 12_502, Some("its path has 100009 points")),
+        // 8009 points by 801 nodes and 800 channels.
+        (800, 1002, Some("by 801 nodes and 800 channels")),
+    ] {
+        let path = turned_by_all(folder.path(), nodes, keys);
+        match (gltf::track(&path, "tip", None), said) {
+            (Ok(track), None) => assert_eq!(track.points.len(), 8 * (keys - 1) + 1),
+            (Err(error), Some(said)) => {
+                let text = error.to_string();
+                assert!(text.contains(said), "{text}");
+            }
+            (other, said) => panic!("{other:?}, not {said:?}"),
+        }
+    }
+}
+
 #[test]
 fn cameras_and_lights_follow_animated_nodes_slower_than_light() {
     let folder = tempfile::tempdir().unwrap();

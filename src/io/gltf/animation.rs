@@ -10,19 +10,19 @@
 //!
 //! and before the first and after the last time they stay. STEP is refused: what jumps is faster than light.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use ::gltf::json::Index;
 use ::gltf::json::accessor::Accessor;
 use ::gltf::json::animation::{Animation, Interpolation, Property, Sampler};
-use ::gltf::json::scene::Node;
 use ::gltf::json::validation::Checked;
 use glam::{DAffine3, DVec3};
 
 use super::accessor::{self, Layout, Purpose};
 use super::buffers::Buffers;
 use super::document::{Document, label, listed, shortened};
-use super::nodes::{Hierarchy, local, named, placing};
+use super::nodes::{Hierarchy, local, named, parents, placing};
 use super::summary::refuse_outside;
 use super::warnings::Warnings;
 use crate::Result;
@@ -46,6 +46,10 @@ const PIECES: usize = 8;
 const TURN: f64 = 1e-6;
 /// The most points of a track.
 const MOST: usize = 100_000;
+/// The most values of all channels together, 40 bytes each with their times: keys that several channels share are read for each of them.
+const MOST_VALUES: usize = 1_000_000;
+/// The most transforms from which a track is made, a second's work or two: at all points those of 100 nodes or channels.
+const MOST_STEPS: usize = 100 * MOST;
 
 /// The values of a channel.
 struct Channel {
@@ -73,21 +77,39 @@ pub(super) fn track(document: &mut Document, node: &str, animation: Option<&str>
         let help = "name a node that the animation moves, or one below such a node";
         return Err(document.invalid(place, what, help));
     }
+    let times = times(&channels);
+    let steps = times.len().saturating_mul(chain.len() + channels.len());
+    if times.len() > MOST || steps > MOST_STEPS {
+        let what = format!(
+            "its path has {} points, each by {} nodes and {} channels",
+            times.len(),
+            chain.len(),
+            channels.len()
+        );
+        let help = format!(
+            "at most {MOST} points, and {MOST_STEPS} times nodes and channels: export fewer keys"
+        );
+        return Err(document.invalid(place, what, help));
+    }
+    // In the order of the file, of which the last one counts where two set the same.
+    let mut by_node = BTreeMap::<usize, Vec<&Channel>>::new();
+    for channel in &channels {
+        by_node.entry(channel.node).or_default().push(channel);
+    }
+    let own = |node| by_node.get(node).map_or(&[][..], Vec::as_slice);
+    let posed = (chain.iter())
+        .map(|node| Posed::new(document, *node, own(node)))
+        .collect::<Result<Vec<_>>>()?;
     let (mut points, mut axes) = (Vec::new(), Vec::new());
-    for seconds in times(&channels) {
-        let world = chain.iter().try_fold(DAffine3::IDENTITY, |world, node| {
-            Ok::<_, crate::Error>(world * posed(document, *node, &channels, seconds)?)
-        })?;
+    for seconds in times {
+        let world = (posed.iter()).fold(DAffine3::IDENTITY, |world, node| world * node.at(seconds));
         points.push((seconds, world.translation));
         // Scale turns nothing.
         axes.push([world.matrix3.y_axis, world.matrix3.z_axis].map(DVec3::normalize_or_zero));
     }
-    if points.len() > MOST || !points.iter().all(|(_, x)| x.is_finite()) {
-        let what = format!(
-            "its path has {} points, or goes beyond the range of numbers",
-            points.len()
-        );
-        return Err(document.invalid(place, what, format!("at most {MOST} finite points")));
+    if !points.iter().all(|(_, x)| x.is_finite()) {
+        let what = "its path goes beyond the range of numbers";
+        return Err(document.invalid(place, what, "all points must be finite"));
     }
     Ok(Track {
         points,
@@ -133,18 +155,9 @@ fn animation_label(document: &Document, index: usize) -> String {
 fn chain(document: &Document, node: usize) -> Result<Vec<usize>> {
     // The hierarchy has no cycles once it is known.
     Hierarchy::new(document, &mut Warnings::default())?;
-    let nodes = &document.root.nodes;
-    let is_child = |parent: &Node, node: usize| {
-        let mut children = parent.children.iter().flatten();
-        children.any(|child| child.value() == node)
-    };
-    let mut chain = vec![node];
-    while let Some(parent) = nodes
-        .iter()
-        .position(|n| is_child(n, chain[chain.len() - 1]))
-    {
-        chain.push(parent);
-    }
+    let parents = parents(document);
+    let above = |&node: &usize| parents.get(node).copied().flatten();
+    let mut chain: Vec<usize> = std::iter::successors(Some(node), above).collect();
     chain.reverse();
     Ok(chain)
 }
@@ -153,6 +166,7 @@ fn chain(document: &Document, node: usize) -> Result<Vec<usize>> {
 fn channels(document: &mut Document, animation: usize, nodes: &[usize]) -> Result<Vec<Channel>> {
     let name = animation_label(document, animation);
     // Taken out of the document first, as reading accessors borrows it.
+    let nodes: BTreeSet<usize> = nodes.iter().copied().collect();
     let described = document.root.animations[animation].channels.iter();
     let described: Vec<_> = described
         .enumerate()
@@ -160,6 +174,7 @@ fn channels(document: &mut Document, animation: usize, nodes: &[usize]) -> Resul
         .filter(|(_, node, ..)| nodes.contains(node))
         .collect();
     let mut channels = Vec::new();
+    let mut left = MOST_VALUES;
     for (k, node, path, sampler) in described {
         let place = format!("{name}, channel {k} ({})", document.node_label(node));
         let Checked::Valid(property) = path else {
@@ -201,6 +216,7 @@ fn channels(document: &mut Document, animation: usize, nodes: &[usize]) -> Resul
             &place,
             (node, property, interpolation),
             (input, output),
+            &mut left,
         )?);
     }
     Ok(channels)
@@ -211,6 +227,7 @@ fn read(
     place: &str,
     (node, property, interpolation): (usize, Property, Interpolation),
     (input, output): (Index<Accessor>, Index<Accessor>),
+    left: &mut usize,
 ) -> Result<Channel> {
     let purpose = match property {
         Property::Rotation => Purpose::Rotations,
@@ -229,7 +246,13 @@ fn read(
         let help = format!("{per_time} values for each time, and at most {MOST} times");
         return Err(document.invalid(place, what, help));
     }
-    // `MOST` bounds both counts by now, whatever the file says.
+    // `MOST` bounds both counts by now, whatever the file says, and `MOST_VALUES` the sum of all channels.
+    let Some(rest) = left.checked_sub(output.count as usize) else {
+        let what = format!("with it the channels have more than {MOST_VALUES} values");
+        let help = "export fewer keys, or without those of nodes that stay where they are";
+        return Err(document.invalid(place, what, help));
+    };
+    *left = rest;
     let mut times = vec![0.0; input.count as usize];
     let mut values = vec![[0.0; 4]; output.count as usize];
     let mut buffers = Buffers::new(document);
@@ -287,33 +310,53 @@ fn times(channels: &[Channel]) -> Vec<f64> {
     all
 }
 
-/// The transform of a node itself at a time.
-fn posed(document: &Document, node: usize, channels: &[Channel], seconds: f64) -> Result<DAffine3> {
-    let Some(rest) = document.root.nodes.get(node) else {
-        return Ok(DAffine3::IDENTITY);
-    };
-    let mut own = channels
-        .iter()
-        .filter(|channel| channel.node == node)
-        .peekable();
-    if own.peek().is_none() {
-        return local(document, rest, node, &mut Warnings::default());
+/// A node, and what moves it.
+struct Posed<'c> {
+    /// Its own transform where nothing does.
+    rest: DAffine3,
+    translation: DVec3,
+    rotation: [f64; 4],
+    scale: DVec3,
+    channels: Vec<&'c Channel>,
+}
+
+impl<'c> Posed<'c> {
+    fn new(document: &Document, node: usize, own: &[&'c Channel]) -> Result<Self> {
+        let wide = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+        let described = document.root.nodes.get(node);
+        Ok(Posed {
+            rest: match described {
+                Some(rest) => local(document, rest, node, &mut Warnings::default())?,
+                None => DAffine3::IDENTITY,
+            },
+            translation: described
+                .and_then(|n| n.translation)
+                .map_or(DVec3::ZERO, wide),
+            rotation: (described.and_then(|n| n.rotation).unwrap_or_default().0).map(f64::from),
+            scale: described.and_then(|n| n.scale).map_or(DVec3::ONE, wide),
+            channels: own.to_vec(),
+        })
     }
-    let wide = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-    let mut translation = rest.translation.map_or(DVec3::ZERO, wide);
-    let mut scale = rest.scale.map_or(DVec3::ONE, wide);
-    let mut rotation = rest.rotation.unwrap_or_default().0.map(f64::from);
-    for channel in own {
-        let [x, y, z, w] = channel.at(seconds);
-        match channel.property {
-            Property::Translation => translation = DVec3::new(x, y, z),
-            Property::Scale => scale = DVec3::new(x, y, z),
-            Property::Rotation => rotation = [x, y, z, w],
-            Property::MorphTargetWeights => {}
+
+    /// Its own transform at a time.
+    fn at(&self, seconds: f64) -> DAffine3 {
+        if self.channels.is_empty() {
+            return self.rest;
         }
+        let (mut translation, mut rotation, mut scale) =
+            (self.translation, self.rotation, self.scale);
+        for channel in &self.channels {
+            let [x, y, z, w] = channel.at(seconds);
+            match channel.property {
+                Property::Translation => translation = DVec3::new(x, y, z),
+                Property::Scale => scale = DVec3::new(x, y, z),
+                Property::Rotation => rotation = [x, y, z, w],
+                Property::MorphTargetWeights => {}
+            }
+        }
+        let norm = rotation.iter().map(|c| c * c).sum();
+        placing(translation, (rotation, norm), scale)
     }
-    let norm = rotation.iter().map(|c| c * c).sum();
-    Ok(placing(translation, (rotation, norm), scale))
 }
 
 impl Channel {

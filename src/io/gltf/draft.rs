@@ -8,7 +8,7 @@ use super::document::{Document, shortened};
 use super::import::Want;
 use super::lights;
 use super::materials::{Resolved, resolve};
-use super::nodes::{Hierarchy, Placed};
+use super::nodes::{Hierarchy, Placed, parents};
 use super::pieces::Pieces;
 use super::primitive::Wanted;
 use super::warnings::Warnings;
@@ -104,14 +104,7 @@ fn warn_of_unread(document: &Document, placed: &[Placed], want: Want, warnings: 
 fn animations_of_meshes(document: &Document, placed: &[Placed]) -> Vec<usize> {
     let nodes = &document.root.nodes;
     let has_mesh = |node: usize| nodes.get(node).is_some_and(|node| node.mesh.is_some());
-    let mut parents = vec![None; nodes.len()];
-    for (parent, node) in nodes.iter().enumerate() {
-        for child in node.children.iter().flatten() {
-            if let Some(of_child) = parents.get_mut(child.value()) {
-                *of_child = Some(parent);
-            }
-        }
-    }
+    let parents = parents(document);
     // Nodes with a mesh at or below them; a hierarchy that was placed has no cycles.
     let mut carries = vec![false; nodes.len()];
     let mut is_skinned = false;

@@ -207,6 +207,20 @@ fn links(document: &Document) -> Result<Links> {
     Ok((links, has_parent))
 }
 
+/// The parent of every node that has one; of several, which no hierarchy has, the last.
+pub(super) fn parents(document: &Document) -> Vec<Option<usize>> {
+    let nodes = &document.root.nodes;
+    let mut parents = vec![None; nodes.len()];
+    for (parent, node) in nodes.iter().enumerate() {
+        for child in node.children.iter().flatten() {
+            if let Some(of_child) = parents.get_mut(child.value()) {
+                *of_child = Some(parent);
+            }
+        }
+    }
+    parents
+}
+
 /// The one node of this name.
 pub(super) fn named(document: &Document, name: &str) -> Result<usize> {
     let nodes = &document.root.nodes;

@@ -70,6 +70,22 @@ pub(super) fn read(stored: &mut Stored, file: &Path, budget: &Budget) -> Result<
     })
 }
 
+/// Reads an array of numbers that has one axis.
+pub(super) fn read_list(stored: &mut Stored, file: &Path, budget: &Budget) -> Result<Numbers> {
+    let mut array = Array::open(stored, file, budget)?;
+    let shape = &array.header.shape;
+    if shape.len() != 1 {
+        let what = format!("an array of shape {shape:?} has not one axis");
+        return Err(Error::invalid(
+            file,
+            "",
+            what,
+            "give an array of shape (n,)",
+        ));
+    }
+    array.numbers()
+}
+
 /// Reads an array of one text (`<U…`, shape ()).
 pub(super) fn text(stored: &mut Stored, file: &Path, budget: &Budget) -> Result<String> {
     let mut array = Array::open(stored, file, budget)?;

@@ -11,6 +11,9 @@ const MAGIC: &[u8; 6] = b"\x93NUMPY";
 /// Headers that numpy writes for floats are some hundred bytes long; structured types need more.
 const LONGEST_HEADER: u32 = 1 << 16;
 
+/// The most axes, those of numpy 2.
+const MOST_AXES: usize = 64;
+
 /// What an array holds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Dtype {
@@ -192,6 +195,12 @@ fn sizes(text: &str) -> Result<Vec<usize>, String> {
     let sizes = inside
         .and_then(parts)
         .ok_or_else(|| format!("the shape {text:?} is not a tuple"))?;
+    if sizes.len() > MOST_AXES {
+        return Err(format!(
+            "the array has {} axes, and no program makes more than {MOST_AXES}",
+            sizes.len()
+        ));
+    }
     let size = |text: &str| text.strip_suffix('L').unwrap_or(text).parse().ok();
     let all = sizes
         .iter()
@@ -233,6 +242,13 @@ mod tests {
     }
 
     #[test]
+    fn as_many_axes_as_numpy_has_are_read() {
+        let shape = format!("({})", "1, ".repeat(MOST_AXES));
+        let text = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}}}");
+        assert_eq!(header(&text).unwrap().2, [1; MOST_AXES]);
+    }
+
+    #[test]
     fn a_structured_type_is_kept_as_text() {
         let list = "[('a', '<f4', [2]), ('b', '<i4')]";
         let text = format!("{{'descr': {list}, 'fortran_order': False, 'shape': ()}}");
@@ -254,6 +270,7 @@ mod tests {
             &with("(1, -2)"),
             &with("(1"),
             &with("(99999999999999999999999,)"),
+            &with(&format!("({})", "1, ".repeat(65))),
             &with("(1,)} 1"),
             &with("(1,), 'shape': (1,)"),
             &with("(1,)").replace("False", "0"),

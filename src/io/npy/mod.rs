@@ -51,22 +51,10 @@ pub fn load_plain(path: &Path, array: Option<&str>, budget: &Budget) -> Result<P
 /// # Errors
 /// As [`load_plain`]; an array of another number of axes.
 pub fn load_numbers(path: &Path, array: Option<&str>, budget: &Budget) -> Result<Vec<f64>> {
-    let plain = load_plain(path, array, budget)?;
-    if plain.shape.len() != 1 {
-        let what = format!("an array of shape {:?} has not one axis", plain.shape);
-        return Err(crate::Error::invalid(
-            path,
-            "",
-            what,
-            "give an array of shape (n,)",
-        ));
-    }
-    Ok(match plain.samples {
-        Numbers::F32(v) => v.into_iter().map(f64::from).collect(),
-        Numbers::F64(v) => v,
-        Numbers::I32(v) => v.into_iter().map(f64::from).collect(),
-        Numbers::U32(v) => v.into_iter().map(f64::from).collect(),
-    })
+    let (file, _) = open_regular(path)?;
+    let read = |stored: &mut Stored| array::read_list(stored, path, budget);
+    let samples = with_array(&mut BufReader::new(file), path, array, read)?;
+    Ok(samples.into_f64())
 }
 
 /// The text that the array named `array` of a `.npz` file is.

@@ -770,6 +770,64 @@ fn animations_of_more_keys_points_or_transforms_than_a_path_needs_are_refused() 
 }
 
 #[test]
+fn thousands_of_extensions_are_one_warning() {
+    let names: Vec<String> = (0..5000).map(|i| format!("\"X_{i:04}\"")).collect();
+    let text = format!(
+        r#"{{"asset": {{"version": "2.0"}}, "extensionsUsed": [{}], "nodes": [{{"name": "a"}}]}}"#,
+        names.join(", ")
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.gltf");
+    std::fs::write(&path, text).unwrap();
+    let warnings = gltf::inspect(&path, None).unwrap().warnings;
+    assert_eq!(warnings.len(), 21, "{warnings:?}");
+    assert!(warnings[0].contains("\"X_0000\""), "{}", warnings[0]);
+    assert!(
+        warnings[20].contains("4980 more extensions"),
+        "{}",
+        warnings[20]
+    );
+}
+
+/// An element that no byte of the file stands for costs memory all the same, and so does an empty node.
+#[test]
+fn what_costs_memory_and_no_bytes_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.gltf");
+    let sparse = |count: usize| {
+        format!(
+            r#"{{"asset": {{"version": "2.0"}}, "nodes": [{{"mesh": 0}}],
+            "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
+            "accessors": [{{"componentType": 5126, "count": {count}, "type": "VEC3", "sparse": {{"count": 3,
+            "indices": {{"bufferView": 0, "componentType": 5125}}, "values": {{"bufferView": 1}}}}}}],
+            "bufferViews": [{{"buffer": 0, "byteLength": 12}}, {{"buffer": 0, "byteOffset": 12, "byteLength": 36}}],
+            "buffers": [{{"byteLength": 48, "uri": "a.bin"}}]}}"#
+        )
+    };
+    let nodes = |count: usize, node: &str| {
+        let nodes = vec![node; count].join(",");
+        format!(r#"{{"asset": {{"version": "2.0"}}, "nodes": [{nodes}]}}"#)
+    };
+    for (text, said) in [
+        (sparse(60_000), None),
+        (sparse(90_000), Some("of its 90000 elements 3 are given")),
+        (nodes(100_000, "{}"), None),
+        (nodes(200_000, "{}"), Some("200002 objects")),
+        (nodes(200_000, r#"{"skin":0}"#), None),
+    ] {
+        std::fs::write(&path, text).unwrap();
+        match (gltf::inspect(&path, None), said) {
+            (Ok(_), None) => {}
+            (Err(error), Some(said)) => {
+                let text = error.to_string();
+                assert!(text.contains(said), "{text}");
+            }
+            (other, said) => panic!("{:?}, not {said:?}", other.map(|held| held.vertices)),
+        }
+    }
+}
+
+#[test]
 fn cameras_and_lights_follow_animated_nodes_slower_than_light() {
     let folder = tempfile::tempdir().unwrap();
     animated(folder.path());

@@ -15,6 +15,10 @@ use crate::Result;
 /// Bytes that are read at a time.
 const PIECE: u64 = 1 << 16;
 
+/// Elements without data that an accessor may have anyway, and for each that is given: of a mesh they are all one point.
+const FEW_ZEROS: u64 = 1 << 16;
+const ZEROS_OF_ONE: u64 = 64;
+
 const EXPORT_AGAIN: &str = "export the file again; a validator of glTF tells more";
 
 /// What an accessor is for, which decides the types that it may have.
@@ -112,8 +116,14 @@ impl Check<'_, '_> {
                 let offset = self.accessor.byte_offset.unwrap_or_default().0;
                 Some(self.strided(view, offset, count, element)?)
             }
-            None if self.accessor.sparse.is_some() => None,
-            None if matches!(purpose, Purpose::TexCoords | Purpose::Colours { .. }) => None,
+            None if let Some(sparse) = &self.accessor.sparse => {
+                self.check_zeros(count, sparse.count.0)?;
+                None
+            }
+            None if matches!(purpose, Purpose::TexCoords | Purpose::Colours { .. }) => {
+                self.check_zeros(count, 0)?;
+                None
+            }
             None => return Err(self.invalid("it has no data: no bufferView", EXPORT_AGAIN)),
         };
         let sparse = match &self.accessor.sparse {
@@ -128,6 +138,18 @@ impl Check<'_, '_> {
             dense,
             sparse,
         })
+    }
+
+    /// Refuses more zeros than make sense, which cost memory and no byte of the file.
+    fn check_zeros(&self, count: u64, given: u64) -> Result<()> {
+        if count <= FEW_ZEROS.max(given.saturating_mul(ZEROS_OF_ONE)) {
+            return Ok(());
+        }
+        let what =
+            format!("of its {count} elements {given} are given, and no bufferView has the others");
+        let help =
+            format!("at most {FEW_ZEROS} elements, or {ZEROS_OF_ONE} for each that is given");
+        Err(self.invalid(&what, &help))
     }
 
     fn format(&self, purpose: Purpose) -> Result<Format> {

@@ -36,6 +36,8 @@ pub(super) struct Document<'a> {
     pub root: Root,
     /// Animation and channel of each channel without a node, which are left out of `root`.
     pub without_node: Vec<[usize; 2]>,
+    /// The extensions that the file says anywhere that it uses.
+    used: BTreeSet<String>,
     /// Where the binary chunk lies in `storage`: offset and length.
     pub bin: Option<(u64, u64)>,
     pub storage: Box<dyn Storage + 'a>,
@@ -59,10 +61,13 @@ impl<'a> Document<'a> {
 
     fn parse(mut storage: Box<dyn Storage + 'a>, length: u64, file: &Path) -> Result<Self> {
         let container = container::read(&mut *storage, length, file)?;
+        check_objects(&container.json, file)?;
         let (root, without_node) = root(&container.json, file)?;
+        let used = root.extensions_used.iter().chain(&root.extensions_required);
         let document = Document {
             file: file.to_path_buf(),
             directory: None,
+            used: used.cloned().collect(),
             root,
             without_node,
             bin: container.bin,
@@ -114,10 +119,7 @@ impl<'a> Document<'a> {
 
     /// Whether the file says anywhere that it uses this extension.
     pub fn uses(&self, extension: &str) -> bool {
-        let root = &self.root;
-        (root.extensions_used.iter())
-            .chain(&root.extensions_required)
-            .any(|name| name == extension)
+        self.used.contains(extension)
     }
 
     /// The item at `index`, or an error that names the list that is too short.
@@ -214,6 +216,26 @@ fn channels_without_node(text: &[u8]) -> Vec<[usize; 2]> {
         found.extend(lacking.map(|(channel, _)| [k, channel]));
     }
     found
+}
+
+/// Objects of a JSON, each of which takes some hundred bytes of memory: as many as these are read whatever they are.
+const FEW_OBJECTS: usize = 1 << 17;
+/// The least text of an object that says something, like `{"a":0},`, bytes.
+const LEAST_OBJECT: usize = 8;
+
+/// Refuses a JSON of many empty objects, which takes hundreds of times as much memory as text.
+fn check_objects(text: &[u8], file: &Path) -> Result<()> {
+    // Braces in names count too, of which there are few.
+    let objects = text.iter().filter(|byte| **byte == b'{').count();
+    if objects <= FEW_OBJECTS.max(text.len() / LEAST_OBJECT) {
+        return Ok(());
+    }
+    let what = format!(
+        "it has {objects} objects in {} bytes: most are empty",
+        text.len()
+    );
+    let help = "export the model again, without nodes that hold nothing";
+    Err(Error::invalid(file, "JSON", what, help))
 }
 
 /// What is wrong with a JSON that is not read as glTF.

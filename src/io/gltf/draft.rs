@@ -64,13 +64,22 @@ impl Draft {
     }
 }
 
+/// The most extensions that are named: a file of exporters' own has a few.
+const MOST_NAMED: usize = 20;
+
 /// What is said of the lights of a file.
 pub(crate) const LIGHTS_UNREAD: &str = "the lights of a scene are its [[light]] tables, and not those of the file, which light it without a scene";
 
 /// Says what of the file is passed over as a whole.
 fn warn_of_unread(document: &Document, placed: &[Placed], want: Want, warnings: &mut Warnings) {
-    for name in document.unread_extensions() {
+    let mut unread = document.unread_extensions().into_iter();
+    for name in unread.by_ref().take(MOST_NAMED) {
         let what = format!("the extension {:?} is not supported", shortened(name));
+        warnings.add(what, "extensionsUsed");
+    }
+    let more = unread.count();
+    if more > 0 {
+        let what = format!("{more} more extensions are not supported");
         warnings.add(what, "extensionsUsed");
     }
     let what = "animations of meshes are not played: nodes stay at rest (cameras and lights follow them by \

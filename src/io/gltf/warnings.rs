@@ -1,10 +1,16 @@
 //! What is passed over in a file, said once per kind, with the first place.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 
 /// Collects warnings.
 #[derive(Debug, Default)]
-pub(super) struct Warnings(Vec<Entry>);
+pub(super) struct Warnings {
+    /// In the order of their first places.
+    entries: Vec<Entry>,
+    /// Where each is among them.
+    places: HashMap<Cow<'static, str>, usize>,
+}
 
 #[derive(Debug)]
 struct Entry {
@@ -22,14 +28,17 @@ impl Warnings {
     /// Notes that `what` is so `count` times, first at `place`.
     pub fn add_many(&mut self, what: impl Into<Cow<'static, str>>, place: &str, count: u64) {
         let what = what.into();
-        match self.0.iter_mut().find(|entry| entry.what == what) {
+        match self.places.get(&what) {
             _ if count == 0 => {}
-            Some(entry) => entry.count += count,
-            None => self.0.push(Entry {
-                what,
-                first: place.to_owned(),
-                count,
-            }),
+            Some(&at) => self.entries[at].count += count,
+            None => {
+                self.places.insert(what.clone(), self.entries.len());
+                self.entries.push(Entry {
+                    what,
+                    first: place.to_owned(),
+                    count,
+                });
+            }
         }
     }
 
@@ -39,6 +48,6 @@ impl Warnings {
             1 => format!("{}: {}", entry.first, entry.what),
             n => format!("{}: {} ({n} times in all)", entry.first, entry.what),
         };
-        self.0.into_iter().map(sentence).collect()
+        self.entries.into_iter().map(sentence).collect()
     }
 }

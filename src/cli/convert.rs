@@ -27,6 +27,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
         transfer: arguments.transfer.map(Into::into),
         dead_bins: &arguments.dead_bins,
         negative: arguments.negative.map(Into::into),
+        memory: Some(arguments.memory.bytes()),
     };
     let info = cube::inspect(&arguments.input, wanted)?;
     if !arguments.quiet.on {

@@ -148,6 +148,7 @@ fn by_first_light(
     let wanted = Wanted {
         array: arguments.array.as_deref(),
         axes: arguments.axes.as_ref(),
+        memory: Some(arguments.memory.bytes()),
         ..Wanted::default()
     };
     let info = cube::inspect(&arguments.input, wanted)?;

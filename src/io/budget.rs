@@ -24,6 +24,16 @@ impl Budget {
         }
     }
 
+    /// How many bytes have been taken.
+    pub(crate) fn taken(&self) -> u64 {
+        self.limit - self.left()
+    }
+
+    /// How many bytes are left.
+    pub(crate) fn left(&self) -> u64 {
+        self.left.load(Ordering::Relaxed)
+    }
+
     /// Takes `bytes` for what is read from `file`.
     ///
     /// # Errors

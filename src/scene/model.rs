@@ -361,6 +361,7 @@ impl CubeFile {
             transfer: self.transfer,
             dead_bins: &self.dead_bins,
             negative: self.negative,
+            memory: None,
         }
     }
 }

@@ -196,6 +196,31 @@ fn films_of_other_quantities_are_refused_by_name() {
 }
 
 /// sRGB: ((188/255 + 0.055)/1.055)^2.4 = 0.502886.
+/// A picture of 100 × 100 pixels takes 160 kB while it is decoded (4 bytes of codes, 12 of samples), the cube of four 480 kB.
+#[test]
+fn png_frames_are_decoded_within_memory_and_looked_at_without() {
+    let folder = tempfile::tempdir().unwrap();
+    for number in 0..4u8 {
+        let codes: Vec<u8> = (0..30_000).map(|i| (i % 251) as u8 + number).collect();
+        let path = folder.path().join(format!("f{number}.png"));
+        png::write(&path, 100, 100, &codes, &[]).unwrap();
+    }
+    let linear = Wanted {
+        transfer: Some(Transfer::Linear),
+        ..Wanted::default()
+    };
+    let info = cube::inspect(folder.path(), linear.within(1)).unwrap();
+    assert_eq!(info.shape, [100, 100, 4, 3]);
+    let whole = cube::load(folder.path(), linear).unwrap();
+    // Room for one at a time.
+    let one_by_one = cube::load(folder.path(), linear.within(650_000)).unwrap();
+    assert!(one_by_one == whole);
+    for memory in [470_000, 600_000] {
+        let error = cube::load(folder.path(), linear.within(memory)).unwrap_err();
+        assert!(error.to_string().contains("bytes of memory"), "{error}");
+    }
+}
+
 #[test]
 fn codes_of_png_frames_are_linear_by_the_declared_transfer() {
     let folder = tempfile::tempdir().unwrap();

@@ -288,6 +288,61 @@ fn a_png_is_lossless_and_holds_its_texts() {
     assert!(png::write(&path, 3, 3, &rgb, &[]).is_err());
 }
 
+/// Zeros become a thousandth of their length: 17 MiB of them make a small file.
+#[test]
+fn compressed_texts_of_a_png_are_unpacked_up_to_a_limit() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("a.png");
+    for (mebibytes, fits) in [(1, true), (17, false)] {
+        let mut encoder = ::png::Encoder::new(fs::File::create(&path).unwrap(), 1, 1);
+        let text = "0".repeat(mebibytes << 20);
+        encoder.add_ztxt_chunk("a".into(), text.clone()).unwrap();
+        encoder.add_ztxt_chunk("b".into(), "short".into()).unwrap();
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_image_data(&[7]).unwrap();
+        writer.finish().unwrap();
+        assert!(fs::metadata(&path).unwrap().len() < 100_000);
+        match (png::inspect(&path), fits) {
+            (Ok(info), true) => {
+                assert_eq!(
+                    info.text,
+                    [("a".into(), text), ("b".into(), "short".into())]
+                );
+            }
+            (Err(error), false) => {
+                assert!(error.to_string().contains("compressed texts"), "{error}");
+            }
+            (other, _) => panic!("{mebibytes} MiB: {:?}", other.is_ok()),
+        }
+    }
+}
+
+#[test]
+fn files_of_more_texts_than_anyone_reads_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let [png, exr] = ["a.png", "a.exr"].map(|name| directory.path().join(name));
+    for (count, fits) in [(10_000, true), (10_001, false)] {
+        let entry = |i: usize| (format!("key{i:05}"), "text".to_string());
+        let entries: Vec<_> = (0..count).map(entry).collect();
+        png::write(&png, 1, 1, &[1, 2, 3], &entries).unwrap();
+        let one = channel("a", Samples::F32(vec![0.0]));
+        let layers = Layers::new(1, 1, vec![one], entries).unwrap();
+        exr::write(&exr, &layers).unwrap();
+        for read in [
+            png::read(&png, &Default::default()),
+            exr::read(&exr, &Default::default()),
+        ] {
+            match (read, fits) {
+                (Ok(layers), true) => assert!(layers.metadata.len() >= count),
+                (Err(error), false) => {
+                    assert!(error.to_string().contains("texts of metadata"), "{error}");
+                }
+                (other, _) => panic!("{count}: {:?}", other.is_ok()),
+            }
+        }
+    }
+}
+
 #[test]
 fn hostile_exr_files_are_errors_or_images_but_never_a_panic() {
     let directory = tempfile::tempdir().unwrap();

@@ -117,12 +117,13 @@ fn as_baked(info: &mut Info, path: &Path, metadata: &Map<String, Value>) {
 pub fn sequence(path: &Path, memory: u64) -> Result<Info> {
     let mut info = Info::new("pictures", "sequence of pictures");
     // Codes have no meaning without a transfer, and any will do to look at them.
+    let plain = Wanted::default().within(memory);
     let linear = Wanted {
         transfer: Some(Transfer::Linear),
-        ..Wanted::default()
+        ..plain
     };
-    let (wanted, cube, lacks_transfer) = match cube::inspect(path, Wanted::default()) {
-        Ok(cube) => (Wanted::default(), cube, false),
+    let (wanted, cube, lacks_transfer) = match cube::inspect(path, plain) {
+        Ok(cube) => (plain, cube, false),
         Err(error) => match cube::inspect(path, linear) {
             Ok(cube) => (linear, cube, true),
             Err(_) => return Err(error),

@@ -32,8 +32,8 @@ pub fn run(arguments: &InfoArguments) -> Result<()> {
         Kind::Array(format) => array::info(path, format, memory),
         Kind::Exr => picture::exr(path, memory),
         Kind::Png => picture::png(path),
-        Kind::Frame(name) => picture::frame(path, name),
-        Kind::Scene => scene::info(path),
+        Kind::Frame(name) => picture::frame(path, name, memory),
+        Kind::Scene => scene::info(path, memory),
     }?;
     match arguments.json.on {
         true => print_json(&info.data),

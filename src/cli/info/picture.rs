@@ -48,8 +48,8 @@ pub fn png(path: &Path) -> Result<Info> {
 }
 
 /// A picture of another kind, which is of use as a frame.
-pub fn frame(path: &Path, name: &str) -> Result<Info> {
-    let [width, height, channels] = cube::frame_size(path)?;
+pub fn frame(path: &Path, name: &str, memory: u64) -> Result<Info> {
+    let [width, height, channels] = cube::frame_size(path, memory)?;
     let mut info = Info::new("frame", name);
     size(&mut info, width as u32, height as u32);
     let colours = if channels == 1 {

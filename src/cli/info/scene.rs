@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 use super::{Info, camera};
 use crate::cli::builtin;
 
-pub fn info(path: &Path) -> Result<Info> {
+pub fn info(path: &Path, memory: u64) -> Result<Info> {
     let scene = builtin::read(path)?.scene(&Overrides::default())?;
     let mut info = Info::new("scene", "nullray scene");
     camera::rows(&mut info, &scene);
@@ -31,7 +31,7 @@ pub fn info(path: &Path) -> Result<Info> {
     // Headers of files alone; one that cannot be read is a row, not an error: the scene may still be worked on.
     for source in scene.sources.iter().take(super::MOST) {
         if let SourceKind::Cube(cube) = &source.kind {
-            cube_rows(&mut info, &source.name, cube);
+            cube_rows(&mut info, &source.name, cube, memory);
         }
     }
     settings(&mut info, &scene);
@@ -43,7 +43,7 @@ pub fn info(path: &Path) -> Result<Info> {
         scene.panels.iter().map(|p| p.name.clone()).collect(),
     );
     info.row("", "`nullray plan` shows what it needs");
-    data(&mut info, &scene);
+    data(&mut info, &scene, memory);
     Ok(info)
 }
 
@@ -113,8 +113,8 @@ fn bins(bins: &TimeBins) -> String {
 }
 
 /// What is read of a cube's file, what the scene says of it, and what is assumed.
-fn cube_rows(info: &mut Info, name: &str, cube: &CubeSource) {
-    let header = header(cube);
+fn cube_rows(info: &mut Info, name: &str, cube: &CubeSource, memory: u64) {
+    let header = header(cube, memory);
     let read = match &header {
         Ok(read) => format!("{name}: {}", shape(read, cube.channels.as_ref())),
         Err(error) => format!("{name}: cannot be read: {error}"),
@@ -155,9 +155,12 @@ fn assumed(header: &Result<CubeInfo>, cube: &CubeSource) -> Vec<String> {
 }
 
 /// What the file's header says.
-fn header(cube: &CubeSource) -> Result<CubeInfo> {
+fn header(cube: &CubeSource, memory: u64) -> Result<CubeInfo> {
     match &cube.data {
-        CubeData::File(file) => cube::inspect(&file.path, file.wanted(cube.channels.as_ref())),
+        CubeData::File(file) => {
+            let wanted = file.wanted(cube.channels.as_ref());
+            cube::inspect(&file.path, wanted.within(memory))
+        }
         CubeData::Memory(cube) => Ok(CubeInfo::of(cube)),
     }
 }
@@ -284,8 +287,8 @@ fn settings(info: &mut Info, scene: &Scene) {
     }
 }
 
-fn cube_data(cube: &CubeSource) -> Value {
-    let read = header(cube);
+fn cube_data(cube: &CubeSource, memory: u64) -> Value {
+    let read = header(cube, memory);
     let edges = match &cube.bins {
         TimeBins::Uniform { .. } => None,
         TimeBins::Edges(edges) => Some(edges.to_vec()),
@@ -308,7 +311,7 @@ fn cube_data(cube: &CubeSource) -> Value {
 }
 
 /// What `--json` says of a scene.
-fn data(info: &mut Info, scene: &Scene) {
+fn data(info: &mut Info, scene: &Scene, memory: u64) {
     let objects = scene.objects.iter().map(|o| {
         let file = match &o.geometry {
             Geometry::Gltf { path, .. } => json!(path.display().to_string()),
@@ -323,7 +326,7 @@ fn data(info: &mut Info, scene: &Scene) {
             SourceKind::Pulse(_) => Value::Null,
         };
         let cube = match &s.kind {
-            SourceKind::Cube(cube) => cube_data(cube),
+            SourceKind::Cube(cube) => cube_data(cube, memory),
             SourceKind::Pulse(_) => Value::Null,
         };
         json!({ "name": s.name, "file": file, "lights": lit(scene, s), "cube": cube })

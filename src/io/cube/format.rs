@@ -12,6 +12,7 @@ use super::channels::Channels;
 use super::negative::Negative;
 use super::samples::{Cube, Samples};
 use super::wall::Wall;
+use crate::io::budget::Budget;
 use crate::io::files::{ReadSeek, Reader};
 use crate::io::npy::{Dtype, Header};
 use crate::{Error, Result};
@@ -78,9 +79,25 @@ pub struct Wanted<'a> {
     pub dead_bins: &'a [usize],
     /// What becomes of samples below 0. They stay where nothing is said.
     pub negative: Option<Negative>,
+    /// The most memory that pictures and what is decoded of them may take, bytes. Default: 16 GiB.
+    pub memory: Option<u64>,
 }
 
 impl<'a> Wanted<'a> {
+    /// The same, within so many bytes of memory.
+    #[must_use]
+    pub fn within(self, memory: u64) -> Self {
+        Wanted {
+            memory: Some(memory),
+            ..self
+        }
+    }
+
+    /// The memory that pictures may take.
+    pub(super) fn budget(&self) -> Budget {
+        self.memory.map_or_else(Budget::default, Budget::new)
+    }
+
     /// The array of this name.
     pub fn array(name: &'a str) -> Self {
         Wanted {

@@ -7,7 +7,7 @@ use super::format::{Transfer, Wanted};
 use crate::colour::srgb_decode;
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
-use crate::io::image::{self, Layers};
+use crate::io::image::{self, Layers, Samples};
 
 /// The longest file of a picture that is read as a whole, bytes.
 const LONGEST: u64 = 1 << 30;
@@ -49,6 +49,39 @@ pub(super) fn file_name(file: &Path) -> String {
         .into_owned()
 }
 
+/// The size of a picture, which all of a sequence have.
+pub(super) struct Form {
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// 1 or 3, or as many as are named.
+    pub channels: usize,
+    /// What reading it takes, bytes.
+    pub memory: u64,
+}
+
+impl Form {
+    /// That of a picture: of PNG by its header, others are read.
+    pub fn of(frame: &Frame, wanted: Wanted) -> Result<Form> {
+        if extension(&frame.file) == "png" {
+            refuse_names(&frame.file, wanted)?;
+            linear_of(&frame.file, wanted.transfer)?;
+            let form = image::png::frame_form(&frame.file)?;
+            return Ok(Form {
+                size: form.size,
+                channels: form.channels,
+                memory: form.memory,
+            });
+        }
+        let budget = wanted.budget();
+        let picture = Picture::read(frame, wanted, &budget)?;
+        Ok(Form {
+            size: picture.size,
+            channels: picture.channels,
+            memory: budget.taken(),
+        })
+    }
+}
+
 /// A decoded picture, linear.
 pub(super) struct Picture {
     /// Columns and rows.
@@ -60,36 +93,31 @@ pub(super) struct Picture {
 }
 
 impl Picture {
-    /// The picture, by the extension of its file; every sample of it is finite.
-    pub fn read(frame: &Frame, wanted: Wanted) -> Result<Picture> {
+    /// The picture, by the extension of its file, with memory of `budget`; every sample of it is finite.
+    pub fn read(frame: &Frame, wanted: Wanted, budget: &Budget) -> Result<Picture> {
         let (file, transfer) = (&*frame.file, wanted.transfer);
         let extension = extension(file);
-        // Only EXR stores channels by name.
-        if wanted.channels.is_some() && extension != "exr" {
-            let what = "the channels of this picture are grey or red, green and blue";
-            let help = "leave `channels` out, or store named channels in an EXR picture";
-            return Err(Error::invalid(file, "channels", what, help));
-        }
+        refuse_names(file, wanted)?;
         let picture = match extension.as_str() {
             "exr" => {
                 refuse_transfer(file, transfer)?;
-                let layers = image::exr::read_whole(file, &Budget::default())?;
+                let layers = image::exr::read_whole(file, budget)?;
                 match wanted.channels {
-                    Some(channels) => Picture::of_names(file, &layers, channels)?,
-                    None => Picture::of_exr(file, &layers)?,
+                    Some(channels) => Picture::of_names(file, &layers, channels, budget)?,
+                    None => Picture::of_exr(file, &layers, budget)?,
                 }
             }
             "hdr" => {
                 refuse_transfer(file, transfer)?;
-                let (size, pixels) = image::hdr::read(&bytes(file)?, file, &Budget::default())?;
+                let (size, pixels) = image::hdr::read(&bytes(file, budget)?, file, budget)?;
                 Picture {
                     size,
                     channels: 3,
-                    samples: pixels.into_iter().flatten().collect(),
+                    samples: pixels.into_flattened(),
                 }
             }
-            "png" => Picture::of_png(file, transfer)?,
-            "tif" | "tiff" => Picture::of_tiff(frame, transfer)?,
+            "png" => Picture::of_png(file, transfer, budget)?,
+            "tif" | "tiff" => Picture::of_tiff(frame, transfer, budget)?,
             _ => {
                 let what = "frames are .exr, .png, .hdr or .tif pictures";
                 return Err(Error::unsupported(
@@ -122,7 +150,12 @@ impl Picture {
     }
 
     /// The channels of these names, in their order.
-    fn of_names(file: &Path, layers: &Layers, channels: &Channels) -> Result<Picture> {
+    fn of_names(
+        file: &Path,
+        layers: &Layers,
+        channels: &Channels,
+        budget: &Budget,
+    ) -> Result<Picture> {
         let mut planes = Vec::with_capacity(channels.count());
         for (name, stored) in channels.names().into_iter().zip(channels.in_pictures()) {
             let Some(channel) = layers.channel(stored) else {
@@ -137,26 +170,43 @@ impl Picture {
                 let help = "name channels that the picture has";
                 return Err(Error::invalid(file, "channels", what, help));
             };
-            planes.push(channel.samples.to_f64());
+            planes.push(&channel.samples);
         }
-        let count = planes.first().map_or(0, Vec::len);
-        let pixel = |at: usize| planes.iter().map(move |plane| plane[at] as f32);
+        Picture::of_planes(file, layers, &planes, budget)
+    }
+
+    /// Planes of one channel each, which become pixels.
+    fn of_planes(
+        file: &Path,
+        layers: &Layers,
+        planes: &[&Samples],
+        budget: &Budget,
+    ) -> Result<Picture> {
+        let size = [layers.width as usize, layers.height as usize];
+        let count = size[0] * size[1] * planes.len();
+        budget.take(4 * count as u64, file)?;
+        let mut samples = Vec::with_capacity(count);
+        for at in 0..size[0] * size[1] {
+            samples.extend(planes.iter().map(|plane| match plane {
+                Samples::F32(v) => v[at],
+                Samples::F64(v) => v[at] as f32,
+                Samples::U32(v) => v[at] as f32,
+                Samples::I32(v) => v[at] as f32,
+            }));
+        }
         Ok(Picture {
-            size: [layers.width as usize, layers.height as usize],
+            size,
             channels: planes.len(),
-            samples: (0..count).flat_map(pixel).collect(),
+            samples,
         })
     }
 
     /// R, G and B, or else the only channel that is not alpha or depth.
-    fn of_exr(file: &Path, layers: &Layers) -> Result<Picture> {
-        let size = [layers.width as usize, layers.height as usize];
-        if let Some(rgb) = layers.radiance() {
-            return Ok(Picture {
-                size,
-                channels: 3,
-                samples: rgb.into_iter().flatten().map(|x| x as f32).collect(),
-            });
+    fn of_exr(file: &Path, layers: &Layers, budget: &Budget) -> Result<Picture> {
+        let colours = ["radiance.R", "radiance.G", "radiance.B"];
+        let colours = colours.map(|name| layers.channel(name).map(|channel| &channel.samples));
+        if let [Some(r), Some(g), Some(b)] = colours {
+            return Picture::of_planes(file, layers, &[r, g, b], budget);
         }
         // These are stored beside a radiance, and measure something else.
         let others = ["A", "alpha", "Z", "distance"];
@@ -165,16 +215,7 @@ impl Picture {
             .iter()
             .filter(|c| !others.contains(&c.name.as_str()));
         match (grey.next(), grey.next()) {
-            (Some(channel), None) => Ok(Picture {
-                size,
-                channels: 1,
-                samples: channel
-                    .samples
-                    .to_f64()
-                    .into_iter()
-                    .map(|x| x as f32)
-                    .collect(),
-            }),
+            (Some(channel), None) => Picture::of_planes(file, layers, &[&channel.samples], budget),
             _ => {
                 let names: Vec<_> = layers
                     .channels
@@ -196,31 +237,26 @@ impl Picture {
         }
     }
 
-    fn of_png(file: &Path, transfer: Option<Transfer>) -> Result<Picture> {
+    fn of_png(file: &Path, transfer: Option<Transfer>, budget: &Budget) -> Result<Picture> {
         let linear = linear_of(file, transfer)?;
-        let is_grey = image::png::inspect(file)?.colour.starts_with("grey");
-        let layers = image::png::read(file, &Budget::default())?;
-        // The reader makes three equal channels of grey: one of them is enough.
-        let channels = if is_grey { 1 } else { 3 };
-        let rgb = layers.radiance().unwrap_or_default();
-        let samples = rgb.iter().flat_map(|rgb| &rgb[..channels]);
+        let form = image::png::frame_form(file)?;
         Ok(Picture {
-            size: [layers.width as usize, layers.height as usize],
-            channels,
-            samples: samples.map(|code| linear(*code)).collect(),
+            size: form.size,
+            channels: form.channels,
+            samples: image::png::read_frame(file, budget, linear)?,
         })
     }
 
     /// Integers are codes, as in PNG; floating-point samples are linear.
     #[cfg(feature = "tiff")]
-    fn of_tiff(frame: &Frame, transfer: Option<Transfer>) -> Result<Picture> {
+    fn of_tiff(frame: &Frame, transfer: Option<Transfer>, budget: &Budget) -> Result<Picture> {
         let file = &*frame.file;
         let image::tiff::Tiff {
             size,
             channels,
             mut samples,
             is_coded,
-        } = image::tiff::read(file, frame.number, &Budget::default())?;
+        } = image::tiff::read(file, frame.number, budget)?;
         if is_coded {
             let linear = linear_of(file, transfer)?;
             for sample in &mut samples {
@@ -237,28 +273,25 @@ impl Picture {
     }
 
     #[cfg(not(feature = "tiff"))]
-    fn of_tiff(frame: &Frame, _: Option<Transfer>) -> Result<Picture> {
+    fn of_tiff(frame: &Frame, _: Option<Transfer>, _: &Budget) -> Result<Picture> {
         let file = &*frame.file;
         let what = "this program was built without TIFF";
         let help = "install it with TIFF (in its sources: cargo install --path . --features tiff), or convert the frames to EXR";
         Err(Error::unsupported(file, "", what, help))
     }
 
-    pub fn refuse_other_than(&self, first: &Picture, file: &Path, first_file: &Path) -> Result<()> {
+    pub fn refuse_other_than(&self, first: &Form, file: &Path, first_file: &Path) -> Result<()> {
         if (self.size, self.channels) == (first.size, first.channels) {
             return Ok(());
         }
-        let said = |p: &Picture| {
-            format!(
-                "{} × {} pixels of {} channels",
-                p.size[0], p.size[1], p.channels
-            )
+        let said = |[width, height]: [usize; 2], channels: usize| {
+            format!("{width} × {height} pixels of {channels} channels")
         };
         let what = format!(
             "it has {}, and {} has {}",
-            said(self),
+            said(self.size, self.channels),
             file_name(first_file),
-            said(first)
+            said(first.size, first.channels)
         );
         Err(Error::invalid(
             file,
@@ -267,6 +300,16 @@ impl Picture {
             "all pictures of a sequence have one size and the same channels",
         ))
     }
+}
+
+/// Refuses names of channels where a picture has none: only EXR stores channels by name.
+fn refuse_names(file: &Path, wanted: Wanted) -> Result<()> {
+    if wanted.channels.is_none() || extension(file) == "exr" {
+        return Ok(());
+    }
+    let what = "the channels of this picture are grey or red, green and blue";
+    let help = "leave `channels` out, or store named channels in an EXR picture";
+    Err(Error::invalid(file, "channels", what, help))
 }
 
 /// From codes to radiance, as the caller declares it.
@@ -295,8 +338,8 @@ fn refuse_transfer(file: &Path, transfer: Option<Transfer>) -> Result<()> {
     }
 }
 
-/// A whole file.
-fn bytes(file: &Path) -> Result<Vec<u8>> {
+/// A whole file, with memory of `budget`.
+fn bytes(file: &Path, budget: &Budget) -> Result<Vec<u8>> {
     use std::io::Read;
     let (reader, length) = crate::io::open::open_regular(file)?;
     if length > LONGEST {
@@ -307,6 +350,7 @@ fn bytes(file: &Path) -> Result<Vec<u8>> {
             "convert the frames to EXR",
         ));
     }
+    budget.take(length, file)?;
     let mut bytes = Vec::new();
     // The file may have grown since its length was read.
     reader

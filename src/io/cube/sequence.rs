@@ -22,9 +22,10 @@ use super::axes::{Arrangement, Axes};
 use super::format::{CubeInfo, Transfer, Wanted};
 use super::layout::StoredLayout;
 use super::number::Number;
-use super::picture::{Frame, Picture, extension, file_name, frame_count};
+use super::picture::{Form, Frame, Picture, extension, file_name, frame_count};
 use super::samples::{Cube, Samples};
 use crate::error::{Error, Result};
+use crate::io::budget::Budget;
 use crate::io::npy::Dtype;
 
 /// Extensions of pictures that frames may be, lower case.
@@ -33,7 +34,7 @@ const PICTURES: [&str; 5] = ["exr", "png", "hdr", "tif", "tiff"];
 /// The most pictures.
 const MOST: usize = 1 << 20;
 
-/// Pictures that are decoded at a time.
+/// The most pictures that are decoded at a time; fewer where memory has no room for them.
 const TOGETHER: usize = 16;
 
 /// How to name a sequence.
@@ -294,7 +295,7 @@ fn told_apart(name: &str) -> Option<(Pattern, u64)> {
 pub(super) fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
     refuse_array(path, wanted)?;
     let frames = frames(path, wanted)?;
-    let first = Picture::read(&frames[0], wanted)?;
+    let first = Form::of(&frames[0], wanted)?;
     let layout = Layout::new(path, &frames, &first, wanted)?;
     let [h, w, t, c] = layout.arrangement.shape;
     Ok(CubeInfo {
@@ -320,33 +321,36 @@ pub(super) fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
     })
 }
 
-/// Columns, rows and channels of a picture that may be a frame.
+/// Columns, rows and channels of a picture that may be a frame; reading it takes `memory` at most, bytes.
 ///
 /// # Errors
 /// It cannot be read, or is no picture that frames may be.
-pub fn frame_size(file: &Path) -> Result<[usize; 3]> {
+pub fn frame_size(file: &Path, memory: u64) -> Result<[usize; 3]> {
     // Codes have the same size whatever they stand for.
+    let wanted = Wanted::default().within(memory);
     let linear = Wanted {
         transfer: Some(Transfer::Linear),
-        ..Wanted::default()
+        ..wanted
     };
     let frame = Frame {
         file: file.to_path_buf(),
         number: 0,
     };
-    let picture = Picture::read(&frame, Wanted::default())
-        .or_else(|error| Picture::read(&frame, linear).map_err(|_| error))?;
-    let [columns, rows] = picture.size;
-    Ok([columns, rows, picture.channels])
+    let form =
+        Form::of(&frame, wanted).or_else(|error| Form::of(&frame, linear).map_err(|_| error))?;
+    let [columns, rows] = form.size;
+    Ok([columns, rows, form.channels])
 }
 
 /// The cube.
 pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     refuse_array(path, wanted)?;
     let frames = frames(path, wanted)?;
-    let first = Picture::read(&frames[0], wanted)?;
+    let first = Form::of(&frames[0], wanted)?;
     let Layout { arrangement, .. } = Layout::new(path, &frames, &first, wanted)?;
     let count: usize = arrangement.shape.iter().product();
+    let budget = wanted.budget();
+    budget.take((count as u64).saturating_mul(4), path)?;
     let mut samples = Vec::new();
     samples.try_reserve_exact(count).map_err(|_| {
         let what = format!("there is not enough memory for {count} samples");
@@ -354,11 +358,14 @@ pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     })?;
     samples.resize(count, 0.0f32);
     // Some at a time, and then in their order, so that the first broken one is refused.
-    for (group, chunk) in frames.chunks(TOGETHER).enumerate() {
-        let decode = |frame: &Frame| Picture::read(frame, wanted);
+    // What one picture takes it gives back.
+    let left = budget.left();
+    let together = (left / first.memory.max(1)).clamp(1, TOGETHER as u64) as usize;
+    for (group, chunk) in frames.chunks(together).enumerate() {
+        let decode = |frame: &Frame| Picture::read(frame, wanted, &Budget::new(left));
         let decoded: Vec<_> = chunk.par_iter().map(decode).collect();
         for (place, picture) in decoded.into_iter().enumerate() {
-            let number = group * TOGETHER + place;
+            let number = group * together + place;
             let picture = picture?;
             picture.refuse_other_than(&first, &frames[number].file, &frames[0].file)?;
             arrangement.put(
@@ -378,10 +385,10 @@ pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
 pub(super) fn write_out(path: &Path, wanted: Wanted, to: &mut dyn Write) -> Result<StoredLayout> {
     refuse_array(path, wanted)?;
     let frames = frames(path, wanted)?;
-    let first = Picture::read(&frames[0], wanted)?;
+    let first = Form::of(&frames[0], wanted)?;
     let Layout { axes, sizes, .. } = Layout::new(path, &frames, &first, wanted)?;
     for frame in &frames {
-        let picture = Picture::read(frame, wanted)?;
+        let picture = Picture::read(frame, wanted, &wanted.budget())?;
         picture.refuse_other_than(&first, &frame.file, &frames[0].file)?;
         for sample in &picture.samples {
             let failed = Error::io(path, "cannot write a temporary file for");
@@ -418,7 +425,7 @@ struct Layout {
 }
 
 impl Layout {
-    fn new(path: &Path, frames: &[Frame], first: &Picture, wanted: Wanted) -> Result<Layout> {
+    fn new(path: &Path, frames: &[Frame], first: &Form, wanted: Wanted) -> Result<Layout> {
         let help = "name the axes of (files, rows, columns): \"T H W\" for frames, \"H W T\" for streaks, \"H W\" for a single steady picture";
         let axes = match wanted.axes {
             Some(axes) => axes.clone(),

@@ -33,7 +33,7 @@ use ::exr::prelude::{
 
 use super::decoder::guarded;
 use super::file::{write_atomically, write_failed};
-use super::layers::{Channel, Layers, Samples, check_metadata};
+use super::layers::{Channel, Layers, Samples, check_count, check_metadata, keep_first};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::open::open_regular;
@@ -198,6 +198,10 @@ fn check(path: &Path, headers: &[Header], length: u64, budget: &Budget) -> Resul
     let Some(first) = headers.first() else {
         return Err(broken(path, "it has no part"));
     };
+    let entries = headers
+        .iter()
+        .map(|header| header.own_attributes.other.len());
+    check_count(path, entries.sum())?;
     let refuse = |what: String| Err(Error::unsupported(path, "", what, ""));
     let (mut stored, mut bytes) = (0u64, 0u64);
     for header in headers {
@@ -267,14 +271,11 @@ fn convert(path: &Path, image: FlatImage) -> Result<Layers> {
     for part in image.layer_data {
         let prefix = part.attributes.layer_name.clone().filter(|_| several);
         let (entries, signed) = texts(&part.attributes);
-        for (key, value) in entries {
-            if !metadata.iter().any(|(known, _)| *known == key) {
-                metadata.push((key, value));
-            }
-        }
+        metadata.extend(entries);
         channels.extend(part_channels(part, prefix.as_ref(), &signed));
     }
     let side = |n: usize| u32::try_from(n).map_err(|_| broken(path, "its size is absurd"));
+    keep_first(&mut metadata);
     metadata.sort();
     Layers::new(side(size.0)?, side(size.1)?, channels, metadata)
         .map_err(|e| broken(path, &e.to_string()))

@@ -1,6 +1,7 @@
 //! Named channels of one size, in the precision in which they were computed.
 
 use std::collections::HashSet;
+use std::path::Path;
 
 use crate::error::{Error, Result};
 
@@ -173,6 +174,29 @@ pub(super) fn check_metadata(key: &str, value: &str) -> Result<()> {
     Ok(())
 }
 
+/// The most metadata entries of a file that is read.
+const MOST_ENTRIES: usize = 10_000;
+
+/// Refuses a file of more metadata entries than are read.
+pub(super) fn check_count(path: &Path, entries: usize) -> Result<()> {
+    if entries <= MOST_ENTRIES {
+        return Ok(());
+    }
+    let what = format!("it has {entries} texts of metadata");
+    let help = format!("a picture with at most {MOST_ENTRIES}");
+    Err(Error::unsupported(path, "", what, help))
+}
+
+/// Leaves the first entry of each key.
+pub(super) fn keep_first(metadata: &mut Vec<(String, String)>) {
+    let mut known = HashSet::new();
+    let is_new: Vec<bool> = (metadata.iter())
+        .map(|(key, _)| known.insert(key.as_str()))
+        .collect();
+    let mut is_new = is_new.into_iter();
+    metadata.retain(|_| is_new.next() == Some(true));
+}
+
 fn wrong(place: &str, what: impl Into<String>) -> Error {
     Error::invalid("image", place, what, "")
 }
@@ -233,6 +257,15 @@ mod tests {
             let entry = (key.to_string(), String::new());
             assert!(Layers::new(1, 1, vec![], vec![entry]).is_err(), "{key}");
         }
+    }
+
+    #[test]
+    fn the_first_of_entries_with_one_key_is_left() {
+        let entries = ["a=1", "b=2", "a=3", "c=4", "b=5"].map(|e| e.split_once('=').unwrap());
+        let mut entries = entries.map(|(k, v)| (k.into(), v.into())).to_vec();
+        keep_first(&mut entries);
+        let left: Vec<_> = entries.iter().map(|(k, v)| format!("{k}={v}")).collect();
+        assert_eq!(left, ["a=1", "b=2", "c=4"]);
     }
 
     #[test]

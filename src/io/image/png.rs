@@ -10,7 +10,9 @@ use ::png::{
 
 use super::decoder::guarded;
 use super::file::{write_atomically, write_failed};
-use super::layers::{Channel, Layers, Samples, check_metadata, pixel_count};
+use super::layers::{
+    Channel, Layers, Samples, check_count, check_metadata, keep_first, pixel_count,
+};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::files::Reader;
@@ -144,9 +146,13 @@ pub fn inspect(path: &Path) -> Result<PngInfo> {
         bytes: HEADER_MEMORY,
     };
     let decoder = Decoder::new_with_limits(BufReader::new(file), limits);
-    let decoded = guarded(|| decoder.read_info().map(|reader| describe(reader.info())));
+    let decoded = guarded(|| {
+        decoder
+            .read_info()
+            .map(|reader| describe(path, reader.info()))
+    });
     match decoded {
-        Some(Ok(info)) => Ok(info),
+        Some(Ok(info)) => info,
         Some(Err(DecodingError::IoError(e))) if e.kind() != std::io::ErrorKind::UnexpectedEof => {
             Err(Error::io(path, "cannot read")(e))
         }
@@ -169,8 +175,63 @@ pub fn read(path: &Path, budget: &Budget) -> Result<Layers> {
     budget.take(pixels.saturating_mul(PIXEL_BYTES), path)?;
     let (file, _) = open_regular(path)?;
     let decoded = guarded(|| decode(BufReader::new(file)));
+    layers(path, info, &settle(path, decoded)?)
+}
+
+/// What the pixels of a frame are: columns and rows, samples of each (1 of grey, 3 of colours), and what reading it takes, bytes.
+pub(crate) struct FrameForm {
+    pub size: [usize; 2],
+    pub channels: usize,
+    pub memory: u64,
+}
+
+/// That of a file, by its header.
+///
+/// # Errors
+/// As [`inspect`].
+pub(crate) fn frame_form(path: &Path) -> Result<FrameForm> {
+    let info = inspect(path)?;
+    let channels = if info.colour.starts_with("grey") {
+        1
+    } else {
+        3
+    };
+    let size = [info.width as usize, info.height as usize];
+    let pixels = u64::from(info.width).saturating_mul(info.height.into());
+    // As it is decoded, with alpha, and as f32.
+    let pixel = (channels + 1) * if info.bits > 8 { 2 } else { 1 } + 4 * channels;
+    Ok(FrameForm {
+        size,
+        channels,
+        memory: pixels.saturating_mul(pixel as u64),
+    })
+}
+
+/// Reads a PNG file as samples by rows, colours fastest: what `linear` makes of codes in [0, 1].
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn read_frame(path: &Path, budget: &Budget, linear: fn(f64) -> f32) -> Result<Vec<f32>> {
+    let form = frame_form(path)?;
+    budget.take(form.memory, path)?;
+    let (file, _) = open_regular(path)?;
+    let decoded = settle(path, guarded(|| decode(BufReader::new(file))))?;
+    let [width, height] = form.size;
+    decoded.check(path, width * height)?;
+    // A picture may have alpha after its colours, which is left out.
+    let places = (0..width * height).flat_map(|pixel| {
+        let first = pixel * decoded.samples;
+        first..first + form.channels
+    });
+    let mut samples = Vec::with_capacity(width * height * form.channels);
+    samples.extend(places.map(|at| linear(decoded.code(at).into())));
+    Ok(samples)
+}
+
+/// The result of a decoder that may have panicked (none).
+fn settle(path: &Path, decoded: Option<Result<Decoded, DecodingError>>) -> Result<Decoded> {
     match decoded {
-        Some(Ok((samples, bytes, wide))) => layers(path, info, samples, &bytes, wide),
+        Some(Ok(decoded)) => Ok(decoded),
         Some(Err(error)) => Err(broken(path, &error.to_string())),
         None => Err(broken(path, "its structure contradicts itself")),
     }
@@ -179,8 +240,37 @@ pub fn read(path: &Path, budget: &Budget) -> Result<Layers> {
 /// The most memory of a pixel: four samples of 16 bits as they are decoded, and as f32.
 const PIXEL_BYTES: u64 = 4 * (2 + 4);
 
-/// Samples per pixel, the samples' bytes, and whether each has two.
-fn decode(file: BufReader<Reader>) -> Result<(usize, Vec<u8>, bool), DecodingError> {
+/// Decoded pixels.
+struct Decoded {
+    /// Samples per pixel.
+    samples: usize,
+    /// Those of all pixels, most significant byte first.
+    bytes: Vec<u8>,
+    /// Whether each has two bytes.
+    wide: bool,
+}
+
+impl Decoded {
+    /// Refuses other than so many pixels.
+    fn check(&self, path: &Path, pixels: usize) -> Result<()> {
+        let size = if self.wide { 2 } else { 1 };
+        match self.bytes.len() == pixels * self.samples * size {
+            true => Ok(()),
+            false => Err(broken(path, "it has fewer pixels than it declares")),
+        }
+    }
+
+    /// The code of a sample, from 0 to 1.
+    fn code(&self, at: usize) -> f32 {
+        let bytes = &self.bytes;
+        match self.wide {
+            true => f32::from(u16::from_be_bytes([bytes[2 * at], bytes[2 * at + 1]])) / 65535.0,
+            false => f32::from(bytes[at]) / 255.0,
+        }
+    }
+}
+
+fn decode(file: BufReader<Reader>) -> Result<Decoded, DecodingError> {
     let limits = Limits {
         bytes: HEADER_MEMORY,
     };
@@ -192,24 +282,18 @@ fn decode(file: BufReader<Reader>) -> Result<(usize, Vec<u8>, bool), DecodingErr
     let mut bytes = vec![0; length];
     let frame = reader.next_frame(&mut bytes)?;
     bytes.truncate(frame.buffer_size());
-    Ok((
-        frame.color_type.samples(),
+    Ok(Decoded {
+        samples: frame.color_type.samples(),
         bytes,
-        frame.bit_depth == BitDepth::Sixteen,
-    ))
+        wide: frame.bit_depth == BitDepth::Sixteen,
+    })
 }
 
 /// The channels of a decoded picture as codes from 0 to 1; grey stands for red, green and blue alike.
-fn layers(path: &Path, info: PngInfo, samples: usize, bytes: &[u8], wide: bool) -> Result<Layers> {
+fn layers(path: &Path, info: PngInfo, decoded: &Decoded) -> Result<Layers> {
     let pixels = pixel_count(info.width, info.height)?;
-    let size = if wide { 2 } else { 1 };
-    if bytes.len() != pixels * samples * size {
-        return Err(broken(path, "it has fewer pixels than it declares"));
-    }
-    let code = |i: usize| match wide {
-        true => f32::from(u16::from_be_bytes([bytes[2 * i], bytes[2 * i + 1]])) / 65535.0,
-        false => f32::from(bytes[i]) / 255.0,
-    };
+    decoded.check(path, pixels)?;
+    let samples = decoded.samples;
     let names: &[(&str, usize)] = match samples {
         1 | 2 => &[
             ("radiance.R", 0),
@@ -227,15 +311,15 @@ fn layers(path: &Path, info: PngInfo, samples: usize, bytes: &[u8], wide: bool) 
     let channels = names.iter().filter(|(_, sample)| *sample < samples);
     let channels = channels.map(|(name, sample)| Channel {
         name: name.to_string(),
-        samples: Samples::F32((0..pixels).map(|i| code(i * samples + sample)).collect()),
+        samples: Samples::F32(
+            (0..pixels)
+                .map(|i| decoded.code(i * samples + sample))
+                .collect(),
+        ),
     });
-    let mut metadata: Vec<(String, String)> = Vec::new();
-    for (key, value) in info.text {
-        let is_new = !metadata.iter().any(|(known, _)| *known == key);
-        if is_new && check_metadata(&key, &value).is_ok() {
-            metadata.push((key, value));
-        }
-    }
+    let mut metadata = info.text;
+    metadata.retain(|(key, value)| check_metadata(key, value).is_ok());
+    keep_first(&mut metadata);
     Layers::new(info.width, info.height, channels.collect(), metadata)
 }
 
@@ -244,14 +328,11 @@ fn broken(path: &Path, what: &str) -> Error {
     Error::invalid(path, "", what, "copy or write the picture again")
 }
 
-fn describe(info: &::png::Info) -> PngInfo {
-    let latin = info.uncompressed_latin1_text.iter();
-    let latin = latin.map(|chunk| (chunk.keyword.clone(), chunk.text.clone()));
-    let packed = info.compressed_latin1_text.iter();
-    let packed = packed.filter_map(|chunk| Some((chunk.keyword.clone(), chunk.get_text().ok()?)));
-    let utf8 = info.utf8_text.iter();
-    let utf8 = utf8.filter_map(|chunk| Some((chunk.keyword.clone(), chunk.get_text().ok()?)));
-    PngInfo {
+/// The most memory that the texts of a file take once they are unpacked, bytes.
+const TEXT_MEMORY: usize = 16 << 20;
+
+fn describe(path: &Path, info: &::png::Info) -> Result<PngInfo> {
+    Ok(PngInfo {
         width: info.width,
         height: info.height,
         bits: info.bit_depth as u8,
@@ -262,6 +343,53 @@ fn describe(info: &::png::Info) -> PngInfo {
             ColorType::GrayscaleAlpha => "grey and alpha",
             ColorType::Rgba => "RGBA",
         },
-        text: latin.chain(packed).chain(utf8).collect(),
+        text: texts(path, info)?,
+    })
+}
+
+/// Keys and texts; one that is damaged is left out.
+fn texts(path: &Path, info: &::png::Info) -> Result<Vec<(String, String)>> {
+    let (latin, packed) = (&info.uncompressed_latin1_text, &info.compressed_latin1_text);
+    check_count(path, latin.len() + packed.len() + info.utf8_text.len())?;
+    let latin = latin.iter();
+    let mut texts: Vec<_> = latin
+        .map(|chunk| (chunk.keyword.clone(), chunk.text.clone()))
+        .collect();
+    // Of a few bytes zlib makes a thousand times as many: all compressed texts share the memory.
+    let mut left = TEXT_MEMORY;
+    for chunk in packed {
+        let mut chunk = chunk.clone();
+        let text = (chunk.decompress_text_with_limit(left)).and_then(|()| chunk.get_text());
+        texts.extend(unpacked(path, text, &mut left)?.map(|text| (chunk.keyword, text)));
     }
+    for chunk in &info.utf8_text {
+        let mut chunk = chunk.clone();
+        let text = (chunk.decompress_text_with_limit(left)).and_then(|()| chunk.get_text());
+        match chunk.compressed {
+            true => {
+                texts.extend(unpacked(path, text, &mut left)?.map(|text| (chunk.keyword, text)))
+            }
+            false => texts.extend(text.ok().map(|text| (chunk.keyword, text))),
+        }
+    }
+    Ok(texts)
+}
+
+/// A text that was unpacked into what is `left` of the memory; none of one that is damaged.
+fn unpacked(
+    path: &Path,
+    text: Result<String, DecodingError>,
+    left: &mut usize,
+) -> Result<Option<String>> {
+    let is_too_long = match &text {
+        Ok(text) => text.len() > *left,
+        // The decoder has no other name for it.
+        Err(error) => error.to_string().contains("decompression space"),
+    };
+    if is_too_long {
+        let what = format!("its compressed texts have more than {TEXT_MEMORY} bytes");
+        let help = "write the picture again without them";
+        return Err(Error::unsupported(path, "", what, help));
+    }
+    Ok(text.ok().inspect(|text| *left -= text.len()))
 }

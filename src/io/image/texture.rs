@@ -68,9 +68,22 @@ impl Texture {
     /// # Errors
     /// Other formats, broken images, sides above 16384 pixels, more than 1 GiB decoded.
     pub fn decode(bytes: &[u8], place: &str, file: &Path) -> Result<Texture> {
+        Texture::decode_within(bytes, place, file, MAX_BYTES as u64)
+    }
+
+    /// The same of an image whose texels take no more than `memory`, bytes, by its header.
+    ///
+    /// # Errors
+    /// As [`Texture::decode`]; one that takes more.
+    pub fn decode_within(bytes: &[u8], place: &str, file: &Path, memory: u64) -> Result<Texture> {
         let help = "a PNG or JPEG image of at most 16384 × 16384 pixels";
-        match guarded(|| decode(bytes)) {
+        match guarded(|| decode(bytes, memory)) {
             Some(Ok(texture)) => Ok(texture),
+            Some(Err(Refused::Memory)) => {
+                let what = "with this image, textures take more memory than the limit leaves";
+                let help = "smaller textures, or a higher limit (--max-memory)";
+                Err(Error::invalid(file, place, what, help))
+            }
             Some(Err(Refused::Unsupported(what))) => {
                 Err(Error::unsupported(file, place, what, help))
             }
@@ -194,17 +207,18 @@ fn least<T: Copy + Ord>(samples: &[T], first: usize, stride: usize) -> Option<T>
 enum Refused {
     Unsupported(String),
     Broken(String),
+    Memory,
 }
 
-fn decode(bytes: &[u8]) -> Result<Texture, Refused> {
+fn decode(bytes: &[u8], memory: u64) -> Result<Texture, Refused> {
     match bytes {
-        [0x89, b'P', b'N', b'G', ..] => decode_png(bytes),
-        [0xff, 0xd8, 0xff, ..] => decode_jpeg(bytes),
+        [0x89, b'P', b'N', b'G', ..] => decode_png(bytes, memory),
+        [0xff, 0xd8, 0xff, ..] => decode_jpeg(bytes, memory),
         _ => Err(Refused::Unsupported("it is neither PNG nor JPEG".into())),
     }
 }
 
-fn decode_png(bytes: &[u8]) -> Result<Texture, Refused> {
+fn decode_png(bytes: &[u8], memory: u64) -> Result<Texture, Refused> {
     let broken = |e: ::png::DecodingError| Refused::Broken(e.to_string());
     let limits = Limits { bytes: MAX_BYTES };
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
@@ -216,7 +230,9 @@ fn decode_png(bytes: &[u8]) -> Result<Texture, Refused> {
     let mut reader = decoder.read_info().map_err(broken)?;
     let length = reader.output_buffer_size();
     let length = length.filter(|length| *length <= MAX_BYTES);
-    let mut samples = vec![0; length.ok_or_else(too_large)?];
+    let length = length.ok_or_else(too_large)?;
+    check_memory(length, memory)?;
+    let mut samples = vec![0; length];
     reader.next_frame(&mut samples).map_err(broken)?;
     let (colour, depth) = reader.output_color_type();
     let texels = match depth {
@@ -229,7 +245,7 @@ fn decode_png(bytes: &[u8]) -> Result<Texture, Refused> {
     Texture::new(size, colour.samples(), texels)
 }
 
-fn decode_jpeg(bytes: &[u8]) -> Result<Texture, Refused> {
+fn decode_jpeg(bytes: &[u8], memory: u64) -> Result<Texture, Refused> {
     let refused = |e: DecodeErrors| match e {
         DecodeErrors::Unsupported(what) => Refused::Unsupported(format!("{what:?}")),
         DecodeErrors::LargeDimensions(_) => too_large(),
@@ -253,6 +269,8 @@ fn decode_jpeg(bytes: &[u8]) -> Result<Texture, Refused> {
         _ => ColorSpace::RGB,
     };
     decoder.set_options(decoder.options().jpeg_set_out_colorspace(colours));
+    let (width, height) = decoder.dimensions().unwrap_or_default();
+    check_memory(width * height * colours.num_components(), memory)?;
     let texels = Texels::Eight(decoder.decode().map_err(refused)?);
     if !ends(bytes) {
         return Err(Refused::Broken("it ends before its last pixel".into()));
@@ -277,6 +295,14 @@ fn ends(bytes: &[u8]) -> bool {
     // In the data a 0xff is followed by 0.
     let data = bytes.get(at..).unwrap_or_default();
     data.windows(2).any(|pair| pair == END)
+}
+
+/// Refuses texels that take more than what is left.
+fn check_memory(bytes: usize, memory: u64) -> Result<(), Refused> {
+    match bytes as u64 <= memory {
+        true => Ok(()),
+        false => Err(Refused::Memory),
+    }
 }
 
 fn check_size(size: [usize; 2]) -> Result<(), Refused> {

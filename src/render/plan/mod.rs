@@ -54,7 +54,7 @@ impl Plan {
         for (index, object) in objects.iter_mut().enumerate() {
             bindings::resolve(scene, index, object, wants_uv);
         }
-        let mut cubes = inspect_cubes(scene, &objects)?;
+        let mut cubes = inspect_cubes(scene, &objects, request.memory_limit)?;
         let frames = frames::by_velocity(scene, &objects)?;
         let layout = layout(scene, request, &objects);
         let rays = rays(scene, &layout, &objects, &cubes);
@@ -267,7 +267,11 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
 }
 
 /// Shape and size of each cube that is used, by the head of its file, with the checks that need no samples.
-fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<PlannedCube>>> {
+fn inspect_cubes(
+    scene: &Scene,
+    objects: &[PlannedObject],
+    memory: u64,
+) -> Result<Vec<Option<PlannedCube>>> {
     let used = bindings::used_sources(scene, objects);
     scene
         .sources
@@ -282,7 +286,8 @@ fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<
             }
             let (shape, bytes, file, array) = match &cube.data {
                 CubeData::File(file) => {
-                    let info = cubes::inspect(&file.path, file.wanted(cube.channels.as_ref()))?;
+                    let wanted = file.wanted(cube.channels.as_ref()).within(memory);
+                    let info = cubes::inspect(&file.path, wanted)?;
                     (
                         info.shape,
                         info.bytes,

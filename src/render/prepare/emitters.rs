@@ -9,7 +9,7 @@ use super::response::{eye, received, response, response_to, without};
 use super::stores::Stores;
 use crate::accel::Facing;
 use crate::colour::{ColourTable, Spectrum};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::io::cube::{Bricks, BytesRead};
 use crate::io::gltf::EncodedImage;
 use crate::io::image::Texture;
@@ -252,7 +252,7 @@ impl<'a> Builder<'a> {
         if !plan.time_resolved {
             return Ok(SurfaceLight::Constant(base));
         }
-        let mut stores = Stores::new(plan.counts_only);
+        let mut stores = Stores::new(plan);
         let mut sources = Vec::new();
         for (index, source) in scene.sources.iter().enumerate() {
             progress.check()?;
@@ -478,13 +478,8 @@ impl Textures {
         if let Some(index) = self.indices.get(&key) {
             return Ok(*index);
         }
-        let texture = Texture::decode(&image.bytes, &key.1, file)?;
-        let left = self.budget.checked_sub(texture.bytes() as u64);
-        self.budget = left.ok_or_else(|| {
-            let what = "with this image, textures take more memory than the limit leaves";
-            let help = "smaller textures, or a higher `memory_limit`";
-            Error::invalid(file, &key.1, what, help)
-        })?;
+        let texture = Texture::decode_within(&image.bytes, &key.1, file, self.budget)?;
+        self.budget = self.budget.saturating_sub(texture.bytes() as u64);
         self.decoded.push(Arc::new(texture));
         self.indices.insert(key, self.decoded.len() - 1);
         Ok(self.decoded.len() - 1)

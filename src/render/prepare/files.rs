@@ -34,7 +34,7 @@ pub fn check_files<'a>(
             if let Some(key) = key(object, want)
                 && is_new(key)
             {
-                mesh(object, planned, want)?;
+                mesh(object, planned, want, plan.memory_left())?;
             }
         }
         for (source, planned) in scene.sources.iter().zip(&plan.cubes) {
@@ -46,7 +46,8 @@ pub fn check_files<'a>(
                 continue;
             };
             if is_new(format!("{file:?} {:?}", cube.channels)) && planned.bytes <= LARGEST {
-                cube::load(&file.path, file.wanted(cube.channels.as_ref()))?;
+                let wanted = file.wanted(cube.channels.as_ref());
+                cube::load(&file.path, wanted.within(plan.memory_limit))?;
             }
         }
         let files = scene.sky.iter().flat_map(|sky| sky.files());
@@ -71,11 +72,11 @@ fn key(object: &Object, want: Want) -> Option<String> {
     }
 }
 
-fn mesh(object: &Object, planned: &PlannedObject, want: Want) -> Result<()> {
+fn mesh(object: &Object, planned: &PlannedObject, want: Want, memory: u64) -> Result<()> {
     let (_, images) = geometry::object_mesh(object, want, &mut Vec::new())?;
     let unnamed = PathBuf::new();
     let file = planned.file.as_ref().unwrap_or(&unnamed);
-    images
-        .into_iter()
-        .try_for_each(|image| Texture::decode(&image.bytes, &image.place, file).map(drop))
+    images.into_iter().try_for_each(|image| {
+        Texture::decode_within(&image.bytes, &image.place, file, memory).map(drop)
+    })
 }

@@ -10,6 +10,7 @@ use crate::error::{Error, Result};
 use crate::io::cube::{self as cubes, Bricks, Channel, Channels, Cube, CubeStore, Wanted};
 use crate::light::time_texture::survey::{self, Order};
 use crate::light::time_texture::{Capture, SeenPoint, TimeAxis, TimeTexture};
+use crate::render::plan::Plan;
 use crate::render::trace::{CapturedCube, EmissionClock, Emitter, RestFrame};
 use crate::scene::model::{
     Binding, CaptureCamera, Clock, CubeData, CubeFile, CubeSource, Fill, Mapping, Reconstruction,
@@ -25,6 +26,8 @@ pub(super) struct Stores {
     files: HashMap<FileParts, (CubeStore, Vec<CubeStore>)>,
     /// Whether the parts of cubes that are read as they are needed are only counted.
     counts_only: bool,
+    /// The most memory that may be taken, bytes.
+    memory: u64,
     pub cubes: Vec<TimeTexture>,
     /// By cube: the source that it is.
     pub sources: Vec<usize>,
@@ -34,10 +37,11 @@ pub(super) struct Stores {
 }
 
 impl Stores {
-    /// None yet. Parts of cubes that are read as they are needed may be `counts_only`.
-    pub fn new(counts_only: bool) -> Stores {
+    /// None yet, of the cubes of `plan`.
+    pub fn new(plan: &Plan) -> Stores {
         Stores {
-            counts_only,
+            counts_only: plan.counts_only,
+            memory: plan.memory_limit,
             ..Stores::default()
         }
     }
@@ -74,7 +78,8 @@ impl Stores {
         let (mut assumed, mut negative) = (Order::Stated, None);
         if let CubeData::File(file) = &cube.data {
             negative = file.negative;
-            let info = cubes::inspect(&file.path, file.wanted(cube.channels.as_ref()))?;
+            let wanted = file.wanted(cube.channels.as_ref());
+            let info = cubes::inspect(&file.path, wanted.within(self.memory))?;
             assumed = match (info.assumed, cubes::is_sequence(&file.path)) {
                 (false, _) => Order::Stated,
                 (true, true) => Order::Pictures,
@@ -167,7 +172,7 @@ impl Stores {
         if let Some(loaded) = self.files.get(&key) {
             return Ok(loaded.clone());
         }
-        let wanted = file.wanted(cube.channels.as_ref());
+        let wanted = file.wanted(cube.channels.as_ref()).within(self.memory);
         let loaded = match (held, &cube.channels) {
             (Some(room), None) => (self.bricks(file, wanted, room)?.into(), Vec::new()),
             (Some(room), Some(channels)) => {

@@ -36,6 +36,7 @@ pub(super) fn write(
                     }
                     CubeData::File(file) => {
                         let wanted = file.wanted(cube.channels.as_ref());
+                        let wanted = wanted.within(plan.memory_limit);
                         write_out(&cube::load(&file.path, wanted)?, index, files)?
                     }
                     CubeData::Memory(cube) => write_out(cube, index, files)?,

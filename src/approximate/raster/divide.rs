@@ -105,7 +105,7 @@ impl Cuts {
     pub fn refusal(&self) -> Error {
         let help = match self.most {
             Cuts::MOST => "a longer edge, or more pixels of error",
-            _ => "a longer edge, more pixels of error, or a higher limit (--max-memory)",
+            _ => "a longer edge, more pixels of error, or a higher `memory_limit`",
         };
         Error::unsupported(
             "command line",

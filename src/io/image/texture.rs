@@ -81,7 +81,7 @@ impl Texture {
             Some(Ok(texture)) => Ok(texture),
             Some(Err(Refused::Memory)) => {
                 let what = "with this image, textures take more memory than the limit leaves";
-                let help = "smaller textures, or a higher limit (--max-memory)";
+                let help = "smaller textures, or a higher `memory_limit`";
                 Err(Error::invalid(file, place, what, help))
             }
             Some(Err(Refused::Unsupported(what))) => {

@@ -14,7 +14,7 @@ mod number;
 mod version_2;
 mod write;
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, HashMap};
 use std::io::{Read, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -34,6 +34,8 @@ use crate::io::open::open_regular;
 
 /// Decoded chunks that are kept while all of an array is read, bytes.
 const CACHE: usize = 256 << 20;
+/// Bytes that a decoded chunk takes in lists beside its numbers and its place, which are half full at worst.
+const KEPT: usize = 256;
 /// Chunks whose files are looked for when they are counted.
 const MOST_COUNTED: usize = 1 << 16;
 /// Arrays of a group that are listed.
@@ -289,8 +291,12 @@ struct Array {
     metadata: Metadata,
     /// The size of what is decoded at a time: chunks, or those in shards.
     unit: Vec<usize>,
-    /// By their places in units: the numbers, none where the chunk is missing. The last used one is the last.
-    kept: VecDeque<(Vec<usize>, Option<Vec<f64>>)>,
+    /// By their places in units: when each was used last, and the numbers, none where the chunk is missing.
+    kept: HashMap<Vec<usize>, (u64, Option<Vec<f64>>)>,
+    /// Their places by when each was used last.
+    used: BTreeMap<u64, Vec<usize>>,
+    /// How many times units were used.
+    clock: u64,
     /// Bytes of them, apart from the last.
     room: usize,
     /// The index of the shard that was used last.
@@ -306,27 +312,39 @@ impl Array {
         Array {
             unit: sharded.unwrap_or_else(|| metadata.chunk.clone()),
             metadata,
-            kept: VecDeque::new(),
+            kept: HashMap::new(),
+            used: BTreeMap::new(),
+            clock: 0,
             room,
             index: None,
         }
     }
 
-    /// Makes the unit at `place` the last of the kept ones.
+    /// Makes the unit at `place` the last used of the kept ones.
     fn fetch(&mut self, place: &[usize]) -> Result<()> {
-        if let Some(at) = self.kept.iter().position(|(kept, _)| kept == place) {
-            if let Some(found) = self.kept.remove(at) {
-                self.kept.push_back(found);
+        self.clock += 1;
+        if let Some((used, _)) = self.kept.get_mut(place) {
+            if let Some(place) = self.used.remove(used) {
+                self.used.insert(self.clock, place);
             }
+            *used = self.clock;
             return Ok(());
         }
         let numbers = self.read_unit(place)?;
-        let each = 8 * self.unit.iter().product::<usize>();
+        let each = self.kept_bytes();
         while self.kept.len() * each >= self.room.max(each) {
-            self.kept.pop_front();
+            if let Some((_, place)) = self.used.pop_first() {
+                self.kept.remove(&place);
+            }
         }
-        self.kept.push_back((place.to_vec(), numbers));
+        self.used.insert(self.clock, place.to_vec());
+        self.kept.insert(place.to_vec(), (self.clock, numbers));
         Ok(())
+    }
+
+    /// Bytes of a unit that is kept: its numbers, and its place in two lists.
+    fn kept_bytes(&self) -> usize {
+        8 * self.unit.iter().product::<usize>() + 16 * self.unit.len() + KEPT
     }
 
     /// The numbers of a unit; none of one that is missing.
@@ -443,7 +461,7 @@ impl Windows for Array {
         let mut place = first.clone();
         loop {
             self.fetch(&place)?;
-            if let Some((_, Some(numbers))) = self.kept.back() {
+            if let Some((_, Some(numbers))) = self.kept.get(&place) {
                 copy(numbers, &place, &unit, window, to);
             }
             // On to the next unit: the fastest axis that is not at its end.
@@ -491,5 +509,33 @@ fn copy(numbers: &[f64], place: &[usize], unit: &[usize], window: &[Range<usize>
         from += shared[last].start - place[last] * unit[last];
         at += shared[last].start - window[last].start;
         to[at..at + run].copy_from_slice(&numbers[from..from + run]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Chunks of one sample take more memory for their places than for it: of 3000 as many are kept as there is room for,
+    /// and what was used last stays.
+    #[test]
+    fn tiny_chunks_stay_within_the_room() {
+        let folder = tempfile::tempdir().unwrap();
+        let described = r#"{"zarr_format": 2, "shape": [2, 3, 500], "chunks": [1, 1, 1], "dtype": "<f4",
+            "compressor": null, "filters": null, "fill_value": 0, "order": "C"}"#;
+        std::fs::write(folder.path().join(".zarray"), described).unwrap();
+        let mut array = Array::new(Metadata::read(folder.path()).unwrap(), 10_000);
+        let mut to = Vec::new();
+        array.read(&[0..2, 0..3, 0..500], &mut to).unwrap();
+        assert_eq!((array.kept_bytes(), array.kept.len()), (312, 33));
+        assert_eq!(array.used.len(), 33);
+        for place in [[1, 2, 467], [1, 2, 499]] {
+            assert!(array.kept.contains_key(&place[..]), "{place:?}");
+        }
+        array.fetch(&[1, 2, 467]).unwrap();
+        array.fetch(&[0, 0, 0]).unwrap();
+        assert!(array.kept.contains_key(&[1, 2, 467][..]));
+        assert!(!array.kept.contains_key(&[1, 2, 468][..]));
+        assert_eq!(array.kept.len(), 33);
     }
 }

@@ -27,6 +27,7 @@ pub(super) fn resolve_all(
 ) -> Result<Vec<Source>> {
     let explicit = sources.iter().filter_map(|at| at.value.name.as_ref());
     object::refuse_duplicates(cx, explicit, "source")?;
+    refuse_many_pulses(cx, sources)?;
     let names = names::unique(sources.iter().map(|at| entry_names(&at.value)).collect());
     // A surface is lit by one cube at most: the bindings remember which are taken.
     let mut bindings = binding::Bindings::new(cx, objects);
@@ -47,6 +48,20 @@ pub(super) fn resolve_all(
         });
     }
     Ok(resolved)
+}
+
+/// The most pulses, as of lights: each may be asked for at every hit.
+const MOST_PULSES: usize = 10_000;
+
+fn refuse_many_pulses(cx: &Context, sources: &[At<file::Source>]) -> Result<()> {
+    let pulses = || sources.iter().filter(|at| at.value.pulse.is_some());
+    match pulses().nth(MOST_PULSES) {
+        None => Ok(()),
+        Some(at) => {
+            let what = format!("{} pulses are too many", pulses().count());
+            Err(cx.refuse(at, what, format!("give at most {MOST_PULSES}")))
+        }
+    }
 }
 
 /// Refuses infrared and ultraviolet beside channels that are no spectrum: nothing shifts into view.

@@ -74,6 +74,17 @@ fn surfaces_are_not_multiplied_beyond_bounds() {
 }
 
 #[test]
+fn as_many_pulses_as_lights_are_the_most() {
+    let pulses = "[[source]]\npulse = { position = [0, 0, 0], sigma = '1 m' }\n".repeat(10_001);
+    let text = format!(
+        "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\n[[object]]\nshape.sphere.radius = 1\n{pulses}"
+    );
+    let refusal = problem(Folder::with_files().parse(&text));
+    assert_eq!(refusal.what, "10001 pulses are too many");
+    assert_eq!(refusal.help, "give at most 10000");
+}
+
+#[test]
 fn a_file_that_is_too_long_is_refused_unread() {
     let folder = Folder::with_files();
     let path = folder.path().join("long.toml");

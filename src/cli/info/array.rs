@@ -12,7 +12,7 @@ use nullray::render::plan::bytes;
 use nullray::{Error, Result};
 use serde_json::{Map, Value, json};
 
-use super::{Info, escaped};
+use super::{Info, MOST, escaped};
 
 pub fn info(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
     let kind = match format.extensions {
@@ -45,13 +45,27 @@ fn of_arrays(path: &Path, kind: &str, name: &str, headers: &[Header], memory: u6
         .ok()
         .filter(|info| !info.assumed)
         .and_then(|info| info.array);
+    // All arrays together, however many there are, are as much work as one large one.
+    let (mut looked_at, mut left) = (0, most_read(memory));
     let arrays = headers.iter().map(|header| {
         let is_beside = baked.is_some() || said.is_some() && said != header.name;
-        let cube = (!is_picture && !is_beside).then(|| inspected(path, header, memory));
+        let is_asked = !is_picture && !is_beside;
+        if is_asked && looked_at == MOST {
+            return data(header, None);
+        }
+        let cube = is_asked.then(|| inspected(path, header, memory, &mut left));
+        looked_at += usize::from(is_asked);
         describe(&mut info, header, cube.as_ref());
         data(header, cube.as_ref())
     });
     let arrays: Vec<Value> = arrays.collect();
+    if looked_at == MOST && headers.len() > MOST {
+        let more = headers.len() - MOST;
+        info.row(
+            "",
+            format!("… and {more} more arrays, not looked into (--json has their shapes)"),
+        );
+    }
     if let Some(baked) = &baked {
         as_baked(&mut info, path, baked);
     }
@@ -163,8 +177,8 @@ struct Known {
     at_sensor: bool,
 }
 
-/// The array as a cube.
-fn inspected(path: &Path, header: &Header, memory: u64) -> Cube {
+/// The array as a cube, whose samples are read where they take no more than what is `left`, bytes.
+fn inspected(path: &Path, header: &Header, memory: u64, left: &mut u64) -> Cube {
     let wanted = Wanted {
         array: header.name.as_deref(),
         ..Wanted::default()
@@ -173,7 +187,7 @@ fn inspected(path: &Path, header: &Header, memory: u64) -> Cube {
     // Where times cannot be told, `cube` says so.
     let times = cube::times(path, wanted.array).ok().flatten();
     Ok(Known {
-        remarks: samples(path, wanted, &cube, memory)?,
+        remarks: samples(path, wanted, &cube, memory, left)?,
         cube,
         at_sensor: times.is_some_and(|times| times.at_sensor),
     })
@@ -196,12 +210,14 @@ fn samples(
     wanted: Wanted,
     info: &CubeInfo,
     memory: u64,
+    left: &mut u64,
 ) -> Result<Option<Vec<String>>> {
     let order = match info.assumed {
         true => Order::Array,
         false => Order::Stated,
     };
-    if info.bytes <= most_read(memory) {
+    if info.bytes <= *left {
+        *left -= info.bytes;
         let cube = cube::load(path, wanted)?.into();
         return Ok(Some(survey::of_samples(&cube, order)));
     }
@@ -288,7 +304,12 @@ fn as_cube(info: &mut Info, known: &Known) {
         }
     };
     info.row("usable", usable);
-    let unread = || vec![format!("samples not read: more than {}", bytes(MOST_READ))];
+    let unread = || {
+        vec![format!(
+            "samples not read: with those of the arrays before them more than {}",
+            bytes(MOST_READ)
+        )]
+    };
     let remarks = remarks.clone().unwrap_or_else(unread);
     for remark in cube.remarks.iter().chain(&remarks) {
         info.row("remark", remark);

@@ -197,11 +197,16 @@ fn is_zip(reader: &mut dyn ReadSeek, file: &Path) -> Result<bool> {
 
 fn open<'a>(reader: &'a mut dyn ReadSeek, file: &Path) -> Result<ZipArchive<&'a mut dyn ReadSeek>> {
     let place = Place::new(file, None);
-    let archive = ZipArchive::new(reader).map_err(|error| zip_error(&place, error))?;
-    match archive.has_duplicate_names() {
-        true => Err(place.invalid("archive", "two members have the same name", WRITE_AGAIN)),
-        false => Ok(archive),
+    let mut archive = ZipArchive::new(reader).map_err(|error| zip_error(&place, error))?;
+    if archive.has_duplicate_names() {
+        return Err(place.invalid("archive", "two members have the same name", WRITE_AGAIN));
     }
+    // Of members that share their bytes a small file has any number. Of one that is broken itself its reader tells more.
+    if archive.has_overlapping_files().is_ok_and(|overlap| overlap) {
+        let what = "two members lie on the same bytes, or one goes beyond the archive's end";
+        return Err(place.invalid("archive", what, WRITE_AGAIN));
+    }
+    Ok(archive)
 }
 
 /// Index and name of every array; members that are not `name.npy` are none.

@@ -1,10 +1,12 @@
 //! What `nullray info` says of files of every kind.
 
 use std::fs;
+use std::io::Write;
+use std::path::Path;
 
 use serde_json::Value;
 
-use super::refused::TRIANGLE;
+use super::refused::{TRIANGLE, refused};
 use super::{Folder, repository};
 
 fn said(folder: &Folder, file: &str, parts: &[&str]) -> Value {
@@ -121,6 +123,62 @@ fn of_arrays_that_cannot_be_used_and_why() {
     }
 }
 
+/// An archive of `names` as numpy writes it, each an array of shape (1, 1, 3).
+fn archive(path: &Path, names: &[String]) {
+    let mut archive = zip::ZipWriter::new(fs::File::create(path).unwrap());
+    let options =
+        zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 1, 3), }";
+    for name in names {
+        archive.start_file(format!("{name}.npy"), options).unwrap();
+        archive.write_all(b"\x93NUMPY\x01\x00\x76\x00").unwrap();
+        archive
+            .write_all(format!("{header:<117}\n").as_bytes())
+            .unwrap();
+        archive.write_all(&[0; 12]).unwrap();
+    }
+    archive.finish().unwrap();
+}
+
+#[test]
+fn of_many_arrays_the_first_are_looked_into() {
+    let folder = Folder::new();
+    let names: Vec<String> = (0..25).map(|i| format!("part{i:02}")).collect();
+    archive(&folder.path("many.npz"), &names);
+    let text = folder.ok(&["info", "many.npz"]);
+    assert_eq!(text.matches("as a cube").count(), 20, "{text}");
+    assert!(text.contains("and 5 more arrays"), "{text}");
+    let json: Value = serde_json::from_str(&folder.ok(&["info", "many.npz", "--json"])).unwrap();
+    let arrays = json["arrays"].as_array().unwrap();
+    assert_eq!(arrays.len(), 25);
+    let is_read = |array: &&Value| !array["cube"].is_null();
+    assert_eq!(arrays.iter().filter(is_read).count(), 20);
+}
+
+/// The directory says of the second member that it is where the first one is.
+#[test]
+fn of_arrays_that_share_their_bytes_nothing() {
+    let folder = Folder::new();
+    archive(&folder.path("a.npz"), &["one".into(), "two".into()]);
+    let mut bytes = fs::read(folder.path("a.npz")).unwrap();
+    let entry = |n: usize| {
+        let at = bytes
+            .windows(4)
+            .enumerate()
+            .filter(|(_, w)| w == b"PK\x01\x02");
+        at.map(|(at, _)| at).nth(n).unwrap()
+    };
+    // Where a member begins stands 42 bytes after the start of its entry.
+    let second = entry(1) + 42;
+    bytes[second..second + 4].fill(0);
+    folder.write("a.npz", &bytes);
+    refused(
+        &folder,
+        &["info", "a.npz"],
+        &["two members lie on the same bytes"],
+    );
+}
+
 #[test]
 fn of_pictures_that_the_program_wrote() {
     let folder = Folder::new();
@@ -175,7 +233,6 @@ fn of_pictures_that_the_program_wrote() {
 /// A picture of another program, which writes channels and no metadata, is one as well.
 #[test]
 fn of_pictures_that_other_programs_wrote() {
-    use std::io::Write;
     let folder = Folder::empty();
     let mut archive = zip::ZipWriter::new(fs::File::create(folder.path("mine.npz")).unwrap());
     for (name, descr, shape, size) in [

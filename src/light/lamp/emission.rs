@@ -1,6 +1,7 @@
 //! The light of a lamp, or of a surface that shines, as a function of its proper time.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+use std::sync::LazyLock;
 
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::scene::model::EmissionProfile;
@@ -191,9 +192,40 @@ impl Emission {
     }
 }
 
-/// The integral of the normal distribution's density up to x.
+/// The integral of the normal distribution's density up to x, right to 1·10⁻¹².
+///
+/// Φ by its Taylor series about the nearest of the places at which Φ and its density φ are tabulated, for φ′ = −x φ. Of the terms that are left out
+/// the first is φ⁗ d⁵/120, with |φ⁗| ≤ 1.2 and d ≤ 1/128: 3·10⁻¹³.
+#[inline]
 fn normal(x: f64) -> f64 {
-    0.5 * libm::erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
+    /// Places per unit of x, from −`END` to `END`, beyond which Φ is 0 or 1.
+    const PER_UNIT: usize = 64;
+    const END: f64 = 8.0;
+    static TABLE: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
+        let place = |k: usize| k as f64 / PER_UNIT as f64 - END;
+        let entry = |x: f64| {
+            let density = libm::exp(-0.5 * x * x) / TAU.sqrt();
+            [0.5 * libm::erfc(-x * FRAC_1_SQRT_2), density]
+        };
+        (0..=2 * END as usize * PER_UNIT)
+            .map(|k| entry(place(k)))
+            .collect()
+    });
+    let at = (x + END) * PER_UNIT as f64;
+    // Rounded to the nearest, which conversion does by cutting off; NaN and what is below the table give its first entry.
+    let k = (at + 0.5) as usize;
+    let Some([integral, density]) = TABLE.get(k).filter(|_| at >= 0.0) else {
+        return if x > 0.0 { 1.0 } else { 0.0 };
+    };
+    let middle = k as f64 / PER_UNIT as f64 - END;
+    let d = x - middle;
+    let square = middle * middle;
+    // 1, and the derivatives of φ over φ, over factorials.
+    let series = d
+        * (1.0
+            + d * (-middle / 2.0
+                + d * ((square - 1.0) / 6.0 + d * (middle * (3.0 - square) / 24.0))));
+    integral + density * series
 }
 
 /// Pulses of standard deviation 1/`spacing` at the integers that are `count` from 0 on; all for an infinite `count`.
@@ -328,6 +360,20 @@ mod tests {
         for (time, each) in times.iter().zip(&each) {
             assert_eq!(emission.at(*time).to_bits(), each.to_bits(), "{time}");
         }
+    }
+
+    #[test]
+    fn the_normal_distribution_is_right_to_its_bound() {
+        for k in -90_000..=90_000 {
+            let x = f64::from(k) * 1e-4;
+            let exact = 0.5 * libm::erfc(-x * FRAC_1_SQRT_2);
+            let off = normal(x) - exact;
+            assert!(off.abs() < 1e-12, "{x}: {off:e}");
+        }
+        assert_eq!(
+            [normal(f64::NEG_INFINITY), normal(f64::INFINITY)],
+            [0.0, 1.0]
+        );
     }
 
     #[test]

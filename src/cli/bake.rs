@@ -11,7 +11,7 @@ use nullray::render::journal::Journal;
 use nullray::render::metadata;
 use nullray::render::plan::{Lit, Plan, Request, lit_by};
 use nullray::render::prepare::Prepared;
-use nullray::render::progress::Progress;
+use nullray::render::progress::{Progress, Silent};
 use nullray::scene::model::{CubeBacks, Scene};
 use nullray::{Error, Result};
 
@@ -75,7 +75,13 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
     choose_coordinates(arguments, &plan, &mut jobs)?;
     let read = inputs::of(&scene, &plan);
     check_names(arguments, &jobs, &read)?;
+    // Charts that overlap are refused before anything is baked, and so is a texture without room.
+    let check = |prepared: &Prepared| {
+        let mut surfaces = jobs.iter().filter_map(|job| job.surface.as_ref());
+        surfaces.try_for_each(|surface| bake::check_surface(&scene, prepared, surface))
+    };
     if arguments.plan {
+        check(&Prepared::new(&scene, &plan, &Silent)?)?;
         return print(&planned(
             (&scene, &plan),
             &jobs,
@@ -93,6 +99,9 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
         let texels = |[w, h]: [u32; 2]| u64::from(w) * u64::from(h) * samples;
         let bar = Bar::new(jobs.iter().map(|job| texels(size(job))).sum(), quiet);
         let prepared = Prepared::new(&scene, &plan, &bar)?;
+        if jobs.len() > 1 {
+            check(&prepared)?;
+        }
         bar.start();
         for job in &jobs {
             let what = format!("baked {:?} {bins:?} {}", job.surface, plan.film.samples);

@@ -2,7 +2,7 @@
 //!
 //! A cube holds for each pixel of a camera, or each texel of a surface, the energy of its radiance in each bin of time: the integral of
 //! L over the bin, mean over pixel or texel. Paths come from `TimedPaths`; the light of one path goes into all bins in which its lamps' emission
-//! arrives, so that the cost is that of the paths, whatever the number of bins. Pixels and texels are each summed by one thread,
+//! arrives, so that the cost is that of the paths, and of the bins that one pulse covers. Pixels and texels are each summed by one thread,
 //! sample by sample: the bits do not depend on the threads. Tiles of pixels and rows of texels are kept in a [`Journal`](crate::render::journal::Journal) as they are
 //! done, where one is given.
 //!
@@ -29,7 +29,7 @@ mod part;
 mod surface;
 
 pub use camera::{camera_cube, eye};
-pub use surface::{Coordinates, Surface, surface_cube};
+pub use surface::{Coordinates, Surface, check_surface, surface_cube};
 
 use self::part::Summary;
 use crate::error::{Error, Result};

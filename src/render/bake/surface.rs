@@ -80,7 +80,10 @@ pub fn surface_cube(
         .enumerate()
         .map(|(i, values)| {
             let part = kept(journal, i, [width, bins.count], || make(i))?;
-            values.copy_from_slice(&part.values);
+            // Zeros are there already: memory of what is never written is not taken.
+            if part.summary.energy.span.is_some() {
+                values.copy_from_slice(&part.values);
+            }
             progress.rays_done(width as u64 * u64::from(prepared.layout.samples));
             Ok((part.summary, part.covered))
         })
@@ -109,6 +112,16 @@ pub fn surface_cube(
         texture_coordinates: charts.into_coordinates(&scene.objects[surface.object]),
         ..baked
     })
+}
+
+/// Refuses surfaces that [`surface_cube`] would, before any light is followed: most that overlap are found.
+///
+/// # Errors
+/// As there, but for those of the journal.
+pub fn check_surface(scene: &Scene, prepared: &Prepared, surface: &Surface) -> Result<()> {
+    check(scene)?;
+    let paths = paths(scene, prepared)?;
+    Charts::new(scene, paths.rest, surface, prepared.memory_left).map(|_| ())
 }
 
 /// The triangles of an object on its texture.

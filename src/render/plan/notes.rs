@@ -263,7 +263,7 @@ pub(crate) fn unfound_light(
     let (mut ways, mut remedies) = (Vec::new(), Vec::new());
     if !mirrors.is_empty() {
         ways.push(format!("by the perfect mirrors {}", listed(&mirrors)));
-        remedies.push("roughness = 0.001 for mirrors");
+        remedies.push("roughness = 0.03 for mirrors");
     }
     if !glass.is_empty() {
         ways.push(format!("by the smooth glass {}", listed(&glass)));

@@ -443,3 +443,21 @@ fn what_cannot_be_baked_is_refused_and_leaves_no_file() {
         assert!(!folder.path("a.npz.parts").exists(), "{words}");
     }
 }
+
+#[test]
+fn what_cannot_be_baked_of_one_object_is_refused_before_the_others_are_baked() {
+    let folder = Folder::empty();
+    let chest = "[[object]]\nname = \"chest\"\nshape = { box = { size = [1, 1, 1] } }\n";
+    folder.write("lit.toml", format!("{FLASH}{chest}{LIGHT}"));
+    let bake = ["bake", "lit.toml", "--bin-width=1 m", "-o=a.npz"];
+    for options in [&[][..], &["--plan"]] {
+        let run = folder.run(&[&bake[..], options].concat());
+        assert_eq!(run.code, 2, "{}", run.stderr);
+        assert!(run.message().contains("\"chest\""), "{}", run.stderr);
+        assert!(run.message().contains("charts overlap"), "{}", run.stderr);
+        assert!(!folder.path("a-floor.npz").exists());
+    }
+    // Each object by itself, and both with an atlas.
+    folder.ok(&[&bake[..], &["--object=floor"]].concat());
+    folder.ok(&[&bake[..], &["--atlas", "--plan"]].concat());
+}

@@ -27,7 +27,7 @@ use crate::light::time_texture::{BATCH, Capture, CaptureView, Coverage, TimeText
 /// A radiance of one's own is a type with two functions: [`emit`](Radiance::emit), which says what leaves each point in the frame in which its
 /// object rests (the camera's Doppler factor comes after it, by the [`Response`](super::Response)), and [`has_gaps`](Radiance::has_gaps).
 /// [`Prepared::set_radiance`](crate::render::prepare::Prepared::set_radiance) puts it in place of what the scene says. Stripes that wander
-/// along a moving sphere by its own clock, of which nothing is known before its time −3:
+/// along a moving sphere by its own clock, of which nothing is known before its time −3.3:
 ///
 /// ```
 /// use nullray::light::time_texture::Coverage;
@@ -54,7 +54,7 @@ use crate::light::time_texture::{BATCH, Capture, CaptureView, Coverage, TimeText
 ///         for point in run.points() {
 ///             let event = point.rest_event() - point.patch.object_origin;
 ///             let stripe = 0.5 + 0.5 * (20.0 * event.x.y - event.ct).sin();
-///             emitted.push(match event.ct < -3.0 {
+///             emitted.push(match event.ct < -3.3 {
 ///                 true => Emission {
 ///                     coverage: Coverage { before: 1.0, ..Coverage::NONE },
 ///                     ..Emission::full([0.0; 3])

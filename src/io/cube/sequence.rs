@@ -508,7 +508,11 @@ mod tests {
         let found = folder(&[&names[..], &["shot01.png", "run_0.png", "x0.png"]].concat());
         for name in &names[..3] {
             let path = found.path().join(name);
-            assert_eq!(pictures(&path).unwrap(), [path.clone()], "{name}");
+            assert_eq!(
+                pictures(&path).unwrap(),
+                std::slice::from_ref(&path),
+                "{name}"
+            );
         }
         assert!(!is_sequence(&found.path().join("run#2.npy")));
         // Without such a file it is a pattern.

@@ -6,7 +6,8 @@ use half::f16;
 
 use super::blosc;
 use super::decompress::{Broken, gzip, lz4, zlib, zstd};
-use super::number::{Number, exact_i64, exact_u64};
+use super::number::Number;
+use crate::io::cube::number::{exact_i64, exact_u64};
 use crate::io::files::Reader;
 
 /// A step of the encoding of chunks.

@@ -28,6 +28,27 @@ fn a_texture_is_exact_at_texel_centres_and_linear_in_light_between() {
     assert_eq!((at(-3.0), at(0.0), at(1.0), at(7.0)), (0.0, 0.0, 1.0, 1.0));
 }
 
+/// Of 64 × 64 grey pixels of a bit each, 512 bytes become 4096: the header says so.
+#[test]
+fn a_texture_that_takes_more_memory_than_is_left_is_refused_before_it_is_decoded() {
+    let mut file = Vec::new();
+    let mut encoder = ::png::Encoder::new(&mut file, 64, 64);
+    encoder.set_depth(::png::BitDepth::One);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&[0xaa; 512]).unwrap();
+    writer.finish().unwrap();
+    let decode =
+        |bytes: &[u8], memory| Texture::decode_within(bytes, "image 0", Path::new("a.glb"), memory);
+    assert_eq!(decode(&file, 4096).unwrap().bytes(), 4096);
+    // Also where its pixels are not there: nothing of them was read.
+    for bytes in [&file[..], &file[..file.len() - 20]] {
+        let error = decode(bytes, 4095).unwrap_err();
+        assert!(error.to_string().contains("more memory"), "{error}");
+    }
+    let error = decode(&file[..file.len() - 20], 4096).unwrap_err();
+    assert!(error.to_string().contains("not a readable"), "{error}");
+}
+
 #[test]
 fn the_top_row_of_a_texture_is_at_v_0() {
     let texture = decode(&rgb_png(1, 2, &[255, 0, 0, 0, 0, 255])).unwrap();

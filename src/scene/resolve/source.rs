@@ -25,9 +25,9 @@ pub(super) fn resolve_all(
     objects: &[Object],
     quantity: Quantity,
 ) -> Result<Vec<Source>> {
+    refuse_many_pulses(cx, sources)?;
     let explicit = sources.iter().filter_map(|at| at.value.name.as_ref());
     object::refuse_duplicates(cx, explicit, "source")?;
-    refuse_many_pulses(cx, sources)?;
     let names = names::unique(sources.iter().map(|at| entry_names(&at.value)).collect());
     // A surface is lit by one cube at most: the bindings remember which are taken.
     let mut bindings = binding::Bindings::new(cx, objects);

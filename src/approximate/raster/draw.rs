@@ -83,7 +83,7 @@ impl Strip {
     }
 
     /// The strips of `tile`, `height` rows each, from the top.
-    fn of(tile: Tile, height: u32, each: usize) -> impl Iterator<Item = Strip> {
+    pub fn of(tile: Tile, height: u32, each: usize) -> impl Iterator<Item = Strip> {
         let [left, top] = tile.corner;
         let [width, rows] = tile.size;
         (0..rows).step_by(height as usize).map(move |first| Strip {

@@ -1076,67 +1076,79 @@ mod tests {
         buffers.each_run(0, |_, _| panic!("there are no samples"));
     }
 
-    /// Triangles of half a pixel and less, and some larger ones: those without functions of their own hold no sample.
-    #[test]
-    fn triangles_that_are_not_chosen_hold_no_sample() {
-        let mut state = 1u64;
-        let mut random = || {
-            state = state
+    /// Numbers in [0, 1).
+    struct Random(u64);
+
+    impl Random {
+        fn next(&mut self) -> f64 {
+            self.0 = (self.0)
                 .wrapping_mul(6_364_136_223_846_793_005)
                 .wrapping_add(1);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
-        let tile = Tile {
-            corner: [32, 48],
-            size: [16, 13],
-        };
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64
+        }
+    }
+
+    const SIZE: [u32; 2] = [64, 61];
+    const TILE_AT: Tile = Tile {
+        corner: [32, 48],
+        size: [16, 13],
+    };
+
+    /// So many triangles that may reach the tile, in a batch: every `often`-th is `large` pixels large, the others 0.7.
+    fn triangles(random: &mut Random, count: u32, often: u32, large: f64) -> (Batch, Vec<Vertex>) {
         let (mut seen, mut pieces) = (Vec::new(), Vec::new());
-        for k in 0..3000u32 {
-            let size = if k % 50 == 0 { 6.0 } else { 0.7 };
-            let place = [32.0 + 16.0 * random(), 48.0 + 13.0 * random()];
-            let z = 1.0 + random();
-            let points = [0; 3].map(|_| place.map(|x| x + size * (random() - 0.5)));
+        for k in 0..count {
+            let size = if k % often == 0 { large } else { 0.7 };
+            let place = [32.0 + 16.0 * random.next(), 48.0 + 13.0 * random.next()];
+            let points = [0; 3].map(|_| place.map(|x| x + size * (random.next() - 0.5)));
+            let z = [(); 3].map(|()| 1.0 + random.next());
             let of = |axis: usize| points.map(|point| point[axis]);
             let least = |axis| of(axis).into_iter().fold(f64::INFINITY, f64::min) - 2e-5;
             let most = |axis| of(axis).into_iter().fold(0.0, f64::max) + 2e-5;
-            let reach = Reach([least(0), least(1), most(0), most(1)].map(|x| x as f32));
+            let reach = Reach([least(0), least(1), most(0), most(1)].map(|x| x.max(0.0) as f32));
             pieces.push(Piece {
                 corners: [0, 1, 2].map(|corner| 3 * k + corner),
                 slot: k,
                 reach,
             });
-            seen.extend(points.map(|[x, y]| Vertex {
+            seen.extend(points.iter().zip(z).map(|([x, y], z)| Vertex {
                 c: DVec3::ZERO,
                 film: DVec3::new(x * z, y * z, z),
-                point: [x, y],
+                point: [*x, *y],
                 scale: 0.0,
             }));
         }
-        let size = [64, 61];
         let film = |piece: &Piece| piece.corners.map(|k| seen[k as usize].film);
         let batch = Batch {
             frame: 0,
             shared: seen.len() as u32,
             cuts: Vec::new(),
             places: Vec::new(),
-            bins: Bins::new(Grid { size }, &pieces, film),
+            bins: Bins::new(Grid { size: SIZE }, &pieces, film),
             pieces,
         };
-        let batches = [batch];
-        let by_tile = TileBatches::new(&batches, Tile::count(size));
-        let all = [seen];
+        (batch, seen)
+    }
+
+    /// Triangles of half a pixel and less, and some larger ones: those that are not kept hold no sample.
+    #[test]
+    fn triangles_that_are_not_kept_hold_no_sample() {
+        let mut random = Random(1);
+        let (batch, seen) = triangles(&mut random, 3000, 50, 6.0);
+        let (batches, all) = ([batch], [seen]);
+        let by_tile = TileBatches::new(&batches, Tile::count(SIZE));
         let pieces = Pieces {
-            size,
+            size: SIZE,
             batches: &batches,
             by_tile: &by_tile,
             seen: &all,
             unit: 2.0,
         };
-        let pixels = || (0..tile.pixels()).map(|k| [k % 16, k / 16].map(|n| n as f64));
-        let x: Vec<f64> = pixels().map(|[x, _]| x + random()).collect();
-        let y: Vec<f64> = pixels().map(|[_, y]| y + random()).collect();
+        let pixels = || (0..TILE_AT.pixels()).map(|k| [k % 16, k / 16].map(|n| n as f64));
+        let x: Vec<f64> = pixels().map(|[x, _]| x + random.next()).collect();
+        let y: Vec<f64> = pixels().map(|[_, y]| y + random.next()).collect();
         let strip = Strip {
-            rows: tile,
+            rows: TILE_AT,
             first: 0,
             each: 1,
         };
@@ -1144,10 +1156,10 @@ mod tests {
         let mut nearest = [false, true].map(|is_complete| {
             match is_complete {
                 true => {
-                    buffers.complete(&pieces, tile, 16);
+                    buffers.complete(&pieces, TILE_AT, 16);
                     buffers.cover(&strip, &x, &y);
                 }
-                false => buffers.cover_tile(&pieces, tile, &x, &y),
+                false => buffers.cover_tile(&pieces, TILE_AT, &x, &y),
             }
             let piece = |k: &u32| buffers.triangles.get(*k as usize).map(|one| one.piece);
             let seen: Vec<_> = buffers.nearest()[..x.len()].iter().map(piece).collect();
@@ -1157,9 +1169,60 @@ mod tests {
         let count = nearest[1].0;
         assert!(count > 2900 && nearest[0].0 < count / 2, "{}", nearest[0].0);
         // Small ones are seen, and not large ones alone.
-        nearest[0]
-            .1
-            .retain(|piece| piece.is_some_and(|piece| piece % 50 != 0));
-        assert!(nearest[0].1.len() > 20, "{}", nearest[0].1.len());
+        let (_, seen) = &mut nearest[0];
+        seen.retain(|piece| piece.is_some_and(|piece| piece % 50 != 0));
+        assert!(seen.len() > 20, "{}", seen.len());
+    }
+
+    /// Triangles that cover whole pixels and parts of them, behind, before and through each other.
+    #[test]
+    fn pixels_that_are_covered_as_a_whole_see_what_their_samples_do() {
+        let mut random = Random(2);
+        let (mut whole, mut mixed) = (0, 0);
+        for (count, often, large) in [
+            (3000, 50, 12.0),
+            (40, 1, 30.0),
+            (12, 1, 60.0),
+            (300, 10, 4.0),
+        ] {
+            let (batch, seen) = triangles(&mut random, count, often, large);
+            let (batches, all) = ([batch], [seen]);
+            let by_tile = TileBatches::new(&batches, Tile::count(SIZE));
+            let pieces = Pieces {
+                size: SIZE,
+                batches: &batches,
+                by_tile: &by_tile,
+                seen: &all,
+                unit: 2.0,
+            };
+            for each in [8, 16] {
+                let rows = 16 / each as u32;
+                let mut buffers = TileBuffers::default();
+                buffers.complete(&pieces, TILE_AT, rows);
+                for strip in Strip::of(TILE_AT, rows, each) {
+                    let pixels = (0..strip.samples()).map(|k| k / each);
+                    let mut inside = |n: usize| n as f64 + random.next();
+                    let at =
+                        pixels.map(|k| [inside(k % 16), inside(strip.first as usize + k / 16)]);
+                    let (mut x, mut y): (Vec<f64>, Vec<f64>) = at.map(|[x, y]| (x, y)).unzip();
+                    buffers.cover(&strip, &x, &y);
+                    let expected = buffers.nearest()[..x.len()].to_vec();
+                    buffers.cover_by_pixels(&strip, &mut x, &mut y);
+                    let mut seen = Vec::new();
+                    buffers.each_run_of_pixels(&strip, |triangle, samples| {
+                        seen.extend(std::iter::repeat_n(triangle, samples));
+                    });
+                    assert_eq!(seen, expected, "{large} {each} {}", strip.first);
+                    let are_mixed = &buffers.pixels.is_mixed[..strip.rows.pixels()];
+                    mixed += are_mixed.iter().filter(|is_mixed| **is_mixed).count();
+                    let nearest = &buffers.pixels.nearest[..are_mixed.len()];
+                    let full = are_mixed.iter().zip(nearest);
+                    whole += full
+                        .filter(|(mixed, one)| !**mixed && **one != NOTHING)
+                        .count();
+                }
+            }
+        }
+        assert!(whole > 200 && mixed > 200, "{whole} {mixed}");
     }
 }

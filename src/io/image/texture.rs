@@ -374,14 +374,9 @@ mod tests {
         assert_eq!(whole.size(), [64, 64]);
         assert_eq!(whole.texels, Texels::Eight(vec![128; 4096]));
         // In the last row of blocks, before it, and with bits that are no code.
-        let broken: [(&[u8], &[u8]); 4] = [
-            (&[0; 16], &[]),
-            (&[0; 4], &[]),
-            (&[0; 4], &end),
-            (&[0x55; 16], &end),
-        ];
+        let broken: [(&[u8], &[u8]); 3] = [(&[0; 16], &[]), (&[0; 4], &[]), (&[0x55; 16], &end)];
         for (data, end) in broken {
-            let error = decode(grey(data, end)).unwrap_err().to_string();
+            let error = decode(grey(data, end)).map(drop).unwrap_err().to_string();
             assert!(error.contains("image 0"), "{data:?}: {error}");
             assert!(error.contains("not a readable image"), "{data:?}: {error}");
         }

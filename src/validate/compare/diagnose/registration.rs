@@ -81,14 +81,33 @@ pub(super) fn found(case: &Case, is_asked: bool) -> Option<(Diagnosis, f64)> {
         .map(|model| model.fit(&levels))
         .collect();
     fits.extend(films.into_iter().flatten());
+    let single = has_single_samples(case);
     fits.retain(|fit| match &fit.cause {
-        Cause::Film(film) => !levels.edges_stay(|p| film.of(p)),
+        Cause::Film(film) => {
+            let is_rounding = single
+                && film.k != DVec2::ONE
+                && levels.edges_move(|p| film.of(p)) <= ROUNDED_OUTLINE;
+            !is_rounding && !levels.edges_stay(|p| film.of(p))
+        }
         Cause::Boost(_) => true,
     });
     let least = fits.iter().map(|fit| fit.left).reduce(f64::min)?;
     let best = fits.into_iter().find(|fit| fit.left <= SIMPLER * least)?;
     let left = best.left;
     Some((best.or_boost(case, &levels, boosts).describe(case), left))
+}
+
+/// Single samples round the outline of what they show by up to half a pixel on each side, which may look like another scale of it:
+/// of such pictures a scale has to move edges by more than that and the fit's error, pixels, rms.
+const ROUNDED_OUTLINE: f64 = 0.7;
+
+/// Whether a picture has, or may have, single samples: others than those that say how many they have.
+fn has_single_samples(case: &Case) -> bool {
+    let are_many = |picture: &super::super::picture::Picture| {
+        let samples = picture.metadata("samples_per_pixel");
+        samples.is_some_and(|n| n.parse::<u32>().is_ok_and(|n| n > 1))
+    };
+    !case.pair.into_iter().all(are_many)
 }
 
 /// Velocities that the camera may have taken.
@@ -368,6 +387,18 @@ const STAYS: f64 = 0.5;
 const FEWEST_EDGES: usize = 24;
 
 impl Levels {
+    /// How far a film with `place` (pixels of the pictures) moves the reference's edges, rms by the square of their contrast.
+    fn edges_move(&self, place: impl Fn(DVec2) -> DVec2) -> f64 {
+        let r = &self.pairs[0][0];
+        let edges = (0..r.colours.len()).filter_map(|i| {
+            let p = self.scale * r.place(i);
+            let weight = r.contrast(i)?.powi(2);
+            Some([weight, weight * (place(p) - p).length_squared()])
+        });
+        let [all, moved] = edges.fold([0.0; 2], |[all, moved], [w, m]| [all + w, moved + m]);
+        (moved / f64::max(all, f64::MIN_POSITIVE)).sqrt()
+    }
+
     /// Whether edges of the reference that a film with `place` (pixels of the pictures) moves far are where they were.
     fn edges_stay(&self, place: impl Fn(DVec2) -> DVec2) -> bool {
         let [r, c] = &self.pairs[0];

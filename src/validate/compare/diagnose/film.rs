@@ -3,8 +3,9 @@
 //! # Mirrors and whole pixels
 //!
 //! The candidate is turned around, or moved, and compared anew: by its objects, its places and its light, whichever are
-//! there. The measure is the largest of their parts of pixels that differ by more than a hundredth, light up to the factor that most
-//! pixels agree on: a picture of another exposure may be turned, too.
+//! there. The measure is the largest of their parts of pixels that differ by more than a hundredth, light and places up to the factor
+//! that most pixels agree on, objects up to their names: a picture of another exposure, in millimetres, or with indices from 1 may be
+//! turned, too.
 //!
 //! # Other films
 //!
@@ -18,12 +19,16 @@
 //! along each axis: a ≠ 0 is a shift, k_x = k_y ≠ 1 another field of view, k_x ≠ k_y another aspect. Four numbers are fitted by
 //! least squares, twice, the second time without the tenth of the pixels that fit worst.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use glam::{DVec2, DVec3};
 
 use super::super::geometry::Field;
 use super::super::picture::{Plane, RADIANCE};
-use super::super::points::place;
+use super::super::points::{Points, place};
 use super::{Case, Diagnosis, Kind, MOST, NEAR, Tally, light, median};
+use crate::render::aov::Aov;
+use crate::spacetime::Direction;
 
 /// A picture, turned or moved.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -135,28 +140,69 @@ fn differing(case: &Case, turn: Turn) -> Unlike {
     };
     let mut worst: f64 = 0.0;
     if r.object.is_some() && c.object.is_some() {
-        worst = part(&|i, j| r.object_at(i) != c.object_at(j));
+        let names = renamed(&pixels, &case.points);
+        let name = |i: usize| r.object_at(i).map(|id| names.get(&(id as i64)).copied());
+        let shown = |j: usize| c.object_at(j).map(|id| Some(id as i64));
+        worst = part(&|i, j| name(i) != shown(j));
     }
     for planes in [[r.material, c.material], [r.world, c.world]] {
         if let [Some(r), Some(c)] = planes {
-            worst = worst.max(part(&|i, j| differ(place(&r, i), place(&c, j))));
+            let ratios = pixels.iter();
+            let ratios = ratios.map(|[i, j]| place(&c, *j).length() / place(&r, *i).length());
+            let unit = common_factor(ratios);
+            worst = worst.max(part(&|i, j| differ(place(&r, i) * unit, place(&c, j))));
         }
     }
     let mut factor = 1.0;
     if let [Some(r), Some(c)] = [light(case, 0), light(case, 1)] {
         let sum = |of: &[Plane; 3], i: usize| of.iter().map(|p| p.at(i)).sum::<f64>();
         let ratios = pixels.iter().map(|[i, j]| sum(&c, *j) / sum(&r, *i));
-        let ratios = ratios.filter(|ratio| ratio.is_normal() && *ratio > 0.0);
-        factor = median(ratios.collect()).unwrap_or(1.0);
-        // Noise is no factor.
-        if (factor - 1.0).abs() <= SAME {
-            factor = 1.0;
-        }
+        factor = common_factor(ratios);
         worst = worst.max(part(&|i, j| differ(place(&r, i) * factor, place(&c, j))));
     }
     Unlike {
         part: worst,
         factor,
+    }
+}
+
+/// The factor that most pixels agree on.
+fn common_factor(ratios: impl Iterator<Item = f64>) -> f64 {
+    let ratios = ratios.filter(|ratio| ratio.is_normal() && *ratio > 0.0);
+    let factor = median(ratios.collect()).unwrap_or(1.0);
+    // Noise is no factor.
+    match (factor - 1.0).abs() <= SAME {
+        true => 1.0,
+        false => factor,
+    }
+}
+
+/// The candidate's names of the reference's objects, and of no object, at pairs of pixels: those of most pixels, if no two have the same;
+/// otherwise the reference's own.
+fn renamed(pixels: &[[usize; 2]], [r, c]: &[Points; 2]) -> BTreeMap<i64, i64> {
+    let mut counts = BTreeMap::<[i64; 2], u64>::new();
+    for [i, j] in pixels {
+        if let (Some(in_r), Some(in_c)) = (r.object_at(*i), c.object_at(*j)) {
+            *counts.entry([in_r as i64, in_c as i64]).or_default() += 1;
+        }
+    }
+    let mut most = BTreeMap::<i64, (u64, i64)>::new();
+    // What shows nothing is nothing, where any pixel does.
+    let has_nothing = counts.keys().any(|[_, in_c]| *in_c < 0);
+    for ([in_r, in_c], count) in counts {
+        if has_nothing && (in_r < 0) != (in_c < 0) {
+            continue;
+        }
+        let found = most.entry(in_r).or_default();
+        if count > found.0 {
+            *found = (count, in_c);
+        }
+    }
+    let names: BTreeMap<i64, i64> = most.into_iter().map(|(r, (_, c))| (r, c)).collect();
+    let different: BTreeSet<i64> = names.values().copied().collect();
+    match different.len() == names.len() {
+        true => names,
+        false => names.into_keys().map(|r| (r, r)).collect(),
     }
 }
 
@@ -185,7 +231,35 @@ pub(super) fn scaled(case: &Case) -> Option<Diagnosis> {
 /// The same, and by how much points are displaced from that hypothesis, pixels, rms.
 pub(super) fn scaled_and_rest(case: &Case) -> Option<(Diagnosis, f64)> {
     let by_points = case.field.and_then(|field| of_field(case, field, false));
-    by_points.or_else(|| of_field(case, &Field::of_directions(&case.points)?, true))
+    let by_points =
+        by_points.or_else(|| of_field(case, &Field::of_directions(&case.points)?, true));
+    by_points.or_else(|| of_events(case))
+}
+
+/// An event is on the past light cone of the shot where its time is that of its distance, to this part of it.
+const ON_CONE: f64 = 1e-3;
+
+/// Another film, by events of moving objects alone: whatever point of the object it is, an event E on the past light cone of the shot P is
+/// seen along E − P.
+fn of_events(case: &Case) -> Option<(Diagnosis, f64)> {
+    let known = case.known?;
+    let [r, c] = &case.points;
+    let [width, _] = r.size();
+    let planes = [r.world?, c.world?];
+    let times = case.pair.map(|p| Plane::aov(&p.layers, Aov::EventCt));
+    let times = [times[0]?, times[1]?];
+    let seen = |which: usize, i: usize| {
+        let (ct, x) = (times[which].at(i), place(&planes[which], i));
+        let [way, _] = known.since_shot(ct, x);
+        let late = ct - known.shot_time() + known.index() * way.length();
+        (late.abs() <= ON_CONE * way.length()).then_some(())?;
+        known.film_point_along(Direction::new(way)?)
+    };
+    let displacement = |i: usize| {
+        let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
+        Some(seen(1, i)? - seen(0, i).unwrap_or(centre))
+    };
+    of_displacements(case, case.pixels(), displacement)
 }
 
 /// a + k p along both axes.
@@ -222,15 +296,24 @@ impl Film {
 
 /// Another film, by where the candidate shows points: of all pixels with `everywhere`, or of those that differ.
 fn of_field(case: &Case, field: &Field, everywhere: bool) -> Option<(Diagnosis, f64)> {
-    let [width, height] = case.points[0].size();
-    let half = 0.5 * DVec2::new(width as f64, height as f64);
     let pixels = match everywhere {
-        true => case.region.pixels([width, height]).collect(),
+        true => case.region.pixels(case.points[0].size()).collect(),
         false => case.pixels(),
     };
+    of_displacements(case, pixels, |i| field.displacement(i))
+}
+
+/// The same by how far the points of these pixels belong from there.
+fn of_displacements(
+    case: &Case,
+    pixels: Vec<usize>,
+    displacement: impl Fn(usize) -> Option<DVec2>,
+) -> Option<(Diagnosis, f64)> {
+    let [width, height] = case.points[0].size();
+    let half = 0.5 * DVec2::new(width as f64, height as f64);
     let pair = |i: usize| {
         let p = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5) - half;
-        Some([p, p + field.displacement(i)?])
+        Some([p, p + displacement(i)?])
     };
     let mut pairs: Vec<[DVec2; 2]> = pixels.into_iter().filter_map(pair).collect();
     if pairs.len() < super::FEWEST {

@@ -518,6 +518,9 @@ impl std::fmt::Display for Breach {
     }
 }
 
+/// Metrics of which 1 is the most that there is.
+const OF_ONE: [&str; 2] = ["coverage", "ssim"];
+
 /// What the name of a metric means.
 #[derive(Debug, Clone, Copy)]
 struct Name<'a> {
@@ -562,6 +565,19 @@ impl<'a> Name<'a> {
 
     fn better(&self) -> Better {
         self.part.map_or(self.row.better, |(_, better, _)| better)
+    }
+
+    /// Why a limit says nothing: every candidate is within it, or none can be.
+    fn refuses(&self, limit: f64) -> Option<&'static str> {
+        let is_met = "every candidate is within that limit";
+        let never = "no candidate can be within that limit";
+        match self.better() {
+            Better::Smaller if limit == f64::INFINITY => Some(is_met),
+            Better::Smaller if limit < 0.0 => Some(never),
+            Better::Larger if limit == f64::NEG_INFINITY => Some(is_met),
+            Better::Larger if OF_ONE.contains(&self.row.name) && limit > 1.0 => Some(never),
+            _ => None,
+        }
     }
 
     fn allows(&self, limit: f64, found: f64) -> bool {
@@ -656,6 +672,11 @@ impl Comparison {
             let name = Name::of(&tolerance.metric);
             let found = name.and_then(|name| Some((name, name.found(self)?)));
             let (name, found) = found.ok_or_else(|| self.unknown(&tolerance.metric))?;
+            if let Some(what) = name.refuses(tolerance.value) {
+                let place = format!("--tolerance {}={}", tolerance.metric, tolerance.value);
+                let help = "a number that the metric can have, and that some candidate exceeds";
+                return Err(Error::invalid("command line", place, what, help));
+            }
             // What cannot be computed does not hold.
             let holds = matches!(&found, Found::Value(v) if name.allows(tolerance.value, *v));
             if !holds {

@@ -103,6 +103,27 @@ fn beyond_a_tolerance_the_exit_code_is_1_and_the_metric_is_named() {
 }
 
 #[test]
+fn limits_that_limit_nothing_or_cannot_be_met_are_refused() {
+    let folder = folder();
+    for (limit, words) in [
+        ("rmse=inf", "every candidate is within"),
+        ("radiance.R:max=inf", "every candidate is within"),
+        ("rmse=-1", "no candidate can be within"),
+        ("ssim=1.5", "no candidate can be within"),
+    ] {
+        let output = run(
+            folder.path(),
+            &["exact.exr", "mine.exr", "--tolerance", limit],
+        );
+        assert_eq!(code(&output), 2, "{limit}");
+        assert!(message(&output).contains(words), "{}", message(&output));
+    }
+    // Equal pictures have this signal to noise.
+    let equal = ["exact.exr", "exact.npz", "--tolerance", "psnr=inf"];
+    assert_eq!(code(&run(folder.path(), &equal)), 0);
+}
+
+#[test]
 fn bad_input_has_exit_code_2() {
     let folder = folder();
     let unknown = run(

@@ -5,7 +5,8 @@
 //! leave next to nothing, and the light has to have enough different values.
 
 use super::light::{
-    LEFT_BESIDE_A_FACTOR, Lit, NOTABLE, Told, distance, evidence, lit, lit_above, middle, told,
+    FAR_LESS, LEFT_BESIDE_A_FACTOR, Lit, NOTABLE, NOTHING, Told, decoded, distance, evidence,
+    left_by_one_factor, lit, lit_above, middle, told,
 };
 use super::{Case, Diagnosis, Kind, median};
 use crate::colour::srgb_encode;
@@ -13,12 +14,9 @@ use crate::colour::srgb_encode;
 /// A diagnosis of the light, and what it leaves of the squared error.
 type Found = (Diagnosis, f64);
 
-/// A curve takes the place of what was found where it leaves less than this part of what that leaves.
-const FAR_LESS: f64 = 0.1;
-
-/// What `found` is of the light's mistakes, or a curve that explains it far better.
+/// What `found` is of the light's mistakes, or a curve that explains it far better (`FAR_LESS`).
 pub(super) fn instead_of(case: &Case, found: Option<Found>) -> Option<Found> {
-    if found.as_ref().is_some_and(|(_, left)| *left <= 1e-6) {
+    if found.as_ref().is_some_and(|(_, left)| *left <= NOTHING) {
         return found;
     }
     let by_curve = offset(case).or_else(|| toned(case));
@@ -159,6 +157,8 @@ fn toned(case: &Case) -> Option<Found> {
         true => lit.into_iter().filter(|(_, [_, c])| !cut(c)).collect(),
         false => lit,
     };
+    let most = FAR_LESS * left_by_one_factor(case, &lit);
+    let lit = decoded(case, &lit);
     let levels = levels(&lit);
     if levels < LEVELS_FOR_EXPOSURE || told(&lit, |_, r| r).tally.error() <= NOTABLE {
         return None;
@@ -186,7 +186,7 @@ fn toned(case: &Case) -> Option<Found> {
             }
         }
     }
-    let is_one = |told: &Told| told.explains() && told.left <= LEFT_BESIDE_A_FACTOR;
+    let is_one = |told: &Told| told.explains() && told.left <= LEFT_BESIDE_A_FACTOR.min(most);
     let best = best.filter(|(.., told)| is_one(told));
     // Any curve has more freedom: it is asked last.
     let found = best.or_else(|| {

@@ -25,16 +25,35 @@ type Hypothesis = fn(&Case, &[Lit]) -> Option<(Diagnosis, f64)>;
 /// What is wrong with the light, and the part of its squared error that this leaves.
 pub(super) fn light(case: &Case) -> Option<(Diagnosis, f64)> {
     let lit = lit(case)?;
-    let named: [Hypothesis; 7] = [
-        black,
-        codes,
-        colours,
-        gamma,
-        encoded_and_scaled,
-        exponent,
-        exposure,
-    ];
-    named.iter().find_map(|hypothesis| hypothesis(case, &lit))
+    let first: [Hypothesis; 2] = [black, codes];
+    let named: [Hypothesis; 5] = [colours, gamma, encoded_and_scaled, exponent, exposure];
+    let ask = |named: &[Hypothesis]| named.iter().find_map(|hypothesis| hypothesis(case, &lit));
+    // Where one factor leaves nothing there is nothing else to explain.
+    ask(&first).or_else(|| match left_by_one_factor(case, &lit) <= NOTHING {
+        true => exposure(case, &lit),
+        false => ask(&named),
+    })
+}
+
+/// What is left of the squared error where a hypothesis explains all of it, but for rounding to single precision.
+pub(super) const NOTHING: f64 = 1e-6;
+/// Curves have to leave less than this part of what one factor leaves: of light that is far darker, or hardly varies, they are alike.
+pub(super) const FAR_LESS: f64 = 0.1;
+
+/// Linear light, of pictures that hold codes.
+pub(super) fn decoded(case: &Case, lit: &[Lit]) -> Vec<Lit> {
+    let is_linear = case.pair[0].encoding == Encoding::Linear;
+    let decode = |v: f64| if is_linear { v } else { srgb_decode(v) };
+    let decode = |(i, pair): &Lit| (*i, pair.map(|light| light.map(decode)));
+    lit.iter().map(decode).collect()
+}
+
+/// What one factor on linear light leaves of the squared error.
+pub(super) fn left_by_one_factor(case: &Case, lit: &[Lit]) -> f64 {
+    let lit = decoded(case, lit);
+    // Of what is all black no factor tells.
+    let factor = factor(&lit, |c| c).filter(|factor| *factor > 0.0);
+    factor.map_or(1.0, |factor| told(&lit, |_, r| r.map(|v| factor * v)).left)
 }
 
 /// Values nearer to 1 than this are clipped: an encoded 1 is off by rounding.
@@ -111,19 +130,23 @@ impl Told {
     }
 }
 
-/// |c − r| and |c − h(r)| in parts of the reference's light, so that bright pixels do not decide alone.
+/// |c − r| and |c − h(r)| in parts of the reference's light, so that bright pixels do not decide alone. Where both c and h are far
+/// darker than r, |c − h| is measured in parts of them, as |c − r| is in parts of r: of what is nearly black, anything else that is does
+/// not tell.
 pub(super) fn told(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Told {
     let middle = middle(lit);
+    let length = |light: [f64; 3]| distance(light, [0.0; 3]);
+    let bright = median(lit.iter().map(|(_, [_, c])| length(*c)).collect());
+    let darkest = BLACK * bright.map_or(middle, |bright| bright.min(middle));
     let tally = Tally::of(lit.iter().map(|&(i, [r, c])| {
-        let size = distance(r, [0.0; 3]).max(BLACK * middle);
-        [distance(c, r) / size, distance(c, h(i, r)) / size]
+        let size = length(r).max(BLACK * middle);
+        let h = h(i, r);
+        let (error, rest) = (distance(c, r), distance(c, h));
+        let larger = length(c).max(length(h)).max(darkest);
+        let darker = if rest > 0.0 { error / larger } else { 1.0 };
+        [error / size, rest / size * darker.max(1.0)]
     }));
     // Of far brighter light all is bright, and would be the same: then that is the measure.
-    let bright = median(
-        lit.iter()
-            .map(|(_, [_, c])| distance(*c, [0.0; 3]))
-            .collect(),
-    );
     let scale = bright.filter(|bright| *bright > FAR_BRIGHTER * middle);
     let scale = scale.unwrap_or(middle);
     let compressed = |light: [f64; 3]| light.map(|v| v / (v.abs() + scale));
@@ -193,9 +216,13 @@ fn black(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         );
         let evidence = vec![("part of the reference's light", part)];
         let kind = Kind::Exposure;
-        Some((Diagnosis { kind, what, evidence }, 0.0))
+        // The scene may say why.
+        Some((Diagnosis { kind, what, evidence }, LEFT_BY_BLACK))
     })
 }
+
+/// What is said to be left by a black picture: so much that the scene is asked, and so little that no other film is.
+const LEFT_BY_BLACK: f64 = 0.1;
 
 /// The largest codes of 8 and of 16 bits.
 const LARGEST_CODES: [f64; 2] = [255.0, 65535.0];
@@ -243,6 +270,7 @@ fn colours(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         let factor = factor(lit, |c| c)?;
         let left = told(lit, |_, r| r.map(|v| factor * v)).left;
         let left = (0.1 * left).min(LEFT_BESIDE_A_FACTOR);
+        (factor > DARK).then_some(())?;
         best_order(lit, &orders, factor, left)
     })
 }
@@ -301,7 +329,9 @@ fn gamma(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         (once_less, |v| libm::pow(v, 2.2)),
     ];
     let found = curves.map(|(words, curve)| (words, told(lit, |_, r| r.map(curve))));
-    let explaining = found.into_iter().filter(|(_, told)| told.explains());
+    let most = FAR_LESS * left_by_one_factor(case, lit);
+    let explaining = found.into_iter();
+    let explaining = explaining.filter(|(_, told)| told.explains() && told.left <= most);
     let rest = |told: &Told| told.tally.rest();
     let (words, told) = explaining.min_by(|a, b| rest(&a.1).total_cmp(&rest(&b.1)))?;
     let diagnosis = Diagnosis {
@@ -320,14 +350,13 @@ fn encoded_and_scaled(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         [srgb_encode, srgb_decode],
         [|v| libm::pow(v, 1.0 / 2.2), |v| libm::pow(v, 2.2)],
     ];
-    let plain = factor(lit, |c| c)?;
-    let by_factor = told(lit, |_, r| r.map(|v| plain * v)).left;
+    let by_factor = left_by_one_factor(case, lit);
     let found = curves.into_iter().filter_map(|[encode, decode]| {
         let factor = factor(lit, |c| c.map(decode)).filter(|factor| *factor > DARK)?;
         let told = told(lit, |_, r| r.map(|v| encode(factor * v)));
         let explains = told.explains() && told.left <= LEFT_BESIDE_A_FACTOR;
         // Of few different values of light one factor explains much, too.
-        (explains && told.left < by_factor).then_some((factor, told))
+        (explains && told.left <= FAR_LESS * by_factor).then_some((factor, told))
     });
     let (factor, told) = found.min_by(|a, b| a.1.left.total_cmp(&b.1.left))?;
     let diagnosis = Diagnosis {
@@ -341,11 +370,11 @@ fn encoded_and_scaled(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     Some((diagnosis, told.left))
 }
 
-fn exposure(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
-    let factor = factor(lit, |c| c)?;
-    let told = told(lit, |_, r| r.map(|v| factor * v));
-    let is_notable = factor > 0.0 && libm::log(factor).abs() > NOTABLE;
-    (is_notable && told.explains()).then(|| {
+fn exposure(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
+    let lit = decoded(case, lit);
+    let factor = factor(&lit, |c| c)?;
+    let told = told(&lit, |_, r| r.map(|v| factor * v));
+    (factor > 0.0 && told.explains()).then(|| {
         let diagnosis = Diagnosis {
             kind: Kind::Exposure,
             what: format!(

@@ -76,6 +76,8 @@ use super::picture::Picture;
 use super::points::Points;
 use crate::scene::model::Scene;
 
+/// What explains light up to this part of its squared error, noise of a hundredth beside a third of it, leaves nothing to ask the scene for.
+const SETTLED: f64 = 1e-3;
 /// The part of an error that a hypothesis has to explain, and of the pixels at which it does.
 const MOST: f64 = 0.9;
 /// A hypothesis has to bring values nearer than this part of their error.
@@ -292,10 +294,10 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
     found.extend(channels::ratio(case));
     found.extend(time::instant(case).or_else(|| time::shifted(case)));
     let by_light = curve::instead_of(case, light::light(case));
-    // Another velocity changes light much as another exponent does, and the scene tells them apart.
+    // Another velocity changes light much as another exponent does, or as a factor on what is far darker, and the scene tells them apart.
     let is_settled = by_light
         .as_ref()
-        .is_some_and(|(d, _)| d.kind != Kind::ExponentWrong);
+        .is_some_and(|(d, left)| d.kind != Kind::ExponentWrong && *left <= SETTLED);
     let by_scene = if is_settled {
         rendered::Asked::Nothing
     } else {
@@ -303,11 +305,15 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
     };
     let is_asked = !matches!(by_scene, rendered::Asked::Nothing);
     let by_scene = match by_scene {
-        rendered::Asked::Mistake(found) => Some(found),
+        rendered::Asked::Mistake(found, left) => Some((found, left)),
         _ => None,
     };
     match (by_scene, by_light) {
-        (Some(by_scene), _) => found.push(by_scene),
+        (Some((by_scene, of_scene)), Some((by_light, left))) => {
+            let is_simple = by_light.kind != Kind::ExponentWrong && left <= of_scene;
+            found.push(if is_simple { by_light } else { by_scene });
+        }
+        (Some((by_scene, _)), None) => found.push(by_scene),
         (None, Some((by_light, left))) => {
             // Another film changes light, too, at edges.
             let may_be_film = left > NEAR && found.is_empty() && !case.has_places();

@@ -26,6 +26,8 @@ use crate::spacetime::Velocity;
 
 /// No more moving objects are asked about.
 const MOST_OBJECTS: usize = 8;
+/// Of no more objects pairs are asked about that have exchanged their velocities: 6 pairs.
+const MOST_EXCHANGED: usize = 4;
 /// How far away what is left out goes, in sizes of the scene: far out of view, and so near that boxes in f32 around all that rests together,
 /// 6e-8 of their distance wide, still tell the other objects apart.
 const FAR: f64 = 1e3;
@@ -54,7 +56,8 @@ pub(super) enum Asked {
     Nothing,
     /// None of the mistakes has the candidate's light.
     NoMistake,
-    Mistake(Diagnosis),
+    /// With what it leaves of the squared error.
+    Mistake(Diagnosis, f64),
 }
 
 /// The mistake with which the scene has the candidate's light.
@@ -70,10 +73,12 @@ pub(super) fn changes(case: &Case) -> Asked {
     let Some((scene, lit, size)) = scene_and_size() else {
         return Asked::Nothing;
     };
-    mistake(case, scene, &lit, size).map_or(Asked::NoMistake, Asked::Mistake)
+    mistake(case, scene, &lit, size).map_or(Asked::NoMistake, |(found, left)| {
+        Asked::Mistake(found, left)
+    })
 }
 
-fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<Diagnosis> {
+fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Diagnosis, f64)> {
     let mut mistakes = Vec::new();
     if !case.has_places() {
         // Before other mistakes that leave an object out of view.
@@ -89,17 +94,29 @@ fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<Diagnos
     });
     let of_times = of_some_size(case, lit, &times(scene), |x| later(scene, x));
     let of_times = of_times.map(|(x, told)| (lookup(scene, x), told));
-    let found = asked.chain(of_times);
-    let (mistake, told) = found.min_by(|a, b| a.1.tally.rest().total_cmp(&b.1.tally.rest()))?;
-    Some(Diagnosis {
+    let found: Vec<(Mistake, Told)> = asked.chain(of_times).collect();
+    let rest = |(_, told): &(Mistake, Told)| told.tally.rest();
+    let best = (found.iter()).min_by(|a, b| rest(a).total_cmp(&rest(b)))?;
+    // Several mistakes may leave the same object out of view: then light cannot tell them apart.
+    let alike = found.iter().filter(|found| {
+        !std::ptr::eq(*found, best) && rest(found) == rest(best) && found.1.left == best.1.left
+    });
+    let alike: Vec<&str> = alike.map(|(mistake, _)| mistake.what.as_str()).collect();
+    let (mistake, told) = best;
+    let or = match alike.is_empty() {
+        true => String::new(),
+        false => format!("; the same light is that where {}", alike.join("; or ")),
+    };
+    let diagnosis = Diagnosis {
         kind: mistake.kind,
-        what: mistake.what,
+        what: format!("{}{or}", mistake.what),
         evidence: [mistake.size]
             .into_iter()
             .chain(evidence(&told.tally))
             .chain([("what it leaves of the squared error", told.left)])
             .collect(),
-    })
+    };
+    Some((diagnosis, told.left))
 }
 
 /// The light of a scene, by pixel.
@@ -408,6 +425,21 @@ fn motions(scene: &Scene) -> Vec<Mistake> {
             format!("the velocity of object {k} is reversed: the picture is that of −β for β");
         add(Change::Reversed(k), Kind::VelocityWrong, what, velocity);
     }
+    let velocities: Vec<Velocity> = (scene.objects.iter())
+        .map(|object| object.velocity)
+        .take(MOST_EXCHANGED)
+        .collect();
+    for (j, of_j) in velocities.iter().enumerate() {
+        for (k, of_k) in velocities.iter().enumerate().skip(j + 1) {
+            if of_j != of_k {
+                let what = format!(
+                    "the velocities of objects {j} and {k} are swapped: the picture is that with each other's"
+                );
+                let swapped = Change::Swapped(j, k);
+                add(swapped, Kind::VelocitiesSwapped, what, *of_j);
+            }
+        }
+    }
     mistakes
 }
 
@@ -483,7 +515,15 @@ fn changed(scene: &Scene, change: Change) -> Option<Scene> {
             let object = changed.objects.get_mut(k)?;
             object.velocity = -object.velocity;
         }
-        Change::Standing(_) | Change::Swapped(..) => return None,
+        Change::Swapped(j, k) => {
+            let (of_j, of_k) = (
+                scene.objects.get(j)?.velocity,
+                scene.objects.get(k)?.velocity,
+            );
+            changed.objects[j].velocity = of_k;
+            changed.objects[k].velocity = of_j;
+        }
+        Change::Standing(_) => return None,
     }
     Some(changed)
 }

@@ -257,7 +257,12 @@ pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
         }
     }
     if !found.iter().any(|found| found.kind.is_of_all()) {
-        found.extend(part::vanished(case));
+        let mut gone = part::vanished(case);
+        if found.iter().any(|d| d.kind == Kind::VelocitiesSwapped) {
+            let exchanged = motion::gone_by_exchange(case);
+            gone.retain(|(object, _)| !exchanged.contains(object));
+        }
+        found.extend(gone.into_iter().map(|(_, found)| found));
     }
     if found.is_empty() {
         found.extend(object::single(case));
@@ -272,8 +277,9 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
         |case| channels::identities(case).into_iter().collect(),
         |case| camera::another(case).into_iter().collect(),
         channels::coordinates,
-        |case| channels::inverted(case).into_iter().collect(),
+        // Along the axis of its motion, W of the opposite velocity is nearly 1/W.
         |case| motion::aberration(case).into_iter().collect(),
+        |case| channels::inverted(case).into_iter().collect(),
         motion::velocities,
         motion::changes,
         |case| film::scaled(case).into_iter().collect(),

@@ -27,6 +27,7 @@ use glam::{DMat4, DVec2, DVec3, DVec4, Vec4Swizzles};
 use super::super::known::{Change, KnownScene};
 use super::super::picture::{Picture, Plane};
 use super::super::points::place;
+use super::super::surface::FEWEST_OF_OBJECT;
 use super::{Case, Diagnosis, Kind, NEAR, Tally, median};
 use crate::render::aov::Aov;
 use crate::spacetime::{Boost, Camera, Direction, Velocity, World};
@@ -384,8 +385,10 @@ pub(super) fn changes(case: &Case) -> Vec<Diagnosis> {
         .collect();
     // Pairs before single objects: two exchanged velocities also look like two wrong ones.
     let mut found = Vec::new();
+    let (_, gone) = moving_and_gone(case, known);
     for (n, &j) in moving.iter().enumerate() {
-        let pairs = moving[n + 1..].iter().map(|&k| Change::Swapped(j, k));
+        let others = moving[n + 1..].iter().chain(&gone);
+        let pairs = others.map(|&k| Change::Swapped(j, k));
         found.extend(pairs.filter_map(|change| best(case, known, Some(j), &[change])));
     }
     if !found.is_empty() {
@@ -424,17 +427,102 @@ fn best(
 ) -> Option<Diagnosis> {
     let tallies = changes.iter().filter_map(|change| {
         let tally = displaced(case, known, &known.changed(*change)?, object);
-        tally
-            .explains(NOTABLE_DISPLACEMENT)
-            .then_some((*change, tally))
+        is_explained(&tally).then_some((*change, tally))
     });
     let (change, tally) = tallies.min_by(|a, b| a.1.rest().total_cmp(&b.1.rest()))?;
-    // Of a velocity that two objects have exchanged, both are seen so.
-    if let Change::Swapped(_, k) = change {
-        let other = displaced(case, known, &known.changed(change)?, Some(k));
-        other.explains(NOTABLE_DISPLACEMENT).then_some(())?;
+    // Of a velocity that two objects have exchanged, both are seen so, or the other one is out of view for it.
+    if let Change::Swapped(j, k) = change {
+        let swapped = known.changed(change)?;
+        let other = if object == Some(k) { j } else { k };
+        let is_seen = is_explained(&displaced(case, known, &swapped, Some(other)));
+        (is_seen || is_gone(case, other) && is_out_of_view(case, &swapped, other)).then_some(())?;
     }
     Some(describe_change(known, change, &tally))
+}
+
+/// What a change may leave of displacements, pixels, rms, whatever they were: what rasterizers of a few large triangles do, and no
+/// other velocity.
+const LEFT_BY_CHANGE: f64 = 2.0;
+
+fn is_explained(tally: &Tally) -> bool {
+    tally.explains(NOTABLE_DISPLACEMENT) && tally.rest() <= LEFT_BY_CHANGE
+}
+
+/// Whether the reference shows an object, and the candidate does not.
+pub(super) fn is_gone(case: &Case, object: usize) -> bool {
+    let shows = |which: usize| {
+        let points = &case.points[which];
+        let pixels = case.region.pixels(points.size());
+        let of_object = pixels.filter(|i| points.object_at(*i) == Some(object as f64));
+        of_object.count() as u64
+    };
+    shows(0) >= FEWEST_OF_OBJECT && shows(1) == 0
+}
+
+/// Whether all points of an object that the reference shows are out of view in another scene.
+pub(super) fn is_out_of_view(case: &Case, changed: &KnownScene, object: usize) -> bool {
+    let points = &case.points[0];
+    let size = points.size().map(|n| n as f64);
+    let pixels = case.region.pixels(points.size());
+    let mut seen = pixels.filter_map(|i| {
+        let (k, p) = case.known?.point(points, i)?;
+        (k == object).then_some(())?;
+        let seen = changed.film_point(k, p);
+        let inside = |p: DVec2| (0.0..size[0]).contains(&p.x) && (0.0..size[1]).contains(&p.y);
+        Some(seen.is_some_and(inside))
+    });
+    let first = seen.next();
+    first == Some(false) && !seen.any(|is_inside| is_inside)
+}
+
+/// The changes of an object, or of all, that put it out of view.
+pub(super) fn out_of_view(case: &Case, object: usize) -> Vec<&'static str> {
+    let changes = [
+        (Change::Instant, "light that takes no time"),
+        (Change::AtRest(object), "a velocity that is missing"),
+        (
+            Change::Reversed(object),
+            "a velocity that is reversed (−β for β)",
+        ),
+    ];
+    let puts_out = |change: Change| {
+        let changed = case.known.and_then(|known| known.changed(change));
+        changed.is_some_and(|changed| is_out_of_view(case, &changed, object))
+    };
+    let changes = changes.into_iter();
+    changes
+        .filter(|(change, _)| puts_out(*change))
+        .map(|(_, words)| words)
+        .collect()
+}
+
+/// Objects that are out of view as they have another one's velocity, which is seen with theirs.
+pub(super) fn gone_by_exchange(case: &Case) -> Vec<usize> {
+    let Some(known) = case.known else {
+        return Vec::new();
+    };
+    let (moving, gone) = moving_and_gone(case, known);
+    let is_exchanged = |k: &usize| {
+        let exchanged = |j: &usize| best(case, known, Some(*j), &[Change::Swapped(*j, *k)]);
+        moving.iter().any(|j| exchanged(j).is_some())
+    };
+    gone.into_iter().filter(is_exchanged).collect()
+}
+
+/// Objects whose points are not where they are seen, and those that are gone.
+fn moving_and_gone(case: &Case, known: &KnownScene) -> (Vec<usize>, Vec<usize>) {
+    let is_off = |k: usize| displaced(case, known, known, Some(k)).error() > NOTABLE_DISPLACEMENT;
+    let all = 0..known.velocities().count();
+    let moving = all
+        .clone()
+        .filter(|k| is_off(*k))
+        .take(MOST_OBJECTS)
+        .collect();
+    let gone = all
+        .filter(|k| is_gone(case, *k))
+        .take(MOST_OBJECTS)
+        .collect();
+    (moving, gone)
 }
 
 /// Distances of the candidate's points from where they are seen, in the scene and in the changed one.
@@ -457,9 +545,9 @@ pub(super) fn displaced(
         let shown = changed.place(points, i)?;
         let (k, p) = known.point(points, i)?;
         let right = known.film_point(k, p);
-        // A point that is seen nowhere is as far away as the picture is wide.
-        let off = right.map_or(width as f64, |right| (right - centre).length());
-        Some([off, (shown - centre).length()])
+        // A point that is seen nowhere, or far out of view, is as far away as the picture is wide.
+        let off = |p: DVec2| (p - centre).length().min(width as f64);
+        Some([right.map_or(width as f64, off), off(shown)])
     });
     Tally::of(off)
 }

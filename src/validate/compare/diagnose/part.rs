@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::super::geometry::Field;
 use super::super::surface::FEWEST_OF_OBJECT;
-use super::{Case, Diagnosis, FEWEST, Kind, MOST, median};
+use super::{Case, Diagnosis, FEWEST, Kind, MOST, median, motion};
 
 /// Displacements that are notable, pixels.
 const NOTABLE_DISPLACEMENT: f64 = 0.1;
@@ -75,8 +75,8 @@ pub(super) fn misplaced(case: &Case) -> Vec<Diagnosis> {
     found.into_iter().map(describe).collect()
 }
 
-/// Objects of the reference that no pixel of the candidate shows.
-pub(super) fn vanished(case: &Case) -> Vec<Diagnosis> {
+/// Objects of the reference that no pixel of the candidate shows, and what may have put them out of view.
+pub(super) fn vanished(case: &Case) -> Vec<(usize, Diagnosis)> {
     let [r, c] = &case.points;
     let mut pixels: BTreeMap<i64, [u64; 2]> = BTreeMap::new();
     for i in case.region.pixels(r.size()) {
@@ -91,12 +91,20 @@ pub(super) fn vanished(case: &Case) -> Vec<Diagnosis> {
     }
     let is_gone = |[in_r, in_c]: &[u64; 2]| *in_r >= FEWEST_OF_OBJECT && *in_c == 0;
     let gone = pixels.iter().filter(|(_, pixels)| is_gone(pixels));
-    let describe = |(object, [pixels, _]): (&i64, &[u64; 2])| Diagnosis {
-        kind: Kind::ObjectMissing,
-        what: format!(
-            "object {object} is missing: the reference shows it at {pixels} pixels, the candidate nowhere"
-        ),
-        evidence: vec![("pixels", *pixels as f64)],
+    let describe = |(object, [pixels, _]): (&i64, &[u64; 2])| {
+        let why = motion::out_of_view(case, *object as usize);
+        let or = match why.is_empty() {
+            true => String::new(),
+            false => format!("; it would be out of view, too, by {}", why.join(", or ")),
+        };
+        let diagnosis = Diagnosis {
+            kind: Kind::ObjectMissing,
+            what: format!(
+                "object {object} is missing: the reference shows it at {pixels} pixels, the candidate nowhere{or}"
+            ),
+            evidence: vec![("pixels", *pixels as f64)],
+        };
+        (*object as usize, diagnosis)
     };
     gone.map(describe).collect()
 }

@@ -124,12 +124,20 @@ pub(super) fn coordinates(case: &Case) -> Vec<Diagnosis> {
         found.extend(scale_of(case, Aov::EventCt));
         found.extend(scale_of(case, Aov::ObjectEventCt));
         found.extend(frames::signs(case));
+    } else {
+        found.extend(frames::signs(case).into_iter().filter(leaves_nothing));
     }
     if found.is_empty() {
         found.extend(frames::frames(case));
         found.extend(normals::normals(case));
     }
     found
+}
+
+/// Whether a sign explains times to rounding: no shift of times that vary does.
+fn leaves_nothing(found: &Diagnosis) -> bool {
+    let sizes: Vec<f64> = found.evidence.iter().map(|(_, size)| *size).collect();
+    matches!(sizes[..], [error, rest] if rest <= 1e-6 * error)
 }
 
 type Planes<'a> = Option<[Plane<'a>; 3]>;
@@ -252,6 +260,33 @@ fn axes(pixels: &[usize], name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) ->
     })
 }
 
+/// Lengths and times in another unit that has a name.
+pub(super) fn units(case: &Case) -> Vec<Diagnosis> {
+    let lengths = vectors(case)
+        .into_iter()
+        .filter(|(name, _)| *name != "direction" && *name != "normal");
+    let of_lengths = lengths.filter_map(|(name, [r, c])| scale(case, name, &r?, &c?));
+    let others = [Aov::Distance, Aov::EventCt, Aov::ObjectEventCt];
+    let of_others = others.into_iter().filter_map(|aov| scale_of(case, aov));
+    let found = of_lengths.chain(of_others);
+    let is_unit = |found: &Diagnosis| {
+        let factor = found.evidence.iter().find(|(name, _)| *name == FACTOR);
+        factor.is_some_and(|(_, factor)| unit(*factor).is_some())
+    };
+    found.filter(is_unit).collect()
+}
+
+const FACTOR: &str = "factor";
+/// Factors nearer to a unit than this part of it are that unit.
+const SAME_UNIT: f64 = 0.005;
+
+/// The unit in which values are, times this factor.
+fn unit(factor: f64) -> Option<&'static str> {
+    let mut units = UNITS.iter();
+    let found = units.find(|(unit, _)| (factor / unit - 1.0).abs() < SAME_UNIT);
+    found.map(|(_, words)| *words)
+}
+
 /// Units of length and of light path, by how many of them a metre is.
 const UNITS: [(f64, &str); 9] = [
     (1e3, "in millimetres"),
@@ -298,17 +333,14 @@ fn describe_scale(name: &'static str, factor: f64, tally: &Tally) -> Option<Diag
     if !notable || !tally.explains(0.0) {
         return None;
     }
-    let unit = UNITS
-        .iter()
-        .find(|(unit, _)| (factor / unit - 1.0).abs() < 0.005);
-    let what = match unit {
-        Some((_, words)) => {
+    let what = match unit(factor) {
+        Some(words) => {
             format!("{name} is {words} and should be in metres (of light path, for times)")
         }
         None => format!("{name} is {factor:.6} times what it should be"),
     };
     let evidence = vec![
-        ("factor", factor),
+        (FACTOR, factor),
         ("part of the pixels with it", tally.share()),
     ];
     Some(Diagnosis {

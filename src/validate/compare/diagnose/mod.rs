@@ -272,7 +272,7 @@ pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
 
 /// What explains the errors of pixels.
 fn causes(case: &Case) -> Vec<Diagnosis> {
-    let causes: [fn(&Case) -> Vec<Diagnosis>; 12] = [
+    let causes: [fn(&Case) -> Vec<Diagnosis>; 13] = [
         |case| film::turned(case).into_iter().collect(),
         |case| channels::identities(case).into_iter().collect(),
         |case| camera::another(case).into_iter().collect(),
@@ -284,6 +284,7 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
         motion::changes,
         |case| film::scaled(case).into_iter().collect(),
         depth::depths,
+        object::units,
         size::wrong,
         events::elsewhere,
     ];

@@ -17,6 +17,17 @@ const DIM: f64 = 0.05;
 
 /// What is wrong with single objects.
 pub(super) fn single(case: &Case) -> Vec<Diagnosis> {
+    let usual = light::lit(case).map_or(0.0, |lit| light::middle(&lit));
+    of_each(case, |case| of_object(case, usual))
+}
+
+/// Lengths and times of single objects in another unit: what is not asked of objects that are larger, or elsewhere.
+pub(super) fn units(case: &Case) -> Vec<Diagnosis> {
+    of_each(case, channels::units)
+}
+
+/// What is found of the pixels of each object, where there are several.
+fn of_each(case: &Case, of: impl Fn(&Case) -> Vec<Diagnosis>) -> Vec<Diagnosis> {
     let size = case.points[0].size();
     let mut pixels: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
     if case.points.iter().any(|points| points.object.is_none()) {
@@ -34,7 +45,6 @@ pub(super) fn single(case: &Case) -> Vec<Diagnosis> {
     if objects.len() < 2 {
         return Vec::new();
     }
-    let usual = light::lit(case).map_or(0.0, |lit| light::middle(&lit));
     let found = objects.into_iter().flat_map(|(object, pixels)| {
         let mut mask = vec![false; size[0] * size[1]];
         pixels.iter().for_each(|i| mask[*i] = true);
@@ -46,12 +56,10 @@ pub(super) fn single(case: &Case) -> Vec<Diagnosis> {
             region: &region,
             ..*case
         };
-        of_object(&case, usual)
-            .into_iter()
-            .map(move |found| Diagnosis {
-                what: format!("in object {object} alone, {}", found.what),
-                ..found
-            })
+        of(&case).into_iter().map(move |found| Diagnosis {
+            what: format!("in object {object} alone, {}", found.what),
+            ..found
+        })
     });
     found.collect()
 }

@@ -40,12 +40,14 @@ pub(super) const NOTHING: f64 = 1e-6;
 /// Curves have to leave less than this part of what one factor leaves: of light that is far darker, or hardly varies, they are alike.
 pub(super) const FAR_LESS: f64 = 0.1;
 
-/// Linear light, of pictures that hold codes.
+/// Linear light; of pictures that hold codes, where neither has the largest one, which stands for all light above.
 pub(super) fn decoded(case: &Case, lit: &[Lit]) -> Vec<Lit> {
-    let is_linear = case.pair[0].encoding == Encoding::Linear;
-    let decode = |v: f64| if is_linear { v } else { srgb_decode(v) };
-    let decode = |(i, pair): &Lit| (*i, pair.map(|light| light.map(decode)));
-    lit.iter().map(decode).collect()
+    if case.pair[0].encoding == Encoding::Linear {
+        return lit.to_vec();
+    }
+    let inside = |(_, pair): &&Lit| pair.iter().flatten().all(|v| *v < 1.0 - CLIPPED);
+    let decode = |(i, pair): &Lit| (*i, pair.map(|light| light.map(srgb_decode)));
+    lit.iter().filter(inside).map(decode).collect()
 }
 
 /// What one factor on linear light leaves of the squared error.

@@ -28,7 +28,7 @@ use super::super::known::Change;
 use super::super::picture::{Plane, RADIANCE};
 use super::film::{self, Film};
 use super::motion::describe_aberration_by_light;
-use super::{Case, Diagnosis, Kind, median};
+use super::{Case, Diagnosis, Kind, MOST, median};
 
 /// What a shift, and a scale, may leave of the squared error: single samples at edges leave up to a half of that of half a pixel.
 const LEFT_BY_SHIFT: f64 = 0.5;
@@ -98,7 +98,7 @@ pub(super) fn found(case: &Case, is_asked: bool) -> Option<(Diagnosis, f64)> {
 }
 
 /// Single samples round the outline of what they show by up to half a pixel on each side, which may look like another scale of it:
-/// of such pictures a scale has to move edges by more than that and the fit's error, pixels, rms.
+/// of such pictures a scale has to move the outer edges by more than that and the fit's error, pixels.
 const ROUNDED_OUTLINE: f64 = 0.7;
 
 /// Whether a picture has, or may have, single samples: others than those that say how many they have.
@@ -387,16 +387,22 @@ const STAYS: f64 = 0.5;
 const FEWEST_EDGES: usize = 24;
 
 impl Levels {
-    /// How far a film with `place` (pixels of the pictures) moves the reference's edges, rms by the square of their contrast.
+    /// How far a film with `place` (pixels of the pictures) moves most of the reference's edges, by the square of their contrast, at most.
     fn edges_move(&self, place: impl Fn(DVec2) -> DVec2) -> f64 {
         let r = &self.pairs[0][0];
-        let edges = (0..r.colours.len()).filter_map(|i| {
-            let p = self.scale * r.place(i);
-            let weight = r.contrast(i)?.powi(2);
-            Some([weight, weight * (place(p) - p).length_squared()])
+        let mut edges: Vec<[f64; 2]> = (0..r.colours.len())
+            .filter_map(|i| {
+                let p = self.scale * r.place(i);
+                Some([(place(p) - p).length(), r.contrast(i)?.powi(2)])
+            })
+            .collect();
+        edges.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let mut left = MOST * edges.iter().map(|[_, weight]| weight).sum::<f64>();
+        let most = edges.iter().find(|[_, weight]| {
+            left -= weight;
+            left <= 0.0
         });
-        let [all, moved] = edges.fold([0.0; 2], |[all, moved], [w, m]| [all + w, moved + m]);
-        (moved / f64::max(all, f64::MIN_POSITIVE)).sqrt()
+        most.map_or(0.0, |[moved, _]| *moved)
     }
 
     /// Whether edges of the reference that a film with `place` (pixels of the pictures) moves far are where they were.

@@ -3,6 +3,7 @@
 mod arrays;
 mod browser;
 mod by_light;
+mod false_names;
 mod light_and_sizes;
 mod metrics;
 mod one_object_or_camera;

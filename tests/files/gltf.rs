@@ -769,12 +769,24 @@ fn animations_of_more_keys_points_or_transforms_than_a_path_needs_are_refused() 
     }
 }
 
+/// A mesh of one triangle, all of whose corners are at the origin.
+fn point() -> String {
+    let zeros = "A".repeat(48);
+    format!(
+        r#""meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
+        "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}}],
+        "bufferViews": [{{"buffer": 0, "byteLength": 36}}],
+        "buffers": [{{"byteLength": 36, "uri": "data:application/octet-stream;base64,{zeros}"}}]"#
+    )
+}
+
 #[test]
 fn thousands_of_extensions_are_one_warning() {
     let names: Vec<String> = (0..5000).map(|i| format!("\"X_{i:04}\"")).collect();
     let text = format!(
-        r#"{{"asset": {{"version": "2.0"}}, "extensionsUsed": [{}], "nodes": [{{"name": "a"}}]}}"#,
-        names.join(", ")
+        r#"{{"asset": {{"version": "2.0"}}, "extensionsUsed": [{}], "nodes": [{{"mesh": 0}}], {}}}"#,
+        names.join(", "),
+        point()
     );
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.gltf");
@@ -806,14 +818,20 @@ fn what_costs_memory_and_no_bytes_is_refused() {
     };
     let nodes = |count: usize, node: &str| {
         let nodes = vec![node; count].join(",");
-        format!(r#"{{"asset": {{"version": "2.0"}}, "nodes": [{nodes}]}}"#)
+        format!(
+            r#"{{"asset": {{"version": "2.0"}}, "nodes": [{{"mesh": 0}}, {nodes}], {}}}"#,
+            point()
+        )
     };
     for (text, said) in [
-        (sparse(60_000), None),
-        (sparse(90_000), Some("of its 90000 elements 3 are given")),
+        (sparse(1_000_000), None),
+        (
+            sparse(1_100_000),
+            Some("of its 1100000 elements 3 are given"),
+        ),
         (nodes(100_000, "{}"), None),
-        (nodes(200_000, "{}"), Some("200002 objects")),
-        (nodes(200_000, r#"{"skin":0}"#), None),
+        (nodes(200_000, "{}"), Some("200009 objects")),
+        (nodes(200_000, r#"{"name":""}"#), None),
     ] {
         std::fs::write(&path, text).unwrap();
         match (gltf::inspect(&path, None), said) {

@@ -16,7 +16,7 @@ use crate::Result;
 const PIECE: u64 = 1 << 16;
 
 /// Elements without data that an accessor may have anyway, and for each that is given: of a mesh they are all one point.
-const FEW_ZEROS: u64 = 1 << 16;
+const FEW_ZEROS: u64 = 1 << 20;
 const ZEROS_OF_ONE: u64 = 64;
 
 const EXPORT_AGAIN: &str = "export the file again; a validator of glTF tells more";

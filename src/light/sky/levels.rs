@@ -1,6 +1,6 @@
 //! Stars as they are seen where pixels are wider than their discs: spread over about a pixel, and in one place where one pixel holds many.
 //!
-//! What is derived at the head of [`stars`](super::stars) is computed here: the profile of a widened disc, levels for discs up to some
+//! What is derived at the head of `stars` is computed here: the profile of a widened disc, levels for discs up to some
 //! width, and sums of stars that are alike.
 
 use std::f64::consts::FRAC_1_PI;
@@ -9,7 +9,8 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::faces::{Grid, Index};
-use super::stars::{Rays, Star, luminance};
+use super::rays::Rays;
+use super::star::{Star, luminance};
 use crate::accel::vectors::{BLOCK, Block, VectorLoop, dispatch};
 
 /// Steps of 1/T in which stars are summed up, 1/K: ½ in c₂/(λT), at 0.55 µm.

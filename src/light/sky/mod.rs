@@ -20,6 +20,8 @@ mod even;
 mod faces;
 mod levels;
 mod panorama;
+mod rays;
+mod star;
 mod stars;
 
 use glam::DVec3;
@@ -27,7 +29,8 @@ use glam::DVec3;
 pub use boosted::{BoostedSky, SkySample};
 pub use catalogue::stars;
 pub use panorama::Panorama;
-pub use stars::{Star, StarMap};
+pub use star::Star;
+pub use stars::StarMap;
 
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
 use crate::colour::ColourTable;

@@ -34,8 +34,9 @@ use glam::DVec3;
 use super::PixelAngles;
 use super::faces::{Grid, Index, Rectangle};
 use super::levels::{Level, Part, Place, Sums, Tally};
+use super::rays::{FEW, Rays};
+use super::star::Star;
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
-use crate::colour::blackbody_colour;
 
 /// sin R of a point over the width of a pixel: the zero of the fundamental.
 const REACH: f64 = 1.4;
@@ -51,55 +52,8 @@ const FINEST: f64 = 512.0;
 const PER_STAR_WIDENED: f64 = 64.0;
 const FINEST_WIDENED: f64 = 1024.0;
 const COARSEST: f64 = 64.0;
-/// How many rays are taken together that do not look into the same part of a face with the others of their block.
-const FEW: usize = 8;
 /// How many cells rays look through together at most: of those of a picture, 64 do with fewer, and so do 8.
 const MOST_CELLS: usize = 512;
-
-/// A star.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Star {
-    /// Unit vector towards it.
-    pub direction: DVec3,
-    /// Of its spectrum, in kelvin.
-    pub temperature: f64,
-    /// Ω: what it sends through a surface across, over the radiance of a blackbody.
-    pub solid_angle: f64,
-}
-
-impl Star {
-    /// One that sends light of this luminance through a surface across, at rest in the world.
-    pub fn new(direction: DVec3, temperature: f64, luminance: f64) -> Star {
-        Star {
-            direction,
-            temperature,
-            solid_angle: luminance / self::luminance(temperature),
-        }
-    }
-
-    /// Linear sRGB of Ω B(λ; T/W).
-    #[inline]
-    pub fn colour(&self, w: f64) -> [f64; 3] {
-        blackbody_colour(self.temperature / w).map(|c| c * self.solid_angle)
-    }
-
-    /// The same at rest, within sRGB.
-    #[inline]
-    pub fn channels(&self) -> [f64; 3] {
-        self.colour(1.0).map(|c| c.max(0.0))
-    }
-
-    /// Its luminance through a surface across, at rest.
-    pub(super) fn luminance(&self) -> f64 {
-        self.solid_angle * luminance(self.temperature)
-    }
-}
-
-/// Y of the linear sRGB of a blackbody.
-pub(super) fn luminance(temperature: f64) -> f64 {
-    let [r, g, b] = blackbody_colour(temperature);
-    0.2126 * r + 0.7152 * g + 0.0722 * b
-}
 
 /// Stars of one angular radius ρ: radiance E/(π sin² ρ) within it, or as the head of this file says where pixels are wider than that.
 #[derive(Debug)]
@@ -113,112 +67,6 @@ pub struct StarMap {
     discs: Index,
     /// For wider discs, the finest first, each made when it is first asked for.
     levels: Vec<OnceLock<Level>>,
-}
-
-/// Up to a block of look directions, by component, with W of each.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Rays<'a> {
-    pub axes: [&'a [f64]; 3],
-    ratios: &'a [f64],
-    /// How wide pixels are at W = 1.
-    pixel: f64,
-}
-
-impl<'a> Rays<'a> {
-    /// How many.
-    #[inline(always)]
-    pub fn len(self) -> usize {
-        self.ratios.len()
-    }
-
-    /// Ray `k`.
-    #[inline(always)]
-    pub fn get(self, k: usize) -> DVec3 {
-        let [x, y, z] = self.axes;
-        DVec3::new(x[k], y[k], z[k])
-    }
-
-    /// Those of a range.
-    #[inline]
-    fn part(self, begin: usize, end: usize) -> Rays<'a> {
-        Rays {
-            axes: self.axes.map(|axis| &axis[begin..end]),
-            ratios: &self.ratios[begin..end],
-            ..self
-        }
-    }
-
-    /// The least and the greatest of each coordinate, and of W.
-    #[inline]
-    fn bounds(self) -> [[f64; 4]; 2] {
-        let [x, y, z] = self.axes;
-        let columns = [x, y, z, self.ratios];
-        let mut bounds = [[f64::INFINITY; 4], [f64::NEG_INFINITY; 4]];
-        match self.len() > FEW {
-            true => dispatch(Bounds {
-                columns,
-                bounds: &mut bounds,
-            }),
-            false => Bounds {
-                columns,
-                bounds: &mut bounds,
-            }
-            .run(),
-        }
-        bounds
-    }
-}
-
-/// The least and the greatest numbers of columns.
-struct Bounds<'a> {
-    columns: [&'a [f64]; 4],
-    bounds: &'a mut [[f64; 4]; 2],
-}
-
-impl VectorLoop for Bounds<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let [low, high] = self.bounds;
-        for (column, (low, high)) in self.columns.iter().zip(low.iter_mut().zip(high)) {
-            (*low, *high) = (least(column), greatest(column));
-        }
-    }
-}
-
-/// The least of some numbers, lane by lane and then across.
-#[inline(always)]
-fn least(numbers: &[f64]) -> f64 {
-    let mut lanes = [f64::INFINITY; FEW];
-    let (chunks, rest) = numbers.as_chunks::<FEW>();
-    for chunk in chunks {
-        for (lane, x) in lanes.iter_mut().zip(chunk) {
-            *lane = lesser_of(*x, *lane);
-        }
-    }
-    for (lane, x) in lanes.iter_mut().zip(rest) {
-        *lane = lesser_of(*x, *lane);
-    }
-    lanes
-        .into_iter()
-        .fold(f64::INFINITY, |a, b| if b < a { b } else { a })
-}
-
-/// The same of the greatest.
-#[inline(always)]
-fn greatest(numbers: &[f64]) -> f64 {
-    let mut lanes = [f64::NEG_INFINITY; FEW];
-    let (chunks, rest) = numbers.as_chunks::<FEW>();
-    for chunk in chunks {
-        for (lane, x) in lanes.iter_mut().zip(chunk) {
-            *lane = greater_of(*x, *lane);
-        }
-    }
-    for (lane, x) in lanes.iter_mut().zip(rest) {
-        *lane = greater_of(*x, *lane);
-    }
-    lanes
-        .into_iter()
-        .fold(f64::NEG_INFINITY, |a, b| if b > a { b } else { a })
 }
 
 /// Which rays look at a disc: 1, others 0.
@@ -425,7 +273,7 @@ impl StarMap {
     fn reach(&self, pixel: f64) -> f64 {
         let point = REACH * pixel;
         let square = point * point - LESS * self.sine * self.sine;
-        lesser_of(square.max(0.0).sqrt(), WIDEST)
+        square.max(0.0).sqrt().min(WIDEST)
     }
 
     /// The level for discs with sin R = `reach`, from above 0 to the widest.
@@ -475,18 +323,6 @@ impl StarMap {
 fn cells(stars: usize, per_star: f64, most: f64) -> usize {
     let cells = (per_star / 6.0 * stars as f64).sqrt().clamp(COARSEST, most);
     (cells as usize).next_power_of_two()
-}
-
-/// The lesser of two numbers; the second if one is NaN.
-#[inline(always)]
-fn lesser_of(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-/// The greater of two numbers; the second if one is NaN.
-#[inline(always)]
-fn greater_of(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
 
 #[cfg(test)]

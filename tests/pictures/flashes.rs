@@ -347,11 +347,11 @@ fn times_that_show_none_of_a_flash_are_told_with_those_that_do() {
 
 #[test]
 fn hints_hold_for_lamps_in_motion_and_pulses_of_trains() {
-    // A flash at the lamp's own time 10 m, or pulses every 60 m of it, 10 m ± 8 σ among them, over a floor.
+    // A flash at the lamp's own time 10 m, or pulses every 600 m of it, 10 m ± 8 σ among them, over a floor.
     let flash =
         "clock_zero = \"0 m\"\nemission = { gaussian = { time = \"10 m\", sigma = \"5 cm\" } }";
-    let endless = "emission = { train = { time = \"10 m\", sigma = \"5 cm\", period = \"60 m\" } }";
-    let three = "emission = { train = { time = \"-50 m\", sigma = \"5 cm\", period = \"60 m\", count = 3 } }";
+    let endless = "emission = { train = { time = \"10 m\", sigma = \"5 cm\", period = \"600 m\" } }";
+    let three = "emission = { train = { time = \"-590 m\", sigma = \"5 cm\", period = \"600 m\", count = 3 } }";
     let motions = [
         "",
         "velocity = { beta = [0.5, 0, 0] }",

@@ -1,7 +1,7 @@
 //! An estimate of how much memory comparing takes, so that it can be refused before it is begun.
 //!
 //! By pixel, measured with a counting allocator over pictures of light alone, of all channels, grey and with NaN: the search
-//! for curves that the light went through takes most (161 bytes), and is let go of before pictures of errors are made.
+//! for curves that the light went through takes most (up to 218 bytes), and is let go of before pictures of errors are made.
 
 use super::options::{CompareOptions, NotFinite};
 use super::picture::Picture;
@@ -10,7 +10,7 @@ use crate::io::image::{Layers, Samples};
 /// Bytes of what the search for shifts takes of pictures of any size.
 const SEARCHED: u64 = 48 << 20;
 /// Bytes per pixel of what is measured and searched, whatever the channels.
-const MEASURED: u64 = 200;
+const MEASURED: u64 = 224;
 /// Of the pictures that are made of the errors: both for a display, maps in false colours, their files.
 const DRAWN: u64 = 160;
 /// Of one channel of the maps: the difference, both sides of it in f64 or, later, what is written.

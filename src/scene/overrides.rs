@@ -85,7 +85,8 @@ fn refuse_rivals(changes: &[(String, String, Value)]) -> Result<()> {
         !is_set(flag) && ["display.exposure", "display.white"].contains(&key.as_str())
     });
     let says_white = |key: &str, value: &Value| {
-        let ways = ["exposure", "white", "logarithmic"];
+        // A logarithmic scale is a way to show, of which an option takes the place.
+        let ways = ["exposure", "white"];
         match key.strip_prefix("display.") {
             Some(key) => ways.contains(&key),
             None => {

@@ -350,7 +350,8 @@ fn hints_hold_for_lamps_in_motion_and_pulses_of_trains() {
     // A flash at the lamp's own time 10 m, or pulses every 600 m of it, 10 m ± 8 σ among them, over a floor.
     let flash =
         "clock_zero = \"0 m\"\nemission = { gaussian = { time = \"10 m\", sigma = \"5 cm\" } }";
-    let endless = "emission = { train = { time = \"10 m\", sigma = \"5 cm\", period = \"600 m\" } }";
+    let endless =
+        "emission = { train = { time = \"10 m\", sigma = \"5 cm\", period = \"600 m\" } }";
     let three = "emission = { train = { time = \"-590 m\", sigma = \"5 cm\", period = \"600 m\", count = 3 } }";
     let motions = [
         "",

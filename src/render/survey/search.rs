@@ -116,9 +116,15 @@ impl<'a> Shots<'a> {
                 }
                 None => hidden = Some(time),
             }
-            time = next(&sides, hidden)?;
+            match next(&sides, hidden) {
+                Some(other) => time = other,
+                None => break,
+            }
         }
-        None
+        // Where things come into view or leave it there is no such time, but one at which light is in view right beside one at which none is.
+        let is_between = sides.iter().all(|side| !side.is_empty());
+        let within = &sides[end];
+        within.last().filter(|_| is_between).map(|[time, _]| *time)
     }
 }
 

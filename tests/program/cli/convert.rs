@@ -327,10 +327,7 @@ fn what_has_no_effect_on_a_conversion_is_refused() {
         (&["-o", "a.npy", "--medium-index", "3"], "--warp"),
         (&["-o", "a", "--to-axes", "T H W C"], "frames"),
         // What the surface is written to is checked before the cube is written.
-        (
-            &["-o", "a.npy", "--surface", "a.npy"],
-            "two outputs have this name",
-        ),
+        (&["-o", "a.npy", "--surface", "a.npy"], "ends in .glb"),
         (&["-o", "a.npy", "--surface", "b.obj"], "ends in .glb"),
         (&["-o", "a.npy", "--surface", "no/b.glb"], "no directory no"),
         (

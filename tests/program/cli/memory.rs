@@ -104,7 +104,7 @@ fn no_command_takes_more_than_its_limit() {
             true,
         ),
         ("compare picture.npy picture.npy", 200, false),
-        ("compare picture.npy picture.npy", 400, true),
+        ("compare picture.npy picture.npy", 440, true),
         ("compare picture.npy picture.npy --report r.html", 480, true),
         ("convert cube.npy --axes HWT -o c.npy -q", 24, true),
         ("info cube.npy", 24, true),

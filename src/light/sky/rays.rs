@@ -73,55 +73,39 @@ impl VectorLoop for Bounds<'_> {
     fn run(self) {
         let [low, high] = self.bounds;
         for (column, (low, high)) in self.columns.iter().zip(low.iter_mut().zip(high)) {
-            (*low, *high) = (least(column), greatest(column));
+            (*low, *high) = (extreme::<false>(column), extreme::<true>(column));
         }
     }
 }
 
-/// The least of some numbers, lane by lane and then across.
+/// The greatest of some numbers, or the least, lane by lane and then across; NaN is passed over.
 #[inline(always)]
-fn least(numbers: &[f64]) -> f64 {
-    let mut lanes = [f64::INFINITY; FEW];
+fn extreme<const GREATEST: bool>(numbers: &[f64]) -> f64 {
+    let start = if GREATEST {
+        f64::NEG_INFINITY
+    } else {
+        f64::INFINITY
+    };
+    let mut lanes = [start; FEW];
     let (chunks, rest) = numbers.as_chunks::<FEW>();
     for chunk in chunks {
         for (lane, x) in lanes.iter_mut().zip(chunk) {
-            *lane = lesser_of(*x, *lane);
+            *lane = farther::<GREATEST>(*x, *lane);
         }
     }
     for (lane, x) in lanes.iter_mut().zip(rest) {
-        *lane = lesser_of(*x, *lane);
+        *lane = farther::<GREATEST>(*x, *lane);
     }
-    lanes
-        .into_iter()
-        .fold(f64::INFINITY, |a, b| if b < a { b } else { a })
+    let mut all = start;
+    for lane in lanes {
+        all = farther::<GREATEST>(lane, all);
+    }
+    all
 }
 
-/// The same of the greatest.
+/// The greater of two numbers, or the lesser; the second if one is NaN.
 #[inline(always)]
-fn greatest(numbers: &[f64]) -> f64 {
-    let mut lanes = [f64::NEG_INFINITY; FEW];
-    let (chunks, rest) = numbers.as_chunks::<FEW>();
-    for chunk in chunks {
-        for (lane, x) in lanes.iter_mut().zip(chunk) {
-            *lane = greater_of(*x, *lane);
-        }
-    }
-    for (lane, x) in lanes.iter_mut().zip(rest) {
-        *lane = greater_of(*x, *lane);
-    }
-    lanes
-        .into_iter()
-        .fold(f64::NEG_INFINITY, |a, b| if b > a { b } else { a })
-}
-
-/// The lesser of two numbers; the second if one is NaN.
-#[inline(always)]
-fn lesser_of(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-/// The greater of two numbers; the second if one is NaN.
-#[inline(always)]
-fn greater_of(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
+fn farther<const GREATEST: bool>(a: f64, b: f64) -> f64 {
+    let is_first = if GREATEST { a > b } else { a < b };
+    if is_first { a } else { b }
 }

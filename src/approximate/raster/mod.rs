@@ -24,7 +24,7 @@
 //! is seen; at edges that triangles share both are, and the first in the order of the tree is taken.
 //!
 //! It goes the way that fast rasterizers go: each distinct vertex is transformed once, in loops over one array per
-//! coordinate (`vertices`); triangles are divided level by level (`divide`), culled (`cull`) and sorted by the tiles
+//! coordinate (`vertices`); triangles are divided level by level (`divide`, `flatness`), culled (`cull`) and sorted by the tiles
 //! that they may reach (`batch`). A tile is painted in strips of rows (`draw`), all samples of a pixel together: their depths stay in
 //! the cache while triangles cover them in f32, and in f64 where that is in doubt (`tile`); what is seen at all, and of that only
 //! what radiance depends on, is interpolated (`fragments`), and shaded by the loops of the ray tracer. Where radiance depends on the patch
@@ -41,9 +41,11 @@
 
 mod batch;
 mod cull;
+mod cuts;
 mod divide;
 mod draw;
 mod even;
+mod flatness;
 mod fragments;
 mod map;
 mod method;

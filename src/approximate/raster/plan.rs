@@ -1,7 +1,7 @@
 //! Estimates of what the methods need beside the ray tracer, and what they refuse.
 
 use super::batch::Piece;
-use super::divide::{Cuts, cuts_of};
+use super::cuts::{Cuts, cuts_of};
 use super::method::{Method, Tessellation, moves};
 use super::vertices::Vertex;
 use super::warp::TEXEL_BYTES;

@@ -7,7 +7,8 @@ use rayon::prelude::*;
 
 use super::batch::{Batch, Grid, TileBatches};
 use super::cull::Frustum;
-use super::divide::{BatchBuilder, Cuts, Divider, FrameVertices, Outlook};
+use super::cuts::{Cuts, Outlook};
+use super::divide::{BatchBuilder, Divider, FrameVertices};
 use super::method::{Attributes, Raster, Tessellation};
 use super::tile::Pieces;
 use super::vertices::{Vertex, transformed};

@@ -1,0 +1,130 @@
+//! How many points triangles are cut at: as many as memory holds, and what is known of the end before it is reached.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use glam::DVec3;
+
+use crate::error::Error;
+
+/// How many points triangles have been cut at so far, in all batches.
+#[derive(Debug)]
+pub(super) struct Cuts {
+    count: AtomicUsize,
+    /// More are refused.
+    most: usize,
+}
+
+impl Cuts {
+    /// The most that are kept however much memory there is.
+    const MOST: usize = 1 << 24;
+    /// Number of cuts that are counted at once.
+    pub const LOT: usize = 1 << 10;
+    /// What one takes at most: it, its two pieces, and what is kept to divide them.
+    pub const BYTES: u64 = 400;
+    /// Triangles are refused untried only if the estimate exceeds the limit by this factor: estimates from few triangles overrate
+    /// those that bend in one place alone.
+    const MARGIN: f64 = 8.0;
+    /// From this part of as many as may be on, smaller triangles are asked.
+    const UNCERTAIN: f64 = 0.25;
+    /// The same for forecasts from [`Cuts::CLOSE`] triangles.
+    const CLOSE_MARGIN: f64 = 1.1;
+    /// From so many triangles, those of pictures near the limit are a few pixels of what they will be cut into.
+    const CLOSE: usize = 1 << 18;
+
+    /// None yet, of at most so many as `memory` bytes hold.
+    pub fn within(memory: u64) -> Self {
+        Cuts {
+            count: AtomicUsize::new(0),
+            most: Cuts::most(memory),
+        }
+    }
+
+    /// How many `memory` bytes hold.
+    pub fn most(memory: u64) -> usize {
+        (memory / Cuts::BYTES).min(Cuts::MOST as u64) as usize
+    }
+
+    /// Counts so many more.
+    pub fn add(&self, more: usize) {
+        self.count.fetch_add(more, Ordering::Relaxed);
+    }
+
+    /// Whether there are more than may be. Once so, it stays so; before, nobody stops for it: that it is so
+    /// in the end does not depend on threads.
+    pub fn are_too_many(&self) -> bool {
+        self.count.load(Ordering::Relaxed) > self.most
+    }
+
+    /// What is known of the end by about this many cuts more, estimated from this many triangles.
+    pub fn outlook(&self, more: f64, triangles: usize) -> Outlook {
+        let all = self.count.load(Ordering::Relaxed) as f64 + more;
+        let most = self.most as f64;
+        match triangles >= Cuts::CLOSE {
+            // Nothing is divided any more, and there is nothing to wait for.
+            _ if self.are_too_many() => Outlook::TooMany,
+            _ if all > Cuts::MARGIN * most => Outlook::TooMany,
+            true if all > Cuts::CLOSE_MARGIN * most => Outlook::TooMany,
+            false if all > Cuts::UNCERTAIN * most => Outlook::Uncertain,
+            _ => Outlook::Enough,
+        }
+    }
+
+    /// The refusal of too many.
+    pub fn refusal(&self) -> Error {
+        let help = match self.most {
+            Cuts::MOST => "a longer edge, or more pixels of error",
+            _ => "a longer edge, more pixels of error, or a higher `memory_limit`",
+        };
+        Error::unsupported(
+            "command line",
+            "--method",
+            format!("triangles would be cut at more than {} points", self.most),
+            help,
+        )
+    }
+}
+
+/// What a forecast says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Outlook {
+    /// The estimate is within the limit, or division is tried.
+    Enough,
+    /// Smaller triangles tell.
+    Uncertain,
+    /// More than may be.
+    TooMany,
+}
+
+/// About how many points a triangle is cut at whose edges are to be at most `length` long; 0 for one that is not cut.
+pub(super) fn cuts_of([a, b, c]: [DVec3; 3], length: f64) -> f64 {
+    let parts = [b.distance(c), c.distance(a), a.distance(b)].map(|edge| edge / length);
+    points(parts)
+}
+
+/// About how many points a triangle is cut at whose edges are cut into so many parts: there is one for every two pieces
+/// (Euler), and pieces have edges of one part. Heron's formula gives their number; n²/2 points where all edges have n.
+pub(super) fn points([a, b, c]: [f64; 3]) -> f64 {
+    let half = 0.5 * (a + b + c);
+    let square = half * (half - a) * (half - b) * (half - c);
+    // No more than a little where one edge is cut alone. Not for NaN either.
+    match square > 0.0 {
+        true => square.sqrt() * 2.0 / 3f64.sqrt(),
+        false => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn forecasts_end_once_there_are_too_many_cuts() {
+        // However few are to come, and however few triangles are left: none of them is divided any more.
+        let cuts = Cuts::within(1000 * Cuts::BYTES);
+        cuts.count.store(1000, Ordering::Relaxed);
+        assert_eq!(cuts.outlook(0.0, 1), Outlook::Uncertain);
+        cuts.count.store(1001, Ordering::Relaxed);
+        assert_eq!(cuts.outlook(0.0, 1), Outlook::TooMany);
+        assert_eq!(cuts.outlook(100.0, Cuts::CLOSE), Outlook::TooMany);
+    }
+}

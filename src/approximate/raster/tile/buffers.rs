@@ -1,0 +1,213 @@
+//! What is known of a tile and of the strip of it that is covered, and what is seen in the end.
+
+use super::depth::{BLOCKS, Block, LANES, NOTHING, Samples};
+use super::gather::{Gathered, Pieces, SEVERAL, StripLists, gather};
+use super::setup::{Functions, LOT, NEVER, SIDE, SetUp};
+use crate::accel::vectors::dispatch;
+use crate::render::film::Tile;
+
+/// What is reused from tile to tile.
+#[derive(Debug)]
+pub struct TileBuffers {
+    pub triangles: Vec<Gathered>,
+    /// By triangle.
+    pub(super) functions: Vec<Functions>,
+    /// Whether the triangles are all that may reach the tile.
+    pub(super) is_complete: bool,
+    /// Whether strips have lists of their triangles, and are not the whole tile.
+    pub(super) is_listed: bool,
+    pub(super) lists: StripLists,
+    /// Indices of all triangles.
+    pub(super) every: Vec<u32>,
+    /// By coordinate, the corners of triangles whose functions are set up together.
+    corners: Box<[[[f64; LOT]; 3]; 3]>,
+    pub(super) samples: Box<Samples>,
+    pub(super) pixels: Box<Pixels>,
+}
+
+/// The pixels of a strip whose samples fill whole blocks.
+#[derive(Debug)]
+pub(super) struct Pixels {
+    /// Index of the triangle that all samples of a pixel see.
+    pub nearest: [u32; PIXELS],
+    /// Bounds on 1/z of the nearest so far, of all samples.
+    pub least: [f32; PIXELS],
+    pub most: [f32; PIXELS],
+    /// Whether samples may see several triangles, which are told one by one.
+    pub is_mixed: [bool; PIXELS],
+    /// Which pixels are asked sample by sample.
+    pub is_sampled: [bool; PIXELS],
+}
+
+impl Pixels {
+    /// Of which nothing is known.
+    pub const EMPTY: Pixels = Pixels {
+        nearest: [NOTHING; PIXELS],
+        least: [0.0; PIXELS],
+        most: [0.0; PIXELS],
+        is_mixed: [false; PIXELS],
+        is_sampled: [false; PIXELS],
+    };
+}
+
+/// The most pixels of a strip whose samples fill whole blocks.
+pub(super) const PIXELS: usize = BLOCKS;
+
+impl Default for TileBuffers {
+    fn default() -> Self {
+        TileBuffers {
+            triangles: Vec::new(),
+            functions: Vec::new(),
+            is_complete: false,
+            is_listed: false,
+            lists: StripLists::default(),
+            every: Vec::new(),
+            corners: Box::new([[[0.0; LOT]; 3]; 3]),
+            samples: Box::new(Samples::NONE),
+            pixels: Box::new(Pixels::EMPTY),
+        }
+    }
+}
+
+impl TileBuffers {
+    /// Forgets the triangles of the last tile.
+    pub fn start(&mut self) {
+        self.is_complete = false;
+        self.triangles.clear();
+    }
+
+    /// Gathers the triangles that may reach `tile`, which has strips of `rows` rows, and sets them up, where that has not been done. Whether it has now.
+    pub fn complete(&mut self, pieces: &Pieces, tile: Tile, rows: u32) -> bool {
+        if self.is_complete {
+            return false;
+        }
+        gather(&mut self.triangles, pieces, tile, |_, _| Some(SEVERAL));
+        self.is_listed = rows < tile.size[1];
+        if self.is_listed {
+            self.lists.fill(&self.triangles, rows as usize);
+        }
+        self.set_up(pieces, tile);
+        self.is_complete = true;
+        true
+    }
+
+    /// Sets up the functions of the triangles: by lots, as columns, in vectors. Those that do not hold their only sample are not kept.
+    pub(super) fn set_up(&mut self, pieces: &Pieces, tile: Tile) {
+        let mut lot = [NEVER; LOT];
+        let (mut points, mut is_held) = ([[0.0; LOT]; 2], [1; LOT]);
+        let (x, y) = (self.samples.x.as_flattened(), self.samples.y.as_flattened());
+        self.functions.resize(self.triangles.len(), NEVER);
+        let corner = tile.corner.map(f64::from);
+        let mut count = 0;
+        for begin in (0..self.triangles.len()).step_by(LOT) {
+            let end = self.triangles.len().min(begin + LOT);
+            for (at, triangle) in self.triangles[begin..end].iter().enumerate() {
+                let batch = &pieces.batches[triangle.batch as usize];
+                let piece = &batch.pieces[triangle.piece as usize];
+                let corners = batch.corners(&pieces.seen[batch.frame as usize], piece);
+                for (corner, vertex) in self.corners.iter_mut().zip(corners) {
+                    let h = vertex.film;
+                    corner[0][at] = h.x;
+                    corner[1][at] = h.y;
+                    corner[2][at] = h.z;
+                }
+                // Where there are several, the first stands for them.
+                let only = usize::from(triangle.only) % (SIDE * SIDE);
+                (points[0][at], points[1][at]) = (x[only], y[only]);
+            }
+            dispatch(SetUp {
+                origin: corner,
+                unit: pieces.unit,
+                corners: &self.corners,
+                functions: &mut lot[..end - begin],
+                points: &points,
+                is_held: &mut is_held,
+            });
+            for at in begin..end {
+                let triangle = self.triangles[at];
+                if triangle.only == SEVERAL || is_held[at - begin] != 0 {
+                    self.triangles[count] = triangle;
+                    self.functions[count] = lot[at - begin];
+                    count += 1;
+                }
+            }
+        }
+        self.triangles.truncate(count);
+        self.functions.truncate(count);
+        self.every.clear();
+        self.every.extend(0..count as u32);
+    }
+
+    /// The indices of the nearest triangles at the samples of the strip.
+    #[inline(always)]
+    pub fn nearest(&self) -> &[u32] {
+        self.samples.nearest.as_flattened()
+    }
+
+    /// Calls `each` with the index of the nearest triangle of samples in a row, the first `count` in all, and how many they are.
+    #[inline(always)]
+    pub fn each_run(&self, count: usize, mut each: impl FnMut(u32, usize)) {
+        let all = &self.samples.nearest.as_flattened()[..count];
+        let mut begin = 0;
+        let mut at = 0;
+        while begin < count {
+            let own = all[begin];
+            // By whole blocks while they hold nothing else, then one by one.
+            while let Some(block) = all[at..].first_chunk::<LANES>()
+                && block.iter().fold(0, |other, index| other | (index ^ own)) == 0
+            {
+                at += LANES;
+            }
+            while at < count && all[at] == own {
+                at += 1;
+            }
+            each(own, at - begin);
+            begin = at;
+        }
+    }
+
+    /// Says which triangle a sample sees.
+    pub fn set_nearest(&mut self, sample: usize, triangle: u32) {
+        self.samples.nearest[sample / LANES][sample % LANES] = triangle;
+    }
+
+    /// The index of the nearest of those triangles alone that `is_there` says, each asked at most once. In f64: for samples whose
+    /// nearest triangle has a hole.
+    #[cold]
+    pub fn nearest_of(&self, sample: usize, mut is_there: impl FnMut(u32) -> bool) -> u32 {
+        let of_sample = |blocks: &[Block<f32>]| blocks[sample / LANES][sample % LANES];
+        let (x, y) = (of_sample(&self.samples.x), of_sample(&self.samples.y));
+        let (mut nearest, mut depth) = (NOTHING, 0.0);
+        for (index, of) in (0..).zip(&self.functions) {
+            let is_inside = of.edges.iter().all(|[a, b, c]| a * x + b * y + c >= 0.0);
+            let [a, b, c] = of.exact;
+            let own = a * f64::from(x) + b * f64::from(y) + c;
+            if is_inside && own > depth && is_there(index) {
+                (nearest, depth) = (index, own);
+            }
+        }
+        nearest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_in_a_row_that_see_one_triangle_are_one_run() {
+        let mut buffers = TileBuffers::default();
+        let lengths = [1, 7, 8, 9, 16, 17, 1, 1, 40, 3, 23];
+        for (k, length) in (0..).zip(lengths) {
+            let begin: usize = lengths[..k as usize].iter().sum();
+            for sample in begin..begin + length {
+                buffers.set_nearest(sample, if k % 3 == 0 { NOTHING } else { k });
+            }
+        }
+        let count = lengths.iter().sum::<usize>() - 2;
+        let mut found = Vec::new();
+        buffers.each_run(count, |_, length| found.push(length));
+        assert_eq!(found, [1, 7, 8, 9, 16, 17, 1, 1, 40, 3, 21]);
+        buffers.each_run(0, |_, _| panic!("there are no samples"));
+    }
+}

@@ -1,0 +1,129 @@
+//! The depth test: of a strip's samples, the nearest triangle so far.
+//!
+//! 1/z is compared in f32, where it is off by no more than a triangle's slack (`setup`). Depths that differ by no more than that, of either triangle, are
+//! compared in f64.
+
+use super::setup::{Functions, SIDE};
+
+/// No triangle.
+pub const NOTHING: u32 = u32::MAX;
+/// Number of samples that loops take together: eight f32 are a vector of AVX2.
+pub(super) const LANES: usize = 8;
+/// Samples of a pixel fill whole blocks where they are a multiple of this.
+pub const WHOLE: usize = LANES;
+/// Blocks of the samples of a strip: as many as a tile has pixels.
+pub(super) const BLOCKS: usize = SIDE * SIDE / LANES;
+/// The most samples of a pixel that a strip holds, which is a row of pixels at least.
+pub const MOST_TOGETHER: u32 = SIDE as u32;
+
+/// Numbers of samples in a row, pixel by pixel.
+pub(super) type Block<T> = [T; LANES];
+
+/// The samples of a strip.
+#[derive(Debug)]
+pub(super) struct Samples {
+    /// Their places relative to the tile's corner, pixels; NaN after the last.
+    pub x: [Block<f32>; BLOCKS],
+    pub y: [Block<f32>; BLOCKS],
+    /// Bounds on 1/z of the nearest so far.
+    pub least: [Block<f32>; BLOCKS],
+    pub most: [Block<f32>; BLOCKS],
+    /// Index of its triangle.
+    pub nearest: [Block<u32>; BLOCKS],
+}
+
+impl Samples {
+    /// None.
+    pub const NONE: Samples = Samples {
+        x: [[f32::NAN; LANES]; BLOCKS],
+        y: [[f32::NAN; LANES]; BLOCKS],
+        least: [[0.0; LANES]; BLOCKS],
+        most: [[0.0; LANES]; BLOCKS],
+        nearest: [[NOTHING; LANES]; BLOCKS],
+    };
+
+    /// Takes the points of all samples, none of which sees anything yet.
+    #[inline(always)]
+    pub fn start(&mut self, x: &[f64], y: &[f64]) {
+        let count = x.len().min(y.len()).min(BLOCKS * LANES);
+        let blocks = count.div_ceil(LANES);
+        self.x[..blocks].fill([f32::NAN; LANES]);
+        self.y[..blocks].fill([f32::NAN; LANES]);
+        self.least[..blocks].fill([0.0; LANES]);
+        self.most[..blocks].fill([0.0; LANES]);
+        self.nearest[..blocks].fill([NOTHING; LANES]);
+        let (to_x, to_y) = (self.x.as_flattened_mut(), self.y.as_flattened_mut());
+        for (to, from) in to_x[..count].iter_mut().zip(&x[..count]) {
+            *to = *from as f32;
+        }
+        for (to, from) in to_y[..count].iter_mut().zip(&y[..count]) {
+            *to = *from as f32;
+        }
+    }
+}
+
+/// Replaces what lies behind a triangle in a block. Whether a depth is too close to another to tell.
+#[inline(always)]
+pub(super) fn cover_block(of: &Functions, index: u32, samples: &mut Samples, block: usize) -> bool {
+    let [a, b, c] = of.edges;
+    let [dx, dy, dz] = of.depth;
+    let (x, y) = (&samples.x[block], &samples.y[block]);
+    let mut any = 0;
+    for i in 0..LANES {
+        let ea = a[0] * x[i] + a[1] * y[i] + a[2];
+        let eb = b[0] * x[i] + b[1] * y[i] + b[2];
+        let ec = c[0] * x[i] + c[1] * y[i] + c[2];
+        any |= u32::from((ea >= 0.0) & (eb >= 0.0) & (ec >= 0.0));
+    }
+    // Few of the blocks that a small triangle may reach have samples in it.
+    if any == 0 {
+        return false;
+    }
+    // Copies, written as a whole: parts of vectors are slow to write.
+    let (mut least, mut most) = (samples.least[block], samples.most[block]);
+    let mut nearest = samples.nearest[block];
+    let mut close = 0;
+    for i in 0..LANES {
+        let ea = a[0] * x[i] + a[1] * y[i] + a[2];
+        let eb = b[0] * x[i] + b[1] * y[i] + b[2];
+        let ec = c[0] * x[i] + c[1] * y[i] + c[2];
+        let near = dx * x[i] + dy * y[i] + dz;
+        let inside = (ea >= 0.0) & (eb >= 0.0) & (ec >= 0.0);
+        let (low, high) = (near - of.slack, near + of.slack);
+        let seen = inside & (low > most[i]);
+        close |= u32::from(inside & (low <= most[i]) & (high >= least[i]));
+        least[i] = if seen { low } else { least[i] };
+        most[i] = if seen { high } else { most[i] };
+        nearest[i] = if seen { index } else { nearest[i] };
+    }
+    samples.least[block] = least;
+    samples.most[block] = most;
+    samples.nearest[block] = nearest;
+    close != 0
+}
+
+/// Decides in f64 where [`cover_block`] could not.
+#[cold]
+pub(super) fn resolve(functions: &[Functions], index: u32, samples: &mut Samples, block: usize) {
+    let of = &functions[index as usize];
+    for i in 0..LANES {
+        let (x, y) = (samples.x[block][i], samples.y[block][i]);
+        let at = |[a, b, c]: [f32; 3]| a * x + b * y + c;
+        let (low, high) = (at(of.depth) - of.slack, at(of.depth) + of.slack);
+        let (least, most) = (&mut samples.least[block][i], &mut samples.most[block][i]);
+        let nearest = &mut samples.nearest[block][i];
+        let is_inside = of.edges.iter().all(|edge| at(*edge) >= 0.0);
+        let is_close = low <= *most && high >= *least;
+        if !is_inside || !is_close || *nearest == index {
+            continue;
+        }
+        let exactly = |index: u32| {
+            let [a, b, c] = functions.get(index as usize).map_or([0.0; 3], |f| f.exact);
+            a * f64::from(x) + b * f64::from(y) + c
+        };
+        // Of equals the first stays.
+        if exactly(index) > exactly(*nearest) {
+            (*least, *most, *nearest) = (low, high, index);
+        }
+    }
+}

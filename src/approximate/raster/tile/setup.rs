@@ -1,0 +1,128 @@
+//! Triangle setup: edge functions and 1/z of a triangle over a tile.
+//!
+//! Both are linear in the film point. They are set up in f64, relative to the tile's corner, and evaluated in f32. With coefficients a, b, c of a
+//! tile of n pixels two products and two sums are off by at most
+//!
+//! ```text
+//! 4 · 2⁻²⁴ (n |a| + n |b| + |c|):
+//! ```
+//!
+//! for an edge that passes through the tile less than 10⁻⁵ pixels, since c is at most n (|a| + |b|) then. Triangles on
+//! either side of an edge have the same function with the other sign, bit for bit, so that no sample falls between
+//! them.
+
+use glam::DVec3;
+
+use crate::accel::vectors::VectorLoop;
+use crate::render::film::TILE;
+
+/// Pixels along the side of a tile.
+pub(super) const SIDE: usize = TILE as usize;
+/// Bound on the rounding of 1/z, per n |a| + n |b| + |c|.
+const ROUNDING: f64 = 4.0 / (1u64 << 24) as f64;
+
+/// Number of triangles that are set up together.
+pub(super) const LOT: usize = 32;
+
+/// A triangle's functions of a point (x, y) of the tile: x, y and constant coefficients.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Functions {
+    /// Positive inside.
+    pub edges: [[f32; 3]; 3],
+    /// 1/z.
+    pub depth: [f32; 3],
+    /// Bound on its rounding.
+    pub slack: f32,
+    /// The same in f64.
+    pub exact: [f64; 3],
+}
+
+pub(super) const NEVER: Functions = Functions {
+    edges: [[0.0, 0.0, -1.0]; 3],
+    depth: [0.0; 3],
+    slack: 0.0,
+    exact: [0.0; 3],
+};
+
+/// The loop over triangles that sets up their functions.
+pub(super) struct SetUp<'a> {
+    pub origin: [f64; 2],
+    pub unit: f64,
+    pub corners: &'a [[[f64; LOT]; 3]; 3],
+    pub functions: &'a mut [Functions],
+    /// A point for each, and whether it is inside.
+    pub points: &'a [[f32; LOT]; 2],
+    pub is_held: &'a mut [u32; LOT],
+}
+
+impl SetUp<'_> {
+    /// A corner relative to the tile's.
+    #[inline(always)]
+    fn corner(&self, k: usize, at: usize) -> DVec3 {
+        let [x, y, z] = &self.corners[k];
+        let ([x, y, z], [left, top]) = ([x[at], y[at], z[at]], self.origin);
+        DVec3::new(x - left * z, y - top * z, z)
+    }
+}
+
+impl VectorLoop for SetUp<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let mut edges = [[[0.0f32; LOT]; 3]; 3];
+        let mut depth = [[0.0f64; LOT]; 3];
+        let mut slack = [0.0f32; LOT];
+        for at in 0..LOT {
+            let (a, b, c) = (self.corner(0, at), self.corner(1, at), self.corner(2, at));
+            let e = [b.cross(c), c.cross(a), a.cross(b)];
+            let determinant = a.dot(e[0]);
+            let sign = 1f64.copysign(determinant);
+            let near = (e[0] + e[1] + e[2]) * (self.unit / determinant);
+            let bound = ROUNDING * (SIDE as f64 * (near.x.abs() + near.y.abs()) + near.z.abs());
+            // Not where the triangle is edge-on, and not for NaN.
+            let is_seen = (determinant.abs() > 0.0) & (bound < f64::INFINITY);
+            for k in 0..3 {
+                let e = e[k];
+                // Equal powers of two on either side of an edge: its two functions stay each other's negatives.
+                let largest = e.x.abs().max(e.y.abs()).max(e.z.abs());
+                let scale = sign * reciprocal_power_of_two(largest);
+                let seen = if is_seen { scale } else { 0.0 };
+                edges[k][0][at] = (e.x * seen) as f32;
+                edges[k][1][at] = (e.y * seen) as f32;
+                edges[k][2][at] = if is_seen { (e.z * scale) as f32 } else { -1.0 };
+            }
+            depth[0][at] = if is_seen { near.x } else { 0.0 };
+            depth[1][at] = if is_seen { near.y } else { 0.0 };
+            depth[2][at] = if is_seen { near.z } else { 0.0 };
+            slack[at] = if is_seen { bound as f32 } else { 0.0 };
+        }
+        let [x, y] = self.points;
+        for at in 0..LOT {
+            let mut is_inside = true;
+            for [a, b, c] in &edges {
+                is_inside &= a[at] * x[at] + b[at] * y[at] + c[at] >= 0.0;
+            }
+            self.is_held[at] = u32::from(is_inside);
+        }
+        for (at, function) in self.functions.iter_mut().enumerate().take(LOT) {
+            // One by one: to map the arrays would copy all of them for each triangle.
+            let mut of = NEVER;
+            for (to, from) in of.edges.iter_mut().zip(&edges) {
+                for (to, from) in to.iter_mut().zip(from) {
+                    *to = from[at];
+                }
+            }
+            for ((to, exact), from) in of.depth.iter_mut().zip(&mut of.exact).zip(&depth) {
+                (*to, *exact) = (from[at] as f32, from[at]);
+            }
+            of.slack = slack[at];
+            *function = of;
+        }
+    }
+}
+
+/// A power of two whose product with `x` is in [1, 2).
+#[inline(always)]
+fn reciprocal_power_of_two(x: f64) -> f64 {
+    let exponent = x.to_bits() >> 52;
+    f64::from_bits(2046u64.saturating_sub(exponent) << 52)
+}

@@ -197,6 +197,7 @@ Exit codes: 0 all checks hold; 1 a check fails.";
 
 /// Examples, formats and the table of channels.
 pub fn render_long() -> String {
+    // The short help ends with where to find the long one, which is this.
     let mut text = format!(
         "{}\n{SEQUENCES}\n{METHODS}\n{FORMATS}",
         RENDER

@@ -157,6 +157,8 @@ pub(super) struct DiagramLine {
     pub name: At<String>,
     /// What stands beside it; "" is nothing. Default: the name.
     pub label: Option<At<String>>,
+    // One of these ways: `of`; `at` with `velocity` and at most one kind of acceleration; `through`; `keyframes`. Which of them is
+    // checked in `resolve`: an enum would lose the places of keys that exclude each other.
     /// What in the scene it is the world line of: "camera" (or "pinhole"), "sensor" (its centre), or the
     /// name of an object.
     pub of: Option<At<String>>,

@@ -145,6 +145,7 @@ impl PlannedObject {
     /// Whether the back of any of its materials is seen in `scene`, and shines.
     pub fn shows_backs(&self, scene: &Scene) -> bool {
         let is_seen = |factors: &Factors| match scene.back_faces {
+            // Light on its way out of the glass meets its surface from within.
             _ if scene.bounces > 0 && factors.is_glass() => true,
             BackFaces::AsFile => factors.double_sided,
             BackFaces::TwoSided => true,
@@ -199,6 +200,7 @@ pub struct Rays {
 impl Rays {
     /// Those of so many pictures, for which trees are built.
     pub(super) fn of_pictures(&self, pictures: u64) -> ExpectedRays {
+        // Capture cameras look once, before the first picture.
         let all = |rays: u64| rays.saturating_mul(pictures);
         ExpectedRays {
             camera: all(self.camera).saturating_add(self.capture),

@@ -132,6 +132,7 @@ pub struct BaseColours {
 impl BaseColours {
     /// What the factors of `finish` depend on.
     pub(super) fn dependence_of(&self, finish: &Finish) -> Dependence {
+        // Its own colour and its emission count as colours do; what is left is how it reflects.
         let is_textured = finish.gloss.is_some_and(|gloss| gloss.texture.is_some());
         let colours = [Some(&self.colours[finish.colour]), finish.emission.as_ref()];
         let all = colours.into_iter().flatten().map(BaseColour::dependence);
@@ -159,6 +160,7 @@ impl BaseColours {
         if let Some(lookup) = base.texture
             && let Some(uv) = rest.uv(patch, lookup.uv_set, hit)
         {
+            // glTF multiplies factor, texture and vertex colours, all linear.
             let texel = self.textures[lookup.texture].sample(uv.to_array(), lookup.sampler);
             colour = std::array::from_fn(|c| base.factor[c] * texel[c]);
         }
@@ -185,6 +187,7 @@ impl BaseColours {
         let Some(uv) = rest.uv(patch, lookup.uv_set, hit) else {
             return both;
         };
+        // A glTF metallic-roughness texture holds numbers, not sRGB codes: green is roughness, blue metalness.
         let [_, roughness, metallic] =
             self.textures[lookup.texture].sample_linear(uv.to_array(), lookup.sampler);
         [gloss.metallic * metallic, gloss.roughness * roughness]
@@ -193,6 +196,7 @@ impl BaseColours {
     /// What colour `index` emits at the points of `run`.
     pub(super) fn fill(&self, index: usize, run: &Run, emitted: &mut Emitted) {
         let base = &self.colours[index];
+        // The same everywhere: no hit has to be rebuilt.
         match base {
             BaseColour {
                 texture: None,
@@ -206,6 +210,7 @@ impl BaseColours {
                 emitted.radiance.extend(radiance);
             }
         }
+        // Steady colours have no factors: the loop ends at once and leaves radiance as it is.
         base.factors(run, &mut emitted.times);
         for (radiance, factor) in emitted.radiance.iter_mut().zip(&emitted.times) {
             *radiance = radiance.map(|c| c * factor);

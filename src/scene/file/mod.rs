@@ -319,6 +319,7 @@ pub(in crate::scene) enum NamedReceiver {
 
 struct ReceiverVisitor;
 
+// As above: serde's `untagged` would lose the place of an error.
 impl<'de> Visitor<'de> for ReceiverVisitor {
     type Value = Receiver;
 

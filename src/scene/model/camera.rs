@@ -194,6 +194,7 @@ pub enum Elements {
 impl CameraModel {
     /// How long the shutter is open, where samples take means over parts of that.
     pub(crate) fn integrated_exposure(&self) -> Option<f64> {
+        // Moments need no duration: each sample has its own time.
         let shutter = self.shutter?;
         (shutter.integration == Integration::Means).then_some(shutter.duration)
     }

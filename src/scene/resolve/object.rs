@@ -34,6 +34,7 @@ pub(super) fn resolve_all(
         objects.iter().filter_map(|at| at.value.name.as_ref()),
         "object",
     )?;
+    // Default names give way to those in the file: `--set` and `objects` refer to either.
     let names = names::unique(objects.iter().map(|at| entry_names(&at.value)).collect());
     let named = objects.iter().zip(names);
     named
@@ -112,6 +113,7 @@ fn texture_coordinates(cx: &Context, object: &file::Object) -> Result<Option<Coo
         return Ok(None);
     };
     let path = cx.path(&at.value.file, NUMBERS)?;
+    // The name under which `bake` writes them; files of one array have none.
     let is_archive = path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("npz"));
@@ -155,6 +157,7 @@ fn geometry(cx: &Context, at: &At<file::Object>) -> Result<Geometry> {
         });
     }
     cx.exclusive((&object.shape, "shape"), (&object.node, "node"))?;
+    // A built-in shape has neither nodes nor bad vertices.
     let bad_vertices = (&object.bad_vertices, "bad_vertices");
     cx.exclusive((&object.shape, "shape"), bad_vertices)?;
     let Some(shape) = &object.shape else {

@@ -321,6 +321,7 @@ fn steady_time(cx: &Context, cube: &file::Cube) -> Result<TimeKeys> {
         }
     }
     Ok(TimeKeys {
+        // A density is not divided by its width, and nearest looks at no bin beside it.
         bins: TimeBins::Uniform {
             start: -0.5 * LARGEST,
             width: LARGEST,
@@ -490,6 +491,7 @@ fn capture(cx: &Context, at: &At<file::Capture>) -> Result<CaptureCamera> {
             ));
         }
     };
+    // Beside `hfov`, or a glTF camera's field of view, the axis would be ignored.
     if let (Some(axis), None) = (&camera.fov_axis, &camera.fov) {
         let what = "`fov_axis` is the axis of `fov`, and there is none";
         return Err(cx.refuse(axis, what, "give the field of view as `fov`"));

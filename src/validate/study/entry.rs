@@ -183,6 +183,7 @@ impl Family {
                 Precision::Certified => Family::Trace,
                 Precision::Fast => Family::FastTrace,
             },
+            // How far it divides is the parameter along a family's line in the plot, not a family of its own.
             Method::Raster(raster) => match raster.tessellation {
                 Tessellation::None => Family::NoTessellation,
                 Tessellation::Uniform(_) => Family::Uniform,

@@ -15,7 +15,7 @@ use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
 use nullray::scene::{Overrides, parse};
-use nullray::spacetime::{Boost, Camera, Direction, Rest, Velocity, World};
+use nullray::spacetime::{Boost, CameraFrame, Direction, Rest, Velocity, World};
 
 use common::{best_of, grid, report, report_file};
 
@@ -77,9 +77,11 @@ fn directions(image: usize) -> Vec<DVec3> {
 /// Camera → world, into arrays, as pictures do.
 fn direction(image: usize, velocity: Velocity) -> Work {
     let directions = directions(image);
-    let directions = directions.into_iter().filter_map(Direction::<Camera>::new);
+    let directions = directions
+        .into_iter()
+        .filter_map(Direction::<CameraFrame>::new);
     let directions: Vec<_> = directions.collect();
-    let boost = Boost::<World, Camera>::new(velocity);
+    let boost = Boost::<World, CameraFrame>::new(velocity);
     Box::new(move || {
         let mut out = Vec::with_capacity(256);
         for tile in directions.chunks(256) {

@@ -78,7 +78,7 @@ fn write_cube(path: &Path, side: usize) {
     let samples = (0..side * side * bins).map(|i| i as f32).collect();
     let cube = Cube {
         shape: [side, side, bins, 1],
-        samples: cube::Samples::F32(samples),
+        samples: cube::CubeSamples::F32(samples),
     };
     npz::write_cube(path, &cube).expect("it can be written");
 }

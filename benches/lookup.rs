@@ -11,7 +11,7 @@ use std::hint::black_box;
 
 use glam::DVec2;
 use half::f16;
-use nullray::io::cube::{Cube, Samples};
+use nullray::io::cube::{Cube, CubeSamples};
 use nullray::light::time_texture::{TimeAxis, TimeTexture};
 use nullray::scene::model::{BinValues, Fill, Outside, TimeBins, TimeFilter};
 
@@ -67,8 +67,8 @@ fn cube(shape: [usize; 4], precision: &str) -> Cube {
     let value = |i: usize| ((i % 97) * (i / 193 % 89)) as f32 / 8633.0;
     let count = shape.iter().product();
     let samples = match precision {
-        "f16" => Samples::F16((0..count).map(|i| f16::from_f32(value(i))).collect()),
-        _ => Samples::F32((0..count).map(value).collect()),
+        "f16" => CubeSamples::F16((0..count).map(|i| f16::from_f32(value(i))).collect()),
+        _ => CubeSamples::F32((0..count).map(value).collect()),
     };
     Cube { shape, samples }
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::DVec3;
-use nullray::io::cube::{Cube, Samples};
+use nullray::io::cube::{Cube, CubeSamples};
 use nullray::io::image::png;
 use nullray::mesh::Mesh;
 use nullray::render::plan::{Plan, Request};
@@ -33,7 +33,7 @@ fn main() -> nullray::Result<()> {
     let path = path.unwrap_or_else(|| std::env::temp_dir().join("in_memory.png"));
     // 8 × 8 texels, each of which lights up at a time of its own.
     let samples = (0..8 * 8 * 64).map(|i| f32::from(i / 64 % 64 == i % 64));
-    let samples = Samples::F32(samples.collect());
+    let samples = CubeSamples::F32(samples.collect());
     let cube = Cube::new([8, 8, 64, 1], samples)?;
     let size = [4.0, 3.0, 0.1];
     let scene = Builder::new("ring")

@@ -57,14 +57,14 @@ pub struct Observer {
     linear: Linear,
     event: Event<World>,
     /// None where directions of the world are taken as the camera's.
-    camera_from_world: Option<Boost<spacetime::Camera, World>>,
-    world_from_camera: Boost<World, spacetime::Camera>,
+    camera_from_world: Option<Boost<spacetime::CameraFrame, World>>,
+    world_from_camera: Boost<World, spacetime::CameraFrame>,
     index: f64,
 }
 
 /// What an observer sees of the points at rest in one frame.
 #[derive(Debug, Clone)]
-pub struct Projection<'a> {
+pub struct ApparentProjection<'a> {
     observer: &'a Observer,
     apparent: Apparent,
     rest_from_world: Boost<Rest, World>,
@@ -79,7 +79,7 @@ pub(crate) struct Apparent {
     stretch: (DVec3, f64),
     world_from_optical: Boost<World, Rest>,
     /// The identity where directions of the world are taken as the camera's.
-    camera_from_world: Boost<spacetime::Camera, World>,
+    camera_from_world: Boost<spacetime::CameraFrame, World>,
     homogeneous_from_camera: DMat3,
     /// Columns and rows of the film, and its pixels per radian in the corner.
     size: [f64; 2],
@@ -297,7 +297,7 @@ impl Observer {
     }
 
     /// By object of the scene, what is seen of it and the place of its origin in its rest frame: a point's
-    /// coordinates in its object (the channel `object_event`) plus that are those of [`Projection`]. None for
+    /// coordinates in its object (the channel `object_event`) plus that are those of [`ApparentProjection`]. None for
     /// objects without triangles.
     ///
     /// # Errors
@@ -322,11 +322,11 @@ impl Observer {
     ///
     /// # Errors
     /// A frame that moves as fast as light in the medium, or faster.
-    pub fn projection(&self, frame: &InertialFrame<Rest>) -> Result<Projection<'_>> {
+    pub fn projection(&self, frame: &InertialFrame<Rest>) -> Result<ApparentProjection<'_>> {
         let (n, stretch, velocity) = optical(frame.velocity(), self.index)?;
         let world_from_optical = Boost::new(velocity);
         let rest = Boost::new(Velocity::REST);
-        let mut projection = Projection {
+        let mut projection = ApparentProjection {
             observer: self,
             apparent: Apparent {
                 origin: frame.event_from_world(self.event).x,
@@ -349,7 +349,7 @@ impl Observer {
 }
 
 /// What is seen of an object, and where its origin is in its rest frame, metres.
-pub type Place<'a> = Option<(Projection<'a>, DVec3)>;
+pub type Place<'a> = Option<(ApparentProjection<'a>, DVec3)>;
 
 /// Direction of motion, 1/(γq) − 1 and the velocity ηβ.
 fn optical(velocity: Velocity, index: f64) -> Result<(DVec3, f64, Velocity)> {
@@ -394,7 +394,7 @@ fn outrun() -> Error {
     )
 }
 
-impl Projection<'_> {
+impl ApparentProjection<'_> {
     /// How the point `x` of the frame is seen, metres relative to the frame's origin; none for the place
     /// of the camera itself.
     #[inline]

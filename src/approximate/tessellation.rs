@@ -33,7 +33,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::approximate::projection::{Observer, Projection};
+use crate::approximate::projection::{ApparentProjection, Observer};
 use crate::error::{Error, Result};
 use crate::render::film::Tile;
 use crate::render::plan::count;
@@ -157,7 +157,7 @@ pub fn forecast(
 /// What the centres of all pixels see, row by row within tiles.
 fn samples(
     prepared: &Prepared,
-    projections: &[Projection],
+    projections: &[ApparentProjection],
     progress: &dyn Progress,
 ) -> Result<Vec<Sample>> {
     let size = prepared.layout.size;
@@ -205,7 +205,7 @@ fn place(prepared: &Prepared, found: SurfaceHit) -> DVec3 {
 }
 
 /// How errors grow in the triangle that was met; none behind the camera.
-fn bend(prepared: &Prepared, projection: &Projection, found: SurfaceHit) -> Option<Bend> {
+fn bend(prepared: &Prepared, projection: &ApparentProjection, found: SurfaceHit) -> Option<Bend> {
     let bvh = &prepared.frames[found.frame as usize].bvh;
     let [p, q, r] = bvh.corners(found.hit.slot);
     let edges = [q - p, r - q, p - r];

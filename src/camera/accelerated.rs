@@ -25,7 +25,7 @@ use super::{CameraRay, FilmPoints, RayOrigin, RaySlices, Shot, View};
 use crate::accel::vectors::{BLOCK, Block};
 use crate::scene::model::{Assembly, CameraModel, Sensor};
 use crate::spacetime::worldline::{Anchor, State, Stretch, Vicinity, WorldLine};
-use crate::spacetime::{Boost, Camera, Direction, Displacement, Event, Frame, World};
+use crate::spacetime::{Boost, CameraFrame, Direction, Displacement, Event, Frame, World};
 
 /// A camera on a world line, with a sensor, a shutter, or both.
 #[derive(Debug)]
@@ -48,7 +48,7 @@ pub struct Accelerated {
 #[derive(Debug)]
 struct Placed {
     state: State,
-    world_from_camera: Boost<World, Camera>,
+    world_from_camera: Boost<World, CameraFrame>,
     /// What is around the state, where the acceleration is constant there.
     vicinity: Option<Vicinity>,
     /// By how much the focal length is longer in its own frame than the scene says, metres.
@@ -60,7 +60,7 @@ struct Placed {
 /// The ray of a sensor element.
 struct ElementRay {
     d: Direction<World>,
-    seen: Direction<Camera>,
+    seen: Direction<CameraFrame>,
     ratio: f64,
     /// From the pinhole's event at the time of exposure to the event at which the ray leaves.
     from: Displacement<World>,
@@ -129,7 +129,7 @@ impl Accelerated {
         }
         let (event, velocity) = self.line.place(self.moment(moment))?;
         let seen = film.direction(at[0], at[1]);
-        let (d, ratio) = Boost::<World, Camera>::new(velocity).direction(seen);
+        let (d, ratio) = Boost::<World, CameraFrame>::new(velocity).direction(seen);
         Some(self.point_ray(film, at, (seen, d, ratio, event - self.event)))
     }
 
@@ -161,7 +161,7 @@ impl Accelerated {
         film: &P,
         [x, y]: [f64; 2],
         (seen, d, ratio, moved): (
-            Direction<Camera>,
+            Direction<CameraFrame>,
             Direction<World>,
             f64,
             Displacement<World>,
@@ -287,7 +287,7 @@ impl Placed {
 
     /// What is seen along `seen` of the comoving frame by a ray that leaves at `from`.
     #[inline(always)]
-    fn element_ray(&self, seen: Direction<Camera>, from: Displacement<World>) -> ElementRay {
+    fn element_ray(&self, seen: Direction<CameraFrame>, from: Displacement<World>) -> ElementRay {
         let (d, ratio) = self.world_from_camera.direction(seen);
         ElementRay {
             d,
@@ -315,7 +315,7 @@ impl Placed {
 fn passage_on_body(
     vicinity: &Vicinity,
     element: DVec3,
-) -> (Direction<Camera>, Displacement<Camera>, bool) {
+) -> (Direction<CameraFrame>, Displacement<CameraFrame>, bool) {
     let apex = Displacement::new(0.0, element);
     let (own, crosses) = vicinity.crossing_or_not(apex, element.length_squared());
     let (seen, is_usual) = along_usual(own.x - element);
@@ -325,10 +325,10 @@ fn passage_on_body(
 /// The event at which light of `element`, a ship of its own, passed the pinhole, and whether it did.
 #[inline(always)]
 fn passage_of_ship(
-    frame_from_world: &Boost<Camera, World>,
+    frame_from_world: &Boost<CameraFrame, World>,
     vicinity: &Vicinity,
     element: DVec3,
-) -> (Displacement<Camera>, bool) {
+) -> (Displacement<CameraFrame>, bool) {
     let apex = frame_from_world.displacement(Displacement::new(0.0, element));
     vicinity.crossing_or_not(apex, element.length_squared())
 }

@@ -25,13 +25,13 @@ use super::rays::{RayBlock, SimpleRays};
 use super::{CameraRay, FilmPoints, RayOrigin, RaySlices, Shot, View};
 use crate::accel::vectors::{BLOCK, Block};
 use crate::scene::model::{CameraModel, Records};
-use crate::spacetime::{Boost, Camera, Direction, Displacement, World};
+use crate::spacetime::{Boost, CameraFrame, Direction, Displacement, World};
 
 /// A camera without acceleration, with a sensor, a shutter, or both.
 #[derive(Debug)]
 pub struct Inertial {
     film: AnyProjection,
-    world_from_camera: Boost<World, Camera>,
+    world_from_camera: Boost<World, CameraFrame>,
     /// The pinhole's displacement per metre of camera time.
     four_velocity: Displacement<World>,
     focal_length: f64,

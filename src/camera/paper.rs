@@ -18,14 +18,14 @@ use super::inertial::ExposureTime;
 use super::projection::Projection;
 use super::{CameraRay, RayOrigin, Shot, View};
 use crate::scene::model::{Assembly, CameraModel, Motion};
-use crate::spacetime::{Boost, Camera, Direction, Displacement, World, paper2015};
+use crate::spacetime::{Boost, CameraFrame, Direction, Displacement, World, paper2015};
 use glam::DVec3;
 
 /// A camera by the equations of Jarabo et al. 2015.
 #[derive(Debug)]
 pub struct Paper {
     film: AnyProjection,
-    world_from_camera: Boost<World, Camera>,
+    world_from_camera: Boost<World, CameraFrame>,
     beta: DVec3,
     gamma: f64,
     /// World time by Eq. 11 less that of the shot.

@@ -3,7 +3,7 @@
 use super::any_projection::AnyProjection;
 use super::projection::Projection;
 use super::{CameraRay, FilmPoints, RayOrigin, RaySlices, Shot, View};
-use crate::spacetime::{Boost, Camera, Direction, World};
+use crate::spacetime::{Boost, CameraFrame, Direction, World};
 
 /// A camera at rest in the world: no boost.
 #[derive(Debug)]
@@ -13,7 +13,7 @@ pub struct Still(pub AnyProjection);
 #[derive(Debug)]
 pub struct Moving {
     film: AnyProjection,
-    world_from_camera: Boost<World, Camera>,
+    world_from_camera: Boost<World, CameraFrame>,
 }
 
 /// A moving camera with aberration turned off: directions of the camera frame are taken as the

@@ -6,7 +6,7 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::spacetime::{Camera, Direction};
+use crate::spacetime::{CameraFrame, Direction};
 
 /// From film points to directions, and back.
 pub trait Projection {
@@ -69,7 +69,7 @@ pub trait Projection {
     /// The look direction at film point `(x, y)`, and |D|: the distance of its sensor element from the
     /// pinhole per unit of focal length.
     #[inline(always)]
-    fn direction_and_length(&self, x: f64, y: f64) -> (Direction<Camera>, f64) {
+    fn direction_and_length(&self, x: f64, y: f64) -> (Direction<CameraFrame>, f64) {
         let d = self.vector(x, y);
         let length = d.length();
         // Divisions are what this costs: one does for three components.
@@ -78,7 +78,7 @@ pub trait Projection {
 
     /// The look direction at film point `(x, y)`.
     #[inline(always)]
-    fn direction(&self, x: f64, y: f64) -> Direction<Camera> {
+    fn direction(&self, x: f64, y: f64) -> Direction<CameraFrame> {
         self.direction_and_length(x, y).0
     }
 }

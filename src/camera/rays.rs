@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::{Projection, RayOrigin, View};
 use crate::accel::vectors::{BLOCK, Block, Vectors, load, store};
-use crate::spacetime::{Boost, Camera, Direction, Displacement, Frame, World};
+use crate::spacetime::{Boost, CameraFrame, Direction, Displacement, Frame, World};
 
 /// Film points, pixels, and moments of the exposure, 0 to 1; no moments where a view does not use them, for which they are 0.
 #[derive(Debug, Clone, Copy)]
@@ -68,7 +68,7 @@ impl RaySlices<'_> {
         &mut self,
         film: &P,
         points: &FilmPoints,
-        boost: Option<&Boost<World, Camera>>,
+        boost: Option<&Boost<World, CameraFrame>>,
     ) {
         // Asked once: with a branch at each direction the loop would not go in vectors.
         let boost = boost.filter(|boost| !boost.is_identity());
@@ -161,9 +161,9 @@ impl RayBlock {
 
     /// Takes look directions to the world by `boost`, and sets their ratios; without `aberration` the directions stay what they are.
     #[inline(always)]
-    pub fn look(&mut self, boost: &Boost<World, Camera>, aberration: bool) {
+    pub fn look(&mut self, boost: &Boost<World, CameraFrame>, aberration: bool) {
         let boost = *boost;
-        let seen = |d: &Vectors, k: usize| Direction::<Camera>::from_unit(d.get(k));
+        let seen = |d: &Vectors, k: usize| Direction::<CameraFrame>::from_unit(d.get(k));
         if aberration {
             for k in 0..BLOCK {
                 let (d, ratio) = boost.direction(seen(&self.d, k));

@@ -15,7 +15,7 @@ pub struct Shot {
     /// How film points look, then.
     pub projection: AnyProjection,
     /// The inertial frame in which the camera is then at rest.
-    pub frame: InertialFrame<spacetime::Camera>,
+    pub frame: InertialFrame<spacetime::CameraFrame>,
     /// The pinhole's event then.
     pub event: Event<World>,
 }
@@ -33,7 +33,7 @@ impl Shot {
         let film = AnyProjection::new(model);
         // Its clock shows `time` at the event of the shot.
         let clock = Event::new(model.time, DVec3::ZERO) - Event::ORIGIN;
-        let boost = spacetime::Boost::<World, spacetime::Camera>::new(state.velocity);
+        let boost = spacetime::Boost::<World, spacetime::CameraFrame>::new(state.velocity);
         let origin = state.event + boost.displacement(clock) * -1.0;
         let inertial = model.motion == Motion::Inertial;
         Ok(Shot {

@@ -45,13 +45,13 @@ use super::rays::{RayBlock, SimpleRays};
 use super::{CameraRay, FilmPoints, RayOrigin, RaySlices, Shot, View};
 use crate::accel::vectors::{BLOCK, Block};
 use crate::scene::model::{CameraModel, Elements, Equations, Pivot, Rotation};
-use crate::spacetime::{Boost, Camera, Direction, Displacement, World, paper2015};
+use crate::spacetime::{Boost, CameraFrame, Direction, Displacement, World, paper2015};
 
 /// A camera with a turning sensor.
 #[derive(Debug)]
 pub struct Turning {
     film: AnyProjection,
-    world_from_camera: Boost<World, Camera>,
+    world_from_camera: Boost<World, CameraFrame>,
     focal_length: f64,
     axis: DVec3,
     rate: f64,
@@ -76,7 +76,7 @@ struct Element {
     /// ω_camera/ω_element of light from there.
     ratio: f64,
     /// From the pinhole's event to the event at which the ray leaves, in the camera frame.
-    from: Displacement<Camera>,
+    from: Displacement<CameraFrame>,
 }
 
 impl Turning {

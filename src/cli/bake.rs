@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use nullray::io::cube::Samples;
+use nullray::io::cube::CubeSamples;
 use nullray::io::image::npz::{self, CubeOptions};
 use nullray::mesh::Factors;
 use nullray::render::aov::Aov;
@@ -378,7 +378,7 @@ fn write(
     baked: &Baked,
     half: bool,
 ) -> Result<()> {
-    if let (true, Samples::F32(values)) = (half, &baked.cube.samples) {
+    if let (true, CubeSamples::F32(values)) = (half, &baked.cube.samples) {
         // Refused before anything is written: ∞ in the file would end every render of it.
         let most = values.iter().fold(0f32, |most, v| most.max(v.abs()));
         if most > f32::from(half::f16::MAX) {

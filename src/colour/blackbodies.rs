@@ -5,7 +5,7 @@ use std::array::from_fn;
 use rayon::prelude::*;
 
 use super::observer::LAST;
-use super::spectrum::{Shape, Spectrum};
+use super::spectrum::{Spectrum, SpectrumShape};
 use super::table::{MadeOnce, Table};
 
 /// The colours of all blackbodies, by temperature.
@@ -120,7 +120,7 @@ fn reference(t: f64, wavelength: f64) -> f64 {
 
 /// The colour of a blackbody, divided by [`reference`]; where that is below what f64 has, it is not asked for.
 fn ratio(t: f64, wavelength: f64) -> [f64; 3] {
-    let colour = Spectrum::with_factor(Shape::Blackbody(t), 1.0).colour_at(1.0);
+    let colour = Spectrum::with_factor(SpectrumShape::Blackbody(t), 1.0).colour_at(1.0);
     let reference = reference(t, wavelength);
     match reference > 0.0 {
         true => colour.map(|c| c / reference),
@@ -160,7 +160,8 @@ mod tests {
             let expected = rgb_from_xyz(xyz);
             assert!(expected[0] > 0.0);
             for (at_rest, w) in [(t, 1.0), (3.0 * t, 3.0), (6500.0, 6500.0 / t)] {
-                let body = Spectrum::new(Shape::Blackbody(at_rest), Scale::Factor(1.0)).unwrap();
+                let body =
+                    Spectrum::new(SpectrumShape::Blackbody(at_rest), Scale::Factor(1.0)).unwrap();
                 let seen = ColourTable::new(&body).colour(w);
                 for j in 0..3 {
                     let error = (seen[j] - expected[j]).abs()

@@ -23,5 +23,5 @@ pub use planck::planck;
 pub use rgb_basis::Continuation;
 pub use shift::{ColourTable, ReflectionTable, RgbShift};
 pub(crate) use shift_matrix::ShiftMatrix;
-pub use spectrum::{Scale, Shape, Spectrum};
+pub use spectrum::{Scale, Spectrum, SpectrumShape};
 pub use srgb::{rgb_from_xyz, srgb_decode, srgb_encode, srgb_encode_8, srgb_encode_16};

@@ -19,7 +19,7 @@ use super::observer::{FIRST, LAST};
 use super::rgb_basis::{self, Continuation, WHITE_TEMPERATURE};
 use super::rgb_sums::xyz_of_primaries;
 use super::shift_matrix::ShiftMatrix;
-use super::spectrum::{Shape, Spectrum, integrate};
+use super::spectrum::{Spectrum, SpectrumShape, integrate};
 use super::table::{MOST_OCTAVES, MadeOnce, Table, place};
 use super::{colour_matching, rgb_from_xyz};
 
@@ -168,10 +168,10 @@ impl ColourTable {
     pub fn new(spectrum: &Spectrum) -> ColourTable {
         let factor = spectrum.factor();
         ColourTable(match spectrum.shape() {
-            Shape::Rgb(rgb, continuation) => {
+            SpectrumShape::Rgb(rgb, continuation) => {
                 Kind::Rgb(rgb.map(|c| c * factor), RgbShift::of(*continuation))
             }
-            Shape::Blackbody(t) => Kind::Blackbody(*t, factor),
+            SpectrumShape::Blackbody(t) => Kind::Blackbody(*t, factor),
             _ => Kind::Own(Reach::new(spectrum, |spectrum, w| {
                 let [r, g, b] = spectrum.colour_at(w);
                 [r, g, b, 0.0]
@@ -234,7 +234,7 @@ type Exact<const N: usize> = (Spectrum, fn(&Spectrum, f64) -> [f64; N]);
 impl<const N: usize> Reach<N> {
     fn new(spectrum: &Spectrum, f: fn(&Spectrum, f64) -> [f64; N]) -> Self {
         // A few products, and no integral: as fast as a table, and exact.
-        if let Shape::Lines(_) = spectrum.shape() {
+        if let SpectrumShape::Lines(_) = spectrum.shape() {
             return Reach {
                 table: Table::empty(),
                 scale: 1.0,
@@ -274,11 +274,13 @@ impl<const N: usize> Reach<N> {
 fn reach(spectrum: &Spectrum) -> Option<[f64; 2]> {
     let (from, to) = match spectrum.shape() {
         // At 8 σ e⁻³² = 1e-14 of the peak is left; 9 keeps the shorter end above 0.
-        Shape::Gaussian { centre, sigma } if *centre > 9.0 * sigma => {
+        SpectrumShape::Gaussian { centre, sigma } if *centre > 9.0 * sigma => {
             (centre - 8.0 * sigma, centre + 8.0 * sigma)
         }
-        Shape::Table(rows) => (rows.first()?[0], rows.last()?[0]),
-        Shape::Rgb(_, Continuation::Dark | Continuation::Companions) => (FIRST * 1e-9, LAST * 1e-9),
+        SpectrumShape::Table(rows) => (rows.first()?[0], rows.last()?[0]),
+        SpectrumShape::Rgb(_, Continuation::Dark | Continuation::Companions) => {
+            (FIRST * 1e-9, LAST * 1e-9)
+        }
         _ => return None,
     };
     Some([FIRST * 1e-9 / to, LAST * 1e-9 / from])
@@ -355,16 +357,16 @@ mod tests {
     fn tabulated_colours_are_those_of_integration_to_1e_4() {
         let rows = [[4e-7, 1.0], [5e-7, 3.0], [6e-7, 0.5], [7e-7, 2.0]];
         let shapes = [
-            Shape::Lines(vec![[486e-9, 1.0], [656e-9, 2.0]]),
-            Shape::Gaussian {
+            SpectrumShape::Lines(vec![[486e-9, 1.0], [656e-9, 2.0]]),
+            SpectrumShape::Gaussian {
                 centre: 550e-9,
                 sigma: 10e-9,
             },
-            Shape::Table(rows.into()),
-            Shape::Blackbody(5800.0),
-            Shape::Rgb([0.2, 0.5, 0.9], Continuation::Dark),
-            Shape::Rgb([0.2, 0.5, 0.9], Continuation::Edge),
-            Shape::Rgb([0.2, 0.5, 0.9], Continuation::Blackbody),
+            SpectrumShape::Table(rows.into()),
+            SpectrumShape::Blackbody(5800.0),
+            SpectrumShape::Rgb([0.2, 0.5, 0.9], Continuation::Dark),
+            SpectrumShape::Rgb([0.2, 0.5, 0.9], Continuation::Edge),
+            SpectrumShape::Rgb([0.2, 0.5, 0.9], Continuation::Blackbody),
         ];
         for shape in shapes {
             let spectrum = Spectrum::new(shape, Scale::Luminance(1.0)).unwrap();
@@ -383,8 +385,12 @@ mod tests {
     fn tabulated_reflections_are_those_of_integration_to_1e_4() {
         for spectrum in [
             Spectrum::rgb([1.0, 0.8, 0.6], Continuation::Blackbody),
-            Spectrum::new(Shape::Blackbody(3000.0), Scale::Luminance(1.0)).unwrap(),
-            Spectrum::new(Shape::Lines(vec![[589e-9, 1.0]]), Scale::Luminance(1.0)).unwrap(),
+            Spectrum::new(SpectrumShape::Blackbody(3000.0), Scale::Luminance(1.0)).unwrap(),
+            Spectrum::new(
+                SpectrumShape::Lines(vec![[589e-9, 1.0]]),
+                Scale::Luminance(1.0),
+            )
+            .unwrap(),
         ] {
             let table = ReflectionTable::new(&spectrum);
             let albedo = [0.7, 0.3, 0.1];

@@ -44,7 +44,7 @@ const GAUSSIAN_KNOTS: u32 = 4;
 
 /// How the energy of a spectrum is spread over wavelengths (metres, in the rest frame of the source).
 #[derive(Debug, Clone, PartialEq)]
-pub enum Shape {
+pub enum SpectrumShape {
     /// Spectral lines: wavelength and energy of each.
     Lines(Vec<[f64; 2]>),
     /// Planck's law at a temperature in kelvin, W m⁻² sr⁻¹ per metre.
@@ -76,14 +76,14 @@ pub enum Scale {
 /// A spectrum, in the rest frame of what shines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
-    shape: Shape,
+    shape: SpectrumShape,
     factor: f64,
 }
 
 impl Spectrum {
     /// A spectrum of this shape, scaled; none where the scale cannot be had: a luminance where nothing is visible at
     /// rest, the sum of what has no end.
-    pub fn new(shape: Shape, scale: Scale) -> Option<Spectrum> {
+    pub fn new(shape: SpectrumShape, scale: Scale) -> Option<Spectrum> {
         let unscaled = Spectrum { shape, factor: 1.0 };
         let factor = match scale {
             Scale::Factor(factor) => factor,
@@ -95,17 +95,17 @@ impl Spectrum {
     }
 
     /// A shape whose values are multiplied by `factor`.
-    pub(super) fn with_factor(shape: Shape, factor: f64) -> Spectrum {
+    pub(super) fn with_factor(shape: SpectrumShape, factor: f64) -> Spectrum {
         Spectrum { shape, factor }
     }
 
     /// Linear sRGB, as it is seen at rest.
     pub fn rgb(rgb: [f64; 3], continuation: Continuation) -> Spectrum {
-        Spectrum::with_factor(Shape::Rgb(rgb, continuation), 1.0)
+        Spectrum::with_factor(SpectrumShape::Rgb(rgb, continuation), 1.0)
     }
 
     /// How the energy is spread.
-    pub fn shape(&self) -> &Shape {
+    pub fn shape(&self) -> &SpectrumShape {
         &self.shape
     }
 
@@ -130,15 +130,15 @@ impl Spectrum {
     /// The sum over all wavelengths: ∫ L dλ. None for RGB, whose continuation need not have one.
     pub fn total(&self) -> Option<f64> {
         let total = match &self.shape {
-            Shape::Lines(lines) => lines.iter().map(|[_, energy]| energy).sum(),
-            Shape::Blackbody(t) => planck_total(*t),
-            Shape::Gaussian { .. } => 1.0,
-            Shape::Table(rows) => {
+            SpectrumShape::Lines(lines) => lines.iter().map(|[_, energy]| energy).sum(),
+            SpectrumShape::Blackbody(t) => planck_total(*t),
+            SpectrumShape::Gaussian { .. } => 1.0,
+            SpectrumShape::Table(rows) => {
                 let trapezium =
                     |pair: &[[f64; 2]]| (pair[1][0] - pair[0][0]) * 0.5 * (pair[0][1] + pair[1][1]);
                 rows.windows(2).map(trapezium).sum()
             }
-            Shape::Rgb(..) => return None,
+            SpectrumShape::Rgb(..) => return None,
         };
         Some(self.factor * total)
     }
@@ -171,7 +171,7 @@ impl Spectrum {
     /// The temperature of the blackbody that one is seen as, T/W: no factor that could overflow.
     fn thermal_at(&self, w: f64) -> Option<f64> {
         match &self.shape {
-            Shape::Blackbody(t) if w > 0.0 && w.is_finite() => Some(t / w),
+            SpectrumShape::Blackbody(t) if w > 0.0 && w.is_finite() => Some(t / w),
             _ => None,
         }
     }
@@ -199,7 +199,7 @@ impl Spectrum {
             return [0.0; N];
         }
         match &self.shape {
-            Shape::Lines(lines) => {
+            SpectrumShape::Lines(lines) => {
                 // W⁻⁵ of the radiance, times the W of δ(λ/W − λ₀).
                 let scale = self.factor / (w * w * w * w);
                 lines.iter().fold([0.0; N], |sum, [wavelength, energy]| {
@@ -218,18 +218,18 @@ impl Spectrum {
     }
 }
 
-impl Shape {
+impl SpectrumShape {
     /// As [`Spectrum::per_wavelength`].
     fn per_wavelength(&self, wavelength: f64) -> f64 {
         match self {
-            Shape::Lines(_) => 0.0,
-            Shape::Blackbody(t) => planck(wavelength, *t),
-            Shape::Gaussian { centre, sigma } => {
+            SpectrumShape::Lines(_) => 0.0,
+            SpectrumShape::Blackbody(t) => planck(wavelength, *t),
+            SpectrumShape::Gaussian { centre, sigma } => {
                 let x = (wavelength - centre) / sigma;
                 libm::exp(-0.5 * x * x) / (sigma * std::f64::consts::TAU.sqrt())
             }
-            Shape::Table(rows) => between(rows, wavelength),
-            Shape::Rgb(rgb, continuation) => {
+            SpectrumShape::Table(rows) => between(rows, wavelength),
+            SpectrumShape::Rgb(rgb, continuation) => {
                 let basis = rgb_basis::radiances(wavelength, *continuation);
                 rgb[0] * basis[0] + rgb[1] * basis[1] + rgb[2] * basis[2]
             }
@@ -239,16 +239,16 @@ impl Shape {
     /// Wavelengths between which the spectrum is smooth, times `w`.
     fn knots(&self, w: f64) -> Vec<f64> {
         match self {
-            Shape::Lines(_) | Shape::Blackbody(_) => Vec::new(),
-            Shape::Gaussian { centre, sigma } => {
+            SpectrumShape::Lines(_) | SpectrumShape::Blackbody(_) => Vec::new(),
+            SpectrumShape::Gaussian { centre, sigma } => {
                 let steps = 2 * GAUSSIAN_REACH as u32 * GAUSSIAN_KNOTS;
                 let knot = |k| f64::from(k) / f64::from(GAUSSIAN_KNOTS) - GAUSSIAN_REACH;
                 (0..=steps)
                     .map(|k| w * (centre + sigma * knot(k)))
                     .collect()
             }
-            Shape::Table(rows) => rows.iter().map(|row| w * row[0]).collect(),
-            Shape::Rgb(..) => rgb_basis::knots().map(|knot| w * knot).collect(),
+            SpectrumShape::Table(rows) => rows.iter().map(|row| w * row[0]).collect(),
+            SpectrumShape::Rgb(..) => rgb_basis::knots().map(|knot| w * knot).collect(),
         }
     }
 }
@@ -348,7 +348,7 @@ mod tests {
     }
 
     fn blackbody(t: f64) -> Spectrum {
-        Spectrum::new(Shape::Blackbody(t), Scale::Factor(1.0)).unwrap()
+        Spectrum::new(SpectrumShape::Blackbody(t), Scale::Factor(1.0)).unwrap()
     }
 
     #[test]
@@ -384,7 +384,8 @@ mod tests {
             let l = f64::from(nm) * 1e-9;
             [l, planck(l, 4000.0)]
         });
-        let table = Spectrum::new(Shape::Table(rows.collect()), Scale::Factor(1.0)).unwrap();
+        let table =
+            Spectrum::new(SpectrumShape::Table(rows.collect()), Scale::Factor(1.0)).unwrap();
         for w in [0.6, 0.9, 1.0, 1.15] {
             let (a, b) = (table.xyz_at(w), blackbody(4000.0 / w).xyz_at(1.0));
             assert!((a[1] / b[1] - 1.0).abs() < 5e-6, "{w}: {a:?} {b:?}");
@@ -407,7 +408,11 @@ mod tests {
     fn a_line_in_motion_is_a_line_elsewhere() {
         // 656.28 nm at W = 0.8 is at 525.024 nm: chromaticity of the locus there by the observer's own table, and
         // W⁻⁴ of the energy.
-        let line = Spectrum::new(Shape::Lines(vec![[656.28e-9, 3.0]]), Scale::Factor(1.0)).unwrap();
+        let line = Spectrum::new(
+            SpectrumShape::Lines(vec![[656.28e-9, 3.0]]),
+            Scale::Factor(1.0),
+        )
+        .unwrap();
         let seen = line.xyz_at(0.8);
         let locus = colour_matching(525.024e-9);
         for k in 0..3 {
@@ -421,12 +426,16 @@ mod tests {
 
     #[test]
     fn a_narrow_gaussian_is_a_line() {
-        let gaussian = Shape::Gaussian {
+        let gaussian = SpectrumShape::Gaussian {
             centre: 550.5e-9,
             sigma: 1e-12,
         };
         let gaussian = Spectrum::new(gaussian, Scale::Factor(2.0)).unwrap();
-        let line = Spectrum::new(Shape::Lines(vec![[550.5e-9, 2.0]]), Scale::Factor(1.0)).unwrap();
+        let line = Spectrum::new(
+            SpectrumShape::Lines(vec![[550.5e-9, 2.0]]),
+            Scale::Factor(1.0),
+        )
+        .unwrap();
         for w in [0.9, 1.0, 1.0 / 1.1] {
             let (a, b) = (gaussian.xyz_at(w), line.xyz_at(w));
             for k in 0..3 {
@@ -437,7 +446,7 @@ mod tests {
 
     #[test]
     fn equal_energy_is_at_a_third_and_a_third() {
-        let flat = Shape::Table(vec![[300e-9, 1.0], [900e-9, 1.0]]);
+        let flat = SpectrumShape::Table(vec![[300e-9, 1.0], [900e-9, 1.0]]);
         let flat = Spectrum::new(flat, Scale::Luminance(5.0)).unwrap();
         let xyz = flat.xyz_at(1.0);
         assert!((xyz[1] - 5.0).abs() < 1e-12);
@@ -467,7 +476,7 @@ mod tests {
     #[test]
     fn totals_are_integrals() {
         // A triangle from 400 to 700 nm with a peak of 2 per metre: 3e-7.
-        let triangle = Shape::Table(vec![[400e-9, 0.0], [500e-9, 2.0], [700e-9, 0.0]]);
+        let triangle = SpectrumShape::Table(vec![[400e-9, 0.0], [500e-9, 2.0], [700e-9, 0.0]]);
         let spectrum = Spectrum::new(triangle.clone(), Scale::Factor(1.0)).unwrap();
         assert!((spectrum.total().unwrap() - 3e-7).abs() < 1e-20);
         let unit = Spectrum::new(triangle, Scale::Total(1.0)).unwrap();
@@ -477,7 +486,7 @@ mod tests {
 
     #[test]
     fn a_luminance_of_what_nobody_sees_cannot_be_had() {
-        let infrared = || Shape::Lines(vec![[10e-6, 1.0]]);
+        let infrared = || SpectrumShape::Lines(vec![[10e-6, 1.0]]);
         assert_eq!(Spectrum::new(infrared(), Scale::Luminance(1.0)), None);
         assert!(Spectrum::new(infrared(), Scale::Total(1.0)).is_some());
     }

@@ -327,7 +327,7 @@ impl Weaver<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::cube::Samples;
+    use crate::io::cube::CubeSamples;
 
     fn camera() -> CaptureCamera {
         let forward = DVec3::new(0.3, -0.2, -1.0).normalize();
@@ -447,7 +447,7 @@ mod tests {
             }));
         }
         samples.extend([1e-4; BINS]);
-        let cube = Cube::new([1, 4, BINS, 1], Samples::F64(samples)).unwrap();
+        let cube = Cube::new([1, 4, BINS, 1], CubeSamples::F64(samples)).unwrap();
         let found = first_light(&cube, 5.0, 0.1, &FirstLight::default());
         for (found, at) in found.iter().zip(arrivals) {
             assert!((found - (5.0 + at)).abs() < 1e-3, "{found}");

@@ -6,12 +6,12 @@ use super::model::{
     Assembly, CameraModel, Motion, Object, ProjectionKind, Scene, Sensor, Sky, SkyRadiance,
 };
 use crate::spacetime::worldline::{WorldLine, WorldLineError};
-use crate::spacetime::{Camera, Event, InertialFrame, Quantity, Rest, Velocity, World};
+use crate::spacetime::{CameraFrame, Event, InertialFrame, Quantity, Rest, Velocity, World};
 
 impl CameraModel {
     /// The frame in which the camera rests when its clock shows 0, at all times where it does not
     /// accelerate. Its origin is the pinhole then.
-    pub fn frame(&self) -> InertialFrame<Camera> {
+    pub fn frame(&self) -> InertialFrame<CameraFrame> {
         InertialFrame::new(self.velocity, self.origin)
     }
 

@@ -13,7 +13,7 @@ use super::at::At;
 use super::memory::Memory;
 use crate::error::Result;
 use crate::io::cube::FileTimes;
-use crate::io::gltf::Track;
+use crate::io::gltf::GltfTrack;
 
 /// Where a camera is and where it looks.
 #[derive(Debug, Clone)]
@@ -33,7 +33,7 @@ pub(super) struct Seen {
     /// Poses of glTF cameras, by file and node.
     poses: Mutex<HashMap<InFile, Pose>>,
     /// Ways of nodes, by file, node and animation.
-    tracks: Mutex<HashMap<(InFile, Option<String>), Track>>,
+    tracks: Mutex<HashMap<(InFile, Option<String>), GltfTrack>>,
     /// Rows of the tables of spectra.
     tables: Mutex<HashMap<PathBuf, Rows>>,
     /// Arrays of one axis, by file and array.
@@ -75,8 +75,8 @@ impl Seen {
         &self,
         path: &Path,
         [node, animation]: [Option<&str>; 2],
-        read: impl FnOnce() -> Result<Track>,
-    ) -> Result<Track> {
+        read: impl FnOnce() -> Result<GltfTrack>,
+    ) -> Result<GltfTrack> {
         let [node, animation] = [node, animation].map(|name| name.map(str::to_string));
         once(&self.tracks, ((path.to_path_buf(), node), animation), read)
     }
@@ -144,7 +144,7 @@ pub(super) struct Inputs {
     /// By place in the text: the pose that the glTF camera named there has.
     poses: RefCell<HashMap<usize, Result<Pose>>>,
     /// By place in the text: the way of the node of the glTF file named there.
-    tracks: RefCell<HashMap<usize, Result<Track>>>,
+    tracks: RefCell<HashMap<usize, Result<GltfTrack>>>,
     /// By place in the text: the rows of the table of a spectrum that is named there.
     tables: RefCell<HashMap<usize, Result<Vec<[f64; 2]>>>>,
     /// By place in the text: the numbers in the file that is named there.
@@ -192,13 +192,13 @@ impl Inputs {
     }
 
     /// The node of the glTF file named at `file` goes this way, or cannot be read.
-    pub fn add_track(&mut self, file: &At<String>, track: Result<Track>) {
+    pub fn add_track(&mut self, file: &At<String>, track: Result<GltfTrack>) {
         self.note(file);
         self.tracks.get_mut().insert(file.span.start, track);
     }
 
     /// The way of the node of the glTF file named at `file`, if that was read.
-    pub fn track(&self, file: &At<String>) -> Option<Result<Track>> {
+    pub fn track(&self, file: &At<String>) -> Option<Result<GltfTrack>> {
         let mut tracks = self.tracks.borrow_mut();
         match tracks.get(&file.span.start) {
             Some(Ok(track)) => Some(Ok(track.clone())),

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
-use crate::io::cube::{Cube, Samples};
+use crate::io::cube::{Cube, CubeSamples};
 use crate::mesh::{AlphaMode, Material, Mesh};
 
 /// What the names of things in memory begin with, where a path would stand.
@@ -73,9 +73,9 @@ fn add_text(hash: &mut Sha256, text: &str) {
 fn hash_cube(hash: &mut Sha256, cube: &Cube) {
     add(hash, &cube.shape, |&n| (n as u64).to_le_bytes());
     match &cube.samples {
-        Samples::F16(samples) => add(hash, samples, |x| x.to_le_bytes()),
-        Samples::F32(samples) => add(hash, samples, |x| x.to_le_bytes()),
-        Samples::F64(samples) => add(hash, samples, |x| x.to_le_bytes()),
+        CubeSamples::F16(samples) => add(hash, samples, |x| x.to_le_bytes()),
+        CubeSamples::F32(samples) => add(hash, samples, |x| x.to_le_bytes()),
+        CubeSamples::F64(samples) => add(hash, samples, |x| x.to_le_bytes()),
     }
 }
 

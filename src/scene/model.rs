@@ -14,7 +14,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::colour::{Continuation, Spectrum};
-use crate::io::cube::{Axes, Channel, Channels, Cube, Negative, Transfer, Wanted};
+use crate::io::cube::{Axes, Channels, Cube, CubeChannel, Negative, Transfer, Wanted};
 use crate::mesh::Mesh;
 use crate::spacetime::{Event, Quantity, Velocity, World};
 
@@ -253,7 +253,7 @@ pub struct CubeSource {
 impl Scene {
     /// The companions of `cube` that are seen: the channels beside red, green and blue, where the scene's spectra go on by them and wavelengths
     /// are shifted.
-    pub fn companions_of(&self, cube: &CubeSource) -> Vec<Channel> {
+    pub fn companions_of(&self, cube: &CubeSource) -> Vec<CubeChannel> {
         match self.effects.doppler && self.continuation == Continuation::Companions {
             true => cube.companions(),
             false => Vec::new(),
@@ -263,7 +263,7 @@ impl Scene {
 
 impl CubeSource {
     /// The channels beside red, green and blue that its scene says it has.
-    pub fn companions(&self) -> Vec<Channel> {
+    pub fn companions(&self) -> Vec<CubeChannel> {
         self.channels
             .as_ref()
             .map_or_else(Vec::new, Channels::companions)

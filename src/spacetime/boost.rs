@@ -33,10 +33,10 @@
 //! Only quantities of the frame named second are accepted:
 //!
 //! ```
-//! use nullray::spacetime::{Boost, Camera, Direction, Displacement, Velocity, World};
-//! let world_from_camera = Boost::<World, Camera>::new(Velocity::REST);
-//! let ahead: Direction<Camera> = Direction::new(glam::DVec3::Z).unwrap();
-//! let metre = Displacement::<Camera>::new(0.0, glam::DVec3::Z);
+//! use nullray::spacetime::{Boost, CameraFrame, Direction, Displacement, Velocity, World};
+//! let world_from_camera = Boost::<World, CameraFrame>::new(Velocity::REST);
+//! let ahead: Direction<CameraFrame> = Direction::new(glam::DVec3::Z).unwrap();
+//! let metre = Displacement::<CameraFrame>::new(0.0, glam::DVec3::Z);
 //! let (ahead, _): (Direction<World>, f64) = world_from_camera.direction(ahead);
 //! let metre: Displacement<World> = world_from_camera.displacement(metre);
 //! ```
@@ -44,8 +44,8 @@
 //! The displacement of another frame does not compile,
 //!
 //! ```compile_fail,E0308
-//! use nullray::spacetime::{Boost, Camera, Displacement, Rest, Velocity, World};
-//! let world_from_camera = Boost::<World, Camera>::new(Velocity::REST);
+//! use nullray::spacetime::{Boost, CameraFrame, Displacement, Rest, Velocity, World};
+//! let world_from_camera = Boost::<World, CameraFrame>::new(Velocity::REST);
 //! let metre = Displacement::<Rest>::new(0.0, glam::DVec3::Z);
 //! world_from_camera.displacement(metre); // not the camera's
 //! ```
@@ -53,9 +53,9 @@
 //! nor does a direction that has been boosted already,
 //!
 //! ```compile_fail,E0308
-//! use nullray::spacetime::{Boost, Camera, Direction, Velocity, World};
-//! let world_from_camera = Boost::<World, Camera>::new(Velocity::REST);
-//! let ahead: Direction<Camera> = Direction::new(glam::DVec3::Z).unwrap();
+//! use nullray::spacetime::{Boost, CameraFrame, Direction, Velocity, World};
+//! let world_from_camera = Boost::<World, CameraFrame>::new(Velocity::REST);
+//! let ahead: Direction<CameraFrame> = Direction::new(glam::DVec3::Z).unwrap();
 //! let (ahead, _) = world_from_camera.direction(ahead);
 //! world_from_camera.direction(ahead); // the world's by now
 //! ```
@@ -63,9 +63,9 @@
 //! nor the boost the wrong way round.
 //!
 //! ```compile_fail,E0308
-//! use nullray::spacetime::{Boost, Camera, Direction, Velocity, World};
-//! let world_from_camera = Boost::<World, Camera>::new(Velocity::REST);
-//! let ahead: Direction<Camera> = Direction::new(glam::DVec3::Z).unwrap();
+//! use nullray::spacetime::{Boost, CameraFrame, Direction, Velocity, World};
+//! let world_from_camera = Boost::<World, CameraFrame>::new(Velocity::REST);
+//! let ahead: Direction<CameraFrame> = Direction::new(glam::DVec3::Z).unwrap();
 //! world_from_camera.inverse().direction(ahead); // takes world directions
 //! ```
 //!

@@ -3,9 +3,9 @@
 //! Mixing frames does not compile:
 //!
 //! ```compile_fail
-//! use nullray::spacetime::{Camera, Event, World};
+//! use nullray::spacetime::{CameraFrame, Event, World};
 //! let world = Event::<World>::new(0.0, glam::DVec3::ZERO);
-//! let camera = Event::<Camera>::new(0.0, glam::DVec3::ZERO);
+//! let camera = Event::<CameraFrame>::new(0.0, glam::DVec3::ZERO);
 //! let displacement = world - camera; // two frames
 //! ```
 
@@ -27,7 +27,7 @@ pub struct World;
 
 /// The frame in which the camera is at rest at the moment of the shot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Camera;
+pub struct CameraFrame;
 
 /// The rest frame of an object (of a group of objects at rest relative to each other).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,7 +36,7 @@ pub struct Rest;
 impl Frame for World {
     const NAME: &'static str = "world";
 }
-impl Frame for Camera {
+impl Frame for CameraFrame {
     const NAME: &'static str = "camera";
 }
 impl Frame for Rest {

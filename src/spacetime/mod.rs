@@ -4,7 +4,7 @@
 //! - c = 1: an event is `(ct, x, y, z)`, all four in metres.
 //! - A frame's velocity is held as a rapidity vector w: β = tanh|w| ŵ, γ = cosh|w|.
 //! - Boosts are rotation-free. Transforms are named target-from-source (`world_from_camera`), and
-//!   typed that way too: a [`Boost<World, Camera>`](Boost) takes camera quantities to the world, and
+//!   typed that way too: a [`Boost<World, CameraFrame>`](Boost) takes camera quantities to the world, and
 //!   nothing else compiles.
 //! - A look direction points *out of* the camera, against the light's propagation. The past-directed
 //!   null vector of a ray is k = (−ω, ω d).
@@ -28,6 +28,6 @@ pub use boost::{Boost, InertialFrame};
 pub(crate) use doppler::QuantityKind;
 pub use doppler::{Quantity, WavelengthRatio};
 pub(crate) use event::unit_and_length_or_nan;
-pub use event::{Camera, Direction, Displacement, Event, Frame, Rest, World};
+pub use event::{CameraFrame, Direction, Displacement, Event, Frame, Rest, World};
 pub use ray::NullRay;
 pub use velocity::{MAX_RAPIDITY, Velocity, VelocityError};

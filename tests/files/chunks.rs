@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use nullray::io::cube::{self, Axes, Bricks, Changes, Cube, Held, Samples, Wanted};
+use nullray::io::cube::{self, Axes, Bricks, Changes, Cube, CubeSamples, Held, Wanted};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
@@ -176,7 +176,7 @@ fn sample(index: usize) -> f32 {
 fn written(folder: &Path) {
     let shape = [60, 50, 700, 3];
     let samples = (0..shape.iter().product()).map(sample).collect();
-    let cube = Cube::new(shape, Samples::F32(samples)).unwrap();
+    let cube = Cube::new(shape, CubeSamples::F32(samples)).unwrap();
     let npy = folder.join("cube.npy");
     nullray::io::image::npz::write_cube(&npy, &cube).unwrap();
     for (name, axes) in [
@@ -254,7 +254,7 @@ fn a_chunk_that_is_broken_or_no_number_is_an_error_with_its_name() {
     samples[(13 * 20 + 5) * 70 + 66] = f32::NAN;
     let cube = Cube {
         shape: [20, 20, 70, 1],
-        samples: Samples::F32(samples),
+        samples: CubeSamples::F32(samples),
     };
     let npy = folder.path().join("nan.npy");
     nullray::io::image::npz::write_cube(&npy, &cube).unwrap();
@@ -273,7 +273,7 @@ fn thick_chunks_are_converted_in_little_memory() {
     let folder = tempfile::tempdir().unwrap();
     let shape = [40, 30, 64, 1];
     let samples = (0..shape.iter().product()).map(sample).collect();
-    let cube = Cube::new(shape, Samples::F32(samples)).unwrap();
+    let cube = Cube::new(shape, CubeSamples::F32(samples)).unwrap();
     let npy = folder.path().join("cube.npy");
     nullray::io::image::npz::write_cube(&npy, &cube).unwrap();
     let converted = |from: &Path, to: &Path, axes: Option<&str>, memory: u64| {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use nullray::io::cube::{self, Axes, Cube, Samples, Transfer, Wanted};
+use nullray::io::cube::{self, Axes, Cube, CubeSamples, Transfer, Wanted};
 use nullray::io::image::{Channel, Layers, exr, png};
 use nullray::scene::model::{SourceKind, TimeBins};
 use nullray::scene::{self, Overrides};
@@ -20,7 +20,7 @@ fn load(path: &Path, axes: Option<&str>, transfer: Option<Transfer>) -> Result<C
 
 fn single(cube: &Cube) -> &[f32] {
     match &cube.samples {
-        Samples::F32(samples) => samples,
+        CubeSamples::F32(samples) => samples,
         other => panic!("{other:?}"),
     }
 }
@@ -472,7 +472,7 @@ fn dead_bins_are_filled_on_the_way_to_another_file() {
     let folder = tempfile::tempdir().unwrap();
     let [a, b] = ["a.npy", "b.npy"].map(|name| folder.path().join(name));
     let samples = (0..2 * 3 * 8).map(|n| (n * n) as f32).collect();
-    let cube = Cube::new([2, 3, 8, 1], Samples::F32(samples)).unwrap();
+    let cube = Cube::new([2, 3, 8, 1], CubeSamples::F32(samples)).unwrap();
     nullray::io::image::npz::write_cube(&a, &cube).unwrap();
     let wanted = Wanted {
         dead_bins: &[0, 3, 4, 7],

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use half::f16;
-use nullray::io::cube::{self, Samples, Wanted};
+use nullray::io::cube::{self, CubeSamples, Wanted};
 use nullray::io::npy::{self, Dtype};
 
 fn valid(file: &str) -> PathBuf {
@@ -26,7 +26,7 @@ fn single_precision_of_every_header_version_is_read() {
         let cube = cube::load(&valid(file), Wanted::default()).unwrap();
         assert_eq!(cube.shape, [2, 3, 4, 1], "{file}");
         let samples = expected().map(|s| s as f32).collect();
-        assert_eq!(cube.samples, Samples::F32(samples), "{file}");
+        assert_eq!(cube.samples, CubeSamples::F32(samples), "{file}");
     }
 }
 
@@ -34,13 +34,13 @@ fn single_precision_of_every_header_version_is_read() {
 fn half_precision_is_read_as_it_is() {
     let cube = cube::load(&valid("cube-f2.npy"), Wanted::default()).unwrap();
     let samples = expected().map(f16::from_f64).collect();
-    assert_eq!(cube.samples, Samples::F16(samples));
+    assert_eq!(cube.samples, CubeSamples::F16(samples));
 }
 
 #[test]
 fn big_endian_samples_are_converted() {
     let cube = cube::load(&valid("cube-f8-big-endian.npy"), Wanted::default()).unwrap();
-    assert_eq!(cube.samples, Samples::F64(expected().collect()));
+    assert_eq!(cube.samples, CubeSamples::F64(expected().collect()));
 }
 
 #[test]
@@ -54,13 +54,13 @@ fn axes_in_another_order_are_brought_into_that_of_a_cube() {
     let file = valid("time-first-f4.npy");
     let cube = cube::load(&file, wanted).unwrap();
     assert_eq!(cube.shape, [2, 3, 4, 1]);
-    assert_eq!(cube.samples, Samples::F32(samples.clone()));
+    assert_eq!(cube.samples, CubeSamples::F32(samples.clone()));
     let info = cube::inspect(&file, wanted).unwrap();
     assert_eq!((info.shape, info.assumed), ([2, 3, 4, 1], false));
     // Fortran order is an order of axes like any other, and needs no name.
     let cube = cube::load(&valid("fortran-order.npy"), Wanted::default()).unwrap();
     assert_eq!(cube.shape, [2, 3, 4, 1]);
-    assert_eq!(cube.samples, Samples::F32(samples));
+    assert_eq!(cube.samples, CubeSamples::F32(samples));
 }
 
 #[test]
@@ -83,13 +83,13 @@ fn axes_without_time_are_a_steady_picture() {
 fn integers_are_read_exactly() {
     let cube = cube::load(&valid("counts-u2.npy"), Wanted::default()).unwrap();
     let counts = (0..24).map(|n| (2700 * n) as f32).collect();
-    assert_eq!(cube.samples, Samples::F32(counts));
+    assert_eq!(cube.samples, CubeSamples::F32(counts));
     let cube = cube::load(&valid("counts-i4-big-endian.npy"), Wanted::default()).unwrap();
     let counts = (0..24).map(|n| 90e6 * f64::from(n) - 1.0).collect();
-    assert_eq!(cube.samples, Samples::F64(counts));
+    assert_eq!(cube.samples, CubeSamples::F64(counts));
     let cube = cube::load(&valid("counts-i8.npy"), Wanted::default()).unwrap();
     let counts = (0..24).map(|n| 9e10 * f64::from(n) - 1.0).collect();
-    assert_eq!(cube.samples, Samples::F64(counts));
+    assert_eq!(cube.samples, CubeSamples::F64(counts));
     // 2⁵³ + 1 is the first that is not.
     let mut bytes = std::fs::read(valid("counts-i8.npy")).unwrap();
     let last = bytes.len() - 8;
@@ -113,7 +113,7 @@ fn a_fourth_axis_is_channels() {
 #[test]
 fn a_deflated_array_is_found_by_its_name_among_arrays_that_are_no_cubes() {
     let cube = cube::load(&valid("deflated.npz"), Wanted::array("cube")).unwrap();
-    assert_eq!(cube.samples, Samples::F64(expected().collect()));
+    assert_eq!(cube.samples, CubeSamples::F64(expected().collect()));
 }
 
 #[test]
@@ -186,6 +186,6 @@ fn a_cube_of_many_pieces_is_read_whole() {
     let cube = cube::load_bytes(&bytes, "memory", Wanted::default()).unwrap();
     assert_eq!(
         cube.samples,
-        Samples::F32((0..60_000).map(|n| n as f32).collect())
+        CubeSamples::F32((0..60_000).map(|n| n as f32).collect())
     );
 }

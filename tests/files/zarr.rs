@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use nullray::io::cube::{self, Axes, Changes, Cube, FileTimes, Samples, Wanted};
+use nullray::io::cube::{self, Axes, Changes, Cube, CubeSamples, FileTimes, Wanted};
 
 fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -268,7 +268,7 @@ fn arrays_are_written_in_chunks_and_come_back() {
     // More than a chunk along every axis, none of them whole.
     let shape = [37, 35, 70, 3];
     let samples = (0..shape.iter().product::<usize>()).map(|n| n as f32);
-    let cube = Cube::new(shape, Samples::F32(samples.collect())).unwrap();
+    let cube = Cube::new(shape, CubeSamples::F32(samples.collect())).unwrap();
     nullray::io::image::npz::write_cube(&path("a.npy"), &cube).unwrap();
     let original = fs::read(path("a.npy")).unwrap();
     for axes in ["H W T C", "T H W C", "T C W H"] {

@@ -4,7 +4,9 @@ use crate::common::table::{Row, rows};
 use crate::common::worst::Worst;
 use glam::DVec3;
 use nullray::spacetime::paper2015::*;
-use nullray::spacetime::{Boost, Camera, Direction, Event, InertialFrame, Rest, Velocity, World};
+use nullray::spacetime::{
+    Boost, CameraFrame, Direction, Event, InertialFrame, Rest, Velocity, World,
+};
 
 /// Compares a column with `value`, relative to the column or, where that is a difference, to its terms.
 fn check(column: &str, value: impl Fn(&Row) -> f64, terms: impl Fn(&Row) -> f64) {
@@ -183,8 +185,8 @@ fn the_doppler_factor_is_the_wavelength_ratio_of_the_opposite_look_direction() {
         // Light that propagates at θ′ is seen in the opposite direction.
         let angle = row.number("thetap");
         let look = -DVec3::new(angle.sin(), 0.0, angle.cos());
-        let look = Direction::<Camera>::new(look).unwrap();
-        Boost::<World, Camera>::new(velocity(beta(row)))
+        let look = Direction::<CameraFrame>::new(look).unwrap();
+        Boost::<World, CameraFrame>::new(velocity(beta(row)))
             .direction(look)
             .1
     });

@@ -9,7 +9,7 @@ use crate::common::exact::{
 use crate::common::worst::{EPS, Worst};
 use glam::DVec3;
 use nullray::spacetime::{
-    Boost, Camera, Direction, Displacement, MAX_RAPIDITY, Rest, Velocity, World,
+    Boost, CameraFrame, Direction, Displacement, MAX_RAPIDITY, Rest, Velocity, World,
 };
 
 use crate::common::sequence::Sequence;
@@ -73,14 +73,14 @@ impl Case {
         let n = sequence.unit();
         let velocity = Velocity::from_rapidity_along(sequence.rapidity(), n).unwrap();
         let d = sequence.near(velocity.rapidity().normalize());
-        Case::new(velocity, Direction::<Camera>::new(d).unwrap().unit())
+        Case::new(velocity, Direction::<CameraFrame>::new(d).unwrap().unit())
     }
 
-    fn direction(&self) -> Direction<Camera> {
+    fn direction(&self) -> Direction<CameraFrame> {
         Direction::new(self.d).unwrap()
     }
 
-    fn world_from_camera(&self) -> Boost<World, Camera> {
+    fn world_from_camera(&self) -> Boost<World, CameraFrame> {
         Boost::new(self.velocity)
     }
 
@@ -235,7 +235,7 @@ fn displacements_keep_their_digits_at_every_rapidity() {
 #[test]
 fn a_null_displacement_along_an_axis_stays_null_at_the_largest_rapidity() {
     let velocity = Velocity::from_rapidity(DVec3::Z * MAX_RAPIDITY).unwrap();
-    let boost = Boost::<World, Camera>::new(velocity);
+    let boost = Boost::<World, CameraFrame>::new(velocity);
     for (sign, factor) in [(1.0, MAX_RAPIDITY), (-1.0, -MAX_RAPIDITY)] {
         let light = boost.displacement(Displacement::new(3.0, DVec3::Z * 3.0 * sign));
         assert_eq!(light.ct, light.x.z * sign);
@@ -252,7 +252,7 @@ fn two_boosts_in_a_row_give_the_exact_wavelength_ratio() {
         let [w1, w2] = std::array::from_fn(|_| sequence.unit() * (6.0 * sequence.next()));
         let [v1, v2] = [w1, w2].map(|w| Velocity::from_rapidity(w).unwrap());
         let camera = Direction::new(sequence.near(w1.normalize())).unwrap();
-        let (world, first) = Boost::<World, Camera>::new(v1).direction(camera);
+        let (world, first) = Boost::<World, CameraFrame>::new(v1).direction(camera);
         let (_, second) = Boost::<World, Rest>::new(v2).inverse().direction(world);
         let null = ExactBoost::new(w1).apply(&look(camera.unit()));
         let ratio: Exact = -&ExactBoost::new(-w2).apply(&null)[0];

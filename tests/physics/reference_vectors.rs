@@ -7,8 +7,8 @@ use crate::common::table::{Row, rows};
 use crate::common::worst::{EPS, Worst};
 use glam::DVec3;
 use nullray::spacetime::{
-    Boost, Camera, Direction, Event, Frame, InertialFrame, Quantity, Velocity, WavelengthRatio,
-    World,
+    Boost, CameraFrame, Direction, Event, Frame, InertialFrame, Quantity, Velocity,
+    WavelengthRatio, World,
 };
 
 fn velocity(row: &Row) -> Velocity {
@@ -45,7 +45,7 @@ fn events_of_a_moving_frame_become_events_of_the_world() {
     let table = rows("boosts.csv");
     assert_eq!(table.len(), 400);
     for row in &table {
-        let frame = InertialFrame::<Camera>::new(velocity(row), event(row, "O"));
+        let frame = InertialFrame::<CameraFrame>::new(velocity(row), event(row, "O"));
         note_event(&mut worst, row, frame.event_to_world(event(row, "p")), "e");
     }
     worst.assert_within("frame to world");
@@ -55,7 +55,7 @@ fn events_of_a_moving_frame_become_events_of_the_world() {
 fn events_of_the_world_become_events_of_a_moving_frame() {
     let mut worst = Worst::default();
     for row in &rows("boosts.csv") {
-        let frame = InertialFrame::<Camera>::new(velocity(row), event(row, "O"));
+        let frame = InertialFrame::<CameraFrame>::new(velocity(row), event(row, "O"));
         note_event(
             &mut worst,
             row,
@@ -131,7 +131,7 @@ fn check_rays(what: &str, error: impl Fn(&Row) -> RayError<'_>) {
 #[test]
 fn look_directions_of_the_camera_become_directions_of_the_world() {
     check_rays("camera to world", |row| {
-        let world_from_camera = Boost::<World, Camera>::new(velocity(row));
+        let world_from_camera = Boost::<World, CameraFrame>::new(velocity(row));
         let (d, w) = world_from_camera.direction(direction(row, "dp"));
         RayError {
             row,
@@ -147,7 +147,8 @@ fn ratios_near_1_keep_the_digits_of_their_difference_from_it() {
     // W − 1 is right to what W is, 16 eps (1 + |w| + sinh|w| sin(ang)/W) W, and to the rounding of both differences.
     let mut worst = Worst::default();
     for row in &rows("rays.csv") {
-        let (_, w) = Boost::<World, Camera>::new(velocity(row)).direction(direction(row, "dp"));
+        let (_, w) =
+            Boost::<World, CameraFrame>::new(velocity(row)).direction(direction(row, "dp"));
         let (rapidity, ratio) = (row.vector("w").length(), row.number("W"));
         let slope = rapidity.sinh() * row.number("ang").sin() / ratio;
         let difference = row.number("Wm1");
@@ -162,7 +163,7 @@ fn ratios_near_1_keep_the_digits_of_their_difference_from_it() {
 #[test]
 fn look_directions_of_the_world_become_directions_of_the_camera() {
     check_rays("world to camera", |row| {
-        let camera_from_world = Boost::<World, Camera>::new(velocity(row)).inverse();
+        let camera_from_world = Boost::<World, CameraFrame>::new(velocity(row)).inverse();
         let (q, ratio) = camera_from_world.direction(direction(row, "q"));
         RayError {
             row,
@@ -183,7 +184,7 @@ fn sine_to_motion(row: &Row, prefix: &str) -> f64 {
 fn in_vacuum_the_tangent_of_a_light_path_is_the_boosted_null_vector() {
     let [mut time, mut space] = std::array::from_fn(|_| Worst::default());
     for row in &rows("rays.csv") {
-        let world_from_camera = Boost::<World, Camera>::new(velocity(row));
+        let world_from_camera = Boost::<World, CameraFrame>::new(velocity(row));
         let tangent = world_from_camera.tangent(1.0, direction(row, "dp"));
         let (d, w) = (row.vector("d"), row.number("W"));
         let rapidity = row.vector("w").length();

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use nullray::error::Result;
-use nullray::io::cube::{self, Cube, Samples, Wanted};
+use nullray::io::cube::{self, Cube, CubeSamples, Wanted};
 use nullray::io::image::npz;
 use nullray::mesh::{Shape, shapes};
 use nullray::render::aov::Aov;
@@ -529,8 +529,8 @@ fn baked_light_is_the_same_on_any_number_of_threads() {
     };
     let (one, three) = (on(1), on(3));
     assert_eq!(one.1, three.1);
-    let values = |samples: Samples| match samples {
-        Samples::F32(values) => values,
+    let values = |samples: CubeSamples| match samples {
+        CubeSamples::F32(values) => values,
         _ => Vec::new(),
     };
     let all = |(a, _, b)| [values(a), values(b)].concat();
@@ -644,7 +644,7 @@ fn a_bake_that_is_taken_up_again_has_the_bits_of_one_that_was_not_stopped() {
             let baked = bake(Some(&journal), &Until(AtomicU64::new(0), rays));
             if let Ok(baked) = baked {
                 let values = |baked: &Baked| match &baked.cube.samples {
-                    Samples::F32(values) => values.clone(),
+                    CubeSamples::F32(values) => values.clone(),
                     _ => Vec::new(),
                 };
                 assert!(values(&baked) == values(&whole));

@@ -2,7 +2,7 @@
 //! a plane z = 0 and a sphere on it, lit by a Gaussian wave front g(t − |P − light|).
 
 use glam::DVec3;
-use nullray::io::cube::{Cube, Samples};
+use nullray::io::cube::{Cube, CubeSamples};
 use nullray::light::time_texture::{
     Capture, CapturePoint, Coverage, Sampled, SeenPoint, TimeAxis, TimeTexture,
 };
@@ -91,7 +91,7 @@ fn capture(index: Option<f64>, fill: Fill) -> (Capture, TimeTexture) {
         filter: TimeFilter::Cubic,
         scale: 1.0,
     };
-    let cube = Cube::new([SIZE, SIZE, BINS, 1], Samples::F64(samples)).unwrap();
+    let cube = Cube::new([SIZE, SIZE, BINS, 1], CubeSamples::F64(samples)).unwrap();
     (
         capture,
         TimeTexture::new(cube, axis, everywhere(fill)).unwrap(),
@@ -281,7 +281,7 @@ fn what_was_not_seen_is_filled_by_its_policy() {
 /// All samples 2, at every time.
 fn constant(fill: Fill) -> (Capture, TimeTexture) {
     let capture = Capture::new(&camera(), [4, 2], true, 1.0, trace);
-    let cube = Cube::new([2, 4, 1, 1], Samples::F32(vec![2.0; 8])).unwrap();
+    let cube = Cube::new([2, 4, 1, 1], CubeSamples::F32(vec![2.0; 8])).unwrap();
     let axis = TimeAxis {
         bins: TimeBins::Uniform {
             start: 0.0,
@@ -307,7 +307,7 @@ fn taps_across_a_crease_or_a_silhouette_do_not_bleed() {
             None => 1.0,
         })
         .collect();
-    let cube = Cube::new([SIZE, SIZE, 1, 1], Samples::F32(samples)).unwrap();
+    let cube = Cube::new([SIZE, SIZE, 1, 1], CubeSamples::F32(samples)).unwrap();
     let axis = TimeAxis {
         bins: TimeBins::Uniform {
             start: 0.0,

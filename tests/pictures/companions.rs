@@ -10,8 +10,8 @@ use std::sync::Arc;
 use nullray::colour::{Continuation, Spectrum, colour_matching, rgb_from_xyz};
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
 use nullray::io::cube::Changes;
-use nullray::io::cube::{self, Channels, Cube, Samples, Wanted};
-use nullray::io::image::{Channel, Layers, Samples as Pixels, exr, npz};
+use nullray::io::cube::{self, Channels, Cube, CubeSamples, Wanted};
+use nullray::io::image::{Channel, Layers, Samples, exr, npz};
 use nullray::render::aov::Aov;
 use nullray::render::film::Film;
 use nullray::render::metadata::metadata;
@@ -79,7 +79,7 @@ fn write(folder: &Path) {
     let [h, w] = SIZE;
     let at = |n: usize| value((n / w) as f64, (n % w) as f64);
     let samples = (0..h * w).flat_map(|n| ORDER.map(|(_, c)| at(n)[c]));
-    let cube = Cube::new([h, w, 1, 5], Samples::F64(samples.collect())).unwrap();
+    let cube = Cube::new([h, w, 1, 5], CubeSamples::F64(samples.collect())).unwrap();
     npz::write_cube(&folder.join("five.npy"), &cube).unwrap();
     // An archive of one stored member.
     let array = std::fs::read(folder.join("five.npy")).unwrap();
@@ -90,7 +90,7 @@ fn write(folder: &Path) {
         } else {
             name.into()
         },
-        samples: Pixels::F32((0..h * w).map(|n| at(n)[c] as f32).collect()),
+        samples: Samples::F32((0..h * w).map(|n| at(n)[c] as f32).collect()),
     };
     let layers = Layers::new(w as u32, h as u32, ORDER.map(channel).into(), Vec::new()).unwrap();
     exr::write(&folder.join("five.exr"), &layers).unwrap();
@@ -224,7 +224,7 @@ fn a_source_in_motion_shows_its_companions_at_its_own_time() {
         let t = -30.0 + 0.5 * ((n % 120) as f64 + 0.5);
         ORDER.map(|(_, c)| CHANNELS[c] * (2.0 + 0.05 * t))
     });
-    let cube = Cube::new([2, 2, 120, 5], Samples::F64(samples.collect())).unwrap();
+    let cube = Cube::new([2, 2, 120, 5], CubeSamples::F64(samples.collect())).unwrap();
     npz::write_cube(&folder.path().join("moving.npy"), &cube).unwrap();
     for beta in [[0.0, 0.0, 0.8], [0.0, 0.0, -0.7], [0.6, 0.0, 0.3]] {
         let text = format!(
@@ -256,7 +256,7 @@ fn captures_hold_companions_and_so_do_means_over_what_samples_stand_for() {
     let mut names = Vec::new();
     for (file, order) in [("a.npy", [0, 1, 2, 3, 4]), ("b.npy", [4, 0, 3, 2, 1])] {
         let samples = (0..16 * 16 * 40).flat_map(|_| order.map(|k| CHANNELS[ORDER[k].1]));
-        let cube = Cube::new([16, 16, 40, 5], Samples::F64(samples.collect())).unwrap();
+        let cube = Cube::new([16, 16, 40, 5], CubeSamples::F64(samples.collect())).unwrap();
         npz::write_cube(&folder.path().join(file), &cube).unwrap();
         names.push(order.map(|k| ORDER[k].0));
     }
@@ -312,10 +312,10 @@ fn without_companions_pictures_are_those_of_a_dark_continuation_bit_for_bit() {
     let [h, w] = SIZE;
     let at = |n: usize| value((n / w) as f64, (n % w) as f64);
     let samples = (0..h * w).flat_map(|n| at(n)[..3].to_vec());
-    let three = Cube::new([h, w, 1, 3], Samples::F64(samples.collect())).unwrap();
+    let three = Cube::new([h, w, 1, 3], CubeSamples::F64(samples.collect())).unwrap();
     npz::write_cube(&folder.path().join("three.npy"), &three).unwrap();
     let samples = (0..h * w).flat_map(|n| [at(n)[0], at(n)[1], at(n)[2], 0.0, 0.0]);
-    let five = Cube::new([h, w, 1, 5], Samples::F64(samples.collect())).unwrap();
+    let five = Cube::new([h, w, 1, 5], CubeSamples::F64(samples.collect())).unwrap();
     npz::write_cube(&folder.path().join("zeros.npy"), &five).unwrap();
     for beta in [-0.45, 0.5] {
         let film = |file: &str, channels: &str, continuation: &str| {
@@ -482,7 +482,7 @@ fn a_mirror_in_motion_shows_companions_of_what_falls_onto_it() {
     const CHANNELS: [f64; 5] = [0.5, 0.2, 0.7, 1.2, 0.6];
     let folder = tempfile::tempdir().unwrap();
     let samples = (0..4).flat_map(|_| ORDER.map(|(_, c)| CHANNELS[c]));
-    let cube = Cube::new([2, 2, 1, 5], Samples::F64(samples.collect())).unwrap();
+    let cube = Cube::new([2, 2, 1, 5], CubeSamples::F64(samples.collect())).unwrap();
     npz::write_cube(&folder.path().join("even.npy"), &cube).unwrap();
     for (mirror, camera) in [
         (0.0, 0.0),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use nullray::Error;
-use nullray::io::cube::{self, Cube, Samples, Wanted};
+use nullray::io::cube::{self, Cube, CubeSamples, Wanted};
 use nullray::io::gltf::{self, Want};
 
 use nullray::mesh::{AlphaMode, Mesh, shapes};
@@ -168,7 +168,7 @@ fn a_scene_made_by_a_program_says_what_it_is_as_a_scene_file() {
 
 #[test]
 fn a_plan_counts_what_is_in_memory() {
-    let cube = Cube::new([1, 1, 8, 1], Samples::F32(vec![1.0; 8])).unwrap();
+    let cube = Cube::new([1, 1, 8, 1], CubeSamples::F32(vec![1.0; 8])).unwrap();
     let scene = camera("plan")
         .mesh("a", Arc::new(triangle()))
         .cube("light", Arc::new(cube), 0.5)
@@ -317,7 +317,7 @@ fn a_lamp_of_a_builder_lights_as_that_of_a_file() {
 
 #[test]
 fn what_only_files_have_is_refused_of_a_cube_in_memory() {
-    let cube = || Arc::new(Cube::new([1, 1, 4, 3], Samples::F32(vec![1.0; 12])).unwrap());
+    let cube = || Arc::new(Cube::new([1, 1, 4, 3], CubeSamples::F32(vec![1.0; 12])).unwrap());
     let with = |key: &str, value: Value| {
         let builder = camera("cube").mesh("a", Arc::new(triangle()));
         refusal(builder.cube("light", cube(), 0.5).set(key, value)).1
@@ -455,7 +455,7 @@ fn one_type_of_error_takes_those_of_values() {
         WorldLine::hyperbolic(velocity, Event::new(0.0, DVec3::ZERO), DVec3::X)?;
         Mesh::new(vec![DVec3::ZERO; 3], vec![[0, 1, corner]], [1.0; 3]).check()?;
         width.parse::<Time>()?;
-        Cube::new([1, 1, 2, 1], Samples::F32(vec![0.0; samples]))?;
+        Cube::new([1, 1, 2, 1], CubeSamples::F32(vec![0.0; samples]))?;
         Ok(())
     }
     all(0.5, 2, "1 m", 2).unwrap();

@@ -1,12 +1,12 @@
 //! Batches of lookups against single ones.
 
 use glam::DVec2;
-use nullray::io::cube::{Cube, Samples};
+use nullray::io::cube::{Cube, CubeSamples};
 use nullray::light::time_texture::{BATCH, Coverage, Lookups, TimeAxis, TimeTexture};
 use nullray::scene::model::{BinValues, Fill, Outside, TimeBins, TimeFilter};
 
 /// A texture of 3 × 5 texels and 9 bins.
-fn texture(samples: Samples, filter: TimeFilter) -> TimeTexture {
+fn texture(samples: CubeSamples, filter: TimeFilter) -> TimeTexture {
     let channels = samples.len() / (3 * 5 * 9);
     let cube = Cube::new([3, 5, 9, channels], samples).unwrap();
     let axis = TimeAxis {
@@ -33,15 +33,15 @@ fn values(count: usize) -> Vec<f64> {
     (0..count).map(value).collect()
 }
 
-fn cubes() -> Vec<Samples> {
+fn cubes() -> Vec<CubeSamples> {
     let sizes = [3 * 5 * 9, 3 * 5 * 9 * 3];
     let half = |x: &f64| half::f16::from_f64(*x);
     let cubes = sizes.map(|n| {
         let values = values(n);
         [
-            Samples::F16(values.iter().map(half).collect()),
-            Samples::F32(values.iter().map(|x| *x as f32).collect()),
-            Samples::F64(values),
+            CubeSamples::F16(values.iter().map(half).collect()),
+            CubeSamples::F32(values.iter().map(|x| *x as f32).collect()),
+            CubeSamples::F64(values),
         ]
     });
     cubes.into_iter().flatten().collect()

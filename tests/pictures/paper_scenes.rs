@@ -136,15 +136,15 @@ fn states(text: &str, value: f64) -> bool {
 /// λ′/λ along `look` of a camera that moves along z at β = 0.6.
 fn wavelength_ratio(look: DVec3) -> f64 {
     let velocity = Velocity::from_beta(DVec3::Z * 0.6).unwrap();
-    let boost = Boost::<World, spacetime::Camera>::new(velocity);
+    let boost = Boost::<World, spacetime::CameraFrame>::new(velocity);
     boost.direction(Direction::new(look).unwrap()).1
 }
 
 /// The event at 2 m world distance ahead whose light comes to a camera at β = 0.6 at its time 4 m: in the
 /// world, and in its frame as seen from the pinhole.
-fn emission() -> (Event<World>, Displacement<spacetime::Camera>) {
+fn emission() -> (Event<World>, Displacement<spacetime::CameraFrame>) {
     let velocity = Velocity::from_beta(DVec3::Z * 0.6).unwrap();
-    let frame = InertialFrame::<spacetime::Camera>::new(velocity, Event::ORIGIN);
+    let frame = InertialFrame::<spacetime::CameraFrame>::new(velocity, Event::ORIGIN);
     let pinhole = frame.event_to_world(Event::new(4.0, DVec3::ZERO));
     let event = pinhole + Displacement::new(-2.0, DVec3::Z * 2.0);
     (

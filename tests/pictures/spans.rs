@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use glam::DVec2;
-use nullray::io::cube::{Cube, Samples};
+use nullray::io::cube::{Cube, CubeSamples};
 use nullray::light::time_texture::{Near, Sampled, TimeAxis, TimeTexture};
 use nullray::scene::model::{BinValues, Fill, Outside, TimeBins, TimeFilter};
 
@@ -27,7 +27,7 @@ fn texture(
     [before, after]: [Fill; 2],
 ) -> TimeTexture {
     let samples = (0..3 * 4 * bins * channels).map(noise).collect();
-    let cube = Cube::new([3, 4, bins, channels], Samples::F64(samples)).unwrap();
+    let cube = Cube::new([3, 4, bins, channels], CubeSamples::F64(samples)).unwrap();
     let axis = TimeAxis {
         bins: TimeBins::Uniform {
             start: -1.0,

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use nullray::io::cube::{self, Axes, Cube, Samples, Wanted};
-use nullray::io::image::{Channel, Layers, Samples as Pixels, exr, npz};
+use nullray::io::cube::{self, Axes, Cube, CubeSamples, Wanted};
+use nullray::io::image::{Channel, Layers, Samples, exr, npz};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
@@ -22,11 +22,11 @@ fn value(i: f64, j: f64) -> f64 {
 fn write(folder: &Path) {
     let [h, w] = SIZE;
     let samples = || (0..h * w).map(|n| value((n / w) as f64, (n % w) as f64) as f32);
-    let cube = Cube::new([h, w, 1, 1], Samples::F32(samples().collect())).unwrap();
+    let cube = Cube::new([h, w, 1, 1], CubeSamples::F32(samples().collect())).unwrap();
     npz::write_cube(&folder.join("cube.npy"), &cube).unwrap();
     let channel = Channel {
         name: "Y".into(),
-        samples: Pixels::F32(samples().collect()),
+        samples: Samples::F32(samples().collect()),
     };
     let layers = Layers::new(w as u32, h as u32, vec![channel], Vec::new()).unwrap();
     std::fs::create_dir(folder.join("one")).unwrap();

@@ -1,6 +1,6 @@
 //! What is remarked on data that look wrong, and on data that do not.
 
-use nullray::io::cube::{Cube, Samples};
+use nullray::io::cube::{Cube, CubeSamples};
 use nullray::light::time_texture::survey::{Order, of_samples};
 
 /// A pulse that crosses 16 × 24 pixels within 32 bins, and an exponential tail; rows, columns and time are the
@@ -25,7 +25,7 @@ fn decaying(order: [usize; 3], sizes: [usize; 3], decay: f64) -> Cube {
         }
     };
     let samples = (0..h * w * t).map(sample).collect();
-    Cube::new([h, w, t, 1], Samples::F32(samples)).unwrap()
+    Cube::new([h, w, t, 1], CubeSamples::F32(samples)).unwrap()
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn another_order_is_doubted_of_light_that_decays_slowly() {
 fn nothing_is_said_of_axes_along_which_no_light_was_found() {
     // All light of 16 × 16 pixels comes in one of 20,011 bins, which no line of pixels that is looked at has.
     let sample = |n: usize| if n % 20_011 == 7_003 { 1.0 } else { 0.0 };
-    let samples = Samples::F32((0..16 * 16 * 20_011).map(sample).collect());
+    let samples = CubeSamples::F32((0..16 * 16 * 20_011).map(sample).collect());
     let cube = Cube::new([16, 16, 20_011, 1], samples).unwrap();
     let found = of_samples(&cube.into(), Order::Array);
     assert!(!found.iter().any(|r| r.contains("axes")), "{found:?}");
@@ -92,7 +92,7 @@ fn streaks_that_are_taken_for_frames_are_doubted() {
 #[test]
 fn light_that_is_cut_off_is_remarked_on() {
     let found = |f: fn(usize) -> f32| {
-        let samples = Samples::F32((0..20).map(f).collect());
+        let samples = CubeSamples::F32((0..20).map(f).collect());
         of_samples(
             &Cube::new([1, 1, 20, 1], samples).unwrap().into(),
             Order::Array,
@@ -113,13 +113,13 @@ fn samples_below_zero_and_data_without_light_are_remarked_on() {
         .map(|n| if n % 8 == 3 { 1.0 } else { -0.1 })
         .collect();
     let found = of_samples(
-        &Cube::new([2, 4, 8, 1], Samples::F32(samples))
+        &Cube::new([2, 4, 8, 1], CubeSamples::F32(samples))
             .unwrap()
             .into(),
         Order::Stated,
     );
     // Seven samples of -0.1 beside one of 1: 0.7 / 1.7 = 41.2 %.
     assert!(found[0].contains("41.2 %"), "{found:?}");
-    let dark = Cube::new([1, 1, 2, 1], Samples::F32(vec![0.0; 2])).unwrap();
+    let dark = Cube::new([1, 1, 2, 1], CubeSamples::F32(vec![0.0; 2])).unwrap();
     assert!(of_samples(&dark.into(), Order::Stated)[0].contains("is 0"));
 }

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use nullray::io::cube::{self, Bricks, Cube, CubeStore, Negative, Samples, Wanted};
+use nullray::io::cube::{self, Bricks, Cube, CubeSamples, CubeStore, Negative, Wanted};
 use nullray::light::time_texture::survey::{Order, of_samples};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
@@ -90,7 +90,7 @@ fn write_flash(folder: &Path) {
         let samples = (0..2 * 2 * 160).map(|n| f32::from(u8::from(n % 160 >= lit_from)));
         let cube = Cube {
             shape: [2, 2, 160, 1],
-            samples: Samples::F32(samples.collect()),
+            samples: CubeSamples::F32(samples.collect()),
         };
         let path = folder.join(name).with_extension("npy");
         nullray::io::image::npz::write_cube(&path, &cube).unwrap();
@@ -237,7 +237,7 @@ fn with_cube(shape: [usize; 4], samples: Vec<f32>, axes: &str) -> Result<Prepare
     let path = folder.path().join("changed.npy");
     let cube = Cube {
         shape,
-        samples: Samples::F32(samples),
+        samples: CubeSamples::F32(samples),
     };
     nullray::io::image::npz::write_cube(&path, &cube).unwrap();
     let file = format!("file = {:?}\n{axes}", path.display().to_string());
@@ -341,7 +341,7 @@ fn cubes_on_disk_are_looked_at_and_mended_too() {
         line[40 * c..42 * c].fill(0.0);
     }
     let path = folder.path().join("a.npy");
-    let written = Cube::new(cube.shape, Samples::F32(all)).unwrap();
+    let written = Cube::new(cube.shape, CubeSamples::F32(all)).unwrap();
     nullray::io::image::npz::write_cube(&path, &written).unwrap();
     let store = |wanted: Wanted| -> CubeStore {
         Arc::new(Bricks::open(&path, wanted, 9 << 20).unwrap()).into()
@@ -380,7 +380,7 @@ fn cubes_on_disk_are_looked_at_and_mended_too() {
         let at = (pixel * t + bin) * c;
         turned.extend((at..at + c).map(|n| written.samples.get(n).unwrap() as f32));
     }
-    let turned = Cube::new(order, Samples::F32(turned)).unwrap();
+    let turned = Cube::new(order, CubeSamples::F32(turned)).unwrap();
     nullray::io::image::npz::write_cube(&path, &turned).unwrap();
     let said = of_samples(&store(Wanted::default()), Order::Array).join("\n");
     assert!(said.contains("axes = \"T H W\""), "{said}");
@@ -418,7 +418,7 @@ fn samples_below_zero_are_counted_with_the_least_and_dealt_with_as_is_asked() {
 
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.npy");
-    let written = Cube::new(cube.shape, Samples::F32(all.clone())).unwrap();
+    let written = Cube::new(cube.shape, CubeSamples::F32(all.clone())).unwrap();
     nullray::io::image::npz::write_cube(&path, &written).unwrap();
     let with = |negative| Wanted {
         negative: Some(negative),
@@ -549,7 +549,7 @@ fn noise_about_zero_is_no_light_that_is_cut_off() {
             (light + 0.6 * noise(n)) as f32
         };
         let samples = (0..h * w * t).map(value).collect();
-        Cube::new([h, w, t, 1], Samples::F32(samples)).unwrap()
+        Cube::new([h, w, t, 1], CubeSamples::F32(samples)).unwrap()
     };
     let said = |pulse| of_samples(&cube(pulse).into(), Order::Stated).join("\n");
     assert!(

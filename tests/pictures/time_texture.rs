@@ -1,7 +1,7 @@
 //! Lookups by texture coordinates, against closed forms.
 
 use glam::DVec2;
-use nullray::io::cube::{Cube, CubeError, Samples};
+use nullray::io::cube::{Cube, CubeError, CubeSamples};
 use nullray::light::time_texture::{Coverage, TimeAxis, TimeTexture};
 use nullray::scene::model::{BinValues, Fill, Outside, TimeBins, TimeFilter};
 use proptest::prelude::*;
@@ -44,7 +44,7 @@ fn x(t: f64) -> f64 {
 
 /// One texel whose bin k holds `value(k)`.
 fn column(bins: usize, filter: TimeFilter, fill: Fill, value: impl Fn(f64) -> f64) -> TimeTexture {
-    let samples = Samples::F64((0..bins).map(|k| value(k as f64)).collect());
+    let samples = CubeSamples::F64((0..bins).map(|k| value(k as f64)).collect());
     let cube = Cube::new([1, 1, bins, 1], samples).unwrap();
     TimeTexture::new(cube, axis(filter), everywhere(fill)).unwrap()
 }
@@ -130,7 +130,7 @@ fn bin_centres_give_the_stored_values() {
 
 #[test]
 fn per_bin_energies_are_divided_by_the_bin_width_and_scaled() {
-    let cube = Cube::new([1, 1, 1, 1], Samples::F32(vec![0.5])).unwrap();
+    let cube = Cube::new([1, 1, 1, 1], CubeSamples::F32(vec![0.5])).unwrap();
     let per_bin = TimeAxis {
         values: BinValues::PerBin,
         scale: 3.0,
@@ -186,7 +186,7 @@ fn each_side_of_time_is_filled_by_its_own_policy() {
                 after,
                 ..everywhere(Fill::Black)
             };
-            let cube = Cube::new([1, 1, 2, 1], Samples::F64(vec![3.0, 5.0])).unwrap();
+            let cube = Cube::new([1, 1, 2, 1], CubeSamples::F64(vec![3.0, 5.0])).unwrap();
             let texture = TimeTexture::new(cube, axis(TimeFilter::Linear), outside).unwrap();
             for (t, fill, held) in [(6.5, before, 3.0), (8.0, after, 5.0)] {
                 let sampled = texture.sample_uv(DVec2::splat(0.5), t);
@@ -215,7 +215,7 @@ pub fn filled(fill: Fill, held: f64) -> ([f64; 3], [f64; 3]) {
 #[test]
 fn off_the_texture_is_filled_and_held_places_are_clamped() {
     for fill in [Fill::Black, MARK, Fill::Hold] {
-        let cube = Cube::new([1, 2, 1, 1], Samples::F64(vec![3.0, 5.0])).unwrap();
+        let cube = Cube::new([1, 2, 1, 1], CubeSamples::F64(vec![3.0, 5.0])).unwrap();
         let texture = TimeTexture::new(cube, axis(TimeFilter::Nearest), everywhere(fill)).unwrap();
         for (u, v, held) in [
             (-0.1, 0.5, 3.0),
@@ -236,7 +236,7 @@ fn a_held_place_at_a_missing_time_is_filled_as_that_time_is() {
         after: MARK,
         ..everywhere(Fill::Hold)
     };
-    let cube = Cube::new([1, 1, 1, 1], Samples::F64(vec![3.0])).unwrap();
+    let cube = Cube::new([1, 1, 1, 1], CubeSamples::F64(vec![3.0])).unwrap();
     let texture = TimeTexture::new(cube, axis(TimeFilter::Nearest), outside).unwrap();
     let sampled = texture.sample_uv(DVec2::new(2.0, 0.5), 100.0);
     assert_eq!((sampled.radiance, sampled.unscaled), filled(MARK, 0.0));
@@ -255,7 +255,7 @@ fn rows_count_from_the_top_and_bins_and_channels_are_innermost() {
             }
         }
     }
-    let cube = Cube::new([h, w, bins, 3], Samples::F32(samples)).unwrap();
+    let cube = Cube::new([h, w, bins, 3], CubeSamples::F32(samples)).unwrap();
     for filter in THROUGH_CENTRES {
         let texture =
             TimeTexture::new(cube.clone(), axis(filter), everywhere(Fill::Black)).unwrap();
@@ -276,7 +276,7 @@ fn space_and_time_are_interpolated_as_a_product() {
             samples.extend((0..bins).map(|k| f(j as f64 + 0.5, i as f64 + 0.5, k as f64)));
         }
     }
-    let cube = Cube::new([h, w, bins, 1], Samples::F64(samples)).unwrap();
+    let cube = Cube::new([h, w, bins, 1], CubeSamples::F64(samples)).unwrap();
     let texture =
         TimeTexture::new(cube, axis(TimeFilter::Linear), everywhere(Fill::Black)).unwrap();
     for (x, y, k) in [(0.5, 0.5, 0.0), (2.2, 1.7, 3.3), (4.49, 3.49, 4.99)] {
@@ -293,9 +293,9 @@ fn stored_precisions_agree_to_their_own() {
         .map(|i| 1.0 + (i as f64 * 0.7).sin())
         .collect();
     let textures = [
-        Samples::F64(values.clone()),
-        Samples::F32(values.iter().map(|v| *v as f32).collect()),
-        Samples::F16(values.iter().map(|v| half::f16::from_f64(*v)).collect()),
+        CubeSamples::F64(values.clone()),
+        CubeSamples::F32(values.iter().map(|v| *v as f32).collect()),
+        CubeSamples::F16(values.iter().map(|v| half::f16::from_f64(*v)).collect()),
     ]
     .map(|samples| {
         let cube = Cube::new([3, 3, 9, 1], samples).unwrap();
@@ -316,7 +316,7 @@ fn a_time_axis_that_cannot_be_meant_is_refused() {
     fn uniform(start: f64, width: f64) -> TimeBins {
         TimeBins::Uniform { start, width }
     }
-    let cube = || Cube::new([1, 1, 4, 1], Samples::F64(vec![1.0; 4])).unwrap();
+    let cube = || Cube::new([1, 1, 4, 1], CubeSamples::F64(vec![1.0; 4])).unwrap();
     let refused = |change: fn(&mut TimeAxis)| {
         let mut axis = axis(TimeFilter::Cubic);
         change(&mut axis);
@@ -354,10 +354,10 @@ fn a_time_axis_that_cannot_be_meant_is_refused() {
 
 #[test]
 fn two_channels_and_a_shape_made_up_by_hand_are_refused() {
-    let two = Cube::new([1, 1, 1, 2], Samples::F64(vec![1.0; 2])).unwrap();
+    let two = Cube::new([1, 1, 1, 2], CubeSamples::F64(vec![1.0; 2])).unwrap();
     let made_up = Cube {
         shape: [2, 2, 2, 1],
-        samples: Samples::F64(vec![1.0; 2]),
+        samples: CubeSamples::F64(vec![1.0; 2]),
     };
     let new = |cube| TimeTexture::new(cube, axis(TimeFilter::Linear), everywhere(Fill::Black));
     assert_eq!(new(two).unwrap_err(), CubeError::Channels(2));
@@ -382,7 +382,7 @@ proptest! {
         (before, after, off_texture) in (any_fill(), any_fill(), any_fill()),
     ) {
         let outside = Outside { before, after, off_texture, occluded: Fill::Black };
-        let cube = Cube::new([h, w, bins, 1], Samples::F32(vec![1.0; h * w * bins])).unwrap();
+        let cube = Cube::new([h, w, bins, 1], CubeSamples::F32(vec![1.0; h * w * bins])).unwrap();
         let texture = TimeTexture::new(cube, axis(filter), outside).unwrap();
         let sampled = texture.sample_uv(DVec2::new(u, v), t);
         prop_assert!((sampled.coverage.total() - 1.0).abs() < 1e-14);

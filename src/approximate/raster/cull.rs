@@ -13,7 +13,7 @@
 use glam::DVec3;
 
 use super::vertices::Vertex;
-use crate::approximate::projection::Projection;
+use crate::approximate::projection::ApparentProjection;
 use crate::camera::Projection as _;
 use crate::spacetime::Displacement;
 
@@ -83,7 +83,7 @@ pub(super) fn is_before(a: f64, b: f64, c: f64) -> bool {
 }
 
 impl Frustum {
-    pub fn of(projection: &Projection) -> Self {
+    pub fn of(projection: &ApparentProjection) -> Self {
         Frustum {
             sides: projection.linear().sides,
             size: projection.film().size(),
@@ -92,7 +92,7 @@ impl Frustum {
 
     /// Whether the triangle with these places c, and every part of it however it is divided, is seen
     /// outside the film.
-    pub fn misses(&self, projection: &Projection, [a, b, c]: [DVec3; 3]) -> bool {
+    pub fn misses(&self, projection: &ApparentProjection, [a, b, c]: [DVec3; 3]) -> bool {
         let centre = (a + b + c) / 3.0;
         let radius = centre
             .distance(a)

@@ -18,7 +18,7 @@ use super::flatness::{Bend, Edges, Kind, LOT, Straight, Whole};
 use super::method::Tessellation;
 use super::vertices::{Vertex, extend};
 use crate::accel::vectors::dispatch;
-use crate::approximate::projection::Projection;
+use crate::approximate::projection::ApparentProjection;
 use crate::render::trace::{BuildPlaceHasher, SharedVertices};
 
 /// So often an edge is cut at most: 10⁻⁹ of it is left.
@@ -45,7 +45,7 @@ struct Part {
 /// Divides triangles of one rest frame.
 #[derive(Debug)]
 pub(super) struct Divider<'a> {
-    pub projection: &'a Projection<'a>,
+    pub projection: &'a ApparentProjection<'a>,
     pub frustum: &'a Frustum,
     pub tessellation: Tessellation,
     pub vertices: FrameVertices<'a>,

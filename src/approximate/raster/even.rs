@@ -24,7 +24,7 @@ use crate::render::film::{TILE, Tile, TileFilm};
 use crate::render::prepare::Prepared;
 use crate::render::sampler::{Sampler, halves, pixel_key};
 use crate::render::trace::{Background, Dependence, Scaling, weigh};
-use crate::spacetime::{Boost, Camera, Direction, Rest, World};
+use crate::spacetime::{Boost, CameraFrame, Direction, Rest, World};
 
 /// A patch that shows nothing but black.
 const BLACK: u32 = NOTHING - 1;
@@ -35,7 +35,7 @@ pub(super) struct Even<'a> {
     sampler: Sampler,
     film: &'a AnyProjection,
     /// None for a camera that rests in the world.
-    world_from_camera: Option<Boost<World, Camera>>,
+    world_from_camera: Option<Boost<World, CameraFrame>>,
     /// Whether directions of the camera are taken as the world's.
     is_unaberrated: bool,
     scaled: Scaling,
@@ -390,7 +390,7 @@ const LANES: usize = 16;
 /// The loop over film points that gives W of samples that see one rest frame.
 struct Looks<'a, P> {
     film: &'a P,
-    world_from_camera: Option<&'a Boost<World, Camera>>,
+    world_from_camera: Option<&'a Boost<World, CameraFrame>>,
     is_unaberrated: bool,
     rest_from_world: Option<&'a Boost<Rest, World>>,
     points: [&'a [f64]; 2],

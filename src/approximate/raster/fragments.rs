@@ -17,7 +17,7 @@ use super::tile::{Gathered, NOTHING};
 use super::triangles::{Triangles, is_front};
 use crate::accel::Hit;
 use crate::accel::vectors::{BLOCK, VectorLoop, Vectors, dispatch, load, store};
-use crate::approximate::projection::{Apparent, Projection};
+use crate::approximate::projection::{Apparent, ApparentProjection};
 use crate::camera::RayOrigin;
 use crate::render::film::Tile;
 use crate::render::trace::{Dependence, SurfaceHit};
@@ -141,7 +141,7 @@ fn weights([a, b, c]: [DVec3; 3], x: DVec3) -> [f64; 2] {
 }
 
 /// Time of emission relative to the shot in the rest frame, metres, and W, of the point `x`.
-fn attributes(projection: &Projection, x: DVec3) -> [f64; 2] {
+fn attributes(projection: &ApparentProjection, x: DVec3) -> [f64; 2] {
     projection.image(x).map_or([f64::NAN; 2], |image| {
         let (_, emission) = projection.emission(image.d, image.s);
         [emission.ct, projection.wavelength_ratio(image.d)]

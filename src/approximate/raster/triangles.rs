@@ -13,7 +13,7 @@ use super::method::{Attributes, Raster, Tessellation};
 use super::tile::Pieces;
 use super::vertices::{Vertex, transformed};
 use crate::accel::Facing;
-use crate::approximate::projection::{Observer, Projection};
+use crate::approximate::projection::{ApparentProjection, Observer};
 use crate::error::Result;
 use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
@@ -32,7 +32,7 @@ const LEAST: u32 = 1024;
 pub(super) struct Triangles<'a> {
     pub size: [u32; 2],
     pub frames: &'a [RestFrame],
-    pub projections: Vec<Projection<'a>>,
+    pub projections: Vec<ApparentProjection<'a>>,
     /// By rest frame, the vertices of its triangles.
     pub seen: Vec<Vec<Vertex>>,
     pub batches: Vec<Batch>,
@@ -187,7 +187,7 @@ fn farthest(seen: &[Vec<Vertex>]) -> f64 {
 
 /// Whether the camera is on the side from which the corners run counter-clockwise. Light goes straight in
 /// the rest frame, so that this is exact, and the same for the whole triangle.
-pub(super) fn is_front([a, b, c]: [DVec3; 3], projection: &Projection) -> bool {
+pub(super) fn is_front([a, b, c]: [DVec3; 3], projection: &ApparentProjection) -> bool {
     (b - a).cross(c - a).dot(a - projection.origin()) < 0.0
 }
 

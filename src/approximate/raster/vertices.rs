@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::accel::vectors::{BLOCK, VectorLoop, dispatch};
-use crate::approximate::projection::{Apparent, Projection, VertexBlock};
+use crate::approximate::projection::{Apparent, ApparentProjection, VertexBlock};
 
 pub(super) use crate::approximate::projection::ApparentVertex as Vertex;
 
@@ -20,7 +20,7 @@ const NOWHERE: Vertex = Vertex {
 };
 
 /// The vertices at `positions`, metres in the rest frame of `projection`.
-pub(super) fn transformed(projection: &Projection, positions: &[DVec3]) -> Vec<Vertex> {
+pub(super) fn transformed(projection: &ApparentProjection, positions: &[DVec3]) -> Vec<Vertex> {
     let mut vertices = vec![NOWHERE; positions.len()];
     let tasks = vertices
         .par_chunks_mut(TASK)
@@ -30,13 +30,17 @@ pub(super) fn transformed(projection: &Projection, positions: &[DVec3]) -> Vec<V
 }
 
 /// Appends the vertices at those of `positions` that `vertices` does not hold yet.
-pub(super) fn extend(projection: &Projection, positions: &[DVec3], vertices: &mut Vec<Vertex>) {
+pub(super) fn extend(
+    projection: &ApparentProjection,
+    positions: &[DVec3],
+    vertices: &mut Vec<Vertex>,
+) {
     let known = vertices.len();
     vertices.resize(positions.len(), NOWHERE);
     transform(projection, &positions[known..], &mut vertices[known..]);
 }
 
-fn transform(projection: &Projection, positions: &[DVec3], vertices: &mut [Vertex]) {
+fn transform(projection: &ApparentProjection, positions: &[DVec3], vertices: &mut [Vertex]) {
     dispatch(Transform {
         apparent: projection.apparent(),
         positions,

@@ -5,7 +5,7 @@ use std::fmt;
 use glam::DVec3;
 use serde::{Serialize, Serializer};
 
-use super::{Hit, Probe};
+use super::{Probe, ProbeHit};
 use crate::spacetime::units::quoted;
 use crate::spacetime::{self, Direction, Event, InertialFrame, Velocity, World};
 
@@ -36,7 +36,7 @@ pub(super) fn velocity<S: Serializer>(velocity: &Velocity, s: S) -> Result<S::Ok
 }
 
 pub(super) fn frame<S: Serializer>(
-    frame: &InertialFrame<spacetime::Camera>,
+    frame: &InertialFrame<spacetime::CameraFrame>,
     s: S,
 ) -> Result<S::Ok, S::Error> {
     velocity(&frame.velocity(), s)
@@ -76,7 +76,7 @@ impl fmt::Display for Probe {
     }
 }
 
-impl fmt::Display for Hit {
+impl fmt::Display for ProbeHit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (name, emission) = (quoted(&self.name), tuple(self.emission.to_array()));
         writeln!(f, "  meets         {name}, triangle {}", self.triangle)?;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Hit, Probe, PulseLight};
+use super::{Probe, ProbeHit, PulseLight};
 use crate::figures::diagram::model::{
     Colour, Cone, Diagram, NamedLine, Reference, Segment, Slice, SliceKind, Spot, Track,
     part_across,
@@ -327,7 +327,7 @@ impl DiagramBuilder<'_> {
         self.signal(probe.far_end(), reception.pinhole, Some(label));
     }
 
-    fn surface(&mut self, hit: &Hit) {
+    fn surface(&mut self, hit: &ProbeHit) {
         let ticks = self.step(hit.velocity);
         self.line(&hit.name, hit.track.clone(), Colour::Red, Some(ticks));
         let clock = self.clock(&hit.name, hit.time);
@@ -360,7 +360,7 @@ impl DiagramBuilder<'_> {
     }
 
     /// Where the surface is when it is seen.
-    fn nows(&mut self, hit: &Hit) {
+    fn nows(&mut self, hit: &ProbeHit) {
         let reception = self.probe.reception.event;
         let rests = self.probe.reception.frame.velocity().is_rest();
         let camera = if rests { "now" } else { "now, for the camera" };

@@ -56,7 +56,7 @@ pub struct Probe {
     pub element: Option<Track>,
     /// What the ray meets.
     #[serde(rename = "surface")]
-    pub hit: Option<Hit>,
+    pub hit: Option<ProbeHit>,
     /// How far the ray is followed that meets nothing.
     #[serde(skip)]
     pub reach: f64,
@@ -80,13 +80,13 @@ pub struct Reception {
     pub pinhole_time: f64,
     /// The inertial frame that moves along with the camera at `time`, its origin at `event`; as data its β.
     #[serde(rename = "camera_beta", serialize_with = "data::frame")]
-    pub frame: InertialFrame<spacetime::Camera>,
+    pub frame: InertialFrame<spacetime::CameraFrame>,
 }
 
 /// What a ray meets.
 #[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
-pub struct Hit {
+pub struct ProbeHit {
     /// The object's name.
     #[serde(rename = "object")]
     pub name: String,

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Hit, Probe, PulseLight, Reception};
+use super::{Probe, ProbeHit, PulseLight, Reception};
 use crate::accel::Precision;
 use crate::camera::{AnyProjection, CameraRay, Projection, rotation_matrix};
 use crate::error::{Error, Result};
@@ -80,7 +80,7 @@ pub fn trace(
     };
     let film = exposed.film()?;
     let hit = match exposed.object(&film) {
-        Some(index) => Some(Hit {
+        Some(index) => Some(ProbeHit {
             pulses: exposed.pulses(scene, &film)?,
             ..exposed.hit(scene, index, &film, &reception)
         }),
@@ -256,7 +256,7 @@ impl Exposed<'_> {
         (object >= 0.0).then_some(object as usize)
     }
 
-    fn hit(&self, scene: &Scene, index: usize, film: &Film, reception: &Reception) -> Hit {
+    fn hit(&self, scene: &Scene, index: usize, film: &Film, reception: &Reception) -> ProbeHit {
         let object: &Object = &scene.objects[index];
         let value = |aov| self.value(film, aov);
         let vector = |[x, y, z]: [Aov; 3]| DVec3::new(value(x), value(y), value(z));
@@ -264,7 +264,7 @@ impl Exposed<'_> {
         let zero = object.frame().event_to_world(Event::new(0.0, place));
         let track = Track::from(WorldLine::inertial(object.velocity, zero));
         let event = |moment: Option<crate::figures::diagram::model::Moment>| Some(moment?.event);
-        Hit {
+        ProbeHit {
             object: index,
             name: object.name.clone(),
             velocity: object.velocity,

@@ -22,7 +22,7 @@ use super::dead::DeadBins;
 use super::format::Wanted;
 use super::negative::Negative;
 use super::pages::{InOrder, Pages};
-use super::samples::Samples;
+use super::samples::CubeSamples;
 use super::store::Store;
 use crate::error::{Error, Result};
 use crate::io::npy::Dtype;
@@ -52,12 +52,12 @@ pub struct Bricks {
     sample_bytes: u64,
     /// By groups of bricks, a bit for each that has been read.
     seen: Box<[AtomicU64]>,
-    cache: Cache<Arc<Samples>>,
+    cache: Cache<Arc<CubeSamples>>,
     /// Bricks that a thread has at hand.
     at_hand: usize,
     /// Whether bricks are only counted, and nothing is read.
     counts_only: bool,
-    zeros: Arc<Samples>,
+    zeros: Arc<CubeSamples>,
     dead: DeadBins,
     negative: Negative,
     path: PathBuf,
@@ -100,11 +100,11 @@ pub struct BytesRead {
 
 /// Bricks that a thread has at hand.
 #[derive(Debug, Default)]
-pub struct Held(Vec<Option<(u64, u64, Arc<Samples>)>>);
+pub struct Held(Vec<Option<(u64, u64, Arc<CubeSamples>)>>);
 
 /// Bricks that were looked at apart from those of lookups.
 #[derive(Debug, Default)]
-pub struct Peeked(HashMap<u64, Samples>);
+pub struct Peeked(HashMap<u64, CubeSamples>);
 
 /// What becomes of the memory for bricks.
 struct Room {
@@ -146,7 +146,7 @@ impl Form {
         with_form!(self, of => of.per_brick())
     }
 
-    fn load(&self, first: u64, count: u64) -> Result<Vec<Samples>> {
+    fn load(&self, first: u64, count: u64) -> Result<Vec<CubeSamples>> {
         with_form!(self, of => of.load(first, count))
     }
 
@@ -234,7 +234,7 @@ impl Bricks {
     }
 
     /// `count` bricks from the `first` on, with samples below 0 as they are wanted.
-    fn read(&self, first: u64, count: u64) -> Result<Vec<Samples>> {
+    fn read(&self, first: u64, count: u64) -> Result<Vec<CubeSamples>> {
         let mut bricks = self.form.load(first, count)?;
         for samples in &mut bricks {
             self.negative.apply_to_samples(samples, &self.path)?;
@@ -293,7 +293,7 @@ impl Bricks {
             cache: Cache::new(room.kept, room.shards),
             at_hand: room.at_hand,
             counts_only,
-            zeros: Arc::new(Samples::zeros(&dtype, form.per_brick() as usize)),
+            zeros: Arc::new(CubeSamples::zeros(&dtype, form.per_brick() as usize)),
             dtype,
             form,
             dead: DeadBins::default(),
@@ -439,13 +439,13 @@ impl Bricks {
     }
 
     /// A brick of zeros: what type samples have.
-    pub(crate) fn sample_type(&self) -> &Samples {
+    pub(crate) fn sample_type(&self) -> &CubeSamples {
         &self.zeros
     }
 
     /// So many zeros, as samples are held.
-    pub(super) fn zeros(&self, count: usize) -> Samples {
-        Samples::zeros(&self.dtype, count)
+    pub(super) fn zeros(&self, count: usize) -> CubeSamples {
+        CubeSamples::zeros(&self.dtype, count)
     }
 
     /// Where samples lie, if they are in bricks in the order in which they are counted.
@@ -459,7 +459,7 @@ impl Bricks {
 
     /// The samples of a brick that is at hand.
     #[inline]
-    pub(super) fn of<'a>(&self, held: &'a Held, brick: u64) -> Option<&'a Samples> {
+    pub(super) fn of<'a>(&self, held: &'a Held, brick: u64) -> Option<&'a CubeSamples> {
         held.get(self, brick)
     }
 
@@ -532,7 +532,7 @@ impl Bricks {
 
     /// The samples of a brick that is not at hand.
     #[cold]
-    pub(super) fn not_at_hand(&self, brick: u64) -> Arc<Samples> {
+    pub(super) fn not_at_hand(&self, brick: u64) -> Arc<CubeSamples> {
         if self.counts_only {
             self.note(brick);
             return self.zeros.clone();
@@ -551,7 +551,7 @@ impl Bricks {
 
     /// Reads `count` bricks from the `first` on, none of which is there; the lock of their shard is held, so that nobody
     /// else reads them.
-    fn load(&self, first: u64, count: u64) -> Vec<Arc<Samples>> {
+    fn load(&self, first: u64, count: u64) -> Vec<Arc<CubeSamples>> {
         (first..first + count).for_each(|brick| self.note(brick));
         match self.read(first, count) {
             Ok(bricks) => bricks.into_iter().map(Arc::new).collect(),
@@ -599,7 +599,7 @@ impl Held {
     }
 
     #[inline]
-    fn get(&self, of: &Bricks, brick: u64) -> Option<&Samples> {
+    fn get(&self, of: &Bricks, brick: u64) -> Option<&CubeSamples> {
         match self.0.get(Held::slot(of, brick)) {
             Some(Some((cube, number, samples))) if *cube == of.number && *number == brick => {
                 Some(samples)
@@ -608,7 +608,7 @@ impl Held {
         }
     }
 
-    fn put(&mut self, of: &Bricks, brick: u64, samples: Arc<Samples>) {
+    fn put(&mut self, of: &Bricks, brick: u64, samples: Arc<CubeSamples>) {
         if self.0.is_empty() {
             self.0.resize(AT_HAND, None);
         }

@@ -7,12 +7,12 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::axes::Axes;
-use super::samples::{Cube, Samples};
+use super::samples::{Cube, CubeSamples};
 use crate::colour::{INFRARED, ULTRAVIOLET};
 
 /// What a channel of a cube holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Channel {
+pub enum CubeChannel {
     /// `R`.
     Red,
     /// `G`.
@@ -25,37 +25,41 @@ pub enum Channel {
     Ultraviolet,
 }
 
-impl Channel {
-    const ALL: [(Channel, &'static str); 5] = [
-        (Channel::Red, "R"),
-        (Channel::Green, "G"),
-        (Channel::Blue, "B"),
-        (Channel::Infrared, "IR"),
-        (Channel::Ultraviolet, "UV"),
+impl CubeChannel {
+    const ALL: [(CubeChannel, &'static str); 5] = [
+        (CubeChannel::Red, "R"),
+        (CubeChannel::Green, "G"),
+        (CubeChannel::Blue, "B"),
+        (CubeChannel::Infrared, "IR"),
+        (CubeChannel::Ultraviolet, "UV"),
     ];
 
     /// Channels beside red, green and blue.
-    pub const COMPANIONS: [Channel; 2] = [Channel::Infrared, Channel::Ultraviolet];
+    pub const COMPANIONS: [CubeChannel; 2] = [CubeChannel::Infrared, CubeChannel::Ultraviolet];
 
     /// Between which wavelengths a companion shines, metres; of colours, all that the eye sees.
     pub fn band(self) -> [f64; 2] {
         match self {
-            Channel::Red | Channel::Green | Channel::Blue => [ULTRAVIOLET[1], INFRARED[0]],
-            Channel::Infrared => INFRARED,
-            Channel::Ultraviolet => ULTRAVIOLET,
+            CubeChannel::Red | CubeChannel::Green | CubeChannel::Blue => {
+                [ULTRAVIOLET[1], INFRARED[0]]
+            }
+            CubeChannel::Infrared => INFRARED,
+            CubeChannel::Ultraviolet => ULTRAVIOLET,
         }
     }
 
     /// As scene files say it.
     pub fn name(self) -> &'static str {
-        let row = Channel::ALL.iter().find(|(channel, _)| *channel == self);
+        let row = CubeChannel::ALL
+            .iter()
+            .find(|(channel, _)| *channel == self);
         row.map_or("", |(_, name)| name)
     }
 }
 
 /// The channels of a cube, in the order of its file: red, green and blue, and maybe companions.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Channels(Vec<Channel>);
+pub struct Channels(Vec<CubeChannel>);
 
 impl Channels {
     /// Channels of these names.
@@ -65,7 +69,7 @@ impl Channels {
     pub fn named<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<Channels, String> {
         let mut channels = Vec::new();
         for name in names {
-            let known = Channel::ALL.iter().find(|(_, known)| *known == name);
+            let known = CubeChannel::ALL.iter().find(|(_, known)| *known == name);
             let Some((channel, _)) = known else {
                 return Err(format!("{name:?} is not the name of a channel"));
             };
@@ -74,7 +78,7 @@ impl Channels {
             }
             channels.push(*channel);
         }
-        for (colour, name) in &Channel::ALL[..3] {
+        for (colour, name) in &CubeChannel::ALL[..3] {
             if !channels.contains(colour) {
                 return Err(format!("there is no channel {name}"));
             }
@@ -94,29 +98,29 @@ impl Channels {
 
     /// What layers of pictures call them, in their order.
     pub(super) fn in_pictures(&self) -> Vec<&'static str> {
-        let name = |channel: &Channel| match channel {
-            Channel::Red => "radiance.R",
-            Channel::Green => "radiance.G",
-            Channel::Blue => "radiance.B",
-            Channel::Infrared | Channel::Ultraviolet => channel.name(),
+        let name = |channel: &CubeChannel| match channel {
+            CubeChannel::Red => "radiance.R",
+            CubeChannel::Green => "radiance.G",
+            CubeChannel::Blue => "radiance.B",
+            CubeChannel::Infrared | CubeChannel::Ultraviolet => channel.name(),
         };
         self.0.iter().map(name).collect()
     }
 
     /// Those beside red, green and blue.
-    pub fn companions(&self) -> Vec<Channel> {
-        let all = Channel::COMPANIONS.into_iter();
+    pub fn companions(&self) -> Vec<CubeChannel> {
+        let all = CubeChannel::COMPANIONS.into_iter();
         all.filter(|channel| self.0.contains(channel)).collect()
     }
 
     /// Where red, green and blue stand.
     pub fn colours(&self) -> [usize; 3] {
-        [Channel::Red, Channel::Green, Channel::Blue]
+        [CubeChannel::Red, CubeChannel::Green, CubeChannel::Blue]
             .map(|channel| self.place(channel).unwrap_or(0))
     }
 
     /// Where a channel stands.
-    pub fn place(&self, channel: Channel) -> Option<usize> {
+    pub fn place(&self, channel: CubeChannel) -> Option<usize> {
         self.0.iter().position(|own| *own == channel)
     }
 
@@ -183,9 +187,9 @@ impl Cube {
         Cube {
             shape: [h, w, t, channels.len()],
             samples: match &self.samples {
-                Samples::F16(samples) => Samples::F16(of(samples, each, channels)),
-                Samples::F32(samples) => Samples::F32(of(samples, each, channels)),
-                Samples::F64(samples) => Samples::F64(of(samples, each, channels)),
+                CubeSamples::F16(samples) => CubeSamples::F16(of(samples, each, channels)),
+                CubeSamples::F32(samples) => CubeSamples::F32(of(samples, each, channels)),
+                CubeSamples::F64(samples) => CubeSamples::F64(of(samples, each, channels)),
             },
         }
     }
@@ -199,7 +203,7 @@ mod tests {
     fn channels_are_named_once_and_hold_all_colours() {
         let all = Channels::named(["UV", "B", "G", "R", "IR"]).unwrap();
         assert_eq!(all.colours(), [3, 2, 1]);
-        assert_eq!(all.companions(), Channel::COMPANIONS);
+        assert_eq!(all.companions(), CubeChannel::COMPANIONS);
         assert_eq!(all.to_string(), "UV, B, G, R, IR");
         for (names, wrong) in [
             (&["R", "G", "B", "B"][..], "B is named twice"),
@@ -217,7 +221,7 @@ mod tests {
     fn a_cube_of_five_channels_becomes_three_cubes() {
         // Sample (i, j, k, c) is 10 (its bin of all bins) + c.
         let samples = (0..2 * 3 * 4 * 5).map(|n| f64::from(n / 5 * 10 + n % 5));
-        let cube = Cube::new([2, 3, 4, 5], Samples::F64(samples.collect())).unwrap();
+        let cube = Cube::new([2, 3, 4, 5], CubeSamples::F64(samples.collect())).unwrap();
         let channels = Channels::named(["B", "IR", "R", "UV", "G"]).unwrap();
         let colours = cube.taking(&channels.colours());
         let companions = channels.companions().into_iter();

@@ -10,7 +10,7 @@ use std::sync::Mutex;
 
 use super::cache::locked;
 use super::pages::changed;
-use super::samples::Samples;
+use super::samples::CubeSamples;
 use super::samples::place_of;
 use super::selection::{Lies, Open, Selection, Windows};
 use crate::error::Result;
@@ -253,7 +253,7 @@ impl Chunks {
     }
 
     /// `count` bricks from the `first` on.
-    pub fn load(&self, first: u64, count: u64) -> Result<Vec<Samples>> {
+    pub fn load(&self, first: u64, count: u64) -> Result<Vec<CubeSamples>> {
         let idle = locked(&self.idle).pop();
         let mut array = match idle {
             Some(array) => array,
@@ -266,7 +266,7 @@ impl Chunks {
             self.selection.window(&mut *array, &ranges, &mut window)?;
             self.check(&ranges, &window)?;
             let numbers = self.fill_up(&ranges, &window, &mut filled);
-            bricks.push(Samples::of(&self.selection.dtype, numbers));
+            bricks.push(CubeSamples::of(&self.selection.dtype, numbers));
         }
         locked(&self.idle).push(array);
         Ok(bricks)

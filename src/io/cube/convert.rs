@@ -25,7 +25,7 @@ use super::store::Store;
 use super::zarr;
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
-use crate::io::image::{self, Channel, Layers, Samples as Pixels, npz};
+use crate::io::image::{self, Channel, Layers, Samples, npz};
 use crate::io::npy::Dtype;
 use crate::io::temporary::{Temporary, in_target};
 
@@ -428,7 +428,7 @@ impl<'a> Work<'a> {
                     let layers = names.iter().enumerate().map(|(index, name)| {
                         Ok(Channel {
                             name: (*name).into(),
-                            samples: Pixels::F32(channel(index)?),
+                            samples: Samples::F32(channel(index)?),
                         })
                     });
                     let layers = Layers::new(
@@ -692,7 +692,7 @@ fn too_large(to: &Path, sample: f64, dtype: &Dtype) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::cube::{Cube, Samples, load};
+    use crate::io::cube::{Cube, CubeSamples, load};
 
     /// (5, 4, 7, 1), written and read back part by part, with bins that pixels shift by different numbers of bins.
     #[test]
@@ -704,7 +704,7 @@ mod tests {
             _ => 0.0,
         };
         let samples = (0..140).map(|n| value(n / 7, (n % 7) as i64)).collect();
-        let cube = Cube::new([5, 4, 7, 1], Samples::F64(samples)).unwrap();
+        let cube = Cube::new([5, 4, 7, 1], CubeSamples::F64(samples)).unwrap();
         npz::write_cube(&path("a.npy"), &cube).unwrap();
         let shift: Vec<f64> = (0..20).map(|pixel| 0.25 * f64::from(pixel) - 2.0).collect();
         for (axes, merge) in [("H W T C", 1), ("T H W", 1), ("T W H C", 3), ("H C T W", 2)] {

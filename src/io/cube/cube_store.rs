@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::bricks::Bricks;
-use super::samples::{Cube, Samples};
+use super::samples::{Cube, CubeSamples};
 
 /// Where a cube is: in memory, or on disk, from which it is read as lookups need it.
 #[derive(Debug, Clone)]
@@ -43,9 +43,9 @@ impl CubeStore {
     pub fn sample_bytes(&self) -> usize {
         match self {
             CubeStore::Memory(cube) => match &cube.samples {
-                Samples::F16(_) => 2,
-                Samples::F32(_) => 4,
-                Samples::F64(_) => 8,
+                CubeSamples::F16(_) => 2,
+                CubeSamples::F32(_) => 4,
+                CubeSamples::F64(_) => 8,
             },
             CubeStore::Disk(bricks) => bricks.sample_bytes(),
         }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use half::f16;
 
-use super::samples::{Cube, Samples};
+use super::samples::{Cube, CubeSamples};
 use crate::error::{Error, Result};
 use crate::io::npy::Dtype;
 
@@ -123,9 +123,9 @@ impl DeadBins {
                     let end = |bin| cube.samples.get(at(bin)).unwrap_or(0.0);
                     let sample = dead.between(end(dead.before), end(dead.after));
                     match &mut cube.samples {
-                        Samples::F16(samples) => samples[at(dead.bin)] = f16::from_f64(sample),
-                        Samples::F32(samples) => samples[at(dead.bin)] = sample as f32,
-                        Samples::F64(samples) => samples[at(dead.bin)] = sample,
+                        CubeSamples::F16(samples) => samples[at(dead.bin)] = f16::from_f64(sample),
+                        CubeSamples::F32(samples) => samples[at(dead.bin)] = sample as f32,
+                        CubeSamples::F64(samples) => samples[at(dead.bin)] = sample,
                     }
                 }
             }

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::axes::Axes;
 use super::channels::Channels;
 use super::negative::Negative;
-use super::samples::{Cube, Samples};
+use super::samples::{Cube, CubeSamples};
 use super::wall::Wall;
 use crate::io::budget::Budget;
 use crate::io::files::{ReadSeek, Reader};
@@ -139,9 +139,9 @@ impl CubeInfo {
     /// That of a cube in memory.
     pub fn of(cube: &Cube) -> CubeInfo {
         let dtype = match &cube.samples {
-            Samples::F16(_) => Dtype::F16,
-            Samples::F32(_) => Dtype::F32,
-            Samples::F64(_) => Dtype::F64,
+            CubeSamples::F16(_) => Dtype::F16,
+            CubeSamples::F32(_) => Dtype::F32,
+            CubeSamples::F64(_) => Dtype::F64,
         };
         CubeInfo {
             shape: cube.shape,

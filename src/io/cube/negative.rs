@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::samples::{Cube, Samples, place_of};
+use super::samples::{Cube, CubeSamples, place_of};
 use crate::error::{Error, Result};
 
 /// What becomes of samples below 0, which data have from which a background was subtracted.
@@ -105,9 +105,9 @@ impl Cube {
             })
         }
         match &self.samples {
-            Samples::F16(s) => found(s, self.shape, f16::to_f64),
-            Samples::F32(s) => found(s, self.shape, f64::from),
-            Samples::F64(s) => found(s, self.shape, |x| x),
+            CubeSamples::F16(s) => found(s, self.shape, f16::to_f64),
+            CubeSamples::F32(s) => found(s, self.shape, f64::from),
+            CubeSamples::F64(s) => found(s, self.shape, |x| x),
         }
     }
 }
@@ -123,11 +123,11 @@ impl Negative {
     }
 
     /// The same of samples that are read as they are needed.
-    pub(super) fn apply_to_samples(self, samples: &mut Samples, path: &Path) -> Result<()> {
+    pub(super) fn apply_to_samples(self, samples: &mut CubeSamples, path: &Path) -> Result<()> {
         match samples {
-            Samples::F16(samples) => self.apply(samples, path),
-            Samples::F32(samples) => self.apply(samples, path),
-            Samples::F64(samples) => self.apply(samples, path),
+            CubeSamples::F16(samples) => self.apply(samples, path),
+            CubeSamples::F32(samples) => self.apply(samples, path),
+            CubeSamples::F64(samples) => self.apply(samples, path),
         }
     }
 
@@ -185,9 +185,9 @@ mod tests {
         let count = numbers.iter().filter(|x| **x < 0.0).count() as u64;
         let first = numbers.iter().position(|x| *x == -6.5).unwrap();
         for samples in [
-            Samples::F16(numbers.iter().map(|x| f16::from_f64(*x)).collect()),
-            Samples::F32(numbers.iter().map(|x| *x as f32).collect()),
-            Samples::F64(numbers.clone()),
+            CubeSamples::F16(numbers.iter().map(|x| f16::from_f64(*x)).collect()),
+            CubeSamples::F32(numbers.iter().map(|x| *x as f32).collect()),
+            CubeSamples::F64(numbers.clone()),
         ] {
             let cube = Cube::new(shape, samples).unwrap();
             let found = cube.below_zero().unwrap();

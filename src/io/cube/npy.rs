@@ -14,7 +14,7 @@ use super::channels::Channels;
 use super::format::{CubeFormat, CubeInfo, Wanted};
 use super::layout::StoredLayout;
 use super::number::{Number, exact_i64, exact_u64};
-use super::samples::{Cube, Samples, place_of};
+use super::samples::{Cube, CubeSamples, place_of};
 use crate::Result;
 use crate::io::files::ReadSeek;
 use crate::io::npy::{self, Dtype, Header, Place, Stored, WRITE_AGAIN};
@@ -93,50 +93,52 @@ pub(super) fn write_out(
 }
 
 /// The samples in their own precision; integers as the floating-point numbers that hold them.
-fn samples(stored: &mut Stored, layout: &Layout) -> Result<Samples> {
+fn samples(stored: &mut Stored, layout: &Layout) -> Result<CubeSamples> {
     Ok(match (layout.number, layout.big_endian) {
-        (Number::F16, true) => Samples::F16(finite(stored, layout, f16::from_be_bytes)?),
-        (Number::F16, false) => Samples::F16(finite(stored, layout, f16::from_le_bytes)?),
-        (Number::F32, true) => Samples::F32(finite(stored, layout, f32::from_be_bytes)?),
-        (Number::F32, false) => Samples::F32(finite(stored, layout, f32::from_le_bytes)?),
-        (Number::F64, true) => Samples::F64(finite(stored, layout, f64::from_be_bytes)?),
-        (Number::F64, false) => Samples::F64(finite(stored, layout, f64::from_le_bytes)?),
-        (Number::U8, _) => Samples::F32(finite(stored, layout, |[b]: [u8; 1]| b.into())?),
-        (Number::I8, _) => Samples::F32(finite(stored, layout, |b| i8::from_le_bytes(b).into())?),
+        (Number::F16, true) => CubeSamples::F16(finite(stored, layout, f16::from_be_bytes)?),
+        (Number::F16, false) => CubeSamples::F16(finite(stored, layout, f16::from_le_bytes)?),
+        (Number::F32, true) => CubeSamples::F32(finite(stored, layout, f32::from_be_bytes)?),
+        (Number::F32, false) => CubeSamples::F32(finite(stored, layout, f32::from_le_bytes)?),
+        (Number::F64, true) => CubeSamples::F64(finite(stored, layout, f64::from_be_bytes)?),
+        (Number::F64, false) => CubeSamples::F64(finite(stored, layout, f64::from_le_bytes)?),
+        (Number::U8, _) => CubeSamples::F32(finite(stored, layout, |[b]: [u8; 1]| b.into())?),
+        (Number::I8, _) => {
+            CubeSamples::F32(finite(stored, layout, |b| i8::from_le_bytes(b).into())?)
+        }
         (Number::U16, true) => {
-            Samples::F32(finite(stored, layout, |b| u16::from_be_bytes(b).into())?)
+            CubeSamples::F32(finite(stored, layout, |b| u16::from_be_bytes(b).into())?)
         }
         (Number::U16, false) => {
-            Samples::F32(finite(stored, layout, |b| u16::from_le_bytes(b).into())?)
+            CubeSamples::F32(finite(stored, layout, |b| u16::from_le_bytes(b).into())?)
         }
         (Number::I16, true) => {
-            Samples::F32(finite(stored, layout, |b| i16::from_be_bytes(b).into())?)
+            CubeSamples::F32(finite(stored, layout, |b| i16::from_be_bytes(b).into())?)
         }
         (Number::I16, false) => {
-            Samples::F32(finite(stored, layout, |b| i16::from_le_bytes(b).into())?)
+            CubeSamples::F32(finite(stored, layout, |b| i16::from_le_bytes(b).into())?)
         }
         (Number::U32, true) => {
-            Samples::F64(finite(stored, layout, |b| u32::from_be_bytes(b).into())?)
+            CubeSamples::F64(finite(stored, layout, |b| u32::from_be_bytes(b).into())?)
         }
         (Number::U32, false) => {
-            Samples::F64(finite(stored, layout, |b| u32::from_le_bytes(b).into())?)
+            CubeSamples::F64(finite(stored, layout, |b| u32::from_le_bytes(b).into())?)
         }
         (Number::I32, true) => {
-            Samples::F64(finite(stored, layout, |b| i32::from_be_bytes(b).into())?)
+            CubeSamples::F64(finite(stored, layout, |b| i32::from_be_bytes(b).into())?)
         }
         (Number::I32, false) => {
-            Samples::F64(finite(stored, layout, |b| i32::from_le_bytes(b).into())?)
+            CubeSamples::F64(finite(stored, layout, |b| i32::from_le_bytes(b).into())?)
         }
-        (Number::U64, true) => Samples::F64(finite(stored, layout, |b| {
+        (Number::U64, true) => CubeSamples::F64(finite(stored, layout, |b| {
             exact_u64(u64::from_be_bytes(b))
         })?),
-        (Number::U64, false) => Samples::F64(finite(stored, layout, |b| {
+        (Number::U64, false) => CubeSamples::F64(finite(stored, layout, |b| {
             exact_u64(u64::from_le_bytes(b))
         })?),
-        (Number::I64, true) => Samples::F64(finite(stored, layout, |b| {
+        (Number::I64, true) => CubeSamples::F64(finite(stored, layout, |b| {
             exact_i64(i64::from_be_bytes(b))
         })?),
-        (Number::I64, false) => Samples::F64(finite(stored, layout, |b| {
+        (Number::I64, false) => CubeSamples::F64(finite(stored, layout, |b| {
             exact_i64(i64::from_le_bytes(b))
         })?),
     })

@@ -2,7 +2,7 @@
 
 use half::f16;
 
-use super::samples::Samples;
+use super::samples::CubeSamples;
 use crate::io::npy::Dtype;
 
 /// The types of samples that are read.
@@ -58,7 +58,7 @@ impl Number {
     }
 
     /// The samples that `bytes` are, in the type in memory.
-    pub fn samples(self, bytes: &[u8], big_endian: bool) -> Samples {
+    pub fn samples(self, bytes: &[u8], big_endian: bool) -> CubeSamples {
         fn each<const N: usize, T>(bytes: &[u8], number: impl Fn([u8; N]) -> T) -> Vec<T> {
             bytes
                 .as_chunks::<N>()
@@ -68,14 +68,14 @@ impl Number {
                 .collect()
         }
         match (self, big_endian) {
-            (Number::F16, false) => Samples::F16(each(bytes, f16::from_le_bytes)),
-            (Number::F32, false) => Samples::F32(each(bytes, f32::from_le_bytes)),
-            (Number::F64, false) => Samples::F64(each(bytes, f64::from_le_bytes)),
+            (Number::F16, false) => CubeSamples::F16(each(bytes, f16::from_le_bytes)),
+            (Number::F32, false) => CubeSamples::F32(each(bytes, f32::from_le_bytes)),
+            (Number::F64, false) => CubeSamples::F64(each(bytes, f64::from_le_bytes)),
             // What lies otherwise goes through doubles.
             _ => {
                 let mut numbers = Vec::with_capacity(bytes.len() / self.stored() as usize);
                 self.decode(bytes, big_endian, &mut numbers);
-                Samples::of(&self.loaded().0, &numbers)
+                CubeSamples::of(&self.loaded().0, &numbers)
             }
         }
     }

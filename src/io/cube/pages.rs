@@ -7,7 +7,7 @@ use std::sync::Mutex;
 
 use super::cache::locked;
 use super::layout::{StoredLayout, strides};
-use super::samples::Samples;
+use super::samples::CubeSamples;
 use super::store::{Located, Store};
 use crate::error::{Error, Result};
 use crate::io::files::{Reader, Stamp};
@@ -272,7 +272,7 @@ impl Pages {
     }
 
     /// `count` bricks from the `first` on, read in one go; the last of the file may be shorter.
-    pub fn load(&self, first: u64, count: u64) -> Result<Vec<Samples>> {
+    pub fn load(&self, first: u64, count: u64) -> Result<Vec<CubeSamples>> {
         let size = self.layout.number.stored();
         let [begin, end] = self.range(first, first + count);
         let mut bytes = vec![0; ((end - begin) * size) as usize];

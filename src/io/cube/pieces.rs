@@ -10,7 +10,7 @@ use half::f16;
 
 use super::bricks::{Bricks, Held};
 use super::pages::InOrder;
-use super::samples::Samples;
+use super::samples::CubeSamples;
 
 /// Runs of samples in bricks.
 #[derive(Debug)]
@@ -23,9 +23,9 @@ pub(crate) struct Pieces {
     /// By row of taps, the brick of the last run and its piece.
     last: [Option<(u64, u16)>; 2],
     /// Bricks that are not at hand, in the order of their pieces.
-    far: Vec<Arc<Samples>>,
+    far: Vec<Arc<CubeSamples>>,
     /// Samples of the runs that are copied.
-    copied: Samples,
+    copied: CubeSamples,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -39,16 +39,16 @@ enum Piece {
 /// A number as bricks hold it.
 pub(crate) trait Stored: Copy {
     /// Samples of this type; none where they are of another.
-    fn of(samples: &Samples) -> &[Self];
+    fn of(samples: &CubeSamples) -> &[Self];
 }
 
 macro_rules! stored {
     ($number:ty, $variant:ident) => {
         impl Stored for $number {
             #[inline(always)]
-            fn of(samples: &Samples) -> &[$number] {
+            fn of(samples: &CubeSamples) -> &[$number] {
                 match samples {
-                    Samples::$variant(samples) => samples,
+                    CubeSamples::$variant(samples) => samples,
                     _ => &[],
                 }
             }
@@ -68,7 +68,7 @@ impl Default for Pieces {
             places: None,
             last: [None; 2],
             far: Vec::new(),
-            copied: Samples::F64(Vec::new()),
+            copied: CubeSamples::F64(Vec::new()),
         }
     }
 }
@@ -142,7 +142,8 @@ impl Pieces {
         let copies = self.pieces.iter().filter(|p| matches!(p, Piece::Copied(_)));
         let room = copies.count() * self.count;
         // The buffer keeps its room from batch to batch while cubes hold numbers of the same type.
-        let same = |samples: &Samples| discriminant(samples) == discriminant(bricks.sample_type());
+        let same =
+            |samples: &CubeSamples| discriminant(samples) == discriminant(bricks.sample_type());
         if !same(&self.copied) {
             self.copied = bricks.zeros(0);
         }

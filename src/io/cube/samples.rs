@@ -6,7 +6,7 @@ use crate::io::npy::Dtype;
 
 /// Samples in their stored precision.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Samples {
+pub enum CubeSamples {
     /// IEEE half precision.
     F16(Vec<f16>),
     /// Single precision.
@@ -24,7 +24,7 @@ pub struct Cube {
     /// H, W, T, C; each at least 1.
     pub shape: [usize; 4],
     /// H·W·T·C samples.
-    pub samples: Samples,
+    pub samples: CubeSamples,
 }
 
 /// Why something is not a cube, or not one that can be looked up. The reader of the file adds its name.
@@ -70,22 +70,22 @@ pub enum CubeError {
 
 crate::error::value_errors!(CubeError);
 
-impl Samples {
+impl CubeSamples {
     /// How many samples.
     pub fn len(&self) -> usize {
         match self {
-            Samples::F16(s) => s.len(),
-            Samples::F32(s) => s.len(),
-            Samples::F64(s) => s.len(),
+            CubeSamples::F16(s) => s.len(),
+            CubeSamples::F32(s) => s.len(),
+            CubeSamples::F64(s) => s.len(),
         }
     }
 
     /// How many bytes they take.
     pub fn bytes(&self) -> u64 {
         let each = match self {
-            Samples::F16(_) => 2,
-            Samples::F32(_) => 4,
-            Samples::F64(_) => 8,
+            CubeSamples::F16(_) => 2,
+            CubeSamples::F32(_) => 4,
+            CubeSamples::F64(_) => 8,
         };
         each * self.len() as u64
     }
@@ -93,23 +93,23 @@ impl Samples {
     /// Has room for so many; new ones are 0.
     pub(super) fn resize(&mut self, count: usize) {
         match self {
-            Samples::F16(s) => s.resize(count, f16::ZERO),
-            Samples::F32(s) => s.resize(count, 0.0),
-            Samples::F64(s) => s.resize(count, 0.0),
+            CubeSamples::F16(s) => s.resize(count, f16::ZERO),
+            CubeSamples::F32(s) => s.resize(count, 0.0),
+            CubeSamples::F64(s) => s.resize(count, 0.0),
         }
     }
 
     /// Copies those of `from` in `range`, if they are of this type and both have them, to place `at` and on.
-    pub(super) fn copy(&mut self, at: usize, from: &Samples, range: std::ops::Range<usize>) {
+    pub(super) fn copy(&mut self, at: usize, from: &CubeSamples, range: std::ops::Range<usize>) {
         fn each<T: Copy>(to: &mut [T], at: usize, from: &[T], range: std::ops::Range<usize>) {
             if let (Some(to), Some(from)) = (to.get_mut(at..at + range.len()), from.get(range)) {
                 to.copy_from_slice(from);
             }
         }
         match (self, from) {
-            (Samples::F16(to), Samples::F16(from)) => each(to, at, from, range),
-            (Samples::F32(to), Samples::F32(from)) => each(to, at, from, range),
-            (Samples::F64(to), Samples::F64(from)) => each(to, at, from, range),
+            (CubeSamples::F16(to), CubeSamples::F16(from)) => each(to, at, from, range),
+            (CubeSamples::F32(to), CubeSamples::F32(from)) => each(to, at, from, range),
+            (CubeSamples::F64(to), CubeSamples::F64(from)) => each(to, at, from, range),
             _ => {}
         }
     }
@@ -122,24 +122,24 @@ impl Samples {
     /// A sample as f64; none beyond the last.
     pub fn get(&self, index: usize) -> Option<f64> {
         match self {
-            Samples::F16(s) => s.get(index).map(|x| x.to_f64()),
-            Samples::F32(s) => s.get(index).map(|x| f64::from(*x)),
-            Samples::F64(s) => s.get(index).copied(),
+            CubeSamples::F16(s) => s.get(index).map(|x| x.to_f64()),
+            CubeSamples::F32(s) => s.get(index).map(|x| f64::from(*x)),
+            CubeSamples::F64(s) => s.get(index).copied(),
         }
     }
 
     /// Numbers that are of this type, in it.
-    pub(super) fn of(dtype: &Dtype, numbers: &[f64]) -> Samples {
+    pub(super) fn of(dtype: &Dtype, numbers: &[f64]) -> CubeSamples {
         match dtype {
-            Dtype::F16 => Samples::F16(numbers.iter().map(|x| f16::from_f64(*x)).collect()),
-            Dtype::F32 => Samples::F32(numbers.iter().map(|x| *x as f32).collect()),
-            Dtype::F64 | Dtype::Other(_) => Samples::F64(numbers.to_vec()),
+            Dtype::F16 => CubeSamples::F16(numbers.iter().map(|x| f16::from_f64(*x)).collect()),
+            Dtype::F32 => CubeSamples::F32(numbers.iter().map(|x| *x as f32).collect()),
+            Dtype::F64 | Dtype::Other(_) => CubeSamples::F64(numbers.to_vec()),
         }
     }
 
     /// So many zeros of this type.
-    pub(super) fn zeros(dtype: &Dtype, count: usize) -> Samples {
-        let mut zeros = Samples::of(dtype, &[]);
+    pub(super) fn zeros(dtype: &Dtype, count: usize) -> CubeSamples {
+        let mut zeros = CubeSamples::of(dtype, &[]);
         zeros.resize(count);
         zeros
     }
@@ -155,9 +155,9 @@ impl Samples {
                 .for_each(|(to, sample)| *to = number(*sample));
         }
         match self {
-            Samples::F16(samples) => each(samples, from, to, f16::to_f64),
-            Samples::F32(samples) => each(samples, from, to, f64::from),
-            Samples::F64(samples) => each(samples, from, to, |number| number),
+            CubeSamples::F16(samples) => each(samples, from, to, f16::to_f64),
+            CubeSamples::F32(samples) => each(samples, from, to, f64::from),
+            CubeSamples::F64(samples) => each(samples, from, to, |number| number),
         }
     }
 
@@ -167,9 +167,9 @@ impl Samples {
             samples.splice(..0, std::iter::repeat_n(T::default(), count));
         }
         match self {
-            Samples::F16(s) => each(s, count),
-            Samples::F32(s) => each(s, count),
-            Samples::F64(s) => each(s, count),
+            CubeSamples::F16(s) => each(s, count),
+            CubeSamples::F32(s) => each(s, count),
+            CubeSamples::F64(s) => each(s, count),
         }
     }
 
@@ -184,9 +184,9 @@ impl Samples {
             }
         }
         match self {
-            Samples::F16(s) => first(s, |x| x.is_finite()),
-            Samples::F32(s) => first(s, |x| x.is_finite()),
-            Samples::F64(s) => first(s, |x| x.is_finite()),
+            CubeSamples::F16(s) => first(s, |x| x.is_finite()),
+            CubeSamples::F32(s) => first(s, |x| x.is_finite()),
+            CubeSamples::F64(s) => first(s, |x| x.is_finite()),
         }
     }
 }
@@ -196,7 +196,7 @@ impl Cube {
     ///
     /// # Errors
     /// An empty axis, a number of samples other than H·W·T·C, a sample that is not finite.
-    pub fn new(shape: [usize; 4], samples: Samples) -> Result<Cube, CubeError> {
+    pub fn new(shape: [usize; 4], samples: CubeSamples) -> Result<Cube, CubeError> {
         let cube = Cube { shape, samples };
         cube.check_shape()?;
         match cube.samples.first_not_finite() {
@@ -251,13 +251,13 @@ mod tests {
 
     #[test]
     fn a_shape_that_disagrees_with_the_samples_is_refused() {
-        let samples = || Samples::F32(vec![0.0; 24]);
+        let samples = || CubeSamples::F32(vec![0.0; 24]);
         assert!(Cube::new([2, 3, 4, 1], samples()).is_ok());
         for shape in [[2, 3, 4, 2], [usize::MAX, usize::MAX, 2, 12]] {
             let refused = Cube::new(shape, samples());
             assert_eq!(refused, Err(CubeError::Length { shape, samples: 24 }));
         }
-        let empty = Cube::new([2, 0, 4, 1], Samples::F64(vec![]));
+        let empty = Cube::new([2, 0, 4, 1], CubeSamples::F64(vec![]));
         assert_eq!(empty, Err(CubeError::EmptyAxis("column")));
     }
 
@@ -265,9 +265,9 @@ mod tests {
     fn a_sample_that_is_not_finite_is_named_by_its_place() {
         let mut samples = vec![1.0; 2 * 3 * 4 * 3];
         samples[((3 + 2) * 4 + 3) * 3 + 1] = f64::NAN;
-        let refused = Cube::new([2, 3, 4, 3], Samples::F64(samples));
+        let refused = Cube::new([2, 3, 4, 3], CubeSamples::F64(samples));
         assert_eq!(refused, Err(CubeError::NotFinite([1, 2, 3, 1])));
-        let half = Samples::F16(vec![half::f16::INFINITY]);
+        let half = CubeSamples::F16(vec![half::f16::INFINITY]);
         assert!(Cube::new([1, 1, 1, 1], half).is_err());
     }
 }

@@ -15,7 +15,7 @@ use super::channels::Channels;
 use super::format::CubeInfo;
 use super::layout::StoredLayout;
 use super::number::Number;
-use super::samples::{Cube, Samples, place_of};
+use super::samples::{Cube, CubeSamples, place_of};
 use crate::error::{Error, Result};
 use crate::io::npy::Dtype;
 
@@ -190,9 +190,9 @@ impl Selection {
         let arrangement = self.arrangement(path)?;
         let count: usize = self.sizes.iter().product();
         let samples = match self.dtype {
-            Dtype::F16 => Samples::F16(self.gather(from, path, &arrangement, f16::from_f64)?),
-            Dtype::F64 => Samples::F64(self.gather(from, path, &arrangement, |x| x)?),
-            _ => Samples::F32(self.gather(from, path, &arrangement, |x| x as f32)?),
+            Dtype::F16 => CubeSamples::F16(self.gather(from, path, &arrangement, f16::from_f64)?),
+            Dtype::F64 => CubeSamples::F64(self.gather(from, path, &arrangement, |x| x)?),
+            _ => CubeSamples::F32(self.gather(from, path, &arrangement, |x| x as f32)?),
         };
         debug_assert_eq!(samples.len(), count);
         Ok(Cube {

@@ -23,7 +23,7 @@ use super::format::{CubeInfo, Transfer, Wanted};
 use super::layout::StoredLayout;
 use super::number::Number;
 use super::picture::{Form, Frame, Picture, extension, file_name, frame_count};
-use super::samples::{Cube, Samples};
+use super::samples::{Cube, CubeSamples};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::npy::Dtype;
@@ -377,7 +377,7 @@ pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     }
     Ok(Cube {
         shape: arrangement.shape,
-        samples: Samples::F32(samples),
+        samples: CubeSamples::F32(samples),
     })
 }
 

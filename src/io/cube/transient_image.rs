@@ -17,7 +17,7 @@ use super::axes::Axes;
 use super::format::{CubeFormat, CubeInfo, FileTimes, Wanted};
 use super::layout::StoredLayout;
 use super::number::Number;
-use super::samples::{Cube, Samples, place_of};
+use super::samples::{Cube, CubeSamples, place_of};
 use super::wall::Wall;
 use crate::error::{Error, Result};
 use crate::io::files::ReadSeek;
@@ -391,7 +391,7 @@ fn load(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Cube> 
     }
     Ok(Cube {
         shape: header.shape(),
-        samples: Samples::F32(samples),
+        samples: CubeSamples::F32(samples),
     })
 }
 

@@ -30,7 +30,7 @@ use crate::Result;
 /// A node on its way.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub struct Track {
+pub struct GltfTrack {
     /// Seconds, ascending, and the node's origin, metres, in the coordinates of the file's root.
     pub points: Vec<(f64, DVec3)>,
     /// Whether the node goes straight from each to the next, at constant velocity: the animation says so where it only moves nodes,
@@ -62,7 +62,11 @@ struct Channel {
 }
 
 /// The way of the origin of the node called `node`, by the animation called `animation` or else by the only one.
-pub(super) fn track(document: &mut Document, node: &str, animation: Option<&str>) -> Result<Track> {
+pub(super) fn track(
+    document: &mut Document,
+    node: &str,
+    animation: Option<&str>,
+) -> Result<GltfTrack> {
     refuse_outside(
         document,
         "put the file beside it, or export the model as one .glb",
@@ -111,7 +115,7 @@ pub(super) fn track(document: &mut Document, node: &str, animation: Option<&str>
         let what = "its path goes beyond the range of numbers";
         return Err(document.invalid(place, what, "all points must be finite"));
     }
-    Ok(Track {
+    Ok(GltfTrack {
         points,
         is_straight: is_straight(&channels),
         turns: axes.iter().any(|[y, z]| {
@@ -406,6 +410,6 @@ fn slerp(a: [f64; 4], b: [f64; 4], t: f64) -> [f64; 4] {
 }
 
 /// What [`track`] gives of the file at `path`.
-pub(super) fn load(path: &Path, node: &str, animation: Option<&str>) -> Result<Track> {
+pub(super) fn load(path: &Path, node: &str, animation: Option<&str>) -> Result<GltfTrack> {
     track(&mut Document::open(path)?, node, animation)
 }

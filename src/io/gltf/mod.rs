@@ -39,13 +39,13 @@ mod warnings;
 
 use std::path::Path;
 
-pub use animation::Track;
+pub use animation::GltfTrack;
 pub use camera::GltfCamera;
 pub(crate) use draft::LIGHTS_UNREAD;
 pub use glb::save;
 pub use import::{BadVertices, EncodedImage, Imported, Want};
 pub use lights::{GltfLight, GltfLightKind};
-pub use summary::Summary;
+pub use summary::GltfSummary;
 
 use crate::Result;
 use document::Document;
@@ -76,7 +76,7 @@ pub fn load_bytes(bytes: &[u8], name: &str, node: Option<&str>, want: Want) -> R
 ///
 /// # Errors
 /// As for [`load`], as far as it shows without reading data.
-pub fn inspect(path: &Path, node: Option<&str>) -> Result<Summary> {
+pub fn inspect(path: &Path, node: Option<&str>) -> Result<GltfSummary> {
     summary::summary(&Document::open(path)?, node)
 }
 
@@ -113,6 +113,6 @@ pub(crate) fn refuse_outside(path: &Path) -> Result<()> {
 /// # Errors
 /// The file cannot be read or is not glTF 2.0; there is no such node or animation, or more than one; the animation does not
 /// move the node, or in steps; its data are not sound.
-pub fn track(path: &Path, node: &str, animation: Option<&str>) -> Result<Track> {
+pub fn track(path: &Path, node: &str, animation: Option<&str>) -> Result<GltfTrack> {
     animation::load(path, node, animation)
 }

@@ -18,7 +18,7 @@ use crate::mesh::{Factors, Material};
 /// What an import would give, and what else there is to choose from.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub struct Summary {
+pub struct GltfSummary {
     /// The program that wrote the file, where it says so.
     pub generator: Option<String>,
     /// Names of the nodes that would be imported, top down; "" for a node without one.
@@ -61,7 +61,7 @@ pub struct Summary {
 }
 
 /// What a file holds as it is placed by its nodes, by accessors' counts alone: instances count each time.
-pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<Summary> {
+pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<GltfSummary> {
     let want = Want {
         bad_vertices: BadVertices::Refuse,
         uvs: true,
@@ -79,7 +79,7 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<Summary
     let meshes: BTreeSet<usize> = pieces.placements.iter().map(|at| at.mesh).collect();
     let textures = materials.iter().flat_map(|m| m.textures());
     let images: BTreeSet<usize> = textures.map(|texture| texture.image).collect();
-    Ok(Summary {
+    Ok(GltfSummary {
         generator: document.root.asset.generator.clone(),
         nodes: draft.nodes.iter().map(|&n| name(document, n)).collect(),
         meshes: meshes.len(),

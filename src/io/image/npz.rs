@@ -18,7 +18,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 use super::file::{write_all, write_atomically, write_failed};
 use super::layers::{Channel, Layers, Samples};
 use crate::error::{Error, Result};
-use crate::io::cube::{Cube, Samples as CubeSamples};
+use crate::io::cube::{Cube, CubeSamples};
 use crate::io::sealed;
 
 const RADIANCE: [&str; 3] = ["radiance.R", "radiance.G", "radiance.B"];

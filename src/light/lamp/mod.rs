@@ -55,7 +55,7 @@ use crate::colour::ColourTable;
 use crate::scene::model::{self, Beam, Pulse};
 use crate::spacetime::worldline::{State, WorldLine};
 use crate::spacetime::{
-    Boost, Camera, Direction, Displacement, Event, InertialFrame, NullRay, Velocity, World,
+    Boost, CameraFrame, Direction, Displacement, Event, InertialFrame, NullRay, Velocity, World,
 };
 
 /// A lamp, ready to be asked for its light.
@@ -82,7 +82,7 @@ enum Path {
     /// At rest in the world; where its clock shows 0.
     Rest(Event<World>),
     /// Without acceleration; at the frame's origin.
-    Inertial(InertialFrame<Camera>),
+    Inertial(InertialFrame<CameraFrame>),
     /// Any; with a state near those that are asked for.
     Line(Box<(WorldLine, State)>),
 }
@@ -415,17 +415,17 @@ fn inverse_within(x: f64) -> f64 {
 /// One division serves all quotients: with q = 1/(r r_G²) they are d = (r d) q r_G², ω_G/ω_world = r_G/r = q r_G³, its inverse q r² r_G and
 /// 1/r_G² = q r. Each is right to some eps, as the others are. Lamps farther than 10¹⁰² m, or nearer than its inverse, send no light.
 struct Inertial<'a> {
-    frame: &'a InertialFrame<Camera>,
+    frame: &'a InertialFrame<CameraFrame>,
 }
 
 /// Boosts to a lamp's frame and back, `SLOW` as [`Boost::is_slow`] says of them.
 struct ThereAndBack<const SLOW: bool> {
-    there: Boost<Camera, World>,
-    back: Boost<World, Camera>,
+    there: Boost<CameraFrame, World>,
+    back: Boost<World, CameraFrame>,
 }
 
 impl<const SLOW: bool> ThereAndBack<SLOW> {
-    fn new(frame: &InertialFrame<Camera>) -> Self {
+    fn new(frame: &InertialFrame<CameraFrame>) -> Self {
         ThereAndBack {
             there: *frame.frame_from_world(),
             back: *frame.world_from_frame(),
@@ -524,7 +524,7 @@ impl<'a> Accelerated<'a> {
         let (_, velocity) = self.line.place(proper_time)?;
         let k = (crossing.displacement - way).x;
         let (d, distance) = (Direction::new(k)?, k.length());
-        let boost = Boost::<World, Camera>::new(velocity).inverse();
+        let boost = Boost::<World, CameraFrame>::new(velocity).inverse();
         let (in_lamp, ratio) = boost.direction(d);
         let reach = distance * ratio;
         let arrival = Arrival {
@@ -571,14 +571,14 @@ impl Emitter for ParallelAtRest {
 
 /// Parallel light of a lamp that moves.
 struct ParallelInertial<'a> {
-    frame: &'a InertialFrame<Camera>,
+    frame: &'a InertialFrame<CameraFrame>,
     direction: DVec3,
     /// Towards it in the world, and ω_world/ω_G.
     in_world: (Direction<World>, f64),
 }
 
 impl<'a> ParallelInertial<'a> {
-    fn new(frame: &'a InertialFrame<Camera>, direction: DVec3) -> Self {
+    fn new(frame: &'a InertialFrame<CameraFrame>, direction: DVec3) -> Self {
         let towards = Direction::from_unit(-direction);
         let in_world = frame.world_from_frame().direction(towards);
         ParallelInertial {

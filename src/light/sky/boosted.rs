@@ -473,7 +473,7 @@ mod tests {
     /// is cold.
     #[test]
     fn a_sky_of_a_blackbody_lights_the_far_side_of_what_moves() {
-        let shape = crate::colour::Shape::Blackbody(5000.0);
+        let shape = crate::colour::SpectrumShape::Blackbody(5000.0);
         let spectrum = Spectrum::new(shape, Scale::Factor(1.0)).unwrap();
         let sky = Sky {
             background: Background::Spectrum(ColourTable::new(&spectrum)),

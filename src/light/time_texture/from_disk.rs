@@ -2,7 +2,7 @@
 
 use super::gather::{AnySource, Source};
 use super::places::BATCH;
-use crate::io::cube::{Bricks, CubeStore, Held, Pieces, Samples};
+use crate::io::cube::{Bricks, CubeSamples, CubeStore, Held, Pieces};
 
 /// What lookups need of a cube on disk; nothing of one in memory.
 #[derive(Debug)]
@@ -13,7 +13,7 @@ pub(super) struct FromDisk {
     /// Which of the pieces each tap reads, by tap and lookup.
     which: [[u16; BATCH]; 4],
     /// Samples of all taps, brought together, where some bins are mended.
-    mended: Samples,
+    mended: CubeSamples,
 }
 
 impl Default for FromDisk {
@@ -23,7 +23,7 @@ impl Default for FromDisk {
             wanted: Vec::new(),
             pieces: Pieces::default(),
             which: [[0; BATCH]; 4],
-            mended: Samples::F64(Vec::new()),
+            mended: CubeSamples::F64(Vec::new()),
         }
     }
 }
@@ -76,9 +76,15 @@ impl FromDisk {
         }
         pieces.fetch(bricks, held);
         match bricks.sample_type() {
-            Samples::F16(_) => AnySource::F16(Source::Pieces(pieces.samples(bricks, held), which)),
-            Samples::F32(_) => AnySource::F32(Source::Pieces(pieces.samples(bricks, held), which)),
-            Samples::F64(_) => AnySource::F64(Source::Pieces(pieces.samples(bricks, held), which)),
+            CubeSamples::F16(_) => {
+                AnySource::F16(Source::Pieces(pieces.samples(bricks, held), which))
+            }
+            CubeSamples::F32(_) => {
+                AnySource::F32(Source::Pieces(pieces.samples(bricks, held), which))
+            }
+            CubeSamples::F64(_) => {
+                AnySource::F64(Source::Pieces(pieces.samples(bricks, held), which))
+            }
         }
     }
 
@@ -107,7 +113,7 @@ impl FromDisk {
                 origins[at] = first as u64;
             }
         }
-        self.mended = Samples::F64(values);
+        self.mended = CubeSamples::F64(values);
         AnySource::whole(&self.mended)
     }
 }

@@ -5,7 +5,7 @@ use half::f16;
 use super::places::{BATCH, MOST_BINS, Places};
 use super::reader::Sample;
 use crate::accel::vectors::prefetch;
-use crate::io::cube::Samples;
+use crate::io::cube::CubeSamples;
 
 /// Lookups whose samples are brought together.
 const GROUP: usize = 16;
@@ -73,11 +73,11 @@ pub(super) enum AnySource<'a> {
 
 impl<'a> AnySource<'a> {
     /// All of these.
-    pub fn whole(samples: &'a Samples) -> Self {
+    pub fn whole(samples: &'a CubeSamples) -> Self {
         match samples {
-            Samples::F16(samples) => AnySource::F16(Source::Whole(samples)),
-            Samples::F32(samples) => AnySource::F32(Source::Whole(samples)),
-            Samples::F64(samples) => AnySource::F64(Source::Whole(samples)),
+            CubeSamples::F16(samples) => AnySource::F16(Source::Whole(samples)),
+            CubeSamples::F32(samples) => AnySource::F32(Source::Whole(samples)),
+            CubeSamples::F64(samples) => AnySource::F64(Source::Whole(samples)),
         }
     }
 }

@@ -5,7 +5,7 @@ use super::axis::Moment;
 use super::bilinear::Tap;
 use super::near::Near;
 use super::weights::BinWeights;
-use crate::io::cube::{Bricks, Cube, CubeStore, Samples};
+use crate::io::cube::{Bricks, Cube, CubeSamples, CubeStore};
 
 /// A stored number.
 pub(super) trait Sample: Copy {
@@ -70,9 +70,9 @@ pub(super) fn read(
         CubeStore::Disk(bricks) => return read_from_disk(bricks, taps, moments, near),
     };
     match &cube.samples {
-        Samples::F16(samples) => by_channels(samples, cube.shape, taps, moments),
-        Samples::F32(samples) => by_channels(samples, cube.shape, taps, moments),
-        Samples::F64(samples) => by_channels(samples, cube.shape, taps, moments),
+        CubeSamples::F16(samples) => by_channels(samples, cube.shape, taps, moments),
+        CubeSamples::F32(samples) => by_channels(samples, cube.shape, taps, moments),
+        CubeSamples::F64(samples) => by_channels(samples, cube.shape, taps, moments),
     }
 }
 
@@ -98,9 +98,9 @@ fn read_texel_in_memory(cube: &Cube, texel: usize, moment: &Moment) -> [f64; 3] 
         [grey; 3]
     }
     match &cube.samples {
-        Samples::F16(samples) => of(samples, cube.shape, texel, moment),
-        Samples::F32(samples) => of(samples, cube.shape, texel, moment),
-        Samples::F64(samples) => of(samples, cube.shape, texel, moment),
+        CubeSamples::F16(samples) => of(samples, cube.shape, texel, moment),
+        CubeSamples::F32(samples) => of(samples, cube.shape, texel, moment),
+        CubeSamples::F64(samples) => of(samples, cube.shape, texel, moment),
     }
 }
 

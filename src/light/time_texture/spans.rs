@@ -357,7 +357,7 @@ mod tests {
         let mut samples = vec![1e-9; 64];
         samples[3] = 1e9;
         samples[9] = 0.1;
-        let cube = Cube::new([1, 1, 64, 1], crate::io::cube::Samples::F64(samples)).unwrap();
+        let cube = Cube::new([1, 1, 64, 1], crate::io::cube::CubeSamples::F64(samples)).unwrap();
         let sums = PrefixSums::new(&cube);
         let tail = sums.between(0, 1, 4, 0);
         assert!((tail / 48e-9 - 1.0).abs() < 1e-14, "{tail}");

@@ -33,7 +33,7 @@ pub use surface::{Coordinates, Surface, check_surface, surface_cube};
 
 use self::part::Summary;
 use crate::error::{Error, Result};
-use crate::io::cube::{Cube, Samples};
+use crate::io::cube::{Cube, CubeSamples};
 use crate::light::Received;
 use crate::light::lamp::{Emission, Lamp};
 use crate::mesh::atlas::Corners;
@@ -273,7 +273,7 @@ fn baked(
     };
     let standard_error = (0..bins.count).map(|bin| (square(bin) / texels as f64).sqrt());
     let standard_error = standard_error.collect();
-    let cube = Cube::new([height, width, bins.count, 3], Samples::F32(values));
+    let cube = Cube::new([height, width, bins.count, 3], CubeSamples::F32(values));
     let cube = cube.map_err(|e| {
         let help = "lamps whose light f32 can hold";
         Error::invalid(&scene.name, "light", e.to_string(), help)

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::accel::Ray;
 use crate::error::{Error, Result};
-use crate::io::cube::{self as cubes, Bricks, Channel, Channels, Cube, CubeStore, Wanted};
+use crate::io::cube::{self as cubes, Bricks, Channels, Cube, CubeChannel, CubeStore, Wanted};
 use crate::light::time_texture::survey::{self, Order};
 use crate::light::time_texture::{Capture, SeenPoint, TimeAxis, TimeTexture};
 use crate::render::plan::Plan;
@@ -18,7 +18,7 @@ use crate::scene::model::{
 };
 
 /// A file, what is said of its channels, and which companions are taken of it.
-type FileParts = (CubeFile, Option<Channels>, Vec<Channel>);
+type FileParts = (CubeFile, Option<Channels>, Vec<CubeChannel>);
 
 /// Cubes and capture cameras, each file loaded once.
 #[derive(Default)]
@@ -101,7 +101,7 @@ impl Stores {
         let clock = place.clock(cube.clock);
         // The colours, and their companions after them.
         let index = self.cubes.len();
-        let companions = Channel::COMPANIONS.map(|channel| {
+        let companions = CubeChannel::COMPANIONS.map(|channel| {
             let place = companions.iter().position(|own| *own == channel);
             place.map(|place| index + 1 + place)
         });
@@ -156,7 +156,7 @@ impl Stores {
     fn load(
         &mut self,
         cube: &CubeSource,
-        companions: &[Channel],
+        companions: &[CubeChannel],
         held: Option<u64>,
     ) -> Result<(CubeStore, Vec<CubeStore>)> {
         let file = match &cube.data {
@@ -211,7 +211,7 @@ impl Stores {
 fn split(
     cube: &Arc<Cube>,
     channels: &Channels,
-    companions: &[Channel],
+    companions: &[CubeChannel],
 ) -> (CubeStore, Vec<CubeStore>) {
     let places = companions.iter();
     let places = places.filter_map(|channel| channels.place(*channel));

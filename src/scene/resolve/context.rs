@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use crate::error::{Error, Result};
-use crate::io::gltf::Track;
+use crate::io::gltf::GltfTrack;
 use crate::scene::at::At;
 use crate::scene::inputs::{Inputs, Pose};
 use crate::scene::limits::Wrong;
@@ -303,7 +303,7 @@ impl Context {
     }
 
     /// The way of an animated node of a glTF file.
-    pub(in crate::scene) fn gltf_track(&self, file: &At<String>) -> Result<Track> {
+    pub(in crate::scene) fn gltf_track(&self, file: &At<String>) -> Result<GltfTrack> {
         self.path(file, GLTF)?;
         let missing = || Err(self.refuse(file, "the animation of this file was not read", ""));
         self.inputs.track(file).unwrap_or_else(missing)

@@ -3,7 +3,7 @@
 use super::context::Context;
 use crate::colour::Continuation;
 use crate::error::Result;
-use crate::io::cube::Channel;
+use crate::io::cube::CubeChannel;
 use crate::scene::at::At;
 use crate::scene::file::{Radiance, Source};
 use crate::spacetime::{Quantity, QuantityKind};
@@ -27,7 +27,7 @@ pub(super) fn resolve(cx: &Context, radiance: &At<Radiance>) -> Result<Quantity>
 
 /// How RGB goes on where nobody at rest sees it; only the scene's `radiance` says so.
 pub(super) fn continuation(radiance: &At<Radiance>, sources: &[At<Source>]) -> Continuation {
-    let is_companion = |name: &String| Channel::COMPANIONS.iter().any(|c| c.name() == name);
+    let is_companion = |name: &String| CubeChannel::COMPANIONS.iter().any(|c| c.name() == name);
     let has_companions = |source: &At<Source>| {
         let cube = source.value.cube.as_ref();
         let channels = cube.and_then(|cube| cube.value.channels.as_ref());

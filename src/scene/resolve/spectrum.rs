@@ -1,7 +1,7 @@
 //! Spectra of what shines.
 
 use super::context::Context;
-use crate::colour::{Continuation, Scale, Shape, Spectrum};
+use crate::colour::{Continuation, Scale, Spectrum, SpectrumShape};
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
@@ -56,7 +56,11 @@ fn described(
     })
 }
 
-fn shape(cx: &Context, at: &At<file::Spectrum>, continuation: Continuation) -> Result<Shape> {
+fn shape(
+    cx: &Context,
+    at: &At<file::Spectrum>,
+    continuation: Continuation,
+) -> Result<SpectrumShape> {
     let said = &at.value;
     cx.only_one(
         "the spectrum",
@@ -82,7 +86,7 @@ fn shape(cx: &Context, at: &At<file::Spectrum>, continuation: Continuation) -> R
         return Err(cx.refuse(at, what, "\"dark\", \"edge\" or \"blackbody\""));
     }
     if let Some(line) = &said.line {
-        return Ok(Shape::Lines(vec![[wavelength(cx, line)?, 1.0]]));
+        return Ok(SpectrumShape::Lines(vec![[wavelength(cx, line)?, 1.0]]));
     }
     if let Some(lines) = &said.lines {
         return self::lines(cx, lines);
@@ -90,7 +94,7 @@ fn shape(cx: &Context, at: &At<file::Spectrum>, continuation: Continuation) -> R
     if let Some(temperature) = &said.blackbody {
         let kelvin = temperature.value.kelvin();
         if (1e-6..=1e15).contains(&kelvin) {
-            return Ok(Shape::Blackbody(kelvin));
+            return Ok(SpectrumShape::Blackbody(kelvin));
         }
         let what = format!(
             "a temperature of {} is not between 1e-6 K and 1e15 K",
@@ -102,14 +106,14 @@ fn shape(cx: &Context, at: &At<file::Spectrum>, continuation: Continuation) -> R
         return self::gaussian(cx, gaussian);
     }
     if let Some(table) = &said.table {
-        return cx.spectrum_table(table).map(Shape::Table);
+        return cx.spectrum_table(table).map(SpectrumShape::Table);
     }
     // A flat spectrum is a table of two rows.
     if let Some(flat) = &said.flat {
         let [from, to] = &flat.value;
         let (first, last) = (wavelength(cx, from)?, wavelength(cx, to)?);
         if first < last {
-            return Ok(Shape::Table(vec![[first, 1.0], [last, 1.0]]));
+            return Ok(SpectrumShape::Table(vec![[first, 1.0], [last, 1.0]]));
         }
         let what = format!("{} is not longer than {}", to.value, from.value);
         return Err(cx.refuse(
@@ -120,14 +124,17 @@ fn shape(cx: &Context, at: &At<file::Spectrum>, continuation: Continuation) -> R
     }
     if let Some(rgb) = &said.rgb {
         let own = said.continuation.as_ref().map(|at| at.value);
-        return Ok(Shape::Rgb(cx.colour(rgb)?, own.unwrap_or(continuation)));
+        return Ok(SpectrumShape::Rgb(
+            cx.colour(rgb)?,
+            own.unwrap_or(continuation),
+        ));
     }
     let help = "say which: line = \"589 nm\", lines = […], blackbody = \"5800 K\", gaussian = { … }, \
                 table = \"lamp.csv\", flat = [\"300 nm\", \"2 um\"] or rgb = [1, 1, 1]";
     Err(cx.refuse(at, "this spectrum says nothing of its wavelengths", help))
 }
 
-fn lines(cx: &Context, lines: &At<Vec<At<file::SpectralLine>>>) -> Result<Shape> {
+fn lines(cx: &Context, lines: &At<Vec<At<file::SpectralLine>>>) -> Result<SpectrumShape> {
     let count = lines.value.len();
     if !(1..=MOST_LINES).contains(&count) {
         let what = format!("{count} lines");
@@ -144,14 +151,14 @@ fn lines(cx: &Context, lines: &At<Vec<At<file::SpectralLine>>>) -> Result<Shape>
         let what = "none of these lines has any energy";
         return Err(cx.refuse(lines, what, "give at least one an `energy` above 0"));
     }
-    Ok(Shape::Lines(resolved))
+    Ok(SpectrumShape::Lines(resolved))
 }
 
-fn gaussian(cx: &Context, gaussian: &At<file::Gaussian>) -> Result<Shape> {
+fn gaussian(cx: &Context, gaussian: &At<file::Gaussian>) -> Result<SpectrumShape> {
     let centre = wavelength(cx, &gaussian.value.centre)?;
     let sigma = wavelength(cx, &gaussian.value.sigma)?;
     if sigma >= NARROWEST * centre && sigma <= centre {
-        return Ok(Shape::Gaussian { centre, sigma });
+        return Ok(SpectrumShape::Gaussian { centre, sigma });
     }
     let what = format!(
         "a standard deviation of {} is not between {NARROWEST:e} of the centre and the centre itself",

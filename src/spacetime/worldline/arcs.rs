@@ -15,7 +15,7 @@ use super::state::{Crossing, State};
 use super::stretch::Stretch;
 use super::taylor::combined;
 use super::vicinity::Vicinity;
-use crate::spacetime::{Camera, Displacement, Event, InertialFrame, Velocity, World};
+use crate::spacetime::{CameraFrame, Displacement, Event, InertialFrame, Velocity, World};
 
 /// A stretch of constant proper acceleration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -124,7 +124,7 @@ impl Arcs {
     }
 
     /// The one frame in which it rests for ever.
-    pub fn frame(&self) -> Option<InertialFrame<Camera>> {
+    pub fn frame(&self) -> Option<InertialFrame<CameraFrame>> {
         let inertial = self.arcs.iter().all(|arc| arc.begin.thrust.is_none());
         inertial.then(|| *self.arcs[0].begin.frame())
     }

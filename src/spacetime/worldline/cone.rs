@@ -33,7 +33,7 @@ use super::elapsed::{Elapsed, is_near};
 use super::rounding::one_plus;
 use super::state::{Crossing, State};
 use super::thrust::Thrust;
-use crate::spacetime::{Camera, Displacement, World};
+use crate::spacetime::{CameraFrame, Displacement, World};
 
 /// Where the line through `near`, with its acceleration for ever, meets the past light cone of the event at
 /// `offset` from there.
@@ -58,7 +58,7 @@ pub(super) fn past_cone(near: &State, offset: Displacement<World>) -> Option<Cro
 /// T − R: the proper time of the crossing with a line at rest. The interval is invariant, and keeps the
 /// digits of the world's coordinates.
 #[inline]
-fn straight(apex: Displacement<Camera>, interval: f64) -> f64 {
+fn straight(apex: Displacement<CameraFrame>, interval: f64) -> f64 {
     let distance = apex.x.length();
     if apex.ct > 0.0 {
         interval / (apex.ct + distance)
@@ -103,7 +103,7 @@ struct Apex {
 /// The crossing with a straight line or a hyperbola, or none beyond its horizon, for an apex in the frame
 /// comoving at `near`, and its interval, which the world's coordinates may tell better.
 #[inline]
-fn crossed(near: &State, apex: Displacement<Camera>, interval: f64) -> Option<Light> {
+fn crossed(near: &State, apex: Displacement<CameraFrame>, interval: f64) -> Option<Light> {
     let Thrust { g, n, .. } = near.thrust;
     if g == 0.0 {
         let y = straight(apex, interval);

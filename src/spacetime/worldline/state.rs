@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::elapsed::Elapsed;
 use super::thrust::Thrust;
-use crate::spacetime::{Camera, Displacement, Event, InertialFrame, Velocity, World};
+use crate::spacetime::{CameraFrame, Displacement, Event, InertialFrame, Velocity, World};
 
 /// A world line at one of its proper times.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,7 +18,7 @@ pub struct State {
     /// Proper acceleration, 1/m, in the axes of the comoving frame, which are the world's boosted without
     /// rotation.
     pub acceleration: DVec3,
-    frame: InertialFrame<Camera>,
+    frame: InertialFrame<CameraFrame>,
     pub(super) thrust: Thrust,
     /// The four-velocity.
     pub(super) ahead: Displacement<World>,
@@ -54,7 +54,7 @@ impl State {
 
     /// The momentarily comoving inertial frame. Its clock and coordinates are zero at this event: add
     /// [`State::proper_time`] for the time that a clock on the world line shows.
-    pub fn frame(&self) -> &InertialFrame<Camera> {
+    pub fn frame(&self) -> &InertialFrame<CameraFrame> {
         &self.frame
     }
 }

@@ -18,7 +18,7 @@
 use glam::DVec3;
 
 use super::state::State;
-use crate::spacetime::{Boost, Camera, Direction, Displacement, Event, World};
+use crate::spacetime::{Boost, CameraFrame, Direction, Displacement, Event, World};
 
 /// The largest |φ| between an anchor and a moment, for which the series of the head of this file are exact to rounding.
 const REACH: f64 = 0.25;
@@ -42,7 +42,7 @@ pub struct Anchor {
     proper_time: f64,
     /// The event, counted from the stretch's reference.
     moved: Displacement<World>,
-    world_from_comoving: Boost<World, Camera>,
+    world_from_comoving: Boost<World, CameraFrame>,
     /// Magnitude of the proper acceleration, 1/m, and its direction.
     g: f64,
     n: DVec3,
@@ -131,7 +131,7 @@ impl Anchor {
     pub fn look(
         &self,
         proper_time: f64,
-        seen: Direction<Camera>,
+        seen: Direction<CameraFrame>,
     ) -> (Displacement<World>, Direction<World>, f64) {
         let (d, ratio) = self.turned(proper_time, seen);
         let (d, onward) = self.world_from_comoving.direction(d);
@@ -143,8 +143,8 @@ impl Anchor {
     pub(crate) fn turned(
         &self,
         proper_time: f64,
-        seen: Direction<Camera>,
-    ) -> (Direction<Camera>, f64) {
+        seen: Direction<CameraFrame>,
+    ) -> (Direction<CameraFrame>, f64) {
         let since = proper_time - self.proper_time;
         let Series { phi, q, odd, even } = self.series(since);
         // To the axes that were carried along.
@@ -164,7 +164,7 @@ impl Anchor {
 
     /// The boost of the second part: from the anchor's frame to the world.
     #[inline(always)]
-    pub(crate) fn world_from_comoving(&self) -> &Boost<World, Camera> {
+    pub(crate) fn world_from_comoving(&self) -> &Boost<World, CameraFrame> {
         &self.world_from_comoving
     }
 

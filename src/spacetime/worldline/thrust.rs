@@ -15,7 +15,7 @@ use glam::DVec3;
 
 use super::rounding::{length_error, product, quotient};
 use crate::spacetime::event::unit_and_length;
-use crate::spacetime::{Camera, Displacement};
+use crate::spacetime::{CameraFrame, Displacement};
 
 /// |gτ| below which a few terms of the series are exact to rounding.
 pub(super) const SMALL: f64 = 1e-5;
@@ -59,7 +59,7 @@ impl Thrust {
     }
 
     /// The displacement after proper time `elapsed`, in the frame comoving at the start.
-    pub fn displacement(&self, elapsed: f64) -> Displacement<Camera> {
+    pub fn displacement(&self, elapsed: f64) -> Displacement<CameraFrame> {
         let (phi, error) = self.rapidity(elapsed);
         // sinh φ/g and (cosh φ − 1)/g; by their series, φ⁴ below rounding, where the quotients lose digits.
         if phi.abs() < SMALL {

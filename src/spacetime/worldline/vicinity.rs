@@ -20,7 +20,7 @@
 use glam::DVec3;
 
 use super::state::State;
-use crate::spacetime::{Camera, Displacement, World};
+use crate::spacetime::{CameraFrame, Displacement, World};
 
 /// The part of a world line around a state, as far as its proper acceleration is constant.
 #[derive(Debug, Clone, Copy)]
@@ -53,9 +53,9 @@ impl Vicinity {
     #[inline(always)]
     pub fn crossing(
         &self,
-        apex: Displacement<Camera>,
+        apex: Displacement<CameraFrame>,
         square: f64,
-    ) -> Option<Displacement<Camera>> {
+    ) -> Option<Displacement<CameraFrame>> {
         let (crossing, crosses) = self.crossing_or_not(apex, square);
         crosses.then_some(crossing)
     }
@@ -64,9 +64,9 @@ impl Vicinity {
     #[inline(always)]
     pub fn crossing_or_not(
         &self,
-        apex: Displacement<Camera>,
+        apex: Displacement<CameraFrame>,
         square: f64,
-    ) -> (Displacement<Camera>, bool) {
+    ) -> (Displacement<CameraFrame>, bool) {
         // a, X⊥², h, S and w of the head of this file.
         let along = self.n.dot(apex.x);
         let across = (apex.x - self.n * along).length_squared();
@@ -88,7 +88,7 @@ impl Vicinity {
     /// A displacement of the comoving frame by `ct` and `x` = n x∥, as [`Vicinity::crossing`] gives them, in
     /// the world.
     #[inline(always)]
-    pub fn in_world(&self, crossing: Displacement<Camera>) -> Displacement<World> {
+    pub fn in_world(&self, crossing: Displacement<CameraFrame>) -> Displacement<World> {
         let ahead = self.n.dot(crossing.x);
         self.near.ahead * crossing.ct + self.near.aside * ahead
     }

@@ -10,7 +10,7 @@ use super::profile::{Axes, Profile};
 use super::state::{Crossing, State};
 use super::stretch::Stretch;
 use super::vicinity::Vicinity;
-use crate::spacetime::{Camera, Displacement, Event, InertialFrame, Velocity, World};
+use crate::spacetime::{CameraFrame, Displacement, Event, InertialFrame, Velocity, World};
 
 /// The world line of something slower than light.
 #[derive(Debug, Clone)]
@@ -183,7 +183,7 @@ impl WorldLine {
     }
 
     /// The frame whose clock shows proper time, where the line is inertial for ever.
-    pub fn frame(&self) -> Option<InertialFrame<Camera>> {
+    pub fn frame(&self) -> Option<InertialFrame<CameraFrame>> {
         match &self.kind {
             Kind::Arcs(line) => line.frame(),
             _ => None,

@@ -33,7 +33,7 @@ pub struct KnownScene {
     film: AnyProjection,
     /// The event of the shot, which all rays leave.
     event: Event<World>,
-    camera: InertialFrame<spacetime::Camera>,
+    camera: InertialFrame<spacetime::CameraFrame>,
     /// Whether directions are those of the camera's frame; otherwise the world's are taken for them.
     aberration: bool,
     /// Refractive index of the medium; 0 where light takes no time.

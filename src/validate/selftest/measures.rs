@@ -32,7 +32,7 @@ use glam::DVec3;
 use super::rows::{EPS, Fine};
 use crate::accel::{Bvh, Facing, Ray};
 use crate::spacetime::worldline::WorldLine;
-use crate::spacetime::{Boost, Camera, Direction, Displacement, Event, Rest, Velocity, World};
+use crate::spacetime::{Boost, CameraFrame, Direction, Displacement, Event, Rest, Velocity, World};
 
 /// The angle of a pixel at the centre of 1024 that cover 60°.
 const PIXEL: f64 = 1.127_637_244_512_189_7e-3; // 2 tan 30° / 1024
@@ -61,8 +61,8 @@ impl Look {
     /// Of w and d′.
     fn new(inputs: &[f64]) -> Option<Look> {
         let velocity = Velocity::from_rapidity(vector(&inputs[..3])).ok()?;
-        let direction = Direction::<Camera>::new(vector(&inputs[3..]))?;
-        let (d, ratio) = Boost::<World, Camera>::new(velocity).direction(direction);
+        let direction = Direction::<CameraFrame>::new(vector(&inputs[3..]))?;
+        let (d, ratio) = Boost::<World, CameraFrame>::new(velocity).direction(direction);
         let d = d.unit();
         Some(Look { velocity, d, ratio })
     }

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use nullray::Result;
 use nullray::figures::diagram::model::Diagram;
-use nullray::figures::pixel_probe::{Hit, Probe, trace};
+use nullray::figures::pixel_probe::{Probe, ProbeHit, trace};
 use nullray::render::progress::Silent;
 use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};
@@ -67,7 +67,7 @@ fn seen(camera: &str, pixel: [u32; 2]) -> Probe {
 }
 
 /// A probe of this camera of something, and what it is.
-fn hit(camera: &str) -> (Probe, Hit) {
+fn hit(camera: &str) -> (Probe, ProbeHit) {
     let scene = scene(&text(camera));
     let rows = (0..24)
         .rev()

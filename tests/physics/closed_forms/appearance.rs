@@ -1,7 +1,7 @@
 //! What moving things look like: Penrose's sphere and Terrell's cube.
 
 use glam::DVec3;
-use nullray::spacetime::{Boost, Camera, Direction, Rest, Velocity, World};
+use nullray::spacetime::{Boost, CameraFrame, Direction, Rest, Velocity, World};
 use proptest::prelude::*;
 
 use crate::closed_forms::sample::{config, perpendicular, unit};
@@ -47,7 +47,7 @@ proptest! {
         let velocity = Velocity::from_beta(n * beta).unwrap();
         let camera = Velocity::from_beta(m * camera_beta).unwrap();
         let world_from_rest = Boost::<World, Rest>::new(velocity);
-        let camera_from_world = Boost::<World, Camera>::new(camera).inverse();
+        let camera_from_world = Boost::<World, CameraFrame>::new(camera).inverse();
         let rest = tangent_cone(centre, sine).map(|d| Direction::new(d).unwrap());
         let world: Vec<_> = rest.map(|d| world_from_rest.direction(d).0).collect();
         let seen = |d: &Direction<World>| camera_from_world.direction(*d).0.unit();

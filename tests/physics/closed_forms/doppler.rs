@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec3, DVec4};
 use nullray::spacetime::{
-    Boost, Camera, Direction, Displacement, Quantity, Rest, Velocity, WavelengthRatio, World,
+    Boost, CameraFrame, Direction, Displacement, Quantity, Rest, Velocity, WavelengthRatio, World,
 };
 use proptest::prelude::*;
 
@@ -14,14 +14,14 @@ const BETAS: [f64; 6] = [0.1, 0.3, 0.6, 0.9, 0.99, 0.9999];
 fn ratio_by_camera_angle(beta: f64, n: DVec3, d: DVec3) -> f64 {
     let velocity = Velocity::from_beta(n * beta).unwrap();
     let d = Direction::new(d).unwrap();
-    Boost::<World, Camera>::new(velocity).direction(d).1
+    Boost::<World, CameraFrame>::new(velocity).direction(d).1
 }
 
 /// The same by the world's angle.
 fn ratio_by_world_angle(beta: f64, n: DVec3, d: DVec3) -> f64 {
     let velocity = Velocity::from_beta(n * beta).unwrap();
     let d = Direction::new(d).unwrap();
-    1.0 / Boost::<Camera, World>::new(-velocity).direction(d).1
+    1.0 / Boost::<CameraFrame, World>::new(-velocity).direction(d).1
 }
 
 fn assert_close(got: f64, expected: f64, relative: f64) {
@@ -71,7 +71,7 @@ proptest! {
         // Of the null vector (−1, d) the camera has (−γ(1 + β cos θ), γ(cos θ + β)) in time and along the
         // motion, and the one over the other is cos θ′ = (cos θ + β)/(1 + β cos θ).
         let velocity = Velocity::from_beta(n * beta).unwrap();
-        let (seen, _) = Boost::<World, Camera>::new(velocity).inverse().direction(d);
+        let (seen, _) = Boost::<World, CameraFrame>::new(velocity).inverse().direction(d);
         let cos = n.dot(d.unit());
         let expected = (cos + beta) / (1.0 + beta * cos);
         let allowed = 16.0 * EPS * velocity.gamma().powi(2);
@@ -81,12 +81,12 @@ proptest! {
 
     #[test]
     fn half_the_angle_s_tangent_scales_by_e_to_the_rapidity_and_the_azimuth_stays(
-        v in velocity(19.0), d in direction::<Camera>(),
+        v in velocity(19.0), d in direction::<CameraFrame>(),
     ) {
         // tan²(θ/2) = (1 − cos θ)/(1 + cos θ); in the aberration formula the two factors scale by
         // (1 ± β): tan(θ/2) = e^φ tan(θ′/2).
         let (phi, n) = (v.rapidity().length(), v.rapidity().normalize_or(DVec3::X));
-        let (world, w) = Boost::<World, Camera>::new(v).direction(d);
+        let (world, w) = Boost::<World, CameraFrame>::new(v).direction(d);
         let angle = |d: DVec3| n.cross(d).length().atan2(n.dot(d));
         let camera_half = (0.5 * angle(d.unit())).tan();
         let expected = 2.0 * (phi.exp() * camera_half).atan();

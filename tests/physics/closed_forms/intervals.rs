@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use nullray::spacetime::{
-    Boost, Camera, Direction, Displacement, Event, Frame, InertialFrame, MAX_RAPIDITY, Rest,
+    Boost, CameraFrame, Direction, Displacement, Event, Frame, InertialFrame, MAX_RAPIDITY, Rest,
     Velocity, World,
 };
 use proptest::prelude::*;
@@ -18,14 +18,14 @@ fn rapidity(v: Velocity) -> f64 {
     v.rapidity().length()
 }
 
-fn displacement() -> impl Strategy<Value = Displacement<Camera>> {
+fn displacement() -> impl Strategy<Value = Displacement<CameraFrame>> {
     (-1.0..1.0f64, unit(), 0.0..1.0f64, -6.0..6.0f64)
         .prop_map(|(t, n, r, scale)| Displacement::new(t, n * r) * 10f64.powf(scale))
 }
 
 #[test]
 fn the_boost_of_a_frame_at_rest_is_the_identity_bit_for_bit() {
-    let boost = Boost::<World, Camera>::new(Velocity::REST);
+    let boost = Boost::<World, CameraFrame>::new(Velocity::REST);
     let d = Direction::new(DVec3::new(0.1, -0.7, 0.3)).unwrap();
     let (same, ratio) = boost.direction(d);
     assert_eq!((same.unit(), ratio), (d.unit(), 1.0));
@@ -44,7 +44,7 @@ fn the_boost_of_a_frame_at_rest_is_the_identity_bit_for_bit() {
 fn the_largest_rapidity_boosts_every_direction_to_finite_numbers() {
     for axis in [DVec3::X, DVec3::ONE, DVec3::new(-3.0, 0.1, 1e-9)] {
         let velocity = Velocity::from_rapidity_along(MAX_RAPIDITY, axis).unwrap();
-        let boost = Boost::<World, Camera>::new(velocity);
+        let boost = Boost::<World, CameraFrame>::new(velocity);
         let n = velocity.rapidity().normalize();
         for d in [
             n,
@@ -69,25 +69,25 @@ proptest! {
     #[test]
     fn boosts_keep_the_interval(v in velocity(6.0), d in displacement()) {
         // s² = (t − r)(t + r): an error e of t or r moves it by 2 e max(t, r), and both are below 2γ size.
-        let boosted = Boost::<World, Camera>::new(v).displacement(d);
+        let boosted = Boost::<World, CameraFrame>::new(v).displacement(d);
         let grown = 2.0 * v.gamma() * size(d);
         let allowed = 64.0 * EPS * (1.0 + rapidity(v)) * grown * grown;
         prop_assert!((boosted.interval() - d.interval()).abs() <= allowed);
     }
 
     #[test]
-    fn light_stays_light(v in velocity(MAX_RAPIDITY), d in direction::<Camera>(), r in 1e-9..1e9f64) {
+    fn light_stays_light(v in velocity(MAX_RAPIDITY), d in direction::<CameraFrame>(), r in 1e-9..1e9f64) {
         let light = Displacement::new(-r, d.unit() * r);
-        let boosted = Boost::<World, Camera>::new(v).displacement(light);
+        let boosted = Boost::<World, CameraFrame>::new(v).displacement(light);
         let allowed = 64.0 * EPS * (1.0 + rapidity(v)) * v.gamma() * size(light);
         prop_assert!((boosted.x.length() - boosted.ct.abs()).abs() <= allowed);
         prop_assert!(boosted.ct < allowed, "light from the past comes from the past");
     }
 
     #[test]
-    fn a_boost_and_its_inverse_cancel(v in velocity(12.0), d in displacement(), look in direction::<Camera>()) {
-        let there = Boost::<World, Camera>::new(v);
-        for back in [there.inverse(), Boost::<Camera, World>::new(-v)] {
+    fn a_boost_and_its_inverse_cancel(v in velocity(12.0), d in displacement(), look in direction::<CameraFrame>()) {
+        let there = Boost::<World, CameraFrame>::new(v);
+        for back in [there.inverse(), Boost::<CameraFrame, World>::new(-v)] {
             // The first error, 32 eps (1 + φ) γ size, grows by another 2γ.
             let same = back.displacement(there.displacement(d));
             let error = (same.ct - d.ct).abs() + (same.x - d.x).length();
@@ -110,9 +110,9 @@ proptest! {
         n in unit(), a in -6.0..6.0f64, b in -6.0..6.0f64, d in displacement(),
     ) {
         let along = |phi| Velocity::from_rapidity_along(phi, n).unwrap();
-        let first = Boost::<World, Camera>::new(along(a));
+        let first = Boost::<World, CameraFrame>::new(along(a));
         let second = Boost::<Rest, World>::new(along(b));
-        let both = Boost::<Rest, Camera>::new(along(a + b));
+        let both = Boost::<Rest, CameraFrame>::new(along(a + b));
         let steps = second.displacement(first.displacement(d));
         let once = both.displacement(d);
         let phi = a.abs() + b.abs();
@@ -125,7 +125,7 @@ proptest! {
         v in velocity(12.0), event in displacement(), origin in displacement(),
     ) {
         let origin = Event::<World>::new(origin.ct, origin.x);
-        let frame = InertialFrame::<Camera>::new(v, origin);
+        let frame = InertialFrame::<CameraFrame>::new(v, origin);
         prop_assert_eq!(frame.event_to_world(Event::ORIGIN), origin);
         prop_assert_eq!(frame.event_from_world(origin), Event::ORIGIN);
         let start = Event::ORIGIN + event;

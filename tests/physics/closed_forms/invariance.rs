@@ -1,7 +1,7 @@
 //! Only relative motion counts.
 
 use glam::DVec3;
-use nullray::spacetime::{Boost, Camera, Direction, Frame, Rest, Velocity, World};
+use nullray::spacetime::{Boost, CameraFrame, Direction, Frame, Rest, Velocity, World};
 use proptest::prelude::*;
 
 use crate::closed_forms::sample::{config, direction, velocity};
@@ -19,9 +19,9 @@ impl Frame for Onlooker {
 fn look<W: Frame>(
     camera: Velocity,
     emitter: Velocity,
-    d: Direction<Camera>,
+    d: Direction<CameraFrame>,
 ) -> (Direction<Rest>, f64) {
-    let (d, first) = Boost::<W, Camera>::new(camera).direction(d);
+    let (d, first) = Boost::<W, CameraFrame>::new(camera).direction(d);
     let (d, second) = Boost::<W, Rest>::new(emitter).inverse().direction(d);
     (d, first * second)
 }
@@ -55,7 +55,9 @@ fn perpendicular_boosts_turn_directions_by_the_wigner_angle() {
         for d in [DVec3::X, DVec3::Y, DVec3::new(-0.6, 0.8, 0.0)] {
             let d = Direction::new(d).unwrap();
             let (steps, _) = look::<World>(camera, body, d);
-            let (once, _) = Boost::<Camera, Rest>::new(relative).inverse().direction(d);
+            let (once, _) = Boost::<CameraFrame, Rest>::new(relative)
+                .inverse()
+                .direction(d);
             let turned = glam::DQuat::from_rotation_z(angle) * once.unit();
             assert!((steps.unit() - turned).length() < 1e-13, "{a} {b}");
         }
@@ -68,7 +70,7 @@ proptest! {
     #[test]
     fn the_wavelength_ratio_depends_on_the_relative_velocity_alone(
         camera in velocity(2.0), source in velocity(2.0),
-        d1 in direction::<Camera>(), d2 in direction::<Camera>(),
+        d1 in direction::<CameraFrame>(), d2 in direction::<CameraFrame>(),
     ) {
         // Λ(−v₂) Λ(v₁) is one boost by the relative velocity, then a rotation (Wigner's), which changes
         // neither frequencies nor angles.
@@ -97,14 +99,14 @@ proptest! {
     #[test]
     fn scene_and_camera_boosted_together_look_the_same(
         camera in velocity(1.5), body in velocity(1.5), boost in velocity(1.5),
-        d1 in direction::<Camera>(), d2 in direction::<Camera>(),
+        d1 in direction::<CameraFrame>(), d2 in direction::<CameraFrame>(),
     ) {
         // To an onlooker the world itself moves with `boost`. The camera's axes, rotation-free from the
         // onlooker's, are turned against those from the world's: d′ is found again by way of the light.
         let seen = |v: Velocity| v.relative_to(-boost).unwrap();
-        let world_from_camera = Boost::<World, Camera>::new(camera);
+        let world_from_camera = Boost::<World, CameraFrame>::new(camera);
         let onlooker_from_world = Boost::<Onlooker, World>::new(boost);
-        let camera_from_onlooker = Boost::<Onlooker, Camera>::new(seen(camera)).inverse();
+        let camera_from_onlooker = Boost::<Onlooker, CameraFrame>::new(seen(camera)).inverse();
         let again = [d1, d2].map(|d| {
             let (d, first) = world_from_camera.direction(d);
             let (d, second) = onlooker_from_world.direction(d);

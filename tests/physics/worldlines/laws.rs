@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use nullray::spacetime::worldline::{State, WorldLine};
-use nullray::spacetime::{Camera, Displacement, World};
+use nullray::spacetime::{CameraFrame, Displacement, World};
 
 use crate::common::worst::{EPS, Worst};
 use crate::worldlines::lines::{Sequence, apart, every_kind, four_velocity, largest, length, size};
@@ -80,8 +80,8 @@ fn four_velocities_have_unit_length_and_proper_accelerations_are_across_them() {
         for tau in times(range) {
             let state = at(&line, tau);
             let boost = state.frame().world_from_frame();
-            let u = boost.displacement(Displacement::<Camera>::new(1.0, DVec3::ZERO));
-            let a = boost.displacement(Displacement::<Camera>::new(0.0, state.acceleration));
+            let u = boost.displacement(Displacement::<CameraFrame>::new(1.0, DVec3::ZERO));
+            let a = boost.displacement(Displacement::<CameraFrame>::new(0.0, state.acceleration));
             let scale = u.ct * u.ct;
             assert!(
                 (u.interval() - 1.0).abs() < 16.0 * EPS * scale,

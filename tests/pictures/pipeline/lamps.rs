@@ -5,7 +5,7 @@
 //! cos θ = h/r at the height h. t′ is the smaller root of (t − t′)² = |x − x₀ − β t′|².
 
 use glam::DVec3;
-use nullray::colour::{Scale, Shape, Spectrum};
+use nullray::colour::{Scale, Spectrum, SpectrumShape};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
@@ -213,7 +213,7 @@ fn a_panel_with_a_spectrum_lights_by_it_as_surfaces_see_it() {
     let own = "spectrum = { blackbody = \"3000 K\" }";
     let rgb = "[radiance]\nquantity = \"rgb\"";
     let at = |w: f64| {
-        let blackbody = |t: f64, scale| Spectrum::new(Shape::Blackbody(t), scale).unwrap();
+        let blackbody = |t: f64, scale| Spectrum::new(SpectrumShape::Blackbody(t), scale).unwrap();
         let factor = blackbody(3000.0, Scale::Luminance(1.0)).factor();
         blackbody(3000.0 / w, Scale::Factor(factor)).colour_at(1.0)
     };

@@ -4,7 +4,9 @@
 //! values over 0.025 nm, apart from how the renderer tabulates it.
 
 use glam::DVec3;
-use nullray::colour::{Continuation, Scale, Shape, Spectrum, colour_matching, rgb_from_xyz};
+use nullray::colour::{
+    Continuation, Scale, Spectrum, SpectrumShape, colour_matching, rgb_from_xyz,
+};
 use nullray::render::aov::Aov;
 use nullray::scene::model::Scene;
 use nullray::spacetime::{Quantity, Velocity};
@@ -92,12 +94,12 @@ fn rgb_at_rest_is_what_it_was_bit_for_bit() {
 fn a_blackbody_is_seen_as_one_of_another_temperature() {
     // The factor is that of luminance 1 at rest; Planck's law at T/W beyond it.
     let scene = enclosed("spectrum = { blackbody = \"4000 K\" }");
-    let at_rest = Spectrum::new(Shape::Blackbody(4000.0), Scale::Luminance(1.0)).unwrap();
+    let at_rest = Spectrum::new(SpectrumShape::Blackbody(4000.0), Scale::Luminance(1.0)).unwrap();
     let film = stage::film(&scene);
     for i in 0..stage::pixels(&film) {
         let w = stage::value(&film, Aov::WavelengthRatio, i);
         let other = Spectrum::new(
-            Shape::Blackbody(4000.0 / w),
+            SpectrumShape::Blackbody(4000.0 / w),
             Scale::Factor(at_rest.factor()),
         );
         let expected = seen(&other.unwrap(), 1.0);

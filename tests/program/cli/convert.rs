@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use nullray::io::cube::{self, Axes, Cube, Samples, Wanted};
+use nullray::io::cube::{self, Axes, Cube, CubeSamples, Wanted};
 
 use super::refused::refused;
 use super::{Folder, repository};
@@ -52,7 +52,7 @@ fn cubes_go_through_all_formats_and_come_back_bit_for_bit() {
     }
     assert_eq!(load(&folder, "a.npy", Some("T H W")), original);
     let wide = load(&folder, "d.npz", None);
-    assert!(matches!(wide.samples, Samples::F64(_)));
+    assert!(matches!(wide.samples, CubeSamples::F64(_)));
     assert_eq!(values(&wide), values(&original));
     assert_eq!(
         folder.names(),
@@ -301,7 +301,7 @@ fn what_cannot_be_converted_is_refused_and_leaves_nothing() {
 fn frames_say_their_own_precision_and_hold_no_infinity() {
     let folder = Folder::empty();
     let write = |name: &str, sample: f64| {
-        let cube = Cube::new([1, 1, 2, 1], Samples::F64(vec![0.5, sample])).unwrap();
+        let cube = Cube::new([1, 1, 2, 1], CubeSamples::F64(vec![0.5, sample])).unwrap();
         nullray::io::image::npz::write_cube(&folder.path(name), &cube).unwrap();
     };
     write("wide.npy", 0.1);
@@ -357,7 +357,7 @@ fn large() -> Vec<u8> {
 fn named_channels_go_through_all_formats_and_come_back() {
     let folder = Folder::empty();
     let samples: Vec<f32> = (0..4 * 5 * 6 * 5).map(|n| n as f32).collect();
-    let cube = Cube::new([4, 5, 6, 5], Samples::F32(samples)).unwrap();
+    let cube = Cube::new([4, 5, 6, 5], CubeSamples::F32(samples)).unwrap();
     nullray::io::image::npz::write_cube(&folder.path("a.npy"), &cube).unwrap();
     let named = ["--channels", "UV,B,IR,G,R"];
     folder.ok(&[&["convert", "a.npy", "-o", "frames"], &named[..]].concat());

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
-use nullray::io::cube::{self, Cube, Samples};
+use nullray::io::cube::{self, Cube, CubeSamples};
 use nullray::io::gltf;
 use nullray::io::image;
 use nullray::mesh::{AlphaMode, Mesh};
@@ -84,7 +84,7 @@ fn a_cube_is_copied_as_it_is_or_named() {
 #[test]
 fn a_cube_in_memory_is_written_into_the_bundle() {
     let samples = (0..2 * 3 * 4).map(f64::from).collect();
-    let held = Cube::new([2, 3, 4, 1], Samples::F64(samples)).unwrap();
+    let held = Cube::new([2, 3, 4, 1], CubeSamples::F64(samples)).unwrap();
     let scene = Builder::from_toml("memory", SMALL).cube("light", Arc::new(held.clone()), 0.1);
     let options = ExportOptions {
         reference: false,

@@ -30,7 +30,7 @@ use super::super::points::place;
 use super::super::surface::FEWEST_OF_OBJECT;
 use super::{Case, Diagnosis, Kind, NEAR, Tally, median};
 use crate::render::aov::Aov;
-use crate::spacetime::{Boost, Camera, Direction, Velocity, World};
+use crate::spacetime::{Boost, CameraFrame, Direction, Velocity, World};
 
 /// Errors of directions that storage in single precision makes, radians.
 const DIRECTION_ROUNDING: f64 = 1e-5;
@@ -81,9 +81,9 @@ fn describe_aberration(kind: Kind, error: f64, rest: f64, velocity: Velocity) ->
 
 /// The world's look directions with the opposite boost, and without one, where the right one gives `d`.
 fn wrong_directions(d: Direction<World>, velocity: Velocity) -> [DVec3; 2] {
-    let camera_from_world = Boost::<Camera, World>::new(-velocity);
+    let camera_from_world = Boost::<CameraFrame, World>::new(-velocity);
     let (own, _) = camera_from_world.direction(d);
-    let (reversed, _) = Boost::<World, Camera>::new(-velocity).direction(own);
+    let (reversed, _) = Boost::<World, CameraFrame>::new(-velocity).direction(own);
     [reversed.unit(), own.unit()]
 }
 

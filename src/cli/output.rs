@@ -226,13 +226,13 @@ impl Outputs {
         let many = film.radiance().len() as u64 / 1000;
         let mut parts = Vec::new();
         if bright > 0 {
-            let pixels = counted(bright, "pixel");
+            let pixels = pixel_count(bright);
             parts.push(format!("{pixels} brighter than {GREATEST} limited to that"));
         }
         if dim > many {
             parts.push(format!(
                 "{} with values up to 3e-8 set to 0",
-                counted(dim, "pixel")
+                pixel_count(dim)
             ));
         }
         (!parts.is_empty()).then(|| {
@@ -331,7 +331,7 @@ fn beyond_single(film: &Film) -> Option<String> {
     let pixels = film.radiance().iter();
     let bright = pixels.filter(|rgb| rgb.iter().any(is_beyond)).count() as u64;
     (bright > 0).then(|| {
-        let pixels = counted(bright, "pixel");
+        let pixels = pixel_count(bright);
         format!(
             "EXR: {pixels} brighter than {:.4e} limited to that: a .npz file holds them in f64",
             f32::MAX
@@ -339,10 +339,10 @@ fn beyond_single(film: &Film) -> Option<String> {
     })
 }
 
-/// A number of things.
-fn counted(count: u64, thing: &str) -> String {
+/// A number of pixels, as words.
+fn pixel_count(count: u64) -> String {
     let plural = if count == 1 { "" } else { "s" };
-    format!("{} {thing}{plural}", plan::count(count))
+    format!("{} pixel{plural}", plan::count(count))
 }
 
 /// A number in five significant digits, which `--white` takes again.

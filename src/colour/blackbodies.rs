@@ -120,7 +120,7 @@ fn reference(t: f64, wavelength: f64) -> f64 {
 
 /// The colour of a blackbody, divided by [`reference`]; where that is below what f64 has, it is not asked for.
 fn ratio(t: f64, wavelength: f64) -> [f64; 3] {
-    let colour = Spectrum::with_factor(SpectrumShape::Blackbody(t), 1.0).colour_at(1.0);
+    let colour = Spectrum::unscaled(SpectrumShape::Blackbody(t)).colour_at(1.0);
     let reference = reference(t, wavelength);
     match reference > 0.0 {
         true => colour.map(|c| c / reference),

@@ -84,7 +84,7 @@ impl Spectrum {
     /// A spectrum of this shape, scaled; none where the scale cannot be had: a luminance where nothing is visible at
     /// rest, the sum of what has no end.
     pub fn new(shape: SpectrumShape, scale: Scale) -> Option<Spectrum> {
-        let unscaled = Spectrum { shape, factor: 1.0 };
+        let unscaled = Spectrum::unscaled(shape);
         let factor = match scale {
             Scale::Factor(factor) => factor,
             Scale::Luminance(wanted) => wanted / unscaled.xyz_at(1.0)[1],
@@ -94,14 +94,14 @@ impl Spectrum {
         (factor.is_finite() && factor >= 0.0).then_some(Spectrum { factor, ..unscaled })
     }
 
-    /// A shape whose values are multiplied by `factor`.
-    pub(super) fn with_factor(shape: SpectrumShape, factor: f64) -> Spectrum {
-        Spectrum { shape, factor }
+    /// A shape whose values are the spectrum's.
+    pub(super) fn unscaled(shape: SpectrumShape) -> Spectrum {
+        Spectrum { shape, factor: 1.0 }
     }
 
     /// Linear sRGB, as it is seen at rest.
     pub fn rgb(rgb: [f64; 3], continuation: Continuation) -> Spectrum {
-        Spectrum::with_factor(SpectrumShape::Rgb(rgb, continuation), 1.0)
+        Spectrum::unscaled(SpectrumShape::Rgb(rgb, continuation))
     }
 
     /// How the energy is spread.

@@ -53,7 +53,7 @@ pub fn triangle_count(shape: Shape) -> u64 {
 /// The mesh of `shape` with one material of linear base colour `colour`.
 pub fn mesh(shape: Shape, colour: [f32; 3]) -> Mesh {
     let mut mesh = match shape {
-        Shape::Box { size } => cuboid(DVec3::ZERO, DVec3::from(size)),
+        Shape::Box { size } => cuboid(DVec3::from(size)),
         Shape::Plane { size: [x, z] } => plane(x, z),
         Shape::Sphere {
             radius,
@@ -104,9 +104,9 @@ fn plane(x: f64, z: f64) -> Mesh {
     mesh
 }
 
-fn cuboid(centre: DVec3, size: DVec3) -> Mesh {
+fn cuboid(size: DVec3) -> Mesh {
     let mut mesh = Mesh::default();
-    add_cuboid(&mut mesh, centre, size);
+    add_cuboid(&mut mesh, DVec3::ZERO, size);
     mesh
 }
 

@@ -141,14 +141,14 @@ impl Samples<'_> {
         sobol_among(self.pixel(ray), index, in_pixel, dimension)
     }
 
-    /// Two numbers in [0, 1) of ray `ray` for what `dimension` counts at the surface that it hits.
+    /// Two numbers in [0, 1) of the only ray, or of the first, for what `dimension` counts at the surface that it hits.
     #[inline]
-    pub(super) fn on_path(&self, ray: usize, dimension: u32) -> [f64; 2] {
+    pub(super) fn on_path(&self, dimension: u32) -> [f64; 2] {
         let dimension = self.depth * DRAWN_AT_A_SURFACE + dimension;
-        sobol(self.pixel(ray), self.index(ray), dimension)
+        sobol(self.pixel(0), self.index(0), dimension)
     }
 
-    /// The same for rays of these keys and, where they have them, indices.
+    /// The same of rays with these keys and, where they have them, indices.
     pub(super) fn each_on_path(
         &self,
         (keys, indices): (&[u64], &[u32]),

@@ -285,14 +285,14 @@ impl TimedPaths<'_> {
         let mut onward = Onward::default();
         for vertex in alone {
             let (pixel, index) = samples[vertex.path];
-            let numbers = self::samples(&[pixel], index, 0).on_path(0, ONWARD);
+            let numbers = self::samples(&[pixel], index, 0).on_path(ONWARD);
             onward.draw(vertex, vertex.path, numbers);
         }
         for (k, beginning) in shared.chosen.iter().enumerate() {
             let group = &shared.groups.all[beginning.group];
             let point = shared.groups.order[group.points.start + beginning.at];
             let (key, index) = samples[starts + k];
-            let numbers = self::samples(&[key], index, 0).on_path(0, ONWARD);
+            let numbers = self::samples(&[key], index, 0).on_path(ONWARD);
             onward.draw(&shared.firsts[point as usize], starts + k, numbers);
         }
         let mut next = Vec::new();
@@ -503,7 +503,7 @@ impl TimedPaths<'_> {
         let (mut falling, mut segments) = (Vec::new(), Vec::new());
         for vertex in vertices {
             let (pixel, index) = samples[vertex.path];
-            let numbers = self::samples(&[pixel], index, depth).on_path(0, AREA);
+            let numbers = self::samples(&[pixel], index, depth).on_path(AREA);
             let place = (vertex.x, vertex.reflection.normal());
             let base = (&self.light.base, self.rest);
             let Some(draw) = areas.drawn_from(base, place, numbers) else {
@@ -567,7 +567,7 @@ impl TimedPaths<'_> {
         let mut onward = Onward::default();
         for vertex in &vertices {
             let (pixel, index) = samples[vertex.path];
-            let numbers = self::samples(&[pixel], index, depth).on_path(0, ONWARD);
+            let numbers = self::samples(&[pixel], index, depth).on_path(ONWARD);
             onward.draw(vertex, vertex.path, numbers);
         }
         let met = self.met(onward).into_iter();

@@ -215,10 +215,10 @@ impl Context {
         self.above_zero(number, number.value.0, name, "like 1")
     }
 
-    /// Numbers above 0.
-    pub fn all_positive<T>(&self, at: &At<T>, numbers: &[f64], name: &str) -> Result<()> {
-        let check = |&number: &f64| self.above_zero(at, number, name, "like 1").map(|_| ());
-        numbers.iter().try_for_each(check)
+    /// Edges of a box, above 0.
+    pub fn positive_edges<T>(&self, at: &At<T>, edges: &[f64]) -> Result<()> {
+        let check = |&edge: &f64| self.above_zero(at, edge, "an edge", "like 1").map(|_| ());
+        edges.iter().try_for_each(check)
     }
 
     fn above_zero<T>(&self, at: &At<T>, value: f64, name: &str, like: &str) -> Result<f64> {

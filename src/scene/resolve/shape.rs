@@ -21,13 +21,13 @@ pub(super) fn resolve(cx: &Context, at: &At<file::Shape>) -> Result<Shape> {
     match (cuboid, sphere, plane, lattice) {
         (Some(cuboid), None, None, None) => {
             let size = &cuboid.value.size;
-            cx.all_positive(size, &size.value.0, "an edge")?;
+            cx.positive_edges(size, &size.value.0)?;
             Ok(Shape::Box { size: size.value.0 })
         }
         (None, Some(sphere), None, None) => sphere_shape(cx, &sphere.value),
         (None, None, Some(plane), None) => {
             let size = &plane.value.size;
-            cx.all_positive(size, &size.value.0, "an edge")?;
+            cx.positive_edges(size, &size.value.0)?;
             Ok(Shape::Plane { size: size.value.0 })
         }
         (None, None, None, Some(lattice)) => lattice_shape(cx, &lattice.value),

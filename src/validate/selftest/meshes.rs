@@ -86,10 +86,10 @@ pub(super) const PLACES: [(f64, DVec3); 6] = [
     (1.0, DVec3::new(1e9, -1e9, 1e9)),
 ];
 
-/// Triangles anywhere within `radius`, of size `size`.
-pub(super) fn soup(random: &mut Random, count: usize, radius: f64, size: f64) -> Vec<Triangle> {
+/// Triangles anywhere within 1 of the origin, of size `size`.
+pub(super) fn soup(random: &mut Random, count: usize, size: f64) -> Vec<Triangle> {
     let mut triangle = |_| {
-        let at = random.vector() * radius;
+        let at = random.vector();
         [0; 3].map(|_| at + random.vector() * size)
     };
     (0..count).map(&mut triangle).collect()

@@ -89,8 +89,8 @@ fn meshes() -> [Vec<Triangle>; 4] {
     let mut random = Random(4);
     [
         placed(sphere(5), DVec3::splat(0.7), DVec3::ZERO),
-        soup(&mut random, 30_000, 1.0, 0.03),
-        soup(&mut random, 300, 1.0, 0.8),
+        soup(&mut random, 30_000, 0.03),
+        soup(&mut random, 300, 0.8),
         needles,
     ]
 }

@@ -109,7 +109,6 @@ impl ErrorMap {
                 &self.title,
                 [margin, margin + em],
                 1.15 * em,
-                AnchorX::Start,
                 AnchorY::Baseline,
             )?,
             Item::Image {
@@ -135,13 +134,7 @@ impl ErrorMap {
             let y = top + bar_height * (1.0 - value / self.most);
             let label = number(value, step);
             widest = widest.max(RichText::plain(&label)?.width(em)?);
-            items.push(text(
-                &label,
-                [right + 0.5 * em, y],
-                em,
-                AnchorX::Start,
-                AnchorY::Middle,
-            )?);
+            items.push(text(&label, [right + 0.5 * em, y], em, AnchorY::Middle)?);
         }
         let title_width = RichText::plain(&self.title)?.width(1.15 * em)?;
         Ok(Drawing {
@@ -184,7 +177,9 @@ pub(super) fn bar_across() -> RgbImage {
     }
 }
 
-fn text(words: &str, at: [f64; 2], size: f64, x: AnchorX, y: AnchorY) -> Result<Item> {
+/// Words that begin at a place.
+fn text(words: &str, at: [f64; 2], size: f64, y: AnchorY) -> Result<Item> {
+    let x = AnchorX::Start;
     Ok(Item::Text(Text {
         anchor: Anchor { x, y },
         ..Text::new(RichText::plain(words)?, at, size)

@@ -3,11 +3,15 @@
 //! The library never prints and never exits; the command line turns an [`Error`] into one
 //! report and an exit code. Panics are for bugs of this program only.
 
+mod message;
+
 use std::fmt;
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+pub use message::{Message, Setting};
 
 /// The result of what reads, plans, renders and writes. Velocities, world lines, units, meshes, atlases and cubes have errors of their own,
 /// without a file and a place; `?` makes them [`Error::Value`].
@@ -71,11 +75,11 @@ pub struct Problem {
     pub file: String,
     /// The place in it, as a reader would name it: "mesh 0, primitive 2, accessor 5",
     /// `object.velocity`. May be empty.
-    pub place: String,
+    pub place: Message,
     /// What is wrong.
-    pub what: String,
+    pub what: Message,
     /// What would be right. May be empty.
-    pub help: String,
+    pub help: Message,
     /// The part of the file that a report shows.
     pub snippet: Option<Snippet>,
 }
@@ -94,9 +98,9 @@ impl Problem {
     /// A problem in `file` at `place`.
     pub fn new(
         file: impl AsRef<Path>,
-        place: impl Into<String>,
-        what: impl Into<String>,
-        help: impl Into<String>,
+        place: impl Into<Message>,
+        what: impl Into<Message>,
+        help: impl Into<Message>,
     ) -> Self {
         Problem {
             file: file.as_ref().display().to_string(),
@@ -144,9 +148,9 @@ impl Error {
     /// An [`Error::Invalid`] without a labelled span.
     pub fn invalid(
         file: impl AsRef<Path>,
-        place: impl Into<String>,
-        what: impl Into<String>,
-        help: impl Into<String>,
+        place: impl Into<Message>,
+        what: impl Into<Message>,
+        help: impl Into<Message>,
     ) -> Self {
         Problem::new(file, place, what, help).invalid()
     }
@@ -154,9 +158,9 @@ impl Error {
     /// An [`Error::Unsupported`] without a labelled span.
     pub fn unsupported(
         file: impl AsRef<Path>,
-        place: impl Into<String>,
-        what: impl Into<String>,
-        help: impl Into<String>,
+        place: impl Into<Message>,
+        what: impl Into<Message>,
+        help: impl Into<Message>,
     ) -> Self {
         Problem::new(file, place, what, help).unsupported()
     }

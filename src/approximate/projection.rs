@@ -42,7 +42,7 @@ use glam::{DMat3, DVec3};
 
 use crate::accel::vectors::{BLOCK, Block, Vectors};
 use crate::camera::{AnyProjection, Camera, Linear, Point, Projection as _};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Setting};
 use crate::render::aov::Aov;
 use crate::render::film::Film;
 use crate::render::prepare::Prepared;
@@ -371,8 +371,9 @@ pub(crate) fn apart() -> Error {
         "vertices have apparent positions for a camera all of whose rays leave one event, and those of this \
          one leave events of their own (a sensor, a shutter, a rotation, a stereo pair, or model = \"paper2015\"), \
          or places on its film see nothing (corners of a fisheye, what is beyond the poles of a panorama)",
-        "trace it with `render::render`, or take the sensor, the shutter, the rotation or the second eye away; or set a size \
-         or an hfov for which all of the film sees something (rasterizers need a perspective)",
+        Setting::TraceIt
+            + ", or take the sensor, the shutter, the rotation or the second eye away; or set a size \
+               or an hfov for which all of the film sees something (rasterizers need a perspective)",
     )
 }
 
@@ -381,7 +382,7 @@ fn curved() -> Error {
         "camera",
         "method",
         "rasterizers draw straight edges, and this camera's projection bends them",
-        "trace it with `render::render`, or with a perspective camera",
+        Setting::TraceIt + ", or with a perspective camera",
     )
 }
 
@@ -390,7 +391,7 @@ fn outrun() -> Error {
         "object",
         "velocity",
         "an object moves as fast as light in the medium, or faster: its points are seen twice, or not at all",
-        "trace it with `render::render`, or give a slower object or a smaller index of the medium",
+        Setting::TraceIt + ", or give a slower object or a smaller index of the medium",
     )
 }
 

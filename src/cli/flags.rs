@@ -1,44 +1,38 @@
 //! The library's messages say what to set by the names that it has there; here they become the program's flags.
 
 use nullray::Error;
+use nullray::error::Setting;
 
-/// What the library says, and what sets it on the command line.
-const FLAGS: [(&str, &str); 15] = [
-    ("a higher `memory_limit`", "a higher limit (--max-memory)"),
-    ("`allow_outside`", "--allow-outside"),
-    ("`allow_swapped`", "--allow-swapped"),
-    ("`overwrite`", "--overwrite"),
-    ("`vectors`", "--vectors"),
-    (
-        "trace it with `render::render`",
-        "render it by --method trace",
-    ),
-    ("`NotFinite::Ignore`", "--nan ignore"),
-    ("`NotFinite::CountAs(0.0)`", "--nan count-as=0"),
-    (
-        "is read as `Encoding::Linear`",
-        "is read with --transfer linear",
-    ),
-    ("`channels` of \"radiance\"", "--channels radiance"),
-    ("which `channels` demands", "which --channels demands"),
-    (
-        "`Coordinates::Atlas`, which makes some",
-        "--atlas, which makes coordinates",
-    ),
-    ("or `camera_cube`", "or --camera"),
-    ("a `size` of ", "--texels "),
-    ("tolerance of ", "--tolerance "),
-];
+/// What sets it on the command line, as the words around it go on.
+fn flag(setting: Setting) -> String {
+    let flag = match setting {
+        Setting::MemoryLimit => "limit (--max-memory)",
+        Setting::AllowOutside => "--allow-outside",
+        Setting::AllowSwapped => "--allow-swapped",
+        Setting::Overwrite => "--overwrite",
+        Setting::Vectors => "--vectors",
+        Setting::Method => "--method",
+        Setting::TraceIt => "render it by --method trace",
+        Setting::IgnoreNotFinite => "--nan ignore",
+        Setting::CountNotFinite => "--nan count-as=0",
+        Setting::AsLinear => "with --transfer linear",
+        Setting::Channels => "--channels",
+        Setting::RadianceAlone => "--channels radiance",
+        Setting::ToleranceOf => "--tolerance",
+        Setting::Atlas => "--atlas",
+        Setting::CameraCube => "--camera",
+        Setting::TexelsOf => "--texels",
+        Setting::Bins => "--bins",
+        other => return other.to_string(),
+    };
+    flag.into()
+}
 
 /// The same error with flags for the names of fields.
 pub fn with_flags(mut error: Error) -> Error {
     if let Error::Invalid(problem) | Error::Unsupported(problem) = &mut error {
         for text in [&mut problem.place, &mut problem.what, &mut problem.help] {
-            for (field, flag) in FLAGS {
-                if text.contains(field) {
-                    *text = text.replace(field, flag);
-                }
-            }
+            *text = text.with_names(flag).into();
         }
     }
     error
@@ -46,11 +40,13 @@ pub fn with_flags(mut error: Error) -> Error {
 
 #[cfg(test)]
 mod tests {
+    use nullray::error::Message;
+
     use super::*;
 
     #[test]
     fn fields_of_the_library_become_flags() {
-        let help = "a smaller file, or a higher `memory_limit`";
+        let help = Message::from("a smaller file, or a higher ") + Setting::MemoryLimit;
         let error = with_flags(Error::invalid("a.glb", "memory", "too large", help));
         assert_eq!(
             error.help(),
@@ -61,5 +57,12 @@ mod tests {
             with_flags(Error::unsupported("a", "", "", other)).help(),
             other
         );
+    }
+
+    #[test]
+    fn every_setting_has_a_flag() {
+        for setting in Setting::ALL {
+            assert!(flag(setting).contains("--"), "{setting}");
+        }
     }
 }

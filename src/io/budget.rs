@@ -6,7 +6,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Message, Result, Setting};
 
 /// Memory that may be taken, by any number of readers.
 #[derive(Debug)]
@@ -52,7 +52,7 @@ impl Budget {
                 file,
                 "memory",
                 what,
-                "a smaller file, or a higher `memory_limit`",
+                Message::from("a smaller file, or a higher ") + Setting::MemoryLimit,
             )
         })
     }

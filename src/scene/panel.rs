@@ -9,7 +9,7 @@ use super::load::{self, SceneFile};
 use super::model::{Panel, Scene};
 use super::overrides::{self, Overrides};
 use super::report::Report;
-use crate::error::{Error, Result};
+use crate::error::{Error, Message, Result};
 
 impl SceneFile {
     /// The scene of `panel`, one of those of `scene`, which was made of this file.
@@ -74,6 +74,6 @@ fn blame(scene: &Scene, panel: &Panel, error: Error) -> Error {
         true => format!("`{}`: ", problem.place),
         false => String::new(),
     };
-    let what = format!("panel \"{}\": {place}{}", panel.name, problem.what);
+    let what = Message::from(format!("panel \"{}\": {place}", panel.name)) + problem.what;
     report.refuse(&panel.span, what, problem.help)
 }

@@ -12,7 +12,7 @@ use super::place::{Place, Step, place_of};
 use super::schema;
 use super::suggest::did_you_mean;
 use super::tree;
-use crate::error::{Error, Problem, Result};
+use crate::error::{Error, Message, Problem, Result};
 
 /// The text of a scene, and which parts of it the command line set.
 pub(crate) struct Report {
@@ -43,8 +43,8 @@ impl Report {
     pub fn refuse(
         &self,
         span: &Range<usize>,
-        what: impl Into<String>,
-        help: impl Into<String>,
+        what: impl Into<Message>,
+        help: impl Into<Message>,
     ) -> Error {
         self.refuse_at(&place_of(&self.text, span), span, what, help)
     }
@@ -54,8 +54,8 @@ impl Report {
         &self,
         span: &Range<usize>,
         (other, label): (&Range<usize>, &str),
-        what: impl Into<String>,
-        help: impl Into<String>,
+        what: impl Into<Message>,
+        help: impl Into<Message>,
     ) -> Error {
         let mut error = self.refuse(span, what, help);
         let edit = self.edit_within(&place_of(&self.text, other));
@@ -82,8 +82,8 @@ impl Report {
         &self,
         place: &Place,
         span: &Range<usize>,
-        what: impl Into<String>,
-        help: impl Into<String>,
+        what: impl Into<Message>,
+        help: impl Into<Message>,
     ) -> Error {
         let mut help = help.into();
         cite(&mut help, self.edit_within(place));
@@ -120,12 +120,12 @@ impl Report {
 }
 
 /// Names the command line's flag in the help, once.
-fn cite(help: &mut String, edit: Option<&Edit>) {
+fn cite(help: &mut Message, edit: Option<&Edit>) {
     let Some(edit) = edit else { return };
     let cited = format!("(Set by `{}` on the command line.)", edit.flag);
     if !help.contains(&cited) {
         let space = if help.is_empty() { "" } else { " " };
-        help.push_str(&format!("{space}{cited}"));
+        *help += format!("{space}{cited}");
     }
 }
 

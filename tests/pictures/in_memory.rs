@@ -187,7 +187,7 @@ fn a_plan_counts_what_is_in_memory() {
 /// Place and text of the refusal of `builder`.
 fn refusal(builder: Builder) -> (String, String) {
     match builder.build() {
-        Err(Error::Invalid(problem)) => (problem.place, problem.what),
+        Err(Error::Invalid(problem)) => (problem.place.to_string(), problem.what.to_string()),
         other => panic!("not refused: {other:?}"),
     }
 }

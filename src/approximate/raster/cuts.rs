@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec3;
 
-use crate::error::Error;
+use crate::error::{Error, Message, Setting};
 
 /// How many points triangles have been cut at so far, in all batches.
 #[derive(Debug)]
@@ -72,12 +72,15 @@ impl Cuts {
     /// The refusal of too many.
     pub fn refusal(&self) -> Error {
         let help = match self.most {
-            Cuts::MOST => "a longer edge, or more pixels of error",
-            _ => "a longer edge, more pixels of error, or a higher `memory_limit`",
+            Cuts::MOST => "a longer edge, or more pixels of error".into(),
+            _ => {
+                Message::from("a longer edge, more pixels of error, or a higher ")
+                    + Setting::MemoryLimit
+            }
         };
         Error::unsupported(
-            "command line",
-            "--method",
+            "rasterizer",
+            Setting::Method,
             format!("triangles would be cut at more than {} points", self.most),
             help,
         )

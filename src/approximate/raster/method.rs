@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Setting};
 
 /// How a picture is made.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -282,7 +282,7 @@ pub(super) fn moves(object: &str) -> Error {
         "object",
         "velocity",
         format!("a warped picture shows what rests in the world, and {object} moves"),
-        "render it by --method trace or raster, or let the camera move in place of the object",
+        Setting::TraceIt + ", or rasterize it, or let the camera move in place of the object",
     )
 }
 

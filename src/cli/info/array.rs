@@ -356,7 +356,7 @@ fn why(error: &Error) -> (String, String) {
                 Some(at) => format!(", {}", &problem.place[at..]),
                 None => String::new(),
             };
-            (format!("{}{place}", problem.what), problem.help.clone())
+            (format!("{}{place}", problem.what), problem.help.to_string())
         }
         other => (other.to_string(), String::new()),
     }

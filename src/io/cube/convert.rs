@@ -23,7 +23,7 @@ use super::hdf5;
 use super::store::Store;
 #[cfg(feature = "zarr")]
 use super::zarr;
-use crate::error::{Error, Result};
+use crate::error::{Error, Message, Result, Setting};
 use crate::io::budget::Budget;
 use crate::io::image::{self, Channel, Layers, Samples, npz};
 use crate::io::npy::Dtype;
@@ -203,12 +203,13 @@ impl<'a> Work<'a> {
             let plural = if bins == 1 { "" } else { "s" };
             let what = format!("{bins} bin{plural} cannot be merged by {merge}");
             let help = match bins < merge {
-                true => format!("merge at most {bins}"),
-                false => format!(
-                    "keep a multiple of {merge}, like --bins {}:{}",
-                    kept[2].start,
-                    kept[2].end - bins % merge
-                ),
+                true => format!("merge at most {bins}").into(),
+                false => {
+                    let end = kept[2].end - bins % merge;
+                    Message::from(format!("keep a multiple of {merge}, like "))
+                        + Setting::Bins
+                        + format!(" {}:{end}", kept[2].start)
+                }
             };
             return Err(Error::invalid(from, "", what, help));
         }

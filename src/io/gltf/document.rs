@@ -9,8 +9,8 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use super::container::{self, Storage};
+use crate::error::{Error, Message, Result};
 use crate::io::open::open_regular;
-use crate::{Error, Result};
 
 /// The extensions that may be required: what this program reads is complete without the others,
 /// or with these.
@@ -149,7 +149,7 @@ impl<'a> Document<'a> {
         &self,
         place: impl Into<String>,
         what: impl Into<String>,
-        help: impl Into<String>,
+        help: impl Into<Message>,
     ) -> Error {
         Error::invalid(&self.file, place, what, help)
     }

@@ -47,7 +47,7 @@ pub use import::{BadVertices, EncodedImage, Imported, Want};
 pub use lights::{GltfLight, GltfLightKind};
 pub use summary::GltfSummary;
 
-use crate::Result;
+use crate::error::{Message, Result, Setting};
 use document::Document;
 
 /// The triangles of the default scene of a `.gltf` or `.glb` file, or of the node called `node`
@@ -103,8 +103,14 @@ pub fn camera(path: &Path, node: Option<&str>) -> Result<GltfCamera> {
 /// # Errors
 /// It does, or it cannot be read or is not glTF 2.0.
 pub(crate) fn refuse_outside(path: &Path) -> Result<()> {
-    let help = "put the file beside it, or allow this (`allow_outside`) if you trust the file";
-    summary::refuse_outside(&Document::open(path)?, help)
+    summary::refuse_outside(&Document::open(path)?, outside_help())
+}
+
+/// What to do where a file refers to others outside its folder.
+pub(crate) fn outside_help() -> Message {
+    Message::from("put the file beside it, or allow this (")
+        + Setting::AllowOutside
+        + ") if you trust the file"
 }
 
 /// The way of the origin of the node called `node`, by the animation called `animation`, or else by the only one of the file.

@@ -12,7 +12,7 @@ use super::import::{BadVertices, Want};
 use super::lights;
 use super::pieces::Pieces;
 use super::uri::{self, Target};
-use crate::Result;
+use crate::error::{Message, Result};
 use crate::mesh::{Factors, Material};
 
 /// What an import would give, and what else there is to choose from.
@@ -128,7 +128,7 @@ pub(super) fn files(document: &Document) -> Vec<PathBuf> {
 }
 
 /// Refuses a file that refers to others outside its own folder; `help` says what to do instead.
-pub(super) fn refuse_outside(document: &Document, help: &str) -> Result<()> {
+pub(super) fn refuse_outside(document: &Document, help: impl Into<Message>) -> Result<()> {
     // No name is the current folder.
     let real = |folder: &Path| match folder.as_os_str().is_empty() {
         true => Path::new(".").canonicalize().ok(),

@@ -19,7 +19,7 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 
 use super::decoder::guarded;
 use crate::colour::srgb_decode;
-use crate::error::{Error, Result};
+use crate::error::{Error, Message, Result, Setting};
 use crate::mesh::{TextureFilter, TextureSampler, Wrap};
 
 /// The longest side of an image that is decoded, pixels.
@@ -81,7 +81,7 @@ impl Texture {
             Some(Ok(texture)) => Ok(texture),
             Some(Err(Refused::Memory)) => {
                 let what = "with this image, textures take more memory than the limit leaves";
-                let help = "smaller textures, or a higher `memory_limit`";
+                let help = Message::from("smaller textures, or a higher ") + Setting::MemoryLimit;
                 Err(Error::invalid(file, place, what, help))
             }
             Some(Err(Refused::Unsupported(what))) => {

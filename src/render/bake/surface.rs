@@ -9,7 +9,7 @@ use super::histogram::Histogram;
 use super::part::{Part, Summary, kept};
 use super::{Baked, Bins, PARTS, baked, check, paths};
 use crate::accel::{Facing, Hit};
-use crate::error::{Error, Result};
+use crate::error::{Error, Message, Result, Setting};
 use crate::mesh::atlas::{Corners, atlas};
 use crate::render::journal::Journal;
 use crate::render::prepare::Prepared;
@@ -214,7 +214,7 @@ impl<'a> Charts<'a> {
             ),
             _ => return Ok(()),
         };
-        let help = "`Coordinates::Atlas`, which makes some; a mesh that has its own for every place; or `camera_cube`";
+        let help = other_coordinates("for every place");
         Err(self.refuse(what, help))
     }
 
@@ -238,8 +238,8 @@ impl<'a> Charts<'a> {
             triangles[(triangle - patch.object_first) as usize] = rest.bvh.corners(*slot);
         }
         atlas(&triangles, size).map_err(|error| {
-            let help = format!("a `size` of {0}x{0} or more", error.least);
-            self.refuse(error.to_string(), &help)
+            let help = Setting::TexelsOf + format!(" {0}x{0} or more", error.least);
+            self.refuse(error.to_string(), help)
         })
     }
 
@@ -252,7 +252,7 @@ impl<'a> Charts<'a> {
         Some(atlas)
     }
 
-    fn refuse(&self, what: String, help: &str) -> Error {
+    fn refuse(&self, what: String, help: impl Into<Message>) -> Error {
         let place = format!("object \"{}\"", self.object);
         Error::invalid(&self.scene.name, place, what, help)
     }
@@ -265,12 +265,12 @@ impl<'a> Charts<'a> {
         set: usize,
         [triangle, slot]: [u32; 2],
     ) -> Result<[DVec2; 3]> {
-        let help = "`Coordinates::Atlas`, which makes some; a mesh that has its own for every place, within 0 to 1; or `camera_cube`";
+        let help = || other_coordinates("for every place, within 0 to 1");
         let at = |u, v| rest.uv(patch, set, &place(triangle, slot, [u, v]));
         let corners = [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0)];
         let [Some(a), Some(b), Some(c)] = corners else {
             let what = format!("it has no texture coordinates of set {set}");
-            return Err(self.refuse(what, help));
+            return Err(self.refuse(what, help()));
         };
         let corners = [a, b, c];
         // What was stored in f32 may be a little beyond.
@@ -280,7 +280,7 @@ impl<'a> Charts<'a> {
                 "its texture coordinates ({}, {}) are outside of 0 to 1",
                 uv.x, uv.y
             );
-            return Err(self.refuse(what, help));
+            return Err(self.refuse(what, help()));
         }
         Ok(corners)
     }
@@ -309,7 +309,7 @@ impl<'a> Charts<'a> {
             let bytes = 2 * size_of::<u32>() as u64 * columns.len() as u64;
             let Some(left) = added.left.checked_sub(bytes) else {
                 let what = "its charts reach so many texels that lists of them take more memory than the limit leaves";
-                let help = "fewer texels, or a higher `memory_limit`";
+                let help = Message::from("fewer texels, or a higher ") + Setting::MemoryLimit;
                 return Err(self.refuse(what.into(), help));
             };
             added.left = left;
@@ -335,7 +335,7 @@ impl<'a> Charts<'a> {
             point.x / self.size[0] as f64,
             point.y / self.size[1] as f64
         );
-        let help = "`Coordinates::Atlas`, which makes some; a mesh that has its own for every place; or `camera_cube`";
+        let help = other_coordinates("for every place");
         self.refuse(what, help)
     }
 
@@ -410,6 +410,13 @@ const TOGETHER: u32 = 1024;
 
 /// What random numbers of a texel are for, beside those of its paths.
 const IN_TEXEL: u32 = 1 << 16;
+
+/// What to do about texture coordinates that are not what a bake needs: those that a mesh should have.
+fn other_coordinates(needed: &str) -> Message {
+    Setting::Atlas
+        + format!(", which makes coordinates; a mesh that has its own {needed}; or ")
+        + Setting::CameraCube
+}
 
 /// A place of a triangle, on its front.
 fn place(triangle: u32, slot: u32, [u, v]: [f64; 2]) -> Hit {

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::planned::PlannedObject;
 use crate::error::{Error, Result};
+use crate::io::gltf::outside_help;
 use crate::scene::model::Scene;
 
 /// Refuses glTF files that refer, by `..` or by links, to anything outside their own folder and the scene's.
@@ -44,6 +45,6 @@ fn outside(file: &Path, other: &Path, real: &Path) -> Error {
         other.display(),
         real.display()
     );
-    let help = "put the file beside it, or allow this (`allow_outside`) if you trust the file";
+    let help = outside_help();
     Error::invalid(file, "uri", what, help)
 }

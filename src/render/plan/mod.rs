@@ -14,7 +14,7 @@ mod report;
 
 use crate::accel::{Precision, Preset};
 use crate::camera::Camera;
-use crate::error::{Error, Result};
+use crate::error::{Error, Message, Result, Setting};
 use crate::io::budget::Budget;
 use crate::io::cube::{self as cubes, Channels};
 use crate::io::gltf;
@@ -117,7 +117,7 @@ impl Plan {
                 report::bytes(total),
                 report::bytes(limit)
             ),
-            "a smaller image or mesh, or a higher `memory_limit`",
+            Message::from("a smaller image or mesh, or a higher ") + Setting::MemoryLimit,
         ))
     }
 }

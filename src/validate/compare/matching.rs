@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::options::{CompareOptions, NotFinite, Region};
 use super::picture::{Alpha, Encoding, Picture, Plane, is_auxiliary, is_identity};
 use super::points::{OBJECT_POINT, Points, WORLD_POINT};
-use crate::error::{Error, Result};
+use crate::error::{Error, Message, Result, Setting};
 use crate::io::image::{Channel, Layers, Samples};
 use crate::render::aov::Aov;
 
@@ -124,7 +124,12 @@ fn two<'a, T>(
     Ok([of(r, &chosen[0])?, of(c, &chosen[1])?])
 }
 
-fn refuse<T>(candidate: &Picture, place: &str, what: String, help: impl Into<String>) -> Result<T> {
+fn refuse<T>(
+    candidate: &Picture,
+    place: &str,
+    what: impl Into<Message>,
+    help: impl Into<Message>,
+) -> Result<T> {
     Err(Error::invalid(&candidate.name, place, what, help))
 }
 
@@ -154,8 +159,10 @@ fn encodings([r, c]: [&Picture; 2]) -> Result<()> {
         Encoding::Srgb => "sRGB codes for a display",
     };
     let what = format!("it holds {}; {} holds {}", of(c), r.name, of(r));
-    let help = "pictures of one colour space: two .exr or .npz, or two .png of one exposure; a .png that holds linear \
-                values is read as `Encoding::Linear`";
+    let help = Message::from(
+        "pictures of one colour space: two .exr or .npz, or two .png of one exposure; a .png that holds linear \
+         values is read ",
+    ) + Setting::AsLinear;
     refuse(c, "colour space", what, help)
 }
 
@@ -174,7 +181,9 @@ fn swapped([r, c]: [&Picture; 2], options: &CompareOptions) -> Result<()> {
         c,
         "order",
         what,
-        "the reference comes first; `allow_swapped` compares them as they are given",
+        Message::from("the reference comes first; ")
+            + Setting::AllowSwapped
+            + " compares them as they are given",
     )
 }
 
@@ -390,9 +399,9 @@ fn alpha<'a>(
             }
             Alpha::Unknown => "light is compared as it is stored",
         };
-        let help = format!(
-            "{stored}: compose both over the same background, or leave alpha out with `channels` of \"radiance\""
-        );
+        let help = Message::from(stored)
+            + ": compose both over the same background, or leave alpha out with "
+            + Setting::RadianceAlone;
         return refuse(pair[one], "alpha", what, help);
     }
     Ok(chosen)
@@ -414,7 +423,9 @@ fn demanded(pair: [&Picture; 2], names: &[String]) -> Result<()> {
             let lacks = wanted.iter().find(|name| !there.contains(name));
             let lacks = lacks.or((there.is_empty() && wanted.is_empty()).then_some(name));
             if let Some(lacks) = lacks {
-                let what = format!("there is no {lacks}, which `channels` demands");
+                let what = Message::from(format!("there is no {lacks}, which "))
+                    + Setting::Channels
+                    + " demands";
                 let help = format!("it holds {}", list(&names_of(pair[one])));
                 return refuse(pair[one], "channels", what, help);
             }
@@ -498,7 +509,7 @@ fn usable(
             pair[1],
             "pixels",
             what,
-            "`NotFinite::CountAs(0.0)` counts such samples as a value",
+            Setting::CountNotFinite + " counts such samples as a value",
         );
     }
     if dropped > 0 {
@@ -606,10 +617,15 @@ impl Unusable {
         };
         let help = match overflow {
             true => {
-                "write the picture in single precision; `NotFinite::Ignore` leaves the pixels out"
+                Message::from("write the picture in single precision; ")
+                    + Setting::IgnoreNotFinite
+                    + " leaves the pixels out"
             }
             false => {
-                "`NotFinite::Ignore` leaves the pixels out; `NotFinite::CountAs(0.0)` counts them as a value"
+                Setting::IgnoreNotFinite
+                    + " leaves the pixels out; "
+                    + Setting::CountNotFinite
+                    + " counts them as a value"
             }
         };
         Error::invalid(

@@ -11,7 +11,7 @@ use super::errors::Errors;
 use super::matching::Uncompared;
 use super::picture::is_light;
 use super::surface::{Distribution, SurfaceErrors, Unmeasured};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Setting};
 use crate::render::aov::Aov;
 use crate::scene::model::SPEED_OF_LIGHT;
 
@@ -673,9 +673,10 @@ impl Comparison {
             let found = name.and_then(|name| Some((name, name.found(self)?)));
             let (name, found) = found.ok_or_else(|| self.unknown(&tolerance.metric))?;
             if let Some(what) = name.refuses(tolerance.value) {
-                let place = format!("--tolerance {}={}", tolerance.metric, tolerance.value);
+                let place =
+                    Setting::ToleranceOf + format!(" {}={}", tolerance.metric, tolerance.value);
                 let help = "a number that the metric can have, and that some candidate exceeds";
-                return Err(Error::invalid("command line", place, what, help));
+                return Err(Error::invalid("comparison", place, what, help));
             }
             // What cannot be computed does not hold.
             let holds = matches!(&found, Found::Value(v) if name.allows(tolerance.value, *v));
@@ -688,7 +689,7 @@ impl Comparison {
     }
 
     fn unknown(&self, metric: &str) -> Error {
-        let place = format!("tolerance of {metric}");
+        let place = Setting::ToleranceOf + format!(" {metric}");
         // A known metric of an unknown channel is not an unknown metric.
         if let Some((channel, _)) = metric
             .rsplit_once(':')

@@ -10,7 +10,7 @@ use std::io::{self, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
 use super::{DESCRIPTION, FORMAT};
-use crate::error::{Error, Result};
+use crate::error::{Error, Message, Result, Setting};
 use crate::io::temporary::Temporary;
 
 /// The longest description that is read, bytes.
@@ -117,11 +117,11 @@ fn remove_listed(directory: &Path, listed: &Listed) -> io::Result<()> {
 /// Refuses a target whose content would be lost, or that cannot be a directory; what of the export there is listed, if
 /// there is one.
 fn check(target: &Path, overwrite: bool) -> Result<Option<Listed>> {
-    let refused = |what: String, help: &str| Err(Error::invalid(target, "", what, help));
+    let refused = |what: String, help: Message| Err(Error::invalid(target, "", what, help));
     if target.file_name().is_none() {
         return refused(
             "no directory can be made with this name".into(),
-            "name a new directory",
+            "name a new directory".into(),
         );
     }
     match target.symlink_metadata() {
@@ -129,7 +129,7 @@ fn check(target: &Path, overwrite: bool) -> Result<Option<Listed>> {
         Err(e) => return Err(Error::io(target, "cannot look at the directory")(e)),
         Ok(found) if !found.is_dir() => {
             let what = "something that is not a directory has this name";
-            return refused(what.into(), "name a new directory");
+            return refused(what.into(), "name a new directory".into());
         }
         Ok(_) => {}
     }
@@ -140,13 +140,13 @@ fn check(target: &Path, overwrite: bool) -> Result<Option<Listed>> {
     let Some(listed) = listed(target) else {
         return refused(
             "there is a directory of this name that is not an export, and it is not empty".into(),
-            "name a new directory",
+            "name a new directory".into(),
         );
     };
     if !overwrite {
         return refused(
             "there is an export of this name already".into(),
-            "name a new directory, or replace that one (`overwrite`)",
+            Message::from("name a new directory, or replace that one (") + Setting::Overwrite + ")",
         );
     }
     match stranger(target, Path::new(""), &listed).map_err(failed())? {
@@ -156,7 +156,7 @@ fn check(target: &Path, overwrite: bool) -> Result<Option<Listed>> {
                 "{} is in it and does not belong to the export: it would be lost",
                 name.display()
             ),
-            "move it elsewhere, or name a new directory",
+            "move it elsewhere, or name a new directory".into(),
         ),
     }
 }

@@ -25,7 +25,7 @@ pub use vectors::{ObjectVectors, Tolerances, VECTORS_FORMAT, Vector, Vectors};
 
 use crate::accel::Precision;
 use crate::camera::Camera;
-use crate::error::{Error, Result};
+use crate::error::{Error, Message, Result, Setting};
 use crate::io::gltf::{self, Want};
 use crate::io::image::{npz, write_atomically};
 use crate::io::temporary::in_target;
@@ -167,7 +167,9 @@ fn filled(
     let camera = describe::camera(scene, &shot);
     if options.vectors && !vectors::fits(&camera) {
         let what = "test vectors are of cameras all of whose rays leave one event, before a plane";
-        let help = "leave out `vectors`, or the sensor, the shutter and the projection";
+        let help = Message::from("leave out ")
+            + Setting::Vectors
+            + ", or the sensor, the shutter and the projection";
         return Err(Error::unsupported(&scene.name, "camera", what, help));
     }
     // Geometry goes first: the description refers to its files, and test vectors are of the vertices as they were written.

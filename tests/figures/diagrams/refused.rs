@@ -7,7 +7,11 @@ use crate::diagrams::parsed;
 /// The place and the words of a refusal.
 fn refusal(body: &str) -> (String, String, String) {
     match parsed(&format!("[diagram]\n{body}")) {
-        Err(Error::Invalid(problem)) => (problem.place, problem.what, problem.help),
+        Err(Error::Invalid(problem)) => (
+            problem.place.to_string(),
+            problem.what.to_string(),
+            problem.help.to_string(),
+        ),
         other => panic!("{other:?}"),
     }
 }

@@ -77,7 +77,7 @@ fn value<T>(cx: &Context, at: &At<T>, key: &str) -> Result<String> {
                 Some(_) => format!("{} is neither a number nor words", quoted(key)),
                 None => format!("[diagram] has no key {}", quoted(key)),
             };
-            let help = "name a key as --set does without \"diagram.\", like {frame.S'.velocity}";
+            let help = "name a key of [diagram] with its tables, like {frame.S'.velocity}";
             Err(cx.refuse(at, what, help))
         }
     }

@@ -163,7 +163,7 @@ pub(super) fn settable<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String
     match RichText::parse(&text) {
         Ok(_) => Ok(text),
         Err(Error::Invalid(problem) | Error::Unsupported(problem)) => {
-            Err(cx.refuse(at, problem.what, problem.help))
+            Err(cx.refuse(at, problem.what.to_string(), problem.help.to_string()))
         }
         Err(error) => Err(error),
     }

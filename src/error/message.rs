@@ -1,0 +1,225 @@
+//! The texts of errors, which know where they speak of a setting.
+
+use std::fmt;
+use std::ops::{Add, AddAssign, Deref, Range};
+
+/// A setting of the library that a message speaks of. The library calls it as it is called there, which is how it is
+/// [displayed](fmt::Display); a program that sets it in another way can name that, see [`Message::with_names`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Setting {
+    /// How much memory may be taken.
+    MemoryLimit,
+    /// Whether files may refer to others outside their folders.
+    AllowOutside,
+    /// Whether a comparison takes its pictures in an order that looks swapped.
+    AllowSwapped,
+    /// Whether an export replaces another.
+    Overwrite,
+    /// Whether an export has test vectors.
+    Vectors,
+    /// The method by which a picture is made.
+    Method,
+    /// The ray tracer as that method, as an advice: "trace it with …".
+    TraceIt,
+    /// That a comparison leaves out pixels whose light is not finite.
+    IgnoreNotFinite,
+    /// That a comparison counts light that is not finite as a value.
+    CountNotFinite,
+    /// How a .png that holds linear values is read: "as …".
+    AsLinear,
+    /// Which channels are compared.
+    Channels,
+    /// That nothing but radiance is compared.
+    RadianceAlone,
+    /// The limit of a metric, whose name follows: "tolerance of …".
+    ToleranceOf,
+    /// Texture coordinates that are made for what is baked.
+    Atlas,
+    /// Light that is baked by what the camera sees.
+    CameraCube,
+    /// How many texels are baked, which follow: "a size of …".
+    TexelsOf,
+    /// Which bins of a cube are kept, which follow.
+    Bins,
+}
+
+impl Setting {
+    /// All.
+    pub const ALL: [Setting; 17] = [
+        Setting::MemoryLimit,
+        Setting::AllowOutside,
+        Setting::AllowSwapped,
+        Setting::Overwrite,
+        Setting::Vectors,
+        Setting::Method,
+        Setting::TraceIt,
+        Setting::IgnoreNotFinite,
+        Setting::CountNotFinite,
+        Setting::AsLinear,
+        Setting::Channels,
+        Setting::RadianceAlone,
+        Setting::ToleranceOf,
+        Setting::Atlas,
+        Setting::CameraCube,
+        Setting::TexelsOf,
+        Setting::Bins,
+    ];
+
+    /// What the library calls it.
+    fn name(self) -> &'static str {
+        match self {
+            Setting::MemoryLimit => "`memory_limit`",
+            Setting::AllowOutside => "`allow_outside`",
+            Setting::AllowSwapped => "`allow_swapped`",
+            Setting::Overwrite => "`overwrite`",
+            Setting::Vectors => "`vectors`",
+            Setting::Method => "`method`",
+            Setting::TraceIt => "trace it with `render::render`",
+            Setting::IgnoreNotFinite => "`NotFinite::Ignore`",
+            Setting::CountNotFinite => "`NotFinite::CountAs(0.0)`",
+            Setting::AsLinear => "as `Encoding::Linear`",
+            Setting::Channels => "`channels`",
+            Setting::RadianceAlone => "`channels` of \"radiance\"",
+            Setting::ToleranceOf => "tolerance of",
+            Setting::Atlas => "`Coordinates::Atlas`",
+            Setting::CameraCube => "`camera_cube`",
+            Setting::TexelsOf => "a `size` of",
+            Setting::Bins => "`bins`",
+        }
+    }
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A text that knows which of its words name settings. Made from texts and [`Setting`]s, by `+`.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Message {
+    /// With the library's names.
+    text: String,
+    /// Where they stand in it, in order.
+    settings: Vec<(Range<usize>, Setting)>,
+}
+
+impl Message {
+    /// The text with `name` for each setting that it speaks of.
+    pub fn with_names(&self, name: impl Fn(Setting) -> String) -> String {
+        let mut named = String::with_capacity(self.text.len());
+        let mut end = 0;
+        for (span, setting) in &self.settings {
+            named += &self.text[end..span.start];
+            named += &name(*setting);
+            end = span.end;
+        }
+        named + &self.text[end..]
+    }
+}
+
+impl Deref for Message {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        &self.text
+    }
+}
+
+impl fmt::Display for Message {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(&self.text, f)
+    }
+}
+
+impl PartialEq<str> for Message {
+    fn eq(&self, other: &str) -> bool {
+        self.text == other
+    }
+}
+
+impl PartialEq<&str> for Message {
+    fn eq(&self, other: &&str) -> bool {
+        self.text == *other
+    }
+}
+
+impl PartialEq<String> for Message {
+    fn eq(&self, other: &String) -> bool {
+        self.text == *other
+    }
+}
+
+impl<T: Into<String>> From<T> for Message {
+    fn from(text: T) -> Self {
+        Message {
+            text: text.into(),
+            settings: Vec::new(),
+        }
+    }
+}
+
+impl From<Setting> for Message {
+    fn from(setting: Setting) -> Self {
+        Message {
+            text: setting.to_string(),
+            settings: vec![(0..setting.name().len(), setting)],
+        }
+    }
+}
+
+impl<T: Into<Message>> AddAssign<T> for Message {
+    fn add_assign(&mut self, more: T) {
+        let Message { text, settings } = more.into();
+        let offset = self.text.len();
+        let moved = |(span, setting): (Range<usize>, Setting)| {
+            (span.start + offset..span.end + offset, setting)
+        };
+        self.settings.extend(settings.into_iter().map(moved));
+        self.text += &text;
+    }
+}
+
+impl<T: Into<Message>> Add<T> for Message {
+    type Output = Message;
+
+    fn add(mut self, more: T) -> Message {
+        self += more;
+        self
+    }
+}
+
+impl<T: Into<Message>> Add<T> for Setting {
+    type Output = Message;
+
+    fn add(self, more: T) -> Message {
+        Message::from(self) + more
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_take_other_names_where_they_stand_and_nothing_else_does() {
+        let message = Message::from("`overwrite` it ")
+            + Setting::Overwrite
+            + ", or é "
+            + (Setting::Atlas + ": " + Setting::Overwrite);
+        assert_eq!(
+            message,
+            "`overwrite` it `overwrite`, or é `Coordinates::Atlas`: `overwrite`"
+        );
+        let named = message.with_names(|setting| match setting {
+            Setting::Overwrite => "--overwrite".into(),
+            other => other.to_string(),
+        });
+        assert_eq!(
+            named,
+            "`overwrite` it --overwrite, or é `Coordinates::Atlas`: --overwrite"
+        );
+        assert_eq!(message.with_names(|setting| setting.to_string()), *message);
+    }
+}

@@ -25,6 +25,7 @@
 
 use glam::DVec3;
 
+use super::quarters::Quarters;
 use super::ray_set::{RAYS, RaySet};
 use super::simd::Simd;
 use crate::accel::bvh::View;
@@ -39,7 +40,7 @@ pub(super) const FRONT: u32 = 1 << 31;
 /// Origins farther than this many scene sizes are left to single rays, which rebase them: (K2).
 const FAR: f64 = power_of_two(10);
 /// |d|∞ is between 1/4 and 4: (K2).
-const SPREAD: f32 = 4.0;
+pub(super) const SPREAD: f32 = 4.0;
 /// Directions differ by no more than this along any axis: (K2).
 const COHERENT: f32 = 0.75;
 /// (K3).
@@ -69,6 +70,8 @@ pub(super) struct Block {
     pub count: usize,
     /// Whether every four rays in `order` follow one another in the batch.
     pub in_fours: bool,
+    /// Directions of each quarter, where triangles have asked for them.
+    pub quarters: Option<Quarters>,
     /// τ per unit of s.
     pub tau_from_s: f64,
 }
@@ -115,6 +118,7 @@ impl Block {
         left: None,
         count: 0,
         in_fours: false,
+        quarters: None,
         tau_from_s: 1.0,
     };
 
@@ -394,6 +398,7 @@ impl Block {
         self.near = [f32::INFINITY; RAYS];
         self.far = [f32::INFINITY; RAYS];
         self.slots = [NONE; RAYS];
+        self.quarters = None;
         let mut known = false;
         for &ray in &self.order {
             known |= hits[ray as usize].is_some();

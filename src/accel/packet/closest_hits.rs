@@ -2,6 +2,7 @@
 
 use super::beam::Beam;
 use super::block::{Block, FRONT, NONE};
+use super::quarters::{ALL, PER_QUARTER, Quarters};
 use super::ray_set::{RAYS, RaySet};
 use super::refine::RefinedHits;
 use super::setup::{LeafTriangles, PacketTriangle};
@@ -13,6 +14,9 @@ use crate::accel::single::ScaledRay;
 use crate::accel::tally::{Tally, Work};
 use crate::accel::vectors::prefetch_all;
 use crate::accel::wide::WIDTH;
+
+/// Candidates in a leaf from which on it pays to ask for quarters (measured with 2 to 5, on meshes of pixel-sized and larger triangles).
+const SEVERAL: u32 = 2;
 
 /// Finds the closest hits of the rays in a block's order; the block and `refined` receive them.
 pub(super) struct ClosestHits<'a, T, R, const CERTIFIED: bool> {
@@ -71,6 +75,25 @@ impl<K: Simd, T: Tally, R: RaySet, const CERTIFIED: bool> BlockQuery<K>
     const CERTIFIED: bool = CERTIFIED;
 
     #[inline(always)]
+    fn narrow(&mut self, k: K, triangles: &mut LeafTriangles) {
+        if R::OWN_ORIGINS {
+            return;
+        }
+        let candidates = triangles.candidates & triangles.certain;
+        if candidates.count_ones() < SEVERAL {
+            triangles.quarters = [ALL; WIDTH];
+            return;
+        }
+        // Not by a closure, which would not have the kernel's instructions.
+        if self.block.quarters.is_none() {
+            self.block.quarters = Some(Quarters::of(k.children(), &self.block.directions));
+        }
+        if let Some(quarters) = &self.block.quarters {
+            quarters.narrow(k.children(), triangles);
+        }
+    }
+
+    #[inline(always)]
     fn intersect(&mut self, k: K, triangles: &LeafTriangles, at: usize, slot: u32) -> bool {
         if triangles.certain >> at & 1 != 0 {
             self.intersect_certain(k, triangles, at, slot)
@@ -108,25 +131,35 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         } else {
             slot
         };
+        let (mut quarters, rays) = match R::OWN_ORIGINS {
+            true => (1, RAYS),
+            false => (triangles.quarters[at % WIDTH], PER_QUARTER),
+        };
         let mut changed = false;
-        let mut first = 0;
-        while first < RAYS {
-            let d = load_vectors(k, &self.block.directions, first);
-            let edge_functions = triangle.edge_functions::<R>(&d, self.block, first);
-            let [u, v, w] = edge_functions;
-            // Inside, or so nearly that f32 cannot tell: none of U + B, V + B and W + B is negative.
-            let inside = k.not_negative(u, v, w);
-            if inside != 0 {
-                changed |= match CERTIFIED {
-                    true => {
-                        let volume = triangle.volume::<R>(self.block, first);
-                        let numbers = (edge_functions, triangle.determinant(&d), volume);
-                        self.certify(k, &triangle, slot, (first, inside), numbers)
-                    }
-                    false => self.accept(k, &triangle, slot, (first, inside), d, edge_functions),
-                };
+        while quarters != 0 {
+            let mut first = quarters.trailing_zeros() as usize * PER_QUARTER % RAYS;
+            quarters &= quarters - 1;
+            let end = first + rays;
+            while first < end {
+                let d = load_vectors(k, &self.block.directions, first);
+                let edge_functions = triangle.edge_functions::<R>(&d, self.block, first);
+                let [u, v, w] = edge_functions;
+                // Inside, or so nearly that f32 cannot tell: none of U + B, V + B and W + B is negative.
+                let inside = k.not_negative(u, v, w);
+                if inside != 0 {
+                    changed |= match CERTIFIED {
+                        true => {
+                            let volume = triangle.volume::<R>(self.block, first);
+                            let numbers = (edge_functions, triangle.determinant(&d), volume);
+                            self.certify(k, &triangle, slot, (first, inside), numbers)
+                        }
+                        false => {
+                            self.accept(k, &triangle, slot, (first, inside), d, edge_functions)
+                        }
+                    };
+                }
+                first += K::LANES;
             }
-            first += K::LANES;
         }
         changed
     }

@@ -16,6 +16,7 @@ mod block;
 mod closest_hits;
 mod lanes;
 mod method;
+mod quarters;
 mod ray_set;
 mod refine;
 mod setup;

@@ -52,6 +52,7 @@
 use glam::DVec3;
 
 use super::block::{Block, BlockBounds};
+use super::quarters::ALL;
 use super::ray_set::RaySet;
 use super::simd::{Simd, load_vectors};
 use crate::accel::float::power_of_two;
@@ -64,11 +65,11 @@ type Lane = [f32; WIDTH];
 #[repr(C, align(64))]
 pub(super) struct LeafTriangles {
     /// p, q and r.
-    edge_normals: [[Lane; 3]; 3],
+    pub edge_normals: [[Lane; 3]; 3],
     /// −e₂, e₁ and e₃, where rays have moments.
     edges: [[Lane; 3]; 3],
     /// The B of U, V and W.
-    slack: [Lane; 3],
+    pub slack: [Lane; 3],
     /// n.
     normal: [Lane; 3],
     /// The B of Δ.
@@ -83,6 +84,8 @@ pub(super) struct LeafTriangles {
     pub certain: u32,
     /// Whether all rays start before the front, if it is.
     pub front: u32,
+    /// Per triangle the quarters of the block in which rays may hit it, as bits.
+    pub quarters: [u8; WIDTH],
 }
 
 /// What the setup needs to know of a block, in all lanes.
@@ -306,7 +309,7 @@ fn cross<K: Simd>(k: K, x: &[K::F; 3], y: &[K::F; 3]) -> [K::F; 3] {
 }
 
 #[inline(always)]
-fn absolute<K: Simd>(k: K, x: &[K::F; 3]) -> [K::F; 3] {
+pub(super) fn absolute<K: Simd>(k: K, x: &[K::F; 3]) -> [K::F; 3] {
     [k.abs(x[0]), k.abs(x[1]), k.abs(x[2])]
 }
 
@@ -357,6 +360,7 @@ impl LeafTriangles {
         candidates: 0,
         certain: 0,
         front: 0,
+        quarters: [ALL; WIDTH],
     };
 
     /// The same with the other σ for triangle `at`.
@@ -499,7 +503,7 @@ impl<'a, K: Simd> PacketTriangle<'a, K> {
 }
 
 #[inline(always)]
-fn lane3<K: Simd>(k: K, from: &[Lane; 3], at: usize) -> [K::F; 3] {
+pub(super) fn lane3<K: Simd, const N: usize>(k: K, from: &[[f32; N]; 3], at: usize) -> [K::F; 3] {
     [
         k.splat(from[0][at]),
         k.splat(from[1][at]),

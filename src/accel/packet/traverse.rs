@@ -31,6 +31,8 @@ pub(super) trait BlockQuery<K: Simd> {
     /// Whether bounds are asked for.
     const CERTIFIED: bool;
 
+    /// Leaves out quarters of the block for triangles that were just set up, where that pays.
+    fn narrow(&mut self, _: K, _: &mut LeafTriangles) {}
     /// Tests triangle `at` of `triangles`, which is in `slot`; whether [`BlockQuery::limit`] may have changed.
     fn intersect(&mut self, k: K, triangles: &LeafTriangles, at: usize, slot: u32) -> bool;
     /// The τ beyond which nothing is of interest; negative if nothing is at all.
@@ -109,6 +111,7 @@ fn intersect_leaf<K: Simd, Q: BlockQuery<K>>(
         true => setup.set_up::<Q::Rays, true>(leaf, limit, triangles),
         false => setup.set_up::<Q::Rays, false>(leaf, limit, triangles),
     }
+    query.narrow(k, triangles);
     let present = leaf.present.count_ones() as usize;
     query.tally().add(Work::Triangles, present);
     let (mut candidates, mut changed) = (triangles.candidates, false);

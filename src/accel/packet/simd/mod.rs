@@ -121,6 +121,9 @@ pub(super) trait Eight: Simd {
         to: &mut [NodeRef],
     ) -> usize;
 
+    /// The smallest lane of each of four.
+    fn smallest_of_each(self, x: [Self::F; 4]) -> [f32; 4];
+
     /// Which of the first eight of `entries`, as [`Eight::push_hits`] makes them, are entered at `limit` or before, as bits.
     fn within(self, entries: &[u32], limit: f32) -> u32;
 }
@@ -244,6 +247,8 @@ mod tests {
                 );
                 assert_eq!(entries[..count], expected[..count]);
                 assert_eq!(to[..count], expected_to[..count]);
+                let rows = [leaves, enters, k.sub(enters, leaves), k.add(leaves, leaves)];
+                assert_eq!(k.smallest_of_each(rows), rows.map(|row| k.smallest(row)));
                 // The farthest first, and none later than it is entered.
                 for pair in entries[..count].windows(2) {
                     assert!(pair[0] > pair[1]);

@@ -145,6 +145,11 @@ impl Simd for Portable {
 
 impl Eight for Portable {
     #[inline(always)]
+    fn smallest_of_each(self, x: [Lanes; 4]) -> [f32; 4] {
+        x.map(|x| self.smallest(x))
+    }
+
+    #[inline(always)]
     fn push_hits(
         self,
         enter: Lanes,

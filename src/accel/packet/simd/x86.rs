@@ -228,6 +228,27 @@ impl Avx2 {
 
 impl Eight for Avx2 {
     #[inline(always)]
+    fn smallest_of_each(self, [a, b, c, d]: [__m256; 4]) -> [f32; 4] {
+        // SAFETY: as `run`.
+        unsafe {
+            // a and b in turn, c and d in turn, and then all four in turn: twice in each half.
+            let a_b = _mm256_min_ps(_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
+            let c_d = _mm256_min_ps(_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
+            let (a_b, c_d) = (_mm256_castps_pd(a_b), _mm256_castps_pd(c_d));
+            let all = _mm256_min_ps(
+                _mm256_castpd_ps(_mm256_unpacklo_pd(a_b, c_d)),
+                _mm256_castpd_ps(_mm256_unpackhi_pd(a_b, c_d)),
+            );
+            let mut smallest = [0.0; 4];
+            _mm_storeu_ps(
+                smallest.as_mut_ptr(),
+                _mm_min_ps(_mm256_castps256_ps128(all), _mm256_extractf128_ps::<1>(all)),
+            );
+            smallest
+        }
+    }
+
+    #[inline(always)]
     fn push_hits(
         self,
         enter: __m256,

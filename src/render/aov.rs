@@ -141,8 +141,8 @@ aovs! {
         "part of the samples that meet an object";
     ObjectId, "IndexOB.X", Nearest, "index of the object plus 1, 0 where nothing is met: an ID pass, as compositors read it",
         "k + 1, or 0";
-    StandardError, "standard_error", StandardError, "standard error of the pixel's mean radiance (mean of R, G, B), from independent parts of its samples; above 1 sample per pixel",
-        "√(Σ (m_k − m)²/(R (R − 1))), m_k the mean (R + G + B)/3 of part k of R = 8 or more equal parts of the samples, and m their mean";
+    StandardError, "standard_error", StandardError, "standard error of the pixel's mean radiance (mean of R, G, B), from independent parts of its samples and of those of 5 × 5 pixels; above 1 sample per pixel",
+        "√(((R − 1) s² + 4 n)/((R + 3) R)), s² = Σ (m_k − m)²/(R − 1), m_k the mean (R + G + B)/3 of part k of R = 8 or more equal parts of the samples, m their mean, and n the mean of s² over 5 × 5 pixels of a tile of 16 × 16, the pixel itself in place of those beyond its edge";
     Samples, "samples", Samples, "how many samples the pixel's radiance is the mean of",
         "number of rays";
 }

@@ -85,6 +85,10 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
     let error = film
         .error_asked_for()
         .map(|error| ("relative_error_asked_for", error.to_string()));
+    let degrees = film.degrees_of_freedom().map(|degrees| {
+        let text = format!("{degrees:.1}");
+        ("standard_error_degrees_of_freedom", text)
+    });
     let equations = (scene.equations != Equations::Exact)
         .then(|| ("equations", equations(scene.equations).to_string()));
     let own = pairs
@@ -95,6 +99,7 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
         .chain(bounces)
         .chain(passes)
         .chain(error)
+        .chain(degrees)
         .chain(projection(camera))
         .chain(equations)
         .chain(moving(camera))

@@ -148,7 +148,7 @@ impl Passes {
             let count = parts.spread.len();
             pixels += count;
             square += (0..count)
-                .map(|pixel| parts.standard_error(pixel).powi(2))
+                .map(|pixel| parts.own_error_square(pixel))
                 .sum::<f64>();
         }
         let [a, b] = means(&self.tiles);

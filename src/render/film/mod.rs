@@ -24,6 +24,8 @@ pub struct Film {
     /// Passes of that many samples, and the relative error that they were to reach.
     passes: u32,
     error: Option<f64>,
+    /// Independent parts of the samples of the tile that has the fewest.
+    parts: Option<u32>,
     /// Per tile, the same sum of its coverage: added up in the order of tiles, whoever rendered them.
     coverage: Vec<TileCoverage>,
     aovs: Vec<Vec<f64>>,
@@ -53,6 +55,7 @@ impl Film {
             unmet: 0.0,
             passes: 1,
             error: None,
+            parts: None,
             coverage: vec![TileCoverage::default(); tiles],
             aovs: vec![vec![0.0; n]; layout.channels.len()],
             layout,
@@ -62,6 +65,8 @@ impl Film {
     /// Places a finished tile.
     pub fn place(&mut self, tile: &TileFilm) {
         let samples = tile.taken(&self.layout);
+        let parts = tile.parts().map(|parts| parts.taken);
+        self.parts = self.parts.into_iter().chain(parts).min();
         // 1 where there is one pass.
         let share = f64::from(self.layout.samples) / f64::from(samples);
         self.unmet += tile.unmet as f64 * share;
@@ -94,9 +99,10 @@ impl Film {
             }
         }
         for (channel, aov) in self.layout.channels.iter().enumerate() {
-            for (pixel, (column, row)) in tile.tile.coordinates().enumerate() {
+            let values = tile.aov(channel, *aov, samples);
+            for ((column, row), value) in tile.tile.coordinates().zip(values) {
                 let at = row as usize * width + column as usize;
-                self.aovs[channel][at] = tile.aov(channel, *aov, pixel, samples);
+                self.aovs[channel][at] = value;
             }
         }
     }
@@ -114,6 +120,14 @@ impl Film {
     /// The relative error that tiles were to reach, where they were.
     pub(crate) fn error_asked_for(&self) -> Option<f64> {
         self.error
+    }
+
+    /// The degrees of freedom of standard errors, where they were asked for and there are any: an error over its standard error is distributed as Student's t
+    /// of as many, as far as noise is normal. Of tiles that took passes until they had an error, those of the one with the fewest.
+    pub fn degrees_of_freedom(&self) -> Option<f64> {
+        let parts = self.parts.filter(|parts| *parts > 1)?;
+        self.aov(Aov::StandardError)?;
+        Some(tile::degrees_of_freedom(parts))
     }
 
     /// The same film, of so many passes that were to reach this error.

@@ -10,7 +10,25 @@
 //! ```
 //!
 //! whose expectation is the variance of m, whatever the distribution. Where the means are normal, the error over the standard error is
-//! distributed as Student's t with R − 1 degrees of freedom: of R = 8, 65 % are below 1 and 91 % below 2.
+//! distributed as Student's t with R − 1 degrees of freedom: of R = 8, 65 % are below 1 and 91 % below 2, where 68 % and 95 % of normal errors are.
+//! Light that few samples find is worse: parts that have all missed it differ little, and say a small error where their mean is too low.
+//!
+//! Neighbours know more of it. With s² the variance of a pixel's parts and n the mean of those of the 5 × 5 pixels around it, what is told is
+//!
+//! ```text
+//! standard error² = ((R − 1) s² + D n)/((R − 1 + D) R),    D = 4:                                 (2)
+//! ```
+//!
+//! the mean of a variance of which its own parts have R − 1 degrees of freedom and what is known before, that it is near n, is worth D more (Smyth, "Linear models and empirical Bayes
+//! methods", Stat. Appl. Genet. Mol. Biol. 3(1), 2004). In place of pixels beyond the edge of the tile the pixel counts itself, so that all weights are symmetric: the mean square over
+//! a tile is exactly that of (1). It is 0 where the samples of each of the 25 pixels are equal, and as R grows (2) becomes (1). Where 25 variances are alike, and independent, (2) has
+//!
+//! ```text
+//! (R − 1)/(a² + 2 a b/25 + b²/25) degrees of freedom,    a = (R − 1)/(R − 1 + D), b = 1 − a,      (3)
+//! ```
+//!
+//! 16 of R = 8, with which 67 % are below 1 and 94 % below 2. The price: pixels with little noise of their own beside an edge, or in the rim of a shadow, are told a part of that of
+//! their neighbours. Decisions on passes, below, take (1) as it is.
 //!
 //! # How many passes a tile takes
 //!
@@ -19,10 +37,10 @@
 //! the mean of the first K_A parts of A has no bias, nor has that of the first K_B parts of B. The pixel is the mean of both, and
 //!
 //! ```text
-//! standard error² = s²/4 (1/K_A + 1/K_B),   s² the variance of all parts that were taken.               (2)
+//! standard error² = s²/4 (1/K_A + 1/K_B),   s² the variance of all parts that were taken,               (4)
 //! ```
 //!
-//! Parts that were taken while the other half had not decided are counted in s² alone.
+//! with the neighbours' as in (2). Parts that were taken while the other half had not decided are counted in s² alone.
 
 use std::ops::Range;
 
@@ -77,6 +95,34 @@ pub(in crate::render) struct Parts {
     pub(in crate::render) spread: Vec<[f64; 5]>,
 }
 
+/// D of (2): it brings the errors of eight parts nearest to 68.3 % below 1 and 95.4 % below 2 in eight small scenes.
+const PRIOR: f64 = 4.0;
+/// How far the pixels are from which n is, in columns and rows, and how many they are.
+const REACH: usize = 2;
+const AROUND: f64 = ((2 * REACH + 1) * (2 * REACH + 1)) as f64;
+
+/// The degrees of freedom of standard errors from so many parts: (3).
+pub(super) fn degrees_of_freedom(parts: u32) -> f64 {
+    let own = f64::from(parts.saturating_sub(1));
+    let a = own / (own + PRIOR);
+    let b = 1.0 - a;
+    own / (a * a + (2.0 * a * b + b * b) / AROUND)
+}
+
+/// The mean of `values`, so many in a row, over the 5 × 5 around one of them, which counts in place of those that are not there, or not finite.
+fn around(values: &[f64], across: usize, at: usize) -> f64 {
+    let (row, column) = (at / across, at % across);
+    let near = |at: usize, count: usize| at.saturating_sub(REACH)..(at + REACH + 1).min(count);
+    let columns = near(column, across);
+    let of_row = |row: usize| &values[row * across..][columns.clone()];
+    let all = near(row, values.len() / across).flat_map(of_row);
+    let (mut sum, mut missing) = (0.0, AROUND);
+    for value in all.filter(|value| value.is_finite()) {
+        (sum, missing) = (sum + value, missing - 1.0);
+    }
+    (sum + missing * values[at]) / AROUND
+}
+
 impl Parts {
     fn new(pixels: usize, samples: u32) -> Self {
         Parts {
@@ -125,20 +171,45 @@ impl Parts {
         }
     }
 
-    /// The standard error of a pixel: (1), or (2) where a half is settled.
-    pub(in crate::render) fn standard_error(&self, pixel: usize) -> f64 {
-        if self.taken < 2 {
-            return f64::NAN;
-        }
+    /// s² of a pixel.
+    fn variance(&self, pixel: usize) -> f64 {
         let n = f64::from(self.taken);
         let [_, a, aa, b, bb] = self.spread[pixel];
         // Σ(m − m̄)² = Σ(m − m₀)² − (Σ(m − m₀))²/n.
-        let variance = (((aa + bb) - (a + b) * (a + b) / n) / (n - 1.0)).max(0.0);
-        let shares = match self.settled.contains(&true) {
+        (((aa + bb) - (a + b) * (a + b) / n) / (n - 1.0)).max(0.0)
+    }
+
+    /// The variance of the mean of a pixel, by that of a part: 1/R, or as of (4) where a half is settled.
+    fn share(&self) -> f64 {
+        match self.settled.contains(&true) {
             true => 0.25 * self.counted.map(|k| 1.0 / f64::from(k)).iter().sum::<f64>(),
-            false => 1.0 / n,
+            false => 1.0 / f64::from(self.taken),
+        }
+    }
+
+    /// The square of the standard error of a pixel by its own parts alone: (1).
+    pub(in crate::render) fn own_error_square(&self, pixel: usize) -> f64 {
+        match self.taken < 2 {
+            true => f64::NAN,
+            false => self.variance(pixel) * self.share(),
+        }
+    }
+
+    /// The standard errors of all pixels, of which so many are in a row: (2).
+    fn standard_errors(&self, across: usize) -> Vec<f64> {
+        if self.taken < 2 {
+            return vec![f64::NAN; self.spread.len()];
+        }
+        let all = 0..self.spread.len();
+        let variances: Vec<f64> = all.map(|pixel| self.variance(pixel)).collect();
+        let own = f64::from(self.taken - 1);
+        let share = self.share();
+        let square = |(pixel, variance): (usize, &f64)| {
+            let around = around(&variances, across, pixel);
+            (own * variance + PRIOR * around) / (own + PRIOR) * share
         };
-        (variance * shares).sqrt()
+        let squares = variances.iter().enumerate().map(square);
+        squares.map(f64::sqrt).collect()
     }
 
     /// What one half says of a pixel: its mean radiance, and the square of the standard error of as many parts again beside it.
@@ -471,33 +542,36 @@ impl TileFilm {
         self.aovs[channel][pixel] = value;
     }
 
-    /// The finished value of `aov` in `pixel` after `samples` samples.
-    pub(super) fn aov(&self, channel: usize, aov: Aov, pixel: usize, samples: u32) -> f64 {
-        let sum = self.aovs[channel][pixel];
+    /// The finished values of `aov` after `samples` samples, pixel by pixel.
+    pub(super) fn aov(&self, channel: usize, aov: Aov, samples: u32) -> Vec<f64> {
+        let sums = &self.aovs[channel];
+        let each = |value: &dyn Fn(usize) -> f64| (0..sums.len()).map(value).collect();
+        let parts = self.parts.as_ref();
         match aov.combine() {
-            Combine::Coverage => self
-                .held
-                .get(pixel)
-                .map_or(1.0, |held| held / samples as f64),
-            Combine::Missing => {
+            Combine::Coverage => each(&|pixel| {
+                let held = self.held.get(pixel);
+                held.map_or(1.0, |held| held / samples as f64)
+            }),
+            Combine::Missing => each(&|pixel| {
                 let sums = self.missing.get(pixel).zip(aov.missing());
                 sums.map_or(0.0, |(sums, reason)| sums[reason] / samples as f64)
-            }
-            Combine::StandardError => {
-                let parts = self.parts.as_ref();
-                parts.map_or(f64::NAN, |parts| parts.standard_error(pixel))
-            }
+            }),
+            Combine::StandardError => match parts {
+                Some(parts) => parts.standard_errors(self.tile.size[0] as usize),
+                None => vec![f64::NAN; sums.len()],
+            },
             Combine::Samples => {
-                let parts = self.parts.as_ref();
                 let counted = parts.map(|p| p.counted.iter().sum::<u32>() * p.samples);
-                f64::from(counted.unwrap_or(samples))
+                vec![f64::from(counted.unwrap_or(samples)); sums.len()]
             }
-            Combine::MeanOfAll => sum / samples as f64,
+            Combine::MeanOfAll => each(&|pixel| sums[pixel] / samples as f64),
             // 0/0 = NaN where the film sees nothing.
-            Combine::MeanOfSeeing => sum / (samples - self.blind[pixel]) as f64,
-            Combine::Nearest | Combine::NearestIdentity => sum,
+            Combine::MeanOfSeeing => {
+                each(&|pixel| sums[pixel] / (samples - self.blind[pixel]) as f64)
+            }
+            Combine::Nearest | Combine::NearestIdentity => sums.clone(),
             // 0/0 = NaN where nothing was hit.
-            Combine::MeanOfHits => sum / self.hits[pixel] as f64,
+            Combine::MeanOfHits => each(&|pixel| sums[pixel] / self.hits[pixel] as f64),
         }
     }
 

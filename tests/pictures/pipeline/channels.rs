@@ -133,13 +133,13 @@ fn standard_errors(scene: &Scene) -> Film {
 }
 
 #[test]
-fn the_standard_error_is_that_of_eight_means_of_independent_parts() {
+fn the_standard_error_is_that_of_eight_means_of_independent_parts_and_of_those_of_neighbours() {
     // The parts by hand: part k of n/8 samples is replicate k. Each mean is the share of its samples that meet the square.
     let n = 64;
     let scene = square(n);
     let film = standard_errors(&scene);
     let sampler = Sampler::stratified(n / 8);
-    let mut uneven = 0;
+    let mut variances = Vec::new();
     for i in 0..stage::pixels(&film) {
         let met: Vec<f64> = samples_of(&scene, &sampler, n, i)
             .iter()
@@ -151,14 +151,40 @@ fn the_standard_error_is_that_of_eight_means_of_independent_parts() {
             .collect();
         let mean = means.iter().sum::<f64>() / 8.0;
         let squares: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
-        let expected = (squares / (8.0 * 7.0)).sqrt();
-        let got = stage::value(&film, Aov::StandardError, i);
-        assert!((got - expected).abs() < 1e-12, "{got} {expected}");
+        variances.push(squares / 7.0);
         assert!((film.radiance()[i][0] - mean).abs() < 1e-12);
         assert_eq!(stage::value(&film, Aov::Samples, i), f64::from(n));
+    }
+    // Seven degrees of freedom of its own and four of the mean of 5 × 5 pixels, in which it counts in place of those that are in no tile of its own.
+    let [width, height] = film.size().map(|n| n as i64);
+    let (mut uneven, mut sums) = (0, std::collections::BTreeMap::new());
+    for i in 0..stage::pixels(&film) {
+        let (x, y) = (i as i64 % width, i as i64 / width);
+        let around = (-2..=2).flat_map(|dy| (-2..=2).map(move |dx| (x + dx, y + dy)));
+        let of = |(u, v): (i64, i64)| {
+            let tile = |x: i64, y: i64| (x.div_euclid(16), y.div_euclid(16));
+            let there = u < width && v < height && tile(u, v) == tile(x, y);
+            variances[if there { (v * width + u) as usize } else { i }]
+        };
+        let mean = around.map(of).sum::<f64>() / 25.0;
+        let expected = ((7.0 * variances[i] + 4.0 * mean) / 11.0 / 8.0).sqrt();
+        let got = stage::value(&film, Aov::StandardError, i);
+        assert!((got - expected).abs() < 1e-12, "{got} {expected}");
         uneven += u32::from(expected > 0.0);
+        let sums = sums.entry((x / 16, y / 16)).or_insert([0.0; 2]);
+        *sums = [sums[0] + variances[i] / 8.0, sums[1] + got * got];
     }
     assert!(uneven > 20, "{uneven}");
+    // The mean square over each tile is that of the variances themselves.
+    for [own, told] in sums.values() {
+        assert!((told - own).abs() <= 1e-12 * own, "{told} {own}");
+    }
+    // 7/(a² + (2 a b + b²)/25), a = 7/11.
+    let degrees = film.degrees_of_freedom().unwrap();
+    assert!(
+        (degrees - 7.0 / (0.404_958_677_7 + 0.595_041_322_3 / 25.0)).abs() < 1e-6,
+        "{degrees}"
+    );
 }
 
 #[test]
@@ -166,10 +192,11 @@ fn a_pixel_of_one_radiance_has_no_standard_error() {
     for n in [3, 5, 16, 17, 22] {
         let mut scene = square(n);
         scene.background = [0.1, 0.7, 0.123];
+        scene.camera.size = [80, 64];
         let film = standard_errors(&scene);
         let is_dark = |i: &usize| film.aov(Aov::Object).unwrap()[*i] < 0.0;
-        // Far from the square: its outline is a pixel away.
-        let corner = [0, 19, 300, 319];
+        // Far from the square: its outline is four pixels away, and two count.
+        let corner = [0, 79, 63 * 80, 63 * 80 + 79];
         for i in corner.iter().filter(|i| is_dark(i)) {
             assert_eq!(
                 stage::value(&film, Aov::StandardError, *i),

@@ -56,7 +56,8 @@ fn parts_of_the_standard_error_end_between_samples_that_go_together() {
     let errors = traced.aov(channel).unwrap().iter();
     let all = errors.zip(drawn.aov(channel).unwrap());
     let other = all.filter(|(a, b)| a != b).count();
-    assert!(other <= 2, "{other} pixels");
+    // A pixel counts in the errors of 5 × 5.
+    assert!(other <= 2 * 25, "{other} pixels");
     assert!(traced.aov(channel).unwrap().iter().any(|e| *e > 0.0));
 }
 

@@ -135,7 +135,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
             metadata.push(("source_table".into(), table.clone()));
             write(job, &metadata, bins.count, &baked, arguments.half)?;
             journal.remove()?;
-            let text = report((&scene, &plan), job, &baked, &table);
+            let text = report((&scene, &plan), job, (&baked, &bins), &table);
             say(quiet, &text)?;
         }
         warn(quiet, &prepared.warnings)
@@ -414,7 +414,12 @@ fn write(
 }
 
 /// What was written, what is not in it, and how a scene uses it.
-fn report((scene, plan): (&Scene, &Plan), job: &Job, baked: &Baked, table: &str) -> String {
+fn report(
+    (scene, plan): (&Scene, &Plan),
+    job: &Job,
+    (baked, bins): (&Baked, &Bins),
+    table: &str,
+) -> String {
     let [h, w, t, _] = baked.cube.shape;
     let (energy, gloss) = (&baked.energy, gloss(plan, job));
     let seen = |surface: Surface| plan.objects[surface.object].shows_backs(scene);
@@ -450,15 +455,23 @@ fn report((scene, plan): (&Scene, &Plan), job: &Job, baked: &Baked, table: &str)
     };
     let part = |energy: f64| 100.0 * energy / all;
     text += &format!("light arrives between {from:.6} m and {to:.6} m");
-    if energy.before > 1e-4 * all || energy.after > 1e-4 * all {
+    if baked.is_dark() && energy.held > 0.0 {
+        text += "\nwarning: what falls into the bins is too little for the numbers of the file: they are dark";
+    } else if baked.is_dark() {
+        let end = bins.start + bins.width * bins.count as f64;
+        text += &format!(
+            "\nwarning: none of it falls into the bins, which are from {} m to {end} m: they are dark",
+            bins.start
+        );
+    } else if energy.before > 1e-4 * all || energy.after > 1e-4 * all {
         text += &format!(
             "\nwarning: the bins miss {:.2} % of its energy before them and {:.2} % after them",
             part(energy.before),
             part(energy.after)
         );
     }
-    if !baked.standard_error.iter().any(|e| e.is_nan()) {
-        let error = 100.0 * baked.relative_error();
+    let error = 100.0 * baked.relative_error();
+    if error.is_finite() {
         text += &format!("\nstandard error of a bin: {error:.2} % of the root mean square of all");
     }
     text += "\n\n";

@@ -142,9 +142,13 @@ pub fn of_baked(scene: &Scene, bins: &Bins, samples: u32, baked: &Baked) -> Vec<
             baked.relative_error().to_string(),
         ),
     ];
+    // Where any light arrives, from when to when.
+    let span = energy.span.into_iter();
+    let span = span.flat_map(|[from, to]| [("light_from", from), ("light_until", to)]);
+    let span = span.map(|(key, time)| (key, time.to_string()));
     // Of a surface, what is on its backs.
     let backs = (baked.backs != CubeBacks::AsFront).then(|| (BACKS, baked.backs.name().into()));
-    let own = pairs.into_iter().chain(backs);
+    let own = pairs.into_iter().chain(span).chain(backs);
     let own = own.map(|(key, value): (_, String)| (key.into(), value));
     of_text(&scene.name, &scene.text)
         .into_iter()

@@ -99,12 +99,23 @@ fn as_baked(info: &mut Info, path: &Path, metadata: &Map<String, Value>) {
     let [bins, width, start] = ["bins", "bin_width", "start"].map(said);
     info.row("bins", format!("{bins} of {width} m from {start} m"));
     info.row("clock", said("clock"));
-    let error = text("relative_standard_error").and_then(|error| error.parse::<f64>().ok());
-    let error = match error.filter(|error| error.is_finite()) {
+    let number = |key: &str| text(key).and_then(|number| number.parse::<f64>().ok());
+    let is_dark = number("energy_in_bins") == Some(0.0);
+    // Files of older versions do not say when.
+    if let (Some(from), Some(to)) = (number("light_from"), number("light_until")) {
+        let none = if is_dark {
+            ", none of it in the bins"
+        } else {
+            ""
+        };
+        info.row("light", format!("from {from:.6} m to {to:.6} m{none}"));
+    }
+    let error = match number("relative_standard_error").filter(|error| error.is_finite()) {
         Some(error) => format!(
             "{:.2} % in a bin, of the root mean square of all",
             100.0 * error
         ),
+        None if text("samples_per_pixel") != Some("1") => "none: the bins are dark".into(),
         None => "not known: of one sample per texel".into(),
     };
     info.row("error", error);

@@ -117,7 +117,14 @@ pub struct Baked {
 }
 
 impl Baked {
-    /// The root of the mean square over all bins of the standard error, over that of the energy.
+    /// Whether no bin has any light.
+    pub fn is_dark(&self) -> bool {
+        let [h, w, t, _] = self.cube.shape;
+        let mut texels = 0..h * w;
+        texels.all(|texel| (0..t).all(|bin| self.cube.total(texel, bin) == 0.0))
+    }
+
+    /// The root of the mean square over all bins of the standard error, over that of the energy; NaN where all bins are dark.
     pub fn relative_error(&self) -> f64 {
         let bins = self.standard_error.len().max(1);
         let errors: f64 = self.standard_error.iter().map(|e| e * e).sum();
@@ -128,7 +135,7 @@ impl Baked {
         let mean = squares / (h * w * t) as f64;
         match mean > 0.0 {
             true => (errors / bins as f64 / mean).sqrt(),
-            false => 0.0,
+            false => f64::NAN,
         }
     }
 }

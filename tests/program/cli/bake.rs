@@ -213,6 +213,27 @@ fn bins_that_miss_light_say_how_much() {
         said.contains("warning: the bins miss 0.00 % of its energy before them"),
         "{said}"
     );
+    // Of bins before all light there is no error, but a word on when it comes.
+    let early = [
+        "--start=-9 m",
+        "--bin-width=10 cm",
+        "--bins=14",
+        "--texels=8x8",
+        "--spp=4",
+    ];
+    let said = folder.ok(&[&["bake", "lit.toml", "-o", "early.npz"], &early[..]].concat());
+    let words =
+        "warning: none of it falls into the bins, which are from -9 m to -7.6 m: they are dark";
+    assert!(
+        said.contains("light arrives between") && said.contains(words),
+        "{said}"
+    );
+    assert!(!said.contains("standard error"), "{said}");
+    let said = folder.ok(&["info", "early.npz"]);
+    assert!(
+        said.contains("none of it in the bins") && said.contains("none: the bins are dark"),
+        "{said}"
+    );
     let run = folder.run(&["bake", "lit.toml", "--bin-width=0 m"]);
     assert_eq!(run.code, 2);
     assert!(run.message().contains("width above 0"), "{}", run.stderr);

@@ -120,6 +120,14 @@ impl Emission {
         }
     }
 
+    /// The standard deviation of its pulses; none where it has none, and may have corners.
+    pub(crate) fn sigma(&self) -> Option<f64> {
+        match self {
+            Emission::Gaussian { sigma, .. } | Emission::Train { sigma, .. } => Some(*sigma),
+            Emission::Steady | Emission::Table(_) => None,
+        }
+    }
+
     /// The proper times from its first light to its last, without end for a train of pulses that has none; none where it never
     /// begins nor pauses.
     pub(crate) fn lit_times(&self) -> Option<[f64; 2]> {

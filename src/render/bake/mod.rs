@@ -2,7 +2,7 @@
 //!
 //! A cube holds for each pixel of a camera, or each texel of a surface, the energy of its radiance in each bin of time: the integral of
 //! L over the bin, mean over pixel or texel. Paths come from `TimedPaths`; the light of one path goes into all bins in which its lamps' emission
-//! arrives, so that the cost is that of the paths, and of the bins that one pulse covers. Pixels and texels are each summed by one thread,
+//! arrives, so that the cost is that of the paths, whatever the bins: light of pulses that are wide against them is put into bins once for all paths. Pixels and texels are each summed by one thread,
 //! sample by sample: the bits do not depend on the threads. Tiles of pixels and rows of texels are kept in a [`Journal`](crate::render::journal::Journal) as they are
 //! done, where one is given.
 //!

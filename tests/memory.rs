@@ -209,6 +209,48 @@ fn charts_that_all_cover_the_same_texels_are_refused_before_they_are_listed_by_t
 }
 
 #[test]
+fn a_bake_takes_what_it_says_and_in_half_precision_little_more_than_half_of_it() {
+    let _alone = ALONE.lock();
+    let camera = "[camera]\neye = [0, 0, 9]\nlook_at = [0, 0, 0]\n";
+    let plane = "{ plane = { size = [4, 4] } }";
+    let lamp = "[[light]]\nposition = [0, 1, 0]\nemission = { gaussian = { sigma = \"50 cm\" } }\n";
+    let text = camera.to_string() + &object(0, plane, 0.0) + lamp;
+    let scene = parse(&text, "memory", Path::new(""), &Overrides::default()).unwrap();
+    let request = Request {
+        aovs: vec![Aov::UvU],
+        ..Request::default()
+    };
+    let plan = Plan::new(&scene, &request).unwrap();
+    let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+    let size = [128, 128];
+    let surface = Surface {
+        object: 0,
+        coordinates: Coordinates::Set(0),
+        size,
+    };
+    let bins = Bins {
+        start: 0.0,
+        width: 0.02,
+        count: 400,
+    };
+    let bakes = [bake::surface_cube, bake::surface_cube_in_half];
+    let [whole, half] = [false, true].map(|half| {
+        // Of both sides: the backs of a plane are seen.
+        let sides = [size[0], 2 * size[1]];
+        let said = bake::bytes(sides, &bins, half, rayon::current_num_threads());
+        let mut baked = None;
+        let peak = counting::peak_of(|| {
+            let bake = bakes[usize::from(half)];
+            baked = Some(bake(&scene, &prepared, &surface, &bins, None, &Silent).unwrap());
+        });
+        assert!(!baked.unwrap().is_dark());
+        assert!((peak as u64) < said, "{half}: {peak} of {said}");
+        peak
+    });
+    assert!(half * 10 < whole * 7, "{half} {whole}");
+}
+
+#[test]
 fn cut_triangles_stay_within_the_memory_limit_and_nearly_reach_it() {
     let _alone = ALONE.lock();
     // Ever shorter edges, until they are refused.

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use nullray::io::cube::CubeSamples;
 use nullray::io::image::npz::{self, CubeOptions};
 use nullray::mesh::Factors;
 use nullray::render::aov::Aov;
@@ -55,7 +54,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
         .threads
         .count
         .map_or_else(rayon::current_num_threads, usize::from);
-    let bytes = |job| bake::bytes(size(job), &bins, threads);
+    let bytes = |job| bake::bytes(size(job), &bins, arguments.half, threads);
     let pixels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
     let largest = jobs.iter().map(bytes).max();
     let request = Request {
@@ -120,12 +119,23 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
                 warn(quiet, &[text])?;
             }
             let (kept, bar) = (Some(&journal), &Kept(&bar));
-            let baked = match &job.surface {
-                None => bake::camera_cube(&scene, &prepared, &bins, kept, bar),
-                Some(surface) => bake::surface_cube(&scene, &prepared, surface, &bins, kept, bar),
+            let of_camera = match arguments.half {
+                true => bake::camera_cube_in_half,
+                false => bake::camera_cube,
             };
-            // Parts of what is refused are of no use.
+            let of_surface = match arguments.half {
+                true => bake::surface_cube_in_half,
+                false => bake::surface_cube,
+            };
+            let baked = match &job.surface {
+                None => of_camera(&scene, &prepared, &bins, kept, bar),
+                Some(surface) => of_surface(&scene, &prepared, surface, &bins, kept, bar),
+            };
+            // Parts of what is refused are of no use, but for what does not fit half precision.
             let baked = match baked {
+                Err(Error::Unsupported(problem)) if arguments.half => {
+                    return Err(refused("--half", problem.what, "leave --half out"));
+                }
                 Err(error @ Error::Invalid { .. }) => return journal.remove().and(Err(error)),
                 baked => baked?,
             };
@@ -133,7 +143,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
             let table = source((&scene, &plan), &prepared, job, &bins, &baked);
             let mut metadata = metadata::of_baked(&scene, &bins, plan.film.samples, &baked);
             metadata.push(("source_table".into(), table.clone()));
-            write(job, &metadata, bins.count, &baked, arguments.half)?;
+            write(job, &metadata, bins.count, &baked)?;
             journal.remove()?;
             let text = report((&scene, &plan), job, (&baked, &bins), &table);
             say(quiet, &text)?;
@@ -371,26 +381,7 @@ fn planned(
 }
 
 /// Writes the light of one object, or of the camera, with what reads it again.
-fn write(
-    job: &Job,
-    metadata: &[(String, String)],
-    bins: usize,
-    baked: &Baked,
-    half: bool,
-) -> Result<()> {
-    if let (true, CubeSamples::F32(values)) = (half, &baked.cube.samples) {
-        // Refused before anything is written: ∞ in the file would end every render of it.
-        let most = values.iter().fold(0f32, |most, v| most.max(v.abs()));
-        if most > f32::from(half::f16::MAX) {
-            let what = format!("energies up to {most:e} do not fit half precision");
-            return Err(Error::invalid(
-                &job.path,
-                "--half",
-                what,
-                "leave --half out",
-            ));
-        }
-    }
+fn write(job: &Job, metadata: &[(String, String)], bins: usize, baked: &Baked) -> Result<()> {
     let coordinates = baked.texture_coordinates.iter().flatten();
     let coordinates: Vec<f64> = coordinates
         .flatten()
@@ -403,7 +394,7 @@ fn write(
         ("texture_coordinates", &corners_shape, &coordinates),
     ];
     let options = CubeOptions {
-        half,
+        half: false,
         arrays: match baked.texture_coordinates {
             Some(_) => &arrays,
             None => &arrays[..1],

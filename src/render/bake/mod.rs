@@ -26,14 +26,16 @@
 mod camera;
 mod histogram;
 mod part;
+mod stored;
 mod surface;
 
-pub use camera::{camera_cube, eye};
-pub use surface::{Coordinates, Surface, check_surface, surface_cube};
+pub use camera::{camera_cube, camera_cube_in_half, eye};
+pub use surface::{Coordinates, Surface, check_surface, surface_cube, surface_cube_in_half};
 
 use self::part::Summary;
+use self::stored::Stored;
 use crate::error::{Error, Result};
-use crate::io::cube::{Cube, CubeSamples};
+use crate::io::cube::Cube;
 use crate::light::Received;
 use crate::light::lamp::{Emission, Lamp};
 use crate::mesh::atlas::Corners;
@@ -55,8 +57,8 @@ pub struct Bins {
 }
 
 impl Bins {
-    /// Refuses bins that hold no time, and cubes of `texels` for which there is no memory.
-    fn check(&self, scene: &Scene, texels: usize) -> Result<()> {
+    /// Refuses bins that hold no time, and cubes of `texels` for whose numbers there is no memory.
+    fn check<T: Stored>(&self, scene: &Scene, texels: usize) -> Result<()> {
         let refuse = |what: String, help| Err(Error::invalid(&scene.name, "bins", what, help));
         let Bins {
             start,
@@ -72,7 +74,7 @@ impl Bins {
             return refuse("there is no bin".into(), "at least one");
         }
         let numbers = texels.checked_mul(count).and_then(|n| n.checked_mul(3));
-        let fits = numbers.is_some_and(|n| Vec::<f32>::new().try_reserve_exact(n).is_ok());
+        let fits = numbers.is_some_and(|n| Vec::<T>::new().try_reserve_exact(n).is_ok());
         match fits {
             true => Ok(()),
             false => refuse(
@@ -101,7 +103,7 @@ pub struct Energy {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Baked {
-    /// Energy per bin, (H, W, T, 3), linear RGB, f32.
+    /// Energy per bin, (H, W, T, 3), linear RGB, f32 or f16.
     pub cube: Cube,
     /// Of each bin, the root of the mean square over pixels or texels of the standard error of its energy (mean of R, G, B); texels
     /// that the samples of one part alone meet are left out. NaN where no others are left, as with one sample.
@@ -143,13 +145,16 @@ impl Baked {
 /// Parts of the samples of a texel: few, as samples of one part are spread more evenly, and the error is a mean over many texels.
 const PARTS: u32 = 2;
 
-/// Bytes of a cube of `size` (columns and rows, of both sides of a surface) and `bins`, and of what is summed at a time on this many threads.
-pub fn bytes(size: [u32; 2], bins: &Bins, threads: usize) -> u64 {
+/// Bytes of a cube of `size` (columns and rows, of both sides of a surface) and `bins`, in half precision or not, and of what is summed at a time
+/// on this many threads.
+pub fn bytes(size: [u32; 2], bins: &Bins, half: bool, threads: usize) -> u64 {
     let texels = u64::from(size[0]) * u64::from(size[1]);
     let bins = bins.count as u64;
-    // A tile of sums: two of three channels, two for the error, each f64; and what it becomes.
-    let tile = u64::from(TILE * TILE).min(texels) * bins * (8 * 8 + 12);
-    let cube = texels.saturating_mul(bins).saturating_mul(12);
+    // A tile of sums: two of three channels, two for the error, and those of wide pulses in half as many bins or fewer and as many impulses, each f64;
+    // and what it becomes.
+    let tile = u64::from(TILE * TILE).min(texels) * bins * (8 * 8 + 12 + 36);
+    let each = if half { 6 } else { 12 };
+    let cube = texels.saturating_mul(bins).saturating_mul(each);
     cube.saturating_add(tile.saturating_mul(threads as u64))
 }
 
@@ -260,12 +265,12 @@ fn paths<'a>(scene: &Scene, prepared: &'a Prepared) -> Result<TimedPaths<'a>> {
     }
 }
 
-fn baked(
+fn baked<T: Stored>(
     scene: &Scene,
     prepared: &Prepared,
     [height, width]: [usize; 2],
     bins: &Bins,
-    values: Vec<f32>,
+    values: Vec<T>,
     summaries: &[Summary],
 ) -> Result<Baked> {
     let mut energy = Energy::NONE;
@@ -280,7 +285,8 @@ fn baked(
     };
     let standard_error = (0..bins.count).map(|bin| (square(bin) / texels as f64).sqrt());
     let standard_error = standard_error.collect();
-    let cube = Cube::new([height, width, bins.count, 3], CubeSamples::F32(values));
+    T::check(&values, scene)?;
+    let cube = Cube::new([height, width, bins.count, 3], T::samples(values));
     let cube = cube.map_err(|e| {
         let help = "lamps whose light f32 can hold";
         Error::invalid(&scene.name, "light", e.to_string(), help)

@@ -180,6 +180,9 @@ fn the_standard_error_is_that_of_eight_means_of_independent_parts_and_of_those_o
         assert!((told - own).abs() <= 1e-12 * own, "{told} {own}");
     }
     // 7/(a² + (2 a b + b²)/25), a = 7/11.
+    let metadata = nullray::render::metadata::metadata(&scene, &film);
+    let said = ("standard_error_degrees_of_freedom".into(), "16.3".into());
+    assert!(metadata.contains(&said), "{metadata:?}");
     let degrees = film.degrees_of_freedom().unwrap();
     assert!(
         (degrees - 7.0 / (0.404_958_677_7 + 0.595_041_322_3 / 25.0)).abs() < 1e-6,

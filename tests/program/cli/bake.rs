@@ -251,6 +251,34 @@ fn bins_that_miss_light_say_how_much() {
     );
 }
 
+#[test]
+fn energies_that_half_precision_does_not_hold_are_refused_and_their_parts_kept() {
+    let folder = Folder::empty();
+    folder.write("lit.toml", FLASH.to_string() + &lamp(1.5, 1e9));
+    let bake = [
+        "bake",
+        "lit.toml",
+        "--bin-width=1 m",
+        "--bins=14",
+        "--texels=8x8",
+    ];
+    let run = folder.run(&[&bake[..], &["--half"]].concat());
+    assert_eq!(run.code, 2);
+    let words = [
+        "--half",
+        "energies beyond 65504 do not fit half precision",
+        "leave --half out",
+    ];
+    assert!(
+        words.iter().all(|word| run.stderr.contains(word)),
+        "{}",
+        run.stderr
+    );
+    assert!(!folder.path("lit-light.npz").exists());
+    let said = folder.ok(&bake);
+    assert!(said.contains("resuming lit-light.npz"), "{said}");
+}
+
 /// A lamp at this height below or above the floor, of this intensity.
 fn lamp(height: f64, intensity: f64) -> String {
     LIGHT

@@ -1,0 +1,60 @@
+//! The numbers that a cube is kept in while it is made: f32, or the bits of f16, which take half of the memory.
+
+use half::f16;
+use half::vec::HalfBitsVecExt;
+
+use crate::error::{Error, Result};
+use crate::io::cube::CubeSamples;
+use crate::scene::model::Scene;
+
+/// A number of a cube. A vector of defaults, zeros, takes no memory before it is written to.
+pub(super) trait Stored: Copy + Default + Send + Sync {
+    fn of(number: f32) -> Self;
+    fn number(self) -> f32;
+    fn samples(values: Vec<Self>) -> CubeSamples;
+
+    /// Refuses what finite numbers do not fit.
+    fn check(_: &[Self], _: &Scene) -> Result<()> {
+        Ok(())
+    }
+}
+
+impl Stored for f32 {
+    fn of(number: f32) -> Self {
+        number
+    }
+
+    fn number(self) -> f32 {
+        self
+    }
+
+    fn samples(values: Vec<f32>) -> CubeSamples {
+        CubeSamples::F32(values)
+    }
+}
+
+impl Stored for u16 {
+    fn of(number: f32) -> Self {
+        f16::from_f32(number).to_bits()
+    }
+
+    fn number(self) -> f32 {
+        f16::from_bits(self).to_f32()
+    }
+
+    fn samples(values: Vec<u16>) -> CubeSamples {
+        CubeSamples::F16(values.reinterpret_into())
+    }
+
+    fn check(values: &[u16], scene: &Scene) -> Result<()> {
+        match values.iter().all(|bits| f16::from_bits(*bits).is_finite()) {
+            true => Ok(()),
+            false => Err(Error::unsupported(
+                &scene.name,
+                "light",
+                "energies beyond 65504 do not fit half precision",
+                "a cube in single precision",
+            )),
+        }
+    }
+}

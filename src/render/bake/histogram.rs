@@ -46,8 +46,8 @@ const POINTS: usize = 14;
 const BEFORE: usize = POINTS / 2 - 1;
 /// 1/∏ (k − m) over the other points m, for each point k of (2).
 const LAGRANGE: [f64; POINTS] = lagrange();
-/// Paths of a part that are put into bins one by one: as many as take as long as to apply K once.
-const ONE_BY_ONE: usize = 64;
+/// Paths of a part that are put into bins one by one: about as many as take as long as to apply K once.
+const ONE_BY_ONE: usize = 16;
 
 /// Energies in bins that are 2ᵏ times as wide.
 struct Wide {

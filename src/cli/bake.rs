@@ -133,9 +133,6 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
             };
             // Parts of what is refused are of no use, but for what does not fit half precision.
             let baked = match baked {
-                Err(Error::Unsupported(problem)) if arguments.half => {
-                    return Err(refused("--half", problem.what, "leave --half out"));
-                }
                 Err(error @ Error::Invalid { .. }) => return journal.remove().and(Err(error)),
                 baked => baked?,
             };

@@ -23,6 +23,7 @@ fn flag(setting: Setting) -> String {
         Setting::CameraCube => "--camera",
         Setting::TexelsOf => "--texels",
         Setting::Bins => "--bins",
+        Setting::SinglePrecision => "leave --half out",
         other => return other.to_string(),
     };
     flag.into()

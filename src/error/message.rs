@@ -42,11 +42,13 @@ pub enum Setting {
     TexelsOf,
     /// Which bins of a cube are kept, which follow.
     Bins,
+    /// That what is baked is kept in single precision: "a cube in …".
+    SinglePrecision,
 }
 
 impl Setting {
     /// All.
-    pub const ALL: [Setting; 17] = [
+    pub const ALL: [Setting; 18] = [
         Setting::MemoryLimit,
         Setting::AllowOutside,
         Setting::AllowSwapped,
@@ -64,6 +66,7 @@ impl Setting {
         Setting::CameraCube,
         Setting::TexelsOf,
         Setting::Bins,
+        Setting::SinglePrecision,
     ];
 
     /// What the library calls it.
@@ -86,6 +89,7 @@ impl Setting {
             Setting::CameraCube => "`camera_cube`",
             Setting::TexelsOf => "a `size` of",
             Setting::Bins => "`bins`",
+            Setting::SinglePrecision => "a cube in single precision",
         }
     }
 }

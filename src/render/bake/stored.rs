@@ -3,7 +3,7 @@
 use half::f16;
 use half::vec::HalfBitsVecExt;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Setting};
 use crate::io::cube::CubeSamples;
 use crate::scene::model::Scene;
 
@@ -53,7 +53,7 @@ impl Stored for u16 {
                 &scene.name,
                 "light",
                 "energies beyond 65504 do not fit half precision",
-                "a cube in single precision",
+                Setting::SinglePrecision,
             )),
         }
     }

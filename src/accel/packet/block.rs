@@ -25,7 +25,6 @@
 
 use glam::DVec3;
 
-use super::quarters::Quarters;
 use super::ray_set::{RAYS, RaySet};
 use super::simd::Simd;
 use crate::accel::bvh::View;
@@ -70,8 +69,6 @@ pub(super) struct Block {
     pub count: usize,
     /// Whether every four rays in `order` follow one another in the batch.
     pub in_fours: bool,
-    /// Directions of each quarter, where triangles have asked for them.
-    pub quarters: Option<Quarters>,
     /// τ per unit of s.
     pub tau_from_s: f64,
 }
@@ -118,7 +115,6 @@ impl Block {
         left: None,
         count: 0,
         in_fours: false,
-        quarters: None,
         tau_from_s: 1.0,
     };
 
@@ -398,7 +394,6 @@ impl Block {
         self.near = [f32::INFINITY; RAYS];
         self.far = [f32::INFINITY; RAYS];
         self.slots = [NONE; RAYS];
-        self.quarters = None;
         let mut known = false;
         for &ray in &self.order {
             known |= hits[ray as usize].is_some();

@@ -50,6 +50,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> Task for ClosestHits<'_, T, R, 
             bvh,
             rays,
             block,
+            quarters: None,
             tally: self.tally,
         };
         traverse(k, tree, &beam, &bounds, self.stack, &mut query);
@@ -64,6 +65,8 @@ struct ClosestQuery<'a, T, R, const CERTIFIED: bool> {
     bvh: View<'a>,
     rays: R,
     block: &'a mut Block,
+    /// Directions of each quarter of the block, where triangles have asked for them.
+    quarters: Option<Quarters>,
     tally: &'a mut T,
 }
 
@@ -85,10 +88,10 @@ impl<K: Simd, T: Tally, R: RaySet, const CERTIFIED: bool> BlockQuery<K>
             return;
         }
         // Not by a closure, which would not have the kernel's instructions.
-        if self.block.quarters.is_none() {
-            self.block.quarters = Some(Quarters::of(k.children(), &self.block.directions));
+        if self.quarters.is_none() {
+            self.quarters = Some(Quarters::of(k.children(), &self.block.directions));
         }
-        if let Some(quarters) = &self.block.quarters {
+        if let Some(quarters) = &self.quarters {
             quarters.narrow(k.children(), triangles);
         }
     }

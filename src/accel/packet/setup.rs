@@ -52,7 +52,6 @@
 use glam::DVec3;
 
 use super::block::{Block, BlockBounds};
-use super::quarters::ALL;
 use super::ray_set::RaySet;
 use super::simd::{Simd, load_vectors};
 use crate::accel::float::power_of_two;
@@ -360,7 +359,7 @@ impl LeafTriangles {
         candidates: 0,
         certain: 0,
         front: 0,
-        quarters: [ALL; WIDTH],
+        quarters: [0; WIDTH],
     };
 
     /// The same with the other σ for triangle `at`.

@@ -18,6 +18,7 @@ use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::{Prepared, SurfaceLight};
 use nullray::render::progress::Silent;
 use nullray::render::trace::RestFrame;
+use nullray::scene::model::Scene;
 use nullray::scene::{Overrides, parse};
 use nullray::validate::compare::{
     CompareOptions, NotFinite, Picture, compare, report, working_memory,
@@ -174,13 +175,10 @@ fn pictures_of_rasterizers_and_warps_take_what_their_plan_says() {
     }
 }
 
-#[test]
-fn charts_that_all_cover_the_same_texels_are_refused_before_they_are_listed_by_texel() {
-    let _alone = ALONE.lock();
+/// A body of this shape in the light of one lamp, ready to be baked.
+fn lit(shape: &str, lamp: &str) -> (Scene, Prepared) {
     let camera = "[camera]\neye = [0, 0, 9]\nlook_at = [0, 0, 0]\n";
-    let lattice = "{ lattice = { cells = [4, 4, 4], spacing = 1, bar = 0.1 } }";
-    let lamp = "[[light]]\nposition = [0, 9, 9]\nemission = { gaussian = { sigma = \"5 cm\" } }\n";
-    let text = camera.to_string() + &object(0, lattice, 0.0) + lamp;
+    let text = format!("{camera}{}[[light]]\n{lamp}\n", object(0, shape, 0.0));
     let scene = parse(&text, "memory", Path::new(""), &Overrides::default()).unwrap();
     let request = Request {
         aovs: vec![Aov::UvU],
@@ -188,6 +186,15 @@ fn charts_that_all_cover_the_same_texels_are_refused_before_they_are_listed_by_t
     };
     let plan = Plan::new(&scene, &request).unwrap();
     let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+    (scene, prepared)
+}
+
+#[test]
+fn charts_that_all_cover_the_same_texels_are_refused_before_they_are_listed_by_texel() {
+    let _alone = ALONE.lock();
+    let lattice = "{ lattice = { cells = [4, 4, 4], spacing = 1, bar = 0.1 } }";
+    let lamp = "position = [0, 9, 9]\nemission = { gaussian = { sigma = \"5 cm\" } }";
+    let (scene, prepared) = lit(lattice, lamp);
     let surface = Surface {
         object: 0,
         coordinates: Coordinates::Set(0),
@@ -211,17 +218,9 @@ fn charts_that_all_cover_the_same_texels_are_refused_before_they_are_listed_by_t
 #[test]
 fn a_bake_takes_what_it_says_and_in_half_precision_little_more_than_half_of_it() {
     let _alone = ALONE.lock();
-    let camera = "[camera]\neye = [0, 0, 9]\nlook_at = [0, 0, 0]\n";
     let plane = "{ plane = { size = [4, 4] } }";
-    let lamp = "[[light]]\nposition = [0, 1, 0]\nemission = { gaussian = { sigma = \"50 cm\" } }\n";
-    let text = camera.to_string() + &object(0, plane, 0.0) + lamp;
-    let scene = parse(&text, "memory", Path::new(""), &Overrides::default()).unwrap();
-    let request = Request {
-        aovs: vec![Aov::UvU],
-        ..Request::default()
-    };
-    let plan = Plan::new(&scene, &request).unwrap();
-    let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+    let lamp = "position = [0, 1, 0]\nemission = { gaussian = { sigma = \"50 cm\" } }";
+    let (scene, prepared) = lit(plane, lamp);
     let size = [128, 128];
     let surface = Surface {
         object: 0,

@@ -10,27 +10,35 @@ use nullray::scene::model::Scene;
 
 use crate::pipeline::stage;
 
-/// A floor and a wall with a ball that flies by, in the light of a panel: noise of soft shadows and of a bounce.
-fn room(samples: u32, seed: u32) -> Scene {
-    let mut scene = stage::scene(
+/// A floor and a wall with a ball, on a film and in a light that `film` and `light` say; `light` begins with what else the ball does.
+fn room_in(bounces: u32, film: &str, light: &str, samples: u32, seed: u32) -> Scene {
+    let mut scene = stage::scene(&format!(
         "
-render = { bounces = 1 }
+render = {{ bounces = {bounces} }}
 [camera]
 eye = [0.2, 1.2, 3]
 look_at = [0, 0.5, 0]
 hfov = \"50 deg\"
-size = [20, 16]
+{film}
 [[object]]
-shape = { plane = { size = [12, 12] } }
+shape = {{ plane = {{ size = [12, 12] }} }}
 colour = [0.7, 0.5, 0.3]
 [[object]]
-shape = { plane = { size = [12, 12] } }
-transform = { translate = [0, 0, -2], rotate = { axis = [1, 0, 0], angle = \"90 deg\" } }
+shape = {{ plane = {{ size = [12, 12] }} }}
+transform = {{ translate = [0, 0, -2], rotate = {{ axis = [1, 0, 0], angle = \"90 deg\" }} }}
 colour = [0.5, 0.7, 0.6]
 [[object]]
-shape = { sphere = { radius = 0.4 } }
-transform = { translate = [0.3, 0.4, -0.2] }
-velocity = { beta = [0.4, 0, 0] }
+shape = {{ sphere = {{ radius = 0.4 }} }}
+transform = {{ translate = [0.3, 0.4, -0.2] }}
+{light}"
+    ));
+    (scene.samples_per_pixel, scene.seed) = (samples, seed);
+    scene
+}
+
+/// The room with the ball flying by, in the light of a panel: noise of soft shadows and of a bounce.
+fn room(samples: u32, seed: u32) -> Scene {
+    let light = "velocity = { beta = [0.4, 0, 0] }
 [[object]]
 name = \"panel\"
 shape = { plane = { size = [1, 1] } }
@@ -38,10 +46,8 @@ transform = { translate = [-0.6, 2.2, -0.4], rotate = { axis = [1, 0, 0], angle 
 [[light]]
 type = \"area\"
 object = \"panel\"
-radiance = 2",
-    );
-    (scene.samples_per_pixel, scene.seed) = (samples, seed);
-    scene
+radiance = 2";
+    room_in(1, "size = [20, 16]", light, samples, seed)
 }
 
 fn prepared(scene: &Scene, aovs: &[Aov]) -> Prepared {
@@ -142,32 +148,12 @@ fn over_200_seeds_the_error_is_within_the_standard_error_as_often_as_said() {
 
 /// The room in the light of a flash, three bounces of which are in view: few paths are of that length.
 fn flash(samples: u32, seed: u32) -> Scene {
-    let mut scene = stage::scene(
-        "
-render = { bounces = 3 }
-[camera]
-eye = [0.2, 1.2, 3]
-look_at = [0, 0.5, 0]
-hfov = \"50 deg\"
-size = [32, 24]
-time = \"6.6 m\"
-[[object]]
-shape = { plane = { size = [12, 12] } }
-colour = [0.7, 0.5, 0.3]
-[[object]]
-shape = { plane = { size = [12, 12] } }
-transform = { translate = [0, 0, -2], rotate = { axis = [1, 0, 0], angle = \"90 deg\" } }
-colour = [0.5, 0.7, 0.6]
-[[object]]
-shape = { sphere = { radius = 0.4 } }
-transform = { translate = [0.3, 0.4, -0.2] }
-[[light]]
+    let light = "[[light]]
 position = [1.2, 2.8, 1.0]
 intensity = 30
-emission = { gaussian = { sigma = \"12 cm\" } }",
-    );
-    (scene.samples_per_pixel, scene.seed) = (samples, seed);
-    scene
+emission = { gaussian = { sigma = \"12 cm\" } }";
+    let film = "size = [32, 24]\ntime = \"6.6 m\"";
+    room_in(3, film, light, samples, seed)
 }
 
 #[test]

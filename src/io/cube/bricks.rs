@@ -10,7 +10,7 @@
 //! order and the number of threads. A file is not mapped, so that one which shrinks meanwhile is an error and no signal.
 //! Lookups cannot fail: the first failure is kept, zeros stand in, and [`Bricks::check`] tells.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
@@ -53,6 +53,9 @@ pub struct Bricks {
     /// By groups of bricks, a bit for each that has been read.
     seen: Box<[AtomicU64]>,
     cache: Cache<Arc<CubeSamples>>,
+    /// Bricks that have made way, whose memory the next ones take: freed by one thread and asked for by another, it would not be used again,
+    /// as allocators keep memory by thread.
+    spare: Mutex<VecDeque<Arc<CubeSamples>>>,
     /// Bricks that a thread has at hand.
     at_hand: usize,
     /// Whether bricks are only counted, and nothing is read.
@@ -116,8 +119,7 @@ struct Room {
 }
 
 impl Room {
-    /// So many bytes for chunks that take `each`. Every thread may have bricks at hand for lookups of three kinds.
-    #[cfg(any(feature = "hdf5", feature = "zarr"))]
+    /// So many bytes for bricks that take `each`. Every thread may have bricks at hand for lookups of three kinds.
     fn new(bytes: u64, each: u64) -> Room {
         let bricks = bytes / each;
         // An eighth of the room for each kind of lookup, shared among threads; the cache has the rest.
@@ -132,7 +134,6 @@ impl Room {
     }
 }
 
-#[cfg(any(feature = "hdf5", feature = "zarr"))]
 fn threads() -> u64 {
     rayon::current_num_threads().max(1) as u64
 }
@@ -253,11 +254,7 @@ impl Bricks {
 
     fn of_pages(pages: Pages, room: u64, counts_only: bool) -> Bricks {
         let loaded = pages.layout().number.loaded();
-        let room = Room {
-            kept: (room / (pages.per_brick() * loaded.1 + BESIDE)) as usize,
-            shards: SHARDS,
-            at_hand: AT_HAND,
-        };
+        let room = Room::new(room, pages.per_brick() * loaded.1 + BESIDE);
         let (shape, form) = (pages.shape(), Form::Pages(pages));
         Bricks::new(form, shape, loaded, room, counts_only)
     }
@@ -291,6 +288,7 @@ impl Bricks {
             sample_bytes,
             seen: (0..words).map(|_| AtomicU64::new(0)).collect(),
             cache: Cache::new(room.kept, room.shards),
+            spare: Mutex::default(),
             at_hand: room.at_hand,
             counts_only,
             zeros: Arc::new(CubeSamples::zeros(&dtype, form.per_brick() as usize)),
@@ -514,7 +512,7 @@ impl Bricks {
             for run in missing.chunk_by(|a, b| a + 1 == *b) {
                 for (brick, samples) in (run[0]..).zip(self.load(run[0], run.len() as u64)) {
                     held.put(self, brick, samples.clone());
-                    cache.insert(brick, samples);
+                    self.keep_spare(cache.insert(brick, samples));
                 }
             }
         }
@@ -544,7 +542,7 @@ impl Bricks {
         let mut samples = self.zeros.clone();
         for loaded in self.load(brick, 1) {
             samples = loaded.clone();
-            cache.insert(brick, loaded);
+            self.keep_spare(cache.insert(brick, loaded));
         }
         samples
     }
@@ -554,12 +552,38 @@ impl Bricks {
     fn load(&self, first: u64, count: u64) -> Vec<Arc<CubeSamples>> {
         (first..first + count).for_each(|brick| self.note(brick));
         match self.read(first, count) {
-            Ok(bricks) => bricks.into_iter().map(Arc::new).collect(),
+            Ok(bricks) => bricks.into_iter().map(|brick| self.shared(brick)).collect(),
             Err(error) => {
                 self.fail(error);
                 vec![self.zeros.clone(); count as usize]
             }
         }
+    }
+
+    /// `samples` to be shared, in the memory of a brick that has made way if there is one of their size.
+    fn shared(&self, samples: CubeSamples) -> Arc<CubeSamples> {
+        /// Spare bricks to look at: some threads may still have at hand.
+        const LOOKED_AT: usize = 8;
+        let mut spare = locked(&self.spare);
+        for _ in 0..spare.len().min(LOOKED_AT) {
+            let Some(mut brick) = spare.pop_front() else {
+                break;
+            };
+            match Arc::get_mut(&mut brick) {
+                Some(memory) if memory.len() == samples.len() => {
+                    memory.copy(0, &samples, 0..samples.len());
+                    return brick;
+                }
+                // Of another size, as the last of a file is.
+                Some(_) => {}
+                None => spare.push_back(brick),
+            }
+        }
+        Arc::new(samples)
+    }
+
+    fn keep_spare(&self, brick: Option<Arc<CubeSamples>>) {
+        locked(&self.spare).extend(brick);
     }
 
     /// Counts the bytes of a brick that is read.

@@ -101,18 +101,23 @@ impl<V: Clone> Locked<'_, V> {
         Some(slot.value.clone())
     }
 
-    /// Keeps a value that is not there.
-    pub fn insert(&mut self, key: u64, value: V) {
+    /// Keeps a value that is not there; returns the one that makes way for it, if there is no more room.
+    pub fn insert(&mut self, key: u64, value: V) -> Option<V> {
         let Cache {
             shards,
             room,
             count,
         } = self.cache;
+        let mut evicted = None;
         if count.fetch_add(1, Ordering::Relaxed) >= *room {
             let part = room / shards.len();
-            let makes_way = self.shard.slots.len() > part || !self.takes_from_others(part);
-            if makes_way && !self.shard.slots.is_empty() {
-                self.shard.evict();
+            if self.shard.slots.len() <= part {
+                evicted = self.takes_from_others(part);
+            }
+            if evicted.is_none() && !self.shard.slots.is_empty() {
+                evicted = Some(self.shard.evict());
+            }
+            if evicted.is_some() {
                 count.fetch_sub(1, Ordering::Relaxed);
             }
         }
@@ -123,28 +128,27 @@ impl<V: Clone> Locked<'_, V> {
             value,
             used: true,
         });
+        evicted
     }
 
-    /// Has a shard with more than its part evict something; whether there was one. Those that are locked are passed by.
-    fn takes_from_others(&self, part: usize) -> bool {
+    /// What a shard with more than its part evicts, if there is one. Those that are locked are passed by.
+    fn takes_from_others(&self, part: usize) -> Option<V> {
         let shards = &self.cache.shards;
         let others = (1..shards.len()).map(|k| &shards[(self.number + k) % shards.len()]);
         for other in others {
             if let Ok(mut other) = other.try_lock()
                 && other.slots.len() > part
             {
-                other.evict();
-                self.cache.count.fetch_sub(1, Ordering::Relaxed);
-                return true;
+                return Some(other.evict());
             }
         }
-        false
+        None
     }
 }
 
 impl<V> Shard<V> {
-    /// Drops what was not used for about the longest; there is something.
-    fn evict(&mut self) {
+    /// Gives out what was not used for about the longest; there is something.
+    fn evict(&mut self) -> V {
         self.hand %= self.slots.len();
         while std::mem::take(&mut self.slots[self.hand].used) {
             self.hand = (self.hand + 1) % self.slots.len();
@@ -155,6 +159,7 @@ impl<V> Shard<V> {
             self.places.insert(moved.key, self.hand);
         }
         self.hand += 1;
+        slot.value
     }
 }
 
@@ -165,6 +170,8 @@ pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+
     use super::*;
 
     #[test]
@@ -180,6 +187,7 @@ mod tests {
     #[test]
     fn what_was_not_used_makes_way_and_no_more_is_kept_than_there_is_room() {
         let cache = Cache::new(100, 8);
+        let mut given_out = HashSet::new();
         for key in 0..10_000u64 {
             let group = key % 50;
             if cache.lock(0).get(0).is_none() {
@@ -188,8 +196,12 @@ mod tests {
             if key > 0 {
                 let mut locked = cache.lock(group);
                 assert_eq!(locked.get(key), None);
-                locked.insert(key, key);
+                let made_way = locked.insert(key, key);
                 assert_eq!(locked.get(key), Some(key));
+                // What makes way is given out once; 7 is the value of key 0, too.
+                if let Some(old) = made_way.filter(|old| *old != 7) {
+                    assert!(old < key && given_out.insert(old), "{old} for {key}");
+                }
             }
         }
         let slots = |shard: &Mutex<Shard<u64>>| shard.lock().unwrap().slots.len();
@@ -219,7 +231,9 @@ mod tests {
                         let mut locked = cache.lock(key % 20);
                         match locked.get(key) {
                             Some(value) => assert_eq!(value, key),
-                            None => locked.insert(key, key),
+                            None => {
+                                locked.insert(key, key);
+                            }
                         }
                     }
                 });

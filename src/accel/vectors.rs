@@ -425,13 +425,13 @@ pub(crate) fn prefetch_either<T, U>(is_first: bool, first: &[T], second: &[U], a
 
 /// Loads all of `what` into the cache, to be read soon.
 #[inline(always)]
-pub(crate) fn prefetch_all<T>(what: &T) {
+pub(crate) fn prefetch_all<T: ?Sized>(what: &T) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
         let first: *const i8 = std::ptr::from_ref(what).cast();
         let mut at = 0;
-        while at < size_of::<T>() {
+        while at < size_of_val(what) {
             // SAFETY: prefetching reads nothing, and `at` is within `what`.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(first.add(at)) };
             at += 64;

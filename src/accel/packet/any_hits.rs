@@ -442,8 +442,8 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
         let slack = triangle.determinant_slack();
         let unsure = triangle.volume_slack(volume);
         let least = k.sub(delta, slack);
-        let near = k.div(k.sub(volume, unsure), k.add(delta, slack));
-        let far = k.div(k.add(volume, unsure), least);
+        let near = k.quotient(k.sub(volume, unsure), k.add(delta, slack));
+        let far = k.quotient(k.add(volume, unsure), least);
         // Certainly beyond the ends, and certainly between them: (A1).
         let from = k.load(&self.block.near[first..]);
         let to = k.load(&self.block.far[first..]);

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::any_hits::{AnyHits, SegmentSet};
-use super::block::{Block, FRONT, NONE, is_far};
+use super::block::{Block, FRONT, is_far};
 use super::closest_hits::ClosestHits;
 use super::method::{Kernel, Method, Precision};
 use super::ray_set::{ColumnsToPoint, OwnOrigins, RAYS, RaySet, SharedOrigin};
@@ -17,6 +17,7 @@ use crate::accel::node::NodeRef;
 use crate::accel::rays::{Converging, Hit, Origins, Segment};
 use crate::accel::single::ScaledRay;
 use crate::accel::tally::{Tally, Work};
+use crate::accel::vectors::prefetch_all;
 use crate::accel::wide::WIDTH;
 
 /// Stack entries that are kept without allocation.
@@ -366,6 +367,8 @@ impl View<'_> {
         tally: &mut impl Tally,
         mut replaced: impl FnMut(usize),
     ) {
+        // Blocks take rays from several rows of the batch, which the processor does not foresee.
+        prefetch_all(directions);
         let mut space = Workspace {
             block: Block::EMPTY,
             refined: RefinedHits::NONE,
@@ -498,10 +501,10 @@ impl Workspace {
     ) {
         let block = &self.block;
         let certified = precision == Precision::Certified;
-        for lane in 0..block.count {
-            if block.slots[lane] == NONE {
-                continue;
-            }
+        let mut left = block.hit;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize % RAYS;
+            left &= left - 1;
             let ray = block.order[lane] as usize;
             let entry = &mut hits[ray];
             // In f64 as worked out together, one by one where that was left open; or as f32 has them.

@@ -61,6 +61,8 @@ pub(super) struct Block {
     pub barycentrics: [[f32; RAYS]; 2],
     /// The slot of the nearest hit.
     pub slots: [u32; RAYS],
+    /// Which lanes have one, as bits.
+    pub hit: u64,
     /// The ray's index in the batch.
     pub order: [u32; RAYS],
     /// The triangle that the ray leaves, if rays leave any.
@@ -111,6 +113,7 @@ impl Block {
         far: [0.0; RAYS],
         barycentrics: [[0.0; RAYS]; 2],
         slots: [NONE; RAYS],
+        hit: 0,
         order: [0; RAYS],
         left: None,
         count: 0,
@@ -394,6 +397,7 @@ impl Block {
         self.near = [f32::INFINITY; RAYS];
         self.far = [f32::INFINITY; RAYS];
         self.slots = [NONE; RAYS];
+        self.hit = 0;
         let mut known = false;
         for &ray in &self.order {
             known |= hits[ray as usize].is_some();
@@ -421,6 +425,7 @@ impl Block {
         self.near[lane] = (tau * (1.0 - power_of_two(-22))) as f32;
         self.far[lane] = upper(tau);
         self.slots[lane] = slot;
+        self.hit |= 1 << lane;
     }
 
     /// The τ beyond which no ray can have a nearer hit: (K4).

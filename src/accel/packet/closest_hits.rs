@@ -183,13 +183,14 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         let unsure = triangle.volume_slack(volume);
         // Bounds of τ: (E6) of `setup`.
         let least = k.sub(delta, slack);
-        let near = k.div(k.sub(volume, unsure), k.add(delta, slack));
+        let near = k.quotient(k.sub(volume, unsure), k.add(delta, slack));
         let known_far = k.load(&block.far[first..]);
-        let candidates = inside & k.le(near, known_far);
+        // Both bounds are strict; of NaN f64 decides.
+        let candidates = inside & !k.le(known_far, near);
         if candidates == 0 {
             return false;
         }
-        let far = k.div(k.add(volume, unsure), least);
+        let far = k.quotient(k.add(volume, unsure), least);
         let steep = k.le(k.splat(f32::MIN_POSITIVE), least);
         // Certain are hits inside, not along the plane, and before the nearest so far.
         let known_near = k.load(&block.near[first..]);
@@ -205,6 +206,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
             let far = k.select(certain, k.min(far, known_far), known_far);
             k.store(&mut block.far[first..], far);
             k.store_index(&mut block.slots[first..], certain, slot);
+            block.hit |= u64::from(certain) << first;
         }
         // What is left: near an edge, along the plane, or at about the distance of the nearest hit.
         let mut doubtful = candidates & !certain;
@@ -259,6 +261,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
             k.mul(v, inverse),
         );
         k.store_index(&mut block.slots[first..], nearer, slot);
+        block.hit |= u64::from(nearer) << first;
         true
     }
 

@@ -55,6 +55,10 @@ impl RefinedHits {
     ) {
         let mut first = 0;
         while first < RAYS {
+            if block.hit >> first & 0xff == 0 {
+                first += GROUP;
+                continue;
+            }
             let slots = &block.slots[first..first + GROUP];
             // Whether all lanes that hit something hit the same triangle: then it is loaded once.
             let (mut hit, mut same) = (NONE, true);
@@ -64,15 +68,13 @@ impl RefinedHits {
                     hit = slot;
                 }
             }
-            if hit != NONE {
-                let order = &block.order[first..first + GROUP];
-                let mut pairs = Pairs::load::<K, R, EACH>(k, rays, order, block.in_fours);
-                if same {
-                    self.intersect_one::<EACH>(&pairs, &bvh.corners[hit as usize], first);
-                } else {
-                    pairs.collect(bvh, slots, hit);
-                    self.intersect_each::<EACH>(&pairs, first);
-                }
+            let order = &block.order[first..first + GROUP];
+            let mut pairs = Pairs::load::<K, R, EACH>(k, rays, order, block.in_fours);
+            if same {
+                self.intersect_one::<EACH>(&pairs, &bvh.corners[hit as usize], first);
+            } else {
+                pairs.collect(bvh, slots, hit);
+                self.intersect_each::<EACH>(&pairs, first);
             }
             first += GROUP;
         }

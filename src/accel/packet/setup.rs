@@ -44,7 +44,7 @@
 //! (E6)   (n·a − n·δ − δᵥ)/(Δ + B) < s < (n·a − n·δ + δᵥ)/(Δ − B)     where Δ > B,
 //! ```
 //!
-//! with δᵥ the bound of n·a − n·δ and 2⁻²² of it for the roundings of sums and quotients.
+//! with δᵥ the bound of n·a − n·δ and 5 v of it: two sums are rounded by v each, and a quotient is off by 2 v.
 //!
 //! - (E7) Rays that start near a point, and are taken from it ((K5) of [`block`](super::block)), leave out e·m and n·δ. With |m|∞ ≤ M' and
 //!   |n|∞ ≤ l₁l₂ these are at most M' lᵢ in U, V and W, and ω l₁l₂ in n·a.
@@ -492,12 +492,12 @@ impl<'a, K: Simd> PacketTriangle<'a, K> {
         k.sub(volume, k.dot(&offsets, &normal, k.splat(0.0)))
     }
 
-    /// δᵥ where n·a − n·δ is `volume`: 4 v is 2⁻²² (E6).
+    /// δᵥ where n·a − n·δ is `volume`, with 5 v of it: (E6).
     #[inline(always)]
     pub fn volume_slack(&self, volume: K::F) -> K::F {
         let k = self.kernel;
         let slack = k.splat(self.triangles.volume_slack[self.at]);
-        k.mul_add(k.abs(volume), k.splat(4.0 * V), slack)
+        k.mul_add(k.abs(volume), k.splat(5.0 * V), slack)
     }
 }
 

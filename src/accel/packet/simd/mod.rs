@@ -80,6 +80,11 @@ pub(super) trait Simd: Copy {
     fn mul(self, x: Self::F, y: Self::F) -> Self::F;
     /// x / y.
     fn div(self, x: Self::F, y: Self::F) -> Self::F;
+    /// x / y within 2⁻²³ of itself where 1/y is normal; elsewhere it may be NaN, infinite or 0.
+    #[inline(always)]
+    fn quotient(self, x: Self::F, y: Self::F) -> Self::F {
+        self.div(x, y)
+    }
     /// x · y + z, with one rounding or two.
     fn mul_add(self, x: Self::F, y: Self::F, z: Self::F) -> Self::F;
     /// x · y − z, with one rounding or two.

@@ -191,14 +191,27 @@ impl Outputs {
         times: Option<&Film>,
         quiet: bool,
     ) -> Result<()> {
+        self.write_each(scene, film, times, |line| {
+            say(quiet, &line)?;
+            interrupt::check()
+        })
+    }
+
+    /// The same, with what to print of each file for `written`.
+    pub fn write_each(
+        &self,
+        scene: &Scene,
+        film: &Film,
+        times: Option<&Film>,
+        mut written: impl FnMut(String) -> Result<()>,
+    ) -> Result<()> {
         for (path, kind) in self.files() {
-            interrupt::check()?;
             let film = match kind {
                 Kind::Isochrones => times.unwrap_or(film),
                 _ => film,
             };
             let note = self.write_one(path, kind, scene, film)?;
-            say(quiet, &format!("wrote {}{note}\n", path.display()))?;
+            written(format!("wrote {}{note}\n", path.display()))?;
         }
         Ok(())
     }

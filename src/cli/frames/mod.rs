@@ -78,6 +78,7 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
         done: Done::default(),
         account,
         white: None,
+        unwritten: None,
     };
     // A sequence that goes beyond the camera's motion is not begun.
     if let Some(last) = frames.numbers.clone().last() {
@@ -86,10 +87,14 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
     if job.same_exposure && is_shown(outputs) {
         sequence.measure()?;
     }
-    for number in frames.numbers.clone() {
+    let rendered = frames.numbers.clone().try_for_each(|number| {
         interrupt::check()?;
-        sequence.frame(number)?;
-    }
+        sequence.frame(number)
+    });
+    // Also where the rest was given up: what is rendered is kept.
+    let written = Unwritten::write(sequence.unwritten.take());
+    rendered?;
+    sequence.say_each(&written?)?;
     sequence.conclude()
 }
 
@@ -111,6 +116,31 @@ struct Sequence<'a> {
     account: Option<&'a mut Account>,
     /// The radiance of white in all frames, where it was measured.
     white: Option<f64>,
+    /// The last frame, which is written while the next one is rendered: most formats keep one thread busy.
+    unwritten: Option<Unwritten>,
+}
+
+/// A frame that is rendered and not yet written.
+struct Unwritten {
+    scene: Scene,
+    outputs: Outputs,
+    film: Film,
+    times: Option<Film>,
+}
+
+impl Unwritten {
+    /// Writes the files of the frame, if there is one; what to print of each.
+    fn write(frame: Option<Unwritten>) -> Result<Vec<String>> {
+        let mut lines = Vec::new();
+        if let Some(frame) = frame {
+            let times = frame.times.as_ref();
+            (frame.outputs).write_each(&frame.scene, &frame.film, times, |line| {
+                lines.push(line);
+                Ok(())
+            })?;
+        }
+        Ok(lines)
+    }
 }
 
 /// What was done so far.
@@ -155,12 +185,33 @@ impl Sequence<'_> {
             Some(prepared) => super::film::times(&outputs, &scene, prepared, self.job.quiet)?,
             None => None,
         };
-        outputs.write(&scene, &film, times.as_ref(), quiet)?;
         if let Some(prepared) = &mut self.prepared {
             overlay::write(&outputs, &scene, &film, prepared, quiet)?;
         }
         self.note(number, &scene, &film);
-        Ok(())
+        let frame = Unwritten {
+            scene,
+            outputs,
+            film,
+            times,
+        };
+        // A second film beside that of the next frame has to fit.
+        let Plan {
+            memory,
+            memory_limit,
+            ..
+        } = &self.plan;
+        if memory_limit.saturating_sub(memory.total()) >= memory.film {
+            self.unwritten = Some(frame);
+            return Ok(());
+        }
+        self.say_each(&Unwritten::write(Some(frame))?)
+    }
+
+    /// Says which files were written, but for long sequences.
+    fn say_each(&self, lines: &[String]) -> Result<()> {
+        let quiet = self.job.quiet || self.is_long();
+        lines.iter().try_for_each(|line| say(quiet, line))
     }
 
     fn is_long(&self) -> bool {
@@ -243,13 +294,15 @@ impl Sequence<'_> {
         };
         let start = Instant::now();
         prepared.retake(scene)?;
-        let film = film::picture(
-            prepared,
-            &self.job.outputs.method,
-            &bar,
-            self.account.as_deref_mut(),
-        )?;
+        let (method, unwritten) = (&self.job.outputs.method, self.unwritten.take());
+        let account = self.account.as_deref_mut();
+        let (film, written) = rayon::join(
+            || film::picture(prepared, method, &bar, account),
+            || Unwritten::write(unwritten),
+        );
         drop(bar);
+        self.say_each(&written?)?;
+        let film = film?;
         interrupt::check()?;
         self.done.rendered_in += start.elapsed().as_secs_f64();
         Ok(film)

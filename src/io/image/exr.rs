@@ -21,6 +21,9 @@ use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
+use ::exr::block::UncompressedBlock;
+use ::exr::block::writer::ChunksWriter;
+use ::exr::image::write::layers::{LayersWriter, WritableLayers};
 use ::exr::meta::Headers;
 use ::exr::meta::MetaData;
 use ::exr::meta::attribute::Chromaticities;
@@ -30,6 +33,8 @@ use ::exr::prelude::{
     Image, ImageAttributes, IntegerBounds, Layer, LayerAttributes, LineOrder, ReadChannels,
     ReadLayers, SampleType, Text, Vec2, WritableImage, f16,
 };
+
+use rayon::prelude::*;
 
 use super::decoder::guarded;
 use super::file::{write_atomically, write_failed};
@@ -354,13 +359,41 @@ pub fn write_with(path: &Path, layers: &Layers, options: &Options) -> Result<()>
     check_limits(path, layers)?;
     let image = image(layers, options);
     write_atomically(path, |writer| {
-        let written = image.write().to_buffered(&mut *writer);
+        let written = write_blocks(&image, &mut *writer);
         written.map_err(|e| failure(path, e))?;
         sort(writer).map_err(write_failed(path))?;
         match options.sealed {
             true => sealed::seal(writer.get_mut()).map_err(write_failed(path)),
             false => Ok(()),
         }
+    })
+}
+
+/// Compresses the blocks of `image` on the threads of the pool, some at a time, and writes them in order.
+fn write_blocks(
+    image: &Image<Layer<AnyChannels<FlatSamples>>>,
+    to: impl Write + Seek,
+) -> ::exr::error::UnitResult {
+    let headers = image.write().infer_meta_data();
+    let layers = image.layer_data.create_writer(&headers);
+    // No thread waits for long for the slowest of so many blocks, and few are in memory.
+    let together = 4 * rayon::current_num_threads();
+    ::exr::block::write(to, headers, true, |meta, file| {
+        let blocks: Vec<_> = meta.enumerate_ordered_header_block_indices().collect();
+        for group in blocks.chunks(together) {
+            let compressed = group.par_iter().map(|(at, index)| {
+                let data = layers.extract_uncompressed_block(&meta.headers, *index);
+                let block = UncompressedBlock {
+                    index: *index,
+                    data,
+                };
+                Ok((*at, block.compress_to_chunk(&meta.headers)?))
+            });
+            for (at, chunk) in compressed.collect::<::exr::error::Result<Vec<_>>>()? {
+                file.write_chunk(at, chunk)?;
+            }
+        }
+        Ok(())
     })
 }
 

@@ -282,7 +282,7 @@ impl Bench {
             "threads": threads, "rays": rays, "hits": stats.hits, "seconds": best, "mrays_per_s": rate,
             "visibility_mrays_per_s": bare, "of_visibility": bare.map(|bare| rate / bare),
             "obvhs_mrays_per_s": peer, "ratio": peer.map(|peer| rate / peer),
-            "stages": Stage::ALL, "stage_ns_per_ray": stages, "texture_bytes": stats.texture_bytes,
+            "stages": Stage::ALL.map(Stage::name), "stage_ns_per_ray": stages, "texture_bytes": stats.texture_bytes,
             "node_visits": stats.visibility.nodes, "triangle_tests": stats.visibility.triangles,
             "f64_fallbacks": stats.visibility.doubts, "exact_fallbacks": stats.visibility.exact,
             "occlusion_rays": stats.occlusion.rays,

@@ -53,7 +53,7 @@ impl Account {
         let mut rows = vec![
             row("pictures", &plan::count(self.pictures)),
             row("camera rays", &plan::count(stats.rays)),
-            row("of them hit", &plan::count(stats.hits)),
+            row("hits", &plan::count(stats.hits)),
         ];
         rows.extend(work("visibility", &stats.visibility));
         if stats.occlusion.rays > 0 {
@@ -66,30 +66,33 @@ impl Account {
         if stats.disk.all > 0 {
             let BytesRead { all, again, .. } = stats.disk;
             rows.push(row("needed of cubes on disk", &plan::bytes(all - again)));
-            rows.push(row("read of them", &plan::bytes(all)));
+            rows.push(row("read", &plan::bytes(all)));
             rows.push(row("read again", &plan::bytes(again)));
         }
-        rows.push(row("files", &seconds(self.loaded_in)));
-        rows.push(row("trees", &seconds(self.built_in)));
+        rows.push(row("loading", &seconds(self.loaded_in)));
+        rows.push(row("building trees", &seconds(self.built_in)));
         rows.push(row("rendering", &seconds(self.rendered_in)));
-        rows.push(row("total", &seconds(self.total())));
-        rows.push("processor time while rendering, all threads\n".into());
+        rows.push(row("in all, but for writing", &seconds(self.total())));
+        rows.push("time while rendering, summed over threads\n".into());
         for stage in Stage::ALL {
-            rows.push(self.stage(stage));
+            let [spent, share, per_ray] = self.stage(stage);
+            let text = format!(
+                "{:<10} {:5.1} % {per_ray:8.2} ns per ray",
+                seconds(spent),
+                100.0 * share
+            );
+            rows.push(row(stage.name(), &text));
         }
         rows.concat()
     }
 
-    fn stage(&self, stage: Stage) -> String {
+    /// Seconds of a stage, its share, and nanoseconds per ray.
+    fn stage(&self, stage: Stage) -> [f64; 3] {
         let spent = self.stats.seconds[stage as usize];
-        // Without a ray or a measured second the shares are 0, not NaN.
-        let share = 100.0 * spent / self.stats.total_seconds().max(f64::MIN_POSITIVE);
+        // Without a ray or a measured second they are 0, not NaN.
+        let share = spent / self.stats.total_seconds().max(f64::MIN_POSITIVE);
         let per_ray = 1e9 * spent / (self.stats.rays.max(1)) as f64;
-        let text = format!(
-            "{:<10} {share:5.1} % {per_ray:8.2} ns per ray",
-            seconds(spent)
-        );
-        row(stage.name(), &text)
+        [spent, share, per_ray]
     }
 
     /// Writes the same as a JSON object.
@@ -107,17 +110,22 @@ impl Account {
         let stats = &self.stats;
         let stages: serde_json::Map<_, _> = Stage::ALL
             .iter()
-            .filter_map(|stage| {
-                let name = serde_json::to_value(stage).ok()?.as_str()?.to_string();
-                Some((name, stats.seconds[*stage as usize].into()))
+            .map(|stage| {
+                let [seconds, share, ns_per_ray] = self.stage(*stage);
+                let numbers = serde_json::json!({
+                    "seconds": seconds,
+                    "share": share,
+                    "ns_per_ray": ns_per_ray,
+                });
+                (stage.name().replace(' ', "_"), numbers)
             })
             .collect();
         serde_json::json!({
             "pictures": self.pictures,
             "camera_rays": stats.rays,
-            "camera_rays_met": stats.hits,
+            "camera_rays_hit": stats.hits,
             "visibility": counts(&stats.visibility),
-            "occlusion": counts(&stats.occlusion),
+            "shadows": counts(&stats.occlusion),
             "texture_bytes": stats.texture_bytes,
             "disk_bytes": {
                 "needed": stats.disk.all - stats.disk.again,
@@ -130,7 +138,7 @@ impl Account {
                 "render": self.rendered_in,
                 "total": self.total(),
             },
-            "stage_processor_seconds": stages,
+            "stages": stages,
         })
     }
 }
@@ -148,7 +156,7 @@ fn work(kind: &str, counts: &Counts) -> [String; 6] {
     let named = |name: &str, n: u64| row(&format!("{kind}: {name}"), &plan::count(n));
     [
         named("rays", counts.rays),
-        named("singly", counts.singles),
+        named("single rays", counts.singles),
         named("nodes", counts.nodes),
         named("triangles", counts.triangles),
         named("f64 fall-backs", counts.doubts),

@@ -2,18 +2,15 @@
 //!
 //! A [`Meter`] goes along with every batch. If it is on, it reads the clock between stages, once per batch and not
 //! per ray. On many threads the times of all of them
-//! are summed: time per stage is that of processors, not of the clock on the wall.
+//! are summed: a stage on two threads at once counts twice. Time in which the system gives the processor to others counts, too.
 
 use std::time::{Duration, Instant};
-
-use serde::Serialize;
 
 use crate::accel::Counts;
 use crate::io::cube::BytesRead;
 
 /// The stages of a batch, in order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// Samples in pixels, and the camera's rays through them.
     CameraRays,
@@ -75,13 +72,13 @@ pub struct Stats {
     pub texture_bytes: u64,
     /// What of it was read from the disk meanwhile, where cubes are not loaded whole.
     pub disk: BytesRead,
-    /// Processor time by [`Stage::ALL`], seconds.
+    /// Time by [`Stage::ALL`], summed over threads, seconds.
     pub seconds: [f64; Stage::ALL.len()],
     last: Option<Instant>,
 }
 
 impl Stats {
-    /// Processor time of all stages, seconds.
+    /// Time of all stages, summed over threads, seconds.
     pub fn total_seconds(&self) -> f64 {
         self.seconds.iter().sum()
     }

@@ -35,13 +35,18 @@ fn the_same_numbers_are_written_as_json() {
     assert_eq!(cost["camera_rays"], 32 * 24 * 4);
     assert_eq!(cost["visibility"]["rays"], 3323);
     assert!(cost["visibility"]["triangle_tests"].as_u64() > Some(0));
-    assert!(cost["camera_rays_met"].as_u64() < Some(32 * 24 * 4));
+    assert!(cost["camera_rays_hit"].as_u64() < Some(32 * 24 * 4));
     let seconds = |key: &str| cost["seconds"][key].as_f64().unwrap();
     let parts = seconds("load") + seconds("build") + seconds("render");
     assert!((parts - seconds("total")).abs() < 1e-12);
-    let stages = cost["stage_processor_seconds"].as_object().unwrap();
+    let stages = cost["stages"].as_object().unwrap();
     assert_eq!(stages.len(), 5);
-    assert!(stages.values().all(|s| s.as_f64() > Some(0.0)), "{cost}");
+    let sum = |key: &str| -> f64 { stages.values().map(|s| s[key].as_f64().unwrap()).sum() };
+    assert!((sum("share") - 1.0).abs() < 1e-12, "{cost}");
+    let rays = cost["camera_rays"].as_f64().unwrap();
+    assert!((sum("ns_per_ray") * rays / (1e9 * sum("seconds")) - 1.0).abs() < 1e-12);
+    let spent = |stage: &serde_json::Value| stage["seconds"].as_f64() > Some(0.0);
+    assert!(stages.values().all(spent), "{cost}");
 }
 
 #[test]

@@ -7,37 +7,36 @@
 //! E_F(n) = ∫ L_F max(0, n·d_F) dω_F = ∫ W²⁻ᵖ L(d) max(0, n·d_F) dω.
 //! ```
 //!
-//! The integral is a sum over 96 × 48 cells of the world's sphere, of equal solid angle, each with the mean of L in it
-//! (4 × 4 lookups in the picture's smaller sizes) and d_F and W of its middle; E_F is kept at 6 × 33² normals on the faces of a cube, and
-//! interpolated bilinearly. Cell and step are 4° wide: a light that is as small as a cell is off by up to a cell's half,
-//! and max(0, cos) is interpolated to (4°)²/8 = 6·10⁻⁴ of it, so that E_F is right to 2·10⁻³ of its largest value over n.
+//! The integral is a sum over the texels of a grid of the world's sphere ([`grid`](super::grid)), each with the mean of L in it, the d_F and W of its middle
+//! and its own solid angle. They are gathered in 128 × 64 blocks, 2.8° wide: of each Σ dE and Σ d_F dE are known, and with d̄ their quotient a block lights by
+//! max(0, n·d̄), which is exact unless n's horizon runs through it. E_F is kept at 6 × 33² normals on the faces of a cube, and
+//! interpolated bilinearly: max(0, cos) to (4°)²/8 = 6·10⁻⁴, and to 4°/4 = 1.6·10⁻² where a block sets. So the few blocks that send more than
+//! a fiftieth of the whole, as that with a sun does, are left out of it and counted one by one; E_F is right to 2·10⁻³ of its largest value over n.
 //! A background that is the same all around lights by the integral of [`even`](super::even) in place of that, right to 2·10⁻⁴ of E_F for each n. What has a spectrum of its own has its colour at W in place of W⁻ᵖ L, at
-//! each of the lookups, and a star at its own. What is in the way is taken from it by [`BoostedSky::sample`]. There and where light is followed, the stars of a
-//! cell shine from all of it: the mean is theirs, and no direction that is drawn meets a disc that is some thousand times as bright as what is about it. Mirrors show
+//! each texel, and a star at its own. What is in the way is found by [`BoostedSky::sample`]. There and where light is followed, the stars of a
+//! block shine from all of it: the mean is theirs, and no direction that is drawn meets a disc that is some thousand times as bright as what is about it. Mirrors show
 //! the discs.
 //!
-//! Directions are drawn with the cosine; where some cell sends 8 times the mean, half of the time by what the cells send
-//! in place of that, and weighed by the mean of the two densities (Veach and Guibas, "Optimally combining sampling techniques", SIGGRAPH 1995).
+//! Directions are drawn with the cosine; where some block sends 8 times the mean, half of the time by what blocks and their texels send
+//! in place of that, and weighed by the mean of the two densities (Veach and Guibas, "Optimally combining sampling techniques", SIGGRAPH 1995). Light from there is the
+//! mean of its texel: a sun of a few of them is drawn as often as it is bright.
 
-use std::f64::consts::{FRAC_1_PI, PI, TAU};
+use std::f64::consts::{FRAC_1_PI, PI};
+use std::sync::Arc;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::even::EvenSky;
 use super::faces::{axes, on_cube};
-use super::panorama::arctan;
+use super::grid::{BLOCKS, LightGrid};
 use super::{Background, Sky, sum};
 use crate::light::Received;
 use crate::light::reflection::by_cosine;
 use crate::spacetime::{Boost, Direction, Rest, World};
 
-/// Cells around and from pole to pole, and lookups along the edge of a cell.
-const AROUND: usize = 96;
-const BANDS: usize = 48;
-const LOOKUPS: usize = 4;
-/// The solid angle of a cell.
-const CELL: f64 = 4.0 * PI / (AROUND * BANDS) as f64;
+/// The part of the whole from which on a block is counted by itself: there are at most as many as its inverse says.
+const BRIGHT: f64 = 0.02;
 /// Steps along an edge of a face of the cube of normals.
 const STEPS: usize = 32;
 
@@ -47,13 +46,16 @@ pub struct BoostedSky {
     world_from_rest: Boost<World, Rest>,
     rest_from_world: Boost<Rest, World>,
     received: Received,
-    /// E_F by normal, of what is not even; empty where there is nothing else.
+    grid: Arc<LightGrid>,
+    /// E_F by normal, of what is neither even nor bright; empty where there is nothing else.
     irradiance: Vec<[f64; 3]>,
+    /// Blocks that send much of the whole.
+    bright: Vec<Beam>,
     /// E_F of an even background.
     even: Option<EvenSky>,
-    /// W²⁻ᵖ L dω of the stars of each cell; empty where there are none.
+    /// W²⁻ᵖ L dω of the stars of each block; empty where there are none.
     stars: Vec<[f64; 3]>,
-    /// What all cells up to each send, in parts of the whole; empty where drawing by the cosine is as good.
+    /// What all blocks up to each send, in parts of the whole; empty where drawing by the cosine is as good.
     cumulative: Vec<f64>,
 }
 
@@ -70,46 +72,92 @@ pub struct SkySample {
     pub density: f64,
 }
 
-/// What a cell sends, W²⁻ᵖ L dω, and from where.
+/// What a block sends, W²⁻ᵖ L dω, and from where.
+#[derive(Debug, Clone, Copy)]
 struct Beam {
+    /// The mean direction by flux, in the rest frame: no unit vector, but for a block that is lit at one place.
     in_rest: DVec3,
     flux: [f64; 3],
 }
 
+impl Beam {
+    /// Its flux over all channels; colours outside the gamut may have a sum below 0.
+    fn size(&self) -> f64 {
+        self.flux.iter().sum::<f64>().max(0.0)
+    }
+
+    /// Whether it sends much of a whole.
+    fn is_bright(&self, whole: f64) -> bool {
+        self.size() > BRIGHT * whole
+    }
+
+    /// Adds what it sends to a surface of the normal `n`.
+    #[inline(always)]
+    fn add_to(&self, sum: &mut [f64; 3], n: DVec3) {
+        let cosine = n.dot(self.in_rest).max(0.0);
+        for (sum, flux) in sum.iter_mut().zip(self.flux) {
+            *sum += flux * cosine;
+        }
+    }
+}
+
 impl BoostedSky {
-    /// `sky` without its sun, of whose light `received` comes to surfaces in the frame that `rest_from_world` leads to.
-    pub fn new(sky: &Sky, rest_from_world: &Boost<Rest, World>, received: Received) -> Self {
-        let (beams, stars) = beams(sky, rest_from_world, received);
+    /// `sky` without its sun, whose radiance `grid` has, and of whose light `received` comes to surfaces in the frame that
+    /// `rest_from_world` leads to.
+    pub fn new(
+        sky: &Sky,
+        grid: &Arc<LightGrid>,
+        rest_from_world: &Boost<Rest, World>,
+        received: Received,
+    ) -> Self {
+        let stars = stars(sky, grid, rest_from_world, received);
+        let beams = beams(sky, grid, rest_from_world, received, &stars);
         let even = even(sky, rest_from_world, received);
-        // Each sum in the order of the cells, whatever the threads.
-        let of = |beams: &[Beam]| -> Vec<[f64; 3]> {
-            let normals: Vec<DVec3> = normals().collect();
-            normals.par_iter().map(|n| irradiance(beams, *n)).collect()
+        let lighting = match &even {
+            None => beams.clone(),
+            Some(_) => of_stars(&beams, &stars),
         };
-        let irradiance = match &even {
-            None => of(&beams),
-            Some(_) if stars.is_empty() => Vec::new(),
-            Some(_) => of(&of_stars(&beams, &stars)),
+        let whole: f64 = lighting.iter().map(Beam::size).sum();
+        let (bright, others): (Vec<Beam>, Vec<Beam>) = lighting
+            .into_iter()
+            .filter(|beam| beam.flux != [0.0; 3])
+            .partition(|beam| beam.is_bright(whole));
+        // Each sum in the order of the blocks, whatever the threads.
+        let irradiance = match others.is_empty() {
+            true => Vec::new(),
+            false => {
+                let normals: Vec<DVec3> = normals().collect();
+                let each = normals.par_iter().map(|n| irradiance(&others, *n));
+                each.collect()
+            }
         };
         BoostedSky {
             world_from_rest: rest_from_world.inverse(),
             rest_from_world: *rest_from_world,
             received,
+            grid: grid.clone(),
             irradiance,
+            bright,
             even,
             stars,
-            cumulative: cumulative(&beams),
+            cumulative: cumulative(&beams, grid),
         }
     }
 
     /// E_F on a surface of the unit normal `n`, with nothing in the way.
     #[inline]
     pub fn irradiance(&self, n: DVec3) -> [f64; 3] {
-        match &self.even {
-            None => self.tabulated(n),
-            Some(even) if self.irradiance.is_empty() => even.irradiance(n),
-            Some(even) => sum(even.irradiance(n), self.tabulated(n)),
+        let mut all = match &self.even {
+            None => [0.0; 3],
+            Some(even) => even.irradiance(n),
+        };
+        if !self.irradiance.is_empty() {
+            all = sum(all, self.tabulated(n));
         }
+        for beam in &self.bright {
+            beam.add_to(&mut all, n);
+        }
+        all
     }
 
     #[inline]
@@ -134,11 +182,28 @@ impl BoostedSky {
         })
     }
 
-    /// L_F of light from `d`, ω_rest/ω_world of which is `rho`, without the sun; stars shine from all of their cell.
+    /// L_F of light from `d`, ω_rest/ω_world of which is `rho`, without the sun; stars shine from all of their block.
     #[inline]
     pub fn radiance(&self, sky: &Sky, d: Direction<World>, rho: f64) -> [f64; 3] {
+        self.seen(sky, sky.background.radiance(d.unit(), 0.0), d, rho)
+    }
+
+    /// The same for directions of [`BoostedSky::sample`]: where these are drawn by light, it is the mean about them.
+    #[inline]
+    pub fn mean_radiance(&self, sky: &Sky, d: Direction<World>, rho: f64) -> [f64; 3] {
+        match self.is_uneven() {
+            false => self.radiance(sky, d, rho),
+            true => {
+                let texel = self.grid.texel(d.unit());
+                self.seen(sky, self.grid.radiance_about(texel), d, rho)
+            }
+        }
+    }
+
+    /// L_F where the background has the radiance `channels`.
+    #[inline]
+    fn seen(&self, sky: &Sky, channels: [f64; 3], d: Direction<World>, rho: f64) -> [f64; 3] {
         let w = 1.0 / rho;
-        let channels = sky.background.radiance(d.unit(), 0.0);
         let mut seen = self.received.radiance(w, channels);
         if sky.has_spectra() {
             seen = sum(seen, sky.spectral_background(w));
@@ -147,8 +212,10 @@ impl BoostedSky {
         match self.stars.is_empty() {
             true => seen,
             false => {
-                let stars = self.stars[cell_of(d.unit())];
-                sum(seen, stars.map(|flux| flux * (rho * rho / CELL)))
+                let block = self.grid.texel(d.unit()).block;
+                let solid_angle = self.grid.solid_angle_of_block(block);
+                let stars = self.stars[block];
+                sum(seen, stars.map(|flux| flux * (rho * rho / solid_angle)))
             }
         }
     }
@@ -176,9 +243,9 @@ impl BoostedSky {
     /// A direction drawn by two numbers in [0, 1) for a surface of the unit normal `n`; none where it goes into it.
     #[inline]
     pub fn sample(&self, n: DVec3, [x, y]: [f64; 2]) -> Option<SkySample> {
-        // Half of the directions are drawn by what cells send, half by cosine; the density is the mean of both.
+        // Half of the directions are drawn by what blocks send, half by cosine; the density is the mean of both.
         let (d, in_rest, rho) = if x < 0.5 && !self.cumulative.is_empty() {
-            let d = Direction::from_unit(self.in_a_cell(2.0 * x, y));
+            let d = Direction::from_unit(self.in_a_block(2.0 * x, y));
             let (in_rest, rho) = self.rest_from_world.direction(d);
             (d, in_rest.unit(), rho)
         } else {
@@ -211,11 +278,15 @@ impl BoostedSky {
         match self.cumulative.is_empty() {
             true => cosine * FRAC_1_PI,
             // Per solid angle of the world, times dω/dω_F = 1/W² = ρ².
-            false => 0.5 * (cosine * FRAC_1_PI + self.share(cell_of(d.unit())) / CELL * rho * rho),
+            false => {
+                let texel = self.grid.texel(d.unit());
+                let by_light = self.share(texel.block) * self.grid.density(texel) * rho * rho;
+                0.5 * (cosine * FRAC_1_PI + by_light)
+            }
         }
     }
 
-    /// Whether some cells send so much more than others that directions are drawn by it.
+    /// Whether some blocks send so much more than others that directions are drawn by it.
     #[inline]
     pub fn is_uneven(&self) -> bool {
         !self.cumulative.is_empty()
@@ -227,32 +298,23 @@ impl BoostedSky {
         self.received
     }
 
-    /// The part of the whole that a cell sends.
+    /// The part of the whole that a block sends.
     #[inline]
-    fn share(&self, cell: usize) -> f64 {
-        let before = cell.checked_sub(1).map_or(0.0, |k| self.cumulative[k]);
-        self.cumulative[cell] - before
+    fn share(&self, block: usize) -> f64 {
+        let before = block.checked_sub(1).map_or(0.0, |k| self.cumulative[k]);
+        self.cumulative[block] - before
     }
 
-    /// A direction of the world in a cell drawn by `x`, which also places it across, and `y` along.
+    /// A direction of the world in a block drawn by `x`, which also places it across, and `y` along.
     #[inline]
-    fn in_a_cell(&self, x: f64, y: f64) -> DVec3 {
+    fn in_a_block(&self, x: f64, y: f64) -> DVec3 {
         let last = self.cumulative.len() - 1;
-        let cell = self.cumulative.partition_point(|sum| *sum <= x).min(last);
-        let share = self.share(cell);
-        let rest = (x - (self.cumulative[cell] - share)) / share.max(f64::MIN_POSITIVE);
-        place(cell, rest.clamp(0.0, 1.0), y)
+        let block = self.cumulative.partition_point(|sum| *sum <= x).min(last);
+        let share = self.share(block);
+        let rest = (x - (self.cumulative[block] - share)) / share.max(f64::MIN_POSITIVE);
+        self.grid
+            .sample(block, rest.clamp(0.0, 1.0 - f64::EPSILON), y)
     }
-}
-
-/// Direction at the fractions (x, y) of a cell: cells go around from −π on, in bands of equal height from +Y down.
-#[inline]
-fn place(cell: usize, x: f64, y: f64) -> DVec3 {
-    let longitude = TAU * (((cell % AROUND) as f64 + x) / AROUND as f64 - 0.5);
-    let height = 1.0 - 2.0 * ((cell / AROUND) as f64 + y) / BANDS as f64;
-    let across = (1.0 - height * height).max(0.0).sqrt();
-    let (sine, cosine) = libm::sincos(longitude);
-    DVec3::new(sine * across, height, -cosine * across)
 }
 
 /// What a background that is the same all around sends; none of others.
@@ -268,7 +330,7 @@ fn even(sky: &Sky, boost: &Boost<Rest, World>, received: Received) -> Option<Eve
     }
 }
 
-/// The part of the stars of what cells send.
+/// The part of the stars of what blocks send.
 fn of_stars(beams: &[Beam], stars: &[[f64; 3]]) -> Vec<Beam> {
     let beam = |(beam, flux): (&Beam, &[f64; 3])| Beam {
         in_rest: beam.in_rest,
@@ -277,92 +339,78 @@ fn of_stars(beams: &[Beam], stars: &[[f64; 3]]) -> Vec<Beam> {
     beams.iter().zip(stars).map(beam).collect()
 }
 
-/// The cell in which a direction lies.
-#[inline]
-fn cell_of(d: DVec3) -> usize {
-    let around = (arctan(d.x, -d.z) / TAU + 0.5) * AROUND as f64;
-    let band = 0.5 * (1.0 - d.y) * BANDS as f64;
-    (band as usize).min(BANDS - 1) * AROUND + (around as usize).min(AROUND - 1)
-}
-
-/// What all cells send, and the part of it that their stars do.
-fn beams(sky: &Sky, boost: &Boost<Rest, World>, received: Received) -> (Vec<Beam>, Vec<[f64; 3]>) {
-    let angle = TAU / (AROUND * LOOKUPS) as f64;
-    let mut radiance = vec![[0.0; 3]; AROUND * BANDS];
-    for (cell, mean) in radiance.iter_mut().enumerate() {
-        for k in 0..LOOKUPS * LOOKUPS {
-            let at = |k: usize| (k as f64 + 0.5) / LOOKUPS as f64;
-            let d = place(cell, at(k % LOOKUPS), at(k / LOOKUPS));
-            let sample = sky.background.radiance(d, angle);
-            for (mean, sample) in mean.iter_mut().zip(sample) {
-                *mean += sample / (LOOKUPS * LOOKUPS) as f64;
+/// What all blocks send, `stars` included.
+fn beams(
+    sky: &Sky,
+    grid: &LightGrid,
+    boost: &Boost<Rest, World>,
+    received: Received,
+    stars: &[[f64; 3]],
+) -> Vec<Beam> {
+    let table = match &sky.background {
+        Background::Spectrum(table) => Some(table),
+        _ => None,
+    };
+    let of_block = |block: usize| {
+        let (mut flux, mut moment, mut size) = ([0.0; 3], DVec3::ZERO, 0.0);
+        let mut add = |sent: [f64; 3], in_rest: DVec3| {
+            let sent_size = sent.iter().sum::<f64>().max(0.0);
+            flux = sum(flux, sent);
+            moment += in_rest * sent_size;
+            size += sent_size;
+        };
+        let mut middle = DVec3::ZERO;
+        for texel in grid.texels(block) {
+            let (in_rest, rho) = boost.direction(Direction::from_unit(grid.middle(texel)));
+            let (w, solid_angle) = (1.0 / rho, grid.solid_angle(texel));
+            middle += in_rest.unit() * solid_angle;
+            add(
+                received.irradiance(w, grid.radiance(texel), solid_angle),
+                in_rest.unit(),
+            );
+            if let Some(table) = table {
+                let share = w * w * solid_angle;
+                add(table.colour(w).map(|c| c * share), in_rest.unit());
             }
         }
-    }
-    let beam = |(cell, radiance): (usize, [f64; 3])| {
-        let (in_rest, rho) = boost.direction(Direction::from_unit(place(cell, 0.5, 0.5)));
-        Beam {
-            in_rest: in_rest.unit(),
-            flux: received.irradiance(1.0 / rho, radiance, CELL),
+        // Of stars no more is known here than their block.
+        let middle = middle.normalize_or_zero();
+        if let Some(stars) = stars.get(block) {
+            add(*stars, middle);
         }
+        let in_rest = if size > 0.0 { moment / size } else { middle };
+        Beam { in_rest, flux }
     };
-    let mut beams: Vec<Beam> = radiance.into_iter().enumerate().map(beam).collect();
-    if let Background::Spectrum(_) = sky.background {
-        add_spectrum(&mut beams, sky, boost);
-    }
-    let stars = stars(sky, boost, received);
-    for (beam, star) in beams.iter_mut().zip(&stars) {
-        beam.flux = sum(beam.flux, *star);
-    }
-    (beams, stars)
+    (0..BLOCKS).into_par_iter().map(of_block).collect()
 }
 
-/// What the stars of each cell send; none where there are none.
-fn stars(sky: &Sky, boost: &Boost<Rest, World>, received: Received) -> Vec<[f64; 3]> {
+/// What the stars of each block send; none where there are none.
+fn stars(
+    sky: &Sky,
+    grid: &LightGrid,
+    boost: &Boost<Rest, World>,
+    received: Received,
+) -> Vec<[f64; 3]> {
     let Some(map) = &sky.stars else {
         return Vec::new();
     };
-    let ratio = |d: DVec3| 1.0 / boost.direction(Direction::from_unit(d)).1;
-    let mut cells = vec![[0.0; 3]; AROUND * BANDS];
+    let mut blocks = vec![[0.0; 3]; BLOCKS];
     for star in map.stars() {
-        let at = cell_of(star.direction);
+        let block = grid.texel(star.direction).block;
+        let w = 1.0 / boost.direction(Direction::from_unit(star.direction)).1;
         let flux = match sky.thermal_stars {
-            true => {
-                let w = ratio(star.direction);
-                star.colour(w).map(|c| c * w * w)
-            }
-            // As what the middle of their cell sends.
-            false => {
-                let radiance = star.channels().map(|e| e / CELL);
-                received.irradiance(ratio(place(at, 0.5, 0.5)), radiance, CELL)
-            }
+            true => star.colour(w).map(|c| c * w * w),
+            false => received.irradiance(w, star.channels(), 1.0),
         };
-        cells[at] = sum(cells[at], flux);
+        blocks[block] = sum(blocks[block], flux);
     }
-    cells
-}
-
-/// Adds W² dω times the colour at W of a background that has a spectrum of its own.
-fn add_spectrum(beams: &mut [Beam], sky: &Sky, boost: &Boost<Rest, World>) {
-    let ratio = |d: DVec3| 1.0 / boost.direction(Direction::from_unit(d)).1;
-    beams.par_iter_mut().enumerate().for_each(|(cell, beam)| {
-        for k in 0..LOOKUPS * LOOKUPS {
-            let at = |k: usize| (k as f64 + 0.5) / LOOKUPS as f64;
-            let w = ratio(place(cell, at(k % LOOKUPS), at(k / LOOKUPS)));
-            let share = w * w * CELL / (LOOKUPS * LOOKUPS) as f64;
-            let seen = sky.spectral_background(w).map(|c| c * share);
-            beam.flux = sum(beam.flux, seen);
-        }
-    });
+    blocks
 }
 
 fn irradiance(beams: &[Beam], n: DVec3) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for beam in beams {
-        let cosine = n.dot(beam.in_rest).max(0.0);
-        for (sum, flux) in sum.iter_mut().zip(beam.flux) {
-            *sum += flux * cosine;
-        }
+        beam.add_to(&mut sum, n);
     }
     sum
 }
@@ -377,19 +425,23 @@ fn normals() -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// Sums of what cells send over all channels, up to 1; empty for a dark or even sky.
-fn cumulative(beams: &[Beam]) -> Vec<f64> {
-    // Colours outside the gamut may have a sum below 0.
-    let flux = |beam: &Beam| beam.flux.iter().sum::<f64>().max(0.0);
+/// Sums of what blocks send over all channels, up to 1; empty for a dark or even sky.
+fn cumulative(beams: &[Beam], grid: &LightGrid) -> Vec<f64> {
     let mut sum = 0.0;
     let sums = beams.iter().map(|beam| {
-        sum += flux(beam);
+        sum += beam.size();
         sum
     });
     let sums: Vec<f64> = sums.collect();
-    let largest = beams.iter().map(flux).fold(0.0, f64::max);
-    // Worth drawing by where a cell sends more than eight times the mean; otherwise cosines alone will do.
-    match sum.is_finite() && largest * beams.len() as f64 > 8.0 * sum {
+    // Worth drawing by where a block sends more than eight times the mean per solid angle; otherwise cosines alone will do.
+    let per_solid_angle =
+        |(block, beam): (usize, &Beam)| beam.size() / grid.solid_angle_of_block(block);
+    let largest = beams
+        .iter()
+        .enumerate()
+        .map(per_solid_angle)
+        .fold(0.0, f64::max);
+    match sum.is_finite() && largest * 4.0 * PI > 8.0 * sum {
         true => sums.into_iter().map(|part| part / sum).collect(),
         false => Vec::new(),
     }
@@ -397,9 +449,9 @@ fn cumulative(beams: &[Beam]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::FRAC_PI_2;
+    use std::f64::consts::{FRAC_PI_2, TAU};
 
-    use super::super::{Star, StarMap};
+    use super::super::{Panorama, Star, StarMap};
     use super::*;
     use crate::colour::{ColourTable, Continuation, RgbShift, Scale, Spectrum, blackbody_colour};
     use crate::scene::model;
@@ -419,6 +471,10 @@ mod tests {
             Vec::new(),
             false,
         )
+    }
+
+    fn of(sky: &Sky, boost: &Boost<Rest, World>, received: Received) -> BoostedSky {
+        BoostedSky::new(sky, &Arc::new(LightGrid::new(sky)), boost, received)
     }
 
     fn boost(beta: f64) -> Boost<Rest, World> {
@@ -455,7 +511,7 @@ mod tests {
     fn a_uniform_sky_lights_a_moving_surface_by_the_law() {
         for beta in [0.0, 0.5, 0.9, 0.99, 0.999] {
             let boost = boost(beta);
-            let sky = BoostedSky::new(&uniform(), &boost, Received::Scaled(Quantity::Integrated));
+            let sky = of(&uniform(), &boost, Received::Scaled(Quantity::Integrated));
             // The direction of motion of the frame, and one across.
             let along = DVec3::new(2.0, -1.0, 0.5).normalize();
             let across = along.any_orthonormal_vector();
@@ -481,7 +537,7 @@ mod tests {
         };
         let (beta, motion) = (0.8, DVec3::new(2.0, -1.0, 0.5).normalize());
         let received = Received::Rgb(RgbShift::of(Continuation::Blackbody));
-        let lit = BoostedSky::new(&sky, &boost(beta), received).irradiance(-motion);
+        let lit = of(&sky, &boost(beta), received).irradiance(-motion);
         let (n, mut expected) = (20_000, [0.0; 3]);
         for k in 0..n {
             // c is the cosine to the normal, which looks back.
@@ -499,14 +555,14 @@ mod tests {
     fn drawn_directions_give_the_irradiance() {
         for beta in [0.0, 0.8] {
             let (sky, boost) = (uniform(), boost(beta));
-            let boosted = BoostedSky::new(&sky, &boost, Received::Scaled(Quantity::Integrated));
+            let boosted = of(&sky, &boost, Received::Scaled(Quantity::Integrated));
             for n in [DVec3::Y, DVec3::new(0.6, 0.0, -0.8)] {
                 let count = 300;
                 let mut sum = 0.0;
                 for k in 0..count * count {
                     let at = |k: usize| (k as f64 + 0.5) / count as f64;
                     if let Some(s) = boosted.sample(n, [at(k % count), at(k / count)]) {
-                        let radiance = boosted.radiance(&sky, s.d, s.rho)[0];
+                        let radiance = boosted.mean_radiance(&sky, s.d, s.rho)[0];
                         sum += radiance * n.dot(s.in_rest) / s.density;
                     }
                 }
@@ -541,14 +597,14 @@ mod tests {
                     true => Received::Rgb(RgbShift::of(Continuation::Blackbody)),
                     false => Received::Scaled(Quantity::Integrated),
                 };
-                let boosted = BoostedSky::new(&sky, &boost(beta), received);
+                let boosted = of(&sky, &boost(beta), received);
                 let n = DVec3::new(0.6, 0.0, -0.8);
-                // No multiple of the stars, whose cells would be met at their edges.
+                // No multiple of the stars, whose blocks would be met at their edges.
                 let (count, mut sum, mut most) = (463, 0.0, 0.0f64);
                 for k in 0..count * count {
                     let at = |k: usize| (k as f64 + 0.5) / count as f64;
                     if let Some(s) = boosted.sample(n, [at(k % count), at(k / count)]) {
-                        let radiance = boosted.radiance(&sky, s.d, s.rho)[1];
+                        let radiance = boosted.mean_radiance(&sky, s.d, s.rho)[1];
                         let drawn = radiance * n.dot(s.in_rest) / s.density;
                         sum += drawn;
                         most = most.max(drawn);
@@ -561,6 +617,71 @@ mod tests {
                 );
                 assert!(most < 100.0 * e, "{is_thermal} {beta}: {most} {e}");
             }
+        }
+    }
+
+    /// A picture with a sun of 2 × 2 texels, wherever they lie: by a plain sum over its texels, with each one's own direction, W and solid angle.
+    #[test]
+    fn a_small_sun_in_a_picture_lights_surfaces_from_where_it_is() {
+        let width = 512;
+        for (at, beta) in [
+            ([40, 300], 0.0),
+            ([41, 303], 0.0),
+            ([77, 10], 0.6),
+            ([120, 401], 0.9),
+        ] {
+            let [row, column]: [usize; 2] = at;
+            let is_sun = |i: usize, j: usize| i.wrapping_sub(row) < 2 && j.wrapping_sub(column) < 2;
+            let light = |i: usize, j: usize| if is_sun(i, j) { 5e4 } else { 1.0 };
+            let places = || (0..width / 2).flat_map(move |i| (0..width).map(move |j| (i, j)));
+            let texels = places().map(|(i, j)| [light(i, j) as f32; 3]).collect();
+            let sky = Sky {
+                background: Background::Image(Panorama::new(texels, width, [1.0; 3], 0.0)),
+                ..uniform()
+            };
+            let boost = boost(beta);
+            let boosted = of(&sky, &boost, Received::Scaled(Quantity::Integrated));
+            let edge = |i: usize| libm::cos(PI * i as f64 / (width / 2) as f64);
+            // n·d_F W⁻² L dω: the fourth power of 1/W, and its square taken by dω_F.
+            let expected = |n: DVec3| -> f64 {
+                let of_texel = |(i, j): (usize, usize)| {
+                    let longitude = TAU * ((j as f64 + 0.5) / width as f64 - 0.5);
+                    let height = 0.5 * (edge(i) + edge(i + 1));
+                    let across = (1.0 - height * height).sqrt();
+                    let (sine, cosine) = libm::sincos(longitude);
+                    let d = DVec3::new(sine * across, height, -cosine * across);
+                    let (in_rest, rho) = boost.direction(Direction::from_unit(d));
+                    let solid_angle = TAU / width as f64 * (edge(i) - edge(i + 1));
+                    let cosine = n.dot(in_rest.unit()).max(0.0);
+                    light(i, j) * solid_angle * cosine * rho * rho
+                };
+                places().map(of_texel).sum()
+            };
+            let mut next = crate::accel::numbers(3);
+            let normals = (0..20).map(|_| DVec3::new(next(), next(), next()).normalize());
+            let pairs: Vec<_> = normals
+                .map(|n| (expected(n), boosted.irradiance(n)[1]))
+                .collect();
+            let largest = pairs.iter().map(|pair| pair.0).fold(0.0, f64::max);
+            for (expected, found) in pairs {
+                let off = (found - expected).abs() / largest;
+                assert!(off < 2e-3, "{at:?} {beta}: {found} {expected} of {largest}");
+            }
+            // What is drawn has it, too, and no draw has a thousand times the mean.
+            let n = DVec3::Y;
+            let (count, mut sum, mut most) = (256, 0.0, 0.0f64);
+            for k in 0..count * count {
+                let at = |k: usize| (k as f64 + 0.5) / count as f64;
+                if let Some(s) = boosted.sample(n, [at(k % count), at(k / count)]) {
+                    let radiance = boosted.mean_radiance(&sky, s.d, s.rho)[1];
+                    let drawn = radiance * n.dot(s.in_rest) / s.density;
+                    sum += drawn;
+                    most = most.max(drawn);
+                }
+            }
+            let (mean, e) = (sum / (count * count) as f64, boosted.irradiance(n)[1]);
+            assert!((mean - e).abs() < 0.02 * e, "{at:?} {beta}: {mean} {e}");
+            assert!(most < 10.0 * e, "{at:?} {beta}: {most} {e}");
         }
     }
 }

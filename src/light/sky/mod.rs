@@ -18,6 +18,7 @@ mod boosted;
 mod catalogue;
 mod even;
 mod faces;
+mod grid;
 mod levels;
 mod panorama;
 mod rays;
@@ -28,6 +29,7 @@ use glam::DVec3;
 
 pub use boosted::{BoostedSky, SkySample};
 pub use catalogue::stars;
+pub use grid::LightGrid;
 pub use panorama::Panorama;
 pub use star::Star;
 pub use stars::StarMap;

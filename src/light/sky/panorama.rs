@@ -87,6 +87,57 @@ impl Panorama {
         (numbers(width) * size_of::<f32>()) as u64
     }
 
+    /// Columns of the largest size.
+    pub(super) fn width(&self) -> usize {
+        self.sizes.widths[0] as usize
+    }
+
+    /// The mean radiance by solid angle in each texel of a grid of all directions, `columns` × `columns`/2, which is not turned: every texel of the
+    /// largest size falls to those of the grid by the parts of it that they cover.
+    pub(super) fn means(&self, columns: usize) -> Vec<[f64; 3]> {
+        let (width, rows) = (self.width(), columns / 2);
+        let height = self.sizes.heights[0] as usize;
+        let [cosine, sine] = self.turn.map(f64::from);
+        // Columns of the grid from the picture's left edge to the grid's.
+        let turned = libm::atan2(sine, cosine) / (2.0 * PI) * columns as f64;
+        let across = columns as f64 / width as f64;
+        // y of an edge at this part of the height.
+        let y = |part: f64| libm::cos(PI * part);
+        let mut means = vec![[0.0; 3]; columns * rows];
+        let mut line = vec![[0.0; 3]; columns];
+        for i in 0..height {
+            // A row of the picture in columns of the grid.
+            line.fill([0.0; 3]);
+            for j in 0..width {
+                let at = 3 * (i * (width + 1) + j);
+                let texel: [f64; 3] =
+                    std::array::from_fn(|c| f64::from(self.texels[at + c]) * self.scale[c]);
+                let (from, to) = (j as f64 * across - turned, (j + 1) as f64 * across - turned);
+                each_covered(from, to, |column, begin, end| {
+                    let sum = &mut line[column.rem_euclid(columns as i64) as usize];
+                    for (sum, texel) in sum.iter_mut().zip(texel) {
+                        *sum += texel * (end - begin);
+                    }
+                });
+            }
+            // Its part of each row of the grid, by solid angle.
+            let [from, to] = [i, i + 1].map(|i| i as f64 * rows as f64 / height as f64);
+            each_covered(from, to, |row, begin, end| {
+                let row = (row as usize).min(rows - 1);
+                let part = |row: f64| y(row / rows as f64);
+                let whole = part(row as f64) - part(row as f64 + 1.0);
+                let share = (part(begin) - part(end)) / whole;
+                let to = &mut means[row * columns..(row + 1) * columns];
+                for (mean, line) in to.iter_mut().zip(&line) {
+                    for (mean, line) in mean.iter_mut().zip(line) {
+                        *mean += line * share;
+                    }
+                }
+            });
+        }
+        means
+    }
+
     /// Adds the next size.
     fn add(&mut self, level: &Level) {
         let Sizes {
@@ -196,6 +247,17 @@ impl Size {
             right: x - left,
             below: y - top,
         }
+    }
+}
+
+/// Calls `each` with every whole number k for which k to k + 1 has a part between `from` and `to`, and with the ends of that part.
+fn each_covered(from: f64, to: f64, mut each: impl FnMut(i64, f64, f64)) {
+    let mut begin = from;
+    while begin < to {
+        let k = begin.floor();
+        let end = to.min(k + 1.0);
+        each(k as i64, begin, end);
+        begin = end;
     }
 }
 

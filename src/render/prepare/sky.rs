@@ -10,7 +10,7 @@ use crate::io::budget::Budget;
 use crate::io::files;
 use crate::io::image::{exr, hdr};
 use crate::io::spectrum::text_of;
-use crate::light::sky::{BoostedSky, Panorama, Sky, StarMap, stars};
+use crate::light::sky::{BoostedSky, LightGrid, Panorama, Sky, StarMap, stars};
 use crate::render::plan::Plan;
 use crate::render::trace::{Background, RestFrame, SkyLight};
 use crate::scene::model::{self, Catalogue, ProjectionKind, Scene, SkyRadiance};
@@ -81,9 +81,11 @@ pub(super) fn background(scene: &Scene, sky: Option<Arc<Sky>>) -> Background {
 /// The sky as a light of the surfaces of `frames`.
 pub(super) fn light(scene: &Scene, sky: &Arc<Sky>, frames: &[RestFrame]) -> Option<SkyLight> {
     let model = scene.sky.as_ref().filter(|sky| sky.lights)?;
+    let grid = Arc::new(LightGrid::new(sky));
     let boosted = |rest: &RestFrame| {
         BoostedSky::new(
             sky,
+            &grid,
             rest.frame.frame_from_world(),
             received(scene.quantity, scene),
         )

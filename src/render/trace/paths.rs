@@ -566,6 +566,8 @@ impl PathTraced {
         } else if is_shared {
             boosted.radiance(&light.sky, d, rho)
         } else {
+            // As it is seen, where directions drawn for the sky have the mean of a texel: so glossy surfaces show the picture, and
+            // over a texel both are the same.
             let weight = match (light.shadows, boosted.is_uneven()) {
                 (false, _) => 0.0,
                 (true, false) => 1.0,

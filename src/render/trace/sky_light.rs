@@ -1,8 +1,18 @@
 //! Where the light of the sky falls.
 //!
-//! Of the sky, a hit has all that would fall on it with nothing in the way ([`BoostedSky::irradiance`]), and what stands in the way of four drawn
-//! directions, by their density, is taken from it: the mean is right, and where the sky is open there is no noise. Surfaces that shine also
-//! directionally draw one direction more for that part. What is in the way is black: light is followed once.
+//! What falls on a hit with nothing in the way is known: E of [`BoostedSky::irradiance`]. What is in the way is found along drawn directions. With lᵢ their
+//! light by density, of the mean E, and vᵢ = 1 where nothing is in the way, else 0,
+//!
+//! ```text
+//! c E + Σ (vᵢ − c) lᵢ/N
+//! ```
+//!
+//! has the mean Σ vᵢ lᵢ/N for every c that does not depend on the draws, and no noise where all is open and c = 1, or all is blocked and c = 0 (a control
+//! variate: Hammersley and Handscomb, "Monte Carlo Methods", 1964, 5.5). So two pairs of directions are drawn, independent of each other, and c is the part of the one
+//! pair that is open for the other: under the open sky there is no noise, in a closed box it is exactly dark, and the mean is right everywhere. Between them
+//! single samples may be a little below 0.
+//!
+//! Surfaces that shine also directionally draw one direction more for that part. What is in the way is black: light is followed once.
 
 use glam::DVec3;
 
@@ -19,8 +29,11 @@ use crate::light::sky::{BoostedSky, Sky};
 const SKY: u32 = 1;
 const GLOSS: u32 = 2;
 
-/// Directions of the sky that are drawn for what is in the way.
-const DRAWS: u32 = 4;
+/// What random numbers of the other pair are for, and directions of a pair.
+const OTHER_PAIR: u32 = 3;
+const PAIR: u32 = 2;
+/// Directions of both.
+const DRAWS: usize = 4;
 
 /// The sky as a light of surfaces.
 #[derive(Debug)]
@@ -35,11 +48,22 @@ pub struct SkyLight {
 
 /// Light from one direction, by its density.
 struct Drawn {
-    /// The point of the run.
+    /// The point of the run, and which of its pairs of directions.
     k: usize,
+    pair: usize,
     l: DVec3,
-    /// L cos θ over density, or with the weight of what reflects it.
+    /// L cos θ over density, in parts of all that are drawn.
     light: [f64; 3],
+}
+
+/// The part of a pair of a point's directions along which nothing is in the way; all of it where none was drawn.
+fn open_part(drawn: &[Drawn], pair: usize, blocked: impl Fn(usize) -> bool) -> f64 {
+    let of_pair = || drawn.iter().enumerate().filter(|(_, d)| d.pair == pair);
+    let open = of_pair().filter(|(i, _)| !blocked(*i)).count();
+    match of_pair().count() {
+        0 => 1.0,
+        count => open as f64 / count as f64,
+    }
 }
 
 impl SkyLight {
@@ -52,19 +76,14 @@ impl SkyLight {
         meter: &mut Meter,
     ) {
         let boosted = &self.frames[run.frame as usize];
-        for k in 0..run.count() {
-            let irradiance = boosted.irradiance(emitted.points.normals.get(k));
-            match emitted.reflections.get(k) {
-                None => emitted.incident.add(k, &Incident::new(irradiance, 1.0)),
-                Some(reflection) => {
-                    let value = reflection.mean_diffuse_value();
-                    add(&mut emitted.added, k, |c| value[c] * irradiance[c]);
-                }
-            }
-        }
         let glossy = !emitted.reflections.is_empty();
         if self.shadows || glossy {
-            self.correct(boosted, run, index, emitted, meter);
+            self.illuminate_open(boosted, run, index, emitted, meter);
+        } else {
+            for k in 0..run.count() {
+                let irradiance = boosted.irradiance(emitted.points.normals.get(k));
+                emitted.incident.add(k, &Incident::new(irradiance, 1.0));
+            }
         }
         if glossy {
             self.gloss(boosted, run, index, emitted, meter);
@@ -93,7 +112,7 @@ impl SkyLight {
             let l = sample.in_rest;
             let weight = weight(emitted.reflections.get(k), l, sample.density);
             let factor = weight * n.dot(l) / sample.density;
-            let radiance = boosted.radiance(&self.sky, sample.d, sample.rho);
+            let radiance = boosted.mean_radiance(&self.sky, sample.d, sample.rho);
             let scale = boosted.received().wavelength_scale(1.0 / sample.rho);
             let incident = Incident::new(radiance.map(|l| l * factor), scale);
             emitted.arriving.push((k, incident, l));
@@ -102,8 +121,8 @@ impl SkyLight {
         reflect_unblocked(run, self.shadows, index, emitted, meter);
     }
 
-    /// Takes away the light of what is in the way, and what the mean diffuse value has too much.
-    fn correct(
+    /// Adds what falls on the points between what is in the way, as it is reflected diffusely.
+    fn illuminate_open(
         &self,
         boosted: &BoostedSky,
         run: &Run,
@@ -112,44 +131,55 @@ impl SkyLight {
         meter: &mut Meter,
     ) {
         emitted.queries.clear();
-        let mut drawn = Vec::with_capacity(run.count() * DRAWS as usize);
-        // An estimate of what `illuminate` got wrong: it took the sky as open, and the diffuse value as its mean over directions.
+        let mut drawn = Vec::with_capacity(run.count() * DRAWS);
         for k in 0..run.count() {
             let n = emitted.points.normals.get(k);
-            for draw in 0..DRAWS {
-                let Some(sample) = boosted.sample(n, run.one_random_of(k, SKY, draw, DRAWS)) else {
-                    continue;
-                };
-                let factor = n.dot(sample.in_rest) / (sample.density * f64::from(DRAWS));
-                let radiance = boosted.radiance(&self.sky, sample.d, sample.rho);
-                drawn.push(Drawn {
-                    k,
-                    l: sample.in_rest,
-                    light: radiance.map(|l| l * factor),
-                });
-                emitted.queries.push(k, sample.d.unit(), f64::INFINITY);
+            for (pair, dimension) in [SKY, OTHER_PAIR].into_iter().enumerate() {
+                for draw in 0..PAIR {
+                    let numbers = run.one_random_of(k, dimension, draw, PAIR);
+                    let Some(sample) = boosted.sample(n, numbers) else {
+                        continue;
+                    };
+                    let factor = n.dot(sample.in_rest) / (sample.density * DRAWS as f64);
+                    let radiance = boosted.mean_radiance(&self.sky, sample.d, sample.rho);
+                    drawn.push(Drawn {
+                        k,
+                        pair,
+                        l: sample.in_rest,
+                        light: radiance.map(|l| l * factor),
+                    });
+                    emitted.queries.push(k, sample.d.unit(), f64::INFINITY);
+                }
             }
         }
         self.occlude(run, index, emitted, meter);
-        for (at, Drawn { k, l, light }) in drawn.into_iter().enumerate() {
-            let blocked = emitted.queries.is_blocked(at);
-            match emitted.reflections.get(k) {
-                // Matte surfaces have no direction to correct: what is blocked is taken away again.
-                None if blocked => {
-                    let taken = Incident::new(light.map(|l| -l), 1.0);
-                    emitted.incident.add(k, &taken);
-                }
-                None => {}
-                Some(reflection) => {
-                    let mean = reflection.mean_diffuse_value();
-                    let value = if blocked {
-                        [0.0; 3]
-                    } else {
-                        reflection.diffuse_value(l)
-                    };
-                    add(&mut emitted.added, k, |c| (value[c] - mean[c]) * light[c]);
+        let mut at = 0;
+        for k in 0..run.count() {
+            let of_point = drawn[at..].iter().take_while(|d| d.k == k).count();
+            let blocked = |i: usize| emitted.queries.is_blocked(at + i);
+            let drawn = &drawn[at..at + of_point];
+            let open = [0, 1].map(|pair| open_part(drawn, pair, blocked));
+            let irradiance = boosted.irradiance(emitted.points.normals.get(k));
+            let c = 0.5 * (open[0] + open[1]);
+            let reflection = emitted.reflections.get(k);
+            // The diffuse value is its mean over directions, with which c E is reflected, and that of each direction drawn.
+            let mean = reflection.map_or([1.0; 3], Reflection::mean_diffuse_value);
+            let mut sum: [f64; 3] = std::array::from_fn(|i| c * irradiance[i] * mean[i]);
+            for (i, Drawn { pair, l, light, .. }) in drawn.iter().enumerate() {
+                let value = match (blocked(i), reflection) {
+                    (true, _) => [0.0; 3],
+                    (false, None) => [1.0; 3],
+                    (false, Some(reflection)) => reflection.diffuse_value(*l),
+                };
+                for (channel, sum) in sum.iter_mut().enumerate() {
+                    *sum += (value[channel] - open[1 - pair] * mean[channel]) * light[channel];
                 }
             }
+            match reflection {
+                None => emitted.incident.add(k, &Incident::new(sum, 1.0)),
+                Some(_) => add(&mut emitted.added, k, |i| sum[i]),
+            }
+            at += of_point;
         }
     }
 
@@ -172,12 +202,12 @@ impl SkyLight {
             // `weight` is value times cosine over density.
             let (d, rho) = boosted.in_world(l);
             let radiance = boosted.radiance(&self.sky, d, rho);
-            let light = std::array::from_fn(|c| weight[c] * radiance[c]);
-            drawn.push(Drawn { k, l, light });
+            let light: [f64; 3] = std::array::from_fn(|c| weight[c] * radiance[c]);
+            drawn.push((k, light));
             emitted.queries.push(k, d.unit(), f64::INFINITY);
         }
         self.occlude(run, index, emitted, meter);
-        for (at, Drawn { k, light, .. }) in drawn.into_iter().enumerate() {
+        for (at, (k, light)) in drawn.into_iter().enumerate() {
             if !emitted.queries.is_blocked(at) {
                 add(&mut emitted.added, k, |c| light[c]);
             }

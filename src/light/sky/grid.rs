@@ -1,0 +1,331 @@
+//! The sky as a light: mean radiances in the texels of an equirectangular grid, and directions drawn by them.
+//!
+//! Texels have equal widths in longitude and latitude; a texel of Δφ between the heights y₁ > y₂ of its edges (y = sin latitude) has the solid
+//! angle Δφ (y₁ − y₂). Those of a picture are means over it by solid angle, so that no light is lost and none comes from elsewhere,
+//! however small a sun in it is. 128 × 64 blocks of them are what each rest frame knows the flux of; in a block a
+//! texel is drawn by its light in the world, whose ratio to its neighbours' hardly depends on the frame, and in a texel all directions alike
+//! (Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th edition, 2023, A.5: piecewise-constant distributions).
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::panorama::arctan;
+use super::{Background, Sky};
+
+/// Blocks around, and from pole to pole.
+const AROUND: usize = 128;
+const BANDS: usize = AROUND / 2;
+/// Blocks of all directions.
+pub(super) const BLOCKS: usize = AROUND * BANDS;
+/// Texels along the edge of a block: as many as the picture has, from 1.4° to 0.35°.
+const LEAST_SIDE: usize = 2;
+const GREATEST_SIDE: usize = 8;
+
+/// Radiance by texel.
+#[derive(Debug)]
+pub struct LightGrid {
+    /// Texels along the edge of a block.
+    side: usize,
+    /// By block, and in it row by row.
+    radiance: Vec<[f32; 3]>,
+    /// What the texels of a block up to each send, in parts of all of them.
+    within: Vec<f32>,
+    /// y of the upper edges of rows, from +1 down to −1.
+    heights: Vec<f64>,
+}
+
+/// A texel: its block, and its number among all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Texel {
+    pub block: usize,
+    index: usize,
+}
+
+impl LightGrid {
+    /// That of the background of `sky`.
+    pub fn new(sky: &Sky) -> LightGrid {
+        let side = match &sky.background {
+            Background::Image(picture) => {
+                (picture.width() / AROUND).clamp(LEAST_SIDE, GREATEST_SIDE)
+            }
+            _ => LEAST_SIDE,
+        };
+        let rows = BANDS * side;
+        let heights: Vec<f64> = (0..=rows)
+            .map(|row| libm::cos(PI * row as f64 / rows as f64))
+            .collect();
+        let mut grid = LightGrid {
+            side,
+            radiance: Vec::new(),
+            within: Vec::new(),
+            heights,
+        };
+        let means = match &sky.background {
+            Background::Image(picture) => Some(picture.means(AROUND * side)),
+            _ => None,
+        };
+        let texels = 0..BLOCKS * side * side;
+        let radiance = |index: usize| match &means {
+            Some(means) => {
+                let [row, column] = grid.place(index);
+                means[row * AROUND * side + column]
+            }
+            None => sky.background.radiance(grid.middle(index), 0.0),
+        };
+        let radiance: Vec<[f32; 3]> = texels
+            .into_par_iter()
+            .map(|index| radiance(index).map(|l| l as f32))
+            .collect();
+        grid.radiance = radiance;
+        grid.within = (0..BLOCKS).flat_map(|block| grid.parts(block)).collect();
+        grid
+    }
+
+    /// Bytes of the grid of a picture of so many columns.
+    pub fn bytes(width: usize) -> u64 {
+        let side = (width / AROUND).clamp(LEAST_SIDE, GREATEST_SIDE);
+        (BLOCKS * side * side * (size_of::<[f32; 3]>() + size_of::<f32>())) as u64
+    }
+
+    /// What the texels of a block up to each send, in parts of all; by solid angle where the block is dark.
+    fn parts(&self, block: usize) -> Vec<f32> {
+        // Colours outside the gamut may have a sum below 0.
+        let sent = |index: usize| {
+            let sum: f64 = self.radiance(index).into_iter().sum();
+            sum.max(0.0) * self.solid_angle(index)
+        };
+        let mut all = self.texels(block).map(sent).collect::<Vec<f64>>();
+        if all.iter().sum::<f64>() <= 0.0 {
+            all = self
+                .texels(block)
+                .map(|index| self.solid_angle(index))
+                .collect();
+        }
+        let total: f64 = all.iter().sum();
+        let mut sum = 0.0;
+        let parts = all.iter().map(|part| {
+            sum += part;
+            (sum / total) as f32
+        });
+        let mut parts: Vec<f32> = parts.collect();
+        // Rounding must leave no number without a texel: those after the last one that sends anything have nothing.
+        let last = all.iter().rposition(|part| *part > 0.0).unwrap_or(0);
+        parts[last..].fill(1.0);
+        parts
+    }
+
+    /// The texels of a block.
+    pub(super) fn texels(&self, block: usize) -> std::ops::Range<usize> {
+        let each = self.side * self.side;
+        block * each..(block + 1) * each
+    }
+
+    /// The row and the column of a texel.
+    #[inline]
+    fn place(&self, index: usize) -> [usize; 2] {
+        let each = self.side * self.side;
+        let (block, at) = (index / each, index % each);
+        [
+            block / AROUND * self.side + at / self.side,
+            block % AROUND * self.side + at % self.side,
+        ]
+    }
+
+    /// Mean radiance of a texel.
+    #[inline]
+    pub(super) fn radiance(&self, index: usize) -> [f64; 3] {
+        self.radiance[index].map(f64::from)
+    }
+
+    /// The solid angle of a texel.
+    #[inline]
+    pub(super) fn solid_angle(&self, index: usize) -> f64 {
+        let [row, _] = self.place(index);
+        TAU / (AROUND * self.side) as f64 * (self.heights[row] - self.heights[row + 1])
+    }
+
+    /// The solid angle of a block.
+    #[inline]
+    pub(super) fn solid_angle_of_block(&self, block: usize) -> f64 {
+        let row = block / AROUND * self.side;
+        TAU / AROUND as f64 * (self.heights[row] - self.heights[row + self.side])
+    }
+
+    /// The direction of the middle of a texel.
+    pub(super) fn middle(&self, index: usize) -> DVec3 {
+        self.direction(index, 0.5, 0.5)
+    }
+
+    /// The direction at the fractions (x, y) of a texel, by longitude and by height.
+    #[inline]
+    fn direction(&self, index: usize, x: f64, y: f64) -> DVec3 {
+        let [row, column] = self.place(index);
+        let longitude = TAU * ((column as f64 + x) / (AROUND * self.side) as f64 - 0.5);
+        let (upper, lower) = (self.heights[row], self.heights[row + 1]);
+        let height = upper + (lower - upper) * y;
+        let across = (1.0 - height * height).max(0.0).sqrt();
+        let (sine, cosine) = libm::sincos(longitude);
+        DVec3::new(sine * across, height, -cosine * across)
+    }
+
+    /// The texel in which a direction lies.
+    #[inline]
+    pub(super) fn texel(&self, d: DVec3) -> Texel {
+        let (columns, rows) = (AROUND * self.side, BANDS * self.side);
+        let around = arctan(d.x, -d.z) / TAU + 0.5;
+        let down = 0.5 - arctan(d.y, (d.x * d.x + d.z * d.z).sqrt()) / PI;
+        let column = ((around * columns as f64) as usize).min(columns - 1);
+        let row = ((down * rows as f64) as usize).min(rows - 1);
+        let block = row / self.side * AROUND + column / self.side;
+        let at = row % self.side * self.side + column % self.side;
+        Texel {
+            block,
+            index: block * self.side * self.side + at,
+        }
+    }
+
+    /// The mean radiance about a direction.
+    #[inline]
+    pub(super) fn radiance_about(&self, texel: Texel) -> [f64; 3] {
+        self.radiance(texel.index)
+    }
+
+    /// A direction of `block`, drawn by two numbers in [0, 1).
+    #[inline]
+    pub(super) fn sample(&self, block: usize, x: f64, y: f64) -> DVec3 {
+        let texels = self.texels(block);
+        let first = texels.start;
+        let parts = &self.within[texels];
+        let at = parts
+            .partition_point(|part| f64::from(*part) <= x)
+            .min(parts.len() - 1);
+        let texel = Texel {
+            block,
+            index: first + at,
+        };
+        // What is left of x, uniform again.
+        let share = self.share(texel);
+        let rest = (x - (f64::from(parts[at]) - share)) / share.max(f64::MIN_POSITIVE);
+        self.direction(texel.index, rest.clamp(0.0, 1.0), y)
+    }
+
+    /// The density per solid angle with which [`LightGrid::sample`] draws a direction of this texel in its block.
+    #[inline]
+    pub(super) fn density(&self, texel: Texel) -> f64 {
+        self.share(texel) / self.solid_angle(texel.index)
+    }
+
+    /// The part of its block that a texel sends.
+    #[inline]
+    fn share(&self, texel: Texel) -> f64 {
+        let first = self.texels(texel.block).start;
+        let before = match texel.index > first {
+            true => self.within[texel.index - 1],
+            false => 0.0,
+        };
+        f64::from(self.within[texel.index]) - f64::from(before)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::sky::panorama::Panorama;
+
+    /// A grey picture with a sun of one texel, at `row` and `column`.
+    fn sky(width: usize, [row, column]: [usize; 2], rotation: f64) -> Sky {
+        let mut texels = vec![[1.0f32, 0.5, 0.25]; width * width / 2];
+        texels[row * width + column] = [2e4, 1e4, 5e3];
+        Sky {
+            background: Background::Image(Panorama::new(texels, width, [2.0, 1.0, 1.0], rotation)),
+            sun: None,
+            stars: None,
+            thermal_stars: false,
+        }
+    }
+
+    /// ∫ L d dω and ∫ L dω as a plain sum over the picture's texels.
+    fn expected(width: usize, [row, column]: [usize; 2], rotation: f64) -> (DVec3, f64) {
+        let (mut moment, mut sum) = (DVec3::ZERO, 0.0);
+        for (i, j) in (0..width / 2).flat_map(|i| (0..width).map(move |j| (i, j))) {
+            let edge = |i: usize| libm::cos(PI * i as f64 / (width / 2) as f64);
+            let solid_angle = TAU / width as f64 * (edge(i) - edge(i + 1));
+            let light = solid_angle * if [i, j] == [row, column] { 4e4 } else { 2.0 };
+            let longitude = TAU * ((j as f64 + 0.5) / width as f64 - 0.5) - rotation;
+            let height = 0.5 * (edge(i) + edge(i + 1));
+            let across = (1.0 - height * height).sqrt();
+            let (sine, cosine) = libm::sincos(longitude);
+            moment += light * DVec3::new(sine * across, height, -cosine * across);
+            sum += light;
+        }
+        (moment, sum)
+    }
+
+    #[test]
+    fn a_sun_of_one_texel_has_all_its_light_and_its_place() {
+        for (width, place, rotation) in [
+            (512, [40, 300], 0.0),
+            (1024, [251, 17], 1.0),
+            (2048, [500, 1001], -0.3),
+            (1000, [255, 999], 2.0),
+            (100, [20, 99], 0.7),
+        ] {
+            let sky = sky(width, place, rotation);
+            let grid = LightGrid::new(&sky);
+            let (mut moment, mut sum) = (DVec3::ZERO, 0.0);
+            for index in 0..BLOCKS * grid.side * grid.side {
+                let light = grid.radiance(index)[0] * grid.solid_angle(index);
+                moment += grid.middle(index) * light;
+                sum += light;
+            }
+            let (expected_moment, expected_sum) = expected(width, place, rotation);
+            assert!(
+                (sum / expected_sum - 1.0).abs() < 1e-6,
+                "{width}: {sum} {expected_sum}"
+            );
+            // A texel of the grid, 0.35° or less, is as near as its light's place is known.
+            let off = moment.angle_between(expected_moment);
+            assert!(off < 0.006, "{width}: {off}");
+        }
+    }
+
+    #[test]
+    fn directions_are_drawn_by_their_density() {
+        let sky = sky(512, [40, 300], 0.3);
+        let grid = LightGrid::new(&sky);
+        let sun = DVec3::from({
+            let longitude = TAU * (300.5 / 512.0 - 0.5) - 0.3;
+            let latitude = PI * (0.5 - 40.5 / 256.0);
+            let (sine, cosine) = libm::sincos(longitude);
+            let across = libm::cos(latitude);
+            [sine * across, libm::sin(latitude), -cosine * across]
+        });
+        let block = grid.texel(sun).block;
+        // The density is one over the block's share of directions, and integrates to one.
+        let all = grid.texels(block);
+        let texel = |index: usize| Texel { block, index };
+        let total: f64 = all
+            .clone()
+            .map(|index| grid.density(texel(index)) * grid.solid_angle(index))
+            .sum();
+        assert!((total - 1.0).abs() < 1e-6, "{total}");
+        // Drawn directions lie in the block, and fall to each texel by its share.
+        let count = 400;
+        let mut counts = vec![0; all.len()];
+        for k in 0..count * count {
+            let at = |k: usize| (k as f64 + 0.5) / f64::from(count as u32);
+            let d = grid.sample(block, at(k % count), at(k / count));
+            assert!((d.length() - 1.0).abs() < 1e-12);
+            let met = grid.texel(d);
+            assert_eq!(met.block, block);
+            counts[met.index - all.start] += 1;
+        }
+        for (count_of_one, index) in counts.into_iter().zip(all) {
+            let share = grid.density(texel(index)) * grid.solid_angle(index);
+            let drawn = f64::from(count_of_one) / f64::from((count * count) as u32);
+            assert!((drawn - share).abs() < 0.01, "{index}: {drawn} {share}");
+        }
+    }
+}

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! The integral is a sum over the texels of a grid of the world's sphere ([`grid`](super::grid)), each with the mean of L in it, the d_F and W of its middle
-//! and its own solid angle. They are gathered in 128 × 64 blocks, 2.8° wide: of each Σ dE and Σ d_F dE are known, and with d̄ their quotient a block lights by
+//! and its own solid angle. They are gathered in 96 × 48 blocks, 3.75° wide: of each Σ dE and Σ d_F dE are known, and with d̄ their quotient a block lights by
 //! max(0, n·d̄), which is exact unless n's horizon runs through it. E_F is kept at 6 × 33² normals on the faces of a cube, and
 //! interpolated bilinearly: max(0, cos) to (4°)²/8 = 6·10⁻⁴, and to 4°/4 = 1.6·10⁻² where a block sets. So the few blocks that send more than
 //! a fiftieth of the whole, as that with a sun does, are left out of it and counted one by one; E_F is right to 2·10⁻³ of its largest value over n.
@@ -679,9 +679,10 @@ mod tests {
                     most = most.max(drawn);
                 }
             }
-            let (mean, e) = (sum / (count * count) as f64, boosted.irradiance(n)[1]);
-            assert!((mean - e).abs() < 0.02 * e, "{at:?} {beta}: {mean} {e}");
-            assert!(most < 10.0 * e, "{at:?} {beta}: {most} {e}");
+            let (mean, e) = (sum / (count * count) as f64, expected(n));
+            let off = (mean - e).abs();
+            assert!(off < 0.02 * e + 2e-3 * largest, "{at:?} {beta}: {mean} {e}");
+            assert!(most < 10.0 * largest, "{at:?} {beta}: {most} {e}");
         }
     }
 }

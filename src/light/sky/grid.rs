@@ -2,7 +2,7 @@
 //!
 //! Texels have equal widths in longitude and latitude; a texel of Δφ between the heights y₁ > y₂ of its edges (y = sin latitude) has the solid
 //! angle Δφ (y₁ − y₂). Those of a picture are means over it by solid angle, so that no light is lost and none comes from elsewhere,
-//! however small a sun in it is. 128 × 64 blocks of them are what each rest frame knows the flux of; in a block a
+//! however small a sun in it is. 96 × 48 blocks of them are what each rest frame knows the flux of; in a block a
 //! texel is drawn by its light in the world, whose ratio to its neighbours' hardly depends on the frame, and in a texel all directions alike
 //! (Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th edition, 2023, A.5: piecewise-constant distributions).
 
@@ -15,13 +15,13 @@ use super::panorama::arctan;
 use super::{Background, Sky};
 
 /// Blocks around, and from pole to pole.
-const AROUND: usize = 128;
+const AROUND: usize = 96;
 const BANDS: usize = AROUND / 2;
 /// Blocks of all directions.
 pub(super) const BLOCKS: usize = AROUND * BANDS;
-/// Texels along the edge of a block: as many as the picture has, from 1.4° to 0.35°.
+/// Texels along the edge of a block: as many as the picture has, from 1.9° to 0.38°.
 const LEAST_SIDE: usize = 2;
-const GREATEST_SIDE: usize = 8;
+const GREATEST_SIDE: usize = 10;
 
 /// Radiance by texel.
 #[derive(Debug)]
@@ -285,9 +285,10 @@ mod tests {
                 (sum / expected_sum - 1.0).abs() < 1e-6,
                 "{width}: {sum} {expected_sum}"
             );
-            // A texel of the grid, 0.35° or less, is as near as its light's place is known.
+            // Its place is known to half a texel of the grid.
             let off = moment.angle_between(expected_moment);
-            assert!(off < 0.006, "{width}: {off}");
+            let texel = TAU / (AROUND * grid.side) as f64;
+            assert!(off < 0.5 * texel, "{width}: {off} of {texel}");
         }
     }
 

@@ -71,8 +71,8 @@ pub(crate) fn number(value: f64) -> impl fmt::Display {
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Problem {
-    /// The file (or "command line", or "built-in scene").
-    pub file: String,
+    /// The file (or the overrides, or "built-in scene").
+    pub file: Message,
     /// The place in it, as a reader would name it: "mesh 0, primitive 2, accessor 5",
     /// `object.velocity`. May be empty.
     pub place: Message,
@@ -103,7 +103,7 @@ impl Problem {
         help: impl Into<Message>,
     ) -> Self {
         Problem {
-            file: file.as_ref().display().to_string(),
+            file: file.as_ref().display().to_string().into(),
             place: place.into(),
             what: what.into(),
             help: help.into(),

@@ -27,14 +27,12 @@
 //! [`forecast`] looks at the point behind the centre of each pixel, and takes the least L of each object: what
 //! the picture does not show needs no finer triangles. It is what `raster:uniform` takes.
 
-use std::fmt::{self, Formatter};
-
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::approximate::projection::{ApparentProjection, Observer};
-use crate::error::{Error, Result};
+use crate::error::{Error, Message, Result, Setting};
 use crate::render::film::Tile;
 use crate::render::plan::count;
 use crate::render::prepare::Prepared;
@@ -298,39 +296,31 @@ fn longest_edge(prepared: &Prepared, frame: u32, object: u32) -> f64 {
     own.map(square).reduce(|| 0.0, f64::max).sqrt()
 }
 
-impl fmt::Display for Forecast {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let scene = self.scene.escape_debug();
-        writeln!(
-            f,
-            "{scene}: edges for an error of at most {} pixels",
-            self.pixels
-        )?;
+impl Forecast {
+    /// All of it as a table, for people.
+    pub fn report(&self) -> Message {
+        let (scene, pixels) = (self.scene.escape_debug(), self.pixels);
+        let mut text = format!("{scene}: edges for an error of at most {pixels} pixels\n");
         if self.objects.is_empty() {
-            return writeln!(f, "  the picture shows no object");
+            return (text + "  the picture shows no object\n").into();
         }
         let names = self.objects.iter().map(|o| o.name.chars().count());
         let width = names.max().unwrap_or(0).clamp(6, 32);
-        writeln!(
-            f,
-            "  {:<width$}  {:>10}  {:>10}  {:>8}  {:>8}  {:>12}  worst at",
+        text += &format!(
+            "  {:<width$}  {:>10}  {:>10}  {:>8}  {:>8}  {:>12}  worst at\n",
             "object", "edges ≤ m", "longest m", "parts", "halvings", "now ≤ pixels"
-        )?;
-        for object in &self.objects {
-            object.row(f, width)?;
-        }
-        match self.finest() {
-            Some(length) => writeln!(
-                f,
-                "  for all of them: --method raster:uniform={}",
-                short(length)
+        );
+        text.extend(self.objects.iter().map(|object| object.row(width)));
+        let (before, method) = match self.finest() {
+            Some(length) => (
+                "  for all of them: ",
+                format!(" raster:uniform={}\n", short(length)),
             ),
-            None => writeln!(f, "  no edge is bent: --method raster:none"),
-        }
+            None => ("  no edge is bent: ", " raster:none\n".into()),
+        };
+        Message::from(text + before) + Setting::Method + method
     }
-}
 
-impl Forecast {
     /// The edge length that will do for all objects, metres; none where any will.
     pub fn finest(&self) -> Option<f64> {
         let lengths = self.objects.iter().filter_map(|o| o.edge_length);
@@ -339,13 +329,12 @@ impl Forecast {
 }
 
 impl Needed {
-    fn row(&self, f: &mut Formatter<'_>, width: usize) -> fmt::Result {
+    fn row(&self, width: usize) -> String {
         let name: String = self.name.chars().take(width).collect();
         let length = self.edge_length.map_or("any".into(), short);
         let [column, row] = self.worst.pixel;
-        writeln!(
-            f,
-            "  {:<width$}  {length:>10}  {:>10}  {:>8}  {:>8}  {:>12}  triangle {}, pixel ({column}, {row})",
+        format!(
+            "  {:<width$}  {length:>10}  {:>10}  {:>8}  {:>8}  {:>12}  triangle {}, pixel ({column}, {row})\n",
             name.escape_debug().to_string(),
             short(self.longest_edge),
             count(self.parts),

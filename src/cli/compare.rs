@@ -19,7 +19,7 @@ use super::args::CompareArguments;
 use super::check::Names;
 use super::failure::{Done, refused};
 use super::output::extension;
-use super::{builtin, inputs, interrupt, print, print_json};
+use super::{builtin, flags, inputs, interrupt, print, print_json};
 
 /// Compares, writes what is asked for, and says whether all tolerances are met.
 pub fn run(arguments: &CompareArguments) -> Result<Done> {
@@ -41,8 +41,9 @@ pub fn run(arguments: &CompareArguments) -> Result<Done> {
     let taken = working_memory(&reference, &candidate, &options);
     budget.take(taken, &arguments.reference)?;
     interrupt::check()?;
-    let comparison = compare(&reference, &candidate, &options)?;
+    let comparison = flags::of_comparison(compare(&reference, &candidate, &options)?);
     let breaches = comparison.breaches(&arguments.tolerance)?;
+    let breaches: Vec<Breach> = breaches.into_iter().map(flags::of_breach).collect();
     match arguments.json.on {
         true => print_json(&Found {
             comparison: &comparison,

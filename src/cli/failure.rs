@@ -14,7 +14,7 @@ use std::sync::{Mutex, PoisonError};
 
 use nullray::{Error, Result};
 
-use super::flags::with_flags;
+use super::flags;
 use super::{complain, complain_styled, interrupt};
 
 const OUT_OF_BOUNDS: u8 = 1;
@@ -44,7 +44,7 @@ pub fn outcome(work: impl FnOnce() -> Result<Done>) -> ExitCode {
         Ok(Ok(Done::Well)) => ExitCode::SUCCESS,
         Ok(Ok(Done::OutOfBounds)) => ExitCode::from(OUT_OF_BOUNDS),
         Ok(Err(error)) => {
-            complain_styled(&with_flags(error).report(true));
+            complain_styled(&flags::of_error(error).report(true));
             ExitCode::from(FAILED)
         }
         Err(what) => {

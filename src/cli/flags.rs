@@ -1,7 +1,8 @@
 //! The library's messages say what to set by the names that it has there; here they become the program's flags.
 
 use nullray::Error;
-use nullray::error::Setting;
+use nullray::error::{Message, Problem, Setting};
+use nullray::validate::compare::{Breach, Comparison, Found};
 
 /// What sets it on the command line, as the words around it go on.
 fn flag(setting: Setting) -> String {
@@ -24,38 +25,77 @@ fn flag(setting: Setting) -> String {
         Setting::TexelsOf => "--texels",
         Setting::Bins => "--bins",
         Setting::SinglePrecision => "leave --half out",
+        Setting::Overrides => "command line",
+        Setting::Set => "--set",
+        Setting::Size => "--size",
+        Setting::SamplesPerPixel => "--spp",
+        Setting::Time => "--time",
+        Setting::Exposure => "--exposure",
+        Setting::White => "--white",
+        Setting::PixelCenters => "--pixel-centers",
+        Setting::Scene => "--scene",
+        Setting::NoHit => "--no-hit",
+        Setting::BinWidth => "--bin-width",
+        Setting::NoFlip => "--no-flip",
         other => return other.to_string(),
     };
     flag.into()
 }
 
-/// The same error with flags for the names of fields.
-pub fn with_flags(mut error: Error) -> Error {
+/// The message with flags for the names of fields.
+pub fn with_flags(message: &Message) -> String {
+    message.with_names(flag)
+}
+
+/// The same error with them.
+pub fn of_error(mut error: Error) -> Error {
     if let Error::Invalid(problem) | Error::Unsupported(problem) = &mut error {
-        for text in [&mut problem.place, &mut problem.what, &mut problem.help] {
-            *text = text.with_names(flag).into();
+        let Problem {
+            file,
+            place,
+            what,
+            help,
+            ..
+        } = &mut **problem;
+        for text in [file, place, what, help] {
+            *text = with_flags(text).into();
         }
     }
     error
 }
 
+/// The same comparison with them.
+pub fn of_comparison(mut comparison: Comparison) -> Comparison {
+    let diagnoses = comparison.diagnoses.iter_mut().map(|found| &mut found.what);
+    for text in comparison.notes.iter_mut().chain(diagnoses) {
+        *text = with_flags(text).into();
+    }
+    comparison
+}
+
+/// The same limit with them.
+pub fn of_breach(mut breach: Breach) -> Breach {
+    if let Found::Nothing(why) = &mut breach.found {
+        *why = with_flags(why).into();
+    }
+    breach
+}
+
 #[cfg(test)]
 mod tests {
-    use nullray::error::Message;
-
     use super::*;
 
     #[test]
     fn fields_of_the_library_become_flags() {
         let help = Message::from("a smaller file, or a higher ") + Setting::MemoryLimit;
-        let error = with_flags(Error::invalid("a.glb", "memory", "too large", help));
+        let error = of_error(Error::invalid("a.glb", "memory", "too large", help));
         assert_eq!(
             error.help(),
             "a smaller file, or a higher limit (--max-memory)"
         );
         let other = "a key of the scene: `channels`";
         assert_eq!(
-            with_flags(Error::unsupported("a", "", "", other)).help(),
+            of_error(Error::unsupported("a", "", "", other)).help(),
             other
         );
     }
@@ -63,7 +103,7 @@ mod tests {
     #[test]
     fn every_setting_has_a_flag() {
         for setting in Setting::ALL {
-            assert!(flag(setting).contains("--"), "{setting}");
+            assert_ne!(flag(*setting), setting.to_string());
         }
     }
 }

@@ -10,6 +10,7 @@ use nullray::render::survey;
 use nullray::scene::model::{EmissionProfile, Light, LightKind, Source, SourceKind};
 
 use super::args::PlanArguments;
+use super::flags::with_flags;
 use super::progress::Bar;
 use super::{builtin, print, print_json, warn, with_short_lines};
 
@@ -67,7 +68,7 @@ pub fn run(arguments: &PlanArguments) -> Result<()> {
         if let Ok(mut prepared) = Prepared::new(&scene, &plan, &Silent) {
             survey::note_mirrors_by_texture(&scene, &mut plan, &prepared);
             let moments = survey::moments(&scene, &mut prepared, false);
-            plan.notes.extend(moments);
+            plan.notes.extend(moments.iter().map(with_flags));
         }
     }
     match arguments.json.on {

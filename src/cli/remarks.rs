@@ -9,6 +9,8 @@ use nullray::render::{enclosed, survey};
 use nullray::scene::model::{Object, Scene};
 use nullray::spacetime::Quantity;
 
+use super::flags::with_flags;
+
 /// Rays and times.
 pub fn cost(rays: u64, prepared_in: f64, rendered_in: f64) -> String {
     let rate = rays as f64 / rendered_in.max(1e-9) / 1e6;
@@ -47,7 +49,7 @@ pub fn blackness(scene: &Scene, film: &Film, is_shifted: bool) -> String {
 pub fn times(scene: &Scene, prepared: &mut Prepared) -> String {
     // What does not fit of cubes is said before rendering.
     let moments = survey::moments(scene, prepared, true).into_iter();
-    moments.map(|text| text + "\n").collect()
+    moments.map(|text| with_flags(&text) + "\n").collect()
 }
 
 /// That all light in view is shifted out of sight, if it is; empty otherwise.

@@ -7,6 +7,7 @@ use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 
 use super::args::TessellationArguments;
+use super::flags::with_flags;
 use super::progress::Bar;
 use super::{film, interrupt, print, print_json};
 
@@ -30,7 +31,7 @@ pub fn run(arguments: &TessellationArguments) -> Result<()> {
         interrupt::check()?;
         match arguments.json.on {
             true => print_json(&forecast),
-            false => print(&forecast.to_string()),
+            false => print(&with_flags(&forecast.report())),
         }
     })
 }

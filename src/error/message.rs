@@ -3,95 +3,94 @@
 use std::fmt;
 use std::ops::{Add, AddAssign, Deref, Range};
 
-/// A setting of the library that a message speaks of. The library calls it as it is called there, which is how it is
-/// [displayed](fmt::Display); a program that sets it in another way can name that, see [`Message::with_names`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Setting {
-    /// How much memory may be taken.
-    MemoryLimit,
-    /// Whether files may refer to others outside their folders.
-    AllowOutside,
-    /// Whether a comparison takes its pictures in an order that looks swapped.
-    AllowSwapped,
-    /// Whether an export replaces another.
-    Overwrite,
-    /// Whether an export has test vectors.
-    Vectors,
-    /// The method by which a picture is made.
-    Method,
-    /// The ray tracer as that method, as an advice: "trace it with …".
-    TraceIt,
-    /// That a comparison leaves out pixels whose light is not finite.
-    IgnoreNotFinite,
-    /// That a comparison counts light that is not finite as a value.
-    CountNotFinite,
-    /// How a .png that holds linear values is read: "as …".
-    AsLinear,
-    /// Which channels are compared.
-    Channels,
-    /// That nothing but radiance is compared.
-    RadianceAlone,
-    /// The limit of a metric, whose name follows: "tolerance of …".
-    ToleranceOf,
-    /// Texture coordinates that are made for what is baked.
-    Atlas,
-    /// Light that is baked by what the camera sees.
-    CameraCube,
-    /// How many texels are baked, which follow: "a size of …".
-    TexelsOf,
-    /// Which bins of a cube are kept, which follow.
-    Bins,
-    /// That what is baked is kept in single precision: "a cube in …".
-    SinglePrecision,
+use serde::{Serialize, Serializer};
+
+/// Makes the settings of a table: of each what it is, and what the library calls it.
+macro_rules! settings {
+    ($($(#[$doc:meta])* $setting:ident = $name:literal,)+) => {
+        /// A setting of the library that a message speaks of. The library calls it as it is called there, which is how it is
+        /// [displayed](fmt::Display); a program that sets it in another way can name that, see [`Message::with_names`].
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[non_exhaustive]
+        pub enum Setting {
+            $($(#[$doc])* $setting,)+
+        }
+
+        impl Setting {
+            /// All.
+            pub const ALL: &[Setting] = &[$(Setting::$setting),+];
+
+            /// What the library calls it.
+            fn name(self) -> &'static str {
+                match self {
+                    $(Setting::$setting => $name,)+
+                }
+            }
+        }
+    };
 }
 
-impl Setting {
-    /// All.
-    pub const ALL: [Setting; 18] = [
-        Setting::MemoryLimit,
-        Setting::AllowOutside,
-        Setting::AllowSwapped,
-        Setting::Overwrite,
-        Setting::Vectors,
-        Setting::Method,
-        Setting::TraceIt,
-        Setting::IgnoreNotFinite,
-        Setting::CountNotFinite,
-        Setting::AsLinear,
-        Setting::Channels,
-        Setting::RadianceAlone,
-        Setting::ToleranceOf,
-        Setting::Atlas,
-        Setting::CameraCube,
-        Setting::TexelsOf,
-        Setting::Bins,
-        Setting::SinglePrecision,
-    ];
-
-    /// What the library calls it.
-    fn name(self) -> &'static str {
-        match self {
-            Setting::MemoryLimit => "`memory_limit`",
-            Setting::AllowOutside => "`allow_outside`",
-            Setting::AllowSwapped => "`allow_swapped`",
-            Setting::Overwrite => "`overwrite`",
-            Setting::Vectors => "`vectors`",
-            Setting::Method => "`method`",
-            Setting::TraceIt => "trace it with `render::render`",
-            Setting::IgnoreNotFinite => "`NotFinite::Ignore`",
-            Setting::CountNotFinite => "`NotFinite::CountAs(0.0)`",
-            Setting::AsLinear => "as `Encoding::Linear`",
-            Setting::Channels => "`channels`",
-            Setting::RadianceAlone => "`channels` of \"radiance\"",
-            Setting::ToleranceOf => "tolerance of",
-            Setting::Atlas => "`Coordinates::Atlas`",
-            Setting::CameraCube => "`camera_cube`",
-            Setting::TexelsOf => "a `size` of",
-            Setting::Bins => "`bins`",
-            Setting::SinglePrecision => "a cube in single precision",
-        }
-    }
+settings! {
+    /// How much memory may be taken.
+    MemoryLimit = "`memory_limit`",
+    /// Whether files may refer to others outside their folders.
+    AllowOutside = "`allow_outside`",
+    /// Whether a comparison takes its pictures in an order that looks swapped.
+    AllowSwapped = "`allow_swapped`",
+    /// Whether an export replaces another.
+    Overwrite = "`overwrite`",
+    /// Whether an export has test vectors.
+    Vectors = "`vectors`",
+    /// The method by which a picture is made.
+    Method = "`method`",
+    /// The ray tracer as that method, as an advice: "trace it with …".
+    TraceIt = "trace it with `render::render`",
+    /// That a comparison leaves out pixels whose light is not finite.
+    IgnoreNotFinite = "`NotFinite::Ignore`",
+    /// That a comparison counts light that is not finite as a value.
+    CountNotFinite = "`NotFinite::CountAs(0.0)`",
+    /// How a .png that holds linear values is read: "as …".
+    AsLinear = "as `Encoding::Linear`",
+    /// Which channels are compared.
+    Channels = "`channels`",
+    /// That nothing but radiance is compared.
+    RadianceAlone = "`channels` of \"radiance\"",
+    /// The limit of a metric, whose name follows: "tolerance of …".
+    ToleranceOf = "tolerance of",
+    /// Texture coordinates that are made for what is baked.
+    Atlas = "`Coordinates::Atlas`",
+    /// Light that is baked by what the camera sees.
+    CameraCube = "`camera_cube`",
+    /// How many texels are baked, which follow: "a size of …".
+    TexelsOf = "a `size` of",
+    /// Which bins of a cube are kept, which follow.
+    Bins = "`bins`",
+    /// That what is baked is kept in single precision: "a cube in …".
+    SinglePrecision = "a cube in single precision",
+    /// The overrides of a scene, as what an edit is in: "on the …".
+    Overrides = "list of overrides",
+    /// An override of any key: "… KEY=VALUE".
+    Set = "set",
+    /// The override of the size of pictures, which follows.
+    Size = "camera.size",
+    /// The override of the number of samples of a pixel, which follows.
+    SamplesPerPixel = "display.samples_per_pixel",
+    /// The override of the camera's time, which follows.
+    Time = "camera.time",
+    /// The override of how bright pictures are shown, which follows.
+    Exposure = "display.exposure",
+    /// The override of the radiance that is white, which follows.
+    White = "display.white",
+    /// That rays go through the centres of pixels.
+    PixelCenters = "`pixel_centers`",
+    /// The scene that compared pictures show.
+    Scene = "`scene`",
+    /// What stands for no object in a picture, which follows.
+    NoHit = "`set_no_hit`",
+    /// How wide bins are in which a comparison counts time.
+    BinWidth = "`bin_width`",
+    /// That a comparison leaves ꟻLIP out.
+    NoFlip = "no `pixels_per_degree`",
 }
 
 impl fmt::Display for Setting {
@@ -134,6 +133,12 @@ impl Deref for Message {
 impl fmt::Display for Message {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(&self.text, f)
+    }
+}
+
+impl Serialize for Message {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.text.serialize(serializer)
     }
 }
 

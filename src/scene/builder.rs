@@ -90,7 +90,7 @@ impl Builder {
     pub fn set(mut self, key: &str, value: impl Into<Value>) -> Self {
         let file = self.name.clone();
         let refuse = |what, help| Error::invalid(&file, key, what, help);
-        // As `--set` of the command line does it, so that both take the same keys.
+        // As overrides do it, so that both take the same keys.
         let set = overrides::set(&mut self.document, key, value.into().0, &refuse);
         if let Err(Error::Invalid(problem)) = set {
             self.refuse(&problem.place, &problem.what, &problem.help);

@@ -1,4 +1,4 @@
-//! What the command line changes in a scene: edits of the document, made before it is read.
+//! What callers change in a scene: edits of the document, made before it is read.
 //!
 //! A dotted key names what is set: `camera.velocity.beta`, `object.cube.velocity` (by name) or
 //! `object.0.velocity` (by number, from 0). Tables that are missing are made. The value is a TOML value;
@@ -11,10 +11,10 @@ use toml_edit::{DocumentMut, InlineTable, Item, Key, Table, TableLike, Value};
 use super::names;
 use super::place::{Place, Step};
 use super::suggest::did_you_mean;
-use crate::error::{Error, Result};
+use crate::error::{Error, Message, Problem, Result, Setting};
 use crate::spacetime::units::quoted;
 
-/// What the command line sets in place of the scene file.
+/// What is set in place of what the scene file says.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Overrides {
     /// Dotted keys and the TOML text of their values; bare words are taken as a text.
@@ -35,8 +35,8 @@ pub struct Overrides {
 
 /// An edit that was made.
 pub(crate) struct Edit {
-    /// As it stood on the command line.
-    pub flag: String,
+    /// What set it, to which value.
+    pub by: Message,
     /// What it set.
     pub place: Place,
 }
@@ -55,14 +55,14 @@ pub(super) fn apply(text: &str, overrides: &Overrides) -> Result<(String, Vec<Ed
     };
     let mut edits = Vec::new();
     refuse_rivals(&changes)?;
-    for (flag, key, value) in changes {
-        let place = set(&mut document, &key, value, &|what, help| {
-            refuse(&flag, what, help)
-        })?;
-        // The flags of the ways to say how bright white is take each other's place.
-        let rivals: &[&str] = match (key.as_str(), flag.starts_with("--set ")) {
-            ("display.exposure", false) => &["white", "logarithmic"],
-            ("display.white", false) => &["exposure", "logarithmic"],
+    for change in changes {
+        let by = change.by();
+        let refuse = |what, help| refuse(change.setting, &change.text, what, help);
+        let place = set(&mut document, &change.key, change.value, &refuse)?;
+        // The ways to say how bright white is take each other's place.
+        let rivals: &[&str] = match change.setting {
+            Setting::Exposure => &["white", "logarithmic"],
+            Setting::White => &["exposure", "logarithmic"],
             _ => &[],
         };
         if let Some(display) = document
@@ -73,42 +73,63 @@ pub(super) fn apply(text: &str, overrides: &Overrides) -> Result<(String, Vec<Ed
                 display.remove(rival);
             }
         }
-        edits.push(Edit { flag, place });
+        edits.push(Edit { by, place });
     }
     Ok((document.to_string(), edits))
 }
 
-/// Refuses an option for how bright white is beside a `--set` for the same, which it would take the place of.
-fn refuse_rivals(changes: &[(String, String, Value)]) -> Result<()> {
-    let is_set = |flag: &str| flag.starts_with("--set ");
-    let own = changes.iter().find(|(flag, key, _)| {
-        !is_set(flag) && ["display.exposure", "display.white"].contains(&key.as_str())
-    });
-    let says_white = |key: &str, value: &Value| {
-        // A logarithmic scale is a way to show, of which an option takes the place.
+/// Refuses an override of how bright white is beside a set key for the same, which it would take the place of.
+fn refuse_rivals(changes: &[Change]) -> Result<()> {
+    let is_own = |c: &&Change| matches!(c.setting, Setting::Exposure | Setting::White);
+    let is_rival = |c: &&Change| {
+        // A logarithmic scale is a way to show, of which an override takes the place.
         let ways = ["exposure", "white"];
-        match key.strip_prefix("display.") {
+        let says_white = match c.key.strip_prefix("display.") {
             Some(key) => ways.contains(&key),
             None => {
-                let table = value.as_inline_table().filter(|_| key == "display");
+                let table = c.value.as_inline_table().filter(|_| c.key == "display");
                 table.is_some_and(|table| ways.iter().any(|way| table.contains_key(way)))
             }
-        }
+        };
+        c.setting == Setting::Set && says_white
     };
-    let rival = changes
-        .iter()
-        .find(|(flag, key, value)| is_set(flag) && says_white(key, value));
-    match (own, rival) {
-        (Some((own, ..)), Some((rival, ..))) => {
-            let what = format!("{own} says what is white, too");
-            Err(refuse(rival, what, "leave one of them out".into()))
+    match (changes.iter().find(is_own), changes.iter().find(is_rival)) {
+        (Some(own), Some(rival)) => {
+            let what = own.by() + " says what is white, too";
+            let help = "leave one of them out".into();
+            Err(refuse(rival.setting, &rival.text, what, help))
         }
         _ => Ok(()),
     }
 }
 
-/// What is set: as it stands on the command line, the dotted key, the value.
-fn changes(overrides: &Overrides) -> Result<Vec<(String, String, Value)>> {
+/// A key that is set.
+struct Change {
+    /// By which override.
+    setting: Setting,
+    /// The value as it stands there, after the key where it is given, too.
+    text: String,
+    key: String,
+    value: Value,
+}
+
+impl Change {
+    fn new(setting: Setting, text: String, key: &str, value: Value) -> Change {
+        let key = key.into();
+        Change {
+            setting,
+            text,
+            key,
+            value,
+        }
+    }
+
+    fn by(&self) -> Message {
+        self.setting + format!(" {}", self.text)
+    }
+}
+
+fn changes(overrides: &Overrides) -> Result<Vec<Change>> {
     let Overrides {
         set,
         size,
@@ -120,49 +141,43 @@ fn changes(overrides: &Overrides) -> Result<Vec<(String, String, Value)>> {
     } = overrides;
     let mut all = Vec::new();
     for (key, text) in set {
-        let flag = format!("--set {key}={text}");
-        let value = parse_value(text, &flag)?;
-        all.push((flag, key.clone(), value));
+        let said = format!("{key}={text}");
+        let value = parse_value(text, &said)?;
+        all.push(Change::new(Setting::Set, said, key, value));
     }
-    let mut add = |flag: String, key: &str, value: Value| all.push((flag, key.into(), value));
-    if let Some([w, h]) = *size {
-        let value = [w, h].into_iter().map(i64::from).collect();
-        add(format!("--size {w}x{h}"), "camera.size", value);
-    }
-    if let Some(n) = *samples_per_pixel {
-        add(
-            format!("--spp {n}"),
+    let size = size.map(|[w, h]| (format!("{w}x{h}"), Value::from_iter([w, h].map(i64::from))));
+    let samples = samples_per_pixel.map(|n| (n.to_string(), Value::from(i64::from(n))));
+    let white = white.map(|radiance| (radiance.to_string(), Value::from(radiance)));
+    let text = |text: &Option<String>| Some((text.clone()?, Value::from(text.clone()?)));
+    let others = [
+        (Setting::Size, "camera.size", size),
+        (
+            Setting::SamplesPerPixel,
             "display.samples_per_pixel",
-            i64::from(n).into(),
-        );
-    }
-    if let Some(text) = time {
-        add(format!("--time {text}"), "camera.time", text.into());
-    }
-    if let Some(text) = exposure {
-        add(
-            format!("--exposure {text}"),
-            "display.exposure",
-            text.into(),
-        );
-    }
-    if let Some(radiance) = *white {
-        add(
-            format!("--white {radiance}"),
-            "display.white",
-            radiance.into(),
-        );
+            samples,
+        ),
+        (Setting::Time, "camera.time", text(time)),
+        (Setting::Exposure, "display.exposure", text(exposure)),
+        (Setting::White, "display.white", white),
+    ];
+    for (setting, key, given) in others {
+        all.extend(given.map(|(said, value)| Change::new(setting, said, key, value)));
     }
     Ok(all)
 }
 
-fn refuse(flag: &str, what: String, help: String) -> Error {
-    let short: String = flag.chars().take(200).collect();
-    let place = format!("`{}`", short.escape_debug());
-    Error::invalid("command line", place, what, help)
+/// What is said of an override's value at most, characters.
+const LONGEST_TEXT: usize = 194;
+
+fn refuse(setting: Setting, text: &str, what: impl Into<Message>, help: String) -> Error {
+    let short: String = text.chars().take(LONGEST_TEXT).collect();
+    let place = Message::from("`") + setting + format!(" {}`", short.escape_debug());
+    let mut problem = Problem::new("", place, what, help);
+    problem.file = Setting::Overrides.into();
+    problem.invalid()
 }
 
-fn parse_value(text: &str, flag: &str) -> Result<Value> {
+fn parse_value(text: &str, said: &str) -> Result<Value> {
     let trimmed = text.trim();
     match Value::from_str(trimmed) {
         Ok(mut value) => {
@@ -172,7 +187,12 @@ fn parse_value(text: &str, flag: &str) -> Result<Value> {
         Err(error) if trimmed.is_empty() || trimmed.starts_with(['[', '{', '"', '\'']) => {
             let what = format!("{} is not a TOML value: {}", quoted(text), error.message());
             let help = "write a number, a text, [x, y, z], or { key = value }";
-            Err(refuse(flag, what.replace('\n', ", "), help.into()))
+            Err(refuse(
+                Setting::Set,
+                said,
+                what.replace('\n', ", "),
+                help.into(),
+            ))
         }
         Err(_) => Ok(Value::from(trimmed)),
     }

@@ -1,4 +1,4 @@
-//! The scene that a panel shows: the file's, with the panel's changes and then those of the command line.
+//! The scene that a panel shows: the file's, with the panel's changes and then the overrides.
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -26,7 +26,7 @@ impl SceneFile {
         };
         self.changed(panel, overrides)
             .map_err(|error| match self.changed(panel, &of_panel) {
-                // Without the command line all is well.
+                // Without the overrides all is well.
                 Ok(_) => error,
                 Err(error) => blame(scene, panel, error),
             })

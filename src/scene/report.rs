@@ -12,15 +12,15 @@ use super::place::{Place, Step, place_of};
 use super::schema;
 use super::suggest::did_you_mean;
 use super::tree;
-use crate::error::{Error, Message, Problem, Result};
+use crate::error::{Error, Message, Problem, Result, Setting};
 
-/// The text of a scene, and which parts of it the command line set.
+/// The text of a scene, and which parts of it overrides set.
 pub(crate) struct Report {
     /// The scene's name.
     pub name: String,
     /// The text, after edits.
     pub text: Arc<str>,
-    /// What the command line changed in it.
+    /// What overrides changed in it.
     pub edits: Vec<Edit>,
 }
 
@@ -119,13 +119,15 @@ impl Report {
     }
 }
 
-/// Names the command line's flag in the help, once.
+/// Names the override in the help, once.
 fn cite(help: &mut Message, edit: Option<&Edit>) {
     let Some(edit) = edit else { return };
-    let cited = format!("(Set by `{}` on the command line.)", edit.flag);
-    if !help.contains(&cited) {
+    let cited =
+        Message::from("(Set by `") + edit.by.clone() + "` on the " + Setting::Overrides + ".)";
+    if !help.contains(&*cited) {
         let space = if help.is_empty() { "" } else { " " };
-        *help += format!("{space}{cited}");
+        *help += space;
+        *help += cited;
     }
 }
 

@@ -316,7 +316,7 @@ fn times_that_show_none_of_a_flash_are_told_with_those_that_do() {
     assert_eq!(told.len(), 1, "{told:?}");
     for said in [
         "light \"area\": light in view left between its own times -3.",
-        "it shines from -0.5 m to 1.1 m; try --time",
+        "it shines from -0.5 m to 1.1 m; try camera.time",
     ] {
         assert!(told[0].contains(said), "{told:?}");
     }
@@ -340,7 +340,7 @@ fn times_that_show_none_of_a_flash_are_told_with_those_that_do() {
     );
     let told = survey::moments(&lit, &mut prepared(&lit, false), true);
     assert!(
-        told.len() == 1 && told[0].contains("try --time"),
+        told.len() == 1 && told[0].contains("try camera.time"),
         "{told:?}"
     );
 }

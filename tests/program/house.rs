@@ -1,4 +1,4 @@
-//! The files of the library and of the program import each other in one direction.
+//! The files of the library and of the program import each other in one direction, and the library knows nothing of the program.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -172,4 +172,30 @@ fn files_do_not_import_each_other_in_circles() {
     }
     let circle: Vec<_> = circle.iter().map(|module| module.join("::")).collect();
     assert!(circle.is_empty(), "a circle: {}", circle.join(" -> "));
+}
+
+#[test]
+fn the_library_names_no_flags_of_the_program() {
+    // Whole commands are those of the program, or of cargo, wherever they are told.
+    let is_command = |line: &str| {
+        ["cargo install", "nullray convert"]
+            .iter()
+            .any(|c| line.contains(c))
+    };
+    let has_flag = |line: &&str| {
+        let after = |flag: &str| flag.starts_with(|c: char| c.is_ascii_lowercase());
+        line.split("--").skip(1).any(after) && !is_command(line)
+    };
+    let (mut flags, mut of_program) = (Vec::new(), 0);
+    for (module, code) in &modules() {
+        let lines = code.lines().filter(has_flag);
+        match module.first().is_some_and(|room| room == "cli") {
+            true => of_program += lines.count(),
+            false => {
+                flags.extend(lines.map(|line| format!("{}: {}", module.join("::"), line.trim())))
+            }
+        }
+    }
+    assert!(flags.is_empty(), "{}", flags.join("\n"));
+    assert!(of_program > 100, "{of_program}");
 }

@@ -17,6 +17,7 @@ pub use search::Shots;
 
 use rayon::prelude::*;
 
+use crate::error::{Message, Setting};
 use crate::light::lamp::Emission;
 use crate::light::time_texture::survey::{lit_span, rounded};
 use crate::render::film::Tile;
@@ -125,7 +126,7 @@ impl SeenTimes {
 
 /// Of each lamp and pulse whose light begins and ends and reaches surfaces in view: when what is in view left, against when there is
 /// any, and the camera's times that show some of it; with `dark`, of those alone of which nothing is in view.
-pub fn moments(scene: &Scene, prepared: &mut Prepared, dark: bool) -> Vec<String> {
+pub fn moments(scene: &Scene, prepared: &mut Prepared, dark: bool) -> Vec<Message> {
     // As many rays as tell the ends of what is seen.
     let every = (Tile::count(scene.camera.size) / MOST_TILES) | 1;
     let mut remarks = Vec::new();
@@ -136,7 +137,7 @@ pub fn moments(scene: &Scene, prepared: &mut Prepared, dark: bool) -> Vec<String
         if times.is_of_cube(scene) || (dark && times.meets()) {
             continue;
         }
-        let mut text = times.said(scene, pulse.is_some());
+        let mut text = Message::from(times.said(scene, pulse.is_some()));
         if !dark {
             let now = rounded(scene.camera.time);
             let is = if times.meets() {
@@ -144,13 +145,14 @@ pub fn moments(scene: &Scene, prepared: &mut Prepared, dark: bool) -> Vec<String
             } else {
                 "none of it"
             };
-            text += &format!("; the camera's time {now} m shows {is}");
+            text += format!("; the camera's time {now} m shows {is}");
         }
         if !times.meets()
             && let Some([from, to]) = shots.showing(&times)
         {
             let [from, to] = [from, to].map(rounded);
-            text += &format!("; try --time \"{from} m\" to \"{to} m\"");
+            text += "; try ";
+            text += Setting::Time + format!(" \"{from} m\" to \"{to} m\"");
         }
         remarks.push(text);
     }

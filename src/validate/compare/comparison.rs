@@ -14,7 +14,7 @@ use super::picture::{Encoding, Picture, Plane, RADIANCE, is_auxiliary, is_light}
 use super::points::Points;
 use super::ssim;
 use super::surface::{self, SurfaceErrors};
-use crate::error::{Error, Result};
+use crate::error::{Error, Message, Result, Setting};
 use crate::io::image::Layers;
 
 /// What a comparison has found.
@@ -40,7 +40,7 @@ pub struct Comparison {
     /// Channels that one of the pictures has alone.
     pub uncompared: Uncompared,
     /// What a reader should know of the pictures.
-    pub notes: Vec<String>,
+    pub notes: Vec<Message>,
     /// Geometric error of each pixel, NaN where there is none; where it was asked for.
     #[serde(skip)]
     pub geometric_map: Option<Vec<f32>>,
@@ -66,7 +66,7 @@ fn of_grey(name: &str, comparison: Result<Comparison>) -> Result<Comparison> {
     let mut comparison = comparison?;
     let note =
         format!("{name} is grey: its one channel is compared with red, with green and with blue");
-    comparison.notes.push(note);
+    comparison.notes.push(note.into());
     Ok(comparison)
 }
 
@@ -128,7 +128,8 @@ pub fn compare(
     let mut notes = matched.notes.clone();
     let field = Field::new(&points, known.as_ref());
     if let Some(Field::Search(_)) = &field {
-        notes.push("the reference does not say which scene it shows: geometric errors are measured on the surfaces that it shows (--scene names the scene)".into());
+        let note = "the reference does not say which scene it shows: geometric errors are measured on the surfaces that it shows (";
+        notes.push(Message::from(note) + Setting::Scene + " names the scene)");
     }
     let (surface, geometric_map) =
         surface::compare([r, c], &points, field.as_ref(), region, options.bin_width);

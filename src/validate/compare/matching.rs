@@ -60,7 +60,7 @@ pub(super) struct Matched<'a> {
     pub uncompared: Uncompared,
     /// The pixels that are compared.
     pub region: Region,
-    pub notes: Vec<String>,
+    pub notes: Vec<Message>,
 }
 
 impl Matched<'_> {
@@ -213,7 +213,7 @@ fn whole(pair: [&Picture; 2]) -> Result<()> {
 }
 
 /// What is said of arrays that are no channels.
-fn unread(pair: [&Picture; 2]) -> Vec<String> {
+fn unread(pair: [&Picture; 2]) -> Vec<Message> {
     let some = pair
         .into_iter()
         .filter(|picture| !picture.unread.is_empty());
@@ -224,6 +224,7 @@ fn unread(pair: [&Picture; 2]) -> Vec<String> {
             picture.name,
             list(&names)
         )
+        .into()
     })
     .collect()
 }
@@ -234,7 +235,7 @@ const SAYS_NOTHING: f64 = 0.95;
 const STANDS_ELSEWHERE: f64 = 0.05;
 
 /// What is said of a number that stands for no object in the candidate, other than those that are known to.
-fn no_hit([r, c]: [&Picture; 2], options: &CompareOptions) -> Option<String> {
+fn no_hit([r, c]: [&Picture; 2], options: &CompareOptions) -> Option<Message> {
     let points = [r, c].map(|picture| Points::new(&picture.layers));
     let theirs = points[1].object?;
     let (mut empty, mut counts) = (0usize, BTreeMap::<i64, [usize; 2]>::new());
@@ -265,15 +266,13 @@ fn no_hit([r, c]: [&Picture; 2], options: &CompareOptions) -> Option<String> {
     let says_nothing = at_empty > 0 && at_empty as f64 >= SAYS_NOTHING * empty as f64;
     let is_object = at_full as f64 > STANDS_ELSEWHERE * full as f64;
     (says_nothing && !is_known && !is_object).then(|| {
-        format!(
-            "{id} stands in {} where nothing is met: --no-hit {id} says so",
-            c.name
-        )
+        let place = format!("{id} stands in {} where nothing is met: ", c.name);
+        Message::from(place) + Setting::NoHit + format!(" {id} says so")
     })
 }
 
 /// Refuses metadata that contradict each other; notes on those that say that two shots are not the same.
-fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<String>> {
+fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<Message>> {
     let differs = |key: &str| {
         let (a, b) = (r.metadata(key)?, c.metadata(key)?);
         (a != b).then_some((a, b))
@@ -302,19 +301,17 @@ fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<String>> {
         .filter(|key| differs(key).is_some() || is_plain_in_one(key))
         .collect();
     if !moved.is_empty() {
-        notes.push(format!("the shots differ in {}", moved.join(", ")));
+        notes.push(format!("the shots differ in {}", moved.join(", ")).into());
     }
     if let Some((a, b)) = differs("equations") {
-        notes.push(format!(
-            "the reference follows the equations \"{a}\", the candidate \"{b}\""
-        ));
+        notes.push(
+            format!("the reference follows the equations \"{a}\", the candidate \"{b}\"").into(),
+        );
     }
     // A reference that is worse than its candidate turns errors around.
     let approximations = [r, c].map(Picture::approximation);
     if let Some(method) = approximations[0] {
-        notes.push(format!(
-            "the reference is itself an approximation (method = {method})"
-        ));
+        notes.push(format!("the reference is itself an approximation (method = {method})").into());
     }
     // FLIP has two variants, for displays and for light; the pair decides on one.
     if [r, c].iter().any(|p| p.is_high_range())
@@ -330,9 +327,10 @@ fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<String>> {
     if let (Some(a), Some(b), [None, None]) = (samples(r), samples(c), approximations)
         && a < b
     {
-        notes.push(format!(
-            "the reference has fewer samples per pixel ({a}) than the candidate ({b})"
-        ));
+        notes.push(
+            format!("the reference has fewer samples per pixel ({a}) than the candidate ({b})")
+                .into(),
+        );
     }
     // A mean of places on two surfaces lies on neither.
     let mixed = |p: &&Picture| p.metadata("pixel_centers") == Some("false");
@@ -341,7 +339,8 @@ fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<String>> {
         .iter()
         .any(|point| has(point[0]));
     if has_places && [r, c].iter().any(mixed) {
-        notes.push("auxiliary channels are means over pixels, which mix surfaces at silhouettes: geometric errors are those of pictures of pixel centres (--pixel-centers)".into());
+        let note = "auxiliary channels are means over pixels, which mix surfaces at silhouettes: geometric errors are those of pictures of pixel centres (";
+        notes.push(Message::from(note) + Setting::PixelCenters + ")");
     }
     Ok(notes)
 }
@@ -362,7 +361,7 @@ fn chosen<'a>(picture: &'a Picture, names: &[String]) -> Vec<&'a Channel> {
 fn alpha<'a>(
     pair: [&Picture; 2],
     mut chosen: [Vec<&'a Channel>; 2],
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Message>,
 ) -> Result<[Vec<&'a Channel>; 2]> {
     let position = |channels: &[&Channel]| channels.iter().position(|c| c.name == "A");
     for (one, other) in [(0, 1), (1, 0)] {
@@ -372,10 +371,13 @@ fn alpha<'a>(
         // Opaque alpha changes nothing of the light, so that its lack does not either.
         let alpha = Plane::new(&pair[one].layers, chosen[one][at]);
         if (0..chosen[one][at].samples.len()).all(|i| alpha.at(i) == 1.0) {
-            notes.push(format!(
-                "{} has an alpha channel that is opaque everywhere; it is left out",
-                pair[one].name
-            ));
+            notes.push(
+                format!(
+                    "{} has an alpha channel that is opaque everywhere; it is left out",
+                    pair[one].name
+                )
+                .into(),
+            );
             chosen[one].remove(at);
             continue;
         }
@@ -480,7 +482,7 @@ fn usable(
     pair: [&Picture; 2],
     chosen: &[Vec<&Channel>; 2],
     region: Region,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Message>,
 ) -> Result<Region> {
     let [width, height] = [pair[0].layers.width, pair[0].layers.height].map(|n| n as usize);
     // Auxiliary channels are NaN where nothing is met; only light has to be a number.
@@ -513,7 +515,7 @@ fn usable(
         );
     }
     if dropped > 0 {
-        notes.push(format!("{dropped} pixels do not count, in any channel: their light is not finite in one of the pictures"));
+        notes.push(format!("{dropped} pixels do not count, in any channel: their light is not finite in one of the pictures").into());
     }
     let crop = None;
     Ok(Region {
@@ -527,7 +529,7 @@ fn finite<'a>(
     picture: &'a Picture,
     chosen: &[&Channel],
     options: &CompareOptions,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Message>,
 ) -> Result<Cow<'a, Layers>> {
     let mut layers = Cow::Borrowed(&picture.layers);
     for channel in chosen.iter().filter(|channel| !is_auxiliary(&channel.name)) {
@@ -542,12 +544,15 @@ fn finite<'a>(
                 value
             }
         };
-        notes.push(format!(
-            "{} of {}: {}; they count as {treatment}",
-            channel.name,
-            picture.name,
-            found.words()
-        ));
+        notes.push(
+            format!(
+                "{} of {}: {}; they count as {treatment}",
+                channel.name,
+                picture.name,
+                found.words()
+            )
+            .into(),
+        );
     }
     Ok(layers)
 }

@@ -11,7 +11,7 @@ use super::errors::Errors;
 use super::matching::Uncompared;
 use super::picture::is_light;
 use super::surface::{Distribution, SurfaceErrors, Unmeasured};
-use crate::error::{Error, Result, Setting};
+use crate::error::{Error, Message, Result, Setting};
 use crate::render::aov::Aov;
 use crate::scene::model::SPEED_OF_LIGHT;
 
@@ -29,6 +29,8 @@ pub struct Metric {
     pub heading: Option<&'static str>,
     /// What both pictures have to hold for it.
     needs: &'static str,
+    /// What has to be set for it besides, and its setting.
+    set: Option<(&'static str, Setting)>,
     of: Of,
 }
 
@@ -128,15 +130,11 @@ pub const METRICS: [Metric; 24] = [
     )
     .signed(),
     pixels(
-        [
-            "time_bins",
-            "bins",
-            "emission time",
-            "a width of the bins (--bin-width) and the channel event.ct",
-        ],
+        ["time_bins", "bins", "emission time", "the channel event.ct"],
         &[("bins", 1.0)],
         |s| Some((None, s.emission_time_bins.as_ref()?)),
-    ),
+    )
+    .set_by("a width of the bins", Setting::BinWidth),
     pixels(
         [
             "w",
@@ -234,6 +232,7 @@ const fn row(
         better: Better::Smaller,
         heading,
         needs,
+        set: None,
         of,
     }
 }
@@ -253,11 +252,27 @@ impl Metric {
         self
     }
 
+    const fn set_by(self, what: &'static str, setting: Setting) -> Metric {
+        Metric {
+            set: Some((what, setting)),
+            ..self
+        }
+    }
+
     const fn signed(mut self) -> Metric {
         if let Of::Pixels(values, _, units) = self.of {
             self.of = Of::Pixels(values, true, units);
         }
         self
+    }
+
+    /// That it lacks what it needs.
+    fn lacks(&self) -> Message {
+        let mut text = Message::from("it needs ");
+        if let Some((what, setting)) = self.set {
+            text += Message::from(what) + " (" + setting + ") and ";
+        }
+        text + self.needs + " in both pictures"
     }
 
     /// Its column of a table: the heading, and the value for these errors.
@@ -475,7 +490,7 @@ pub enum Found {
     /// A number.
     Value(f64),
     /// It could not be computed, for this reason.
-    Nothing(String),
+    Nothing(Message),
 }
 
 impl std::str::FromStr for Tolerance {
@@ -589,29 +604,29 @@ impl<'a> Name<'a> {
 
     /// The metric of `comparison`; none where that has no channel of this name, and neither has a picture.
     fn found(&self, comparison: &Comparison) -> Option<Found> {
-        let needs = || format!("it needs {} in both pictures", self.row.needs);
         Some(match self.row.of {
             Of::Channel(value) => match self.errors(comparison)? {
-                Ok(errors) => settled(value(errors), || {
-                    "it is not defined for these values, or for so few".into()
-                }),
+                Ok(errors) => settled(
+                    value(errors),
+                    || "it is not defined for these values, or for so few",
+                ),
                 Err(why) => Found::Nothing(why),
             },
             Of::Picture(value, _) => settled(value(comparison), || {
                 let is_skipped = self.row.name.starts_with("flip") && comparison.flip.is_none();
                 match is_skipped && comparison.radiance.is_some() {
-                    true => "FLIP was not computed (--no-flip)".into(),
-                    false => needs(),
+                    true => Message::from("FLIP was not computed (") + Setting::NoFlip + ")",
+                    false => self.row.lacks(),
                 }
             }),
             Of::Pixels(values, ..) => match comparison.surface.as_ref().and_then(values) {
-                None => Found::Nothing(needs()),
+                None => Found::Nothing(self.row.lacks()),
                 Some((bias, d)) => match (self.part, gaps(d)) {
                     // Counts say themselves how much was measured.
                     (Some((_, Better::Larger, of)), _) | (Some((UNMEASURED, _, of)), _) => {
                         settled(of(d), || nothing(d))
                     }
-                    (_, Some(gaps)) if d.count > 0 => Found::Nothing(gaps),
+                    (_, Some(gaps)) if d.count > 0 => Found::Nothing(gaps.into()),
                     (Some((_, _, of)), _) => settled(of(d), || nothing(d)),
                     (None, _) => settled(bias, || nothing(d)),
                 },
@@ -620,13 +635,13 @@ impl<'a> Name<'a> {
     }
 
     /// The errors that a metric of the light or of a channel is of, or why there are none.
-    fn errors<'c>(&self, comparison: &'c Comparison) -> Option<Result<&'c Errors, String>> {
-        let empty = || "no sample is a number in both pictures".to_string();
+    fn errors<'c>(&self, comparison: &'c Comparison) -> Option<Result<&'c Errors, Message>> {
+        let empty = || Message::from("no sample is a number in both pictures");
         let Some(name) = self.channel else {
             let light = comparison.radiance.as_ref();
             let missing = || match comparison.channels.iter().any(|c| is_light(&c.name)) {
                 true => empty(),
-                false => format!("it needs {} in both pictures", self.row.needs),
+                false => self.row.lacks(),
             };
             return Some(light.ok_or_else(missing));
         };
@@ -640,16 +655,16 @@ impl<'a> Name<'a> {
         } = &comparison.uncompared;
         let lacks = |names: &[String], who: &str| {
             let is_there = names.iter().any(|n| n == name);
-            is_there.then(|| Err(format!("the {who} has no channel {name}")))
+            is_there.then(|| Err(format!("the {who} has no channel {name}").into()))
         };
         lacks(only_reference, "candidate").or_else(|| lacks(only_candidate, "reference"))
     }
 }
 
-fn settled(value: Option<f64>, why: impl FnOnce() -> String) -> Found {
+fn settled<M: Into<Message>>(value: Option<f64>, why: impl FnOnce() -> M) -> Found {
     match value.filter(|value| !value.is_nan()) {
         Some(value) => Found::Value(value),
-        None => Found::Nothing(why()),
+        None => Found::Nothing(why().into()),
     }
 }
 

@@ -1,4 +1,4 @@
-//! What the command line sets.
+//! What overrides set.
 
 use glam::DVec3;
 use nullray::scene::Overrides;
@@ -44,7 +44,7 @@ fn values_are_set_by_dotted_keys() {
 }
 
 #[test]
-fn size_samples_and_time_have_their_own_flags() {
+fn size_samples_and_time_have_their_own_overrides() {
     let overrides = Overrides {
         size: Some([7, 5]),
         samples_per_pixel: Some(9),
@@ -87,7 +87,7 @@ fn names_with_dots_go_in_quotes() {
 }
 
 #[test]
-fn what_an_override_breaks_names_the_flag() {
+fn what_an_override_breaks_names_the_override() {
     let folder = Folder::with_files();
     for (key, value, what) in [
         ("camera.hfov", "200 deg", "200 deg"),
@@ -99,26 +99,26 @@ fn what_an_override_breaks_names_the_flag() {
     ] {
         let refusal = problem(folder.parse_with(VALID, &set(&[(key, value)])));
         assert!(refusal.what.contains(what), "{key}: {}", refusal.what);
-        let flag = format!("`--set {key}={value}`");
-        assert!(refusal.help.contains(&flag), "{key}: {}", refusal.help);
+        let cited = format!("(Set by `set {key}={value}` on the list of overrides.)");
+        assert!(refusal.help.contains(&cited), "{key}: {}", refusal.help);
     }
     let overrides = Overrides {
         time: Some("3".into()),
         ..Overrides::default()
     };
     let refusal = problem(folder.parse_with(VALID, &overrides));
-    assert!(refusal.help.contains("`--time 3`"), "{}", refusal.help);
+    assert!(refusal.help.contains("`camera.time 3`"), "{}", refusal.help);
 }
 
 #[test]
-fn an_error_elsewhere_does_not_name_the_flag() {
+fn an_error_elsewhere_does_not_name_the_override() {
     let text = VALID.replace("\"40 deg\"", "40");
     let refusal = problem(Folder::with_files().parse_with(&text, &set(&[("camera.time", "3 m")])));
-    assert!(!refusal.help.contains("--set"), "{}", refusal.help);
+    assert!(!refusal.help.contains("overrides"), "{}", refusal.help);
 }
 
 #[test]
-fn a_path_that_leads_nowhere_is_refused_by_its_flag() {
+fn a_path_that_leads_nowhere_is_refused_by_its_override() {
     let folder = Folder::with_files();
     for (key, value, what, help) in [
         (
@@ -151,8 +151,8 @@ fn a_path_that_leads_nowhere_is_refused_by_its_flag() {
         ("camera.time", "", "not a TOML value", "number"),
     ] {
         let refusal = problem(folder.parse_with(VALID, &set(&[(key, value)])));
-        assert_eq!(refusal.file, "command line", "{key}");
-        assert_eq!(refusal.place, format!("`--set {key}={value}`"));
+        assert_eq!(refusal.file, "list of overrides", "{key}");
+        assert_eq!(refusal.place, format!("`set {key}={value}`"));
         assert!(refusal.what.contains(what), "{key}: {}", refusal.what);
         assert!(refusal.help.contains(help), "{key}: {}", refusal.help);
     }

@@ -89,7 +89,7 @@ fn what_rests_before_a_camera_at_rest_needs_no_tessellation() {
             (None, 1, 0)
         );
     }
-    assert!(found.to_string().contains("raster:none"));
+    assert!(found.report().contains("raster:none"));
 }
 
 #[test]

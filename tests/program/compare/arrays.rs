@@ -217,7 +217,7 @@ fn arrays_that_are_no_channels_are_noted_and_the_others_compared() {
     let plain = with_others(&[]).unwrap();
     let options = CompareOptions::default();
     let compared = compare(&plain, &picture, &options).unwrap();
-    let is_told = |note: &String| note.contains("not read of") && note.contains(": camera, fps");
+    let is_told = |note: &str| note.contains("not read of") && note.contains(": camera, fps");
     assert_eq!(compared.notes.iter().filter(|n| is_told(n)).count(), 1);
     assert_eq!(compared.uncompared.only_candidate, ["mask"]);
     // What is named like channels of ours has to be like them.
@@ -278,7 +278,7 @@ fn a_number_that_stands_where_nothing_is_met_is_named() {
             .notes
     };
     for nothing in [99, -2] {
-        let words = format!("--no-hit {nothing} says so");
+        let words = format!("`set_no_hit` {nothing} says so");
         assert!(
             notes(nothing).iter().any(|n| n.contains(&words)),
             "{:?}",

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
+use nullray::error::Message;
 use nullray::validate::compare::{
     Breach, CompareOptions, Comparison, Errors, Picture, Region, Tolerance, compare,
 };
@@ -262,7 +263,10 @@ fn limits_on_what_could_not_be_computed_are_exceeded_and_say_why() {
         ("time.bias=1e9", "no pixel shows the same object"),
         ("w.max=1e9", "needs the channel wavelength_ratio"),
         ("rmse=1e9", "needs the light"),
-        ("time_bins.p99=1", "--bin-width"),
+        (
+            "time_bins.p99=1",
+            "a width of the bins (`bin_width`) and the channel event.ct in both",
+        ),
         ("wrong_objects=15", "wrong_objects is 16"),
         ("coverage=0.01", "coverage is 0, and may be at least 0.01"),
         ("geometric.count=1", "geometric.count is 0"),
@@ -330,8 +334,9 @@ fn a_grey_picture_is_compared_with_one_in_colours() {
         for [reference, candidate] in [[&grey, &colours(0.0)], [&colours(0.0), &grey]] {
             let compared = compare(reference, candidate, &options).unwrap();
             assert_eq!(compared.radiance.unwrap().mae, 0.0);
-            let said =
-                |note: &String| note.contains("grey is grey: its one channel is compared with red");
+            let said = |note: &Message| {
+                note.contains("grey is grey: its one channel is compared with red")
+            };
             assert!(compared.notes.iter().any(said), "{:?}", compared.notes);
         }
         let compared = compare(&grey, &colours(3.0), &options).unwrap();

@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 use nullray::io::image::{Samples, exr, npz, png};
 use nullray::validate::compare::{Encoding, Picture};
 
-use crate::compare::pictures::light;
+use crate::compare::pictures::{layers, light};
 
 /// A folder with `exact.*`, and `mine.*`, which is a candidate.
 fn folder() -> tempfile::TempDir {
@@ -315,4 +315,27 @@ fn a_limit_of_flip_without_flip_says_why_it_is_not_met() {
     let output = run(folder.path(), &pair);
     assert_eq!(code(&output), 1);
     assert!(message(&output).contains("FLIP was not computed (--no-flip)"));
+}
+
+#[test]
+fn notes_name_options_in_tables_in_json_and_on_pages() {
+    let folder = tempfile::tempdir().unwrap();
+    // A surface in the lower half, and −1 or 99 above it.
+    for (name, nothing) in [("a.npz", -1.0), ("b.npz", 99.0)] {
+        let objects = (0..72).map(|i| if i < 36 { nothing } else { 0.0 });
+        let channels = [("object", objects.collect()), ("value", vec![1.0; 72])];
+        let layers = layers(8, 9, &channels);
+        npz::write(&folder.path().join(name), &layers).unwrap();
+    }
+    let said = "99 stands in b.npz where nothing is met: --no-hit 99 says so";
+    for more in [&["--json"][..], &["--report", "page.html"]] {
+        let output = run(folder.path(), &[&["a.npz", "b.npz"], more].concat());
+        assert!(
+            text(&output.stdout).contains(said),
+            "{}",
+            text(&output.stdout)
+        );
+    }
+    let page = fs::read_to_string(folder.path().join("page.html")).unwrap();
+    assert!(page.contains(said), "{page}");
 }

@@ -121,7 +121,7 @@ pub(super) fn other_shot(case: &Case) -> Option<Diagnosis> {
         what: format!(
             "the pictures are of different shots, by their metadata: {}; nothing is said of what follows from it",
             words.join("; ")
-        ),
+        ).into(),
         evidence: found.iter().map(|(key, apart)| (*key, *apart)).collect(),
     })
 }
@@ -218,7 +218,7 @@ fn describe(known: &KnownScene, number: Number, x: f64, tally: &Tally) -> Diagno
     };
     Diagnosis {
         kind,
-        what,
+        what: what.into(),
         evidence: vec![
             size,
             ("points are displaced by (pixels, rms)", tally.error()),

@@ -90,7 +90,7 @@ fn renamed(case: &Case, name: &'static str, [r, c]: [Option<Plane>; 2]) -> Optio
         };
         return Some(Diagnosis {
             kind: Kind::IdentitiesOneBased,
-            what: format!("indices of {name} count from 1 and should from 0{at}"),
+            what: format!("indices of {name} count from 1 and should from 0{at}").into(),
             evidence: vec![("part of the pixels with surfaces", one_based)],
         });
     }
@@ -100,7 +100,8 @@ fn renamed(case: &Case, name: &'static str, [r, c]: [Option<Plane>; 2]) -> Optio
         what: format!(
             "indices of {name} are exchanged: {}",
             words.collect::<Vec<_>>().join(", ")
-        ),
+        )
+        .into(),
         evidence: vec![("part of the pixels with surfaces", exchanged)],
     })
 }
@@ -252,7 +253,7 @@ fn axes(pixels: &[usize], name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) ->
     };
     Some(Diagnosis {
         kind,
-        what,
+        what: what.into(),
         evidence: vec![
             ("vectors differ from the reference by (rms)", tally.error()),
             ("and from the hypothesis by (rms)", tally.rest()),
@@ -345,7 +346,7 @@ fn describe_scale(name: &'static str, factor: f64, tally: &Tally) -> Option<Diag
     ];
     Some(Diagnosis {
         kind: Kind::Units,
-        what,
+        what: what.into(),
         evidence,
     })
 }
@@ -380,7 +381,7 @@ pub(super) fn texture(case: &Case) -> Option<Diagnosis> {
         }));
         tally.explains(0.05).then(|| Diagnosis {
             kind: Kind::TextureFlipped,
-            what: format!("texture coordinate {words}"),
+            what: format!("texture coordinate {words}").into(),
             evidence: vec![
                 ("texture coordinates differ by (rms)", tally.error()),
                 ("and from the hypothesis by (rms)", tally.rest()),
@@ -426,7 +427,7 @@ fn describe_inverted(objects: &str, tally: &Tally) -> Diagnosis {
         kind: Kind::RatioInverted,
         what: format!(
             "wavelength ratios are inverted{objects}: W is observed / emitted wavelength, below 1 for a blueshift"
-        ),
+        ).into(),
         evidence: vec![
             ("ln W differs by (rms)", tally.error()),
             ("and ln 1/W by", tally.rest()),
@@ -519,7 +520,7 @@ fn describe_factors(case: &Case, factors: &BTreeMap<i64, f64>, tally: &Tally) ->
         .fold(0.0f64, |a, b| if b.abs() > a.abs() { b } else { a });
     Diagnosis {
         kind: Kind::RatioFactor,
-        what,
+        what: what.into(),
         evidence: vec![
             ("factor on W", libm::exp(largest)),
             ("ln W differs by (rms)", tally.error()),

@@ -75,7 +75,7 @@ fn offset(case: &Case) -> Option<Found> {
         let evidence = [("added", added)].into_iter().chain(evidence(&told.tally));
         let diagnosis = Diagnosis {
             kind: Kind::Offset,
-            what,
+            what: what.into(),
             evidence: evidence.collect(),
         };
         (diagnosis, told.left)
@@ -196,7 +196,7 @@ fn toned(case: &Case) -> Option<Found> {
     let (what, sizes, told) = found?;
     let diagnosis = Diagnosis {
         kind: Kind::ToneMapped,
-        what,
+        what: what.into(),
         evidence: sizes.into_iter().chain(evidence(&told.tally)).collect(),
     };
     Some((diagnosis, told.left))

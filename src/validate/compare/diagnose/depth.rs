@@ -96,7 +96,7 @@ fn describe(what: String, tally: &Tally, sizes: Vec<(&'static str, f64)>) -> Dia
     ]);
     Diagnosis {
         kind: Kind::DepthForDistance,
-        what,
+        what: what.into(),
         evidence,
     }
 }

@@ -137,7 +137,7 @@ fn off_surface(
         what: format!(
             "object {object} is elsewhere: by their events, {:.0} % of its points are not on the surface that the reference shows",
             100.0 * part
-        ),
+        ).into(),
         evidence: vec![(PART_OFF, part)],
     })
 }
@@ -167,7 +167,7 @@ fn other_velocity(
     evidence.push(("beta", velocity.beta().length()));
     Diagnosis {
         kind,
-        what,
+        what: what.into(),
         evidence,
     }
 }

@@ -78,7 +78,7 @@ impl Turn {
         ];
         Diagnosis {
             kind,
-            what,
+            what: what.into(),
             evidence,
         }
     }
@@ -371,7 +371,8 @@ pub(super) fn describe(
             kind: Kind::FilmShifted,
             what: format!(
                 "the picture is moved {words}({x:+.2}, {y:+.2}) pixels to the right and down{about}"
-            ),
+            )
+            .into(),
             evidence,
         };
     }
@@ -398,7 +399,7 @@ pub(super) fn describe(
             what: format!(
                 "the aspect ratio differs: tan(fov/2) is {:.4} times the reference's across and {:.4} times down",
                 k.x, k.y
-            ),
+            ).into(),
             evidence,
         };
     }
@@ -424,7 +425,7 @@ pub(super) fn describe(
             0.5 * (k.x + k.y),
             2.0 / (k.x + k.y),
             fov.unwrap_or_default()
-        ),
+        ).into(),
         evidence,
     }
 }

@@ -49,7 +49,7 @@ pub(super) fn best(
     })?;
     Some(Diagnosis {
         kind: Kind::FrameWrong,
-        what: format!("{name} is in {words}, and should be in {right}"),
+        what: format!("{name} is in {words}, and should be in {right}").into(),
         evidence: vec![
             ("vectors differ from the reference by (rms)", tally.error()),
             ("and from the hypothesis by (rms)", tally.rest()),
@@ -101,7 +101,7 @@ pub(super) fn signs(case: &Case) -> Vec<Diagnosis> {
         let tally = Tally::of(pairs.map(|(r, c)| [(c - r).abs(), (c + r).abs()]));
         tally.explains(1e-6).then(|| Diagnosis {
             kind: Kind::SignOpposite,
-            what: format!("{} has the opposite sign", aov.name()),
+            what: format!("{} has the opposite sign", aov.name()).into(),
             evidence: vec![
                 ("differs from the reference by (m, rms)", tally.error()),
                 ("and from the hypothesis by (m, rms)", tally.rest()),
@@ -144,7 +144,8 @@ pub(super) fn beginnings(case: &Case) -> Option<Diagnosis> {
         what: format!(
             "indices of triangles begin {}, and should at 0 in each object",
             words.join(", ")
-        ),
+        )
+        .into(),
         evidence: vec![(
             "pixels",
             found.iter().map(|(.., count)| *count as f64).sum(),
@@ -161,7 +162,7 @@ fn only_index(case: &Case, [r, c]: [&Plane; 2]) -> Option<Diagnosis> {
     let is_notable = wrong >= FEWEST && wrong as f64 >= (1.0 - MOST) * pixels.len() as f64;
     (is_only && is_notable).then(|| Diagnosis {
         kind: Kind::IdentitiesShifted,
-        what: format!("indices of triangles are {first} everywhere"),
+        what: format!("indices of triangles are {first} everywhere").into(),
         evidence: vec![("pixels with another triangle", wrong as f64)],
     })
 }
@@ -193,7 +194,7 @@ pub(super) fn weights(case: &Case) -> Option<Diagnosis> {
             what: format!(
                 "barycentric u and v are the weights of the {} and the {} corner, and should be those of the second and the third",
                 words[order[0]], words[order[1]]
-            ),
+            ).into(),
             evidence: vec![
                 ("weights differ by (rms)", tally.error()),
                 ("and from the hypothesis by (rms)", tally.rest()),

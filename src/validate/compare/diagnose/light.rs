@@ -218,6 +218,7 @@ fn black(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         );
         let evidence = vec![("part of the reference's light", part)];
         let kind = Kind::Exposure;
+        let what = what.into();
         // The scene may say why.
         Some((Diagnosis { kind, what, evidence }, LEFT_BY_BLACK))
     })
@@ -246,6 +247,7 @@ fn codes(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         );
         let evidence = vec![("largest code", largest)];
         let kind = Kind::Gamma;
+        let what = what.into();
         (Diagnosis { kind, what, evidence }, 0.0)
     })
 }
@@ -304,7 +306,8 @@ fn best_order(
                 "colours are exchanged: the channels R, G, B hold {name}{}",
                 beside(factor)
             ),
-        },
+        }
+        .into(),
         evidence: evidence(&told.tally),
     };
     Some((diagnosis, told.left))
@@ -366,7 +369,8 @@ fn encoded_and_scaled(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         what: format!(
             "light is encoded for a display (gamma) and should be linear{}",
             beside(factor)
-        ),
+        )
+        .into(),
         evidence: evidence(&told.tally),
     };
     Some((diagnosis, told.left))
@@ -383,7 +387,8 @@ fn exposure(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
                 "light is {} times what it should be, everywhere alike ({:+.2} stops)",
                 in_words(factor),
                 libm::log2(factor)
-            ),
+            )
+            .into(),
             evidence: [("factor", factor)]
                 .into_iter()
                 .chain(evidence(&told.tally))
@@ -458,7 +463,7 @@ fn describe_exponent(slope: f64, factor: f64, explained: f64, count: usize) -> D
         kind: Kind::ExponentWrong,
         what: format!(
             "the exponent of W in the radiance factor is off by {amount}: candidate / reference = W^({amount}){beside}"
-        ),
+        ).into(),
         evidence: vec![
             ("slope of ln(candidate / reference) over ln W", slope),
             ("factor at W = 1", factor),

@@ -74,6 +74,7 @@ use super::known::KnownScene;
 use super::options::Region;
 use super::picture::Picture;
 use super::points::Points;
+use crate::error::Message;
 use crate::scene::model::Scene;
 
 /// What explains light up to this part of its squared error, noise of a hundredth beside a third of it, leaves nothing to ask the scene for.
@@ -90,7 +91,7 @@ pub struct Diagnosis {
     /// Which hypothesis.
     pub kind: Kind,
     /// What is wrong, as a sentence.
-    pub what: String,
+    pub what: Message,
     /// Names and values of the evidence.
     pub evidence: Vec<(&'static str, f64)>,
 }

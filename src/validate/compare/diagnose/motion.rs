@@ -29,6 +29,7 @@ use super::super::picture::{Picture, Plane};
 use super::super::points::place;
 use super::super::surface::FEWEST_OF_OBJECT;
 use super::{Case, Diagnosis, Kind, NEAR, Tally, median};
+use crate::error::{Message, Setting};
 use crate::render::aov::Aov;
 use crate::spacetime::{Boost, CameraFrame, Direction, Velocity, World};
 
@@ -239,7 +240,7 @@ fn another_camera(
     let (which, tally) = explaining.min_by(|a, b| a.1.rest().total_cmp(&b.1.rest()))?;
     Some(Diagnosis {
         kind: Kind::RatioOfCamera,
-        what: format!("wavelength ratios are those of a camera {which}"),
+        what: format!("wavelength ratios are those of a camera {which}").into(),
         evidence: vec![
             ("ln W differs by (rms)", tally.error()),
             ("and from the hypothesis by", tally.rest()),
@@ -289,7 +290,8 @@ impl Moved {
             what: format!(
                 "the velocities of objects {} and {} are swapped",
                 self.object, other.object
-            ),
+            )
+            .into(),
             evidence: vec![
                 ("W differs by (relative, rms)", self.error.max(other.error)),
                 ("with swapped velocities by", rest[0].max(rest[1])),
@@ -320,7 +322,8 @@ impl Moved {
                     text(c),
                     text(r)
                 ),
-            },
+            }
+            .into(),
             evidence: vec![
                 ("W differs by (relative, rms)", self.error),
                 (
@@ -573,13 +576,17 @@ pub(super) fn describe_aberration_by_light(
     };
     let moves = |known: &KnownScene| known.velocities().any(|v| !v.is_rest());
     let may_be_instant = case.scene.is_none() && case.known.is_some_and(moves);
-    let (or, tells) = match may_be_instant {
-        true => (", or retardation is missing", "; --scene tells which"),
-        false => ("", ""),
+    let or = match may_be_instant {
+        true => ", or retardation is missing",
+        false => "",
     };
+    let mut what = Message::from(format!("{wrong}{or}: the light is {place}"));
+    if may_be_instant {
+        what += Message::from("; ") + Setting::Scene + " tells which";
+    }
     Diagnosis {
         kind,
-        what: format!("{wrong}{or}: the light is {place}{tells}"),
+        what,
         evidence,
     }
 }
@@ -626,7 +633,7 @@ fn describe_change(known: &KnownScene, change: Change, tally: &Tally) -> Diagnos
     };
     Diagnosis {
         kind,
-        what,
+        what: what.into(),
         evidence: vec![
             ("points are displaced by (pixels, rms)", tally.error()),
             ("and from the hypothesis by (pixels, rms)", tally.rest()),

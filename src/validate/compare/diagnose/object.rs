@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use super::super::options::Region;
 use super::super::picture::{Plane, is_auxiliary};
 use super::{Case, Diagnosis, FEWEST, Kind, MOST, channels, light, time};
+use crate::error::Message;
 
 /// No more objects are asked, the largest first.
 const MOST_OBJECTS: usize = 32;
@@ -57,7 +58,7 @@ fn of_each(case: &Case, of: impl Fn(&Case) -> Vec<Diagnosis>) -> Vec<Diagnosis> 
             ..*case
         };
         of(&case).into_iter().map(move |found| Diagnosis {
-            what: format!("in object {object} alone, {}", found.what),
+            what: Message::from(format!("in object {object} alone, ")) + found.what,
             ..found
         })
     });
@@ -103,7 +104,7 @@ fn not_numbers(case: &Case) -> Option<Diagnosis> {
     let names: Vec<&str> = names.filter(lost).collect();
     (!names.is_empty()).then(|| Diagnosis {
         kind: Kind::NotANumber,
-        what: format!("there are no numbers in {}", names.join(", ")),
+        what: format!("there are no numbers in {}", names.join(", ")).into(),
         evidence: vec![("pixels", pixels.len() as f64)],
     })
 }

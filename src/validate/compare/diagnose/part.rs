@@ -62,15 +62,17 @@ pub(super) fn misplaced(case: &Case) -> Vec<Diagnosis> {
     if found.len() == count {
         return Vec::new();
     }
-    let describe = |(object, pixels, off): (usize, usize, f64)| Diagnosis {
+    let describe = |(object, pixels, off): (usize, usize, f64)| {
+        Diagnosis {
         kind: Kind::ObjectElsewhere,
         what: format!(
             "object {object} is elsewhere, or moves otherwise: half of its points are shown {off:.1} pixels or more from where they are seen"
-        ),
+        ).into(),
         evidence: vec![
             ("median displacement (pixels)", off),
             ("pixels", pixels as f64),
         ],
+    }
     };
     found.into_iter().map(describe).collect()
 }
@@ -101,7 +103,7 @@ pub(super) fn vanished(case: &Case) -> Vec<(usize, Diagnosis)> {
             kind: Kind::ObjectMissing,
             what: format!(
                 "object {object} is missing: the reference shows it at {pixels} pixels, the candidate nowhere{or}"
-            ),
+            ).into(),
             evidence: vec![("pixels", *pixels as f64)],
         };
         (*object as usize, diagnosis)
@@ -173,7 +175,7 @@ fn describe_part(
     };
     (length > NOTABLE_DISPLACEMENT).then(|| Diagnosis {
         kind,
-        what: format!("{place} is displaced by {length:.2} pixels, ({x:+.2}, {y:+.2}) to the right and down; the rest is where it should be"),
+        what: format!("{place} is displaced by {length:.2} pixels, ({x:+.2}, {y:+.2}) to the right and down; the rest is where it should be").into(),
         evidence: vec![
             ("median displacement (pixels)", length),
             ("share of the displacement", part.square / total),

@@ -29,6 +29,7 @@ use super::super::picture::{Plane, RADIANCE};
 use super::film::{self, Film};
 use super::motion::describe_aberration_by_light;
 use super::{Case, Diagnosis, Kind, MOST, median};
+use crate::error::Setting;
 
 /// What a shift, and a scale, may leave of the squared error: single samples at edges leave up to a half of that of half a pixel.
 const LEFT_BY_SHIFT: f64 = 0.5;
@@ -179,7 +180,9 @@ impl Fit {
                 // Light that spreads in time may look much like another scale, where nothing is known of the scene.
                 let is_scale = matches!(found.kind, Kind::Aspect | Kind::FieldOfView);
                 if is_scale && case.known.is_none() && case.scene.is_none() {
-                    found.what += " (by light alone: where a pulse spreads, another time looks alike; --scene tells)";
+                    found.what +=
+                        " (by light alone: where a pulse spreads, another time looks alike; ";
+                    found.what += Setting::Scene + " tells)";
                 }
                 found
             }

@@ -109,7 +109,7 @@ fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Diagno
     };
     let diagnosis = Diagnosis {
         kind: mistake.kind,
-        what: format!("{}{or}", mistake.what),
+        what: format!("{}{or}", mistake.what).into(),
         evidence: [mistake.size]
             .into_iter()
             .chain(evidence(&told.tally))

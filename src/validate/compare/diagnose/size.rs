@@ -108,7 +108,8 @@ fn of_object(case: &Case, object: usize, [in_r, in_c]: &[Vec<usize>; 2]) -> Opti
         what: format!(
             "object {object} is {k:.4} times as large as it should be ({:+.2} %)",
             100.0 * (k - 1.0)
-        ),
+        )
+        .into(),
         evidence: vec![
             ("factor", k),
             ("its sides are off by (m, rms)", tally.error()),

@@ -47,7 +47,7 @@ fn describe_shift(case: &Case, shift: f64, share: f64) -> Diagnosis {
     evidence.extend(case.bin_width.map(|width| ("shift (bins)", shift / width)));
     Diagnosis {
         kind: Kind::TimeShifted,
-        what: format!("emission times are too {late} {amount}, everywhere alike"),
+        what: format!("emission times are too {late} {amount}, everywhere alike").into(),
         evidence,
     }
 }
@@ -87,7 +87,7 @@ pub(super) fn instant(case: &Case) -> Option<Diagnosis> {
     let same = tally.rest() <= 0.01 * (high - low);
     (varied && same && tally.explains(0.1 * (high - low))).then(|| Diagnosis {
         kind: Kind::RetardationMissing,
-        what: format!("retardation is missing: all emission times are {time:.6} m"),
+        what: format!("retardation is missing: all emission times are {time:.6} m").into(),
         evidence: vec![
             ("times differ from the reference by (m, rms)", tally.error()),
             ("and from one another by (m, rms)", tally.rest()),

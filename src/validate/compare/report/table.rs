@@ -65,7 +65,7 @@ pub(super) fn notes(comparison: &Comparison) -> Vec<String> {
     let lacking = sides.iter().filter(|(_, names)| !names.is_empty());
     lacking
         .map(|(who, names)| format!("not compared, as the {who} lacks it: {}", names.join(", ")))
-        .chain(comparison.notes.iter().cloned())
+        .chain(comparison.notes.iter().map(|note| note.to_string()))
         .collect()
 }
 

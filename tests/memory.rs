@@ -13,7 +13,7 @@ use std::sync::Mutex;
 use nullray::approximate::raster::{self, Method};
 use nullray::io::image::{Channel, Layers, Samples};
 use nullray::render::aov::Aov;
-use nullray::render::bake::{self, Bins, Coordinates, Surface};
+use nullray::render::bake::{self, Bins, Coordinates, CubePrecision, Surface};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::{Prepared, SurfaceLight};
 use nullray::render::progress::Silent;
@@ -207,7 +207,15 @@ fn charts_that_all_cover_the_same_texels_are_refused_before_they_are_listed_by_t
     };
     let mut baked = Ok(());
     let peak = counting::peak_of(|| {
-        let cube = bake::surface_cube(&scene, &prepared, &surface, &bins, None, &Silent);
+        let cube = bake::surface_cube(
+            &scene,
+            &prepared,
+            &surface,
+            &bins,
+            CubePrecision::Single,
+            None,
+            &Silent,
+        );
         baked = cube.map(drop);
     });
     assert!(baked.unwrap_err().to_string().contains("charts overlap"));
@@ -232,18 +240,18 @@ fn a_bake_takes_what_it_says_and_in_half_precision_little_more_than_half_of_it()
         width: 0.02,
         count: 400,
     };
-    let bakes = [bake::surface_cube, bake::surface_cube_in_half];
-    let [whole, half] = [false, true].map(|half| {
+    let [whole, half] = [CubePrecision::Single, CubePrecision::Half].map(|precision| {
         // Of both sides: the backs of a plane are seen.
         let sides = [size[0], 2 * size[1]];
-        let said = bake::bytes(sides, &bins, half, rayon::current_num_threads());
+        let said = bake::bytes(sides, &bins, precision, rayon::current_num_threads());
         let mut baked = None;
         let peak = counting::peak_of(|| {
-            let bake = bakes[usize::from(half)];
-            baked = Some(bake(&scene, &prepared, &surface, &bins, None, &Silent).unwrap());
+            let cube =
+                bake::surface_cube(&scene, &prepared, &surface, &bins, precision, None, &Silent);
+            baked = Some(cube.unwrap());
         });
         assert!(!baked.unwrap().is_dark());
-        assert!((peak as u64) < said, "{half}: {peak} of {said}");
+        assert!((peak as u64) < said, "{precision:?}: {peak} of {said}");
         peak
     });
     assert!(half * 10 < whole * 7, "{half} {whole}");

@@ -17,7 +17,7 @@ use nullray::io::gltf::{self, Want};
 use nullray::io::image::{Layers, RgbImage, Texture, exr, hdr, png};
 use nullray::io::{colmap, npy, spectrum};
 use nullray::render::aov::{self, Aov};
-use nullray::render::bake::{self, Bins, Coordinates, Surface};
+use nullray::render::bake::{self, Bins, Coordinates, CubePrecision, Surface};
 use nullray::render::film::Film;
 use nullray::render::metadata::metadata;
 use nullray::render::plan::{Plan, Request};
@@ -399,7 +399,14 @@ fn pictures_of(scene: &Scene, hash: u64) -> nullray::Result<()> {
             width: 0.5,
             count: 8,
         };
-        let _ = bake::camera_cube(scene, &prepared, &bins, None, &Silent);
+        let _ = bake::camera_cube(
+            scene,
+            &prepared,
+            &bins,
+            CubePrecision::Single,
+            None,
+            &Silent,
+        );
         let surface = Surface {
             object: 0,
             coordinates: match one_in(2, 32) {
@@ -408,7 +415,15 @@ fn pictures_of(scene: &Scene, hash: u64) -> nullray::Result<()> {
             },
             size: [24, 24],
         };
-        let _ = bake::surface_cube(scene, &prepared, &surface, &bins, None, &Silent);
+        let _ = bake::surface_cube(
+            scene,
+            &prepared,
+            &surface,
+            &bins,
+            CubePrecision::Single,
+            None,
+            &Silent,
+        );
     }
     drop(prepared);
     let method = METHODS[(hash >> 36) as usize % METHODS.len()];

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use nullray::io::image::npz::{self, CubeOptions};
 use nullray::mesh::Factors;
 use nullray::render::aov::Aov;
-use nullray::render::bake::{self, Baked, Bins, Coordinates, Surface};
+use nullray::render::bake::{self, Baked, Bins, Coordinates, CubePrecision, Surface};
 use nullray::render::journal::Journal;
 use nullray::render::metadata;
 use nullray::render::plan::{Lit, Plan, Request, lit_by};
@@ -54,7 +54,11 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
         .threads
         .count
         .map_or_else(rayon::current_num_threads, usize::from);
-    let bytes = |job| bake::bytes(size(job), &bins, arguments.half, threads);
+    let precision = match arguments.half {
+        true => CubePrecision::Half,
+        false => CubePrecision::Single,
+    };
+    let bytes = |job| bake::bytes(size(job), &bins, precision, threads);
     let pixels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
     let largest = jobs.iter().map(bytes).max();
     let request = Request {
@@ -81,13 +85,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
     };
     if arguments.plan {
         check(&Prepared::new(&scene, &plan, &Silent)?)?;
-        return print(&planned(
-            (&scene, &plan),
-            &jobs,
-            &size,
-            &bins,
-            arguments.half,
-        ));
+        return print(&planned((&scene, &plan), &jobs, &size, &bins, precision));
     }
     // A journal is gone on with only where all that it depends on is the same.
     let inputs = Inputs::read(read.get(1..).unwrap_or_default());
@@ -119,17 +117,11 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
                 warn(quiet, &[text])?;
             }
             let (kept, bar) = (Some(&journal), &Kept(&bar));
-            let of_camera = match arguments.half {
-                true => bake::camera_cube_in_half,
-                false => bake::camera_cube,
-            };
-            let of_surface = match arguments.half {
-                true => bake::surface_cube_in_half,
-                false => bake::surface_cube,
-            };
             let baked = match &job.surface {
-                None => of_camera(&scene, &prepared, &bins, kept, bar),
-                Some(surface) => of_surface(&scene, &prepared, surface, &bins, kept, bar),
+                None => bake::camera_cube(&scene, &prepared, &bins, precision, kept, bar),
+                Some(surface) => {
+                    bake::surface_cube(&scene, &prepared, surface, &bins, precision, kept, bar)
+                }
             };
             // Parts of what is refused are of no use, but for what does not fit half precision.
             let baked = match baked {
@@ -348,7 +340,7 @@ fn planned(
     jobs: &[Job],
     size: &impl Fn(&Job) -> [u32; 2],
     bins: &Bins,
-    half: bool,
+    precision: CubePrecision,
 ) -> String {
     // Of surfaces there is no camera, and no film.
     let mut text = match jobs.iter().any(|job| job.surface.is_none()) {
@@ -363,7 +355,7 @@ fn planned(
             false => (h, ""),
         };
         let samples = u64::from(w) * u64::from(h) * bins.count as u64 * 3;
-        let bytes = samples * if half { 2 } else { 4 };
+        let bytes = samples * precision.bytes();
         text += &format!(
             "{}: {rows} rows × {w} columns × {} bins{backs}, {:.1} MB, and as much again for its parts while it is being made\n",
             job.path.display(),

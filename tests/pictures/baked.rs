@@ -8,7 +8,7 @@ use nullray::io::cube::{self, Cube, CubeSamples, Wanted};
 use nullray::io::image::npz;
 use nullray::mesh::{Shape, shapes};
 use nullray::render::aov::Aov;
-use nullray::render::bake::{self, Baked, Bins, Coordinates, Surface};
+use nullray::render::bake::{self, Baked, Bins, Coordinates, CubePrecision, Surface};
 use nullray::render::film::Film;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
@@ -47,7 +47,14 @@ fn prepared(scene: &Scene) -> Prepared {
 }
 
 fn camera_cube(scene: &Scene, bins: &Bins) -> Result<Baked> {
-    bake::camera_cube(scene, &prepared(scene), bins, None, &Silent)
+    bake::camera_cube(
+        scene,
+        &prepared(scene),
+        bins,
+        CubePrecision::Single,
+        None,
+        &Silent,
+    )
 }
 
 fn surface_cube(scene: &Scene, object: usize, size: [u32; 2], bins: &Bins) -> Result<Baked> {
@@ -56,7 +63,15 @@ fn surface_cube(scene: &Scene, object: usize, size: [u32; 2], bins: &Bins) -> Re
         coordinates: Coordinates::Set(0),
         size,
     };
-    bake::surface_cube(scene, &prepared(scene), &surface, bins, None, &Silent)
+    bake::surface_cube(
+        scene,
+        &prepared(scene),
+        &surface,
+        bins,
+        CubePrecision::Single,
+        None,
+        &Silent,
+    )
 }
 
 /// A reference cube of one channel: shape and values.
@@ -415,7 +430,15 @@ colour = [0.8, 0.8, 0.8]
             coordinates: Coordinates::Atlas,
             size: [128, 128],
         };
-        let baked = bake::surface_cube(&scene, &prepared(&scene), &surface, &bins, None, &Silent);
+        let baked = bake::surface_cube(
+            &scene,
+            &prepared(&scene),
+            &surface,
+            &bins,
+            CubePrecision::Single,
+            None,
+            &Silent,
+        );
         let baked = baked.unwrap();
         let corners = baked.texture_coordinates.unwrap();
         let corners: Vec<f64> = corners
@@ -486,7 +509,16 @@ fn the_scenes_of_baked_light_show_what_paths_show() {
                 },
                 size: [128, 128],
             };
-            let baked = bake::surface_cube(&lit, &all, &surface, &bins, None, &Silent).unwrap();
+            let baked = bake::surface_cube(
+                &lit,
+                &all,
+                &surface,
+                &bins,
+                CubePrecision::Single,
+                None,
+                &Silent,
+            )
+            .unwrap();
             let corners = baked.texture_coordinates.iter().flatten();
             let corners: Vec<f64> = corners.flatten().flatten().map(|x| f64::from(*x)).collect();
             let file = folder.path().join(format!("light/{name}-{}.npz", of.name));
@@ -633,8 +665,23 @@ fn a_bake_that_is_taken_up_again_has_the_bits_of_one_that_was_not_stopped() {
     };
     for camera in [true, false] {
         let bake = |journal: Option<&Journal>, progress: &dyn Progress| match camera {
-            true => bake::camera_cube(&scene, &prepared, &bins, journal, progress),
-            false => bake::surface_cube(&scene, &prepared, &surface, &bins, journal, progress),
+            true => bake::camera_cube(
+                &scene,
+                &prepared,
+                &bins,
+                CubePrecision::Single,
+                journal,
+                progress,
+            ),
+            false => bake::surface_cube(
+                &scene,
+                &prepared,
+                &surface,
+                &bins,
+                CubePrecision::Single,
+                journal,
+                progress,
+            ),
         };
         let whole = bake(None, &Silent).unwrap();
         let mut found = Vec::new();
@@ -774,8 +821,16 @@ fn the_back_of_a_sphere_has_the_light_of_a_flash_within() {
         coordinates: Coordinates::Atlas,
         size: [96, 96],
     };
-    let baked =
-        bake::surface_cube(&scene, &prepared(&scene), &surface, &bins, None, &Silent).unwrap();
+    let baked = bake::surface_cube(
+        &scene,
+        &prepared(&scene),
+        &surface,
+        &bins,
+        CubePrecision::Single,
+        None,
+        &Silent,
+    )
+    .unwrap();
     assert_eq!(baked.backs, CubeBacks::SecondHalf);
     assert_eq!(baked.cube.shape[..3], [192, 96, 1]);
     // I/r² of irradiance for the duration √(2π) σ of the flash, and albedo/π of it.

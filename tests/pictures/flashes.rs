@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use nullray::io::cube::Cube;
-use nullray::render::bake::{self, Bins};
+use nullray::render::bake::{self, Bins, CubePrecision};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
@@ -209,9 +209,16 @@ fn a_bake_of_a_flash_has_the_light_and_the_times_of_pictures() {
         count: 60,
     };
     let baked = scene(&corner(bounces, 0.0, samples, &flash(sigma)));
-    let cube = bake::camera_cube(&baked, &prepared(&baked, false), &bins, None, &Silent)
-        .unwrap()
-        .cube;
+    let cube = bake::camera_cube(
+        &baked,
+        &prepared(&baked, false),
+        &bins,
+        CubePrecision::Single,
+        None,
+        &Silent,
+    )
+    .unwrap()
+    .cube;
     let pixels = 8 * 6;
     let green = |cube: &Cube, pixel: usize, bin: usize| {
         cube.samples
@@ -278,7 +285,15 @@ fn a_bake_of_a_shining_wall_has_its_light_when_that_arrives() {
         width: 0.2,
         count: 12,
     };
-    let baked = bake::camera_cube(&seen, &prepared(&seen, false), &bins, None, &Silent).unwrap();
+    let baked = bake::camera_cube(
+        &seen,
+        &prepared(&seen, false),
+        &bins,
+        CubePrecision::Single,
+        None,
+        &Silent,
+    )
+    .unwrap();
     let half = (20.0_f64.to_radians()).tan();
     let until = |x: f64| sigma * (TAU / 4.0).sqrt() * libm::erf(x / (sigma * 2.0_f64.sqrt()));
     for n in 0..24 {
@@ -409,8 +424,15 @@ fn what_does_not_end_or_goes_through_a_medium_is_refused() {
         "emission = { train = { sigma = \"1 cm\", period = \"1 m\" } }",
     ] {
         let steady = scene(&corner(0, 0.0, 1, emission));
-        let error = bake::camera_cube(&steady, &prepared(&steady, false), &bins, None, &Silent)
-            .unwrap_err();
+        let error = bake::camera_cube(
+            &steady,
+            &prepared(&steady, false),
+            &bins,
+            CubePrecision::Single,
+            None,
+            &Silent,
+        )
+        .unwrap_err();
         assert!(error.to_string().contains("for ever"), "{error}");
     }
     let text = wall(0.5, 0.0, "medium.index = 1.5", RAMP);

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::histogram::Histogram;
 use super::part::{Part, Summary, kept};
 use super::stored::Stored;
-use super::{Baked, Bins, PARTS, baked, check, paths};
+use super::{Baked, Bins, CubePrecision, PARTS, baked, check, paths};
 use crate::accel::{NoTally, Origins};
 use crate::error::{Error, Result};
 use crate::render::film::Tile;
@@ -24,29 +24,20 @@ use crate::spacetime::Direction;
 /// The cube of the scene's camera, which rests relative to all objects; tiles are kept in `journal`, where there is one.
 ///
 /// # Errors
-/// What [`check`] refuses, bins without width or number, a camera that moves relative to the objects, I/O errors of the journal, and [`Error::Cancelled`] when `progress` says so.
+/// What [`check`] refuses, bins without width or number, energies beyond 65504 in half precision, a camera that moves relative to the objects, I/O errors of the journal, and [`Error::Cancelled`] when `progress` says so.
 pub fn camera_cube(
     scene: &Scene,
     prepared: &Prepared,
     bins: &Bins,
+    precision: CubePrecision,
     journal: Option<&Journal>,
     progress: &dyn Progress,
 ) -> Result<Baked> {
-    cube::<f32>(scene, prepared, bins, journal, progress)
-}
-
-/// [`camera_cube`] in half precision, which takes half of the memory. The parts in a journal are the same.
-///
-/// # Errors
-/// As there, and energies beyond 65504.
-pub fn camera_cube_in_half(
-    scene: &Scene,
-    prepared: &Prepared,
-    bins: &Bins,
-    journal: Option<&Journal>,
-    progress: &dyn Progress,
-) -> Result<Baked> {
-    cube::<u16>(scene, prepared, bins, journal, progress)
+    let cube = match precision {
+        CubePrecision::Single => cube::<f32>,
+        CubePrecision::Half => cube::<u16>,
+    };
+    cube(scene, prepared, bins, journal, progress)
 }
 
 fn cube<T: Stored>(

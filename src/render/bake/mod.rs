@@ -29,8 +29,8 @@ mod part;
 mod stored;
 mod surface;
 
-pub use camera::{camera_cube, camera_cube_in_half, eye};
-pub use surface::{Coordinates, Surface, check_surface, surface_cube, surface_cube_in_half};
+pub use camera::{camera_cube, eye};
+pub use surface::{Coordinates, Surface, check_surface, surface_cube};
 
 use self::part::Summary;
 use self::stored::Stored;
@@ -54,6 +54,25 @@ pub struct Bins {
     pub width: f64,
     /// How many, at least 1.
     pub count: usize,
+}
+
+/// What the numbers of a cube are kept in. Parts in a journal are the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CubePrecision {
+    /// f32.
+    Single,
+    /// f16, which takes half of the memory.
+    Half,
+}
+
+impl CubePrecision {
+    /// Bytes of a number.
+    pub fn bytes(self) -> u64 {
+        match self {
+            CubePrecision::Single => 4,
+            CubePrecision::Half => 2,
+        }
+    }
 }
 
 impl Bins {
@@ -145,15 +164,15 @@ impl Baked {
 /// Parts of the samples of a texel: few, as samples of one part are spread more evenly, and the error is a mean over many texels.
 const PARTS: u32 = 2;
 
-/// Bytes of a cube of `size` (columns and rows, of both sides of a surface) and `bins`, in half precision or not, and of what is summed at a time
+/// Bytes of a cube of `size` (columns and rows, of both sides of a surface) and `bins`, and of what is summed at a time
 /// on this many threads.
-pub fn bytes(size: [u32; 2], bins: &Bins, half: bool, threads: usize) -> u64 {
+pub fn bytes(size: [u32; 2], bins: &Bins, precision: CubePrecision, threads: usize) -> u64 {
     let texels = u64::from(size[0]) * u64::from(size[1]);
     let bins = bins.count as u64;
     // A tile of sums: two of three channels, two for the error, and those of wide pulses in half as many bins or fewer and as many impulses, each f64;
     // and what it becomes.
     let tile = u64::from(TILE * TILE).min(texels) * bins * (8 * 8 + 12 + 36);
-    let each = if half { 6 } else { 12 };
+    let each = 3 * precision.bytes();
     let cube = texels.saturating_mul(bins).saturating_mul(each);
     cube.saturating_add(tile.saturating_mul(threads as u64))
 }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::histogram::Histogram;
 use super::part::{Part, Summary, kept};
 use super::stored::Stored;
-use super::{Baked, Bins, PARTS, baked, check, paths};
+use super::{Baked, Bins, CubePrecision, PARTS, baked, check, paths};
 use crate::accel::{Facing, Hit};
 use crate::error::{Error, Message, Result, Setting};
 use crate::mesh::atlas::{Corners, atlas};
@@ -42,32 +42,22 @@ pub enum Coordinates {
 /// The cube of the surface of an object by its texture coordinates; rows are kept in `journal`, where there is one.
 ///
 /// # Errors
-/// What [`check`] refuses, bins without width or number, no texture coordinates, some outside [0, 1], charts that overlap, a texture too small for an atlas, I/O errors of the journal, and
+/// What [`check`] refuses, bins without width or number, energies beyond 65504 in half precision, no texture coordinates, some outside [0, 1], charts that overlap, a texture too small for an atlas, I/O errors of the journal, and
 /// [`Error::Cancelled`] when `progress` says so.
 pub fn surface_cube(
     scene: &Scene,
     prepared: &Prepared,
     surface: &Surface,
     bins: &Bins,
+    precision: CubePrecision,
     journal: Option<&Journal>,
     progress: &dyn Progress,
 ) -> Result<Baked> {
-    cube::<f32>(scene, prepared, surface, bins, journal, progress)
-}
-
-/// [`surface_cube`] in half precision, which takes half of the memory. The parts in a journal are the same.
-///
-/// # Errors
-/// As there, and energies beyond 65504.
-pub fn surface_cube_in_half(
-    scene: &Scene,
-    prepared: &Prepared,
-    surface: &Surface,
-    bins: &Bins,
-    journal: Option<&Journal>,
-    progress: &dyn Progress,
-) -> Result<Baked> {
-    cube::<u16>(scene, prepared, surface, bins, journal, progress)
+    let cube = match precision {
+        CubePrecision::Single => cube::<f32>,
+        CubePrecision::Half => cube::<u16>,
+    };
+    cube(scene, prepared, surface, bins, journal, progress)
 }
 
 fn cube<T: Stored>(

@@ -1,7 +1,7 @@
 //! Light that goes through glass, against closed forms.
 
 use nullray::render::aov::Aov;
-use nullray::render::bake::{self, Bins};
+use nullray::render::bake::{self, Bins, CubePrecision};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
@@ -125,7 +125,15 @@ fn baked_light_comes_late_through_glass_by_its_index() {
         width: 0.01,
         count: 50,
     };
-    let baked = bake::camera_cube(&scene, &prepared, &bins, None, &Silent).unwrap();
+    let baked = bake::camera_cube(
+        &scene,
+        &prepared,
+        &bins,
+        CubePrecision::Single,
+        None,
+        &Silent,
+    )
+    .unwrap();
     let energy = |bin: usize| (0..32 * 32).map(|p| baked.cube.total(p, bin)).sum::<f64>();
     let all: f64 = (0..50).map(energy).sum();
     // Bins 24 and 25 meet at 3.75 m.

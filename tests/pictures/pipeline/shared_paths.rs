@@ -4,7 +4,7 @@
 //! under way is as bright, and has every point follow its own path.
 
 use nullray::render::aov::Aov;
-use nullray::render::bake::{self, Bins};
+use nullray::render::bake::{self, Bins, CubePrecision};
 use nullray::render::film::Film;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
@@ -211,7 +211,14 @@ fn flashes_that_are_baked_from_shared_paths_add_up_to_steady_light() {
             .map(|seed| {
                 let mut scene = room(0.0, finish, (&flash, &flash), "");
                 scene.seed = seed;
-                let baked = bake::camera_cube(&scene, &prepared(&scene), &bins, None, &Silent);
+                let baked = bake::camera_cube(
+                    &scene,
+                    &prepared(&scene),
+                    &bins,
+                    CubePrecision::Single,
+                    None,
+                    &Silent,
+                );
                 let cube = baked.unwrap().cube;
                 let pixels = cube.shape[0] * cube.shape[1];
                 let all =

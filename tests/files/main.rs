@@ -10,6 +10,7 @@ mod chunks;
 mod colmap;
 mod cubes;
 mod gltf;
+mod gltf_animations;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod image_files;

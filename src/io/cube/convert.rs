@@ -1,13 +1,4 @@
-//! From a cube on disk to another, in bounded memory: parts of it, bins merged, times shifted pixel by pixel.
-//!
-//! A shift by s bins, which need not be whole, moves bin k over [k + s, k + s + 1]. With i = ⌊s⌋ and f = s − i that lies on
-//! two bins, which get (1 − f) and f of its value: out_j = (1 − f) a_(j−i) + f a_(j−i−1). The sum of all bins stays what
-//! it is, and their mean time moves by exactly s, while a step is blurred over one bin more. It is the same for energies
-//! per bin and for densities.
-//!
-//! Unwarping takes from the time of arrival at a camera, t + η r with r the *distance* (along the ray, not the depth),
-//! the way: s = −η r/w for bins of the width w. Warping puts it back. All shifts are made ≥ 0 by a whole number of bins
-//! that all pixels share, by which the start of the data moves.
+//! From a cube on disk to another, in bounded memory: parts of it, bins merged, times shifted pixel by pixel ([`shifts`](super::shifts)).
 
 use std::io::Write;
 use std::ops::Range;
@@ -20,6 +11,7 @@ use super::channels::Channels;
 use super::format::{FileTimes, Wanted};
 #[cfg(feature = "hdf5")]
 use super::hdf5;
+use super::shifts::Shifts;
 use super::store::Store;
 #[cfg(feature = "zarr")]
 use super::zarr;
@@ -159,10 +151,7 @@ struct Work<'a> {
     kept: [Range<usize>; 3],
     merge: usize,
     dtype: Dtype,
-    /// Bins by which all shifts are larger, so that none is below 0.
-    ahead: i64,
-    /// The largest shift, in whole bins, after that.
-    largest: usize,
+    shifts: Shifts<'a>,
     shape: [usize; 4],
     dropped: f64,
     input: Vec<f64>,
@@ -192,12 +181,9 @@ impl<'a> Work<'a> {
             part(&changes.columns, w, "columns")?,
             part(&changes.bins, t, "bins")?,
         ];
-        let (ahead, largest) = match &changes.shift {
-            None => (0, 0),
-            Some(shift) => shifts(from, shift, [h, w], &kept)?,
-        };
+        let shifts = Shifts::new(from, changes.shift.as_deref(), [h, w], &kept)?;
         let merge = changes.merge.max(1);
-        let bins = kept[2].len() + largest;
+        let bins = kept[2].len() + shifts.largest;
         // Shifted data end in the dark, so that bins may be added; others are not cut or added to silently.
         if !bins.is_multiple_of(merge) && changes.shift.is_none() {
             let plural = if bins == 1 { "" } else { "s" };
@@ -222,8 +208,7 @@ impl<'a> Work<'a> {
             to_come: changes,
             kept,
             merge,
-            ahead,
-            largest,
+            shifts,
             dropped: 0.0,
             input: Vec::new(),
         })
@@ -236,7 +221,7 @@ impl<'a> Work<'a> {
         // In bins before merging, which reach back over the largest shift.
         let fine = bins.start * merge..bins.end * merge;
         let count = self.kept[2].len();
-        let begin = fine.start.saturating_sub(self.largest).min(count);
+        let begin = fine.start.saturating_sub(self.shifts.largest).min(count);
         let end = fine.end.min(count);
         let offset = |range: Range<usize>, start: usize| range.start + start..range.end + start;
         self.store.read(
@@ -261,15 +246,9 @@ impl<'a> Work<'a> {
             .chunks(stride)
             .zip(out.chunks_mut(bins.len() * channels));
         for (number, (samples, out)) in pixels.enumerate() {
-            let (row, column) = (rows.start + number / width, number % width);
-            let Some((whole, part)) = shift_of(
-                self.to_come,
-                &self.kept,
-                self.store.shape[1],
-                self.ahead,
-                row,
-                column,
-            ) else {
+            let row = self.kept[0].start + rows.start + number / width;
+            let column = self.kept[1].start + number % width;
+            let Some((whole, part)) = self.shifts.of(row * self.store.shape[1] + column) else {
                 // What belongs to this part of the output only, so that nothing is counted twice.
                 let own = samples
                     .iter()
@@ -293,7 +272,7 @@ impl<'a> Work<'a> {
 
     /// By how many bins of the input bin 0 begins later than that of the input.
     fn later(&self) -> f64 {
-        self.kept[2].start as f64 - self.ahead as f64
+        self.kept[2].start as f64 - self.shifts.ahead as f64
     }
 
     fn array(
@@ -496,7 +475,7 @@ impl<'a> Work<'a> {
                 true => 0,
                 false => layer - 1,
             };
-            let back = if by_time { self.largest } else { 0 };
+            let back = if by_time { self.shifts.largest } else { 0 };
             let decoded = (span + shared + back) as f64 / span as f64;
             if together < count && decoded > MOST_DECODED {
                 self.store = Store::with_places(&self.from, self.wanted)?;
@@ -587,70 +566,6 @@ impl Write for ZarrFolder {
     fn flush(&mut self) -> std::io::Result<()> {
         Ok(())
     }
-}
-
-/// By how many whole bins all shifts are made larger, and the largest in whole bins after that.
-fn shifts(
-    from: &Path,
-    shift: &[f64],
-    [h, w]: [usize; 2],
-    kept: &[Range<usize>; 3],
-) -> Result<(i64, usize)> {
-    /// More bins than any cube has.
-    const MOST: f64 = 1e9;
-    if shift.len() != h * w {
-        let what = format!(
-            "{} distances for a picture of {h} rows and {w} columns",
-            shift.len()
-        );
-        return Err(Error::invalid(
-            from,
-            "",
-            what,
-            "give a distance per pixel of the whole picture",
-        ));
-    }
-    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-    for (row, column) in kept[0]
-        .clone()
-        .flat_map(|row| kept[1].clone().map(move |column| (row, column)))
-    {
-        let shift = shift[row * w + column];
-        if shift.is_finite() {
-            (least, most) = (least.min(shift), most.max(shift));
-        }
-    }
-    if !(least.abs() < MOST && most.abs() < MOST && most - least < MOST) {
-        let what = match least > most {
-            true => "no pixel has a distance".to_string(),
-            false => format!("distances are {least:e} to {most:e} bins of light path"),
-        };
-        return Err(Error::invalid(
-            from,
-            "",
-            what,
-            "check the unit of the distances and of the bins' width",
-        ));
-    }
-    let ahead = -least.floor() as i64;
-    Ok((ahead, (most + ahead as f64).ceil() as usize))
-}
-
-/// By how many whole bins a pixel of the output is later, and by which part of one; none where that is not known.
-fn shift_of(
-    changes: &Changes,
-    kept: &[Range<usize>; 3],
-    width: usize,
-    ahead: i64,
-    row: usize,
-    column: usize,
-) -> Option<(usize, f64)> {
-    let Some(shift) = &changes.shift else {
-        return Some((0, 0.0));
-    };
-    let shift = shift[(row + kept[0].start) * width + column + kept[1].start];
-    let shift = shift.is_finite().then_some(shift + ahead as f64)?;
-    Some((shift as usize, shift - shift.floor()))
 }
 
 fn descriptor(dtype: &Dtype) -> &'static str {

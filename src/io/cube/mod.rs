@@ -28,6 +28,7 @@ mod samples;
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
 mod selection;
 mod sequence;
+mod shifts;
 mod store;
 mod table;
 mod transient_image;

@@ -41,12 +41,14 @@ use glam::DVec3;
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch};
 
 mod cosine;
+mod glass;
 mod gloss;
 
 pub(super) use cosine::by_cosine;
 pub(crate) use cosine::each_by_cosine;
 pub(crate) use gloss::{Coefficients, Glosses};
 
+use glass::{Through, chance_of_mirror};
 use gloss::{alpha, diffuse_and_specular, facing, root, schlick};
 
 /// The reflection of a point of a surface towards the observer.
@@ -67,19 +69,6 @@ pub struct Reflection {
     through: Option<Box<Through>>,
     /// Refractive index on the side of the observer, over that of the medium of the scene.
     near: f64,
-}
-
-/// What goes through a surface.
-#[derive(Debug, Clone, Copy)]
-struct Through {
-    /// t c (1 − m).
-    colour: [f64; 3],
-    /// Index on the other side.
-    far: f64,
-    /// F.
-    reflected: f64,
-    /// Along which light comes that goes through; none where all is reflected.
-    l: Option<DVec3>,
 }
 
 /// A direction in which light is followed on.
@@ -150,26 +139,16 @@ impl Reflection {
     /// The same as smooth glass, of which the part `transmission` of what is not reflected goes through to the index `far`; a film without
     /// thickness where `solid` is false.
     pub fn as_glass(self, transmission: f64, far: f64, solid: bool) -> Self {
-        let ratio = if solid { self.near / far } else { 1.0 };
-        let (mut reflected, cosine) = fresnel(self.facing.min(1.0), far / self.near);
-        if !solid {
-            reflected = 2.0 * reflected / (1.0 + reflected);
-        }
-        let refracted =
-            |cosine: f64| self.normal * (ratio * self.facing - cosine) - self.view * ratio;
-        let l = match solid {
-            true => cosine.map(|cosine| refracted(cosine).normalize_or(-self.normal)),
-            false => Some(-self.view),
-        };
+        let through = Through::new(
+            (self.normal, self.view, self.facing),
+            [self.near, far],
+            solid,
+            self.diffuse.map(|c| c * transmission),
+        );
         Reflection {
             diffuse: self.diffuse.map(|c| c * (1.0 - transmission)),
             is_mirror: true,
-            through: Some(Box::new(Through {
-                colour: self.diffuse.map(|c| c * transmission * ratio * ratio),
-                far: if solid { far } else { self.near },
-                reflected,
-                l,
-            })),
+            through: Some(Box::new(through)),
             ..self
         }
     }
@@ -490,27 +469,6 @@ impl VectorLoop for Values<'_> {
             begin += BLOCK;
         }
     }
-}
-
-/// The chance with which glass of this F is drawn as a mirror: F, but a tenth of all draws for either part, or 2.5 times its own where that is less.
-/// So nothing is drawn for a part that is not there, and bright light in a faint reflection, as the 4 % of an index of 1.5, is found by a tenth.
-#[inline]
-fn chance_of_mirror(reflected: f64) -> f64 {
-    let least = |part: f64| (2.5 * part).min(0.1);
-    reflected.clamp(least(reflected), 1.0 - least(1.0 - reflected))
-}
-
-/// F of light that falls with `cosine` on a body whose index is `ratio` times as high, and the cosine within; none where all is reflected.
-#[inline]
-fn fresnel(cosine: f64, ratio: f64) -> (f64, Option<f64>) {
-    let within = 1.0 - (1.0 - cosine * cosine) / (ratio * ratio);
-    if within <= 0.0 {
-        return (1.0, None);
-    }
-    let within = within.sqrt();
-    let s = (cosine - ratio * within) / (cosine + ratio * within);
-    let p = (ratio * cosine - within) / (ratio * cosine + within);
-    (0.5 * (s * s + p * p), Some(within))
 }
 
 #[inline]

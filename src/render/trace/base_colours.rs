@@ -1,6 +1,8 @@
-//! Colours and finishes of surfaces, by patch and place.
+//! Colours and finishes of surfaces, by patch and place, and how they reflect.
 
 use std::sync::Arc;
+
+use glam::DVec3;
 
 use super::emitted::{Emitted, Response};
 use super::point::EmissionClock;
@@ -9,6 +11,7 @@ use super::run::Run;
 use crate::accel::Hit;
 use crate::io::image::Texture;
 use crate::light::lamp;
+use crate::light::reflection::Reflection;
 use crate::mesh::TextureSampler;
 
 /// What of a point its radiance depends on, beside its wavelength ratio: each kind on all that come before it, too.
@@ -191,6 +194,58 @@ impl BaseColours {
         let [_, roughness, metallic] =
             self.textures[lookup.texture].sample_linear(uv.to_array(), lookup.sampler);
         [gloss.metallic * metallic, gloss.roughness * roughness]
+    }
+
+    /// How a surface of this finish reflects at a hit, towards `view` on the side of `normal`, where the observer is in a medium of the
+    /// index `near`, over that of the scene's medium.
+    pub(super) fn reflection(
+        &self,
+        finish: &Finish,
+        (rest, patch, hit): (&RestFrame, &Patch, &Hit),
+        (normal, view): (DVec3, DVec3),
+        near: f64,
+    ) -> Reflection {
+        let colour = self.colour_at(&self.colours[finish.colour], rest, patch, hit);
+        let Some(gloss) = &finish.gloss else {
+            return Reflection::diffuse(normal, colour).within(near);
+        };
+        let [metallic, roughness] = self.gloss(gloss, rest, patch, hit);
+        let reflection = Reflection::metallic_roughness(normal, view, colour, metallic, roughness);
+        match &finish.glass {
+            // From within, the other side is the scene's medium: bodies of glass do not touch.
+            Some(glass) if glass.solid => {
+                let (near, far) = match hit.front {
+                    true => (near, glass.index),
+                    false => (glass.index, 1.0),
+                };
+                let reflection = reflection.within(near);
+                reflection.as_glass(glass.transmission, far, true)
+            }
+            Some(glass) => {
+                let reflection = reflection.within(near);
+                reflection.as_glass(glass.transmission, glass.index, false)
+            }
+            None if roughness == 0.0 => reflection.as_mirror().within(near),
+            None => reflection.within(near),
+        }
+    }
+
+    /// The diffuse part alone of how it does.
+    pub(super) fn diffuse_part(
+        &self,
+        finish: &Finish,
+        (rest, patch, hit): (&RestFrame, &Patch, &Hit),
+        normal: DVec3,
+    ) -> Reflection {
+        let colour = self.colour_at(&self.colours[finish.colour], rest, patch, hit);
+        let metallic = finish.gloss.as_ref();
+        let metallic = metallic.map_or(0.0, |gloss| self.gloss(gloss, rest, patch, hit)[0]);
+        let transmission = finish
+            .glass
+            .as_ref()
+            .map_or(0.0, |glass| glass.transmission);
+        let part = (1.0 - metallic) * (1.0 - transmission);
+        Reflection::diffuse(normal, colour.map(|c| c * part))
     }
 
     /// What colour `index` emits at the points of `run`.

@@ -76,7 +76,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::base_colours::{BaseColours, Finish};
+use super::base_colours::Finish;
 use super::emitted::{
     Colouring, Drawn, Emission, Emitted, Level, Met, MetPatch, MetSurface, Paths, Response,
 };
@@ -90,7 +90,6 @@ use super::sharing::{AT_ONCE, Sharing};
 use super::sky_light::SkyLight;
 use super::stats::{Meter, Stage};
 use super::time_resolved::{Emitter, TimeResolved};
-use crate::accel::Hit;
 use crate::light::Received;
 use crate::light::lamp::{Incident, Irradiance};
 use crate::light::reflection::{Reflection, Scattered};
@@ -213,8 +212,8 @@ impl PathTraced {
                 let (view, normal) = (emitted.views.get(k), emitted.points.normals.get(k));
                 let place = (run.rest, part.patch, &hit);
                 let near = self.near(run, k);
-                let base = &self.light.base;
-                let reflection = reflection(base, part.finish, place, (normal, view), near);
+                let (base, sides) = (&self.light.base, (normal, view));
+                let reflection = base.reflection(part.finish, place, sides, near);
                 emitted.reflections.push(reflection);
             }
         }
@@ -655,58 +654,6 @@ impl PathTraced {
             });
         }
     }
-}
-
-/// How a surface of this finish reflects at a hit, towards `view` on the side of `normal`, where the observer is in a medium of the index
-/// `near`, over that of the scene's medium.
-pub(super) fn reflection(
-    base: &BaseColours,
-    finish: &Finish,
-    (rest, patch, hit): (&RestFrame, &Patch, &Hit),
-    (normal, view): (DVec3, DVec3),
-    near: f64,
-) -> Reflection {
-    let colour = base.colour_at(&base.colours[finish.colour], rest, patch, hit);
-    let Some(gloss) = &finish.gloss else {
-        return Reflection::diffuse(normal, colour).within(near);
-    };
-    let [metallic, roughness] = base.gloss(gloss, rest, patch, hit);
-    let reflection = Reflection::metallic_roughness(normal, view, colour, metallic, roughness);
-    match &finish.glass {
-        // From within, the other side is the scene's medium: bodies of glass do not touch.
-        Some(glass) if glass.solid => {
-            let (near, far) = match hit.front {
-                true => (near, glass.index),
-                false => (glass.index, 1.0),
-            };
-            let reflection = reflection.within(near);
-            reflection.as_glass(glass.transmission, far, true)
-        }
-        Some(glass) => {
-            let reflection = reflection.within(near);
-            reflection.as_glass(glass.transmission, glass.index, false)
-        }
-        None if roughness == 0.0 => reflection.as_mirror().within(near),
-        None => reflection.within(near),
-    }
-}
-
-/// The diffuse part alone of how a surface reflects.
-pub(super) fn diffuse_part(
-    base: &BaseColours,
-    finish: &Finish,
-    (rest, patch, hit): (&RestFrame, &Patch, &Hit),
-    normal: DVec3,
-) -> Reflection {
-    let colour = base.colour_at(&base.colours[finish.colour], rest, patch, hit);
-    let metallic = finish.gloss.as_ref();
-    let metallic = metallic.map_or(0.0, |gloss| base.gloss(gloss, rest, patch, hit)[0]);
-    let transmission = finish
-        .glass
-        .as_ref()
-        .map_or(0.0, |glass| glass.transmission);
-    let part = (1.0 - metallic) * (1.0 - transmission);
-    Reflection::diffuse(normal, colour.map(|c| c * part))
 }
 
 /// What counts of the sky's light along `l` of frame `frame`, found with the density of its cosine.

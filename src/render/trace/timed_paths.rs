@@ -28,7 +28,7 @@ use super::camera_rays::Samples;
 use super::emitted::Colouring;
 use super::occlusion::shadow_ray;
 use super::onward::{CHOICE, ONWARD};
-use super::paths::{AREA, balance, diffuse_part, reflection};
+use super::paths::{AREA, balance};
 use super::rest_frame::{Patch, RestFrame};
 use super::sharing::{End, Groups, Receivers, Sharing, Ungrouped};
 use super::time_resolved::{Emitter, TimeResolved};
@@ -470,7 +470,7 @@ impl TimedPaths<'_> {
             hit,
             x,
             from: x,
-            reflection: diffuse_part(&self.light.base, finish, place, normal),
+            reflection: self.light.base.diffuse_part(finish, place, normal),
             lamps,
             carried: [1.0; 3],
             delay: 0.0,
@@ -677,7 +677,10 @@ impl TimedPaths<'_> {
             hit,
             x,
             from,
-            reflection: reflection(&self.light.base, finish, place, (normal, -d), near),
+            reflection: self
+                .light
+                .base
+                .reflection(finish, place, (normal, -d), near),
             lamps,
             carried,
             delay,

@@ -126,13 +126,6 @@ impl AngularFilm {
         let [width, height] = self.size;
         [0.5 * width + right, 0.5 * height - up]
     }
-
-    /// The vector with these components along the axes.
-    #[inline(always)]
-    fn vector(&self, v: DVec3) -> DVec3 {
-        let [right, up, forward] = self.axes;
-        right * v.x + up * v.y + forward * v.z
-    }
 }
 
 /// A fisheye; see the module.
@@ -173,11 +166,6 @@ impl Projection for Fisheye {
 
     fn axes(&self) -> [DVec3; 3] {
         self.film.axes
-    }
-
-    #[inline]
-    fn vector(&self, x: f64, y: f64) -> DVec3 {
-        self.film.vector(self.components(x, y))
     }
 
     #[inline]
@@ -266,11 +254,6 @@ impl Projection for Equirectangular {
 
     fn axes(&self) -> [DVec3; 3] {
         self.film.axes
-    }
-
-    #[inline]
-    fn vector(&self, x: f64, y: f64) -> DVec3 {
-        self.film.vector(self.components(x, y))
     }
 
     #[inline]

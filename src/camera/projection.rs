@@ -23,7 +23,12 @@ pub trait Projection {
 
     /// The vector D of film point `(x, y)`: it looks along D, and a sensor at focal length f behind the
     /// pinhole has that element at −f D. The picture on it stands upside down, and is shown upright.
-    fn vector(&self, x: f64, y: f64) -> DVec3;
+    #[inline(always)]
+    fn vector(&self, x: f64, y: f64) -> DVec3 {
+        let [right, up, forward] = self.axes();
+        let v = self.components(x, y);
+        right * v.x + up * v.y + forward * v.z
+    }
 
     /// Whether film point `(x, y)` sees anything: a fisheye's picture may be smaller than its film. Of a film
     /// point that does not, D is the forward axis.

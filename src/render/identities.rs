@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
-use crate::render::trace::{CameraRays, HitBuffer, Meter, RayGenerator, Surfaces};
+use crate::render::trace::{CameraRays, HitBuffer, Meter, Surfaces, generator};
 
 /// Points of one batch.
 const BATCH: usize = 4096;
@@ -31,7 +31,7 @@ pub(crate) fn objects_at(
 
 fn batch(scene: &Prepared, surfaces: &Surfaces, points: &[[f64; 2]]) -> Vec<Option<u32>> {
     let (mut camera_rays, mut hits) = (CameraRays::default(), HitBuffer::default());
-    scene.camera.view.through(&mut camera_rays, points);
+    generator(&scene.camera.view).through(&mut camera_rays, points);
     let rays = camera_rays.rays(scene.method);
     let traced = scene.trace(surfaces, rays, &mut hits, &mut Meter::off());
     let object = |(ray, ratio): (usize, &f64)| {

@@ -12,8 +12,8 @@ use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{
-    CameraRays, Cells, Counter, HitBuffer, Meter, RayGenerator, Shading, Stage, Stats, Surfaces,
-    TIME, record,
+    CameraRays, Cells, Counter, HitBuffer, Meter, Shading, Stage, Stats, Surfaces, TIME, generator,
+    record,
 };
 use crate::spacetime::Direction;
 
@@ -167,10 +167,8 @@ impl<'a> Pipeline<'a> {
         } = buffers;
         // Camera rays, and where footprints are asked for also those beside them along both axes of the film.
         meter.start();
-        scene
-            .camera
-            .view
-            .generate(camera_rays, &self.sampler, tile, samples);
+        let generator = generator(&scene.camera.view);
+        generator.generate(camera_rays, &self.sampler, tile, samples);
         let exposure = scene
             .integrated_exposure
             .and_then(|duration| camera_rays.exposure(duration, self.sampler.samples()));
@@ -184,7 +182,7 @@ impl<'a> Pipeline<'a> {
         };
         if scene.light.has_footprints() {
             for (axis, beside) in beside.iter_mut().enumerate() {
-                scene.camera.view.beside(beside, camera_rays, axis);
+                generator.beside(beside, camera_rays, axis);
             }
         }
         meter.lap(Stage::CameraRays);

@@ -13,8 +13,8 @@ use crate::render::film::{Film, TILE, Tile, TileFilm};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::trace::{
-    CameraRays, HitBuffer, Meter, RadianceSink, RayGenerator, Rays, Shading, SurfaceHit, Surfaces,
-    TracedRays, record,
+    CameraRays, HitBuffer, Meter, RadianceSink, Rays, Shading, SurfaceHit, Surfaces, TracedRays,
+    generator, record,
 };
 use crate::spacetime::{Direction, World};
 
@@ -457,8 +457,8 @@ impl<P: Visibility> Painter for Stage<'_, P> {
             camera_rays, rays, ..
         } = buffers;
         let Stage { scene, .. } = self;
-        let view = &scene.camera.view;
-        view.generate_by_pixel(camera_rays, &scene.sampler, strip.rows, samples);
+        let generator = generator(&scene.camera.view);
+        generator.generate_by_pixel(camera_rays, &scene.sampler, strip.rows, samples);
         let strip_samples = StripSamples {
             strip,
             camera_rays,

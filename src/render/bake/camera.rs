@@ -17,7 +17,7 @@ use crate::render::journal::Journal;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::sampler::{Sampler, samples_per_part};
-use crate::render::trace::{AT_ONCE, CameraRays, RayGenerator, Seen, Start, TimedPaths};
+use crate::render::trace::{AT_ONCE, CameraRays, Seen, Start, TimedPaths, generator};
 use crate::scene::model::{Motion, ProjectionKind, Scene};
 use crate::spacetime::Direction;
 
@@ -146,8 +146,7 @@ impl<'a> Pixels<'a> {
             sampler,
             ..
         } = self;
-        let view = &prepared.camera.view;
-        view.generate(rays, sampler, tile, samples);
+        generator(&prepared.camera.view).generate(rays, sampler, tile, samples);
         let frame = &paths.rest.frame;
         let boost = frame.frame_from_world();
         let shot = frame.event_from_world(prepared.camera.shot.event);

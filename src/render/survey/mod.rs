@@ -25,8 +25,8 @@ use crate::render::plan::{Plan, unfound_light};
 use crate::render::prepare::Prepared;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{
-    Background, CameraRays, EmissionClock, Emitter, HitBuffer, Meter, ObservedPoint, RayGenerator,
-    SurfacePoint, Surfaces, TimeResolved,
+    Background, CameraRays, EmissionClock, Emitter, HitBuffer, Meter, ObservedPoint, SurfacePoint,
+    Surfaces, TimeResolved, generator,
 };
 use crate::scene::model::{Clock, CubeSource, LightKind, Mapping, Scene, SourceKind, TimeBins};
 
@@ -493,9 +493,9 @@ fn each_point(
     mut escaped: impl FnMut(f64),
 ) {
     let (mut camera_rays, mut hits) = (CameraRays::default(), HitBuffer::default());
-    let view = &scene.camera.view;
+    let generator = generator(&scene.camera.view);
     for sample in 0..looks.samples {
-        view.generate(&mut camera_rays, &looks.sampler, tile, sample..sample + 1);
+        generator.generate(&mut camera_rays, &looks.sampler, tile, sample..sample + 1);
         let rays = camera_rays.rays(scene.method);
         let traced = scene.trace(surfaces, rays, &mut hits, &mut Meter::off());
         for (ray, ratio) in camera_rays.ratios.iter().enumerate() {

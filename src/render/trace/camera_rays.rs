@@ -283,7 +283,7 @@ impl CameraRays {
     }
 }
 
-/// A view of whatever kind, matched once per batch.
+/// What generates rays by the batch.
 pub trait RayGenerator: Sync {
     /// Generates the rays of `samples` of every pixel of `tile`, sample by sample.
     fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, samples: Range<u32>);
@@ -305,8 +305,8 @@ pub trait RayGenerator: Sync {
     fn through(&self, rays: &mut CameraRays, points: &[[f64; 2]]);
 }
 
-/// The view within, whose loops are compiled for its kind.
-fn of(view: &AnyView) -> &dyn RayGenerator {
+/// The view of whatever kind, matched once per batch, whose loops are compiled for its kind.
+pub fn generator(view: &AnyView) -> &dyn RayGenerator {
     match view {
         AnyView::Still(view) => view,
         AnyView::Moving(view) => view,
@@ -316,30 +316,6 @@ fn of(view: &AnyView) -> &dyn RayGenerator {
         AnyView::Turning(view) => view,
         AnyView::Stereo(view) => view,
         AnyView::Paper(view) => view,
-    }
-}
-
-impl RayGenerator for AnyView {
-    fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, samples: Range<u32>) {
-        of(self).generate(rays, sampler, tile, samples);
-    }
-
-    fn generate_by_pixel(
-        &self,
-        rays: &mut CameraRays,
-        sampler: &Sampler,
-        tile: Tile,
-        samples: Range<u32>,
-    ) {
-        of(self).generate_by_pixel(rays, sampler, tile, samples);
-    }
-
-    fn beside(&self, rays: &mut CameraRays, middle: &CameraRays, axis: usize) {
-        of(self).beside(rays, middle, axis);
-    }
-
-    fn through(&self, rays: &mut CameraRays, points: &[[f64; 2]]) {
-        of(self).through(rays, points);
     }
 }
 
@@ -566,7 +542,7 @@ mod tests {
                 let corner = [64, 48];
                 let (tile, sampler) = (Tile { corner, size }, Sampler::stratified(samples));
                 let mut rays = CameraRays::default();
-                view.generate(&mut rays, &sampler, tile, 0..samples);
+                generator(view).generate(&mut rays, &sampler, tile, 0..samples);
                 let pixels = || tile.coordinates();
                 let all = (0..samples).flat_map(|sample| pixels().map(move |at| (sample, at)));
                 let mut count = 0;
@@ -588,7 +564,7 @@ mod tests {
                 assert_eq!(rays.directions.len(), count);
                 // The same rays in another order.
                 let mut by_pixel = CameraRays::default();
-                view.generate_by_pixel(&mut by_pixel, &sampler, tile, 0..samples);
+                generator(view).generate_by_pixel(&mut by_pixel, &sampler, tile, 0..samples);
                 assert_eq!(by_pixel.directions.len(), count);
                 for k in 0..count {
                     let (pixel, sample) = (k / samples as usize, k % samples as usize);

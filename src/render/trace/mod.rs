@@ -48,7 +48,7 @@ mod tubes;
 pub(crate) use alpha_masks::{AlphaMask, AlphaMasks, MaskedRun};
 pub use area_lights::{AreaLights, Element};
 pub use base_colours::{BaseColour, BaseColours, Dependence, Finish, Glass, Gloss, TextureLookup};
-pub(crate) use camera_rays::{CameraRays, Cells, RayGenerator, Rays, TIME};
+pub(crate) use camera_rays::{CameraRays, Cells, Rays, TIME, generator};
 pub(crate) use channels::record;
 pub use emitted::{Colouring, Emission, Emitted, Eye, Response, Scaling};
 pub(crate) use hits::{HitBuffer, SurfaceHit};

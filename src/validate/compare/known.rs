@@ -18,6 +18,7 @@ use glam::{DVec2, DVec3};
 use super::picture::Picture;
 use super::points::Points;
 use crate::camera::{AnyProjection, Projection, Shot};
+use crate::error::Result;
 use crate::scene::model::{
     CameraModel, CubeData, Effects, Equations, Geometry, Object, Scene, Source, SourceKind,
 };
@@ -60,39 +61,24 @@ pub(super) enum Change {
     Swapped(usize, usize),
 }
 
-/// The scene that a picture says it shows.
-struct Described<'a> {
-    text: &'a str,
-    name: &'a str,
-    base: &'a Path,
-    overrides: Overrides,
-}
-
-impl<'a> Described<'a> {
-    fn by(picture: &'a Picture) -> Option<Described<'a>> {
-        let name = picture.metadata("scene").unwrap_or("scene");
-        Some(Described {
-            text: picture.metadata("scene_text")?,
-            name,
-            base: scene::base(name.as_ref()),
-            overrides: Overrides {
-                size: Some([picture.layers.width, picture.layers.height]),
-                ..Overrides::default()
-            },
-        })
-    }
+/// What `read` makes of the scene that a picture says it shows.
+fn described<T>(
+    picture: &Picture,
+    read: fn(&str, &str, &Path, &Overrides) -> Result<T>,
+) -> Option<T> {
+    let text = picture.metadata("scene_text")?;
+    let name = picture.metadata("scene").unwrap_or("scene");
+    let overrides = Overrides {
+        size: Some([picture.layers.width, picture.layers.height]),
+        ..Overrides::default()
+    };
+    read(text, name, scene::base(name.as_ref()), &overrides).ok()
 }
 
 /// The whole scene that the metadata of a picture describes; none where it needs files, which may be others by now, or light that is
 /// reflected more than once, which may take long.
 pub(super) fn scene_of_picture(picture: &Picture) -> Option<Scene> {
-    let Described {
-        text,
-        name,
-        base,
-        overrides,
-    } = Described::by(picture)?;
-    let mut scene = scene::parse(text, name, base, &overrides).ok()?;
+    let mut scene = described(picture, scene::parse)?;
     if let Some(time) = picture.metadata("camera_time") {
         scene.camera.time = time.parse().ok()?;
     }
@@ -129,13 +115,7 @@ impl KnownScene {
     /// What the scene's text in the metadata of a picture says; none where there is no such text, or it names a camera
     /// in a file that is not there.
     pub(super) fn of_picture(picture: &Picture) -> Option<KnownScene> {
-        let Described {
-            text,
-            name,
-            base,
-            overrides,
-        } = Described::by(picture)?;
-        let motions = scene::kinematics(text, name, base, &overrides).ok()?;
+        let motions = described(picture, scene::kinematics)?;
         let CameraMotion { mut model, .. } = motions.camera?;
         // A frame of a sequence has a time of its own.
         if let Some(time) = picture.metadata("camera_time") {

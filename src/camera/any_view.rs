@@ -12,7 +12,7 @@ use crate::scene::model::{Assembly, CameraModel, Equations, Motion, Scene};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum ViewKind {
     /// A point at rest in the world: no boost.
     Still,
     /// A moving point: directions are boosted.
@@ -131,16 +131,16 @@ impl AnyView {
     }
 
     /// Its name.
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> ViewKind {
         match self {
-            AnyView::Still(_) => Kind::Still,
-            AnyView::Moving(_) => Kind::Moving,
-            AnyView::Unaberrated(_) => Kind::Unaberrated,
-            AnyView::Inertial(_) => Kind::Inertial,
-            AnyView::Accelerated(_) => Kind::Accelerated,
-            AnyView::Turning(_) => Kind::Turning,
-            AnyView::Stereo(_) => Kind::Stereo,
-            AnyView::Paper(_) => Kind::Paper,
+            AnyView::Still(_) => ViewKind::Still,
+            AnyView::Moving(_) => ViewKind::Moving,
+            AnyView::Unaberrated(_) => ViewKind::Unaberrated,
+            AnyView::Inertial(_) => ViewKind::Inertial,
+            AnyView::Accelerated(_) => ViewKind::Accelerated,
+            AnyView::Turning(_) => ViewKind::Turning,
+            AnyView::Stereo(_) => ViewKind::Stereo,
+            AnyView::Paper(_) => ViewKind::Paper,
         }
     }
 }

@@ -44,7 +44,7 @@ mod turning;
 
 pub use accelerated::Accelerated;
 pub use any_projection::AnyProjection;
-pub use any_view::{AnyView, Camera, Kind};
+pub use any_view::{AnyView, Camera, ViewKind};
 pub use curved::{Equirectangular, Fisheye, Radial};
 pub use inertial::Inertial;
 pub use origin::RayOrigin;

@@ -8,7 +8,7 @@ use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use nullray::figures::drawing::png::Raster;
+use nullray::figures::drawing::png::RgbaImage;
 use nullray::io::budget::Budget;
 use nullray::io::image::film::{Delay, FilmWriter};
 use nullray::io::image::{RgbImage, Samples, png, write_atomically};
@@ -187,7 +187,7 @@ pub fn read(path: &Path) -> Result<RgbImage> {
 }
 
 /// What is drawn, on white.
-pub fn opaque(raster: &Raster) -> RgbImage {
+pub fn opaque(raster: &RgbaImage) -> RgbImage {
     let (pixels, _) = raster.rgba.as_chunks::<4>();
     let over_white = |[r, g, b, alpha]: [u8; 4]| {
         let alpha = u32::from(alpha);

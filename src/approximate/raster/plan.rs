@@ -6,7 +6,7 @@ use super::method::{Method, Tessellation, moves};
 use super::vertices::Vertex;
 use super::warp::TEXEL_BYTES;
 use crate::approximate::projection::apart;
-use crate::camera::Kind;
+use crate::camera::ViewKind;
 use crate::error::Result;
 use crate::io::gltf;
 use crate::render::plan::{Plan, Request, bytes, count};
@@ -129,7 +129,10 @@ impl Method {
         if *self == Method::Trace {
             return Ok(());
         }
-        if !matches!(plan.view, Kind::Still | Kind::Moving | Kind::Unaberrated) {
+        if !matches!(
+            plan.view,
+            ViewKind::Still | ViewKind::Moving | ViewKind::Unaberrated
+        ) {
             return Err(apart());
         }
         match (self, plan.frames.iter().find(|frame| frame.gamma > 1.0)) {

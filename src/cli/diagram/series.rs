@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use nullray::figures::diagram::Series;
 use nullray::figures::diagram::model::Diagram;
-use nullray::figures::drawing::png::Raster;
+use nullray::figures::drawing::png::RgbaImage;
 use nullray::figures::drawing::{self, apng, png};
 use nullray::io::image::film::{Delay, FilmWriter};
 use nullray::{Error, Result};
@@ -113,7 +113,7 @@ fn animate(pages: &Pages, series: Series, output: &Output, frames: &Range<u64>) 
 fn video(
     out: &mut dyn Write,
     count: u32,
-    mut rasters: impl Iterator<Item = Result<Raster>>,
+    mut rasters: impl Iterator<Item = Result<RgbaImage>>,
     delay: Delay,
 ) -> Result<()> {
     let Some(first) = rasters.next() else {

@@ -5,7 +5,7 @@
 
 use ::png::ColorType;
 
-use super::png::{Raster, encoder};
+use super::png::{RgbaImage, encoder};
 use crate::error::{Error, Result};
 use crate::io::image::film::FilmWriter;
 
@@ -17,7 +17,7 @@ pub use crate::io::image::film::Delay;
 /// Those of the frames; no frames, or fewer than `count`; frames of another size than the first; keys that PNG does not hold.
 pub fn write(
     count: u32,
-    frames: impl IntoIterator<Item = Result<Raster>>,
+    frames: impl IntoIterator<Item = Result<RgbaImage>>,
     delay: Delay,
 ) -> Result<Vec<u8>> {
     let mut frames = frames.into_iter().take(count as usize);

@@ -17,7 +17,7 @@ const MOST_PIXELS: f64 = (1u64 << 28) as f64;
 
 /// A picture of a drawing.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Raster {
+pub struct RgbaImage {
     /// Pixels per row.
     pub width: u32,
     /// Rows.
@@ -35,11 +35,11 @@ pub struct Raster {
 /// # Errors
 /// What [`svg::write`](super::svg::write) refuses, a scale that is not positive, and pictures of more
 /// than 2²⁸ pixels.
-pub fn render(drawing: &Drawing, scale: f64) -> Result<Raster> {
+pub fn render(drawing: &Drawing, scale: f64) -> Result<RgbaImage> {
     let marks = marks(drawing)?;
     let (width, height) = pixels(drawing, scale)?;
     let canvas = Canvas::with(&marks, [width, height], scale)?;
-    Ok(Raster {
+    Ok(RgbaImage {
         width,
         height,
         rgba: canvas.pixmap.take_demultiplied(),
@@ -52,8 +52,8 @@ pub fn render(drawing: &Drawing, scale: f64) -> Result<Raster> {
 /// text chunks where it is from.
 ///
 /// # Errors
-/// A [`Raster`] whose length is not that of its pixels, and keys that PNG does not hold.
-pub fn write(raster: &Raster) -> Result<Vec<u8>> {
+/// A [`RgbaImage`] whose length is not that of its pixels, and keys that PNG does not hold.
+pub fn write(raster: &RgbaImage) -> Result<Vec<u8>> {
     let opaque = raster.rgba.chunks_exact(4).all(|pixel| pixel[3] == 255);
     let mut bytes = Vec::new();
     let encoded = if opaque {
@@ -91,7 +91,7 @@ fn encode(encoder: Encoded, data: &[u8]) -> Result<(), EncodingError> {
 /// An encoder of pictures like `raster`.
 pub(super) fn encoder<'a>(
     bytes: &'a mut Vec<u8>,
-    raster: &Raster,
+    raster: &RgbaImage,
     colour: ColorType,
 ) -> Encoded<'a> {
     let mut encoder = png::encoder(bytes, [raster.width, raster.height], colour);

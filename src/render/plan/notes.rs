@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::bindings::{Lit, lit_by};
 use super::planned::{Plan, PlannedObject, Skipped};
-use crate::camera::Kind;
+use crate::camera::ViewKind;
 use crate::colour::Continuation;
 use crate::io::gltf;
 use crate::mesh::Factors;
@@ -31,7 +31,7 @@ fn skipped(scene: &Scene, plan: &Plan) -> Vec<Skipped> {
     };
     let still = scene.objects.iter().all(|o| o.velocity.is_rest());
     skip(
-        plan.view == Kind::Still,
+        plan.view == ViewKind::Still,
         "boost of look directions",
         "the camera rests in the world",
     );
@@ -111,7 +111,8 @@ fn skipped(scene: &Scene, plan: &Plan) -> Vec<Skipped> {
 /// What a user may take for exact and is not, or may expect and does not get.
 fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
     let mut notes = Vec::new();
-    let moving = plan.view != Kind::Still || scene.objects.iter().any(|o| !o.velocity.is_rest());
+    let moving =
+        plan.view != ViewKind::Still || scene.objects.iter().any(|o| !o.velocity.is_rest());
     let sources = scene.sources.iter().map(|s| s.quantity);
     let mut quantities = sources.chain([scene.quantity]);
     let colours = quantities.any(|q| q.line().is_none() && q != Quantity::Rgb);

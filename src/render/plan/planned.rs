@@ -51,7 +51,7 @@ pub struct Plan {
     /// The scene's name.
     pub scene: String,
     /// How film points become world directions.
-    pub view: camera::Kind,
+    pub view: camera::ViewKind,
     /// The rest frames; one BVH each.
     pub frames: Vec<PlannedFrame>,
     /// Per object of the scene, what is loaded of it.

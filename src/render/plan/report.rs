@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::planned::{Plan, PlannedFrame, PlannedObject};
 use crate::accel::{Precision, Preset};
-use crate::camera::Kind;
+use crate::camera::ViewKind;
 
 /// The most entries of a list that are shown one by one.
 const MOST: usize = 8;
@@ -59,14 +59,14 @@ impl Plan {
     fn film(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let [width, height] = self.film.size;
         let view = match self.view {
-            Kind::Still => "camera at rest",
-            Kind::Moving => "moving camera",
-            Kind::Unaberrated => "moving camera without aberration",
-            Kind::Inertial => "a ray of its own event for each sample",
-            Kind::Accelerated => "accelerated camera, each sample of its own event",
-            Kind::Turning => "turning sensor, each sample of its own event and velocity",
-            Kind::Stereo => "stereo pair, a pinhole for each half",
-            Kind::Paper => "camera by the equations of 2015",
+            ViewKind::Still => "camera at rest",
+            ViewKind::Moving => "moving camera",
+            ViewKind::Unaberrated => "moving camera without aberration",
+            ViewKind::Inertial => "a ray of its own event for each sample",
+            ViewKind::Accelerated => "accelerated camera, each sample of its own event",
+            ViewKind::Turning => "turning sensor, each sample of its own event and velocity",
+            ViewKind::Stereo => "stereo pair, a pinhole for each half",
+            ViewKind::Paper => "camera by the equations of 2015",
         };
         let samples = match (self.film.samples, self.film.pixel_centers) {
             (_, true) => "the ray through the centre of each".into(),

@@ -107,7 +107,7 @@ pub struct CameraEntry {
     /// What kind of camera: "still" and "moving" are points whose rays all leave `shot_event`, and are wholly
     /// described by the matrix; "unaberrated" is such a one whose directions are not boosted. The rays of all
     /// others leave events of their own, and the entry is the state at the shot.
-    pub kind: camera::Kind,
+    pub kind: camera::ViewKind,
     /// Whether all rays leave `shot_event`.
     pub is_point: bool,
     /// Columns and rows.

@@ -7,7 +7,7 @@ use super::bundle::{
     PartEntry, PulseEntry, Radiometry, RotationEntry, SceneEntry, SensorEntry, ShutterEntry,
     VelocityEntry,
 };
-use crate::camera::{Camera, Kind, Projection};
+use crate::camera::{Camera, Projection, ViewKind};
 use crate::io::gltf::glb::Run;
 use crate::mesh::{AlphaMode, Mesh};
 use crate::render::aov::{Aov, Combine};
@@ -67,7 +67,10 @@ pub(super) fn camera(scene: &Scene, camera: &Camera) -> CameraEntry {
     let kind = camera.view.kind();
     CameraEntry {
         kind,
-        is_point: matches!(kind, Kind::Still | Kind::Moving | Kind::Unaberrated),
+        is_point: matches!(
+            kind,
+            ViewKind::Still | ViewKind::Moving | ViewKind::Unaberrated
+        ),
         size: model.size,
         horizontal_fov_rad: model.horizontal_fov,
         projection: model.projection,

@@ -2,7 +2,7 @@
 
 use nullray::Result;
 use nullray::figures::drawing::apng::{Delay, write};
-use nullray::figures::drawing::png::{Raster, render};
+use nullray::figures::drawing::png::{RgbaImage, render};
 
 use super::samples::{all, page};
 
@@ -11,18 +11,18 @@ const DELAY: Delay = Delay {
     denominator: 25,
 };
 
-fn frames() -> Vec<Raster> {
+fn frames() -> Vec<RgbaImage> {
     all()
         .iter()
         .map(|(_, drawing)| render(drawing, 1.0).unwrap())
         .collect()
 }
 
-fn whole(frames: &[Raster]) -> Vec<u8> {
+fn whole(frames: &[RgbaImage]) -> Vec<u8> {
     write(frames.len() as u32, frames.iter().cloned().map(Ok), DELAY).unwrap()
 }
 
-fn refusal(count: u32, frames: Vec<Raster>, delay: Delay) -> String {
+fn refusal(count: u32, frames: Vec<RgbaImage>, delay: Delay) -> String {
     write(count, frames.into_iter().map(Ok), delay)
         .unwrap_err()
         .to_string()
@@ -85,6 +85,6 @@ fn a_delay_has_a_denominator() {
 
 #[test]
 fn the_error_of_a_frame_is_that_of_the_animation() {
-    let broken: Result<Raster> = render(&page("", Vec::new()), f64::NAN);
+    let broken: Result<RgbaImage> = render(&page("", Vec::new()), f64::NAN);
     assert!(write(1, [broken], DELAY).is_err());
 }

@@ -3,7 +3,7 @@
 use crate::common::png::decode;
 use std::path::PathBuf;
 
-use nullray::figures::drawing::png::{Raster, render, write};
+use nullray::figures::drawing::png::{RgbaImage, render, write};
 
 use super::samples;
 
@@ -17,7 +17,7 @@ fn golden(name: &str) -> PathBuf {
 }
 
 /// All pictures: samples at twice the points, and the classic diagrams small.
-fn pictures() -> Vec<(String, Raster)> {
+fn pictures() -> Vec<(String, RgbaImage)> {
     let samples = samples::all().into_iter();
     let samples = samples.map(|(name, drawing)| (name.to_string(), render(&drawing, 2.0).unwrap()));
     let classics = samples::classics().into_iter();
@@ -26,7 +26,7 @@ fn pictures() -> Vec<(String, Raster)> {
 }
 
 /// expected | difference | actual, where a failed test leaves them.
-fn strip(name: &str, expected: &[u8], actual: &Raster) -> PathBuf {
+fn strip(name: &str, expected: &[u8], actual: &RgbaImage) -> PathBuf {
     let row = 4 * actual.width as usize;
     let mut rgba = Vec::with_capacity(3 * expected.len());
     for (expected, actual) in expected
@@ -40,7 +40,7 @@ fn strip(name: &str, expected: &[u8], actual: &Raster) -> PathBuf {
         rgba.extend(difference);
         rgba.extend_from_slice(actual);
     }
-    let strip = Raster {
+    let strip = RgbaImage {
         width: 3 * actual.width,
         rgba,
         ..actual.clone()

@@ -1,7 +1,7 @@
 //! Cameras that accelerate, against closed forms.
 
 use glam::DVec3;
-use nullray::camera::{Camera, Kind};
+use nullray::camera::{Camera, ViewKind};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
@@ -140,7 +140,7 @@ fn an_exposure_under_acceleration_begins_with_the_instant_and_follows_the_world_
         integration: Default::default(),
     });
     let camera = Camera::new(&scene).unwrap();
-    assert_eq!(camera.view.kind(), Kind::Accelerated);
+    assert_eq!(camera.view.kind(), ViewKind::Accelerated);
     let line = scene.camera.world_line().unwrap();
     for moment in [0.0, 0.25, 1.0] {
         let ray = camera.view.ray(0.4, 1.7, moment);

@@ -1,7 +1,7 @@
 //! Where different cameras must agree.
 
 use glam::DVec3;
-use nullray::camera::{AnyView, Camera, Kind};
+use nullray::camera::{AnyView, Camera, ViewKind};
 use nullray::scene::model::{
     Assembly, Elements, Equations, Motion, Pivot, Records, Rotation, Scene, Shutter,
 };
@@ -45,7 +45,7 @@ fn turning(elements: Elements) -> Rotation {
 #[test]
 fn at_rest_every_camera_is_the_plain_pinhole() {
     let plain = view(&scene());
-    assert_eq!(plain.kind(), Kind::Still);
+    assert_eq!(plain.kind(), ViewKind::Still);
     let mut kinds = Vec::new();
     for assembly in [Assembly::Rigid, Assembly::WorldLength, Assembly::Bell] {
         for motion in [Motion::Inertial, start(DVec3::NEG_Z * 0.3)] {
@@ -69,10 +69,10 @@ fn at_rest_every_camera_is_the_plain_pinhole() {
         }
     }
     for kind in [
-        Kind::Inertial,
-        Kind::Accelerated,
-        Kind::Turning,
-        Kind::Paper,
+        ViewKind::Inertial,
+        ViewKind::Accelerated,
+        ViewKind::Turning,
+        ViewKind::Paper,
     ] {
         assert!(kinds.contains(&kind), "{kind:?}");
     }
@@ -104,7 +104,7 @@ fn without_acceleration_a_camera_on_a_world_line_is_inertial() {
         let inertial = view(&scene);
         scene.camera.motion = start(DVec3::new(1e-17, 0.0, 0.0));
         let accelerated = view(&scene);
-        assert_eq!(accelerated.kind(), Kind::Accelerated);
+        assert_eq!(accelerated.kind(), ViewKind::Accelerated);
         assert!(difference(&accelerated, &inertial) < 1e-14, "{assembly:?}");
         for [x, y] in FILM {
             let (a, b) = (accelerated.ray(x, y, 0.0), inertial.ray(x, y, 0.0));
@@ -136,7 +136,7 @@ fn a_rigid_camera_keeps_its_digits_at_any_speed() {
         let inertial = view(&scene);
         scene.camera.motion = Motion::Accelerated(DVec3::X * 1e-18);
         let accelerated = view(&scene);
-        assert_eq!(accelerated.kind(), Kind::Accelerated);
+        assert_eq!(accelerated.kind(), ViewKind::Accelerated);
         // Aberration magnifies the rounding of a direction by 1/W, at most e^w.
         let allowed = 4e-16 * f64::exp(rapidity);
         assert!(difference(&accelerated, &inertial) < allowed, "{rapidity}");

@@ -1,7 +1,7 @@
 //! A camera by the equations of Jarabo et al. 2015 does what those equations say.
 
 use glam::DVec3;
-use nullray::camera::{Camera, Kind};
+use nullray::camera::{Camera, ViewKind};
 use nullray::scene::model::{
     Assembly, Elements, Equations, Motion, Pivot, Records, Rotation, Scene, Shutter,
 };
@@ -30,7 +30,7 @@ fn light_left_at_the_time_of_equation_11_with_the_distance_of_equation_3() {
     for beta in BETAS {
         let scene = moving(beta);
         let camera = Camera::new(&scene).unwrap();
-        assert_eq!(camera.view.kind(), Kind::Paper);
+        assert_eq!(camera.view.kind(), ViewKind::Paper);
         for [x, y] in [[1.3, 0.8], [0.2, 1.9], [2.0, 2.0]] {
             let ray = camera.view.ray(x, y, 0.0);
             let leaves = camera.shot.event + ray.origin.displacement;

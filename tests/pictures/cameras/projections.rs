@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use glam::DVec3;
-use nullray::camera::{AnyProjection, Camera, Kind, Projection};
+use nullray::camera::{AnyProjection, Camera, Projection, ViewKind};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
@@ -159,7 +159,7 @@ fn circles_of_a_fisheye_are_aberrated_to_circles() {
             }
         }
         // The corners of the film are beyond the circle that sees something.
-        assert_eq!(camera.view.kind(), Kind::Inertial);
+        assert_eq!(camera.view.kind(), ViewKind::Inertial);
         assert!(!camera.view.ray(0.5, 0.5, 0.0).origin.sees());
     }
 }
@@ -210,7 +210,7 @@ velocity = { beta = [0, 0.1, 0] }
 fn the_eyes_of_a_stereo_pair_are_simultaneous_in_the_cameras_frame() {
     let scene = scene(PAIR).unwrap();
     let camera = Camera::new(&scene).unwrap();
-    assert_eq!(camera.view.kind(), Kind::Stereo);
+    assert_eq!(camera.view.kind(), ViewKind::Stereo);
     let right = scene.camera.axes[0];
     for (x, side) in [(3.5, -0.2), (19.5, -0.2), (20.5, 0.2), (33.5, 0.2)] {
         let ray = camera.view.ray(x, 4.0, 0.0);

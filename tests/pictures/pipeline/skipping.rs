@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use nullray::accel::{Precision, Preset};
-use nullray::camera::Kind;
+use nullray::camera::ViewKind;
 use nullray::render;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::{Prepared, SurfaceLight};
@@ -169,7 +169,7 @@ fn a_scene_at_rest_without_sources_has_no_boosts_no_time_and_no_channels() {
     let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
     assert_eq!(
         (plan.view, prepared.camera.view.kind()),
-        (Kind::Still, Kind::Still)
+        (ViewKind::Still, ViewKind::Still)
     );
     assert!(matches!(prepared.light, SurfaceLight::Constant(_)));
     assert!(prepared.layout.channels.is_empty() && !prepared.layout.has_gaps);

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::pictures::{ErrorMap, bar_across, displays};
 use super::table::{lines, notes, rows};
 use crate::error::Result;
-use crate::figures::drawing::png::{self, Raster};
+use crate::figures::drawing::png::{self, RgbaImage};
 use crate::figures::drawing::push_base64;
 use crate::figures::page::escaped;
 use crate::io::image::RgbImage;
@@ -129,7 +129,7 @@ fn figure(html: &mut String, caption: &str, image: &RgbImage, below: &str) -> Re
 
 /// The picture as the address of an `img`.
 fn push_image(html: &mut String, image: &RgbImage) -> Result<()> {
-    let raster = Raster {
+    let raster = RgbaImage {
         width: image.width,
         height: image.height,
         rgba: image

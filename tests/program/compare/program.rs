@@ -339,3 +339,19 @@ fn notes_name_options_in_tables_in_json_and_on_pages() {
     let page = fs::read_to_string(folder.path().join("page.html")).unwrap();
     assert!(page.contains(said), "{page}");
 }
+
+#[test]
+fn pictures_of_indices_alone_have_reports_and_maps() {
+    let folder = tempfile::tempdir().unwrap();
+    let layers = layers(8, 9, &[("object", vec![0.0; 72])]);
+    npz::write(&folder.path().join("a.npz"), &layers).unwrap();
+    for (option, name) in [
+        ("--report", "page.html"),
+        ("--error-map", "map.png"),
+        ("--strip", "strip.png"),
+    ] {
+        let output = run(folder.path(), &["a.npz", "a.npz", option, name]);
+        assert_eq!(code(&output), 0, "{option}: {}", text(&output.stderr));
+        assert!(folder.path().join(name).exists(), "{option}");
+    }
+}

@@ -42,10 +42,12 @@ pub fn error_map(comparison: &Comparison, reference: &Picture, candidate: &Pictu
         (Some(map), _) => ErrorMap::new("FLIP error", comparison, map),
         (None, Some(map)) => ErrorMap::new("geometric error (pixels)", comparison, map.clone()),
         (None, None) => {
-            let name = comparison
-                .channels
-                .first()
-                .map_or("", |channel| &channel.name);
+            let Some(channel) = comparison.channels.first() else {
+                // Differences of indices mean nothing.
+                let [w, h] = comparison.size.map(|n| n as usize);
+                return ErrorMap::new("no errors to show", comparison, vec![f32::NAN; w * h]);
+            };
+            let name = &channel.name;
             let [r, c] = [reference, candidate].map(|p| {
                 p.layers
                     .channel(name)

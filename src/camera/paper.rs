@@ -77,7 +77,12 @@ fn acceleration(model: &CameraModel) -> f64 {
         Motion::Segments(segments) if model.time >= 0.0 => segments
             .first()
             .map_or(0.0, |segment| segment.acceleration.length()),
-        _ => 0.0,
+        Motion::Segments(_)
+        | Motion::Inertial
+        | Motion::Profile { .. }
+        | Motion::Keyframes(_)
+        | Motion::Animation { .. }
+        | Motion::Circular { .. } => 0.0,
     }
 }
 

@@ -208,7 +208,7 @@ impl Outputs {
         for (path, kind) in self.files() {
             let film = match kind {
                 Kind::Isochrones => times.unwrap_or(film),
-                _ => film,
+                Kind::Display | Kind::Luminance | Kind::Exr | Kind::Npz => film,
             };
             let note = self.write_one(path, kind, scene, film)?;
             written(format!("wrote {}{note}\n", path.display()))?;
@@ -264,7 +264,8 @@ impl Outputs {
             Kind::Display => self.write_picture(path, Show::Picture, scene, film, metadata),
             Kind::Isochrones => self.write_picture(path, Show::Isochrones, scene, film, metadata),
             Kind::Luminance => self.write_picture(path, Show::Luminance, scene, film, metadata),
-            Kind::Exr | Kind::Npz => self.write_layers(path, kind, scene, film, metadata),
+            Kind::Exr => self.write_exr(path, scene, film, metadata),
+            Kind::Npz => self.write_npz(path, film, metadata),
         }
     }
 
@@ -310,32 +311,50 @@ impl Outputs {
         })
     }
 
-    fn write_layers(
+    fn write_exr(
         &self,
         path: &Path,
-        kind: Kind,
         scene: &Scene,
         film: &Film,
         metadata: Vec<(String, String)>,
     ) -> Result<String> {
-        let [width, height] = film.size();
-        let layers = Layers::new(width, height, film.channels(&self.aovs), metadata)?;
-        // Of single pictures nobody asks later whether they are whole.
-        let is_sealed = self.identity.is_some();
-        match kind {
-            Kind::Exr => {
-                let options = image::exr::Options {
-                    half: self.half,
-                    sealed: is_sealed,
-                    matrices: scene.camera.matrices(),
-                };
-                image::exr::write_with(path, &layers, &options)?;
-            }
-            _ if is_sealed => image::npz::write_sealed(path, &layers)?,
-            _ => image::npz::write(path, &layers)?,
-        }
-        Ok(format!(" ({} channels)", layers.channels.len()))
+        let layers = self.layers(film, metadata)?;
+        let options = image::exr::Options {
+            half: self.half,
+            sealed: self.is_sealed(),
+            matrices: scene.camera.matrices(),
+        };
+        image::exr::write_with(path, &layers, &options)?;
+        Ok(channel_count(&layers))
     }
+
+    fn write_npz(
+        &self,
+        path: &Path,
+        film: &Film,
+        metadata: Vec<(String, String)>,
+    ) -> Result<String> {
+        let layers = self.layers(film, metadata)?;
+        match self.is_sealed() {
+            true => image::npz::write_sealed(path, &layers)?,
+            false => image::npz::write(path, &layers)?,
+        }
+        Ok(channel_count(&layers))
+    }
+
+    fn layers(&self, film: &Film, metadata: Vec<(String, String)>) -> Result<Layers> {
+        let [width, height] = film.size();
+        Layers::new(width, height, film.channels(&self.aovs), metadata)
+    }
+
+    /// Whether files say that they are whole: of single pictures nobody asks later.
+    fn is_sealed(&self) -> bool {
+        self.identity.is_some()
+    }
+}
+
+fn channel_count(layers: &Layers) -> String {
+    format!(" ({} channels)", layers.channels.len())
 }
 
 /// What single precision cannot hold of the radiance.

@@ -61,7 +61,12 @@ impl Scene {
         let is_seen = |quantity: Quantity| match quantity {
             Quantity::Line { .. } => true,
             Quantity::Rgb => self.effects.doppler,
-            _ => false,
+            Quantity::PerWavelength
+            | Quantity::PerFrequency
+            | Quantity::Integrated
+            | Quantity::Photons
+            | Quantity::PhotonsPerWavelength
+            | Quantity::PhotonsPerFrequency => false,
         };
         let has_spectra = |sky: &Sky| {
             matches!(sky.background, SkyRadiance::Spectrum(_))

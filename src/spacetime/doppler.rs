@@ -126,7 +126,13 @@ impl Quantity {
     pub(crate) fn line(self) -> Option<f64> {
         match self {
             Quantity::Line { wavelength } => Some(wavelength),
-            _ => None,
+            Quantity::PerWavelength
+            | Quantity::PerFrequency
+            | Quantity::Integrated
+            | Quantity::Photons
+            | Quantity::PhotonsPerWavelength
+            | Quantity::PhotonsPerFrequency
+            | Quantity::Rgb => None,
         }
     }
 

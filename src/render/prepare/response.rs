@@ -87,10 +87,16 @@ pub(super) fn eye(scene: &Scene) -> Eye {
 
 /// The quantity whose power of W is applied: Jarabo et al. 2015 have D⁻⁵ for lines and whole spectra too.
 pub(crate) fn scaling(quantity: Quantity, equations: Equations) -> Quantity {
-    match (equations, quantity) {
-        (Equations::Paper2015, Quantity::Line { .. } | Quantity::Integrated) => {
+    match equations {
+        Equations::Exact => quantity,
+        Equations::Paper2015 => match quantity {
+            Quantity::Line { .. } | Quantity::Integrated => Quantity::PerWavelength,
             Quantity::PerWavelength
-        }
-        _ => quantity,
+            | Quantity::PerFrequency
+            | Quantity::Photons
+            | Quantity::PhotonsPerWavelength
+            | Quantity::PhotonsPerFrequency
+            | Quantity::Rgb => quantity,
+        },
     }
 }

@@ -67,7 +67,10 @@ pub(super) fn background(scene: &Scene, sky: Option<Arc<Sky>>) -> Background {
     let of_frame = match camera.projection {
         // Wider in the middle than on average.
         ProjectionKind::Perspective => 2.0 * libm::tan(0.5 * camera.horizontal_fov),
-        _ => camera.horizontal_fov,
+        ProjectionKind::FisheyeEquidistant
+        | ProjectionKind::FisheyeEquisolid
+        | ProjectionKind::FisheyeOrthographic
+        | ProjectionKind::Equirectangular => camera.horizontal_fov,
     };
     Background::Sky {
         spectra: sky.has_spectra().then(|| sky_spectra(scene)),

@@ -70,21 +70,24 @@ fn refuse_companions(
     source: &file::Source,
     (kind, quantity): (&SourceKind, Quantity),
 ) -> Result<()> {
-    let (SourceKind::Cube(resolved), Some(cube)) = (kind, &source.cube) else {
+    let companions = match kind {
+        SourceKind::Cube(cube) => cube.companions(),
+        SourceKind::Pulse(_) => return Ok(()),
+    };
+    let at = source
+        .cube
+        .as_ref()
+        .and_then(|cube| cube.value.channels.as_ref());
+    let Some(at) = at.filter(|_| quantity != Quantity::Rgb && !companions.is_empty()) else {
         return Ok(());
     };
-    match &cube.value.channels {
-        Some(at) if quantity != Quantity::Rgb && !resolved.companions().is_empty() => {
-            let names: Vec<_> = (resolved.companions().iter()).map(|c| c.name()).collect();
-            let what = format!(
-                "{} shift into view where colours are spectra, and this radiance is {quantity}",
-                names.join(" and ")
-            );
-            let help = "set quantity = \"rgb\" in [radiance] or in the source's `radiance`";
-            Err(cx.refuse(at, what, help))
-        }
-        _ => Ok(()),
-    }
+    let names: Vec<_> = companions.iter().map(|c| c.name()).collect();
+    let what = format!(
+        "{} shift into view where colours are spectra, and this radiance is {quantity}",
+        names.join(" and ")
+    );
+    let help = "set quantity = \"rgb\" in [radiance] or in the source's `radiance`";
+    Err(cx.refuse(at, what, help))
 }
 
 fn entry_names(source: &file::Source) -> (Option<String>, String) {

@@ -54,22 +54,20 @@ pub(super) fn aberration(case: &Case) -> Option<Diagnosis> {
         count += 1.0;
     }
     let [error, reversed, missing] = sums.map(|sum: f64| (sum / f64::max(count, 1.0)).sqrt());
-    let (kind, rest) = match reversed <= missing {
-        true => (Kind::AberrationReversed, reversed),
-        false => (Kind::AberrationMissing, missing),
+    let (kind, how, rest) = match reversed <= missing {
+        true => (
+            Kind::AberrationReversed,
+            "aberration is reversed: look directions are those of a camera that moves the opposite way (−β for β)",
+            reversed,
+        ),
+        false => (
+            Kind::AberrationMissing,
+            "aberration is missing: look directions are those of the camera's own frame",
+            missing,
+        ),
     };
     let explains = error > DIRECTION_ROUNDING && rest <= NEAR * error;
-    explains.then(|| describe_aberration(kind, error, rest, velocity))
-}
-
-fn describe_aberration(kind: Kind, error: f64, rest: f64, velocity: Velocity) -> Diagnosis {
-    let how = match kind {
-        Kind::AberrationReversed => {
-            "aberration is reversed: look directions are those of a camera that moves the opposite way (−β for β)"
-        }
-        _ => "aberration is missing: look directions are those of the camera's own frame",
-    };
-    Diagnosis {
+    explains.then(|| Diagnosis {
         kind,
         what: how.into(),
         evidence: vec![
@@ -77,7 +75,7 @@ fn describe_aberration(kind: Kind, error: f64, rest: f64, velocity: Velocity) ->
             ("and from the hypothesis by (rad, rms)", rest),
             ("beta of the camera", velocity.beta().length()),
         ],
-    }
+    })
 }
 
 /// The world's look directions with the opposite boost, and without one, where the right one gives `d`.

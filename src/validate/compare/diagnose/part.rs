@@ -135,11 +135,17 @@ fn localised(case: &Case, field: &Field) -> Option<Diagnosis> {
     let has_triangles = points.primitive.is_some();
     let triangle = worst(&triangles, total, pixels.len()).filter(|_| has_triangles);
     let object = worst(&objects, total, pixels.len());
-    let (kind, ((object, triangle), part)) = match triangle {
-        Some(found) => (Kind::TriangleDisplaced, found),
-        None => (Kind::ObjectDisplaced, object?),
-    };
-    describe_part(kind, [object, triangle], part, total)
+    match triangle {
+        Some(((object, triangle), part)) => {
+            let place = format!("triangle {triangle} of object {object}");
+            describe_part(Kind::TriangleDisplaced, place, part, total)
+        }
+        None => {
+            let ((object, _), part) = object?;
+            let place = format!("object {object}");
+            describe_part(Kind::ObjectDisplaced, place, part, total)
+        }
+    }
 }
 
 type Name = (i64, i64);
@@ -156,12 +162,7 @@ fn worst(parts: &BTreeMap<Name, Part>, total: f64, pixels: usize) -> Option<(Nam
     (is_part && coherent && part.square >= MOST * total).then_some((*name, part))
 }
 
-fn describe_part(
-    kind: Kind,
-    [object, triangle]: [i64; 2],
-    part: &Part,
-    total: f64,
-) -> Option<Diagnosis> {
+fn describe_part(kind: Kind, place: String, part: &Part, total: f64) -> Option<Diagnosis> {
     let middle = |of: fn(&DVec2) -> f64| median(part.found.iter().map(of).collect());
     // A point that belongs to the right is seen displaced to the left.
     let [x, y, length] = [
@@ -169,10 +170,6 @@ fn describe_part(
         middle(|d| -d.y)?,
         middle(|d| d.length())?,
     ];
-    let place = match kind {
-        Kind::TriangleDisplaced => format!("triangle {triangle} of object {object}"),
-        _ => format!("object {object}"),
-    };
     (length > NOTABLE_DISPLACEMENT).then(|| Diagnosis {
         kind,
         what: format!("{place} is displaced by {length:.2} pixels, ({x:+.2}, {y:+.2}) to the right and down; the rest is where it should be").into(),

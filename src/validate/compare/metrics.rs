@@ -27,6 +27,8 @@ pub struct Metric {
     pub better: Better,
     /// Its heading in tables; none where they leave it out.
     pub heading: Option<&'static str>,
+    /// The largest value that there is of it.
+    largest: f64,
     /// What both pictures have to hold for it.
     needs: &'static str,
     /// What has to be set for it besides, and its setting.
@@ -88,7 +90,9 @@ pub const METRICS: [Metric; 24] = [
         Some(e.psnr.unwrap_or(f64::INFINITY))
     })
     .better_when_large(),
-    channel("ssim", "ratio", Some("SSIM"), |e| e.ssim).better_when_large(),
+    channel("ssim", "ratio", Some("SSIM"), |e| e.ssim)
+        .better_when_large()
+        .at_most(1.0),
     picture("flip", "ratio", None, "the light", |c| {
         Some(c.flip.as_ref()?.mean)
     }),
@@ -107,6 +111,7 @@ pub const METRICS: [Metric; 24] = [
         c.surface.as_ref()?.coverage?.part()
     })
     .better_when_large()
+    .at_most(1.0)
     .in_words(coverage),
     picture("silhouette", "pixels", Some("silhouette"), OBJECTS, |c| {
         Some(c.surface.as_ref()?.silhouette?.mean)
@@ -231,6 +236,7 @@ const fn row(
         unit,
         better: Better::Smaller,
         heading,
+        largest: f64::INFINITY,
         needs,
         set: None,
         of,
@@ -243,6 +249,10 @@ impl Metric {
             better: Better::Larger,
             ..self
         }
+    }
+
+    const fn at_most(self, largest: f64) -> Metric {
+        Metric { largest, ..self }
     }
 
     const fn in_words(mut self, words: fn(&Comparison) -> Option<String>) -> Metric {
@@ -533,9 +543,6 @@ impl std::fmt::Display for Breach {
     }
 }
 
-/// Metrics of which 1 is the most that there is.
-const OF_ONE: [&str; 2] = ["coverage", "ssim"];
-
 /// What the name of a metric means.
 #[derive(Debug, Clone, Copy)]
 struct Name<'a> {
@@ -582,6 +589,14 @@ impl<'a> Name<'a> {
         self.part.map_or(self.row.better, |(_, better, _)| better)
     }
 
+    /// The largest value that there is.
+    fn largest(&self) -> f64 {
+        match self.part {
+            None => self.row.largest,
+            Some(_) => f64::INFINITY,
+        }
+    }
+
     /// Why a limit says nothing: every candidate is within it, or none can be.
     fn refuses(&self, limit: f64) -> Option<&'static str> {
         let is_met = "every candidate is within that limit";
@@ -590,8 +605,8 @@ impl<'a> Name<'a> {
             Better::Smaller if limit == f64::INFINITY => Some(is_met),
             Better::Smaller if limit < 0.0 => Some(never),
             Better::Larger if limit == f64::NEG_INFINITY => Some(is_met),
-            Better::Larger if OF_ONE.contains(&self.row.name) && limit > 1.0 => Some(never),
-            _ => None,
+            Better::Larger if limit > self.largest() => Some(never),
+            Better::Smaller | Better::Larger => None,
         }
     }
 

@@ -10,9 +10,9 @@ use serde::{Serialize, Serializer};
 
 /// Makes the enumeration and its table from one list.
 macro_rules! aovs {
-    ($($variant:ident, $name:literal, $combine:ident, $meaning:literal, $definition:literal;)*) => {
+    ($($variant:ident, $name:literal, $combine:ident $(($why:ident))?, $meaning:literal, $definition:literal;)*) => {
         /// One auxiliary channel.
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         #[non_exhaustive]
         pub enum Aov {
             $(#[doc = $meaning] $variant,)*
@@ -46,7 +46,7 @@ macro_rules! aovs {
             /// How a pixel's value comes from its samples.
             pub(crate) fn combine(self) -> Combine {
                 match self {
-                    $(Aov::$variant => Combine::$combine,)*
+                    $(Aov::$variant => Combine::$combine $((Why::$why))?,)*
                 }
             }
         }
@@ -73,7 +73,20 @@ pub(crate) enum Combine {
     /// The film's own: how many samples the radiance is the mean of.
     Samples,
     /// The film's own: the part of the radiance that is missing for one reason.
-    Missing,
+    Missing(Why),
+}
+
+/// Why radiance is missing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Why {
+    /// Its light left before the first bin.
+    Before,
+    /// Its light left after the last bin.
+    After,
+    /// It is beyond the texture, or the capture camera's image.
+    OffTexture,
+    /// The capture camera did not see it.
+    Occluded,
 }
 
 aovs! {
@@ -123,13 +136,13 @@ aovs! {
         "z of (b − a) × (c − a), normalised";
     Coverage, "coverage", Coverage, "part of the pixel whose radiance is known, 0 to 1",
         "1 where the source has data at (E, surface point) or none is needed, else 0 or the part that it has";
-    MissingBefore, "missing.before", Missing, "part of the pixel whose light left before its data begin, 0 to 1",
+    MissingBefore, "missing.before", Missing(Before), "part of the pixel whose light left before its data begin, 0 to 1",
         "part of the samples whose time of lookup is before the first bin";
-    MissingAfter, "missing.after", Missing, "part of the pixel whose light left after its data end, 0 to 1",
+    MissingAfter, "missing.after", Missing(After), "part of the pixel whose light left after its data end, 0 to 1",
         "part of the samples whose time of lookup is after the last bin";
-    MissingOffTexture, "missing.off_texture", Missing, "part of the pixel that lies beyond the texture or the capture camera's image, 0 to 1",
+    MissingOffTexture, "missing.off_texture", Missing(OffTexture), "part of the pixel that lies beyond the texture or the capture camera's image, 0 to 1",
         "part of the samples with texture coordinates outside [0, 1], or outside the capture camera's image";
-    MissingOccluded, "missing.occluded", Missing, "part of the pixel that the capture camera did not see, 0 to 1",
+    MissingOccluded, "missing.occluded", Missing(Occluded), "part of the pixel that the capture camera did not see, 0 to 1",
         "part of the samples whose surface no pixel about their place in the capture camera's image saw, or from which something hides it";
     CaptureFootprint, "capture.footprint", Nearest, "width on the surface, along its tilt, of a pixel of its capture camera, metres",
         "width of a pixel at the point's depth, over the cosine between normal and the way to the capture camera";
@@ -148,17 +161,6 @@ aovs! {
 }
 
 impl Aov {
-    /// Of the film's parts of missing radiance, which it is: before, after, off the texture, occluded.
-    pub(crate) fn missing(self) -> Option<usize> {
-        let all = [
-            Aov::MissingBefore,
-            Aov::MissingAfter,
-            Aov::MissingOffTexture,
-            Aov::MissingOccluded,
-        ];
-        all.iter().position(|aov| *aov == self)
-    }
-
     /// The channel that files name so.
     pub fn named(name: &str) -> Option<Aov> {
         Aov::ALL.iter().copied().find(|aov| aov.name() == name)
@@ -176,7 +178,7 @@ impl Aov {
 /// # Errors
 /// The sentence that says which word names no channel, and what there is.
 pub fn parse(list: &str) -> Result<Vec<Aov>, String> {
-    let mut chosen: Vec<Aov> = Vec::new();
+    let mut chosen = Vec::new();
     for word in list.split(',').map(str::trim).filter(|w| !w.is_empty()) {
         let named = named(word);
         if named.is_empty() && word != "radiance" {
@@ -188,9 +190,8 @@ pub fn parse(list: &str) -> Result<Vec<Aov>, String> {
         chosen.extend(named);
     }
     // In the order of the table, each once, however the list names them.
-    chosen.sort_unstable();
-    chosen.dedup();
-    Ok(chosen)
+    let all = Aov::ALL.iter().copied();
+    Ok(all.filter(|aov| chosen.contains(aov)).collect())
 }
 
 fn named(word: &str) -> Vec<Aov> {

@@ -46,7 +46,7 @@ use std::ops::Range;
 
 use super::layout::{Layout, Tile};
 use crate::light::time_texture::Coverage;
-use crate::render::aov::{Aov, Combine};
+use crate::render::aov::{Aov, Combine, Why};
 
 /// The sums of one tile.
 #[derive(Debug)]
@@ -65,8 +65,8 @@ pub struct TileFilm {
     covers_itself: bool,
     /// Σ of the known parts, for the channel.
     held: Vec<f64>,
-    /// Σ of the missing parts by reason, for the channels: before, after, off the texture, occluded.
-    missing: Vec<[f64; 4]>,
+    /// Σ of the missing parts by reason, for the channels.
+    missing: Vec<Missing>,
     /// The parts that are done, where there are several.
     pub(super) parts: Option<Parts>,
     /// Samples that hit a surface.
@@ -238,6 +238,41 @@ impl Parts {
     }
 }
 
+/// Σ of the parts of the samples whose radiance is missing, by reason.
+#[derive(Debug, Clone, Copy, Default)]
+struct Missing {
+    before: f64,
+    after: f64,
+    off_texture: f64,
+    occluded: f64,
+}
+
+impl Missing {
+    fn add(&mut self, coverage: Coverage) {
+        // Taken apart by name: a reason that is forgotten here does not compile.
+        let Coverage {
+            held: _,
+            before,
+            after,
+            off_texture,
+            occluded,
+        } = coverage;
+        self.before += before;
+        self.after += after;
+        self.off_texture += off_texture;
+        self.occluded += occluded;
+    }
+
+    fn of(self, why: Why) -> f64 {
+        match why {
+            Why::Before => self.before,
+            Why::After => self.after,
+            Why::OffTexture => self.off_texture,
+            Why::Occluded => self.occluded,
+        }
+    }
+}
+
 impl TileFilm {
     /// An empty film of `tile`.
     pub fn new(tile: Tile, layout: &Layout) -> Self {
@@ -253,7 +288,7 @@ impl TileFilm {
             hidden: 0.0,
             covers_itself: layout.covers_itself,
             held: vec![0.0; some(layout.has_gaps && layout.channels.contains(&Aov::Coverage))],
-            missing: vec![[0.0; 4]; some(layout.has_gaps && is_missing_wanted(layout))],
+            missing: vec![Missing::default(); some(layout.has_gaps && is_missing_wanted(layout))],
             parts: (layout.samples_per_part() < layout.samples)
                 .then(|| Parts::new(n, layout.samples_per_part())),
             hits: vec![0; some(aovs)],
@@ -398,7 +433,17 @@ impl TileFilm {
         numbers(std::slice::from_mut(&mut self.from_data));
         numbers(std::slice::from_mut(&mut self.hidden));
         numbers(&mut self.held);
-        numbers(self.missing.as_flattened_mut());
+        for missing in &mut self.missing {
+            let Missing {
+                before,
+                after,
+                off_texture,
+                occluded,
+            } = missing;
+            for part in [before, after, off_texture, occluded] {
+                numbers(std::slice::from_mut(part));
+            }
+        }
         numbers(&mut self.nearest);
         self.aovs.iter_mut().for_each(|aov| numbers(aov));
         counts(&mut self.unmet);
@@ -461,16 +506,7 @@ impl TileFilm {
             *held += coverage.held;
         }
         if let Some(missing) = self.missing.get_mut(pixel) {
-            let parts = [
-                coverage.before,
-                coverage.after,
-                coverage.off_texture,
-                coverage.occluded,
-            ];
-            missing
-                .iter_mut()
-                .zip(parts)
-                .for_each(|(sum, part)| *sum += part);
+            missing.add(coverage);
         }
     }
 
@@ -552,9 +588,10 @@ impl TileFilm {
                 let held = self.held.get(pixel);
                 held.map_or(1.0, |held| held / samples as f64)
             }),
-            Combine::Missing => each(&|pixel| {
-                let sums = self.missing.get(pixel).zip(aov.missing());
-                sums.map_or(0.0, |(sums, reason)| sums[reason] / samples as f64)
+            // None are kept where nothing can be missing.
+            Combine::Missing(why) => each(&|pixel| {
+                let sums = self.missing.get(pixel);
+                sums.map_or(0.0, |sums| sums.of(why) / samples as f64)
             }),
             Combine::StandardError => match parts {
                 Some(parts) => parts.standard_errors(self.tile.size[0] as usize),
@@ -584,7 +621,8 @@ impl TileFilm {
 
 /// Whether a channel shows why radiance is missing.
 fn is_missing_wanted(layout: &Layout) -> bool {
-    layout.channels.iter().any(|aov| aov.missing().is_some())
+    let is_reason = |aov: &Aov| matches!(aov.combine(), Combine::Missing(_));
+    layout.channels.iter().any(is_reason)
 }
 
 fn mean([r, g, b]: [f64; 3]) -> f64 {

@@ -45,7 +45,8 @@ pub(crate) fn record(
                 }
             }
             // The film makes these from radiance and its parts.
-            Combine::Coverage | Combine::Missing | Combine::StandardError | Combine::Samples => {}
+            Combine::Coverage | Combine::Missing(_) | Combine::StandardError | Combine::Samples => {
+            }
         }
     }
 }

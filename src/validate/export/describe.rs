@@ -229,7 +229,9 @@ fn missing(aov: Aov) -> Option<&'static str> {
     match aov.combine() {
         Combine::NearestIdentity => Some("-1"),
         Combine::Nearest | Combine::MeanOfHits => Some("NaN"),
-        Combine::MeanOfAll | Combine::MeanOfSeeing | Combine::Coverage | Combine::Missing => None,
+        Combine::MeanOfAll | Combine::MeanOfSeeing | Combine::Coverage | Combine::Missing(_) => {
+            None
+        }
         Combine::StandardError | Combine::Samples => None,
     }
 }

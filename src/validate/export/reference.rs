@@ -23,7 +23,7 @@ pub fn channels() -> Vec<Aov> {
         | Combine::MeanOfHits
         | Combine::MeanOfAll
         | Combine::MeanOfSeeing
-        | Combine::Missing
+        | Combine::Missing(_)
         | Combine::Coverage => true,
     })
     .collect()

@@ -154,7 +154,7 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
         );
     }
     notes.extend(unfound_light(scene, &plan.objects, |_| false));
-    notes.extend(unshown_emission(scene, &plan.objects));
+    notes.extend(unshown_materials(scene, &plan.objects));
     let is_glass = |object: &Object| matches!(object.geometry, Geometry::Shape { transmission, .. } if transmission > 0.0);
     if scene.bounces == 0 && scene.objects.iter().any(is_glass) {
         notes.push("glass is opaque without `render.bounces`: give 2 for each body".into());
@@ -228,19 +228,17 @@ pub(crate) fn unfound_light(
     objects: &[PlannedObject],
     has_mirror: impl Fn(usize) -> bool,
 ) -> Option<String> {
-    if scene.bounces == 0 {
+    // Under pulses alone all surfaces are diffuse.
+    if scene.bounces == 0 || !scene.is_lit() {
         return None;
     }
-    let quoted = |name: &str| format!("\"{}\"", name.escape_debug());
     let lights = scene.lights.iter();
     let lamps = lights.filter(|light| matches!(light.kind, LightKind::Lamp(_)));
     let pulses = scene.sources.iter();
     let pulses = pulses.filter(|source| matches!(source.kind, SourceKind::Pulse(_)));
-    let names = lamps.map(|light| light.name.as_str());
-    let lamps: Vec<String> = names
-        .chain(pulses.map(|source| source.name.as_str()))
-        .map(quoted)
-        .collect();
+    let names = lamps.map(|light| &light.name);
+    let names = names.chain(pulses.map(|source| &source.name));
+    let lamps: Vec<String> = names.map(|name| quoted(name)).collect();
     if lamps.is_empty() {
         return None;
     }
@@ -279,23 +277,46 @@ pub(crate) fn unfound_light(
     ))
 }
 
-/// Of objects without light whose materials emit some: where base colours are what is seen, nothing shines beside them.
-pub(crate) fn unshown_emission(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
-    let is_unshown = |(index, object): &(usize, &PlannedObject)| {
-        let mut materials = object.materials.iter().zip(&object.factors);
-        materials.any(|(name, factors)| factors.emits && lit_by(scene, *index, name) == Lit::Base)
-    };
+/// What lights and skies alone show of materials, in a scene that has none: emission where base colours are what is seen, as nothing shines
+/// beside them, and how glossy are surfaces that pulses light.
+pub(crate) fn unshown_materials(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
     if scene.is_lit() {
         return Vec::new();
     }
-    let unshown = objects.iter().enumerate().filter(is_unshown);
-    let sentence = |(_, object): (usize, &PlannedObject)| {
+    let has = |index: usize, is: fn(&Factors) -> bool, is_lit: fn(&Lit) -> bool| {
+        let object = &objects[index];
+        let mut materials = object.materials.iter().zip(&object.factors);
+        materials.any(|(name, factors)| is(factors) && is_lit(&lit_by(scene, index, name)))
+    };
+    let all = 0..objects.len();
+    let emitting = all.clone().filter(|index| {
+        let is_base = |lit: &Lit| *lit == Lit::Base;
+        has(*index, |factors| factors.emits, is_base)
+    });
+    let sentence = |index: usize| {
         format!(
             "object {:?}: only lit scenes show what its materials emit: add a [[light]], or [sky] with radiance = 0",
-            object.name
+            objects[index].name
         )
     };
-    unshown.map(sentence).collect()
+    let mut notes: Vec<String> = emitting.map(sentence).collect();
+    let glossy = all.filter(|index| {
+        let is_pulsed = |lit: &Lit| matches!(lit, Lit::Reflecting(_));
+        has(*index, Factors::is_glossy, is_pulsed)
+    });
+    let glossy: Vec<_> = glossy.map(|index| quoted(&objects[index].name)).collect();
+    if !glossy.is_empty() {
+        notes.push(format!(
+            "pulses alone light {}, and what they light reflects diffusely: only lit scenes show metalness, roughness and glass: add a \
+             [[light]], or [sky] with radiance = 0",
+            listed(&glossy)
+        ));
+    }
+    notes
+}
+
+fn quoted(name: &str) -> String {
+    format!("\"{}\"", name.escape_debug())
 }
 
 /// A few names of a list, and how many more there are.

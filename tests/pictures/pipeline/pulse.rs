@@ -7,6 +7,9 @@
 
 use glam::DVec3;
 use nullray::render::aov::Aov;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
 use nullray::scene::model::{Pulse, Scene, SourceKind};
 
 use crate::pipeline::stage::{self, assert_relative};
@@ -214,4 +217,55 @@ fn a_pulse_long_after_time_zero_looks_the_same() {
     for (a, b) in a.radiance().iter().zip(b.radiance()) {
         assert!((a[0] - b[0]).abs() <= 1e-12 * a[0].max(1e-3), "{a:?} {b:?}");
     }
+}
+
+#[test]
+fn gloss_that_pulses_alone_do_not_show_is_named_with_what_shows_it() {
+    let scene = |metallic: f64, sky: &str| {
+        stage::scene(&format!(
+            "
+[camera]
+eye = [1, 2, 3]
+look_at = [0, 0, 0]
+size = [12, 8]
+clock_zero = \"5 m\"
+{sky}
+[[object]]
+name = \"left\"
+shape = {{ box = {{}} }}
+metallic = {metallic}
+[[object]]
+name = \"right\"
+shape = {{ box = {{}} }}
+transform = {{ translate = [1.5, 0, 0] }}
+[[source]]
+pulse = {{ position = [0.5, 2, 2], sigma = \"1 m\" }}
+"
+        ))
+    };
+    let look = |metallic: f64, sky: &str| {
+        let scene = scene(metallic, sky);
+        let plan = Plan::new(&scene, &Request::default()).unwrap();
+        let is_named = |notes: &[String]| {
+            let named = notes.iter().filter(|note| note.contains("only lit scenes"));
+            let named: Vec<_> = named.collect();
+            assert!(
+                named.iter().all(|note| note.contains("light \"left\",")),
+                "{named:?}"
+            );
+            assert!(named.len() < 2, "{named:?}");
+            !named.is_empty()
+        };
+        let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+        let said = is_named(&plan.notes);
+        assert_eq!(said, is_named(&prepared.warnings));
+        (said, stage::film(&scene).radiance().to_vec())
+    };
+    let ([matte, metal], dark) = ([0.0, 1.0].map(|m| look(m, "")), "[sky]\nradiance = 0");
+    assert!(!matte.0 && metal.0);
+    assert_eq!(matte.1, metal.1);
+    assert!(matte.1.iter().any(|rgb| rgb[0] > 0.0));
+    let [matte, metal] = [0.0, 1.0].map(|m| look(m, dark));
+    assert!(!matte.0 && !metal.0);
+    assert_ne!(matte.1, metal.1);
 }

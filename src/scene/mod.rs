@@ -19,7 +19,7 @@
 //! | `if_missing` | a key at the top: what to do where a file that the scene names is not there |
 //! | `[medium]` | refractive index of what light travels through |
 //! | `[camera]` | pose, field of view, image size, velocity, time of the shot (required) |
-//! | `[camera.motion]` | acceleration, keyframes or a circle |
+//! | `[camera.motion]` | acceleration, keyframes, an animated node or a circle |
 //! | `[camera.sensor]` | a sensor behind the pinhole |
 //! | `[camera.rotation]` | a sensor that turns |
 //! | `[camera.shutter]` | a shutter that is open for a while |
@@ -60,9 +60,10 @@
 //!   camera frame**. For a camera at rest all this is what it seems; at 0.9 c the point `look_at` is in
 //!   general not seen in the middle of the picture.
 //! - `motion` is how the pinhole moves on from there: without acceleration where there is none; with
-//!   a proper acceleration (what an accelerometer on board shows), whose direction is one of the camera
-//!   frame; or along a path in the world (`keyframes`, `circle`), whose times are the world's. Profiles and
-//!   keyframes have a first and a last time, and an exposure lies between them.
+//!   a proper acceleration (what an accelerometer on board shows: `acceleration`, `segments` one after the other, or a
+//!   `profile`), whose direction is one of the camera frame; or along a path in the world (`keyframes`, `animation`,
+//!   `circle`), whose times are the world's. Profiles and keyframes have a first and a last time, and an exposure lies
+//!   between them; before and after an animation the pinhole is at rest.
 //! - A *sensor* lies across the forward axis at the focal length d behind the pinhole, and all of it is
 //!   exposed at one camera time: at one time of the comoving frame, or with `"bell"`, where every element
 //!   has a world line alike, at one time of the elements' own clocks. What d measures is the `assembly`'s:
@@ -84,15 +85,16 @@
 //!
 //! In a scene with a `[[light]]`, or a `[sky]` that lights, base colours are what surfaces reflect, with glTF's
 //! metalness and roughness, in their own rest frames; cubes and spectra of objects stay what surfaces shine with. Light
-//! is followed once: from where it comes to the surface, with shadows by bodies where they were then, and to the
-//! camera. A light's clock shows its proper time; its direction is one of its own frame, whose axes are the world's,
+//! is followed from where it comes to the surface, with shadows by bodies where they were then, and to the camera; with
+//! `render.bounces`, up to so many times from surface to surface before that. A light's clock shows its proper time; its direction is one of its own frame, whose axes are the world's,
 //! boosted without rotation. The sky rests in the world.
 //!
 //! ## Sources
 //!
 //! A source takes the place of the base colour as the radiance of the surfaces that it is bound to: all,
-//! or those of the named `objects` and `materials`. A surface has one cube, or any number of pulses. A cube's samples
-//! are addressed by texture coordinates (`uv`) or by projection into the camera that captured it
+//! or those of the named `objects` and `materials`. A surface has one cube, or several that are all captures, each with
+//! a camera of its own; or any number of pulses, which it reflects diffusely where there is neither light nor sky. A
+//! cube's samples are addressed by texture coordinates (`uv`) or by projection into the camera that captured it
 //! (`capture`); that camera rests in the frame of the objects it captured, so that a source with
 //! `capture` is bound to objects of one frame. Its coordinates are the world's where those objects rest
 //! in the world, and the objects' own otherwise.

@@ -104,6 +104,91 @@ fn the_reference_scene_shows_every_key() {
     }
 }
 
+/// The properties of the table, or of the tables, that a key holds.
+fn table<'a>(schema: &'a Value, key: &'a Value) -> Option<&'a Value> {
+    let named = key.get("$ref").and_then(Value::as_str);
+    if let Some(name) = named.and_then(|path| path.strip_prefix("#/$defs/")) {
+        return table(schema, &schema["$defs"][name]);
+    }
+    let of_many = |keys: &'a Value| keys.as_array()?.iter().find_map(|one| table(schema, one));
+    let choices = ["anyOf", "oneOf"].iter().filter_map(|kind| key.get(kind));
+    let items = key.get("items").and_then(|one| table(schema, one));
+    key.get("properties")
+        .or(items)
+        .or_else(|| choices.filter_map(of_many).next())
+}
+
+/// The default that a description states, where that is one number, text, true or false whatever else there is.
+fn stated_default(key: &Value) -> Option<toml_edit::Value> {
+    let description = key["description"].as_str()?;
+    let (_, stated) = description.split_once("Default: ")?;
+    let end = match stated.strip_prefix('"') {
+        Some(text) => text.find('"')? + 2,
+        None => stated.find([' ', ',', ';', '\n']).unwrap_or(stated.len()),
+    };
+    let (literal, rest) = stated.split_at(end);
+    let is_all = literal.ends_with('.') || rest.starts_with(['.', ';']);
+    let literal = literal.trim_end_matches('.');
+    literal.parse().ok().filter(|_| is_all)
+}
+
+/// Whether both are the same number, text, true or false; none where `a` is none of these.
+fn is_same(a: &toml_edit::Value, b: &toml_edit::Value) -> Option<bool> {
+    let number = |v: &toml_edit::Value| v.as_float().or_else(|| Some(v.as_integer()? as f64));
+    let numbers = number(a).map(|n| Some(n) == number(b));
+    let texts = a.as_str().map(|text| Some(text) == b.as_str());
+    numbers
+        .or(texts)
+        .or_else(|| Some(a.as_bool()? == b.as_bool()?))
+}
+
+#[test]
+fn the_reference_scene_says_the_defaults_in_its_comments_too() {
+    let schema = schema();
+    let mut keys = &schema["properties"];
+    let mut count = 0;
+    for line in REFERENCE.lines() {
+        let line = line.strip_prefix("# ").unwrap_or(line);
+        if let Some((name, _)) = line.strip_prefix('[').and_then(|name| name.split_once(']')) {
+            keys = name
+                .trim_start_matches('[')
+                .split('.')
+                .fold(&schema["properties"], |keys, part| {
+                    table(&schema, &keys[part]).unwrap_or_else(|| panic!("{line}"))
+                });
+        }
+        // Lists of several lines have no default, and examples say in words which it is.
+        let Ok(entry) = line.parse::<toml_edit::DocumentMut>() else {
+            continue;
+        };
+        if line.contains("default") {
+            continue;
+        }
+        for (key, value) in entry.iter().filter_map(|(k, v)| Some((k, v.as_value()?))) {
+            let default = stated_default(&keys[key]);
+            if let Some(same) = default.and_then(|default| is_same(value, &default)) {
+                assert!(same, "{line}");
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 50, "{count}");
+}
+
+#[test]
+fn the_reference_scene_names_every_colour_of_diagrams() {
+    let text = "[diagram]\nx = [0, 1]\nct = [0, 1]\ntext = [{ text = \"a\", at = [0, 0], colour = \"mauve\" }]\n";
+    let parse = nullray::figures::diagram::parse;
+    let refused = parse(text, "test", "".as_ref(), &Default::default());
+    let refused = refused.unwrap_err().to_string();
+    let (_, named) = refused.split_once("there are ").unwrap();
+    let (named, _) = named.split_once(", and any").unwrap();
+    assert!(named.split(", ").count() > 7, "{named}");
+    for colour in named.split(", ") {
+        assert!(REFERENCE.contains(colour), "{colour}");
+    }
+}
+
 /// The TOML in the comments of the reference scene from one line to another, prose left out.
 fn commented(from: &str, to: &str) -> Vec<&'static str> {
     let lines = REFERENCE.lines().skip_while(|line| *line != from);

@@ -43,7 +43,7 @@ pub struct ExpectedRays {
     pub bounced: u64,
 }
 
-/// A more careful tree saves so many times as much on a shadow ray or a bounced one as on a camera ray.
+/// A more careful tree saves this many times as much per shadow ray, or per bounced one, as per camera ray.
 const SHADOW_RAYS_WORTH: f64 = 5.0;
 const BOUNCED_RAYS_WORTH: f64 = 30.0;
 /// From so many camera rays per triangle on, a tree of the next preset pays.

@@ -368,8 +368,7 @@ pub(crate) fn apart() -> Error {
     Error::unsupported(
         "camera",
         "method",
-        "vertices have apparent positions for a camera all of whose rays leave one event, and those of this \
-         one leave events of their own (a sensor, a shutter, a rotation, a stereo pair, or model = \"paper2015\"), \
+        "rasterizers need a camera whose rays all leave one event; this one's do not (a sensor, a shutter, a rotation, a stereo pair, or model = \"paper2015\"), \
          or places on its film see nothing (corners of a fisheye, what is beyond the poles of a panorama)",
         Setting::TraceIt
             + ", or take the sensor, the shutter, the rotation or the second eye away; or set a size \

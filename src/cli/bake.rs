@@ -111,7 +111,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
             if journal.forgot() {
                 let name = job.unfinished();
                 let text = format!(
-                    "{} held parts of another bake (other options or another scene), and starts again",
+                    "{} held parts of another bake (other options or another scene); starting over",
                     name.display()
                 );
                 warn(quiet, &[text])?;
@@ -143,7 +143,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
 
 /// What is said of work that is stopped once a part of it is kept, and before.
 const RESUME: &str = "run the same command again to resume";
-const ANEW: &str = "no part was finished: the same command starts anew";
+const ANEW: &str = "no part was finished; running the command again starts over";
 
 /// Rays are done once the part that they are of is kept, with which the work can be resumed.
 struct Kept<'a>(&'a Bar);

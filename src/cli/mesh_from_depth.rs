@@ -124,7 +124,7 @@ fn by_first_light(
     budget: &Budget,
 ) -> Result<(PixelRays, Vec<f64>)> {
     let Some(position) = arguments.lamp else {
-        let what = "it is not known where the pulse of light was emitted";
+        let what = "the position of the pulse is missing";
         return Err(refused(
             "--lamp",
             what,

@@ -240,11 +240,11 @@ impl Outputs {
         let mut parts = Vec::new();
         if bright > 0 {
             let pixels = pixel_count(bright);
-            parts.push(format!("{pixels} brighter than {GREATEST} limited to that"));
+            parts.push(format!("{pixels} brighter than {GREATEST} were clamped"));
         }
         if dim > many {
             parts.push(format!(
-                "{} with values up to 3e-8 set to 0",
+                "{} with values up to 3e-8 were set to 0",
                 pixel_count(dim)
             ));
         }
@@ -365,7 +365,7 @@ fn beyond_single(film: &Film) -> Option<String> {
     (bright > 0).then(|| {
         let pixels = pixel_count(bright);
         format!(
-            "EXR: {pixels} brighter than {:.4e} limited to that: a .npz file holds them in f64",
+            "EXR: {pixels} brighter than {:.4e} were clamped: a .npz file holds them in f64",
             f32::MAX
         )
     })

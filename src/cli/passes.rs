@@ -125,7 +125,7 @@ impl Work<'_> {
         } else {
             if self.sums.exists() {
                 let text = format!(
-                    "{} holds passes of another picture (other options or another scene), and starts again",
+                    "{} held passes of another picture (other options or another scene); starting over",
                     self.sums.display()
                 );
                 warn(self.quiet, &[text])?;
@@ -198,7 +198,7 @@ impl Work<'_> {
         // Of an error that was asked for, what was asked: that of tiles, which is less than that of pixels.
         let text = match self.wanted.error {
             Some(wanted) if self.passes.is_settled() => format!(
-                "{passes} passes: each tile of 16 × 16 pixels has reached the standard error that was asked for, {} % of its radiance or of the \
+                "{passes} passes: each tile of 16 × 16 pixels has reached the requested standard error, {} % of its radiance or of the \
                  picture's; that of single pixels is {of_pixels}\n",
                 100.0 * wanted
             ),

@@ -31,7 +31,7 @@ pub fn blackness(scene: &Scene, film: &Film, is_shifted: bool) -> String {
         return String::new();
     }
     let why = if film.met() == 0.0 && scene.sky.is_some() {
-        "only the sky is in view, and nothing of it is visible: it is dark there, or its light is shifted out of sight \
+        "only the sky is in view, and none of it is visible: it is dark there, or its light is shifted out of sight \
          (see display.false_colour, too)"
     } else if film.met() == 0.0 {
         "no ray meets an object from its front: look elsewhere, change camera.hfov, or, from inside \
@@ -96,7 +96,7 @@ fn unseen_spectra(scene: &Scene, [low, high]: [f64; 2]) -> String {
     });
     let line = |object: &Object| {
         format!(
-            "the spectrum of \"{}\" is seen with {} to {} times its wavelengths: nothing of it is visible there (see \
+            "the spectrum of \"{}\" is seen with {} to {} times its wavelengths: none of it is visible there (see \
              display.false_colour)\n",
             super::info::escaped(&object.name),
             short(low),
@@ -115,7 +115,7 @@ pub fn enclosed(scene: &Scene, prepared: &Prepared) -> String {
             .get(lamp.object)
             .map_or("", |object| &object.name);
         format!(
-            "lamp \"{}\" is inside \"{}\": it lights nothing outside of it but through openings\n",
+            "lamp \"{}\" is inside \"{}\": it lights the outside only through openings\n",
             super::info::escaped(&lamp.lamp),
             super::info::escaped(object)
         )

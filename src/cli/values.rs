@@ -166,7 +166,7 @@ pub fn samples(text: &str) -> Result<SampleList, String> {
 
 /// A relative error, as a part of 1: "1 %" or 0.01.
 pub fn relative_error(text: &str) -> Result<f64, String> {
-    let help = "a relative error above 0 % and at most 100 %, like \"1 %\"";
+    let help = "write a percentage above 0 % and at most 100 %, like \"1 %\"";
     let (digits, unit) = match text.trim().strip_suffix('%') {
         Some(digits) => (digits, 0.01),
         None => (text, 1.0),
@@ -241,7 +241,7 @@ pub fn frames(text: &str) -> Result<Range<u64>, String> {
         )),
         (Ok(first), Ok(end)) if first < end => Ok(first..end),
         (Ok(first), Ok(end)) => Err(format!(
-            "{first}..{end} holds no frame: the second number is that of the first frame that is not rendered"
+            "{first}..{end} holds no frame: the end is exclusive"
         )),
         _ => Err(format!(
             "frames have whole numbers from 0 to {}; {help}",
@@ -260,7 +260,7 @@ pub fn rate(text: &str) -> Result<f64, String> {
 pub fn film_rate(text: &str) -> Result<f64, String> {
     let fps = rate(text)?;
     let help =
-        "no fraction of numbers up to 65535 comes near to this rate: give one like 25 or 29.97";
+        "cannot be expressed as a fraction of numbers up to 65535: give a rate like 25 or 29.97";
     Delay::of_rate(fps).map(|_| fps).map_err(|_| help.into())
 }
 

@@ -143,7 +143,7 @@ aovs! {
     MissingOffTexture, "missing.off_texture", Missing(OffTexture), "part of the pixel that lies beyond the texture or the capture camera's image, 0 to 1",
         "part of the samples with texture coordinates outside [0, 1], or outside the capture camera's image";
     MissingOccluded, "missing.occluded", Missing(Occluded), "part of the pixel that the capture camera did not see, 0 to 1",
-        "part of the samples whose surface no pixel about their place in the capture camera's image saw, or from which something hides it";
+        "part of the samples not seen by any neighbouring pixel of the capture camera's image, or from which something hides it";
     CaptureFootprint, "capture.footprint", Nearest, "width on the surface, along its tilt, of a pixel of its capture camera, metres",
         "width of a pixel at the point's depth, over the cosine between normal and the way to the capture camera";
     CaptureCosine, "capture.cosine", Nearest, "cosine between normal and the way to the capture camera: near 0 where that grazes the surface",

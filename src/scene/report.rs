@@ -194,7 +194,7 @@ fn unknown_key(schema: &Value, place: &Place) -> (String, String) {
 
 /// Keys by which cameras and lamps move on, and what is said where an object has one of them.
 const MOTIONS: [&str; 4] = ["motion", "world_line", "keyframes", "acceleration"];
-const UNIFORM: &str = "objects move uniformly (`velocity`, and `origin` for when they are where), so that they are intersected in a \
+const UNIFORM: &str = "objects move uniformly (`velocity`, and `origin` for where they are and when), so that they are intersected in a \
                        frame in which they rest for ever; world lines of any kind are for [camera] and [[light]]";
 
 fn last_key(place: &[Step]) -> Option<&str> {

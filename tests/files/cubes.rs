@@ -501,7 +501,10 @@ fn dead_bins_are_filled_on_the_way_to_another_file() {
     };
     cube::convert((&a, wanted), &b, &part, &mut |_, _| true).unwrap();
     assert_eq!(single(&cube::load(&b, Wanted::default()).unwrap())[0], 11.0);
-    for (dead, wrong) in [(&[8][..], "no bin 8"), (&[0, 1, 2, 3, 4, 5, 6, 7], "alive")] {
+    for (dead, wrong) in [
+        (&[8][..], "no bin 8"),
+        (&[0, 1, 2, 3, 4, 5, 6, 7], "every bin is listed as dead"),
+    ] {
         let wanted = Wanted {
             dead_bins: dead,
             ..Wanted::default()

@@ -131,7 +131,7 @@ fn channels_without_a_node_are_passed_over_and_said() {
     // The channels that have a node are as before.
     let tip = gltf::track(&path, "tip", Some("turn")).unwrap();
     assert_eq!(tip.points.len(), 9);
-    let said = "animation 0, channel 0: it animates something else than a node, and is not played";
+    let said = "animation 0, channel 0: it animates something other than a node, and is not played";
     let mesh =
         "\"meshes\": [{ \"primitives\": [{ \"attributes\": { \"POSITION\": 3 } }] }], \"nodes\"";
     let text = std::fs::read_to_string(&path).unwrap();

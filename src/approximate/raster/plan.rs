@@ -89,7 +89,7 @@ impl Method {
         };
         let taken = (cuts * Cuts::BYTES as f64).min(u64::MAX as f64) as u64;
         let refused = match cuts > Cuts::most(plan.memory_left()) as f64 {
-            true => ": more than may be, unless most lie outside of the picture",
+            true => ": over the limit, unless most lie outside the picture",
             false => "",
         };
         let points = count(cuts.min(u64::MAX as f64) as u64);

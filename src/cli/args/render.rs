@@ -82,7 +82,7 @@ pub struct RenderArguments {
 
 /// When a picture is good enough.
 #[derive(Debug, Clone, Copy, Args)]
-#[command(next_help_heading = "Pictures that improve")]
+#[command(next_help_heading = "Progressive rendering")]
 pub struct PassArguments {
     /// Render passes of --spp samples until the standard error of each tile of 16 x 16 pixels is at most this part of
     /// its radiance, or of the picture's mean where that is more: "1 %". Noisy tiles get more passes. The files improve

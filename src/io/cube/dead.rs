@@ -41,7 +41,7 @@ impl DeadBins {
             *flag = true;
         }
         if !is_dead.is_empty() && is_dead.iter().all(|dead| *dead) {
-            let what = "no bin is left that is alive";
+            let what = "every bin is listed as dead";
             return Err(Error::invalid(
                 path,
                 "dead_bins",

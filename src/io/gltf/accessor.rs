@@ -145,8 +145,7 @@ impl Check<'_, '_> {
         }
         let what =
             format!("of its {count} elements {given} are given, and no bufferView has the others");
-        let help =
-            format!("at most {FEW_ZEROS} elements, or {ZEROS_OF_ONE} for each that is given");
+        let help = format!("at most {FEW_ZEROS} elements, or {ZEROS_OF_ONE} per stored element");
         Err(self.invalid(&what, &help))
     }
 

@@ -183,7 +183,7 @@ fn channels(document: &mut Document, animation: usize, nodes: &[usize]) -> Resul
         let place = format!("{name}, channel {k} ({})", document.node_label(node));
         let Checked::Valid(property) = path else {
             let help = "\"translation\", \"rotation\", \"scale\" or \"weights\"";
-            return Err(document.invalid(place, "its path is not of glTF", help));
+            return Err(document.invalid(place, "its path is not one that glTF defines", help));
         };
         // Weights move no node.
         if property == Property::MorphTargetWeights {

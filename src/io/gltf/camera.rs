@@ -143,7 +143,7 @@ fn perspective<'c>(
         (Checked::Valid(Type::Perspective), Some(perspective)) => Ok(perspective),
         (Checked::Valid(Type::Orthographic), _) => Err(document.unsupported(
             place,
-            "the camera is orthographic: its rays share no event",
+            "the camera is orthographic: its rays do not pass through one point",
             "use a perspective camera",
         )),
         _ => Err(document.invalid(

@@ -89,7 +89,7 @@ fn warn_of_unread(document: &Document, placed: &[Placed], want: Want, warnings: 
         warnings.add_many(what, &format!("animation {first}"), animated.len() as u64);
     }
     for [animation, channel] in &document.without_node {
-        let what = "it animates something else than a node, and is not played";
+        let what = "it animates something other than a node, and is not played";
         warnings.add(what, &format!("animation {animation}, channel {channel}"));
     }
     let has_light = |&placed: &Placed| lights::index_of(document, placed.node).is_some();

@@ -93,7 +93,7 @@ impl Instances {
             let transform = placing(translations[at], (rotations[at], norm), scales[at]);
             if !(norm > 0.0 && transform.is_finite()) {
                 let what = format!(
-                    "the transform of instance {at} is not finite, or does not turn to anywhere"
+                    "the transform of instance {at} is not finite, or its rotation is zero"
                 );
                 let help = "translations and scales are finite, rotations quaternions of length 1";
                 return Err(buffers.document.invalid(&self.place, what, help));

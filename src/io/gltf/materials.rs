@@ -195,7 +195,7 @@ impl Reader<'_, '_> {
                 }
             }
             Checked::Invalid => Err(self.invalid(
-                "its alphaMode is not of glTF",
+                "its alphaMode is not one that glTF defines",
                 "alphaMode is \"OPAQUE\", \"MASK\" or \"BLEND\"",
             )),
         }

@@ -34,7 +34,7 @@ pub fn read(bytes: &[u8], path: &Path, budget: &Budget) -> Result<([usize; 2], V
     let (size, factors) = header(&mut rest).map_err(refuse)?;
     budget.take((size[0] * size[1]) as u64 * 12, path)?;
     let pixels = decode(rest, size, &factors);
-    let missing = || refuse("it has not all its pixels".into());
+    let missing = || refuse("some of its pixels are missing".into());
     Ok((size, pixels.ok_or_else(missing)?))
 }
 
@@ -105,7 +105,7 @@ fn header(rest: &mut &[u8]) -> Result<([usize; 2], Factors), String> {
     };
     // A run of four bytes gives at most 255 pixels: what cannot be in the file is not allocated.
     if width * height > MAX_PIXELS || width * height / 256 > rest.len() {
-        return Err("it has not all its pixels".into());
+        return Err("some of its pixels are missing".into());
     }
     Ok(([width, height], factors))
 }

@@ -102,7 +102,7 @@ impl Texture {
             Texels::Sixteen(v) => v.len(),
         };
         if width == 0 || height == 0 || samples != width * height * stride {
-            return Err(Refused::Broken("it has not all its pixels".into()));
+            return Err(Refused::Broken("some of its pixels are missing".into()));
         }
         Ok(Texture {
             width,

@@ -75,7 +75,7 @@ pub(super) fn read_list(stored: &mut Stored, file: &Path, budget: &Budget) -> Re
     let mut array = Array::open(stored, file, budget)?;
     let shape = &array.header.shape;
     if shape.len() != 1 {
-        let what = format!("an array of shape {shape:?} has not one axis");
+        let what = format!("an array of shape {shape:?} is not one-dimensional");
         return Err(Error::invalid(
             file,
             "",

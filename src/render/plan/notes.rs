@@ -261,15 +261,15 @@ pub(crate) fn unfound_light(
     }
     let (mut ways, mut remedies) = (Vec::new(), Vec::new());
     if !mirrors.is_empty() {
-        ways.push(format!("by the perfect mirrors {}", listed(&mirrors)));
+        ways.push(format!("via the perfect mirrors {}", listed(&mirrors)));
         remedies.push("roughness = 0.03 for mirrors");
     }
     if !glass.is_empty() {
-        ways.push(format!("by the smooth glass {}", listed(&glass)));
+        ways.push(format!("via the smooth glass {}", listed(&glass)));
     }
     remedies.push("a shining object (a light with `object`) in place of the lamp");
     Some(format!(
-        "the light of {}, which has no extent, is not found {}: it is missing in the picture and in its standard error \
+        "the light of {}, which has no extent, cannot be sampled {}: the picture and its standard error lack it \
          (remedy: {})",
         listed(&lamps),
         ways.join(" or "),

@@ -72,8 +72,8 @@ fn check_axes(cx: &Context, axes: &At<Axes>, motion: &Motion, line: &WorldLine) 
         a.cross(u).length() > 1e-12 * a.length() * u.length()
     };
     if axes.value == Axes::World && starts.iter().any(is_oblique) {
-        let what = "an acceleration oblique to the velocity and constant in the world's boosted axes is no \
-                    hyperbola: `acceleration` and `segments` are constant in those of a gyroscope";
+        let what = "an acceleration oblique to the velocity and constant in the world's boosted axes does not \
+                    give hyperbolic motion: `acceleration` and `segments` are constant in those of a gyroscope";
         let help = "give it as a `profile`, or take axes = \"gyroscope\"";
         return Err(cx.refuse(axes, what, help));
     }

@@ -31,7 +31,7 @@ fn focal_length(cx: &Context, sensor: &file::Sensor) -> Result<f64> {
     let length = &sensor.focal_length;
     if length.value.metres() < 0.0 {
         let what = format!(
-            "a focal length of {} has the pinhole behind the sensor",
+            "a focal length of {} would put the pinhole behind the sensor",
             length.value
         );
         return Err(cx.refuse(length, what, "a focal length is above 0, like \"36 mm\""));

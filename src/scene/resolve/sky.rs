@@ -40,13 +40,12 @@ pub(super) fn resolve(
     }))
 }
 
-/// Refuses skies that light what they cannot: a line has no one wavelength where it comes from all directions.
+/// Refuses skies that light what they cannot: a line has no single wavelength where it comes from all directions.
 pub(super) fn check(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
     let lights = file.sky.as_ref().filter(|at| at.value.lights);
     match (lights, scene.quantity) {
         (Some(sky), Quantity::Line { .. }) => {
-            let what =
-                "the light of a line from all of a sky has no one wavelength on moving surfaces";
+            let what = "a sky's line emission has no single wavelength on moving surfaces";
             let help = "set lights = false, or another quantity in [radiance]";
             Err(cx.refuse(sky, what, help))
         }

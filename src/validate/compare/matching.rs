@@ -204,7 +204,7 @@ fn whole(pair: [&Picture; 2]) -> Result<()> {
                     i / width
                 );
                 let place = format!("channel {}", aov.name());
-                let help = "indices of one sample of each pixel: means of indices name nothing";
+                let help = "indices of one sample of each pixel: averaged indices are meaningless";
                 return refuse(picture, &place, what, help);
             }
         }

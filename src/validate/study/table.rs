@@ -144,7 +144,7 @@ fn sentence(verdict: &Verdict, threads: usize) -> String {
     } = verdict;
     let fastest = match &verdict.fastest {
         Some(method) => format!("{method} is fastest"),
-        None => "none is fastest beyond the spread".into(),
+        None => "no method is significantly fastest".into(),
     };
     let ms = |time: f64| format!("{:.2} ms", 1e3 * time);
     let trace = verdict.trace.map_or("not measured".into(), ms);

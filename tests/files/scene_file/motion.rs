@@ -119,7 +119,7 @@ fn accelerations_are_given_in_axes_of_a_gyroscope_or_of_the_world() {
         { acceleration = { proper = '1 /m', direction = [0, 1, 0] } }]";
     let error = refused(turning);
     assert!(
-        error.contains("no hyperbola") && error.contains("gyroscope"),
+        error.contains("does not give hyperbolic motion") && error.contains("gyroscope"),
         "{error}"
     );
     let circle =

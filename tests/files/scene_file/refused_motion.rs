@@ -73,7 +73,7 @@ cases! { TIMES:
 }
 
 cases! { SENSOR:
-    TIME => "sensor.focal_length = \"-36 mm\"" at "camera.sensor.focal_length" "\"-36 mm\"": "-36 mm has the pinhole behind the sensor", "above 0";
+    TIME => "sensor.focal_length = \"-36 mm\"" at "camera.sensor.focal_length" "\"-36 mm\"": "-36 mm would put the pinhole behind the sensor", "above 0";
     TIME => "sensor.focal_length = \"0 mm\"" at "camera.sensor.focal_length" "\"0 mm\"": "`focal_length` is 0", "above 0";
     TIME => "sensor.width = \"24 mm\"" at "camera.sensor" "sensor": "the key `focal_length` is missing", "From the sensor to the pinhole";
     TIME => "sensor = { focal_length = \"36 mm\", width = \"24 mm\" }" at "camera.sensor.width" "\"24 mm\"": "`hfov` and `sensor.width` exclude each other", "keep one";

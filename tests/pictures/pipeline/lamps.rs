@@ -438,7 +438,7 @@ fn what_no_light_can_be_is_refused_in_words() {
         ),
         (
             "[sky]\n[radiance]\nquantity = \"line\"\nwavelength = \"532 nm\"",
-            "no one wavelength",
+            "no single wavelength",
         ),
     ] {
         let error = refused(light);

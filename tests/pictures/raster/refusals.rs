@@ -39,7 +39,7 @@ fn cameras_whose_rays_leave_events_of_their_own_are_refused() {
         + BODIES;
     for text in [sensor, shutter, paper] {
         for method in ["raster:none", "warp:cube=8"] {
-            assert_refused(&text, method, "events of their own", true);
+            assert_refused(&text, method, "rays all leave one event", true);
         }
     }
 }

@@ -126,7 +126,8 @@ fn a_bake_that_is_stopped_can_be_resumed_once_a_part_is_kept_and_says_so_then_al
     ] {
         let arguments = [&bake[..], &options].concat();
         let (_, said) = stopped_saying(&folder, &arguments, "-INT", Duration::from_millis(1200));
-        let anew = format!("{STOPPED}no part was finished: the same command starts anew\n");
+        let anew =
+            format!("{STOPPED}no part was finished; running the command again starts over\n");
         assert_eq!(said, anew);
         assert_eq!(folder.names(), ["lit.toml"]);
     }

@@ -127,7 +127,7 @@ fn what_is_no_method_or_cannot_be_done_by_it_is_refused() {
                 "--set",
                 "camera.sensor={focal_length=\"0.1 m\"}",
             ],
-            &["events of their own", "--method trace"],
+            &["rays all leave one event", "--method trace"],
         ),
         (
             &["--method", "raster:uniform=0.00001"],

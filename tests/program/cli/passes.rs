@@ -63,12 +63,11 @@ fn an_error_that_is_not_reached_is_taken_up_again_with_the_bits_of_work_that_did
     parts.write("soft.toml", SOFT.replace("radiance = 3", "radiance = 4"));
     let said = parts.ok(&[&TO_NPZ[..], &["--error", "60 %"]].concat());
     assert!(
-        !said.contains("resuming") && said.contains("8 passes") && said.contains("starts again"),
+        !said.contains("resuming") && said.contains("8 passes") && said.contains("starting over"),
         "{said}"
     );
     // What was asked for is said to be reached, and is not the error of single pixels.
-    let reached =
-        "each tile of 16 × 16 pixels has reached the standard error that was asked for, 60 %";
+    let reached = "each tile of 16 × 16 pixels has reached the requested standard error, 60 %";
     assert!(said.contains(reached), "{said}");
     assert!(!parts.path("a.npz.passes").exists());
     // A damaged file is refused, and named.

@@ -320,8 +320,8 @@ fn light_of_lamps_that_mirrors_and_glass_lose_is_said_with_both_names() {
     let folder = Folder::new();
     let glass = MIRROR.replace("metallic = 1\nroughness = 0", "transmission = 1");
     for (scene, way) in [
-        (MIRROR, "by the perfect mirrors \"pane\""),
-        (&glass, "by the smooth glass \"pane\""),
+        (MIRROR, "via the perfect mirrors \"pane\""),
+        (&glass, "via the smooth glass \"pane\""),
     ] {
         folder.write("mirror.toml", scene);
         for said in [
@@ -398,7 +398,7 @@ fn mirrors_that_textures_make_lose_light_and_are_named() {
             folder.ok(&["plan", "mirror.toml"]),
             folder.ok(&["render", "mirror.toml", "-o", "b.png"]),
         ] {
-            let words = "not found by the perfect mirrors \"pane\"";
+            let words = "cannot be sampled via the perfect mirrors \"pane\"";
             assert_eq!(
                 said.matches(words).count(),
                 usize::from(is_named),

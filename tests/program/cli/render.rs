@@ -278,7 +278,7 @@ fn what_half_precision_does_not_hold_is_counted() {
     };
     folder.write("beyond.toml", sky("[1e6, 1e-9, 1]"));
     let said = folder.ok(&["render", "beyond.toml", "--half", "-o", "a.exr"]);
-    let words = "warning: --half: 48 pixels brighter than 65504 limited to that, 48 pixels with values up to 3e-8 set to 0: without \
+    let words = "warning: --half: 48 pixels brighter than 65504 were clamped, 48 pixels with values up to 3e-8 were set to 0: without \
                  --half the file holds them in f32\n";
     assert_eq!(said.matches(words).count(), 1, "{said}");
     // Single precision holds both, and a picture is no file in half precision.
@@ -306,7 +306,7 @@ fn what_single_precision_does_not_hold_is_limited_and_said() {
                  velocity = { one_minus_beta = 1e-6, direction = [0, 0, -1] }\n[sky]\nradiance = 1e30\n";
     folder.write("hot.toml", scene);
     let said = folder.ok(&["render", "hot.toml", "-o", "a.exr"]);
-    let words = "warning: EXR: 16 pixels brighter than 3.4028e38 limited to that";
+    let words = "warning: EXR: 16 pixels brighter than 3.4028e38 were clamped";
     assert_eq!(said.matches(words).count(), 1, "{said}");
     let layers = exr::read(&folder.path("a.exr"), &Default::default()).unwrap();
     let red = layers.channels.iter().find(|c| c.name == "radiance.R");

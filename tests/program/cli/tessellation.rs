@@ -79,7 +79,7 @@ fn wrong_pixels_and_cameras_are_refused() {
         (&["--panel", "left"], &["left"]),
         (
             &["--set", "camera.shutter={duration=\"1 m\"}"],
-            &["events of their own"],
+            &["rays all leave one event"],
         ),
     ];
     for (arguments, parts) in cases {

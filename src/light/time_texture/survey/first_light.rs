@@ -208,7 +208,7 @@ impl FirstLight {
             return None;
         }
         let what = format!(
-            "between {} of the points, light would have travelled faster than light, by the times of first light",
+            "between {} of the points, light would have had to travel faster than c, by the times of first light",
             percent(now)
         );
         let power =

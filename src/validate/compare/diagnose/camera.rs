@@ -119,7 +119,7 @@ pub(super) fn other_shot(case: &Case) -> Option<Diagnosis> {
     (!found.is_empty()).then(|| Diagnosis {
         kind: Kind::ShotsDiffer,
         what: format!(
-            "the pictures are of different shots, by their metadata: {}; nothing is said of what follows from it",
+            "the pictures are of different shots, by their metadata: {}; its consequences are not diagnosed",
             words.join("; ")
         ).into(),
         evidence: found.iter().map(|(key, apart)| (*key, *apart)).collect(),

@@ -502,7 +502,7 @@ fn describe_factors(case: &Case, factors: &BTreeMap<i64, f64>, tally: &Tally) ->
     } else if all(&|k| 1.0 / gamma(k)) {
         "wavelength ratios lack the objects' γ: they are 1/γ of what they should be".into()
     } else if all(&gamma) {
-        "wavelength ratios have the objects' γ once too often".into()
+        "wavelength ratios contain the objects' γ once too often".into()
     } else {
         // Of the others there is nothing to say.
         let wrong = factors.iter().filter(|(_, log)| log.abs() > NOTABLE_RATIO);

@@ -421,7 +421,7 @@ pub(super) fn describe(
     Diagnosis {
         kind: Kind::FieldOfView,
         what: format!(
-            "the field of view is another: tan(fov/2) is {:.4} times the reference's, the focal length {:.4} times{}{why}",
+            "the field of view differs: tan(fov/2) is {:.4} times the reference's, the focal length {:.4} times{}{why}",
             0.5 * (k.x + k.y),
             2.0 / (k.x + k.y),
             fov.unwrap_or_default()

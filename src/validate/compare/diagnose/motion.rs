@@ -625,7 +625,7 @@ fn describe_change(known: &KnownScene, change: Change, tally: &Tally) -> Diagnos
         ),
         Change::Swapped(j, k) => (
             Kind::VelocitiesSwapped,
-            format!("the velocities of objects {j} and {k} are swapped: their points are shown where they are seen so"),
+            format!("the velocities of objects {j} and {k} are swapped: their points are shown as they would be with velocities exchanged"),
             beta(j).max(beta(k)),
         ),
     };

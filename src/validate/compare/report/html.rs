@@ -89,7 +89,7 @@ fn pictures(
     maps: &[ErrorMap],
 ) -> Result<()> {
     let [expected, actual] = displays(reference, candidate)?;
-    html.push_str("<h2>Pictures</h2><p>Wheel: zoom; drag: move; double click: all of it. All pictures move together.</p><div class=\"pictures\">\n");
+    html.push_str("<h2>Pictures</h2><p>Wheel: zoom; drag: move; double-click: reset. All pictures move together.</p><div class=\"pictures\">\n");
     figure(html, "expected", &reduced(&expected), "")?;
     figure(html, "actual", &reduced(&actual), "")?;
     for map in maps {

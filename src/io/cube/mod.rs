@@ -1,6 +1,7 @@
 //! Cubes of samples (row, column, time, channel), and the files that hold them.
 //!
-//! A further format is a file here, with its [`CubeFormat`], and a line in [`FORMATS`].
+//! A further format of files is a file here, with its [`CubeFormat`], and a line in [`FORMATS`]. What is no file, as sequences of pictures and
+//! Zarr folders, is told by its name alone: [`is_sequence`], [`is_zarr`].
 
 #[cfg(not(all(feature = "hdf5", feature = "zarr")))]
 mod absent;

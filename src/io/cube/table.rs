@@ -1,4 +1,5 @@
-//! All formats of cubes, and reading a file of whichever it is.
+//! All formats of cubes, and reading a file of whichever it is. Sequences of pictures and Zarr folders are no files, and are told by their
+//! names before the first bytes of anything are read.
 
 use std::io::{BufReader, Cursor};
 use std::path::Path;
@@ -13,7 +14,7 @@ use crate::io::files::{ReadSeek, Reader};
 use crate::io::npy::Header;
 use crate::io::open::open_regular;
 
-/// The formats. What is none of them is left to the first to refuse.
+/// The formats of files.
 pub const FORMATS: &[CubeFormat] = &[
     npy::ARRAY,
     npy::ARCHIVE,
@@ -144,5 +145,14 @@ fn opened(path: &Path) -> Result<(Reader, &'static CubeFormat)> {
 /// The format by the first bytes; leaves the reader at the start.
 fn told_apart(reader: &mut dyn ReadSeek, file: &Path) -> Result<&'static CubeFormat> {
     let start = first_bytes(reader, file)?;
-    Ok(format_of(&start, file).unwrap_or(&FORMATS[0]))
+    format_of(&start, file).ok_or_else(|| {
+        let extensions = FORMATS.iter().flat_map(|format| format.extensions);
+        let extensions: Vec<_> = extensions.map(|end| format!(".{end}")).collect();
+        let help = format!(
+            "cubes are read from {}, numbered pictures (a folder of them, or a pattern for their names) and Zarr folders",
+            extensions.join(", ")
+        );
+        let what = "this file is of no format of cubes, by its first bytes and its name";
+        Error::unsupported(file, "", what, help)
+    })
 }

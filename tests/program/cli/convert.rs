@@ -294,6 +294,16 @@ fn what_cannot_be_converted_is_refused_and_leaves_nothing() {
         &["convert", "large.npy", "-o", "large.npy"],
         &["is read"],
     );
+    // What is no cube is not called a broken one.
+    for name in ["scene.toml", "unnamed"] {
+        folder.write(name, "[camera]\n");
+        refused(
+            &folder,
+            &["convert", name, "-o", "a.npy"],
+            &[name, "no format of cubes", ".npz", "Zarr"],
+        );
+        std::fs::remove_file(folder.path(name)).unwrap();
+    }
     assert_eq!(folder.names(), ["large.npy"]);
 }
 

@@ -32,9 +32,11 @@ struct Job {
 
 pub fn run(arguments: &BakeArguments) -> Result<()> {
     let scene = arguments.scene.load()?;
+    // A wrong name is told before what is wrong with objects, which may be others.
+    let named = named(arguments, &scene)?;
     bake::check(&scene)?;
     let bins = bins(arguments, &scene)?;
-    let mut jobs = jobs(arguments, &scene)?;
+    let mut jobs = jobs(arguments, &scene, named)?;
     let limit = arguments.scene.changes.memory.bytes();
     // Of surfaces whose backs are seen, both sides.
     let plain = arguments
@@ -185,7 +187,7 @@ fn bins(arguments: &BakeArguments, scene: &Scene) -> Result<Bins> {
 }
 
 /// One file for the camera, or one for each object.
-fn jobs(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<Job>> {
+fn jobs(arguments: &BakeArguments, scene: &Scene, named: Vec<usize>) -> Result<Vec<Job>> {
     let path = match &arguments.output {
         Some(path) => path.clone(),
         None => named_after(arguments.scene.path(), "-light.npz"),
@@ -204,7 +206,10 @@ fn jobs(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<Job>> {
             surface: None,
         }]);
     }
-    let objects = objects(arguments, scene)?;
+    let objects = match named.is_empty() {
+        true => reflecting(scene)?,
+        false => named,
+    };
     if let Some(object) = objects.iter().find(|k| !reflects(scene, **k)) {
         return Err(nothing_to_bake(scene, *object));
     }
@@ -249,26 +254,8 @@ fn choose_coordinates(arguments: &BakeArguments, plan: &Plan, jobs: &mut [Job]) 
     Ok(())
 }
 
-/// The objects that are named, or all that reflect light.
-fn objects(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<usize>> {
-    if arguments.object.is_empty() {
-        let all = 0..scene.objects.len();
-        let found: Vec<usize> = all.filter(|k| reflects(scene, *k)).collect();
-        // The first object says why there is none.
-        return match (found.is_empty(), scene.objects.is_empty()) {
-            (false, _) => Ok(found),
-            (true, false) => Ok(vec![0]),
-            (true, true) => {
-                let what = "the scene has no objects: there is nothing to bake";
-                Err(Error::invalid(
-                    &scene.name,
-                    "object",
-                    what,
-                    "add an [[object]]",
-                ))
-            }
-        };
-    }
+/// The objects that are named.
+fn named(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<usize>> {
     let index = |name: &String| {
         let found = scene.objects.iter().position(|o| o.name == *name);
         found.ok_or_else(|| {
@@ -279,6 +266,25 @@ fn objects(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<usize>> {
         })
     };
     arguments.object.iter().map(index).collect()
+}
+
+/// All objects that reflect light; the first object says why there is none.
+fn reflecting(scene: &Scene) -> Result<Vec<usize>> {
+    let all = 0..scene.objects.len();
+    let found: Vec<usize> = all.filter(|k| reflects(scene, *k)).collect();
+    match (found.is_empty(), scene.objects.is_empty()) {
+        (false, _) => Ok(found),
+        (true, false) => Ok(vec![0]),
+        (true, true) => {
+            let what = "the scene has no objects: there is nothing to bake";
+            Err(Error::invalid(
+                &scene.name,
+                "object",
+                what,
+                "add an [[object]]",
+            ))
+        }
+    }
 }
 
 /// Whether an object reflects light.

@@ -459,6 +459,13 @@ fn gloss_that_is_not_baked_is_said_by_name() {
     }
 }
 
+/// A floor, and a chest that moves along it.
+fn moving() -> String {
+    let chest =
+        "[[object]]\nname = \"chest\"\nshape = { box = {} }\nvelocity = { beta = [0.5, 0, 0] }\n";
+    format!("{FLASH}{chest}{LIGHT}")
+}
+
 #[test]
 fn what_cannot_be_baked_is_refused_and_leaves_no_file() {
     let without = "spectrum = { blackbody = \"3000 K\" }\n[radiance]\nquantity = \"rgb\"";
@@ -481,6 +488,9 @@ fn what_cannot_be_baked_is_refused_and_leaves_no_file() {
             &["--camera"],
             "flat film",
         ),
+        // Of a wrong name it does not matter what moves.
+        (moving(), &["--object=nope"], "no object is called so"),
+        (moving(), &["--object=chest"], "it moves relative to"),
     ] {
         let folder = Folder::empty();
         folder.write("lit.toml", scene);

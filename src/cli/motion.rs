@@ -28,7 +28,7 @@ use nullray::render::metadata;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
-use nullray::render::survey::{self, SeenTimes, Shots};
+use nullray::render::survey::{self, Shots};
 use nullray::scene::model::Scene;
 use nullray::scene::{Heading, Overrides, SceneFile};
 use nullray::spacetime::{Event, Velocity};
@@ -364,11 +364,10 @@ fn passing(arguments: &FilmArguments, scene: &Scene) -> Result<[f64; 2]> {
     )?;
     let mut prepared = Prepared::new(&small, &plan, &Silent)?;
     // Of a cube, the part of its data that is lit.
-    let wanted = survey::seen_times(&prepared).into_iter().map(|times| {
-        let data = survey::lit(&prepared, times.source).unwrap_or(times.data);
-        SeenTimes { data, ..times }
-    });
-    let wanted: Vec<SeenTimes> = wanted.collect();
+    let mut wanted = survey::seen_times(&prepared);
+    for times in &mut wanted {
+        times.data = survey::lit(&prepared, times.source).unwrap_or(times.data);
+    }
     let mut shots = Shots::new(&small, &mut prepared);
     let times: Vec<[f64; 2]> = wanted.iter().filter_map(|w| shots.showing(w)).collect();
     brief(&times).ok_or_else(|| {

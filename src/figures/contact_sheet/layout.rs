@@ -19,6 +19,7 @@ const SPACE: f64 = 1.2;
 
 /// A page: everything has its place.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Layout {
     /// Width and height of the page.
     pub size: [u32; 2],
@@ -32,6 +33,7 @@ pub struct Layout {
 
 /// The place of a panel.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Cell {
     /// All of it; cells of a row are of one size, and none overlap.
     pub frame: Rect,

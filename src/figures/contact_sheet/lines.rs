@@ -10,6 +10,7 @@ const ASCENT: f64 = 0.95;
 
 /// A line of text, centred.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct TextLine {
     /// The text.
     pub text: String,

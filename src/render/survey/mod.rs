@@ -66,6 +66,7 @@ impl Looks {
 
 /// Times on the clock of a source, metres of ct; of a lamp, its own (proper) times.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SeenTimes {
     /// Index of the source in the scene; from their number on, of the light.
     pub source: usize,

@@ -100,6 +100,7 @@ pub struct Panel {
 
 /// The axes of a frame.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Axes {
     /// Which of the model's frames.
     pub frame: usize,
@@ -115,6 +116,7 @@ pub struct Axes {
 
 /// An axis, from lower to higher values.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Axis {
     /// Its ends.
     pub ends: [Point; 2],
@@ -126,6 +128,7 @@ pub struct Axis {
 
 /// A tick on an axis or a world line.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Tick {
     /// Where.
     pub at: Point,
@@ -139,6 +142,7 @@ pub struct Tick {
 
 /// A line of equal time or place of a frame.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct GridLine {
     /// Which of the model's frames.
     pub frame: usize,
@@ -148,6 +152,7 @@ pub struct GridLine {
 
 /// A drawn curve.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Curve {
     /// Points near enough to each other for straight lines between them.
     pub points: Vec<Point>,
@@ -155,6 +160,7 @@ pub struct Curve {
 
 /// A world line.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct WorldLine {
     /// Its name.
     pub name: String,
@@ -170,6 +176,7 @@ pub struct WorldLine {
 
 /// A light cone.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Cone {
     /// Its apex.
     pub apex: Point,
@@ -183,6 +190,7 @@ pub struct Cone {
 
 /// Events of one interval from an event.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Hyperbola {
     /// Where it goes.
     pub curve: Curve,
@@ -194,6 +202,7 @@ pub struct Hyperbola {
 
 /// A shaded area.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Area {
     /// Its edge.
     pub edge: Vec<Point>,
@@ -209,6 +218,7 @@ pub struct Area {
 
 /// Words within an area.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Placed {
     /// The words.
     pub text: String,
@@ -218,6 +228,7 @@ pub struct Placed {
 
 /// The interval between two events.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Interval {
     /// The events.
     pub ends: [Point; 2],
@@ -255,6 +266,7 @@ impl Kind {
 
 /// A line of simultaneity, and where it meets the world lines.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Now {
     /// Which of the model's frames.
     pub frame: usize,
@@ -268,6 +280,7 @@ pub struct Now {
 
 /// A clock on its world line.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Bead {
     /// Which of the panel's world lines.
     pub line: usize,
@@ -281,6 +294,7 @@ pub struct Bead {
 
 /// One half of a light cone in 2+1 dimensions, up to the circle on which its light is at one time.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Nappe {
     /// The apex.
     pub apex: Point,
@@ -294,6 +308,7 @@ pub struct Nappe {
 
 /// Events of one time of a frame, in 2+1 dimensions.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Plane {
     /// Which of the model's frames.
     pub frame: usize,
@@ -311,6 +326,7 @@ pub struct Plane {
 
 /// What 2+1 dimensions have besides.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Solid {
     /// The corners of the floor, at the lowest ct: near left, near right, far right, far left.
     pub floor: [Point; 4],
@@ -326,6 +342,7 @@ pub struct Solid {
 
 /// A rectangle of a diagram, in its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Limits {
     /// From left to right.
     pub x: [f64; 2],

@@ -22,6 +22,7 @@ const STEPS: f64 = 8.0;
 
 /// Errors of a picture.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ErrorMap {
     /// What is shown, with its unit.
     pub title: String,

@@ -1,19 +1,45 @@
 //! A radiance of one's own, as a function of the emission event: every point of a moving sphere shows stripes
-//! that its own clock moves along, computed from channels:
+//! that its own clock moves along:
 //! `cargo run --release --example custom_radiance -- picture.png`.
 
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 
 use nullray::io::image::png;
-use nullray::render::aov::Aov;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
+use nullray::render::trace::{
+    Colouring, Emission, Emitted, Meter, Radiance, Response, Run, Scaling,
+};
 use nullray::render::{render, tonemap};
 use nullray::scene::Builder;
 use nullray::scene::model::{Exposure, Shape};
-use nullray::spacetime::{Quantity, WavelengthRatio};
+use nullray::spacetime::Quantity;
+
+/// Stripes across y, which go round once per metre of the sphere's own time.
+#[derive(Debug)]
+struct Stripes;
+
+impl Radiance for Stripes {
+    fn has_gaps(&self) -> bool {
+        false
+    }
+
+    fn emit(&self, run: &Run, emitted: &mut Emitted, _: &mut Meter) {
+        // Radiance over the whole spectrum: the camera sees W⁻⁴ of it.
+        emitted.start(Response {
+            scaled: Scaling::Of(Quantity::Integrated),
+            colour: Colouring::Channels,
+        });
+        for point in run.points() {
+            // In the frame in which the sphere rests, from its own origin on.
+            let event = point.rest_event() - point.patch.object_origin;
+            let stripe = 0.5 + 0.5 * (TAU * (3.0 * event.x.y - event.ct)).sin();
+            emitted.push(Emission::full([stripe; 3]));
+        }
+    }
+}
 
 fn main() -> nullray::Result<()> {
     let path = std::env::args_os().nth(1).map(PathBuf::from);
@@ -29,28 +55,12 @@ fn main() -> nullray::Result<()> {
         .shape("sphere", sphere)
         .set("object.sphere.velocity.beta", [0.8, 0.0, 0.0])
         .build()?;
-    let channels = [Aov::ObjectEventCt, Aov::ObjectEventY, Aov::WavelengthRatio];
-    let request = Request {
-        aovs: channels.into(),
-        // One event per pixel, which no mean over samples blurs.
-        pixel_centers: true,
-        ..Request::default()
-    };
-    let plan = Plan::new(&scene, &request)?;
-    let film = render(&Prepared::new(&scene, &plan, &Silent)?, &Silent)?;
+    let plan = Plan::new(&scene, &Request::default())?;
+    let mut prepared = Prepared::new(&scene, &plan, &Silent)?;
+    prepared.set_radiance(Box::new(Stripes));
+    let film = render(&prepared, &Silent)?;
 
-    let [time, y, ratio] = channels.map(|aov| film.aov(aov).unwrap_or_default());
-    let observed = |i: usize| {
-        // NaN where no surface is seen.
-        if time[i].is_nan() {
-            return [0.0; 3];
-        }
-        let emitted = 0.5 + 0.5 * (TAU * (3.0 * y[i] - time[i])).sin();
-        let factor = Quantity::Integrated.radiance_factor(WavelengthRatio(ratio[i]));
-        [emitted * factor; 3]
-    };
-    let radiance: Vec<[f64; 3]> = (0..time.len()).map(observed).collect();
-    let shown = tonemap::tonemap(&radiance, Exposure::Percentile(99.0))?;
+    let shown = tonemap::tonemap(film.radiance(), Exposure::Percentile(99.0))?;
     let [width, height] = film.size();
     png::write(&path, width, height, &shown.rgb, &[])?;
     let white = shown.white;

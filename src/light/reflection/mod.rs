@@ -374,7 +374,7 @@ impl Reflection {
         let specular = mean(f0.map(|f| f + (1.0 - f) * weight));
         let diffuse = (1.0 - specular).max(0.0) * mean(self.diffuse);
         match diffuse > 0.0 {
-            true => (specular / (specular + diffuse)).clamp(0.1, 0.9),
+            true => (specular / (specular + diffuse)).clamp(LEAST_CHANCE, 1.0 - LEAST_CHANCE),
             false => 1.0,
         }
     }
@@ -470,6 +470,9 @@ impl VectorLoop for Values<'_> {
         }
     }
 }
+
+/// The least chance of either lobe of a metallic-roughness surface: what is found by one weighs at most ten times as much as by it alone.
+const LEAST_CHANCE: f64 = 0.1;
 
 #[inline]
 fn mean([r, g, b]: [f64; 3]) -> f64 {

@@ -13,7 +13,7 @@ use glam::DVec3;
 
 /// The cosine of the angle between the axis of a face and its corners, 1/√3.
 const CORNER: f64 = 0.577_350_269;
-/// What rounding may move a place on a face by, with a wide margin.
+/// What rectangles are widened by: 10⁷ times the rounding, 2⁻⁵³ each, of the few steps from a direction to its place, from −1 to 1.
 const ROUNDING: f64 = 1e-9;
 
 /// The outward axis of a face of the cube, and its sides.

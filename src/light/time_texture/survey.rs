@@ -101,6 +101,7 @@ fn byte_order(lines: &mut Lines) -> Option<String> {
     }
     let ByteOrder { sign, now, turned } = ByteOrder::of(&samples, bytes, lines.store.shape()[3])?;
     let [now_part, turned_part] = [now, turned].map(percent);
+    // No light is of the sizes that are counted; of numbers whose bytes are turned round, a third (f32) and two thirds (f64) are.
     let seen = match (sign, bytes) {
         (Sign::Sizes, 4) => {
             format!(

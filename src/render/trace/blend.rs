@@ -3,6 +3,9 @@
 use crate::light::time_texture::{Coverage, Sampled};
 use crate::scene::model::CaptureChoice;
 
+/// What the weights of taps, which sum to 1, lack by rounding (2⁻⁵³ each): a part that is less does not count as missing.
+const ROUNDING: f64 = 1e-9;
+
 /// What the captures of a surface say of one point.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Blend {
@@ -24,8 +27,7 @@ impl Blend {
         sampled: Sampled,
         weight: Option<f64>,
     ) {
-        // The weights of the taps sum to 1 but for rounding.
-        let is_held = sampled.coverage.held > 1.0 - 1e-9;
+        let is_held = sampled.coverage.held > 1.0 - ROUNDING;
         match weight.filter(|_| is_held) {
             Some(weight) => {
                 if choice == CaptureChoice::First && self.weight > 0.0 {

@@ -32,6 +32,9 @@ use crate::spacetime::{Displacement, Event, Rest, World};
 /// More than all rounding: of N at most γ (1 + φ) times some 2⁻⁵⁰, with φ < 710.
 const SLACK: f64 = 1e-11;
 
+/// What sin α is widened by: c and the box round by some 2⁻⁵¹ of their coordinates, which are up to 10⁶ times their distance.
+const ROUNDING: f64 = 1e-9;
+
 /// The directions in which a rest frame is seen from one event: N, sin α and the slack.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct VisibleCone {
@@ -47,8 +50,7 @@ impl VisibleCone {
         let (lo, hi) = rest.bvh.bounds()?;
         let centre = (lo + hi) * 0.5 - camera.x;
         let distance = centre.length();
-        // sin α, and more than the rounding of c and of the box.
-        let sine = (hi - lo).length() * 0.5 / distance * (1.0 + 1e-9) + 1e-9;
+        let sine = (hi - lo).length() * 0.5 / distance * (1.0 + ROUNDING) + ROUNDING;
         // Not for NaN either.
         if !(sine < 1.0 && index == 1.0) {
             return None;

@@ -66,6 +66,9 @@ const MOST: f64 = 64.0;
 /// The most that a box in time is split into, where a longer one smooths over its parts.
 const STEPS: f64 = 16.0;
 
+/// What rounding may put on a length of a whole number of parts, of which there are up to MOST: it must not make one part more.
+const ROUNDING: f64 = 1e-9;
+
 /// What a sample stands for.
 pub(super) struct Footprint {
     /// Where in its cell the sample lies, from 0 to 1.
@@ -218,8 +221,7 @@ impl Footprint {
     }
 
     fn split(&self, texture: &TimeTexture, texels: [f64; 3]) -> Split {
-        // Rounding must not make two of one.
-        let parts = |length: f64, most: f64| (length - 1e-9).ceil().clamp(1.0, most);
+        let parts = |length: f64, most: f64| (length - ROUNDING).ceil().clamp(1.0, most);
         let [across, down] = [parts(texels[0], MOST), parts(texels[1], MOST)];
         // Of many places, few are enough of each as it slides.
         let sliding = parts(texels[TIME], (MOST * MOST / (across * down)).min(MOST));

@@ -226,7 +226,7 @@ impl VectorLoop for BoostDirections<'_> {
 #[derive(Debug, Clone, Copy)]
 struct Ball(DVec3, f64);
 
-/// More than the rounding of some sums and products, each 2⁻⁵³ of its terms.
+/// What balls are widened by, of their coordinates: 10⁷ times the rounding, 2⁻⁵³ each, of the few sums and products that make them.
 const ROUNDING: f64 = 1e-9;
 
 impl Ball {

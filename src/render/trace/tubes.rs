@@ -10,7 +10,7 @@ use glam::DVec3;
 use super::rest_frame::RestFrame;
 use crate::spacetime::Event;
 
-/// More than all rounding: of a few products and sums of coordinates, each 2⁻⁵³ of them.
+/// What boxes are widened by, of their coordinates: 10⁷ times the rounding, 2⁻⁵³ each, of the few products and sums that make them.
 const SLACK: f64 = 1e-9;
 
 /// Where the surfaces of each rest frame are in the world, by coordinate: x(0), β, r.

@@ -59,6 +59,9 @@ pub(crate) fn in_target(error: Error, temporary: &Path, target: &Path) -> Error 
 impl Temporary {
     /// A new file beside `target`, open for reading and writing and locked; who may read it is as of the file that it is to take the
     /// place of.
+    ///
+    /// # Errors
+    /// The file cannot be made, or not be given the permissions of `target`.
     pub fn file(target: &Path) -> io::Result<(Temporary, File)> {
         let (path, file) = make_beside(target, |path| {
             let mut options = OpenOptions::new();
@@ -80,6 +83,9 @@ impl Temporary {
     }
 
     /// A new directory beside `target`.
+    ///
+    /// # Errors
+    /// The directory cannot be made.
     pub fn folder(target: &Path) -> io::Result<Temporary> {
         let (path, lock) = make_beside(target, |path| {
             fs::create_dir(path)?;

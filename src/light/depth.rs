@@ -111,7 +111,7 @@ impl PixelRays {
     }
 
     /// Distances, metres, of surfaces on which the light of `flash` fell before it came in at the times `arrivals`, metres
-    /// of light path; NaN where no surface could have sent it then.
+    /// of light path, row by row from the top; NaN where no surface could have sent it then.
     pub fn distances(&self, arrivals: &[f64], flash: &Flash, index: f64) -> Vec<f64> {
         let q = self.eye - flash.position;
         let distance = |(pixel, arrival): (usize, &f64)| {
@@ -128,7 +128,7 @@ impl PixelRays {
         arrivals.iter().enumerate().map(distance).collect()
     }
 
-    /// Distances along the rays of points at these depths along the forward axis.
+    /// Distances along the rays of points at these depths along the forward axis, both in metres and row by row from the top.
     pub fn distances_of_depths(&self, depths: &[f64]) -> Vec<f64> {
         let forward = self.projection.forward();
         let distance = |(pixel, depth): (usize, &f64)| {

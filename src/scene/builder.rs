@@ -210,7 +210,7 @@ impl Builder {
             let known: Vec<&str> = whole.panels.iter().map(|p| p.name.as_str()).collect();
             let what = format!("the scene has no panel \"{name}\"");
             let help = match known.is_empty() {
-                true => "panels are tables of [panel] in the text of the scene".into(),
+                true => "panels are [[panel]] tables in the text of the scene".into(),
                 false => format!("there are: {}", known.join(", ")),
             };
             return Err(Error::invalid(&whole.name, "panel", what, help));

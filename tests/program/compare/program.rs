@@ -110,6 +110,7 @@ fn limits_that_limit_nothing_or_cannot_be_met_are_refused() {
         ("radiance.R:max=inf", "every candidate is within"),
         ("rmse=-1", "no candidate can be within"),
         ("ssim=1.5", "no candidate can be within"),
+        ("coverage=1.01", "no candidate can be within"),
     ] {
         let output = run(
             folder.path(),

@@ -232,11 +232,11 @@ clock_zero = \"5 m\"
 {sky}
 [[object]]
 name = \"left\"
-shape = {{ box = {{}} }}
+shape = {{ box = {{ size = [1, 1, 1] }} }}
 metallic = {metallic}
 [[object]]
 name = \"right\"
-shape = {{ box = {{}} }}
+shape = {{ box = {{ size = [1, 1, 1] }} }}
 transform = {{ translate = [1.5, 0, 0] }}
 [[source]]
 pulse = {{ position = [0.5, 2, 2], sigma = \"1 m\" }}

@@ -331,7 +331,7 @@ fn light_of_lamps_that_mirrors_and_glass_lose_is_said_with_both_names() {
             for words in [
                 "the light of \"bulb\"",
                 way,
-                "missing in the picture and in its standard error",
+                "the picture and its standard error lack it",
             ] {
                 assert!(said.contains(words), "{words}: {said}");
             }

@@ -461,8 +461,7 @@ fn gloss_that_is_not_baked_is_said_by_name() {
 
 /// A floor, and a chest that moves along it.
 fn moving() -> String {
-    let chest =
-        "[[object]]\nname = \"chest\"\nshape = { box = { size = [1, 1, 1] } }\nvelocity = { beta = [0.5, 0, 0] }\n";
+    let chest = "[[object]]\nname = \"chest\"\nshape = { box = { size = [1, 1, 1] } }\nvelocity = { beta = [0.5, 0, 0] }\n";
     format!("{FLASH}{chest}{LIGHT}")
 }
 

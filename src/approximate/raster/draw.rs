@@ -13,8 +13,8 @@ use crate::render::film::{Film, TILE, Tile, TileFilm};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::trace::{
-    CameraRays, HitBuffer, Meter, RadianceSink, Rays, Shading, SurfaceHit, Surfaces, TracedRays,
-    generator, record,
+    Background, CameraRays, HitBuffer, Meter, RadianceSink, Rays, Shading, SurfaceHit, Surfaces,
+    TracedRays, generator, record,
 };
 use crate::spacetime::{Direction, World};
 
@@ -281,6 +281,11 @@ pub(super) trait Visibility: Sync {
         false
     }
 
+    /// Whether [`Visibility::paint`] turns the rays that meet something itself, and asks where samples are alone.
+    fn turns_rays(&self) -> bool {
+        false
+    }
+
     /// How many samples of a pixel are painted together, at most.
     fn samples_at_once(&self) -> u32 {
         1
@@ -297,6 +302,8 @@ pub(super) trait Visibility: Sync {
 pub(super) struct StripSamples<'a> {
     pub strip: Strip,
     camera_rays: &'a CameraRays,
+    /// Whether directions and W of the camera rays have been asked for.
+    has_looks: bool,
     surfaces: &'a Surfaces<'a>,
     /// World time that light takes per metre; 0 where retardation is turned off.
     pub index: f64,
@@ -308,10 +315,34 @@ impl StripSamples<'_> {
         self.strip.points(self.camera_rays.offsets(), x, y);
     }
 
-    /// Fills `ratios` and `directions` with those of the camera rays.
-    pub fn looks(&self, ratios: &mut Vec<f64>, directions: &mut Vec<DVec3>) {
-        ratios.extend_from_slice(&self.camera_rays.ratios);
-        directions.extend_from_slice(&self.camera_rays.directions);
+    /// Makes room for one ray for each sample in `rays`, which holds none: the camera rays, where these have been asked for.
+    pub fn start(&self, rays: &mut RayBatch) {
+        match self.has_looks {
+            true => {
+                rays.ratios.extend_from_slice(&self.camera_rays.ratios);
+                (rays.directions).extend_from_slice(&self.camera_rays.directions);
+            }
+            false => {
+                let count = self.strip.samples();
+                rays.ratios.resize(count, 1.0);
+                rays.directions.resize(count, DVec3::ZERO);
+            }
+        }
+    }
+
+    /// Makes a ray of `rays` the camera ray of its sample again, where these have been asked for.
+    pub fn look(&self, sample: usize, rays: &mut RayBatch) {
+        if self.has_looks {
+            rays.ratios[sample] = self.camera_rays.ratios[sample];
+            rays.directions[sample] = self.camera_rays.directions[sample];
+        }
+    }
+
+    /// The corner of the tile, pixels of the film.
+    pub fn tile_corner(&self) -> [f64; 2] {
+        let Strip { rows, first, .. } = self.strip;
+        let [left, top] = rows.corner;
+        [left, top - first].map(f64::from)
     }
 
     /// The look direction of a sample.
@@ -340,6 +371,8 @@ impl StripSamples<'_> {
 struct Stage<'a, P> {
     scene: &'a Prepared,
     visibility: &'a P,
+    /// Whether directions and W of camera rays are asked for.
+    has_looks: bool,
     surfaces: Surfaces<'a>,
     /// Of the medium; 1 where rays have delays of their own.
     index: f64,
@@ -371,8 +404,11 @@ pub(super) fn film<P: Visibility>(
         true => 1.0,
         false => scene.ray_index,
     };
+    // What meets nothing has its own direction where that makes a difference, and so have channels.
+    let is_plain = matches!(scene.background, Background::Observed(_));
     let stage = Stage {
         scene,
+        has_looks: !(visibility.turns_rays() && is_plain && scene.layout.channels.is_empty()),
         surfaces: Surfaces::unbuffered(&scene.frames, scene.camera.shot.event, index),
         index,
         visibility,
@@ -458,10 +494,14 @@ impl<P: Visibility> Painter for Stage<'_, P> {
         } = buffers;
         let Stage { scene, .. } = self;
         let generator = generator(&scene.camera.view);
-        generator.generate_by_pixel(camera_rays, &scene.sampler, strip.rows, samples);
+        generator.place_by_pixel(camera_rays, &scene.sampler, strip.rows, samples);
+        if self.has_looks {
+            generator.look(camera_rays);
+        }
         let strip_samples = StripSamples {
             strip,
             camera_rays,
+            has_looks: self.has_looks,
             surfaces: &self.surfaces,
             index: scene.ray_index,
         };
@@ -529,6 +569,7 @@ impl<P> Stage<'_, P> {
         let samples = StripSamples {
             strip,
             camera_rays,
+            has_looks: self.has_looks,
             surfaces: &self.surfaces,
             index: self.index,
         };

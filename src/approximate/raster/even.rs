@@ -13,18 +13,15 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
-
 use super::draw::{Painter, Strip};
+use super::ratios::CameraRatios;
 use super::tile::{Gathered, NOTHING, TileBuffers, WHOLE};
 use super::triangles::{Triangles, is_front};
 use crate::accel::vectors::{VectorLoop, dispatch};
-use crate::camera::{AnyProjection, Point, Projection};
 use crate::render::film::{TILE, Tile, TileFilm};
 use crate::render::prepare::Prepared;
 use crate::render::sampler::{Sampler, halves, pixel_key};
 use crate::render::trace::{Background, Dependence, Scaling, weigh};
-use crate::spacetime::{Boost, CameraFrame, Direction, Rest, World};
 
 /// A patch that shows nothing but black.
 const BLACK: u32 = NOTHING - 1;
@@ -33,11 +30,7 @@ const BLACK: u32 = NOTHING - 1;
 pub(super) struct Even<'a> {
     triangles: &'a Triangles<'a>,
     sampler: Sampler,
-    film: &'a AnyProjection,
-    /// None for a camera that rests in the world.
-    world_from_camera: Option<Boost<World, CameraFrame>>,
-    /// Whether directions of the camera are taken as the world's.
-    is_unaberrated: bool,
+    ratios: CameraRatios<'a>,
     scaled: Scaling,
     background: [f64; 3],
     /// The patches of all frames, and where those of each begin.
@@ -105,14 +98,7 @@ impl<'a> Even<'a> {
         {
             return None;
         }
-        let shot = &scene.camera.shot;
-        let (moves, is_unaberrated) = match scene.camera.view.point()? {
-            Point::Still(_) => (false, false),
-            Point::Moving(_) => (true, false),
-            Point::Unaberrated(_) => (true, true),
-        };
-        let boost = *shot.frame.world_from_frame();
-        let world_from_camera = (moves && !boost.is_identity()).then_some(boost);
+        let ratios = CameraRatios::of(&scene.camera)?;
         let (mut patches, mut firsts) = (Vec::new(), Vec::new());
         for (frame, rest) in (0..).zip(triangles.frames) {
             firsts.push(patches.len() as u32);
@@ -121,7 +107,7 @@ impl<'a> Even<'a> {
                 patches.push(EvenPatch {
                     radiance: *radiance.get(patch.emitter as usize)?,
                     frame,
-                    has_ratios: world_from_camera.is_some() || !is_still,
+                    has_ratios: ratios.differ() || !is_still,
                 });
             }
         }
@@ -134,9 +120,7 @@ impl<'a> Even<'a> {
             batches_with_ratios: batches.map(|batch| has_ratios(batch.frame)).collect(),
             triangles,
             sampler: scene.sampler,
-            film: &shot.projection,
-            world_from_camera,
-            is_unaberrated,
+            ratios,
             scaled,
             background,
             patches,
@@ -162,25 +146,6 @@ impl<'a> Even<'a> {
         match rest.patches[own].black_back && !is_front(rest.bvh.corners(slot), projection) {
             true => BLACK,
             false => first + own as u32,
-        }
-    }
-
-    /// Fills `ratios` with W of the samples at these film points that see rest frame `frame`.
-    fn ratios(&self, frame: u32, [x, y]: [&[f64]; 2], ratios: &mut [f64]) {
-        let boost = self.triangles.frames[frame as usize]
-            .frame
-            .frame_from_world();
-        let loops = Looks {
-            film: self.film,
-            world_from_camera: self.world_from_camera.as_ref(),
-            is_unaberrated: self.is_unaberrated,
-            rest_from_world: (!boost.is_identity()).then_some(boost),
-            points: [x, y],
-            ratios,
-        };
-        match self.film {
-            AnyProjection::Perspective(film) => dispatch(loops.through(film)),
-            _ => dispatch(loops),
         }
     }
 }
@@ -295,7 +260,10 @@ impl Painter for Even<'_> {
             let end = next.map_or(x.len(), |(_, begin)| begin);
             let own = begin..end;
             let points = [&x[own.clone()], &y[own.clone()]];
-            self.ratios(frame, points, &mut ratios[own]);
+            let rest = self.triangles.frames[frame as usize]
+                .frame
+                .frame_from_world();
+            (self.ratios).fill(rest, points, [0.0; 2], &mut ratios[own]);
         }
         weigh(self.scaled, ratios, factors);
         // At W = 1.
@@ -380,90 +348,6 @@ impl Positions {
             }
             (pixel, begin) = (pixel + 1, end);
             end = (end + each).min(x.len());
-        }
-    }
-}
-
-/// Number of samples whose W are worked out together.
-const LANES: usize = 16;
-
-/// The loop over film points that gives W of samples that see one rest frame.
-struct Looks<'a, P> {
-    film: &'a P,
-    world_from_camera: Option<&'a Boost<World, CameraFrame>>,
-    is_unaberrated: bool,
-    rest_from_world: Option<&'a Boost<Rest, World>>,
-    points: [&'a [f64]; 2],
-    ratios: &'a mut [f64],
-}
-
-impl<'a, P> Looks<'a, P> {
-    /// The same through another projection.
-    fn through<Q>(self, film: &'a Q) -> Looks<'a, Q> {
-        let Looks {
-            world_from_camera,
-            is_unaberrated,
-            rest_from_world,
-            points,
-            ratios,
-            ..
-        } = self;
-        Looks {
-            film,
-            world_from_camera,
-            is_unaberrated,
-            rest_from_world,
-            points,
-            ratios,
-        }
-    }
-}
-
-impl<P: Projection> VectorLoop for Looks<'_, P> {
-    #[inline(always)]
-    fn run(self) {
-        let [x, y] = self.points.map(|all| all.chunks(LANES));
-        for ((x, y), to) in x.zip(y).zip(self.ratios.chunks_mut(LANES)) {
-            let (mut at_x, mut at_y) = ([0.0; LANES], [0.0; LANES]);
-            match (x.first_chunk(), y.first_chunk()) {
-                (Some(x), Some(y)) => (at_x, at_y) = (*x, *y),
-                _ => {
-                    at_x[..x.len()].copy_from_slice(x);
-                    at_y[..y.len()].copy_from_slice(y);
-                }
-            }
-            // In short loops, one step after the other: of long ones compilers make no vector code for AVX2.
-            let (mut dx, mut dy, mut dz) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-            for k in 0..LANES {
-                let d = self.film.direction(at_x[k], at_y[k]).unit();
-                (dx[k], dy[k], dz[k]) = (d.x, d.y, d.z);
-            }
-            let mut ratios = [1.0; LANES];
-            if let Some(boost) = self.world_from_camera.copied() {
-                if self.is_unaberrated || self.rest_from_world.is_none() {
-                    for k in 0..LANES {
-                        let d = Direction::from_unit(DVec3::new(dx[k], dy[k], dz[k]));
-                        ratios[k] = boost.direction_of_moving(d).1;
-                    }
-                } else {
-                    for k in 0..LANES {
-                        let d = Direction::from_unit(DVec3::new(dx[k], dy[k], dz[k]));
-                        let (d, ratio) = boost.direction_of_moving(d);
-                        ratios[k] = ratio;
-                        (dx[k], dy[k], dz[k]) = (d.unit().x, d.unit().y, d.unit().z);
-                    }
-                }
-            }
-            if let Some(boost) = self.rest_from_world.copied() {
-                for k in 0..LANES {
-                    let d = Direction::from_unit(DVec3::new(dx[k], dy[k], dz[k]));
-                    ratios[k] *= boost.direction_of_moving(d).1;
-                }
-            }
-            match to.first_chunk_mut() {
-                Some(to) => *to = ratios,
-                None => to.copy_from_slice(&ratios[..to.len()]),
-            }
         }
     }
 }

@@ -1,152 +1,20 @@
 //! Fragments: what samples see of the triangles that cover them, in the terms of the ray tracer.
 //!
-//! With eᵢ of a small triangle, its corners' places cᵢ and weights (uᵢ, vᵢ) on the triangle of the tree,
-//!
-//! ```text
-//! (c, u, v) = Σ eᵢ·p (cᵢ, uᵢ, vᵢ) / Σ eᵢ·p,
-//! ```
-//!
-//! six linear functions of the film point over a seventh, which are worked out once for each triangle that is seen at
-//! all. From c the look direction and the distance follow. All samples in a row that see one triangle are a run, through which
-//! a loop goes with its functions at hand. What neither radiance nor channels depend on is left out.
+//! From the place c the look direction and the distance follow. All samples in a row that see one triangle are a run, through which
+//! a loop goes with its functions (`surfaces`) at hand.
 
 use glam::DVec3;
 
 use super::draw::{RayBatch, StripSamples};
-use super::tile::{Gathered, NOTHING};
-use super::triangles::{Triangles, is_front};
+use super::surfaces::{Surface, place};
+use super::tile::NOTHING;
+use super::triangles::Triangles;
 use crate::accel::Hit;
 use crate::accel::vectors::{BLOCK, VectorLoop, Vectors, dispatch, load, store};
-use crate::approximate::projection::{Apparent, ApparentProjection};
+use crate::approximate::projection::Apparent;
 use crate::camera::RayOrigin;
-use crate::render::film::Tile;
 use crate::render::trace::{Dependence, SurfaceHit};
 use crate::spacetime::{Boost, Direction, Displacement, Rest, World};
-
-/// A small triangle that is seen, as functions of the point (x, y, 1) of the tile.
-#[derive(Debug)]
-pub(super) struct Surface {
-    /// Σ eᵢ.
-    sum: DVec3,
-    /// Σ eᵢ cᵢ, by coordinate.
-    c: [DVec3; 3],
-    /// Σ eᵢ (uᵢ, vᵢ).
-    weights: [DVec3; 2],
-    /// Σ eᵢ (tᵢ, Wᵢ), where they are interpolated: time of emission relative to the shot in the rest frame, metres,
-    /// and wavelength ratio.
-    attributes: Option<[DVec3; 2]>,
-    frame: u32,
-    /// The slot and the triangle of the tree, and whether its front is seen.
-    slot: u32,
-    triangle: u32,
-    front: bool,
-}
-
-impl Surface {
-    /// What is seen of a triangle of `tile`: its functions as far as they are needed.
-    pub fn of(all: &Triangles, triangle: &Gathered, tile: Tile) -> Surface {
-        let batch = &all.batches[triangle.batch as usize];
-        let piece = &batch.pieces[triangle.piece as usize];
-        let (rest, projection) = (
-            &all.frames[batch.frame as usize],
-            &all.projections[batch.frame as usize],
-        );
-        let corners = rest.bvh.corners(piece.slot);
-        let plain = Surface {
-            sum: DVec3::ZERO,
-            c: [DVec3::ZERO; 3],
-            weights: [DVec3::ZERO; 2],
-            attributes: None,
-            frame: batch.frame,
-            slot: piece.slot,
-            triangle: rest.bvh.triangle(piece.slot).0,
-            front: is_front(corners, projection),
-        };
-        if all.needed == Dependence::Patch && !all.has_holes {
-            return plain;
-        }
-        let vertices = batch.corners(&all.seen[batch.frame as usize], piece);
-        // eᵢ relative to the tile's corner.
-        let [left, top] = tile.corner.map(f64::from);
-        let film = vertices.map(|v| v.film);
-        let [a, b, c] = film.map(|h| DVec3::new(h.x - left * h.z, h.y - top * h.z, h.z));
-        let e = [b.cross(c), c.cross(a), a.cross(b)];
-        let sum_of = |values: [f64; 3]| e[0] * values[0] + e[1] * values[1] + e[2] * values[2];
-        let plain = Surface {
-            sum: e[0] + e[1] + e[2],
-            c: [
-                sum_of(vertices.map(|v| v.c.x)),
-                sum_of(vertices.map(|v| v.c.y)),
-                sum_of(vertices.map(|v| v.c.z)),
-            ],
-            ..plain
-        };
-        if all.needed < Dependence::Weights && !all.has_holes {
-            return plain;
-        }
-        let known = rest.shared_vertices().corners[piece.slot as usize];
-        let weights = piece.corners.map(|index| {
-            match (
-                known.iter().position(|own| *own == index),
-                index.checked_sub(batch.shared),
-            ) {
-                (None, Some(cut)) => weights(corners, batch.places[cut as usize]),
-                (Some(1), _) => [1.0, 0.0],
-                (Some(2), _) => [0.0, 1.0],
-                _ => [0.0, 0.0],
-            }
-        });
-        let attributes = all.has_interpolated_attributes().then(|| {
-            let known = weights.map(|weights| attributes(projection, place(corners, weights)));
-            [0, 1].map(|k| sum_of(known.map(|values| values[k])))
-        });
-        Surface {
-            weights: [0, 1].map(|k| sum_of(weights.map(|weights| weights[k]))),
-            attributes,
-            ..plain
-        }
-    }
-
-    /// Barycentric weights of its second and third corner at p = (x, y, 1) over Σ eᵢ·(x, y, 1). Samples are on the triangle but
-    /// for rounding.
-    #[inline(always)]
-    fn barycentric(&self, p: DVec3) -> [f64; 2] {
-        let [u, v] = self.weights.map(|weight| weight.dot(p));
-        let u = u.clamp(0.0, 1.0);
-        [u, v.max(0.0).min(1.0 - u)]
-    }
-
-    /// Whether it is there at the point (x, y) of the tile, and not a hole.
-    pub fn is_opaque(&self, all: &Triangles, x: f64, y: f64) -> bool {
-        let p = DVec3::new(x, y, 1.0);
-        let weights = self.barycentric(p / self.sum.dot(p));
-        let rest = &all.frames[self.frame as usize];
-        rest.bvh.is_opaque(self.triangle, weights)
-    }
-}
-
-/// The point of a triangle with these weights of its second and third corner.
-fn place([a, b, c]: [DVec3; 3], [u, v]: [f64; 2]) -> DVec3 {
-    a + (b - a) * u + (c - a) * v
-}
-
-/// The weights of the second and third corner of a triangle at the point `x` in its plane.
-fn weights([a, b, c]: [DVec3; 3], x: DVec3) -> [f64; 2] {
-    // Scaled, so that products stay within range.
-    let (e1, e2) = (b - a, c - a);
-    let scale = 1.0 / e1.abs().max(e2.abs()).max_element();
-    let (e1, e2, p) = (e1 * scale, e2 * scale, (x - a) * scale);
-    let n = e1.cross(e2);
-    [p.cross(e2).dot(n), e1.cross(p).dot(n)].map(|part| part / n.length_squared())
-}
-
-/// Time of emission relative to the shot in the rest frame, metres, and W, of the point `x`.
-fn attributes(projection: &ApparentProjection, x: DVec3) -> [f64; 2] {
-    projection.image(x).map_or([f64::NAN; 2], |image| {
-        let (_, emission) = projection.emission(image.d, image.s);
-        [emission.ct, projection.wavelength_ratio(image.d)]
-    })
-}
 
 /// Number of samples of a run that are worked out together: four f64 are a vector of AVX2. Most runs of small triangles are not much longer.
 const LANES: usize = 4;
@@ -178,7 +46,7 @@ pub(super) struct Fragments {
 }
 
 impl Fragments {
-    /// Takes `samples` over, and fills `rays` with their camera rays, where these will be turned to the fragments.
+    /// Takes `samples` over, and makes room for their rays in `rays`, where these will be turned to the fragments.
     pub fn start(&mut self, samples: &StripSamples, needed: Dependence, rays: &mut RayBatch) {
         self.count = samples.strip.samples();
         samples.points(&mut self.x, &mut self.y);
@@ -186,7 +54,7 @@ impl Fragments {
             places.resize(self.count + LANES, 0.0);
         }
         if needed > Dependence::Patch {
-            samples.looks(&mut rays.ratios, &mut rays.directions);
+            samples.start(rays);
         }
         self.runs.clear();
     }
@@ -235,7 +103,7 @@ impl Fragments {
                 c: &mut self.c,
                 weights: (all.needed == Dependence::Weights).then_some(&mut self.weights),
             });
-            self.look(all, surfaces, rays);
+            self.look(all, samples, surfaces, rays);
         }
         self.meet(all, samples, surfaces, rays);
         if all.has_interpolated_attributes() {
@@ -244,16 +112,26 @@ impl Fragments {
     }
 
     /// Turns the rays to the fragments.
-    fn look(&mut self, all: &Triangles, surfaces: &[Surface], rays: &mut RayBatch) {
+    fn look(
+        &mut self,
+        all: &Triangles,
+        strip: &StripSamples,
+        surfaces: &[Surface],
+        rays: &mut RayBatch,
+    ) {
+        let corner = strip.tile_corner();
         let frame_of = |run: &Run| surfaces.get(run.surface as usize).map(|s| s.frame);
         for runs in self.runs.chunk_by(|a, b| frame_of(a) == frame_of(b)) {
             let (Some(frame), [first, ..], [.., last]) = (frame_of(&runs[0]), runs, runs) else {
                 continue;
             };
             let samples = first.begin..last.end;
+            let boost = all.frames[frame as usize].frame.frame_from_world();
+            let points = [&self.x, &self.y].map(|all| &all[samples.clone()]);
+            (all.ratios).fill(boost, points, corner, &mut rays.ratios[samples.clone()]);
             dispatch(Look {
                 apparent: all.projections[frame as usize].apparent(),
-                boost: all.frames[frame as usize].frame.frame_from_world(),
+                boost,
                 c: self.c.each_ref().map(|c| &c[samples.clone()]),
                 directions: &mut rays.directions[samples.clone()],
                 distances: &mut self.distances[samples.clone()],
@@ -301,7 +179,7 @@ impl Fragments {
                 // None at the camera's own place.
                 let hit = (s > 0.0 && s < f64::INFINITY).then(|| on_surface(surface, s, weights));
                 if hit.is_none() {
-                    rays.directions[ray] = samples.direction(ray).unit();
+                    samples.look(ray, rays);
                 }
                 rays.hits.push(hit);
             }
@@ -422,9 +300,10 @@ struct Look<'a> {
     apparent: &'a Apparent,
     boost: &'a Boost<Rest, World>,
     c: [&'a [f64]; 3],
-    /// The look directions of the samples, and then those of the fragments.
+    /// The look directions of the fragments, and their distances.
     directions: &'a mut [DVec3],
     distances: &'a mut [f64],
+    /// W of the samples, and then that of sources at rest in the world by which shading finds it.
     ratios: &'a mut [f64],
 }
 
@@ -440,14 +319,6 @@ impl VectorLoop for Look<'_> {
         for begin in (0..count).step_by(BLOCK) {
             let directions = &mut self.directions[begin..count.min(begin + BLOCK)];
             let ratios = &mut self.ratios[begin..count.min(begin + BLOCK)];
-            if is_moving {
-                for (k, sampled) in directions.iter().enumerate() {
-                    d.set(k, *sampled);
-                }
-                for (k, rho) in rhos.iter_mut().enumerate() {
-                    *rho = boost.direction_of_moving(Direction::from_unit(d.get(k))).1;
-                }
-            }
             let [x, y, z] = self.c.map(|c| load(c, begin));
             for k in 0..BLOCK {
                 c.set(k, DVec3::new(x[k], y[k], z[k]));
@@ -458,13 +329,13 @@ impl VectorLoop for Look<'_> {
                 *direction = d.get(k);
             }
             store(&distances, self.distances, begin);
-            // W as the sample's own direction gives it: shading multiplies by what the fragment's direction gives.
+            // Shading multiplies by what the fragment's direction gives.
             if is_moving {
                 for (k, rho) in rhos.iter_mut().enumerate() {
-                    *rho /= boost.direction_of_moving(Direction::from_unit(d.get(k))).1;
+                    *rho = boost.direction_of_moving(Direction::from_unit(d.get(k))).1;
                 }
                 for (ratio, rho) in ratios.iter_mut().zip(&rhos) {
-                    *ratio *= rho;
+                    *ratio /= rho;
                 }
             }
         }

@@ -26,7 +26,7 @@
 //! It goes the way that fast rasterizers go: each distinct vertex is transformed once, in loops over one array per
 //! coordinate (`vertices`); triangles are divided level by level (`divide`, `flatness`), culled (`cull`) and sorted by the tiles
 //! that they may reach (`batch`). A tile is painted in strips of rows (`draw`), all samples of a pixel together: their depths stay in
-//! the cache while triangles cover them in f32, and in f64 where that is in doubt (`tile`); what is seen at all, and of that only
+//! the cache while triangles cover them in f32, and in f64 where that is in doubt (`tile`); what is seen at all (`surfaces`), and of that only
 //! what radiance depends on, is interpolated (`fragments`), and shaded by the loops of the ray tracer. Where radiance depends on the patch
 //! alone, no more is found of each sample than its patch and W (`even`).
 //!
@@ -50,6 +50,8 @@ mod fragments;
 mod map;
 mod method;
 mod plan;
+mod ratios;
+mod surfaces;
 mod tile;
 mod triangles;
 mod vertices;

@@ -10,10 +10,11 @@ use super::cull::Frustum;
 use super::cuts::{Cuts, Outlook};
 use super::divide::{BatchBuilder, Divider, FrameVertices};
 use super::method::{Attributes, Raster, Tessellation};
+use super::ratios::CameraRatios;
 use super::tile::Pieces;
 use super::vertices::{Vertex, transformed};
 use crate::accel::Facing;
-use crate::approximate::projection::{ApparentProjection, Observer};
+use crate::approximate::projection::{ApparentProjection, Observer, apart};
 use crate::error::Result;
 use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
@@ -39,6 +40,8 @@ pub(super) struct Triangles<'a> {
     /// The batches by tile.
     pub by_tile: TileBatches,
     attributes: Attributes,
+    /// W of samples.
+    pub ratios: CameraRatios<'a>,
     /// What depths are measured in, metres: of the order of the farthest vertex.
     pub unit: f64,
     /// Whether some have holes.
@@ -108,6 +111,7 @@ impl<'a> Triangles<'a> {
             by_tile: TileBatches::new(&batches, Tile::count(size)),
             batches,
             attributes: raster.attributes,
+            ratios: CameraRatios::of(&scene.camera).ok_or_else(apart)?,
             unit: if farthest.is_normal() { farthest } else { 1.0 },
             has_holes: frames.iter().any(|rest| rest.bvh.has_holes()),
             needed: match scene.layout.channels.is_empty()

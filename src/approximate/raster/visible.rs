@@ -1,10 +1,12 @@
 //! Which triangle each sample of a tile sees, and what it sees of it.
 
 use super::draw::{RayBatch, StripSamples, Visibility};
-use super::fragments::{Fragments, Surface};
+use super::fragments::Fragments;
+use super::surfaces::{Surface, SurfaceLots};
 use super::tile::{MOST_TOGETHER, NOTHING, TileBuffers, WHOLE};
 use super::triangles::Triangles;
 use crate::render::film::Tile;
+use crate::render::trace::Dependence;
 
 /// What is reused from tile to tile.
 #[derive(Debug, Default)]
@@ -19,9 +21,11 @@ pub(super) struct Buffers {
 /// The surfaces of a tile that samples see, set up once they are first asked for.
 #[derive(Debug, Default)]
 struct SeenSurfaces {
-    /// By triangle of the tile, the index of its surface among `surfaces`, where it has been seen.
+    /// By triangle of the tile, the index of its surface, where it has been seen.
     seen_as: Vec<u32>,
-    surfaces: Vec<Surface>,
+    /// By surface, its triangle; and the first of them, which are set up.
+    triangles: Vec<u32>,
+    surfaces: SurfaceLots,
 }
 
 impl SeenSurfaces {
@@ -29,25 +33,27 @@ impl SeenSurfaces {
     fn start(&mut self, triangles: usize) {
         self.seen_as.clear();
         self.seen_as.resize(triangles, NOTHING);
-        self.surfaces.clear();
+        self.triangles.clear();
+        self.surfaces.all.clear();
     }
 
-    /// The index of that of triangle `index` of `triangles`, which are those of `tile`; none for no triangle.
+    /// The index of that of triangle `index`; none for no triangle.
     #[inline(always)]
-    fn of(
-        &mut self,
-        all: &Triangles,
-        tile: Tile,
-        triangles: &TileBuffers,
-        index: u32,
-    ) -> Option<u32> {
+    fn of(&mut self, index: u32) -> Option<u32> {
         let known = self.seen_as.get_mut(index as usize)?;
         if *known == NOTHING {
-            *known = self.surfaces.len() as u32;
-            let triangle = &triangles.triangles[index as usize];
-            self.surfaces.push(Surface::of(all, triangle, tile));
+            *known = self.triangles.len() as u32;
+            self.triangles.push(index);
         }
         Some(*known)
+    }
+
+    /// All of them, those set up that have been asked for since; their triangles are `triangles` of `tile`.
+    fn complete(&mut self, all: &Triangles, tile: Tile, triangles: &TileBuffers) -> &[Surface] {
+        let known = self.surfaces.all.len();
+        let new = &self.triangles[known..];
+        (self.surfaces).add(all, tile, &triangles.triangles, new);
+        &self.surfaces.all
     }
 }
 
@@ -56,6 +62,10 @@ impl Visibility for Triangles<'_> {
 
     fn has_own_delays(&self) -> bool {
         self.has_interpolated_attributes()
+    }
+
+    fn turns_rays(&self) -> bool {
+        self.needed > Dependence::Patch
     }
 
     fn samples_at_once(&self) -> u32 {
@@ -93,10 +103,10 @@ impl Visibility for Triangles<'_> {
                 true => {
                     triangles.cover_by_pixels(strip, x, y);
                     triangles.each_run_of_pixels(strip, |triangle, samples| {
-                        let surface = seen.of(self, tile, triangles, triangle);
-                        fragments.see(surface, samples);
+                        fragments.see(seen.of(triangle), samples);
                     });
-                    return fragments.finish(self, samples, &seen.surfaces, rays);
+                    let surfaces = seen.complete(self, tile, triangles);
+                    return fragments.finish(self, samples, surfaces, rays);
                 }
                 false => triangles.cover(strip, x, y),
             }
@@ -105,8 +115,9 @@ impl Visibility for Triangles<'_> {
         if self.has_holes {
             for (sample, (x, y)) in x.iter().zip(&*y).enumerate() {
                 let mut is_opaque = |triangle: u32| {
-                    let surface = seen.of(self, tile, triangles, triangle);
-                    let surface = surface.map(|known| &seen.surfaces[known as usize]);
+                    let known = seen.of(triangle);
+                    let surfaces = seen.complete(self, tile, triangles);
+                    let surface = known.map(|known| &surfaces[known as usize]);
                     surface.is_some_and(|surface| surface.is_opaque(self, *x, *y))
                 };
                 let nearest = triangles.nearest()[sample];
@@ -118,9 +129,9 @@ impl Visibility for Triangles<'_> {
         }
         // Samples in a row that see one triangle, or none, are one run.
         triangles.each_run(count, |triangle, samples| {
-            let surface = seen.of(self, tile, triangles, triangle);
-            fragments.see(surface, samples);
+            fragments.see(seen.of(triangle), samples);
         });
-        fragments.finish(self, samples, &seen.surfaces, rays);
+        let surfaces = seen.complete(self, tile, triangles);
+        fragments.finish(self, samples, surfaces, rays);
     }
 }

@@ -288,14 +288,17 @@ pub trait RayGenerator: Sync {
     /// Generates the rays of `samples` of every pixel of `tile`, sample by sample.
     fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, samples: Range<u32>);
 
-    /// Generates the same rays pixel by pixel, without the keys of random numbers at what they hit.
-    fn generate_by_pixel(
+    /// Says where the same samples are, pixel by pixel, without the keys of random numbers at what they hit.
+    fn place_by_pixel(
         &self,
         rays: &mut CameraRays,
         sampler: &Sampler,
         tile: Tile,
         samples: Range<u32>,
     );
+
+    /// Generates the rays of samples whose places are known.
+    fn look(&self, rays: &mut CameraRays);
 
     /// Generates the rays a little beside those of `of` along an axis of the film, towards the middles of their pixels, or for
     /// [`TIME`] a little towards the middle of the exposure.
@@ -319,43 +322,53 @@ pub fn generator(view: &AnyView) -> &dyn RayGenerator {
     }
 }
 
-impl<V: View> RayGenerator for V {
-    fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, samples: Range<u32>) {
-        let (pixels, count) = (tile.pixels(), samples.len() * tile.pixels());
-        rays.resize::<V>(count);
-        rays.index = sampler.replicate(samples.start).0;
-        rays.in_pixel = sampler.samples();
-        rays.keys.clear();
-        rays.indices.clear();
-        let uses_time = self.uses_time();
-        rays.moments.resize(if uses_time { count } else { 0 }, 0.0);
-        let [left, top] = tile.corner;
-        for (sample, begin) in samples.clone().zip((0..count).step_by(pixels.max(1))) {
-            let of_sample = begin..begin + pixels;
-            let rows = rays.pixels[of_sample.clone()].chunks_mut(tile.size[0].max(1) as usize);
-            for (row, pixels) in (top..).zip(rows) {
-                for (column, pixel) in (left..).zip(pixels) {
-                    *pixel = pixel_key(column, row);
-                }
-            }
-            let (within, salt) = sampler.replicate(sample);
-            let keys = rays.pixels[of_sample.clone()].iter();
-            rays.keys.extend(keys.map(|pixel| pixel ^ salt));
-            if samples.len() > 1 {
-                rays.indices.resize(of_sample.end, within);
-            }
-            let keys = &rays.keys[of_sample.clone()];
-            let [x, y] = &mut rays.offsets;
-            let (x, y) = (&mut x[of_sample.clone()], &mut y[of_sample.clone()]);
-            sampler.offsets(keys, within, x, y);
-            if uses_time {
-                sampler.moments(keys, within, &mut rays.moments[of_sample]);
+/// Says where `samples` of every pixel of `tile` are, sample by sample.
+fn place<V: View>(
+    view: &V,
+    rays: &mut CameraRays,
+    sampler: &Sampler,
+    (tile, samples): (Tile, Range<u32>),
+) {
+    let (pixels, count) = (tile.pixels(), samples.len() * tile.pixels());
+    rays.resize::<V>(count);
+    rays.index = sampler.replicate(samples.start).0;
+    rays.in_pixel = sampler.samples();
+    rays.keys.clear();
+    rays.indices.clear();
+    let uses_time = view.uses_time();
+    rays.moments.resize(if uses_time { count } else { 0 }, 0.0);
+    let [left, top] = tile.corner;
+    for (sample, begin) in samples.clone().zip((0..count).step_by(pixels.max(1))) {
+        let of_sample = begin..begin + pixels;
+        let rows = rays.pixels[of_sample.clone()].chunks_mut(tile.size[0].max(1) as usize);
+        for (row, pixels) in (top..).zip(rows) {
+            for (column, pixel) in (left..).zip(pixels) {
+                *pixel = pixel_key(column, row);
             }
         }
+        let (within, salt) = sampler.replicate(sample);
+        let keys = rays.pixels[of_sample.clone()].iter();
+        rays.keys.extend(keys.map(|pixel| pixel ^ salt));
+        if samples.len() > 1 {
+            rays.indices.resize(of_sample.end, within);
+        }
+        let keys = &rays.keys[of_sample.clone()];
+        let [x, y] = &mut rays.offsets;
+        let (x, y) = (&mut x[of_sample.clone()], &mut y[of_sample.clone()]);
+        sampler.offsets(keys, within, x, y);
+        if uses_time {
+            sampler.moments(keys, within, &mut rays.moments[of_sample]);
+        }
+    }
+}
+
+impl<V: View> RayGenerator for V {
+    fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, samples: Range<u32>) {
+        place(self, rays, sampler, (tile, samples));
         rays.look_through(self);
     }
 
-    fn generate_by_pixel(
+    fn place_by_pixel(
         &self,
         rays: &mut CameraRays,
         sampler: &Sampler,
@@ -364,7 +377,7 @@ impl<V: View> RayGenerator for V {
     ) {
         let each = samples.len();
         if each == 1 {
-            return self.generate(rays, sampler, tile, samples);
+            return place(self, rays, sampler, (tile, samples));
         }
         rays.resize::<V>(each * tile.pixels());
         rays.index = sampler.replicate(samples.start).0;
@@ -393,6 +406,9 @@ impl<V: View> RayGenerator for V {
             }
         }
         rays.keys.clear();
+    }
+
+    fn look(&self, rays: &mut CameraRays) {
         rays.look_through(self);
     }
 
@@ -564,7 +580,9 @@ mod tests {
                 assert_eq!(rays.directions.len(), count);
                 // The same rays in another order.
                 let mut by_pixel = CameraRays::default();
-                generator(view).generate_by_pixel(&mut by_pixel, &sampler, tile, 0..samples);
+                let generator = generator(view);
+                generator.place_by_pixel(&mut by_pixel, &sampler, tile, 0..samples);
+                generator.look(&mut by_pixel);
                 assert_eq!(by_pixel.directions.len(), count);
                 for k in 0..count {
                     let (pixel, sample) = (k / samples as usize, k % samples as usize);

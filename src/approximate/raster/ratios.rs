@@ -1,0 +1,159 @@
+//! W of samples that see what rests in one frame, by their film points:
+//!
+//! ```text
+//! W = W_camera(d′) W_rest(d),     d′ the direction in which the camera looks at the sample, d that in the world.
+//! ```
+
+use glam::DVec3;
+
+use crate::accel::vectors::{VectorLoop, dispatch};
+use crate::camera::{AnyProjection, Camera, Point, Projection};
+use crate::spacetime::{Boost, CameraFrame, Direction, Rest, World};
+
+/// Number of samples whose W are worked out together.
+const LANES: usize = 16;
+
+/// A camera all of whose rays leave one event.
+#[derive(Debug)]
+pub(super) struct CameraRatios<'a> {
+    film: &'a AnyProjection,
+    /// None for a camera that rests in the world.
+    world_from_camera: Option<Boost<World, CameraFrame>>,
+    /// Whether directions of the camera are taken as the world's.
+    is_unaberrated: bool,
+}
+
+impl<'a> CameraRatios<'a> {
+    /// Those of `camera`; none where rays have events of their own.
+    pub fn of(camera: &'a Camera) -> Option<Self> {
+        let shot = &camera.shot;
+        let (moves, is_unaberrated) = match camera.view.point()? {
+            Point::Still(_) => (false, false),
+            Point::Moving(_) => (true, false),
+            Point::Unaberrated(_) => (true, true),
+        };
+        let boost = *shot.frame.world_from_frame();
+        Some(CameraRatios {
+            film: &shot.projection,
+            world_from_camera: (moves && !boost.is_identity()).then_some(boost),
+            is_unaberrated,
+        })
+    }
+
+    /// Whether those of what rests in the world differ from sample to sample.
+    pub fn differ(&self) -> bool {
+        self.world_from_camera.is_some()
+    }
+
+    /// Fills `ratios` with W of the samples at these film points, counted from `corner`, that see the rest frame to which `rest` leads.
+    pub fn fill(
+        &self,
+        rest: &Boost<Rest, World>,
+        [x, y]: [&[f64]; 2],
+        corner: [f64; 2],
+        ratios: &mut [f64],
+    ) {
+        let rest_from_world = (!rest.is_identity()).then_some(rest);
+        if !self.differ() && rest_from_world.is_none() {
+            return ratios.fill(1.0);
+        }
+        let loops = Looks {
+            film: self.film,
+            world_from_camera: self.world_from_camera.as_ref(),
+            is_unaberrated: self.is_unaberrated,
+            rest_from_world,
+            points: [x, y],
+            corner,
+            ratios,
+        };
+        match self.film {
+            AnyProjection::Perspective(film) => dispatch(loops.through(film)),
+            _ => dispatch(loops),
+        }
+    }
+}
+
+/// The loop over film points.
+struct Looks<'a, P> {
+    film: &'a P,
+    world_from_camera: Option<&'a Boost<World, CameraFrame>>,
+    is_unaberrated: bool,
+    rest_from_world: Option<&'a Boost<Rest, World>>,
+    points: [&'a [f64]; 2],
+    corner: [f64; 2],
+    ratios: &'a mut [f64],
+}
+
+impl<'a, P> Looks<'a, P> {
+    /// The same through another projection.
+    fn through<Q>(self, film: &'a Q) -> Looks<'a, Q> {
+        let Looks {
+            world_from_camera,
+            is_unaberrated,
+            rest_from_world,
+            points,
+            corner,
+            ratios,
+            ..
+        } = self;
+        Looks {
+            film,
+            world_from_camera,
+            is_unaberrated,
+            rest_from_world,
+            points,
+            corner,
+            ratios,
+        }
+    }
+}
+
+impl<P: Projection> VectorLoop for Looks<'_, P> {
+    #[inline(always)]
+    fn run(self) {
+        let [left, top] = self.corner;
+        let [x, y] = self.points.map(|all| all.chunks(LANES));
+        for ((x, y), to) in x.zip(y).zip(self.ratios.chunks_mut(LANES)) {
+            let (mut at_x, mut at_y) = ([0.0; LANES], [0.0; LANES]);
+            match (x.first_chunk(), y.first_chunk()) {
+                (Some(x), Some(y)) => (at_x, at_y) = (*x, *y),
+                _ => {
+                    at_x[..x.len()].copy_from_slice(x);
+                    at_y[..y.len()].copy_from_slice(y);
+                }
+            }
+            // In short loops, one step after the other: of long ones compilers make no vector code for AVX2.
+            let (mut dx, mut dy, mut dz) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+            for k in 0..LANES {
+                let d = self.film.direction(at_x[k] + left, at_y[k] + top).unit();
+                (dx[k], dy[k], dz[k]) = (d.x, d.y, d.z);
+            }
+            let mut ratios = [1.0; LANES];
+            if let Some(boost) = self.world_from_camera.copied() {
+                if self.is_unaberrated || self.rest_from_world.is_none() {
+                    for k in 0..LANES {
+                        let d = Direction::from_unit(DVec3::new(dx[k], dy[k], dz[k]));
+                        ratios[k] = boost.direction_of_moving(d).1;
+                    }
+                } else {
+                    for k in 0..LANES {
+                        let d = Direction::from_unit(DVec3::new(dx[k], dy[k], dz[k]));
+                        let (d, ratio) = boost.direction_of_moving(d);
+                        ratios[k] = ratio;
+                        (dx[k], dy[k], dz[k]) = (d.unit().x, d.unit().y, d.unit().z);
+                    }
+                }
+            }
+            if let Some(boost) = self.rest_from_world.copied() {
+                for k in 0..LANES {
+                    let d = Direction::from_unit(DVec3::new(dx[k], dy[k], dz[k]));
+                    ratios[k] *= boost.direction_of_moving(d).1;
+                }
+            }
+            match to.first_chunk_mut() {
+                Some(to) => *to = ratios,
+                None => to.copy_from_slice(&ratios[..to.len()]),
+            }
+        }
+    }
+}

@@ -79,9 +79,10 @@ pub(super) fn cover_block(of: &Functions, index: u32, samples: &mut Samples, blo
     if any == 0 {
         return false;
     }
-    // Copies, written as a whole: parts of vectors are slow to write.
-    let (mut least, mut most) = (samples.least[block], samples.most[block]);
-    let mut nearest = samples.nearest[block];
+    // Read and written as a whole, and never in place: parts of vectors are slow to write, and to read again.
+    let (known_least, known_most) = (samples.least[block], samples.most[block]);
+    let known = samples.nearest[block];
+    let (mut least, mut most, mut nearest) = ([0.0; LANES], [0.0; LANES], [0; LANES]);
     let mut close = 0;
     for i in 0..LANES {
         let ea = a[0] * x[i] + a[1] * y[i] + a[2];
@@ -90,11 +91,11 @@ pub(super) fn cover_block(of: &Functions, index: u32, samples: &mut Samples, blo
         let near = dx * x[i] + dy * y[i] + dz;
         let inside = (ea >= 0.0) & (eb >= 0.0) & (ec >= 0.0);
         let (low, high) = (near - of.slack, near + of.slack);
-        let seen = inside & (low > most[i]);
-        close |= u32::from(inside & (low <= most[i]) & (high >= least[i]));
-        least[i] = if seen { low } else { least[i] };
-        most[i] = if seen { high } else { most[i] };
-        nearest[i] = if seen { index } else { nearest[i] };
+        let seen = inside & (low > known_most[i]);
+        close |= u32::from(inside & (low <= known_most[i]) & (high >= known_least[i]));
+        least[i] = if seen { low } else { known_least[i] };
+        most[i] = if seen { high } else { known_most[i] };
+        nearest[i] = if seen { index } else { known[i] };
     }
     samples.least[block] = least;
     samples.most[block] = most;

@@ -108,6 +108,8 @@ pub(crate) struct ApparentVertex {
 pub(crate) struct VertexBlock {
     /// Places in the frame, which become the places c.
     pub c: Vectors,
+    /// |c|.
+    pub length: Block,
     pub film: Vectors,
     pub point: [Block; 2],
     pub scale: Block,
@@ -117,6 +119,7 @@ impl VertexBlock {
     /// To be written.
     pub const ZERO: VertexBlock = VertexBlock {
         c: Vectors::ZERO,
+        length: [0.0; BLOCK],
         film: Vectors::ZERO,
         point: [[0.0; BLOCK]; 2],
         scale: [0.0; BLOCK],
@@ -142,6 +145,11 @@ impl Apparent {
         let r = x - self.origin;
         let (n, stretch) = self.stretch;
         r + n * (n.dot(r) * stretch)
+    }
+
+    /// By how much a length in the frame is longer among places c, at most.
+    pub fn most_stretch(&self) -> f64 {
+        (1.0 + self.stretch.1).max(1.0)
     }
 
     /// The look direction in the world to the point at `c`, whose length is `length`, and the world distance.
@@ -186,17 +194,18 @@ impl Apparent {
     pub fn see(&self, block: &mut VertexBlock) {
         let VertexBlock {
             c,
+            length: lengths,
             film,
             point: [point_x, point_y],
             scale,
         } = block;
         let apparent = *self;
         let mut k = Vectors::ZERO;
-        let (mut lengths, mut distances) = ([0.0; BLOCK], [0.0; BLOCK]);
+        let mut distances = [0.0; BLOCK];
         for at in 0..BLOCK {
             c.set(at, apparent.optical(c.get(at)));
         }
-        apparent.look_at(c, &mut k, [&mut lengths, &mut distances]);
+        apparent.look_at(c, &mut k, [lengths, &mut distances]);
         // The apparent position in the camera's frame.
         if !apparent.camera_from_world.is_identity() {
             let boost = apparent.camera_from_world;

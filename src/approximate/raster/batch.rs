@@ -14,8 +14,9 @@ pub(super) struct Piece {
     pub corners: [u32; 3],
     /// The slot of the triangle that it is a part of.
     pub slot: u32,
-    /// The part of the film that it can reach.
+    /// The part of the film that it can reach, and the only tile there, or [`Reach::SEVERAL`].
     pub reach: Reach,
+    pub tile: u32,
 }
 
 /// Pieces of the triangles in some slots of a rest frame, by the tiles that they may reach.
@@ -63,20 +64,15 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// How many tiles there are in a row. All of a film are counted in u32: it has fewer than 2³² pixels.
+    /// How many tiles there are in a row.
     fn across(self) -> u32 {
         self.size[0].div_ceil(TILE)
     }
 
-    /// Calls `visit` with each tile that the triangle may reach; `film` gives its corners.
-    #[inline]
+    /// Calls `visit` with each tile that a triangle may reach which reaches several; `film` gives its corners.
     fn tiles(self, piece: &Piece, film: impl Fn(&Piece) -> [DVec3; 3], mut visit: impl FnMut(u32)) {
         let last = self.size.map(|n| n - 1);
         let [left, top, right, bottom] = piece.reach.pixels([0; 2], last).map(|p| p / TILE);
-        // Most triangles are small.
-        if [left, top] == [right, bottom] {
-            return visit(top * self.across() + left);
-        }
         let many = (right - left + 1) * (bottom - top + 1) > 2;
         let edges = many.then(|| Edges::of(film(piece)));
         for row in top..=bottom {
@@ -117,32 +113,50 @@ impl Edges {
 impl Bins {
     /// Sorts `triangles` by the tiles of `grid`; `film` gives their corners.
     pub fn new(grid: Grid, triangles: &[Piece], film: impl Fn(&Piece) -> [DVec3; 3]) -> Self {
-        let mut pairs = Vec::with_capacity(triangles.len() + triangles.len() / 2);
+        // Of those that reach several, the tiles with their indices.
+        let mut pairs = Vec::new();
         let (mut first, mut last) = (u32::MAX, 0);
-        for (index, piece) in triangles.iter().enumerate() {
-            grid.tiles(piece, &film, |tile| {
-                first = first.min(tile);
-                last = last.max(tile);
-                pairs.push((tile, index as u32));
-            });
+        for (index, piece) in (0u32..).zip(triangles) {
+            if piece.tile == Reach::SEVERAL {
+                grid.tiles(piece, &film, |tile| {
+                    first = first.min(tile);
+                    last = last.max(tile);
+                    pairs.push((tile, index));
+                });
+            } else {
+                first = first.min(piece.tile);
+                last = last.max(piece.tile);
+            }
         }
-        if pairs.is_empty() {
+        if first > last {
             return Bins::default();
         }
         // A counting sort, which keeps the order within a tile.
         let mut starts = vec![0; (last - first + 2) as usize];
-        for (tile, _) in &pairs {
+        let only = triangles.iter().map(|piece| piece.tile);
+        let only = only.filter(|tile| *tile != Reach::SEVERAL);
+        for tile in only.chain(pairs.iter().map(|(tile, _)| *tile)) {
             starts[(tile - first + 1) as usize] += 1;
         }
         for at in 1..starts.len() {
             starts[at] += starts[at - 1];
         }
         let mut next = starts.clone();
-        let mut sorted = vec![0; pairs.len()];
-        for (tile, index) in pairs {
+        let mut sorted = vec![0; starts.last().map_or(0, |all| *all as usize)];
+        let mut put = |tile: u32, index: u32| {
             let place = &mut next[(tile - first) as usize];
             sorted[*place as usize] = index;
             *place += 1;
+        };
+        let mut pairs = pairs.into_iter().peekable();
+        for (index, piece) in (0..).zip(triangles) {
+            if piece.tile != Reach::SEVERAL {
+                put(piece.tile, index);
+                continue;
+            }
+            while let Some((tile, _)) = pairs.next_if(|(_, own)| *own == index) {
+                put(tile, index);
+            }
         }
         Bins {
             first: first.into(),

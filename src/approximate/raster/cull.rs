@@ -13,8 +13,10 @@
 use glam::DVec3;
 
 use super::vertices::Vertex;
+use crate::accel::vectors::VectorLoop;
 use crate::approximate::projection::ApparentProjection;
 use crate::camera::Projection as _;
+use crate::render::film::TILE;
 use crate::spacetime::Displacement;
 
 /// So far beside a triangle samples may be taken to be inside, pixels: twice the bound on edge functions in f32 (`tile`).
@@ -28,6 +30,24 @@ const ROUNDING: f64 = 1.0 / (1u32 << 23) as f64;
 pub(super) struct Reach(pub [f32; 4]);
 
 impl Reach {
+    /// Of one that reaches several tiles.
+    pub const SEVERAL: u32 = u32::MAX;
+
+    /// The index of the only tile of a film of `size` pixels that it reaches, or [`Reach::SEVERAL`].
+    #[inline(always)]
+    pub fn tile(&self, size: [u32; 2]) -> u32 {
+        let Reach([left, top, right, bottom]) = *self;
+        let last = size.map(|n| (n - 1) as f32);
+        let (left, right) = (tiles(left.min(last[0])), tiles(right.min(last[0])));
+        let (top, bottom) = (tiles(top.min(last[1])), tiles(bottom.min(last[1])));
+        // All of a film are counted in u32: it has fewer than 2³² pixels.
+        let only = top * size[0].div_ceil(TILE) + left;
+        match (left == right) & (top == bottom) {
+            true => only,
+            false => Reach::SEVERAL,
+        }
+    }
+
     /// Its pixels within those from column and row `first` to column and row `last`, counted from `first`: first column and row, last column and
     /// row.
     #[inline(always)]
@@ -41,6 +61,19 @@ impl Reach {
             within(bottom, 1),
         ]
     }
+}
+
+/// The whole part of a number from 0 to 2²³: by the last digits of its sum with 2²³, as no vector conversion cuts off what is beyond its range.
+#[inline(always)]
+pub(super) fn whole(x: f32) -> u32 {
+    const BEFORE: f32 = (1u32 << 23) as f32;
+    (x.floor() + BEFORE).to_bits() - BEFORE.to_bits()
+}
+
+/// Of pixels in a row or a column before a point, the number of whole tiles.
+#[inline(always)]
+fn tiles(x: f32) -> u32 {
+    whole(x * (1.0 / TILE as f32))
 }
 
 /// The part of the film's surroundings where a triangle's image is to be looked for.
@@ -57,6 +90,12 @@ pub(super) struct FilmEdges {
 }
 
 impl FilmEdges {
+    /// Columns and rows of pixels.
+    #[inline(always)]
+    pub fn pixels(self) -> [u32; 2] {
+        self.size.map(|n| n as u32)
+    }
+
     /// Whether what has these bounds, left, top, right and bottom, can reach the film, and which part of it.
     #[inline(always)]
     pub fn reach(self, [left, top, right, bottom]: [f64; 4]) -> (bool, [f32; 4]) {
@@ -73,6 +112,74 @@ impl FilmEdges {
             after(bottom, height),
         ];
         (!outside, reach)
+    }
+}
+
+/// Number of triangles whose reach is found together.
+pub(super) const LOT: usize = 64;
+
+/// Triangles all of which are before the camera, and what they can reach; those whose z is not above 0 everywhere are left out.
+pub(super) struct Before {
+    /// By corner, the film point and z.
+    pub corners: [[[f64; LOT]; 3]; 3],
+    pub kinds: [Kind; LOT],
+    /// The part of the film that those which are seen can reach, and its only tile.
+    pub reach: [[f32; LOT]; 4],
+    pub tiles: [u32; LOT],
+}
+
+/// What is known of a triangle.
+pub(super) type Kind = u32;
+/// It is outside of the film.
+pub(super) const UNSEEN: Kind = 0;
+/// It is before the camera, and can reach the film.
+pub(super) const SEEN: Kind = 1;
+/// Nothing.
+pub(super) const UNKNOWN: Kind = 2;
+
+impl Before {
+    pub const EMPTY: Before = Before {
+        corners: [[[0.0; LOT]; 3]; 3],
+        kinds: [UNKNOWN; LOT],
+        reach: [[0.0; LOT]; 4],
+        tiles: [0; LOT],
+    };
+}
+
+/// The loop over triangles that says what they can reach.
+pub(super) struct ReachAll<'a> {
+    pub lot: &'a mut Before,
+    pub film: FilmEdges,
+}
+
+impl VectorLoop for ReachAll<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Before {
+            corners,
+            kinds,
+            reach,
+            tiles,
+        } = self.lot;
+        let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = corners;
+        let [left, top, right, bottom] = reach;
+        for at in 0..LOT {
+            let bounds = [
+                ax[at].min(bx[at]).min(cx[at]),
+                ay[at].min(by[at]).min(cy[at]),
+                ax[at].max(bx[at]).max(cx[at]),
+                ay[at].max(by[at]).max(cy[at]),
+            ];
+            let (is_seen, [l, t, r, b]) = self.film.reach(bounds);
+            (left[at], top[at], right[at], bottom[at]) = (l, t, r, b);
+            let kind = if is_seen { SEEN } else { UNSEEN };
+            let is_known = is_before(az[at], bz[at], cz[at]);
+            kinds[at] = if is_known { kind } else { UNKNOWN };
+        }
+        let size = self.film.pixels();
+        for at in 0..LOT {
+            tiles[at] = Reach([left[at], top[at], right[at], bottom[at]]).tile(size);
+        }
     }
 }
 

@@ -8,15 +8,16 @@
 //! *Uniform*: n = ⌈length/L⌉, so that all edges are at most L. *Adaptive*: n by a bound on how far straight edges are off (`flatness`).
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use glam::DVec3;
 
 use super::batch::{Batch, Bins, Grid, Piece};
-use super::cull::{Frustum, Reach};
+use super::cull::{Before, Frustum, Reach, ReachAll, SEEN, UNSEEN};
 use super::cuts::{Cuts, points};
-use super::flatness::{Bend, Edges, Kind, LOT, Straight, Whole};
+use super::flatness::{Bend, Edges, LOT};
 use super::method::Tessellation;
-use super::vertices::{Vertex, extend};
+use super::vertices::{SeenVertices, Vertex, extend};
 use crate::accel::vectors::dispatch;
 use crate::approximate::projection::ApparentProjection;
 use crate::render::trace::{BuildPlaceHasher, SharedVertices};
@@ -32,7 +33,7 @@ const ENOUGH: usize = 1024;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FrameVertices<'a> {
     pub shared: &'a SharedVertices,
-    pub seen: &'a [Vertex],
+    pub seen: &'a SeenVertices,
 }
 
 /// A triangle that may have to be divided.
@@ -74,7 +75,7 @@ impl<'a> BatchBuilder<'a> {
             divider,
             batch: Batch {
                 frame,
-                shared: divider.vertices.seen.len() as u32,
+                shared: divider.vertices.seen.all.len() as u32,
                 cuts: Vec::new(),
                 places: Vec::new(),
                 pieces: Vec::new(),
@@ -88,17 +89,10 @@ impl<'a> BatchBuilder<'a> {
         }
     }
 
-    /// Adds the triangle in `slot`.
-    #[inline]
-    pub fn add(&mut self, slot: u32) {
-        let corners = self.divider.vertices.shared.corners[slot as usize];
-        self.level.push(Part { corners, slot });
-    }
-
-    /// Divides until there are enough triangles to estimate from, or none that is to be divided. Most are straight enough as they are:
-    /// those are kept at once, and not asked again.
-    pub fn begin(&mut self) {
-        self.keep_straight();
+    /// Adds those triangles in `slots` that are there, and divides until there are enough to estimate from, or none that is to be divided. Most
+    /// are straight enough as they are: those are kept at once.
+    pub fn begin(&mut self, slots: Range<u32>, is_there: impl Fn(u32) -> bool) {
+        self.add(slots, is_there);
         while (self.depth == 0 || self.level.len() < ENOUGH) && self.is_unfinished() {
             self.descend();
         }
@@ -154,52 +148,44 @@ impl<'a> BatchBuilder<'a> {
         FINER * sum
     }
 
-    /// Keeps triangles of the first level that are straight enough by more than rounding, without a division; the others are left.
-    fn keep_straight(&mut self) {
-        let Tessellation::Adaptive(pixels) = self.divider.tessellation else {
-            return;
-        };
-        let mut lot = Box::new(Whole::EMPTY);
-        self.batch.pieces.reserve(self.level.len());
-        let mut left = 0;
-        for begin in (0..self.level.len()).step_by(LOT) {
-            let end = (begin + LOT).min(self.level.len());
-            let seen = self.divider.vertices.seen;
-            for (at, part) in self.level[begin..end].iter().enumerate() {
-                for (k, index) in part.corners.iter().enumerate() {
-                    let corner = &seen[*index as usize];
-                    lot.c[k][0][at] = corner.c.x;
-                    lot.c[k][1][at] = corner.c.y;
-                    lot.c[k][2][at] = corner.c.z;
-                    lot.scale[k][at] = corner.scale;
-                    lot.point[k][0][at] = corner.point[0];
-                    lot.point[k][1][at] = corner.point[1];
-                    lot.z[k][at] = corner.film.z;
+    /// Keeps those of the triangles in `slots` whose corners say that they are straight enough; others that are there are left to be looked at.
+    fn add(&mut self, slots: Range<u32>, is_there: impl Fn(u32) -> bool) {
+        let FrameVertices { shared, seen } = self.divider.vertices;
+        let film = self.divider.frustum.edges();
+        let mut lot = Box::new(Before::EMPTY);
+        self.batch.pieces.reserve(slots.len());
+        for begin in slots.clone().step_by(LOT) {
+            let end = slots.end.min(begin + LOT as u32);
+            let corners = &shared.corners[begin as usize..end as usize];
+            for (at, of_triangle) in corners.iter().enumerate() {
+                for (index, to) in of_triangle.iter().zip(&mut lot.corners) {
+                    let corner = seen.corners[*index as usize];
+                    for (to, number) in to.iter_mut().zip(corner) {
+                        to[at] = number;
+                    }
                 }
             }
-            dispatch(Straight {
+            dispatch(ReachAll {
                 lot: &mut lot,
-                pixels,
-                frustum: self.divider.frustum,
+                film,
             });
-            for at in begin..end {
-                let part = self.level[at];
-                match lot.kinds[at - begin] {
-                    Kind::BENT => {
-                        self.level[left] = part;
-                        left += 1;
-                    }
-                    Kind::SEEN => self.batch.pieces.push(Piece {
-                        corners: part.corners,
-                        slot: part.slot,
-                        reach: Reach(lot.reach.each_ref().map(|bound| bound[at - begin])),
+            for (at, (slot, corners)) in (begin..end).zip(corners).enumerate() {
+                let kind = lot.kinds[at];
+                if kind == UNSEEN || !is_there(slot) {
+                    continue;
+                }
+                let corners = *corners;
+                match kind {
+                    SEEN => self.batch.pieces.push(Piece {
+                        corners,
+                        slot,
+                        reach: Reach(lot.reach.each_ref().map(|bound| bound[at])),
+                        tile: lot.tiles[at],
                     }),
-                    Kind::BESIDE => self.keep(part),
-                    _ => {}
+                    _ => self.level.push(Part { corners, slot }),
                 }
             }
         }
-        self.level.truncate(left);
     }
 
     fn is_unfinished(&self) -> bool {
@@ -229,7 +215,7 @@ impl<'a> BatchBuilder<'a> {
             self.descend();
         }
         self.count();
-        let (mut batch, seen) = (self.batch, self.divider.vertices.seen);
+        let (mut batch, seen) = (self.batch, &self.divider.vertices.seen.all);
         if self.divider.cuts.are_too_many() {
             // Not all points have been transformed, and nobody looks at the rest.
             batch.pieces.clear();
@@ -266,7 +252,7 @@ impl<'a> BatchBuilder<'a> {
     }
 
     /// Finds into how many parts the edges opposite to each corner are to be cut, in all and in this level.
-    fn measure(&self, range: std::ops::Range<usize>, edges: &mut Edges) {
+    fn measure(&self, range: Range<usize>, edges: &mut Edges) {
         match self.divider.tessellation {
             Tessellation::None => {}
             Tessellation::Uniform(length) => {
@@ -300,7 +286,7 @@ impl<'a> BatchBuilder<'a> {
     #[inline(always)]
     fn vertex(&self, index: u32) -> &Vertex {
         match index.checked_sub(self.batch.shared) {
-            None => &self.divider.vertices.seen[index as usize],
+            None => &self.divider.vertices.seen.all[index as usize],
             Some(own) => &self.batch.cuts[own as usize],
         }
     }
@@ -322,6 +308,7 @@ impl<'a> BatchBuilder<'a> {
                 corners: part.corners,
                 slot: part.slot,
                 reach,
+                tile: reach.tile(self.divider.frustum.edges().pixels()),
             });
         }
     }

@@ -13,113 +13,53 @@
 //! lies in a circle of radius L/√3). Ends beside the film, or behind the camera, count as if they were in its
 //! corner, where a radian has most pixels.
 
+//!
+//! *By vertices.* With A the end where a metre is more, L at least as long as the edges that end there and |c|_min ≥ |c_A| − L, it is, as
+//! |c_A × c_B| is at most the edge's length times the |c| of either end or of the nearest point between them,
+//!
+//! ```text
+//! E ≤ 4/3 · |Δ/δ|_A L² |c_A|/(8 (|c_A| − L)²):
+//! ```
+//!
+//! where that is at most ε at all three corners of a triangle, which is so of almost all small ones, none of its edges is cut.
+
 use glam::DVec3;
 
-use super::cull::{Frustum, is_before};
 use crate::accel::vectors::VectorLoop;
 
 /// Number of triangles whose edges are looked at together.
 pub(super) const LOT: usize = 64;
 
-/// What becomes of a triangle of the first level.
-pub(super) struct Kind;
-
-impl Kind {
-    /// It is outside of the film.
-    pub const UNSEEN: u32 = 0;
-    /// It is straight enough, and in front of the camera.
-    pub const SEEN: u32 = 1;
-    /// It is straight enough, and a part of it may be behind the camera.
-    pub const BESIDE: u32 = 2;
-    /// It may have to be cut.
-    pub const BENT: u32 = 3;
+/// Which edges are certainly straight enough, as far as that is told by one end.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Straight {
+    /// ε · 8 · 3/4, less more than rounding: of all steps a few eps. Infinite where no edge is cut, NaN where it does not depend on flatness.
+    most: f64,
 }
 
-/// Triangles of the first level.
-pub(super) struct Whole {
-    /// By corner: the places c, |c| |Δ/δ|, the film point and z.
-    pub c: [[[f64; LOT]; 3]; 3],
-    pub scale: [[f64; LOT]; 3],
-    pub point: [[[f64; LOT]; 2]; 3],
-    pub z: [[f64; LOT]; 3],
-    /// What becomes of them, and the part of the film that those which are seen can reach.
-    pub kinds: [u32; LOT],
-    pub reach: [[f32; LOT]; 4],
-}
-
-impl Whole {
-    pub const EMPTY: Whole = Whole {
-        c: [[[0.0; LOT]; 3]; 3],
-        scale: [[0.0; LOT]; 3],
-        point: [[[0.0; LOT]; 2]; 3],
-        z: [[0.0; LOT]; 3],
-        kinds: [0; LOT],
-        reach: [[0.0; LOT]; 4],
+impl Straight {
+    /// All.
+    pub const ALWAYS: Straight = Straight {
+        most: f64::INFINITY,
     };
-}
+    /// None.
+    pub const NEVER: Straight = Straight { most: f64::NAN };
 
-/// The loop over triangles of the first level.
-pub(super) struct Straight<'a> {
-    pub lot: &'a mut Whole,
-    pub pixels: f64,
-    pub frustum: &'a Frustum,
-}
-
-impl VectorLoop for Straight<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let Whole {
-            c,
-            scale,
-            point,
-            z,
-            kinds,
-            reach,
-        } = self.lot;
-        let (pixels, frustum) = (self.pixels, self.frustum.edges());
-        let mut is_bent = [0; LOT];
-        for edge in 0..3 {
-            let (from, to) = ((edge + 1) % 3, (edge + 2) % 3);
-            for at in 0..LOT {
-                let a = DVec3::new(c[from][0][at], c[from][1][at], c[from][2][at]);
-                let b = DVec3::new(c[to][0][at], c[to][1][at], c[to][2][at]);
-                let is_straight = is_straight(a, b, scale[from][at].max(scale[to][at]), pixels);
-                is_bent[at] |= u32::from(!is_straight);
-            }
-        }
-        let [left, top, right, bottom] = reach;
-        for at in 0..LOT {
-            let least = |axis: usize| {
-                let [a, b, c] = [point[0][axis][at], point[1][axis][at], point[2][axis][at]];
-                (a.min(b).min(c), a.max(b).max(c))
-            };
-            let ((x, to_x), (y, to_y)) = (least(0), least(1));
-            let [a, b, c] = [z[0][at], z[1][at], z[2][at]];
-            let is_beside = !is_before(a, b, c);
-            let (is_seen, [l, t, r, b]) = frustum.reach([x, y, to_x, to_y]);
-            (left[at], top[at], right[at], bottom[at]) = (l, t, r, b);
-            let kind = if is_seen { Kind::SEEN } else { Kind::UNSEEN };
-            let kind = if is_beside { Kind::BESIDE } else { kind };
-            kinds[at] = if is_bent[at] != 0 { Kind::BENT } else { kind };
+    /// Those that are off by at most so many pixels.
+    pub fn within(pixels: f64) -> Self {
+        Straight {
+            most: (1.0 - 1e-9) * 6.0 * pixels,
         }
     }
-}
 
-/// Whether [`bend`] is at most so many pixels by more than rounding, which is a few eps: its terms multiplied out. Not for NaN.
-#[inline(always)]
-fn is_straight(a: DVec3, b: DVec3, scale: f64, pixels: f64) -> bool {
-    const SAFELY: f64 = 1.0 - 1e-12;
-    let e = b - a;
-    let cross = a.cross(b).length_squared();
-    let between = (a.dot(e) < 0.0) & (b.dot(e) > 0.0);
-    // |c|² of the nearest point is cross/|e|² between the ends.
-    let (square, ends) = (
-        e.length_squared(),
-        a.length_squared().min(b.length_squared()),
-    );
-    let error = 4.0 / 3.0 / 8.0 * scale * if between { square * square } else { cross };
-    let most = SAFELY * pixels * if between { cross } else { ends * ends };
-    error <= most
+    /// Whether all edges of at most this length are that end in a point with this |c| and |c| |Δ/δ|, and have no more of that at their other ends;
+    /// not for NaN.
+    #[inline(always)]
+    pub fn around(self, length: f64, longest: f64, scale: f64) -> bool {
+        let near = length - longest;
+        let is_straight = (near > 0.0) & (scale * (longest * longest) <= self.most * (near * near));
+        is_straight | (self.most == f64::INFINITY)
+    }
 }
 
 /// The edges of a lot of triangles.
@@ -203,39 +143,44 @@ fn bend(a: DVec3, b: DVec3, scale: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accel::numbers;
 
-    /// Edges before and beside the camera whose bend is around a tenth of a pixel.
+    /// Triangles before and beside the camera whose edges bend by around a tenth of a pixel.
     #[test]
-    fn edges_taken_for_straight_are_and_others_by_rounding_alone() {
-        let mut state = 1u64;
-        let mut random = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        };
+    fn edges_between_ends_that_say_so_are_straight_enough() {
+        let mut random = numbers(1);
         let mut counts = [0; 2];
         for _ in 0..20_000 {
-            let [a, b] = [(); 2].map(|()| DVec3::new(random(), random(), random()));
-            let error = bend(a, b, 1.0);
-            for factor in [
-                0.5,
-                1.0 - 1e-11,
-                1.0 - 1e-14,
-                1.0,
-                1.0 + 1e-14,
-                1.0 + 1e-11,
-                2.0,
-            ] {
-                let pixels = factor * error;
-                let is_taken = is_straight(a, b, 1.0, pixels);
-                assert!(!is_taken || error / pixels <= 1.0, "{a} {b} {factor}");
-                assert!(is_taken || factor < 1.0 + 1e-11, "{a} {b} {factor}");
+            let size = 0.5 * (1.0 + random());
+            let place = DVec3::new(random(), random(), random());
+            let corners = [(); 3].map(|()| {
+                let c = place + size * DVec3::new(random(), random(), random());
+                (c, 1.5 + random())
+            });
+            let edges = [(0, 1), (1, 2), (2, 0)].map(|(a, b)| (corners[a], corners[b]));
+            let longest = edges.map(|((a, _), (b, _))| a.distance(b));
+            let longest = longest.into_iter().fold(0.0, f64::max);
+            let errors = edges.map(|((a, s), (b, t))| bend(a, b, f64::max(s, t)));
+            let most = errors.into_iter().fold(0.0, f64::max);
+            for pixels in [0.5, 1.0 - 1e-6, 1.0, 2.0, 10.0].map(|factor| factor * most) {
+                let straight = Straight::within(pixels);
+                let is_taken = corners
+                    .iter()
+                    .all(|(c, s)| straight.around(c.length(), longest, *s));
+                assert!(!is_taken || most <= pixels, "{corners:?} {pixels}");
                 counts[usize::from(is_taken)] += 1;
             }
         }
-        assert!(counts[0] > 40_000 && counts[1] >= 40_000, "{counts:?}");
-        assert!(!is_straight(DVec3::NAN, DVec3::X, 1.0, 1.0));
-        assert!(!is_straight(DVec3::X, -DVec3::X, f64::NAN, 1.0));
+        assert!(counts[0] > 40_000 && counts[1] > 4_000, "{counts:?}");
+    }
+
+    #[test]
+    fn nothing_is_known_of_what_is_no_number_and_none_is_cut_where_none_is_asked_for() {
+        let straight = Straight::within(1.0);
+        assert!(straight.around(2.0, 0.1, 1.0) && Straight::ALWAYS.around(0.0, 1.0, 1.0));
+        assert!(!Straight::NEVER.around(2.0, 0.1, 1.0) && !straight.around(0.1, 0.2, 1.0));
+        for [length, scale] in [[f64::NAN, 1.0], [2.0, f64::NAN], [2.0, f64::INFINITY]] {
+            assert!(!straight.around(length, 0.1, scale));
+        }
     }
 }

@@ -3,7 +3,7 @@
 use super::batch::Piece;
 use super::cuts::{Cuts, cuts_of};
 use super::method::{Method, Tessellation, moves};
-use super::vertices::Vertex;
+use super::vertices::{FilmCorner, Vertex};
 use super::warp::TEXEL_BYTES;
 use crate::approximate::projection::apart;
 use crate::camera::ViewKind;
@@ -150,12 +150,13 @@ impl Method {
 /// What so many triangles and their distinct corners take without being cut, bytes: to the end, and until the film is
 /// complete. Lists that grow may have twice the room that they need.
 fn triangle_bytes(triangles: u64, vertices: u64) -> [u64; 2] {
-    // Places of corners and their indices stay with the rest frame; places are found in a table of as many triangles, whose
-    // room is a power of two at most 8/7 full.
-    let shared = (2 * 24 * vertices).saturating_add(12 * triangles);
+    // Places of corners, the longest edges there and the corners' indices stay with the rest frame; places are found in a table of as many
+    // triangles, whose room is a power of two at most 8/7 full.
+    let shared = ((2 * 24 + 8) * vertices).saturating_add(12 * triangles);
     let table = 75 * triangles;
     // By triangle: its piece, its place in the level, its index in the tiles, and what a tile gathers of it.
     let pieces = 2 * size_of::<Piece>() as u64 + 2 * 16 + 8 + 112;
-    let drawn = (size_of::<Vertex>() as u64 * vertices).saturating_add(pieces * triangles);
+    let vertex = (size_of::<Vertex>() + size_of::<FilmCorner>()) as u64;
+    let drawn = (vertex * vertices).saturating_add(pieces * triangles);
     [shared, table.max(drawn)]
 }

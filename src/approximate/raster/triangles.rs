@@ -9,6 +9,7 @@ use super::batch::{Batch, Grid, TileBatches};
 use super::cull::Frustum;
 use super::cuts::{Cuts, Outlook};
 use super::divide::{BatchBuilder, Divider, FrameVertices};
+use super::flatness::Straight;
 use super::method::{Attributes, Raster, Tessellation};
 use super::ratios::CameraRatios;
 use super::tile::Pieces;
@@ -80,7 +81,8 @@ impl<'a> Triangles<'a> {
         let projections = projections.collect::<Result<Vec<_>>>()?;
         let frames = &scene.frames;
         let seen = frames.iter().zip(&projections);
-        let seen = seen.map(|(f, p)| transformed(p, &f.shared_vertices().positions));
+        let straight = straight(raster.tessellation);
+        let seen = seen.map(|(f, p)| transformed(p, f.shared_vertices(), straight));
         let seen: Vec<_> = seen.collect();
         let size = scene.layout.size;
         // Triangles are cut until they are straight enough; one limit of memory for all frames.
@@ -102,6 +104,7 @@ impl<'a> Triangles<'a> {
             return Err(cuts.refusal());
         }
         // Depths in units of the farthest vertex are of the order of 1 in scenes of any size.
+        let seen: Vec<_> = seen.into_iter().map(|seen| seen.all).collect();
         let farthest = farthest(&seen);
         Ok(Triangles {
             size,
@@ -142,14 +145,11 @@ fn divided(
         progress.check()?;
         let (rest, divider) = (&frames[frame], &dividers[frame]);
         let mut batch = BatchBuilder::new(frame as u32, divider);
-        for slot in slots {
-            // Where the side that the camera is on is there.
+        // Where the side that the camera is on is there.
+        batch.begin(slots, |slot| {
             let (_, facing) = rest.bvh.triangle(slot);
-            if facing == Facing::TwoSided || is_front(rest.bvh.corners(slot), divider.projection) {
-                batch.add(slot);
-            }
-        }
-        batch.begin();
+            facing == Facing::TwoSided || is_front(rest.bvh.corners(slot), divider.projection)
+        });
         Ok(batch)
     };
     let finished = |batch: BatchBuilder| {
@@ -174,6 +174,16 @@ fn divided(
             Outlook::Uncertain if left > 0 => batches.par_iter_mut().for_each(BatchBuilder::deepen),
             _ => return batches.into_par_iter().map(finished).collect(),
         }
+    }
+}
+
+/// What vertices are asked of the edges that end there.
+fn straight(tessellation: Tessellation) -> Straight {
+    match tessellation {
+        Tessellation::None => Straight::ALWAYS,
+        // By length alone.
+        Tessellation::Uniform(_) => Straight::NEVER,
+        Tessellation::Adaptive(pixels) => Straight::within(pixels),
     }
 }
 
@@ -229,7 +239,7 @@ mod tests {
         let frusta: Vec<_> = projections.iter().map(Frustum::of).collect();
         let seen = frames.iter().zip(&projections);
         let seen: Vec<_> =
-            (seen.map(|(f, p)| transformed(p, &f.shared_vertices().positions))).collect();
+            (seen.map(|(f, p)| transformed(p, f.shared_vertices(), Straight::NEVER))).collect();
 
         // Each is tried alone, and found to be too much by its cuts; all together by the forecast.
         let divide = |chosen: Range<usize>| {

@@ -3,8 +3,10 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::accel::vectors::{BLOCK, VectorLoop, dispatch};
+use super::flatness::Straight;
+use crate::accel::vectors::{BLOCK, VectorLoop, dispatch, load};
 use crate::approximate::projection::{Apparent, ApparentProjection, VertexBlock};
+use crate::render::trace::SharedVertices;
 
 pub(super) use crate::approximate::projection::ApparentVertex as Vertex;
 
@@ -19,14 +21,44 @@ const NOWHERE: Vertex = Vertex {
     scale: 0.0,
 };
 
-/// The vertices at `positions`, metres in the rest frame of `projection`.
-pub(super) fn transformed(projection: &ApparentProjection, positions: &[DVec3]) -> Vec<Vertex> {
-    let mut vertices = vec![NOWHERE; positions.len()];
-    let tasks = vertices
-        .par_chunks_mut(TASK)
-        .zip(positions.par_chunks(TASK));
-    tasks.for_each(|(vertices, positions)| transform(projection, positions, vertices));
-    vertices
+/// What is asked of a vertex first: the film point, pixels, and z, or −1 where that is not before the camera or an edge that ends there may
+/// have to be cut.
+pub(super) type FilmCorner = [f64; 3];
+
+/// The vertices of a rest frame as they are seen.
+#[derive(Debug)]
+pub(super) struct SeenVertices {
+    pub all: Vec<Vertex>,
+    pub corners: Vec<FilmCorner>,
+}
+
+/// The vertices `shared` of the rest frame of `projection`, whose edges are to be straight as `straight` says.
+pub(super) fn transformed(
+    projection: &ApparentProjection,
+    shared: &SharedVertices,
+    straight: Straight,
+) -> SeenVertices {
+    let SharedVertices {
+        positions, longest, ..
+    } = shared;
+    let mut all = vec![NOWHERE; positions.len()];
+    let mut corners = vec![[0.0; 3]; positions.len()];
+    let to = all.par_chunks_mut(TASK).zip(corners.par_chunks_mut(TASK));
+    let from = positions.par_chunks(TASK).zip(longest.par_chunks(TASK));
+    to.zip(from)
+        .for_each(|((vertices, corners), (positions, longest))| {
+            dispatch(Transform {
+                apparent: projection.apparent(),
+                positions,
+                vertices,
+                corners: Some(FilmCorners {
+                    longest,
+                    straight,
+                    corners,
+                }),
+            });
+        });
+    SeenVertices { all, corners }
 }
 
 /// Appends the vertices at those of `positions` that `vertices` does not hold yet.
@@ -37,14 +69,11 @@ pub(super) fn extend(
 ) {
     let known = vertices.len();
     vertices.resize(positions.len(), NOWHERE);
-    transform(projection, &positions[known..], &mut vertices[known..]);
-}
-
-fn transform(projection: &ApparentProjection, positions: &[DVec3], vertices: &mut [Vertex]) {
     dispatch(Transform {
         apparent: projection.apparent(),
-        positions,
-        vertices,
+        positions: &positions[known..],
+        vertices: &mut vertices[known..],
+        corners: None,
     });
 }
 
@@ -53,27 +82,74 @@ struct Transform<'a> {
     apparent: &'a Apparent,
     positions: &'a [DVec3],
     vertices: &'a mut [Vertex],
+    corners: Option<FilmCorners<'a>>,
+}
+
+/// What is asked of vertices first, and what it takes to say it.
+struct FilmCorners<'a> {
+    longest: &'a [f64],
+    straight: Straight,
+    corners: &'a mut [FilmCorner],
 }
 
 impl VectorLoop for Transform<'_> {
     #[inline(always)]
     fn run(self) {
-        let blocks = self.positions.chunks(BLOCK);
-        for (positions, vertices) in blocks.zip(self.vertices.chunks_mut(BLOCK)) {
-            transform_block(self.apparent, positions, vertices);
+        let Transform {
+            apparent,
+            positions,
+            vertices,
+            mut corners,
+        } = self;
+        let mut block = VertexBlock::ZERO;
+        let mut begin = 0;
+        for (positions, vertices) in positions.chunks(BLOCK).zip(vertices.chunks_mut(BLOCK)) {
+            transform_block(apparent, positions, vertices, &mut block);
+            if let Some(corners) = &mut corners {
+                corners.write(apparent, begin, &block);
+            }
+            begin += BLOCK;
         }
     }
 }
 
 /// One array for each number of a vertex, so that vectors hold one number of many vertices.
 #[inline(always)]
-fn transform_block(apparent: &Apparent, positions: &[DVec3], vertices: &mut [Vertex]) {
-    let mut block = VertexBlock::ZERO;
+fn transform_block(
+    apparent: &Apparent,
+    positions: &[DVec3],
+    vertices: &mut [Vertex],
+    block: &mut VertexBlock,
+) {
     for (at, x) in positions.iter().enumerate().take(BLOCK) {
         block.c.set(at, *x);
     }
-    apparent.see(&mut block);
+    apparent.see(block);
     for (at, vertex) in vertices.iter_mut().enumerate().take(BLOCK) {
         *vertex = block.get(at);
+    }
+}
+
+impl FilmCorners<'_> {
+    /// Writes those of `block`, which begins with vertex `begin`.
+    #[inline(always)]
+    fn write(&mut self, apparent: &Apparent, begin: usize, block: &VertexBlock) {
+        let (mut z, longest) = ([0.0; BLOCK], load(self.longest, begin));
+        let (straight, stretch) = (self.straight, apparent.most_stretch());
+        for at in 0..BLOCK {
+            let ends_straight =
+                straight.around(block.length[at], stretch * longest[at], block.scale[at]);
+            let own = block.film.get(at).z;
+            z[at] = if ends_straight & (own > 0.0) {
+                own
+            } else {
+                -1.0
+            };
+        }
+        let [x, y] = &block.point;
+        let corners = self.corners.iter_mut().skip(begin).take(BLOCK);
+        for (at, corner) in corners.enumerate() {
+            *corner = [x[at], y[at], z[at]];
+        }
     }
 }

@@ -35,6 +35,8 @@ pub(crate) struct SharedVertices {
     pub positions: Vec<DVec3>,
     /// By slot, the index of each corner.
     pub corners: Vec<[u32; 3]>,
+    /// By position, the length of the longest edge that ends there.
+    pub longest: Vec<f64>,
 }
 
 /// A run of triangles of one object with one emitter.
@@ -68,10 +70,23 @@ impl SharedVertices {
             })
         };
         let slots = 0..bvh.len() as u32;
-        let corners = slots
+        let corners: Vec<[u32; 3]> = slots
             .map(|slot| bvh.corners(slot).map(&mut index))
             .collect();
-        SharedVertices { positions, corners }
+        let mut longest = vec![0.0f64; positions.len()];
+        for [a, b, c] in &corners {
+            for (from, to) in [(*a, *b), (*b, *c), (*c, *a)].map(|(a, b)| (a as usize, b as usize))
+            {
+                let length = positions[from].distance(positions[to]);
+                longest[from] = longest[from].max(length);
+                longest[to] = longest[to].max(length);
+            }
+        }
+        SharedVertices {
+            positions,
+            corners,
+            longest,
+        }
     }
 }
 

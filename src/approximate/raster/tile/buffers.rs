@@ -81,7 +81,7 @@ impl TileBuffers {
         if self.is_complete {
             return false;
         }
-        gather(&mut self.triangles, pieces, tile, |_, _| Some(SEVERAL));
+        gather(&mut self.triangles, pieces, tile, None);
         self.is_listed = rows < tile.size[1];
         if self.is_listed {
             self.lists.fill(&self.triangles, rows as usize);

@@ -1,8 +1,9 @@
 //! The triangles that may reach a tile, and those of them that may reach each of its strips.
 
 use super::setup::SIDE;
+use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::approximate::raster::batch::{Batch, TileBatches};
-use crate::approximate::raster::cull::Reach;
+use crate::approximate::raster::cull::{Reach, whole};
 use crate::approximate::raster::vertices::Vertex;
 use crate::render::film::Tile;
 
@@ -83,16 +84,102 @@ impl StripLists {
     }
 }
 
-/// Gathers those triangles that may reach `tile` and of which `holds` says what their only sample is, with their reach and their pixels.
+/// Number of triangles that are asked together.
+const LOT: usize = 32;
+
+/// Triangles that may reach a tile.
+struct Asked {
+    /// What part of the film they reach: left, top, right, bottom.
+    reach: [[f32; LOT]; 4],
+    /// First column and row, last column and row of the tile.
+    pixels: [[u32; LOT]; 4],
+    /// The only sample that they may hold, [`SEVERAL`] or [`NONE`].
+    only: [u32; LOT],
+}
+
+/// Of a triangle that holds no sample.
+const NONE: u16 = SEVERAL - 1;
+
+/// The loop over triangles that finds their pixels, and what samples they may hold.
+struct Ask<'a> {
+    lot: &'a mut Asked,
+    tile: Tile,
+    /// Where the only sample of each pixel is, pixels from the corner of the tile.
+    samples: Option<[&'a [f32; SIDE * SIDE]; 2]>,
+}
+
+impl VectorLoop for Ask<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Asked {
+            reach,
+            pixels,
+            only,
+        } = self.lot;
+        let Tile { corner, size } = self.tile;
+        // Exact: whole numbers from multiples of the last digit of larger ones.
+        for (k, (reach, pixels)) in reach.iter_mut().zip(&mut *pixels).enumerate() {
+            let (first, last) = (corner[k % 2] as f32, (size[k % 2] - 1) as f32);
+            for at in 0..LOT {
+                reach[at] -= first;
+                pixels[at] = whole(reach[at].max(0.0).min(last));
+            }
+        }
+        let Some([x, y]) = self.samples else {
+            return only.fill(SEVERAL.into());
+        };
+        let ([from_x, from_y, to_x, to_y], width) = (&*reach, size[0]);
+        let [columns, rows, last_columns, last_rows] = &*pixels;
+        // Not written where it may be a part of what is read: the loop would not go in vectors.
+        let mut found = [0; LOT];
+        for at in 0..LOT {
+            let (column, row) = (columns[at], rows[at]);
+            let (wide, high) = (last_columns[at] - column, last_rows[at] - row);
+            let first = row * width + column;
+            let bounds = [from_x[at], from_y[at], to_x[at], to_y[at]];
+            // Of four samples, two or one, which are inside.
+            let (is_wide, is_high) = (wide != 0, high != 0);
+            let a = u32::from(holds([x, y], first, bounds));
+            let b = u32::from(is_wide & holds([x, y], first + 1, bounds));
+            let c = u32::from(is_high & holds([x, y], first + width, bounds));
+            let d = u32::from(is_wide & is_high & holds([x, y], first + width + 1, bounds));
+            // The one that is, where there is one.
+            let one = first + (b | d) + (c | d) * width;
+            let count = a + b + c + d;
+            let of_few = if count == 0 { NONE.into() } else { one };
+            let is_several = (count > 1) | (wide > 1) | (high > 1);
+            found[at] = if is_several { SEVERAL.into() } else { of_few };
+        }
+        *only = found;
+    }
+}
+
+/// Whether the sample of a pixel is within these bounds.
 #[inline(always)]
+fn holds(
+    [x, y]: [&[f32; SIDE * SIDE]; 2],
+    pixel: u32,
+    [from_x, from_y, to_x, to_y]: [f32; 4],
+) -> bool {
+    // All pixels that are asked for are there.
+    let pixel = pixel as usize % (SIDE * SIDE);
+    let (x, y) = (x[pixel], y[pixel]);
+    (x >= from_x) & (x <= to_x) & (y >= from_y) & (y <= to_y)
+}
+
+/// Gathers the triangles that may reach `tile`; where there is one sample for each pixel, those that may hold one of these `samples`.
 pub(super) fn gather(
     triangles: &mut Vec<Gathered>,
     pieces: &Pieces,
     tile: Tile,
-    holds: impl Fn(&Reach, [u8; 4]) -> Option<u16>,
+    samples: Option<[&[f32; SIDE * SIDE]; 2]>,
 ) {
     triangles.clear();
-    let last = [0, 1].map(|axis| tile.corner[axis] + tile.size[axis] - 1);
+    let mut lot = Asked {
+        reach: [[0.0; LOT]; 4],
+        pixels: [[0; LOT]; 4],
+        only: [0; LOT],
+    };
     // What may reach the tile, with the pixels that it may cover there.
     let tile_index = tile.index(pieces.size);
     for &at in pieces.by_tile.of(tile_index) {
@@ -107,19 +194,29 @@ pub(super) fn gather(
         };
         triangles.resize(begin + own.len(), nothing);
         let mut count = begin;
-        for &piece in own {
-            let reach = &batch.pieces[piece as usize].reach;
-            // A tile is less than 256 pixels wide.
-            let pixels = reach.pixels(tile.corner, last).map(|p| p as u8);
-            let only = holds(reach, pixels);
-            // Without a branch, which no processor could predict.
-            triangles[count] = Gathered {
-                batch: at,
-                piece,
-                pixels,
-                only: only.unwrap_or(SEVERAL),
-            };
-            count += usize::from(only.is_some());
+        for own in own.chunks(LOT) {
+            for (at, piece) in own.iter().enumerate() {
+                let Reach(reach) = batch.pieces[*piece as usize].reach;
+                for (to, bound) in lot.reach.iter_mut().zip(reach) {
+                    to[at] = bound;
+                }
+            }
+            dispatch(Ask {
+                lot: &mut lot,
+                tile,
+                samples,
+            });
+            for (k, &piece) in own.iter().enumerate() {
+                let only = lot.only[k] as u16;
+                // Without a branch, which no processor could predict. A tile is less than 256 pixels wide.
+                triangles[count] = Gathered {
+                    batch: at,
+                    piece,
+                    pixels: lot.pixels.each_ref().map(|pixels| pixels[k] as u8),
+                    only,
+                };
+                count += usize::from(only != NONE);
+            }
         }
         triangles.truncate(count);
     }

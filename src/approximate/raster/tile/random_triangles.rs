@@ -52,6 +52,7 @@ impl RandomTriangles {
                 corners: [0, 1, 2].map(|corner| 3 * k + corner),
                 slot: k,
                 reach,
+                tile: reach.tile(SIZE),
             });
             seen.extend(points.iter().zip(z).map(|([x, y], z)| Vertex {
                 c: DVec3::ZERO,

@@ -5,7 +5,6 @@ use super::depth::{BLOCKS, LANES, Samples, cover_block, resolve};
 use super::gather::{Gathered, Pieces, SEVERAL, gather};
 use super::setup::Functions;
 use crate::accel::vectors::{VectorLoop, dispatch};
-use crate::approximate::raster::cull::Reach;
 use crate::approximate::raster::draw::Strip;
 use crate::render::film::Tile;
 
@@ -18,7 +17,13 @@ impl TileBuffers {
             samples: &mut self.samples,
         });
         self.is_complete = false;
-        self.gather_held(pieces, tile);
+        let Samples { x, y, .. } = &*self.samples;
+        let points = [x, y].map(|all| all.as_flattened().first_chunk());
+        let points = match points {
+            [Some(x), Some(y)] => Some([x, y]),
+            _ => None,
+        };
+        gather(&mut self.triangles, pieces, tile, points);
         self.set_up(pieces, tile);
         let strip = Strip {
             rows: tile,
@@ -31,46 +36,6 @@ impl TileBuffers {
             list: &self.every,
             strip: &strip,
             samples: &mut self.samples,
-        });
-    }
-
-    /// Gathers the triangles that may hold a sample of `tile`.
-    fn gather_held(&mut self, pieces: &Pieces, tile: Tile) {
-        let [left, top] = tile.corner.map(|first| first as f32);
-        let width = tile.size[0] as usize;
-        let (x, y) = (self.samples.x.as_flattened(), self.samples.y.as_flattened());
-        gather(&mut self.triangles, pieces, tile, |reach, pixels| {
-            let [column, row, last_column, last_row] = pixels.map(usize::from);
-            if (last_column - column > 1) | (last_row - row > 1) {
-                return Some(SEVERAL);
-            }
-            let Reach(reach) = reach;
-            // Exact: whole numbers from multiples of the last digit of larger ones.
-            let [from_x, from_y] = [reach[0] - left, reach[1] - top];
-            let [to_x, to_y] = [reach[2] - left, reach[3] - top];
-            let holds = |column: usize, row: usize| {
-                let (x, y) = (x[row * width + column], y[row * width + column]);
-                (x >= from_x) & (x <= to_x) & (y >= from_y) & (y <= to_y)
-            };
-            // Of four samples, two or one, which are inside.
-            let (is_wide, is_high) = (last_column != column, last_row != row);
-            let inside = [
-                holds(column, row),
-                is_wide & holds(last_column, row),
-                is_high & holds(column, last_row),
-                is_wide & is_high & holds(last_column, last_row),
-            ];
-            let [_, b, c, d] = inside.map(usize::from);
-            // The one that is, where there is one: each step is 1 or none.
-            let only = (row + (c | d) * (last_row - row)) * width
-                + column
-                + (b | d) * (last_column - column);
-            let count: usize = inside.map(usize::from).iter().sum();
-            match count {
-                0 => None,
-                1 => Some(only as u16),
-                _ => Some(SEVERAL),
-            }
         });
     }
 

@@ -12,7 +12,7 @@ mod common;
 use std::time::Instant;
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Method, NoTally, Origins, Preset, Ray};
+use nullray::accel::{Bvh, Facing, NoTally, Origins, Preset, Ray, Traversal};
 
 use common::{
     Camera, Peer, TILE, best_of, meshes, on_threads, report, report_file, sphere, trace_tile,
@@ -217,7 +217,7 @@ fn worth(name: &str, triangles: &[[DVec3; 3]], preset: Preset, image: usize) -> 
             .zip(directions.chunks(TILE * TILE));
         for (origins, directions) in tiles {
             let mut hits = [None; TILE * TILE];
-            let (method, from) = (Method::default(), Origins::Each(origins));
+            let (method, from) = (Traversal::default(), Origins::Each(origins));
             let hits = &mut hits[..origins.len()];
             bvh.closest_by(method, from, directions, hits, &mut NoTally, |_| ());
             std::hint::black_box(hits);

@@ -27,7 +27,8 @@ use std::time::Instant;
 
 use glam::DVec3;
 use nullray::accel::{
-    Bvh, Converging, Facing, Hit, Kernel, Method, NoTally, Origins, Precision, Preset, Ray, Segment,
+    Bvh, Converging, Facing, Hit, Kernel, NoTally, Origins, Precision, Preset, Ray, Segment,
+    Traversal,
 };
 use nullray::render::progress::Silent;
 use nullray::render::render;
@@ -233,7 +234,7 @@ fn measure(
     for kernel in kernels {
         let (bvh, camera, shadows, segments) = (&bvh, &camera, &shadows, &segments);
         let called = |what: &str| format!("{what} {kernel:?}").to_lowercase();
-        let certified = Method {
+        let certified = Traversal {
             kernel,
             precision: Precision::Certified,
         };
@@ -251,7 +252,7 @@ fn measure(
             (Precision::Certified, "certified, primary rays,"),
             (Precision::Fast, "f32 only, primary rays,"),
         ] {
-            let method = Method { kernel, precision };
+            let method = Traversal { kernel, precision };
             let row = Row::new(called(what), "closest 16", camera.rays());
             let trace = move || trace(bvh, camera.origin, &camera.directions, method);
             works.push((row, Box::new(trace)));
@@ -383,7 +384,7 @@ impl Row {
 }
 
 /// Traces all rays from `origin`, so many at a time as a tile has.
-fn trace(bvh: &Bvh, origin: DVec3, directions: &[DVec3], method: Method) {
+fn trace(bvh: &Bvh, origin: DVec3, directions: &[DVec3], method: Traversal) {
     for tile in directions.chunks(TILE * TILE) {
         let mut hits: [Option<Hit>; TILE * TILE] = [None; TILE * TILE];
         let from = Origins::Shared(origin);
@@ -400,7 +401,7 @@ fn trace(bvh: &Bvh, origin: DVec3, directions: &[DVec3], method: Method) {
 }
 
 /// The same for rays that start anywhere.
-fn trace_each(bvh: &Bvh, origins: &[DVec3], directions: &[DVec3], method: Method) {
+fn trace_each(bvh: &Bvh, origins: &[DVec3], directions: &[DVec3], method: Traversal) {
     let batches = origins.chunks(TILE * TILE);
     for (origins, directions) in batches.zip(directions.chunks(TILE * TILE)) {
         let mut hits: [Option<Hit>; TILE * TILE] = [None; TILE * TILE];
@@ -465,7 +466,7 @@ impl Shadows {
 }
 
 /// Asks what is in the way to the lamp, tile by tile.
-fn block(bvh: &Bvh, tiles: &[Shadows], method: Method) {
+fn block(bvh: &Bvh, tiles: &[Shadows], method: Traversal) {
     for tile in tiles {
         let mut blocked = [false; TILE * TILE];
         let segments = Converging {
@@ -481,7 +482,7 @@ fn block(bvh: &Bvh, tiles: &[Shadows], method: Method) {
 }
 
 /// The same for segments that may go anywhere.
-fn block_segments(bvh: &Bvh, tiles: &[Vec<Segment>], method: Method) {
+fn block_segments(bvh: &Bvh, tiles: &[Vec<Segment>], method: Traversal) {
     for segments in tiles {
         let mut blocked = [false; TILE * TILE];
         bvh.any_by(method, segments, &mut blocked, &mut NoTally);
@@ -496,7 +497,7 @@ fn shadows(bvh: &Bvh, camera: &Camera) -> Vec<Shadows> {
     let of_tile = |tile: &[DVec3]| {
         let mut hits = vec![None; tile.len()];
         let from = Origins::Shared(camera.origin);
-        let method = Method::default();
+        let method = Traversal::default();
         bvh.closest_by(method, from, tile, &mut hits, &mut NoTally, |_| ());
         let mut shadows = Shadows {
             lamp,

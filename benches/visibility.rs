@@ -19,7 +19,9 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Hit, Kernel, Method, NoTally, Origins, Precision, Ray, Segment};
+use nullray::accel::{
+    Bvh, Facing, Hit, Kernel, NoTally, Origins, Precision, Ray, Segment, Traversal,
+};
 
 use common::{Camera, Peer, TILE, meshes};
 
@@ -112,7 +114,7 @@ fn cases(bvh: Bvh, peer: Peer) -> Vec<Case> {
             (Precision::Certified, "certified"),
         ] {
             if (kernel, precision) != (Kernel::Scalar, Precision::Fast) {
-                let method = Method { kernel, precision };
+                let method = Traversal { kernel, precision };
                 let tree = bvh.clone();
                 let trace = move |shots: &Shots| trace_shared(&tree, method, shots);
                 add("shared", called, name, Box::new(trace));
@@ -122,7 +124,7 @@ fn cases(bvh: Bvh, peer: Peer) -> Vec<Case> {
             }
         }
         let (tree, precision) = (bvh.clone(), Precision::Certified);
-        let method = Method { kernel, precision };
+        let method = Traversal { kernel, precision };
         let trace = move |shots: &Shots| trace_shadows(&tree, method, shots);
         add("shadow", "certified", name, Box::new(trace));
     }
@@ -164,19 +166,19 @@ fn measure<'a>(
     results
 }
 
-fn trace_shared(bvh: &Bvh, method: Method, shots: &Shots) -> usize {
+fn trace_shared(bvh: &Bvh, method: Traversal, shots: &Shots) -> usize {
     let from = |_| Origins::Shared(shots.camera.origin);
     trace_batches(bvh, method, shots, from)
 }
 
-fn trace_pinhole(bvh: &Bvh, method: Method, shots: &Shots) -> usize {
+fn trace_pinhole(bvh: &Bvh, method: Traversal, shots: &Shots) -> usize {
     let from = |at| Origins::Each(&shots.pinhole[at..]);
     trace_batches(bvh, method, shots, from)
 }
 
 fn trace_batches<'a>(
     bvh: &Bvh,
-    method: Method,
+    method: Traversal,
     shots: &Shots,
     from: impl Fn(usize) -> Origins<'a>,
 ) -> usize {
@@ -191,7 +193,7 @@ fn trace_batches<'a>(
     count
 }
 
-fn trace_shadows(bvh: &Bvh, method: Method, shots: &Shots) -> usize {
+fn trace_shadows(bvh: &Bvh, method: Traversal, shots: &Shots) -> usize {
     let mut count = 0;
     for segments in &shots.shadows {
         let mut blocked = [false; TILE * TILE];
@@ -239,7 +241,7 @@ impl Shots {
 /// From what is seen along `directions` to `lamp`.
 fn shadows(bvh: &Bvh, eye: DVec3, directions: &[DVec3], lamp: DVec3) -> Vec<Segment> {
     let mut hits = vec![None; directions.len()];
-    let (method, from) = (Method::default(), Origins::Shared(eye));
+    let (method, from) = (Traversal::default(), Origins::Shared(eye));
     bvh.closest_by(method, from, directions, &mut hits, &mut NoTally, |_| ());
     let seen = directions
         .iter()

@@ -1,7 +1,7 @@
 //! The camera of benchmarks of visibility.
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Hit, Method, NoTally, Origins};
+use nullray::accel::{Bvh, Hit, NoTally, Origins, Traversal};
 
 use super::grid;
 
@@ -40,7 +40,7 @@ impl Camera {
 /// The closest hits of a tile's rays, traced as pictures trace them; how many there are.
 pub fn trace_tile(bvh: &Bvh, origin: DVec3, directions: &[DVec3]) -> usize {
     let mut hits: [Option<Hit>; TILE * TILE] = [None; TILE * TILE];
-    let (method, from) = (Method::default(), Origins::Shared(origin));
+    let (method, from) = (Traversal::default(), Origins::Shared(origin));
     let entries = &mut hits[..directions.len()];
     let mut count = 0;
     bvh.closest_by(method, from, directions, entries, &mut NoTally, |_| {

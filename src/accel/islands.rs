@@ -152,7 +152,7 @@ fn widest_gap(triangles: &[[DVec3; 3]], island: &Island) -> Option<Plane> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::packet::{Kernel, Method, Precision};
+    use crate::accel::packet::{Kernel, Precision, Traversal};
     use crate::accel::{Bvh, Counts, Facing, Hit, NoTally, Origins, Ray, Segment, numbers};
 
     /// A round net of 2 n² triangles around `centre`.
@@ -283,7 +283,7 @@ mod tests {
             .collect();
         assert!(expected.iter().flatten().count() > 150);
         for kernel in Kernel::ALL.into_iter().filter(|k| k.is_supported()) {
-            let method = Method {
+            let method = Traversal {
                 kernel,
                 precision: Precision::Certified,
             };
@@ -357,7 +357,7 @@ mod tests {
             let hit = bvh.closest(&ray, f64::INFINITY);
             assert_eq!(hit.map(|hit| (hit.triangle, hit.s)), Some((0, 3.0)));
             for kernel in Kernel::ALL.into_iter().filter(|k| k.is_supported()) {
-                let method = Method {
+                let method = Traversal {
                     kernel,
                     precision: Precision::Certified,
                 };
@@ -390,7 +390,7 @@ mod tests {
             let bvh = Bvh::build(triangles, |_| Facing::TwoSided);
             let mut counts = Counts::default();
             let mut hits = vec![None; directions.len()];
-            let method = Method::default();
+            let method = Traversal::default();
             let from = Origins::Shared(DVec3::Z * 3.0);
             bvh.closest_by(method, from, &directions, &mut hits, &mut counts, |_| ());
             counts.triangles

@@ -53,7 +53,7 @@ mod wide;
 pub use alpha::AlphaTest;
 pub use build::{ExpectedRays, Preset};
 pub use bvh::Bvh;
-pub use packet::{Kernel, Method, Precision};
+pub use packet::{Kernel, Precision, Traversal};
 pub use rays::{Converging, Facing, Hit, NO_SLOT, Origins, Ray, Segment};
 pub use tally::{Counts, NoTally, Tally, Work};
 

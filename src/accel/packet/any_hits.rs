@@ -493,7 +493,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::packet::method::{Kernel, Method, Precision};
+    use crate::accel::packet::method::{Kernel, Precision, Traversal};
     use crate::accel::vectors::Columns;
     use crate::accel::{Bvh, Facing, NoTally, numbers};
 
@@ -548,7 +548,7 @@ mod tests {
                         at: (count % 2 == 0).then_some(7),
                     };
                     let single: Vec<_> = (0..count).map(|k| segments.segment(k)).collect();
-                    let method = |kernel| Method {
+                    let method = |kernel| Traversal {
                         kernel,
                         precision: Precision::Certified,
                     };

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::any_hits::{AnyHits, SegmentSet};
 use super::block::{Block, FRONT, is_far};
 use super::closest_hits::ClosestHits;
-use super::method::{Kernel, Method, Precision};
+use super::method::{Kernel, Precision, Traversal};
 use super::ray_set::{ColumnsToPoint, OwnOrigins, RAYS, RaySet, SharedOrigin};
 use super::refine::RefinedHits;
 use super::tile::Tile;
@@ -45,7 +45,7 @@ impl Bvh {
     /// near one another. There are as many rays as the shortest of the slices has entries.
     pub fn closest_by(
         &self,
-        method: Method,
+        method: Traversal,
         from: Origins,
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
@@ -68,7 +68,7 @@ impl Bvh {
     /// point in common or nearly so. Results are certified, whatever `method` says.
     pub fn any_by(
         &self,
-        method: Method,
+        method: Traversal,
         segments: &[Segment],
         blocked: &mut [bool],
         tally: &mut impl Tally,
@@ -86,7 +86,7 @@ impl Bvh {
     /// from there, which is faster than [`Bvh::any_by`]; the answers are the same. `tally` counts the work.
     pub fn any_to_point(
         &self,
-        method: Method,
+        method: Traversal,
         segments: Converging,
         blocked: &mut [bool],
         tally: &mut impl Tally,
@@ -112,7 +112,7 @@ impl View<'_> {
     /// [`Bvh::closest_by`] of this tree.
     fn closest_of_batch(
         self,
-        method: Method,
+        method: Traversal,
         from: Origins,
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
@@ -142,7 +142,7 @@ impl View<'_> {
     /// The same where few of the rays come near the tree: the others are left out.
     fn closest_of_some(
         self,
-        method: Method,
+        method: Traversal,
         from: Origins,
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
@@ -187,7 +187,7 @@ impl View<'_> {
     /// [`Bvh::closest_by`] but for holes, on which some of the hits may be.
     fn closest_of_whole(
         self,
-        method: Method,
+        method: Traversal,
         from: Origins,
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
@@ -229,7 +229,7 @@ impl View<'_> {
     /// [`Bvh::any_by`] of this tree.
     fn any_of_batch(
         self,
-        method: Method,
+        method: Traversal,
         segments: &[Segment],
         blocked: &mut [bool],
         tally: &mut impl Tally,
@@ -248,7 +248,7 @@ impl View<'_> {
     /// What blocks those of the segments that nothing has blocked yet, where few of them come near the tree.
     fn any_of_some(
         self,
-        method: Method,
+        method: Traversal,
         segments: impl SegmentSet,
         blocked: &mut [bool],
         tally: &mut impl Tally,
@@ -278,7 +278,7 @@ impl View<'_> {
     /// [`Bvh::any_by`] but for holes, which may be all that blocks some of the segments.
     fn any_of_whole(
         self,
-        method: Method,
+        method: Traversal,
         segments: impl SegmentSet,
         blocked: &mut [bool],
         tally: &mut impl Tally,
@@ -324,7 +324,7 @@ impl View<'_> {
     /// Traces segments one by one.
     fn any_of_singles(
         self,
-        method: Method,
+        method: Traversal,
         segments: impl SegmentSet,
         order: &[u32],
         blocked: &mut [bool],
@@ -360,7 +360,7 @@ impl View<'_> {
 
     fn closest_of_tile<R: RaySet>(
         self,
-        method: Method,
+        method: Traversal,
         rays: R,
         (from, directions): (Origins, &[DVec3]),
         hits: &mut [Option<Hit>],
@@ -445,7 +445,7 @@ impl View<'_> {
     /// Leads the block's rays through the tree.
     fn closest_of_block(
         self,
-        method: Method,
+        method: Traversal,
         rays: impl RaySet,
         hits: &[Option<Hit>],
         Workspace { block, refined, .. }: &mut Workspace,

@@ -10,7 +10,7 @@ use super::simd::{Portable, Simd, Task};
 
 /// How batches of rays are traced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Method {
+pub struct Traversal {
     /// The instructions to use.
     pub kernel: Kernel,
     /// How results are worked out.
@@ -59,10 +59,10 @@ impl Serialize for Precision {
     }
 }
 
-impl Default for Method {
+impl Default for Traversal {
     /// The best kernel of this processor, certified.
-    fn default() -> Method {
-        Method {
+    fn default() -> Traversal {
+        Traversal {
             kernel: Kernel::best(),
             precision: Precision::Certified,
         }

@@ -27,4 +27,4 @@ mod tile;
 mod traverse;
 mod walk;
 
-pub use method::{Kernel, Method, Precision};
+pub use method::{Kernel, Precision, Traversal};

@@ -110,7 +110,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::accel::packet::method::{Kernel, Method, Precision};
+    use crate::accel::packet::method::{Kernel, Precision, Traversal};
     use crate::accel::{Bvh, Facing, NoTally, Origins, numbers};
 
     #[test]
@@ -138,7 +138,7 @@ mod tests {
                 })
                 .collect();
             let trace = |kernel| {
-                let method = Method {
+                let method = Traversal {
                     kernel,
                     precision: Precision::Certified,
                 };

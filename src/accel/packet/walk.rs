@@ -464,11 +464,11 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::accel::packet::method::{Kernel, Method, Precision};
+    use crate::accel::packet::method::{Kernel, Precision, Traversal};
     use crate::accel::{Bvh, Counts, Facing, NoTally, Origins, Ray, Segment, numbers};
 
-    fn certified(kernel: Kernel) -> Method {
-        Method {
+    fn certified(kernel: Kernel) -> Traversal {
+        Traversal {
             kernel,
             precision: Precision::Certified,
         }
@@ -477,7 +477,7 @@ mod tests {
     /// The nearest hits of these rays, and which rays have one, in order.
     fn closest(
         bvh: &Bvh,
-        method: Method,
+        method: Traversal,
         origins: &[DVec3],
         directions: &[DVec3],
     ) -> (Vec<Option<Hit>>, Vec<usize>) {

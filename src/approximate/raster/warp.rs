@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::draw::{RayBatch, StripSamples, Visibility};
 use super::method::{Lookup, Map, Warp, moves};
-use crate::accel::Method;
+use crate::accel::Traversal;
 use crate::error::Result;
 use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
@@ -65,7 +65,7 @@ fn fill(
     texels: &mut [Option<SurfaceHit>],
     directions: &[DVec3],
     surfaces: &Surfaces,
-    method: Method,
+    method: Traversal,
     hits: &mut HitBuffer,
 ) {
     let rays = Rays::from_shot(directions, method);

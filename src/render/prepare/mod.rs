@@ -17,7 +17,7 @@ pub(crate) use response::scaling;
 
 use std::cell::LazyCell;
 
-use crate::accel::Method;
+use crate::accel::Traversal;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::render::film::Layout;
@@ -50,7 +50,7 @@ pub struct Prepared {
     /// The film.
     pub layout: Layout,
     /// How rays are traced.
-    pub method: Method,
+    pub method: Traversal,
     /// What is unusual in the files or the scene, but not an error: a sentence each.
     pub warnings: Vec<String>,
     /// Which light no path finds, and why, where that is so.
@@ -120,9 +120,9 @@ impl Prepared {
             background: sky::background(scene, sky),
             sampler,
             layout: plan.film.clone(),
-            method: Method {
+            method: Traversal {
                 precision: plan.film.precision,
-                ..Method::default()
+                ..Traversal::default()
             },
             warnings,
             unfound_light: unfound,

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::accel::Method;
+use crate::accel::Traversal;
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::camera::{AnyProjection, AnyView, FilmPoints, Projection, RayOrigin, RaySlices, View};
 use crate::render::film::Tile;
@@ -44,14 +44,14 @@ pub struct Rays<'a> {
     /// The triangle that each leaves, and does not meet again; empty where they leave none.
     pub left: &'a [LeftTriangle],
     /// How they are traced.
-    pub method: Method,
+    pub method: Traversal,
     /// What random numbers at their hits come from.
     pub samples: Samples<'a>,
 }
 
 impl<'a> Rays<'a> {
     /// Rays that all leave the event of the shot, and at whose hits nothing is drawn at random.
-    pub fn from_shot(directions: &'a [DVec3], method: Method) -> Self {
+    pub fn from_shot(directions: &'a [DVec3], method: Traversal) -> Self {
         Rays {
             directions,
             origins: None,
@@ -222,7 +222,7 @@ impl CameraRays {
     }
 
     /// The rays, to be traced by `method`.
-    pub(crate) fn rays(&self, method: Method) -> Rays<'_> {
+    pub(crate) fn rays(&self, method: Traversal) -> Rays<'_> {
         Rays {
             directions: &self.directions,
             origins: (!self.origins.is_empty()).then_some(&self.origins),

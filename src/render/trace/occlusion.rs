@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::points::Points;
 use super::tubes::Bundle;
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, store};
-use crate::accel::{Bvh, Converging, Counts, Method, NoTally, Ray, Segment};
+use crate::accel::{Bvh, Converging, Counts, NoTally, Ray, Segment, Traversal};
 use crate::spacetime::{Boost, Direction, Rest, World};
 
 /// Occlusion queries and their answers: whether a ray from a point of a run along a direction of the world hits anything
@@ -125,7 +125,7 @@ impl OcclusionQueries {
     pub(super) fn ask<S: Places>(
         &mut self,
         obstacles: &Obstacles<S>,
-        method: Method,
+        method: Traversal,
         counts: Option<&mut Counts>,
     ) {
         self.blocked.resize(self.points.len(), false);
@@ -285,7 +285,7 @@ impl VectorLoop for Starts<'_> {
 /// Puts into `blocked` whether each of `segments` hits anything.
 pub(super) fn any_hit(
     bvh: &Bvh,
-    method: Method,
+    method: Traversal,
     segments: &[Segment],
     blocked: &mut Vec<bool>,
     counts: Option<&mut Counts>,
@@ -301,7 +301,7 @@ pub(super) fn any_hit(
 /// The same for ways that all end in one point.
 pub(super) fn any_to_point(
     bvh: &Bvh,
-    method: Method,
+    method: Traversal,
     segments: Converging,
     blocked: &mut Vec<bool>,
     counts: Option<&mut Counts>,

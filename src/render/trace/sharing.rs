@@ -41,7 +41,7 @@ use glam::DVec3;
 
 use super::occlusion::{any_hit, any_to_point, shadow_ray, shadow_size, shadow_start};
 use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, dispatch, load, store};
-use crate::accel::{Bvh, Converging, Counts, Method, Ray, Segment};
+use crate::accel::{Bvh, Converging, Counts, Ray, Segment, Traversal};
 
 /// Most points of a group.
 pub(super) const MOST: usize = BLOCK;
@@ -308,7 +308,7 @@ impl Receivers {
         end: End,
         (own, paths): (usize, usize),
         bvh: &Bvh,
-        method: Method,
+        method: Traversal,
         counts: Option<&mut Counts>,
     ) {
         let count = self.positions.len().min(BLOCK);
@@ -354,7 +354,7 @@ impl Receivers {
         (y, normal, triangle): (DVec3, DVec3, u32),
         own: usize,
         bvh: &Bvh,
-        method: Method,
+        method: Traversal,
         counts: Option<&mut Counts>,
     ) {
         let off = shadow_ray(self.positions.get(own), y, normal).s_min;
@@ -377,7 +377,7 @@ impl Receivers {
     }
 
     /// Asks whether anything is in the way along `l`.
-    fn ask_along(&mut self, l: DVec3, bvh: &Bvh, method: Method, counts: Option<&mut Counts>) {
+    fn ask_along(&mut self, l: DVec3, bvh: &Bvh, method: Traversal, counts: Option<&mut Counts>) {
         self.segments.clear();
         for (at, size) in self.sizes.iter().enumerate() {
             self.segments.push(Segment {

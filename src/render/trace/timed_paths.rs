@@ -32,7 +32,7 @@ use super::paths::{AREA, balance};
 use super::rest_frame::{Patch, RestFrame};
 use super::sharing::{End, Groups, Receivers, Sharing, Ungrouped};
 use super::time_resolved::{Emitter, TimeResolved};
-use crate::accel::{Hit, Method, NoTally, Origins, Segment};
+use crate::accel::{Hit, NoTally, Origins, Segment, Traversal};
 use crate::light::lamp::{Emission, Lamp};
 use crate::light::reflection::{Reflection, Scattered};
 use crate::render::sampler::sobol;
@@ -46,7 +46,7 @@ pub(crate) struct TimedPaths<'a> {
     /// How many more times light is reflected after the first surface.
     pub bounces: u32,
     /// How rays are traced.
-    pub method: Method,
+    pub method: Traversal,
 }
 
 /// Where a path begins.

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::meshes::{PLACES, Random, Triangle, build, disc, fan, grid, of_grid, placed, sphere};
 use super::{Check, Outcome, count_in_batches, counted};
 use crate::Result;
-use crate::accel::{Bvh, Hit, Kernel, Method, NoTally, Origins, Precision, Ray};
+use crate::accel::{Bvh, Hit, Kernel, NoTally, Origins, Precision, Ray, Traversal};
 use crate::render::progress::Progress;
 
 /// Bytes of a triangle while a tree is built over it. Measured: 270.
@@ -46,8 +46,8 @@ pub(super) const CHECKS: [Check; 4] = [
     .taking([2 * 500 * 500 * TRIANGLE, 2 * 2237 * 2237 * TRIANGLE]),
 ];
 
-fn certified(kernel: Kernel) -> Method {
-    Method {
+fn certified(kernel: Kernel) -> Traversal {
+    Traversal {
         kernel,
         precision: Precision::Certified,
     }

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::meshes::{PLACES, Random, Triangle, build, disc, placed, soup, sphere, tile};
 use super::{Check, Outcome, count_in_batches, counted};
 use crate::Result;
-use crate::accel::{Bvh, Facing, Hit, Kernel, Method, NoTally, Origins, Precision, Preset};
+use crate::accel::{Bvh, Facing, Hit, Kernel, NoTally, Origins, Precision, Preset, Traversal};
 use crate::render::progress::Progress;
 
 pub(super) const CHECKS: [Check; 3] = [
@@ -39,7 +39,7 @@ pub(super) const CHECKS: [Check; 3] = [
 const BATCH: u64 = 256;
 
 fn trace(bvh: &Bvh, kernel: Kernel, origin: DVec3, directions: &[DVec3]) -> Vec<Option<Hit>> {
-    let method = Method {
+    let method = Traversal {
         kernel,
         precision: Precision::Certified,
     };

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Kernel, Method, NoTally, Origins, Precision, Ray};
+use nullray::accel::{Bvh, Facing, Kernel, NoTally, Origins, Precision, Ray, Traversal};
 use nullray::io::gltf::{self, Want};
 use nullray::render::aov::Aov;
 use nullray::render::film::Film;
@@ -36,7 +36,7 @@ fn hits(bvh: &Bvh, origin: DVec3, directions: &[DVec3]) -> Vec<Option<(u32, f64)
         let precision = Precision::Certified;
         let mut hits = vec![None; directions.len()];
         bvh.closest_by(
-            Method { kernel, precision },
+            Traversal { kernel, precision },
             Origins::Shared(origin),
             directions,
             &mut hits,

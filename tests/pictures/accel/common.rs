@@ -1,7 +1,7 @@
 //! Meshes, rays and random numbers for the tests.
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Hit, Kernel, Method, NoTally, Origins, Precision, Ray};
+use nullray::accel::{Bvh, Facing, Hit, Kernel, NoTally, Origins, Precision, Ray, Traversal};
 
 pub type Triangle = [DVec3; 3];
 
@@ -94,8 +94,8 @@ pub fn scaled(triangles: &[Triangle], scale: f64, shift: DVec3) -> Vec<Triangle>
         .collect()
 }
 
-pub fn certified(kernel: Kernel) -> Method {
-    Method {
+pub fn certified(kernel: Kernel) -> Traversal {
+    Traversal {
         kernel,
         precision: Precision::Certified,
     }
@@ -103,7 +103,7 @@ pub fn certified(kernel: Kernel) -> Method {
 
 /// Traces rays from one point as pictures do.
 pub fn trace(bvh: &Bvh, origin: DVec3, directions: &[DVec3], hits: &mut [Option<Hit>]) {
-    let (method, from) = (Method::default(), Origins::Shared(origin));
+    let (method, from) = (Traversal::default(), Origins::Shared(origin));
     bvh.closest_by(method, from, directions, hits, &mut NoTally, |_| ());
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use nullray::accel::{
-    AlphaTest, Bvh, Facing, Hit, Kernel, Method, NoTally, Origins, Precision, Segment,
+    AlphaTest, Bvh, Facing, Hit, Kernel, NoTally, Origins, Precision, Segment, Traversal,
 };
 
 use crate::accel::common::*;
@@ -54,7 +54,7 @@ fn every_kernel_finds_the_nearest_hit_that_is_no_hole() {
         .unzip();
     for kernel in Kernel::ALL.into_iter().filter(|k| k.is_supported()) {
         let mut through_holes = 0;
-        let method = Method {
+        let method = Traversal {
             kernel,
             precision: Precision::Certified,
         };

@@ -1,7 +1,7 @@
 //! Packets of rays with an origin each against single rays: the same hits, bit for bit, with every kernel.
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Counts, Facing, Hit, Kernel, Method, NoTally, Origins, Precision};
+use nullray::accel::{Bvh, Counts, Facing, Hit, Kernel, NoTally, Origins, Precision, Traversal};
 
 use crate::accel::common::*;
 
@@ -95,7 +95,7 @@ fn rays_with_one_origin_are_met_as_those_that_share_it() {
         let directions = tile(&mut random, -origin, 16, 0.01, 0.5);
         let trace = |from| {
             let mut hits: Vec<Option<Hit>> = vec![None; 256];
-            let method = Method::default();
+            let method = Traversal::default();
             bvh.closest_by(method, from, &directions, &mut hits, &mut NoTally, |_| ());
             hits
         };
@@ -267,7 +267,7 @@ fn fast_results_from_origins_near_one_another_are_those_of_f32() {
         for kernel in Kernel::ALL {
             let trace = |precision| {
                 let mut hits: Vec<Option<Hit>> = vec![None; 256];
-                let (method, from) = (Method { kernel, precision }, Origins::Each(&origins));
+                let (method, from) = (Traversal { kernel, precision }, Origins::Each(&origins));
                 bvh.closest_by(method, from, &directions, &mut hits, &mut NoTally, |_| ());
                 hits
             };

@@ -1,6 +1,6 @@
 //! Packets by the million: closed meshes, and what f32 alone makes of them.
 
-use nullray::accel::{Hit, Kernel, Method, NoTally, Origins, Precision};
+use nullray::accel::{Hit, Kernel, NoTally, Origins, Precision, Traversal};
 
 use glam::DVec3;
 
@@ -55,7 +55,7 @@ fn fast_results_are_those_of_f32() {
             let trace = |precision| {
                 let mut hits = vec![None; directions.len()];
                 bvh.closest_by(
-                    Method { kernel, precision },
+                    Traversal { kernel, precision },
                     Origins::Shared(origin),
                     &directions,
                     &mut hits,

@@ -1,6 +1,6 @@
 //! The ranges of numbers in scenes, whether a file or a program gives them. Each check says what is wrong, and what would be right.
 
-use super::model::{MOST_BOUNCES, MOST_SAMPLES, ProjectionKind};
+use super::model::{EmissionProfile, MOST_BOUNCES, MOST_SAMPLES, ProjectionKind};
 use crate::error::number;
 
 /// What is wrong, and what would be right.
@@ -82,6 +82,22 @@ pub(crate) fn cells(cells: [u32; 3]) -> Result<(), Wrong> {
     }
     let what = format!("a lattice has 1 to {MOST_CELLS} cells along each axis");
     Err((what, "give numbers like [4, 4, 4]".into()))
+}
+
+/// That an emission shines at some time.
+pub(crate) fn emission(profile: &EmissionProfile) -> Result<(), Wrong> {
+    match profile {
+        EmissionProfile::Train { count: Some(0), .. } => {
+            let what = "a train of 0 pulses never shines: it has at least 1";
+            let help = "give a `count` of at least 1, or leave it out for a train without end";
+            Err((what.into(), help.into()))
+        }
+        EmissionProfile::Table(knots) if knots.iter().all(|[_, factor]| *factor == 0.0) => {
+            let help = "give some time a factor above 0, or leave the light out";
+            Err(("all factors are 0: it never shines".into(), help.into()))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Whether a picture of this projection can be so wide, radians: up to what it shows, and so that the tangent of half the angle has digits

@@ -13,7 +13,7 @@ use nullray::render::aov::Aov;
 use nullray::render::film::Film;
 use nullray::render::metadata::metadata;
 use nullray::render::plan::{Plan, Request};
-use nullray::scene::model::{BadVertices, Geometry, Scene, SourceKind};
+use nullray::scene::model::{BadVertices, EmissionProfile, Geometry, LightKind, Scene, SourceKind};
 use nullray::scene::{Builder, Value};
 use nullray::spacetime::units::Time;
 use nullray::spacetime::worldline::WorldLine;
@@ -197,6 +197,7 @@ fn what_a_program_has_made_of_a_scene_is_checked_before_it_is_rendered() {
     let scene = camera("changed")
         .mesh("a", Arc::new(triangle()))
         .shape("b", shapes_box())
+        .light("c", [("position", DVec3::Y.into())])
         .build()
         .unwrap();
     let refused = |change: fn(&mut Scene)| {
@@ -277,6 +278,27 @@ fn what_a_program_has_made_of_a_scene_is_checked_before_it_is_rendered() {
                 }
             }),
             "object \"b\", ior: 0.9 is not",
+        ),
+        (
+            refused(|s| {
+                if let LightKind::Lamp(lamp) = &mut s.lights[0].kind {
+                    lamp.emission = EmissionProfile::Train {
+                        centre: 0.0,
+                        sigma: 0.05,
+                        period: 1.0,
+                        count: Some(0),
+                    };
+                }
+            }),
+            "light \"c\", emission: a train of 0 pulses",
+        ),
+        (
+            refused(|s| {
+                if let LightKind::Lamp(lamp) = &mut s.lights[0].kind {
+                    lamp.emission = EmissionProfile::Table(vec![[0.0, 0.0], [1.0, 0.0]]);
+                }
+            }),
+            "light \"c\", emission: all factors are 0",
         ),
     ] {
         assert!(said.contains(part), "{part}: {said}");

@@ -4,7 +4,7 @@ use crate::error::{Error, Result, number};
 use crate::mesh::shapes::Shape;
 use crate::mesh::{Material, Mesh, MeshError};
 use crate::scene::limits::{self, Wrong};
-use crate::scene::model::{Geometry, Object, Scene};
+use crate::scene::model::{Geometry, LightKind, Object, Scene};
 
 /// Refuses sizes, counts, indices and materials with which nothing can be rendered.
 pub(super) fn check(scene: &Scene) -> Result<()> {
@@ -31,6 +31,15 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
         let what = format!("a field of view of {fov} rad");
         let help = format!("above 0, and at most {} degrees", projection.widest());
         return refuse("camera.horizontal_fov", (what, help));
+    }
+    for light in &scene.lights {
+        let emission = match &light.kind {
+            LightKind::Lamp(lamp) => &lamp.emission,
+            LightKind::Area { emission, .. } => emission,
+        };
+        if let Err(wrong) = limits::emission(emission) {
+            return refuse(&format!("light \"{}\", emission", light.name), wrong);
+        }
     }
     scene.objects.iter().try_for_each(|one| object(scene, one))
 }

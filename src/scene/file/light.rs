@@ -145,7 +145,7 @@ pub(in crate::scene) struct PulseTrain {
     pub sigma: At<Time>,
     /// From one to the next, at least `sigma`.
     pub period: At<Time>,
-    /// How many. Default: without end, before the first too.
+    /// How many, at least 1. Default: without end, before the first too.
     pub count: Option<At<u32>>,
 }
 

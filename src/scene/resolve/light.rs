@@ -13,6 +13,7 @@ use crate::colour::Continuation;
 use crate::error::{Result, number};
 use crate::scene::at::At;
 use crate::scene::file::{self, LightType};
+use crate::scene::limits;
 use crate::scene::model::{
     Beam, Binding, Brightness, EmissionProfile, Lamp, Light, LightKind, Motion, Object, Source,
     SourceKind,
@@ -434,12 +435,16 @@ fn train(cx: &Context, train: &file::PulseTrain) -> Result<EmissionProfile> {
             "a period is at least σ; or leave `emission` out",
         ));
     }
-    Ok(EmissionProfile::Train {
+    let profile = EmissionProfile::Train {
         centre: cx.time(&train.time)?,
         sigma,
         period,
         count: train.count.as_ref().map(|count| count.value),
-    })
+    };
+    if let Some(count) = &train.count {
+        cx.checked(count, limits::emission(&profile))?;
+    }
+    Ok(profile)
 }
 
 fn table(cx: &Context, at: &At<Vec<At<file::EmissionKnot>>>) -> Result<EmissionProfile> {
@@ -454,5 +459,7 @@ fn table(cx: &Context, at: &At<Vec<At<file::EmissionKnot>>>) -> Result<EmissionP
     let knots: Vec<[f64; 2]> = at.value.iter().map(knot).collect::<Result<_>>()?;
     let times: Vec<f64> = knots.iter().map(|[time, _]| *time).collect();
     cx.ascending(&times, |i| Some(&at.value.get(i)?.value.time))?;
-    Ok(EmissionProfile::Table(knots))
+    let profile = EmissionProfile::Table(knots);
+    cx.checked(at, limits::emission(&profile))?;
+    Ok(profile)
 }

@@ -396,6 +396,18 @@ fn what_no_light_can_be_is_refused_in_words() {
             "run together",
         ),
         (
+            "[[light]]\nposition = [0, 1, 0]\nemission = { train = { sigma = \"5 cm\", period = \"1 m\", count = 0 } }",
+            "at least 1",
+        ),
+        (
+            "[[light]]\ntype = \"area\"\nobject = \"plane\"\nemission.train = { sigma = \"5 cm\", period = \"1 m\", count = 0 }",
+            "at least 1",
+        ),
+        (
+            "[[light]]\nposition = [0, 1, 0]\nemission.table = [{ time = \"0 m\", factor = 0 }, { time = \"1 m\", factor = 0 }]",
+            "all factors are 0",
+        ),
+        (
             "[[light]]\nposition = [0, 1, 0]\nemission.table = [{ time = \"1 m\", factor = 1 }, { time = \"0 m\", factor = 1 }]",
             "not after",
         ),

@@ -73,7 +73,7 @@ pub struct Material {
     pub emissive_texture: Option<TextureRef>,
     /// The part of the light not reflected that goes through, 0 to 1 (KHR_materials_transmission).
     pub transmission: f32,
-    /// Refractive index of the body that it bounds (KHR_materials_ior).
+    /// Refractive index of the dielectric (KHR_materials_ior), also of what light goes through.
     pub ior: f32,
     /// Whether it bounds a body of that index (KHR_materials_volume); otherwise it is a film without thickness.
     pub solid: bool,

@@ -24,10 +24,10 @@ pub(crate) struct Coefficients {
 }
 
 impl Coefficients {
-    /// Of this base colour, metalness and roughness.
+    /// Of this base colour, metalness and roughness, and of a dielectric of this f₀.
     #[inline(always)]
-    pub fn new(colour: DVec3, [metallic, roughness]: [f64; 2]) -> Self {
-        let [diffuse, f0] = diffuse_and_specular(colour.to_array(), metallic);
+    pub fn new(colour: DVec3, [metallic, roughness]: [f64; 2], dielectric: f64) -> Self {
+        let [diffuse, f0] = diffuse_and_specular(colour.to_array(), metallic, dielectric);
         let f0 = DVec3::from_array(f0);
         Coefficients {
             f0,
@@ -118,6 +118,8 @@ pub(crate) struct Glosses {
     pub colours: Columns,
     pub metallic: Vec<f64>,
     pub roughness: Vec<f64>,
+    /// f₀ of the dielectric part, of all of them.
+    pub dielectric: f64,
 }
 
 impl Glosses {
@@ -134,9 +136,15 @@ impl Glosses {
         self.roughness.clear();
     }
 
-    /// Makes all of them surfaces of this base colour, metalness and roughness.
-    pub fn fill_alike(&mut self, colour: [f64; 3], [metallic, roughness]: [f64; 2]) {
+    /// Makes all of them surfaces of this base colour, metalness and roughness, and of a dielectric of this f₀.
+    pub fn fill_alike(
+        &mut self,
+        colour: [f64; 3],
+        [metallic, roughness]: [f64; 2],
+        dielectric: f64,
+    ) {
         self.alike = true;
+        self.dielectric = dielectric;
         self.colours.fill(BLOCK, DVec3::from_array(colour));
         self.metallic.resize(BLOCK, metallic);
         self.roughness.resize(BLOCK, roughness);
@@ -154,17 +162,26 @@ impl Glosses {
     pub fn shared(&self) -> Option<Coefficients> {
         let look = || [self.metallic[0], self.roughness[0]];
         self.alike
-            .then(|| Coefficients::new(self.colours.get(0), look()))
+            .then(|| Coefficients::new(self.colours.get(0), look(), self.dielectric))
     }
 }
 
-/// c (1 − m) and f₀.
+/// c (1 − m) and f₀ of a metal and a dielectric of this f₀.
 #[inline(always)]
-pub(super) fn diffuse_and_specular(colour: [f64; 3], metallic: f64) -> [[f64; 3]; 2] {
+pub(super) fn diffuse_and_specular(
+    colour: [f64; 3],
+    metallic: f64,
+    dielectric: f64,
+) -> [[f64; 3]; 2] {
     [
         colour.map(|c| c * (1.0 - metallic)),
-        colour.map(|c| 0.04 * (1.0 - metallic) + c * metallic),
+        colour.map(|c| dielectric * (1.0 - metallic) + c * metallic),
     ]
+}
+
+/// f₀ of a dielectric of this index: 0.04 to the last bit for 1.5, as both squares are exact.
+pub(crate) fn reflectance_of_index(ior: f64) -> f64 {
+    (ior - 1.0) * (ior - 1.0) / ((ior + 1.0) * (ior + 1.0))
 }
 
 /// α of a perceptual roughness.

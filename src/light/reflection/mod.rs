@@ -5,11 +5,12 @@
 //! roughness r and α = r²,
 //!
 //! ```text
-//! f = (1 − F) c (1 − m)/π + F D V,        F = f₀ + (1 − f₀)(1 − v·h)⁵,     f₀ = 0.04 (1 − m) + c m,
+//! f = (1 − F) c (1 − m)/π + F D V,        F = f₀ + (1 − f₀)(1 − v·h)⁵,     f₀ = ((ν − 1)/(ν + 1))² (1 − m) + c m,
 //! D = α²/(π ((n·h)² (α² − 1) + 1)²),      V = ½/(n·l √(α² + (1 − α²)(n·v)²) + n·v √(α² + (1 − α²)(n·l)²)).
 //! ```
 //!
-//! D V is GGX with Smith's height-correlated masking (Walter et al. 2007; Heitz, JCGT 3(2), 2014). Normals visible
+//! ν is the refractive index of the dielectric, 1.5 unless a material says otherwise, for which its part is 0.04 (KHR_materials_ior); it is
+//! that of smooth glass, too. D V is GGX with Smith's height-correlated masking (Walter et al. 2007; Heitz, JCGT 3(2), 2014). Normals visible
 //! from v are drawn as in Heitz, JCGT 7(4), 2018, for which f (n·l)/pdf = F G₂/G₁. A surface with m = 0 and r = 1 is
 //! taken as diffuse altogether: f = c/π.
 //!
@@ -46,7 +47,7 @@ mod gloss;
 
 pub(super) use cosine::by_cosine;
 pub(crate) use cosine::each_by_cosine;
-pub(crate) use gloss::{Coefficients, Glosses};
+pub(crate) use gloss::{Coefficients, Glosses, reflectance_of_index};
 
 use glass::{Through, chance_of_mirror};
 use gloss::{alpha, diffuse_and_specular, facing, root, schlick};
@@ -100,16 +101,16 @@ impl Reflection {
         }
     }
 
-    /// Of a surface of base colour `colour`.
+    /// Of a surface of base colour `colour`, and of a dielectric of the f₀ `dielectric`.
     #[inline(always)]
     pub fn metallic_roughness(
         normal: DVec3,
         view: DVec3,
         colour: [f64; 3],
-        metallic: f64,
-        roughness: f64,
+        [metallic, roughness]: [f64; 2],
+        dielectric: f64,
     ) -> Self {
-        let [diffuse, specular] = diffuse_and_specular(colour, metallic);
+        let [diffuse, specular] = diffuse_and_specular(colour, metallic, dielectric);
         Reflection {
             normal,
             view,
@@ -493,12 +494,12 @@ mod tests {
             );
             let l = DVec3::new(-part(11), part(13), 0.01 + part(17)).normalize();
             let (colour, look) = ([part(19), part(23), part(29)], [part(31), part(37)]);
-            let one = Reflection::metallic_roughness(n, v, colour, look[0], look[1]).value(l);
-            let many = |look| Coefficients::new(colour.into(), look);
+            let one = Reflection::metallic_roughness(n, v, colour, look, 0.04).value(l);
+            let many = |look| Coefficients::new(colour.into(), look, 0.04);
             let all = many(look).value_at::<false, false>(n, v, l).to_array();
             assert_eq!(one.map(f64::to_bits), all.map(f64::to_bits));
             // Surfaces as rough as can be, and metals, have loops of their own.
-            let one = |m, r| Reflection::metallic_roughness(n, v, colour, m, r).value(l);
+            let one = |m, r| Reflection::metallic_roughness(n, v, colour, [m, r], 0.04).value(l);
             let rough = many([look[0], 1.0]).value_at::<true, false>(n, v, l);
             assert_eq!(one(look[0], 1.0), rough.to_array());
             let metal = many([1.0, look[1]]).value_at::<false, true>(n, v, l);
@@ -519,7 +520,7 @@ mod tests {
                 _ => DVec3::new(-part(11), part(13), 0.01 + part(17)).normalize(),
             };
             let colour = [part(19), part(23), part(29)];
-            let r = Reflection::metallic_roughness(DVec3::Z, v, colour, part(31), part(37));
+            let r = Reflection::metallic_roughness(DVec3::Z, v, colour, [part(31), part(37)], 0.04);
             let h = (v + l).normalize();
             let gloss = r.distribution(h.z) * r.visibility(l.z);
             let weight = schlick(v.dot(h));
@@ -541,7 +542,7 @@ mod tests {
     #[test]
     fn light_that_grazes_from_behind_has_the_normal_between() {
         // v + l = 0: h = n, so that n·h = 1 and v·h = n·v, which is kept above 0.
-        let r = Reflection::metallic_roughness(DVec3::Z, DVec3::X, [0.5; 3], 1.0, 0.5);
+        let r = Reflection::metallic_roughness(DVec3::Z, DVec3::X, [0.5; 3], [1.0, 0.5], 0.04);
         let gloss = r.distribution(1.0) * r.visibility(0.0);
         let expected = gloss * (0.5 + 0.5 * schlick(r.facing));
         let value = r.value(DVec3::NEG_X)[0];
@@ -565,8 +566,13 @@ mod tests {
     fn drawn_directions_give_the_integral_of_the_specular_part() {
         // ∫ f (n·l) dω of white metal over the hemisphere: by z = n·l and azimuth, and by drawing.
         for (roughness, cosine) in [(0.5, 0.9), (0.7, 0.3), (1.0, 0.6)] {
-            let r =
-                Reflection::metallic_roughness(DVec3::Z, view(cosine), [1.0; 3], 1.0, roughness);
+            let r = Reflection::metallic_roughness(
+                DVec3::Z,
+                view(cosine),
+                [1.0; 3],
+                [1.0, roughness],
+                0.04,
+            );
             let n = 400;
             let uniform = grid(n).map(|[x, y]| {
                 let (z, phi) = (x, TAU * y);
@@ -588,8 +594,13 @@ mod tests {
     fn directions_of_all_of_the_reflection_give_its_integral() {
         for (metallic, roughness, cosine) in [(0.0, 0.5, 0.8), (0.4, 0.7, 0.4), (1.0, 0.6, 0.9)] {
             let colour = [0.9, 0.6, 0.3];
-            let r =
-                Reflection::metallic_roughness(DVec3::Z, view(cosine), colour, metallic, roughness);
+            let r = Reflection::metallic_roughness(
+                DVec3::Z,
+                view(cosine),
+                colour,
+                [metallic, roughness],
+                0.04,
+            );
             let n = 600;
             let (mut uniform, mut drawn, mut all) = ([0.0; 3], [0.0; 3], 0.0);
             for [x, y] in grid(n) {
@@ -616,7 +627,8 @@ mod tests {
     #[test]
     fn a_mirror_sends_all_into_one_direction() {
         let v = view(0.6);
-        let r = Reflection::metallic_roughness(DVec3::Z, v, [0.9, 0.8, 0.7], 1.0, 0.0).as_mirror();
+        let r = Reflection::metallic_roughness(DVec3::Z, v, [0.9, 0.8, 0.7], [1.0, 0.0], 0.04)
+            .as_mirror();
         let s = r.sample([0.3, 0.8]).unwrap();
         assert!((s.l - DVec3::new(-v.x, -v.y, v.z)).length() < 1e-15);
         // Schlick: f₀ + (1 − f₀) 0.4⁵.
@@ -632,11 +644,19 @@ mod tests {
             let colour = [0.9, 0.5, 0.1 * f64::from(k % 9)];
             match k % 5 {
                 0 => Reflection::diffuse(DVec3::Z, colour),
-                1 => Reflection::metallic_roughness(DVec3::Z, view(cosine), colour, 1.0, 0.0)
-                    .as_mirror(),
+                1 => {
+                    Reflection::metallic_roughness(DVec3::Z, view(cosine), colour, [1.0, 0.0], 0.04)
+                        .as_mirror()
+                }
                 _ => {
                     let roughness = f64::from(k % 7) / 6.0;
-                    Reflection::metallic_roughness(DVec3::Z, view(cosine), colour, 0.3, roughness)
+                    Reflection::metallic_roughness(
+                        DVec3::Z,
+                        view(cosine),
+                        colour,
+                        [0.3, roughness],
+                        0.04,
+                    )
                 }
             }
         };
@@ -663,7 +683,7 @@ mod tests {
         // (n² − 1)²/(n² + 1)²/2 is reflected there; beyond the critical angle, sin θ = 1/n, all of it.
         let n = 1.5;
         let glass = |v, near: f64, far: f64| {
-            let r = Reflection::metallic_roughness(DVec3::Z, v, [1.0; 3], 0.0, 0.0);
+            let r = Reflection::metallic_roughness(DVec3::Z, v, [1.0; 3], [0.0, 0.0], 0.04);
             r.within(near).as_glass(1.0, far, true)
         };
         let reflected = |r: Reflection| r.through.unwrap().reflected;
@@ -694,7 +714,7 @@ mod tests {
     #[test]
     fn glass_is_drawn_as_a_mirror_as_far_as_it_is_one() {
         let glass = |v, index: f64| {
-            let r = Reflection::metallic_roughness(DVec3::Z, v, [1.0; 3], 0.0, 0.0);
+            let r = Reflection::metallic_roughness(DVec3::Z, v, [1.0; 3], [0.0, 0.0], 0.04);
             r.within(1.0).as_glass(1.0, index, true)
         };
         // Of index 1 nothing is reflected, and each draw goes through with all of the light.
@@ -741,7 +761,7 @@ mod tests {
     #[test]
     fn reflection_is_reciprocal() {
         let (a, b) = (view(0.8), DVec3::new(-0.3, 0.4, 0.75f64.sqrt()));
-        let of = |v| Reflection::metallic_roughness(DVec3::Z, v, [0.9, 0.5, 0.1], 0.3, 0.4);
+        let of = |v| Reflection::metallic_roughness(DVec3::Z, v, [0.9, 0.5, 0.1], [0.3, 0.4], 0.04);
         for (x, y) in of(a).value(b).into_iter().zip(of(b).value(a)) {
             assert!((x - y).abs() < 1e-13 * x, "{x} {y}");
         }
@@ -750,7 +770,7 @@ mod tests {
     #[test]
     fn the_value_at_normal_incidence_is_that_of_the_formula() {
         // n = v = l = h: D = 1/(π α²), V = ¼, F = f₀; α = 0.25, c = 0.5, m = 0: f₀ = 0.04.
-        let r = Reflection::metallic_roughness(DVec3::Z, DVec3::Z, [0.5; 3], 0.0, 0.5);
+        let r = Reflection::metallic_roughness(DVec3::Z, DVec3::Z, [0.5; 3], [0.0, 0.5], 0.04);
         let expected = 0.96 * 0.5 / PI + 0.04 / (PI * 0.0625) / 4.0;
         assert!((r.value(DVec3::Z)[1] - expected).abs() < 1e-15);
     }

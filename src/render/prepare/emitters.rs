@@ -14,6 +14,7 @@ use crate::io::cube::{Bricks, BytesRead};
 use crate::io::gltf::EncodedImage;
 use crate::io::image::Texture;
 use crate::light::lamp::{Emission, Lamp};
+use crate::light::reflection::reflectance_of_index;
 use crate::light::sky::Sky;
 use crate::mesh::{AlphaMode, Material, Mesh, TextureRef};
 use crate::render::plan::{Lit, Plan, shown_by};
@@ -389,6 +390,7 @@ fn gloss(scene: &Scene, material: &Material, textures: &[usize]) -> Option<Gloss
         metallic: f64::from(material.metallic),
         roughness: f64::from(material.roughness),
         texture: lookup(&material.metallic_roughness_texture, textures),
+        dielectric: reflectance_of_index(f64::from(material.ior)),
     })
 }
 

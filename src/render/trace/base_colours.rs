@@ -119,6 +119,8 @@ pub struct Gloss {
     pub roughness: f64,
     /// Roughness in its green channel, metalness in its blue one.
     pub texture: Option<TextureLookup>,
+    /// f₀ where it is no metal.
+    pub dielectric: f64,
 }
 
 /// Base colours of all patches.
@@ -210,7 +212,8 @@ impl BaseColours {
             return Reflection::diffuse(normal, colour).within(near);
         };
         let [metallic, roughness] = self.gloss(gloss, rest, patch, hit);
-        let reflection = Reflection::metallic_roughness(normal, view, colour, metallic, roughness);
+        let look = [metallic, roughness];
+        let reflection = Reflection::metallic_roughness(normal, view, colour, look, gloss.dielectric);
         match &finish.glass {
             // From within, the other side is the scene's medium: bodies of glass do not touch.
             Some(glass) if glass.solid => {

@@ -372,6 +372,8 @@ struct Looks<'a> {
     colours: VectorsRef<'a>,
     metallic: &'a Block,
     roughness: &'a Block,
+    /// f₀ of the dielectric part.
+    dielectric: f64,
 }
 
 impl Glossy<'_> {
@@ -405,7 +407,7 @@ impl Glossy<'_> {
     ) {
         for (k, factor) in factors.iter().enumerate() {
             let look = [looks.metallic[k], looks.roughness[k]];
-            let of = Coefficients::new(looks.colours.get(k), look);
+            let of = Coefficients::new(looks.colours.get(k), look, looks.dielectric);
             let value = self.value::<ROUGHEST, false>(&of, k);
             let more = before.get(k) + value * irradiance.get(k);
             let is_lit = *factor != 0.0;
@@ -477,6 +479,7 @@ impl VectorLoop for Gloss<'_> {
                         colours: glosses.colours.block(look),
                         metallic: block_of(&glosses.metallic, look, last_metallic),
                         roughness: block_of(&glosses.roughness, look, last_roughness),
+                        dielectric: glosses.dielectric,
                     };
                     let mut others = 0;
                     for roughness in looks.roughness {
@@ -566,10 +569,11 @@ mod tests {
             each.metallic.resize(factors.len(), look[0]);
             each.roughness.resize(factors.len(), look[1]);
             each.colours = columns(|_| colour.into());
+            each.dielectric = 0.2;
             let mut alike = Glosses::default();
-            alike.fill_alike([0.1; 3], [0.5; 2]);
+            alike.fill_alike([0.1; 3], [0.5; 2], 0.04);
             alike.clear();
-            alike.fill_alike(colour, look);
+            alike.fill_alike(colour, look, 0.2);
             let reflected = |glosses: &Glosses| {
                 let (mut gathered, mut added) = (Gathered::default(), Columns::default());
                 gathered.start(factors.len(), false);
@@ -611,7 +615,7 @@ mod tests {
         let mut factors = factors();
         factors[BLOCK..2 * BLOCK].fill(0.0);
         let (none, mut glosses) = (Columns::default(), Glosses::default());
-        glosses.fill_alike([0.2, 0.5, 0.9], [1.0, 1.0]);
+        glosses.fill_alike([0.2, 0.5, 0.9], [1.0, 1.0], 0.04);
         let lit = |is_first: bool, weighs: bool| {
             let light = Light {
                 constant: Some(DVec3::new(0.3, 0.7, 1.1)),

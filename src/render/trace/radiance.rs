@@ -616,8 +616,9 @@ impl TimeResolved {
         }
         let colour = self.base.colours[finish.colour].constant();
         if let (Some(colour), None, false) = (colour, gloss.texture, by_point) {
-            return glosses.fill_alike(colour, [gloss.metallic, gloss.roughness]);
+            return glosses.fill_alike(colour, [gloss.metallic, gloss.roughness], gloss.dielectric);
         }
+        glosses.dielectric = gloss.dielectric;
         self.colours(finish, run, &mut glosses.colours);
         let Glosses {
             colours,
@@ -639,7 +640,8 @@ impl TimeResolved {
             reflections.extend(all.map(|(k, (metallic, roughness))| {
                 let (normal, view) = (points.normals.get(k), views.get(k));
                 let colour = colours.get(k).to_array();
-                Reflection::metallic_roughness(normal, view, colour, *metallic, *roughness)
+                let look = [*metallic, *roughness];
+                Reflection::metallic_roughness(normal, view, colour, look, gloss.dielectric)
             }));
         }
     }

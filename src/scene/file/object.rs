@@ -45,7 +45,8 @@ pub(in crate::scene) struct Object {
     /// The part of the light not reflected that goes through the shape, 0 (opaque) to 1 (glass), where `render.bounces` follows
     /// it: a smooth body of index `ior`, whatever its roughness. Default: 0.
     pub transmission: Option<At<Number>>,
-    /// Refractive index of a shape that light goes through, 1 to 10. Default: 1.5.
+    /// Refractive index of the shape where it is no metal, 1 to 10: how much of the light it mirrors, and, of glass, how it bends what goes through.
+    /// Surfaces of roughness 1 without metalness are diffuse, whatever their index. Default: 1.5.
     pub ior: Option<At<Number>>,
     /// Further texture coordinates, as the set after those that the mesh has: what `nullray bake --atlas` makes for models that have none
     /// of their own for every place.

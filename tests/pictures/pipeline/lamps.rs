@@ -541,3 +541,53 @@ fn textures_of_metal_roughness_and_emission_are_factors_on_those_of_the_material
         }
     }
 }
+
+/// Light that comes back to where it came from has v·h = 1, and F = f₀ = ((ν − 1)/(ν + 1))²; a black surface reflects nothing else. From a sky
+/// of radiance 1 that a mirror bounces along its normal comes f₀ itself.
+#[test]
+fn what_a_dielectric_mirrors_follows_from_its_index() {
+    let folder = tempfile::tempdir().unwrap();
+    let mean = |lights: &str, object: &str| {
+        let text = format!(
+            "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nhfov = \"1 deg\"\nsize = [4, 4]\n{lights}\n[[object]]\n{object}\n"
+        );
+        let film = stage::film(&stage::scene_in(folder.path(), &text));
+        let met = stage::met(&film);
+        assert_eq!(met.len(), 16);
+        met.iter().map(|i| film.radiance()[*i][1]).sum::<f64>() / 16.0
+    };
+    let shape = |roughness: f64, ior: &str| {
+        format!(
+            "shape = {{ box = {{ size = [1, 1, 1] }} }}\ncolour = [0, 0, 0]\nroughness = {roughness}\n{ior}"
+        )
+    };
+    let lamp = "[[light]]\nposition = [0, 0, 5]\nintensity = 3\n";
+    let sky = "[sky]\nradiance = 1\n[render]\nbounces = 1\n";
+    let usual = mean(lamp, &shape(0.3, ""));
+    assert_eq!(
+        usual.to_bits(),
+        mean(lamp, &shape(0.3, "ior = 1.5")).to_bits()
+    );
+    for (ior, f0) in [(1.0, 0.0), (1.5, 0.04), (2.5, 9.0 / 49.0)] {
+        let own = format!("ior = {ior:?}");
+        let lit = mean(lamp, &shape(0.3, &own)) / usual;
+        assert!((lit - f0 / 0.04).abs() < 1e-9, "{ior}: {lit}");
+        let bounced = mean(sky, &shape(0.0, &own));
+        assert!((bounced - f0).abs() < 1e-9, "{ior}: {bounced}");
+    }
+    // A model's material, which has the same roughness.
+    let of_model = |extension: &str| {
+        let material = format!(
+            r#"{{ "pbrMetallicRoughness": {{ "baseColorFactor": [0, 0, 0, 1], "metallicFactor": 0, "roughnessFactor": 0.3 }}{extension} }}"#
+        );
+        let quad = Quad {
+            material: Some(&material),
+            ..Quad::PLAIN
+        };
+        files::glb(&folder.path().join("quad.glb"), &quad);
+        mean(lamp, "gltf = 'quad.glb'")
+    };
+    let extension = r#", "extensions": { "KHR_materials_ior": { "ior": 2.5 } }"#;
+    let lit = of_model(extension) / of_model("");
+    assert!((lit - 9.0 / 49.0 / 0.04).abs() < 1e-9, "{lit}");
+}

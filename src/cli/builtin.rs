@@ -59,7 +59,7 @@ pub fn is_standard_input(path: &Path) -> bool {
 /// The folder against which paths of the scene of a command resolve.
 pub fn base(path: Option<&Path>) -> &Path {
     match path {
-        Some(path) if is_standard_input(path) => Path::new(""),
+        Some(path) if is_standard_input(path) || is_model(path) => Path::new(""),
         Some(path) => path.parent().unwrap_or(Path::new("")),
         None => Path::new(FOLDER),
     }
@@ -139,14 +139,7 @@ pub fn of_model(path: &Path, text: &str) -> SceneFile {
     SceneFile::of_text(text, &name, Path::new("")).reaching(own)
 }
 
-/// The space-time diagram of a command: of the file that was named, or of the built-in scene.
-pub fn load_diagram(path: Option<&Path>, overrides: &Overrides) -> Result<Diagram> {
-    match path {
-        Some(path) if is_standard_input(path) => {
-            let file = read(path)?;
-            figures::diagram::parse(file.text(), STANDARD_INPUT, Path::new(""), overrides)
-        }
-        Some(path) => figures::diagram::load(path, overrides),
-        None => figures::diagram::parse(TEXT, NAME, Path::new(FOLDER), overrides),
-    }
+/// The space-time diagram of what [`open`] gives.
+pub fn diagram(file: &SceneFile, overrides: &Overrides) -> Result<Diagram> {
+    figures::diagram::parse(file.text(), file.name(), file.base(), overrides)
 }

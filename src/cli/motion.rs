@@ -404,7 +404,7 @@ fn film(arguments: &FilmArguments, file: &SceneFile, scene: &Scene, takes: &[Tak
         frames::run(&job, None)?;
     }
     let diagrams = match arguments.beside {
-        Some(Beside::Diagram) => diagrams(arguments, scene)?,
+        Some(Beside::Diagram) => diagrams(arguments, file, scene)?,
         _ => Vec::new(),
     };
     // Then they are put side by side, one picture of the film at a time.
@@ -461,7 +461,7 @@ fn label(arguments: &FilmArguments, scene: &Scene, take: &Take, k: u64) -> Strin
 }
 
 /// The diagram of the scene in the frames of the camera's speeds, as high as its pictures.
-fn diagrams(arguments: &FilmArguments, scene: &Scene) -> Result<Vec<RgbImage>> {
+fn diagrams(arguments: &FilmArguments, file: &SceneFile, scene: &Scene) -> Result<Vec<RgbImage>> {
     let Some(beta) = arguments.motion.speeds else {
         let what = "a diagram is boosted along with the speeds of one place and moment";
         return Err(refused(
@@ -475,7 +475,7 @@ fn diagrams(arguments: &FilmArguments, scene: &Scene) -> Result<Vec<RgbImage>> {
     let height = f64::from(scene.camera.size[1]);
     let page = (height / SMALLEST).clamp(PAGES[0], PAGES[1]);
     let series = boosts(
-        arguments.scene.path(),
+        file,
         &arguments.changes.overrides(),
         n * beta,
         arguments.pictures,
@@ -492,7 +492,7 @@ fn diagrams(arguments: &FilmArguments, scene: &Scene) -> Result<Vec<RgbImage>> {
 /// The diagram of a scene, boosted in `steps` equal steps of rapidity from the world to the camera's frame, which moves with `beta`; about
 /// the event of the picture, which stays where it is. On a page of so many points to a side, or of as many as a diagram has.
 pub fn boosts(
-    path: Option<&std::path::Path>,
+    file: &SceneFile,
     overrides: &Overrides,
     beta: DVec3,
     steps: u32,
@@ -515,7 +515,7 @@ pub fn boosts(
     overrides
         .set
         .extend(set.map(|(key, value)| (key.to_string(), value)));
-    let mut diagram = builtin::load_diagram(path, &overrides)?;
+    let mut diagram = builtin::diagram(file, &overrides)?;
     let shot = diagram.events.iter().find(|event| event.name == "shot");
     if let Some(shot) = shot.map(|shot| shot.at) {
         diagram.boost_about(shot);

@@ -110,7 +110,7 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
             .iter()
             .map(|shot| shot.velocity.beta().length())
             .collect(),
-        diagrams: diagrams(arguments, &still, &times)?,
+        diagrams: diagrams(arguments, file, &still, &times)?,
         times,
         size: scene.camera.size,
         pictures: pictures.collect::<Result<_>>()?,
@@ -162,11 +162,15 @@ fn times(arguments: &PageArguments, scene: &Scene) -> Result<Vec<f64>> {
 }
 
 /// The scene's diagram at each time, in the frame of each speed.
-fn diagrams(arguments: &PageArguments, shots: &[Shot], times: &[f64]) -> Result<Vec<String>> {
+fn diagrams(
+    arguments: &PageArguments,
+    file: &SceneFile,
+    shots: &[Shot],
+    times: &[f64],
+) -> Result<Vec<String>> {
     let Some(last) = shots.last().filter(|_| !arguments.no_diagram) else {
         return Ok(Vec::new());
     };
-    let path = arguments.scene.path();
     let mut all = Vec::with_capacity(times.len() * shots.len());
     for time in times {
         let overrides = Overrides {
@@ -174,7 +178,7 @@ fn diagrams(arguments: &PageArguments, shots: &[Shot], times: &[f64]) -> Result<
             ..arguments.changes.overrides()
         };
         let series = motion::boosts(
-            path,
+            file,
             &overrides,
             last.velocity.beta(),
             shots.len() as u32,

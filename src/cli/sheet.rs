@@ -60,8 +60,9 @@ struct Part {
 
 impl Figure {
     fn new(path: &Path, arguments: &SheetArguments) -> Result<Figure> {
-        let file = builtin::read(path)?;
-        let whole = file.scene(&arguments.changes.overrides())?;
+        let (changes, overrides) = (&arguments.changes, arguments.changes.overrides());
+        let file = builtin::open(Some(path), &overrides, changes.memory.bytes())?;
+        let whole = file.scene(&overrides)?;
         let directory = arguments.directory.as_deref().unwrap_or(Path::new(""));
         let default = || directory.join(named_after(Some(path), "-sheet.png"));
         let output = arguments.output.clone().unwrap_or_else(default);

@@ -61,6 +61,16 @@ impl SceneFile {
         &self.text
     }
 
+    /// What the scene is called in messages.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The folder against which relative paths in it resolve.
+    pub fn base(&self) -> &Path {
+        &self.base
+    }
+
     /// The text of a scene called `name`; relative paths in it resolve against `base`.
     pub fn of_text(text: &str, name: &str, base: &Path) -> SceneFile {
         SceneFile {

@@ -55,7 +55,10 @@ fn model(arguments: &DiagramArguments) -> Result<Diagram> {
     let path = arguments.scene.path();
     let overrides = overrides(arguments, arguments.frame.as_deref());
     match arguments.panel.name() {
-        None => builtin::load_diagram(path, &overrides),
+        None => {
+            let memory = arguments.pixel.memory.bytes();
+            builtin::diagram(&builtin::open(path, &overrides, memory)?, &overrides)
+        }
         Some(_) => pixel::diagram_of(arguments, &pixel::scene(arguments, &overrides)?),
     }
 }

@@ -274,3 +274,56 @@ fn a_plan_of_a_model_takes_the_options_of_its_picture() {
         run.stderr
     );
 }
+
+#[test]
+fn pages_sheets_and_diagrams_are_made_of_a_model() {
+    let folder = folder(1.0);
+    let small = ["--size", "12x8", "--spp", "1"];
+    let made = |arguments: &[&str]| {
+        folder.ok(arguments);
+    };
+    made(&[&["sheet", "model.gltf", "-o", "sheet.png"][..], &small[..]].concat());
+    let page = [
+        "page",
+        "model.gltf",
+        "--steps",
+        "2",
+        "--grid",
+        "2x2",
+        "-o",
+        "pages",
+    ];
+    made(&[&page[..], &small[..]].concat());
+    made(&["diagram", "model.gltf", "-o", "model.svg"]);
+    made(&[
+        "diagram",
+        "model.gltf",
+        "--pixel",
+        "320,240",
+        "-o",
+        "pixel.svg",
+    ]);
+    // The diagram is that of the scene that stands for the model.
+    let text = folder.ok(&["render", "model.gltf", "--print-scene"]);
+    folder.write("scene.toml", text);
+    made(&["diagram", "scene.toml", "-o", "scene.svg"]);
+    let lines = |name: &str| {
+        let text = std::fs::read_to_string(folder.path(name)).unwrap();
+        let paths = text.lines().filter(|line| line.contains("<path"));
+        paths.map(str::to_owned).collect::<Vec<_>>()
+    };
+    let drawn = lines("model.svg");
+    assert!(drawn.len() > 5, "{drawn:?}");
+    assert_eq!(drawn, lines("scene.svg"));
+    let film = [
+        "film",
+        "model.gltf",
+        "--speeds",
+        "0.5",
+        "--pictures",
+        "2",
+        "--beside",
+        "diagram",
+    ];
+    made(&[&film[..], &["-o", "film.apng"], &small[..]].concat());
+}

@@ -159,9 +159,17 @@ fn every(range: &Range, room: f64) -> i64 {
     steps.into_iter().find(fits).unwrap_or(1000)
 }
 
-/// A positive number in three significant digits.
-fn three_digits(value: f64) -> String {
-    let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
+/// Labels of the powers of ten of `logarithms`, which are `step` apart: in three significant digits, or as many as keep the error of a label
+/// below a twentieth of the way to the next lower one, 1 − 10⁻ˢᵗᵉᵖ of its value.
+fn labels(logarithms: impl Iterator<Item = f64>, step: f64) -> impl Iterator<Item = String> {
+    let apart = -libm::expm1(-step * std::f64::consts::LN_10);
+    let digits = (2.0 - libm::log10(apart)).ceil().clamp(3.0, 17.0) as usize;
+    logarithms.map(move |logarithm| rounded(libm::pow(10.0, logarithm), digits))
+}
+
+/// A positive number in so many significant digits.
+fn rounded(value: f64, digits: usize) -> String {
+    let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
     match (1e-3..1e5).contains(&rounded) {
         true => rounded.to_string(),
         false => format!("{rounded:e}").replace('-', "\u{2212}"),
@@ -187,13 +195,10 @@ impl Scale {
     fn luminance(range: &Range, room: f64, em: f64) -> Result<Scale> {
         let every = every(range, room);
         let chosen = range.lines().filter(|line| line % every == 0);
-        let ticks = chosen.map(|line| {
-            let logarithm = line as f64 * range.step;
-            Ok((
-                logarithm,
-                RichText::plain(&three_digits(libm::pow(10.0, logarithm)))?,
-            ))
-        });
+        let logarithms: Vec<f64> = chosen.map(|line| line as f64 * range.step).collect();
+        let labels = labels(logarithms.iter().copied(), every as f64 * range.step);
+        let ticks = logarithms.iter().zip(labels);
+        let ticks = ticks.map(|(logarithm, label)| Ok((*logarithm, RichText::plain(&label)?)));
         let head = RichText::plain("luminance")?;
         Scale::new(head, ticks.collect::<Result<_>>()?, em)
     }
@@ -221,5 +226,24 @@ impl Scale {
             width = width.max(label.width(em)?);
         }
         Ok(Scale { head, ticks, width })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_of_luminances_differ_however_close_they_are() {
+        let of = |lines: [i32; 4], step: f64| {
+            let logarithms = lines.into_iter().map(|line| f64::from(line) * step);
+            labels(logarithms, step).collect::<Vec<_>>()
+        };
+        assert_eq!(of([-1, 0, 1, 2], 1.0), ["0.1", "1", "10", "100"]);
+        assert_eq!(of([0, 1, 2, 3], 0.1), ["1", "1.26", "1.58", "2"]);
+        // 10^±0.0002 = 1 ± 4.6·10⁻⁴.
+        let close = of([-2, -1, 0, 1], 2e-4);
+        assert_eq!(close, ["0.999079", "0.99954", "1", "1.00046"]);
+        assert_eq!(of([0, 1, 2, 3], 1e-9)[1], "1.0000000023");
     }
 }

@@ -40,8 +40,8 @@ use toml_edit::Value;
 
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
-use crate::io::gltf::{self, BadVertices, GltfLight, GltfLightKind, Want};
-use crate::mesh::Mesh;
+use crate::io::gltf::{self, BadVertices, GltfLight, GltfLightKind, GltfSummary, Want};
+use crate::mesh::{Factors, Mesh};
 use crate::spacetime::{Velocity, World};
 
 /// The first line of such a scene.
@@ -97,6 +97,8 @@ const WIDEST: f64 = 80.0;
 /// A ground is at the bottom, level to this part of the radius of all, and what stands on it has at most this part of it.
 const LEVEL: f64 = 0.01;
 const WIDE: f64 = 0.25;
+/// Bounces of a model with glass: two hollow bodies, of four surfaces each, are seen through.
+const GLASS_BOUNCES: u32 = 8;
 /// The size of a scene that says nothing.
 const SIZE: [u32; 2] = [640, 480];
 
@@ -115,7 +117,8 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Str
     if !view.allow_outside {
         gltf::refuse_outside(path)?;
     }
-    let ball = Ball::of(path, budget)?;
+    let held = gltf::inspect(path, None)?;
+    let ball = Ball::of(path, &held, budget)?;
     let motion = Motion::new(path, view)?;
     let size = view.size.unwrap_or(SIZE);
     let camera = match (view.flyby, motion) {
@@ -130,6 +133,9 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Str
         "\n[[object]]\ngltf = {}\n\n[radiance]\nquantity = \"rgb\"\n",
         Value::from(name).to_string().trim()
     );
+    if held.factors.iter().any(Factors::is_glass) {
+        let _ = write!(text, "\n[render]\nbounces = {GLASS_BOUNCES}\n");
+    }
     if let (true, Some(motion)) = (view.flyby, motion) {
         let [black, white] = motion.shown();
         let _ = writeln!(text, "\n[display]\nlogarithmic = [{black:e}, {white:e}]");
@@ -188,8 +194,7 @@ impl Ball {
     /// A triangle: its corners, in a list that grows, and as they are in the file.
     const TRIANGLE: u64 = 2 * 12 + 12;
 
-    fn of(path: &Path, budget: &Budget) -> Result<Ball> {
-        let held = gltf::inspect(path, None)?;
+    fn of(path: &Path, held: &GltfSummary, budget: &Budget) -> Result<Ball> {
         let taken = Ball::VERTEX.saturating_mul(held.vertices);
         budget.take(
             taken.saturating_add(Ball::TRIANGLE.saturating_mul(held.triangles)),

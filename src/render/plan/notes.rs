@@ -10,7 +10,7 @@ use crate::colour::Continuation;
 use crate::io::gltf;
 use crate::mesh::Factors;
 use crate::scene::MADE_FOR_MODEL;
-use crate::scene::model::{Geometry, LightKind, Object, Scene, SourceKind};
+use crate::scene::model::{Geometry, LightKind, Scene, SourceKind};
 use crate::spacetime::Quantity;
 
 pub(super) fn explain(scene: &Scene, plan: &mut Plan) {
@@ -154,11 +154,7 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
         );
     }
     notes.extend(unfound_light(scene, &plan.objects, |_| false));
-    notes.extend(unshown_materials(scene, &plan.objects));
-    let is_glass = |object: &Object| matches!(object.geometry, Geometry::Shape { transmission, .. } if transmission > 0.0);
-    if scene.bounces == 0 && scene.objects.iter().any(is_glass) {
-        notes.push("glass is opaque without `render.bounces`: give 2 for each body".into());
-    }
+    notes.extend(unshown(scene, &plan.objects));
     if scene.medium_index != 1.0 {
         notes.push(format!(
             "the medium's index {} delays light and bends nothing: directions are those of vacuum",
@@ -277,9 +273,35 @@ pub(crate) fn unfound_light(
     ))
 }
 
+/// What pictures of a scene do not show, a sentence each, which is said before they are made as well as with them.
+pub(crate) fn unshown(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
+    let mut notes = unshown_materials(scene, objects);
+    notes.extend(opaque_glass(scene, objects));
+    notes
+}
+
+/// That glass is opaque where light is not followed; but for what pulses alone light, of which [`unshown_materials`] speaks.
+fn opaque_glass(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
+    let is_glass = |(index, object): &(usize, &PlannedObject)| {
+        let mut materials = object.materials.iter().zip(&object.factors);
+        materials.any(|(name, factors)| {
+            factors.is_glass()
+                && (scene.is_lit() || !matches!(lit_by(scene, *index, name), Lit::Reflecting(_)))
+        })
+    };
+    let glass = objects.iter().enumerate().filter(is_glass);
+    let names: Vec<String> = glass.map(|(_, object)| quoted(&object.name)).collect();
+    (scene.bounces == 0 && !names.is_empty()).then(|| {
+        format!(
+            "the glass of {} is opaque without `render.bounces`: give 2 for each body",
+            listed(&names)
+        )
+    })
+}
+
 /// What lights and skies alone show of materials, in a scene that has none: emission where base colours are what is seen, as nothing shines
 /// beside them, and how glossy are surfaces that pulses light.
-pub(crate) fn unshown_materials(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
+fn unshown_materials(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
     if scene.is_lit() {
         return Vec::new();
     }

@@ -21,7 +21,7 @@ use crate::accel::Traversal;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::render::film::Layout;
-use crate::render::plan::{Plan, unfound_light, unshown_materials};
+use crate::render::plan::{Plan, unfound_light, unshown};
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{
@@ -98,7 +98,7 @@ impl Prepared {
             0..0,
             (scene.passed_over.iter().cloned())
                 .chain(unfound.clone())
-                .chain(unshown_materials(scene, &plan.objects)),
+                .chain(unshown(scene, &plan.objects)),
         );
         // Retardation that is turned off is light without delay.
         let ray_index = if scene.effects.retardation {

@@ -327,3 +327,29 @@ fn pages_sheets_and_diagrams_are_made_of_a_model() {
     ];
     made(&[&film[..], &["-o", "film.apng"], &small[..]].concat());
 }
+
+#[test]
+fn glass_of_a_model_is_seen_through_and_is_called_opaque_where_no_light_is_followed() {
+    let folder = folder(1.0);
+    let text = folder.ok(&["render", "model.gltf", "--print-scene"]);
+    assert!(!text.contains("bounces"), "{text}");
+    let solid = std::fs::read_to_string(folder.path("model.gltf")).unwrap();
+    let extension = r#""doubleSided":true,"extensions":{"KHR_materials_transmission":{"transmissionFactor":1.0}}"#;
+    let glass = solid.replace("\"doubleSided\":true", extension);
+    assert_ne!(solid, glass);
+    folder.write("model.gltf", glass);
+    let text = folder.ok(&["render", "model.gltf", "--print-scene"]);
+    assert!(text.contains("\n[render]\nbounces = 8\n"), "{text}");
+    for (bounces, is_said) in [("render.bounces=0", true), ("render.bounces=2", false)] {
+        let planned = folder.ok(&["plan", "model.gltf", "--set", bounces]);
+        let rendered = folder.ok(&[
+            &["render", "model.gltf", "--set", bounces, "-o", "a.png"],
+            &SIZE[..],
+        ]
+        .concat());
+        for said in [planned, rendered] {
+            let opaque = "the glass of \"model\" is opaque without `render.bounces`";
+            assert_eq!(said.contains(opaque), is_said, "{bounces}: {said}");
+        }
+    }
+}

@@ -35,6 +35,7 @@ pub fn info(path: &Path) -> Result<Info> {
     info.names("nodes", held.nodes);
     info.names("cameras", held.cameras);
     info.names("lights", held.lights);
+    info.names("animations", held.animations);
     info.names("materials", held.materials);
     if held.has_masks {
         info.row("holes", "by alpha masks");

@@ -32,7 +32,7 @@ impl Draft {
         let mut warnings = Warnings::default();
         let hierarchy = Hierarchy::new(document, &mut warnings)?;
         let placed = hierarchy.select(document, node, &mut warnings)?;
-        warn_of_unread(document, &placed, want, &mut warnings);
+        warn_of_unread(document, &placed, &mut warnings);
         let nodes: Vec<usize> = placed.iter().map(|placed| placed.node).collect();
         let used = materials_of(document, &nodes)?;
         let materials = resolve(document, used, want, &mut warnings)?;
@@ -70,8 +70,12 @@ const MOST_NAMED: usize = 20;
 /// What is said of the lights of a file.
 pub(crate) const LIGHTS_UNREAD: &str = "the lights of a scene are its [[light]] tables, and not those of the file, which light it without a scene";
 
+/// What is said of animations that move no mesh.
+pub(crate) const ANIMATIONS_UNREAD: &str =
+    "no mesh moves with it: cameras and lights follow it where motion.animation names it";
+
 /// Says what of the file is passed over as a whole.
-fn warn_of_unread(document: &Document, placed: &[Placed], want: Want, warnings: &mut Warnings) {
+fn warn_of_unread(document: &Document, placed: &[Placed], warnings: &mut Warnings) {
     let mut unread = document.unread_extensions().into_iter();
     for name in unread.by_ref().take(MOST_NAMED) {
         let what = format!("the extension {:?} is not supported", shortened(name));
@@ -88,14 +92,22 @@ fn warn_of_unread(document: &Document, placed: &[Placed], want: Want, warnings: 
     if let Some(first) = animated.first() {
         warnings.add_many(what, &format!("animation {first}"), animated.len() as u64);
     }
+    let others = (0..document.root.animations.len()).filter(|k| !animated.contains(k));
+    let others: Vec<usize> = others.collect();
+    if let Some(first) = others.first() {
+        warnings.add_many(
+            ANIMATIONS_UNREAD,
+            &format!("animation {first}"),
+            others.len() as u64,
+        );
+    }
     for [animation, channel] in &document.without_node {
         let what = "it animates something other than a node, and is not played";
         warnings.add(what, &format!("animation {animation}, channel {channel}"));
     }
     let has_light = |&placed: &Placed| lights::index_of(document, placed.node).is_some();
     let lights: Vec<Placed> = placed.iter().copied().filter(has_light).collect();
-    // Without shading nothing is lit, so that no light is missed.
-    if let Some(first) = lights.first().filter(|_| want.shading) {
+    if let Some(first) = lights.first() {
         let place = document.node_label(first.node);
         warnings.add_many(LIGHTS_UNREAD, &place, lights.len() as u64);
         let limited = lights

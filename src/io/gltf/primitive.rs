@@ -106,6 +106,10 @@ impl Place<'_, '_> {
             warnings.add("a primitive without positions: skipped", &self.label);
             return Ok(None);
         }
+        if has(Semantic::Normals) {
+            let what = "vertex normals are not read: every triangle is shaded as flat";
+            warnings.add(what, &self.label);
+        }
         if has(Semantic::Colors(1)) {
             warnings.add(
                 "vertex colours after the first set are not read",

@@ -51,6 +51,8 @@ pub struct GltfSummary {
     pub lights: Vec<String>,
     /// Names by which [`camera`](super::camera) finds the cameras of the whole file.
     pub cameras: Vec<String>,
+    /// Names of the animations of the whole file; "" for one without a name.
+    pub animations: Vec<String>,
     /// The files that the whole file refers to (buffers and images), each once; they need not be there.
     pub files: Vec<PathBuf>,
     /// The least and the greatest corner of a box around all vertices, metres, as the file declares
@@ -100,6 +102,9 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<GltfSum
         factors: materials.iter().map(|m| m.factors()).collect(),
         lights: lights::names(document, &lit),
         cameras: camera::names(document),
+        animations: (document.root.animations.iter())
+            .map(|animation| animation.name.clone().unwrap_or_default())
+            .collect(),
         files: files(document),
         bounds: bounds(document, pieces),
         warnings: draft.warnings.into_sentences(),

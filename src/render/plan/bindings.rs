@@ -121,11 +121,15 @@ pub(super) fn most_captures(scene: &Scene, objects: &[PlannedObject]) -> u64 {
 /// Sets what is loaded of `object`, and from what it has its radiance.
 pub(super) fn resolve(scene: &Scene, index: usize, object: &mut PlannedObject, wants_uv: bool) {
     object.uvs = wants_uv || object.has_masks;
-    for material in object.materials.clone() {
-        let is_unlit = object.unlit.contains(&material);
-        let lit = shown_by(scene, index, (&material, is_unlit));
+    for (at, material) in object.materials.clone().iter().enumerate() {
+        let is_unlit = object.unlit.contains(material);
+        let lit = shown_by(scene, index, (material, is_unlit));
         let has = (object.images > 0, object.has_colours);
-        let (uvs, textures, radiance) = needs(scene, &lit, has);
+        let (uvs, textures, mut radiance) = needs(scene, &lit, has);
+        let shines = object.factors.get(at).is_some_and(|factors| factors.emits);
+        if shines && scene.is_lit() && matches!(lit, Lit::Reflecting(_)) {
+            radiance += ", and what it emits";
+        }
         object.uvs |= uvs;
         object.textures |= textures;
         if !object.radiance.contains(&radiance) {

@@ -10,7 +10,7 @@ use crate::colour::Continuation;
 use crate::io::gltf;
 use crate::mesh::Factors;
 use crate::scene::MADE_FOR_MODEL;
-use crate::scene::model::{Geometry, LightKind, Scene, SourceKind};
+use crate::scene::model::{Geometry, Light, LightKind, Motion, Scene, SourceKind};
 use crate::spacetime::Quantity;
 
 pub(super) fn explain(scene: &Scene, plan: &mut Plan) {
@@ -201,19 +201,29 @@ fn unread_of<'a>(
     scene: &Scene,
     files: impl IntoIterator<Item = (&'a Path, &'a [String])>,
 ) -> Vec<String> {
-    // A scene that was made for a model has the lights of its file.
-    let has_lights = scene.text.starts_with(MADE_FOR_MODEL);
     let mut notes = Vec::new();
     for (file, unread) in files {
         for sentence in unread {
             let note = format!("{}: {sentence}", file.display());
-            let is_read = has_lights && sentence.contains(gltf::LIGHTS_UNREAD);
-            if !is_read && !notes.contains(&note) {
+            if !is_read_after_all(scene, sentence) && !notes.contains(&note) {
                 notes.push(note);
             }
         }
     }
     notes
+}
+
+/// Whether a scene reads what a file's warning says is not read: lights in one that was made for the model, and animations where something
+/// moves by one.
+pub(crate) fn is_read_after_all(scene: &Scene, warning: &str) -> bool {
+    let by_animation = |motion: &Motion| matches!(motion, Motion::Animation { .. });
+    let lamp = |light: &Light| match &light.kind {
+        LightKind::Lamp(lamp) => by_animation(&lamp.motion),
+        LightKind::Area { .. } => false,
+    };
+    let plays = || by_animation(&scene.camera.motion) || scene.lights.iter().any(lamp);
+    (warning.contains(gltf::LIGHTS_UNREAD) && scene.text.starts_with(MADE_FOR_MODEL))
+        || (warning.contains(gltf::ANIMATIONS_UNREAD) && plays())
 }
 
 /// That light of lamps without an extent is lost where it comes by perfect mirrors or through smooth glass: no path that is drawn goes that

@@ -15,10 +15,11 @@ use crate::io::budget::Budget;
 use crate::io::{gltf, npy};
 use crate::mesh::atlas::Corners;
 use crate::mesh::{Mesh, shapes};
-use crate::render::plan::{BUILT_TOGETHER, Plan, PlannedFrame, PlannedObject, keeps_normals};
+use crate::render::plan::{
+    BUILT_TOGETHER, Plan, PlannedFrame, PlannedObject, is_read_after_all, keeps_normals,
+};
 use crate::render::progress::Progress;
 use crate::render::trace::{AlphaMasks, MaskedRun, Patch, RestFrame};
-use crate::scene::MADE_FOR_MODEL;
 use crate::scene::model::{BadVertices, CoordinateFile, Geometry, Object, Scene};
 use crate::spacetime::{Event, InertialFrame, Rest};
 
@@ -75,9 +76,7 @@ fn gathered_frame(
         let want = want(scene, object, planned);
         let mut told = Vec::new();
         let (mesh, images) = object_mesh(object, want, &mut told)?;
-        // A scene that was made for a model has the lights of its file.
-        let has_lights = scene.text.starts_with(MADE_FOR_MODEL);
-        told.retain(|what| !has_lights || !what.contains(gltf::LIGHTS_UNREAD));
+        told.retain(|what| !is_read_after_all(scene, what));
         tell(warnings, told);
         let emitters = light.materials(index, &mesh, images)?;
         let origin = frame.event_from_world(object.origin);

@@ -491,6 +491,12 @@ fn emission_of_a_file_that_no_light_lets_be_seen_is_named() {
             said,
             "{notes}"
         );
+        let radiance = plan.objects[0].radiance.join("\n");
+        assert_eq!(
+            radiance.contains("and what it emits"),
+            !lights.is_empty(),
+            "{radiance}"
+        );
     }
 }
 

@@ -260,6 +260,39 @@ fn the_lights_of_a_model_are_lights_of_its_scene_in_place_of_a_sun() {
     folder.write("own.toml", own);
     let said = folder.ok(&["render", "own.toml", "-o", "b.exr"]);
     assert!(said.contains("not those of the file"), "{said}");
+    // Also one that has no light, which shows base colours.
+    folder.write("dark.toml", own.replace("[sky]\ngradient = {}\n", ""));
+    let said = folder.ok(&["render", "dark.toml", "-o", "c.exr"]);
+    assert!(said.contains("not those of the file"), "{said}");
+}
+
+#[test]
+fn what_is_not_read_of_a_model_is_named_once_wherever_it_is_looked_at() {
+    let folder = folder(1.0);
+    let mut document: serde_json::Value =
+        serde_json::from_slice(&folder.read("model.gltf")).unwrap();
+    document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(0);
+    document["cameras"] =
+        json!([{ "type": "perspective", "perspective": { "yfov": 0.5, "znear": 0.1 } }]);
+    document["nodes"] = json!([{ "mesh": 0 }, { "name": "cart", "camera": 0 }]);
+    document["animations"] = json!([{
+        "name": "ride",
+        "channels": [{ "sampler": 0, "target": { "node": 1, "path": "translation" } }],
+        "samplers": [{ "input": 0, "output": 0 }],
+    }]);
+    folder.write("model.gltf", document.to_string());
+    let info = folder.ok(&["info", "model.gltf"]);
+    assert!(info.contains("animations  1: ride"), "{info}");
+    let plan = folder.ok(&["plan", "model.gltf"]);
+    let render = folder.ok(&[&["render", "model.gltf", "-o", "a.png"], &SIZE[..]].concat());
+    for said in [info, plan, render] {
+        for part in [
+            "vertex normals are not read",
+            "animation 0: no mesh moves with it",
+        ] {
+            assert_eq!(said.matches(part).count(), 1, "{part}: {said}");
+        }
+    }
 }
 
 #[test]

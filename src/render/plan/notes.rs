@@ -5,13 +5,16 @@ use std::path::Path;
 
 use super::bindings::{Lit, lit_by};
 use super::planned::{Plan, PlannedObject, Skipped};
-use crate::camera::ViewKind;
-use crate::colour::Continuation;
+use crate::camera::{Shot, ViewKind};
+use crate::colour::{Continuation, Spectrum, SpectrumShape};
 use crate::io::gltf;
 use crate::mesh::Factors;
 use crate::scene::MADE_FOR_MODEL;
-use crate::scene::model::{Geometry, Light, LightKind, Motion, Scene, SourceKind};
+use crate::scene::model::{Geometry, Light, LightKind, Motion, Scene, SkyRadiance, SourceKind};
 use crate::spacetime::Quantity;
+
+/// Velocities whose rapidities differ by less are the same but for rounding: W is 1 to as many digits.
+const SAME_RAPIDITY: f64 = 1e-9;
 
 pub(super) fn explain(scene: &Scene, plan: &mut Plan) {
     plan.skipped = skipped(scene, plan);
@@ -287,7 +290,47 @@ pub(crate) fn unfound_light(
 pub(crate) fn unshown(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
     let mut notes = unshown_materials(scene, objects);
     notes.extend(opaque_glass(scene, objects));
+    notes.extend(lost_spectra(scene, objects));
     notes
+}
+
+/// That surfaces reflect no spectra: what arrives on them in their rest frames is seen by red, green and blue, whose shift on the way to a
+/// camera in motion against them is that of smooth spectra.
+fn lost_spectra(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
+    if scene.quantity != Quantity::Rgb || !scene.effects.doppler {
+        return None;
+    }
+    let is_no_rgb = |own: &Spectrum| !matches!(own.shape(), SpectrumShape::Rgb(..));
+    let has_spectrum = |light: &&Light| {
+        let spectrum = match &light.kind {
+            LightKind::Lamp(lamp) => lamp.spectrum.as_ref(),
+            LightKind::Area { object, .. } => scene.objects[*object].spectrum.as_ref(),
+        };
+        spectrum.is_some_and(is_no_rgb)
+    };
+    let lights = scene.lights.iter().filter(has_spectrum);
+    let sky = scene.sky.as_ref().filter(|sky| sky.lights);
+    let sky = sky.filter(|sky| {
+        sky.stars.is_some()
+            || matches!(&sky.background, SkyRadiance::Spectrum(own) if is_no_rgb(own))
+    });
+    let lights = lights.map(|light| format!("{:?}", light.name));
+    let lights: Vec<String> = lights.chain(sky.map(|_| "the sky".into())).collect();
+    let camera = Shot::new(&scene.camera).ok()?.frame.velocity();
+    let moves = |(index, object): (usize, &PlannedObject)| {
+        let apart = scene.objects[index].velocity.rapidity() - camera.rapidity();
+        let mut materials = object.materials.iter();
+        apart.length() > SAME_RAPIDITY
+            && materials.any(|name| matches!(lit_by(scene, index, name), Lit::Reflecting(_)))
+    };
+    let is_shifted = !lights.is_empty() && objects.iter().enumerate().any(moves);
+    is_shifted.then(|| {
+        format!(
+            "surfaces reflect the light of {} as red, green and blue, and not as its spectrum: those that move against the camera are seen \
+             in wrong hues where that is no smooth one, like a line",
+            listed(&lights)
+        )
+    })
 }
 
 /// That glass is opaque where light is not followed; but for what pulses alone light, of which [`unshown_materials`] speaks.

@@ -783,3 +783,53 @@ fn channels_that_cannot_be_are_refused_in_their_place() {
     ];
     folder.ok(&dark);
 }
+
+/// A floor that a camera above it sees alone.
+fn floor(beta: f64, floor: &str, rest: &str) -> String {
+    format!(
+        "[camera]\neye = [0, 2, 5]\nlook_at = [0, 0, 0]\nsize = [24, 16]\nvelocity = {{ beta = [0, 0, {beta:?}] }}\n\
+         [[object]]\nname = \"floor\"\nshape = {{ plane = {{ size = [2000, 2000] }} }}\n{floor}\n{rest}\n"
+    )
+}
+
+/// What `plan` and `render` say of a scene.
+fn planned_and_rendered(folder: &Folder, scene: &str) -> [String; 2] {
+    folder.write("floor.toml", scene);
+    let rendered = folder.ok(&["render", "floor.toml", "--spp", "1", "-o", "floor.png"]);
+    [folder.ok(&["plan", "floor.toml"]), rendered]
+}
+
+#[test]
+fn spectra_that_surfaces_in_motion_do_not_reflect_are_named() {
+    let folder = Folder::empty();
+    let rgb = "[radiance]\nquantity = \"rgb\"\n";
+    let lamp = |spectrum: &str| {
+        format!(
+            "[[light]]\nname = \"sodium\"\nposition = [0, 3, 0]\nspectrum = {{ {spectrum} }}\n{rgb}"
+        )
+    };
+    let line = lamp("line = \"589 nm\"");
+    let sky = format!("[sky]\nspectrum = {{ blackbody = \"3000 K\" }}\n{rgb}");
+    let along = "velocity = { beta = [0, 0, -0.5] }";
+    for (beta, object, light, name) in [
+        (-0.5, "", &line, Some("\"sodium\"")),
+        (-0.5, "", &sky, Some("the sky")),
+        (0.0, along, &line, Some("\"sodium\"")),
+        (0.0, "", &line, None),
+        (-0.5, along, &line, None),
+        (-0.5, "", &lamp("rgb = [1, 0.8, 0.2]"), None),
+        (-0.5, "spectrum = { line = \"589 nm\" }", &line, None),
+        (
+            -0.5,
+            "",
+            &format!("{line}[effects]\ndoppler = false\n"),
+            None,
+        ),
+    ] {
+        for said in planned_and_rendered(&folder, &floor(beta, object, light)) {
+            let found = said.contains("as red, green and blue, and not as its spectrum");
+            assert_eq!(found, name.is_some(), "{beta} {object} {light}: {said}");
+            assert!(said.contains(name.unwrap_or_default()), "{said}");
+        }
+    }
+}

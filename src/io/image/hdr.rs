@@ -13,6 +13,8 @@ use crate::io::budget::Budget;
 /// The longest side, pixels, and the longest header, bytes.
 const MAX_SIDE: usize = 32_768;
 const MAX_HEADER: usize = 1 << 16;
+/// No head is longer, bytes.
+pub(super) const LONGEST_HEAD: usize = 2 * MAX_HEADER;
 /// The most pixels.
 const MAX_PIXELS: usize = 1 << 28;
 
@@ -32,10 +34,19 @@ pub fn read(bytes: &[u8], path: &Path, budget: &Budget) -> Result<([usize; 2], V
     let refuse = |what| Error::invalid(path, "", what, help);
     let mut rest = bytes;
     let (size, factors) = header(&mut rest).map_err(refuse)?;
+    // A run of four bytes gives at most 255 pixels: what cannot be in the file is not allocated.
+    let missing = || refuse("some of its pixels are missing".into());
+    if size[0] * size[1] / 256 > rest.len() {
+        return Err(missing());
+    }
     budget.take((size[0] * size[1]) as u64 * 12, path)?;
     let pixels = decode(rest, size, &factors);
-    let missing = || refuse("some of its pixels are missing".into());
     Ok((size, pixels.ok_or_else(missing)?))
+}
+
+/// Width and height by the first bytes of a file; none where they are no head.
+pub(super) fn size(mut head: &[u8]) -> Option<[usize; 2]> {
+    header(&mut head).ok().map(|(size, _)| size)
 }
 
 /// What the values in a file are those of the scene times.
@@ -103,8 +114,7 @@ fn header(rest: &mut &[u8]) -> Result<([usize; 2], Factors), String> {
     let (Some(width), Some(height)) = (side(width), side(height)) else {
         return Err(format!("its size is {size:?}"));
     };
-    // A run of four bytes gives at most 255 pixels: what cannot be in the file is not allocated.
-    if width * height > MAX_PIXELS || width * height / 256 > rest.len() {
+    if width * height > MAX_PIXELS {
         return Err("some of its pixels are missing".into());
     }
     Ok(([width, height], factors))

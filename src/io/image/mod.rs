@@ -14,6 +14,7 @@ pub mod film;
 pub mod hdr;
 mod layers;
 pub mod npz;
+pub mod panorama;
 pub mod png;
 mod texture;
 #[cfg(feature = "tiff")]

@@ -5,8 +5,11 @@ use glam::DVec3;
 use super::planned::{Memory, PlannedCube, PlannedFrame, PlannedObject, Request};
 use crate::accel::Bvh;
 use crate::io::cube::{BRICK, LEAST_ROOM};
+use crate::io::image::panorama;
+use crate::light::sky::Panorama;
 use crate::light::time_texture::Capture;
 use crate::render::film::Layout;
+use crate::scene::model::{self, Scene};
 
 /// Bytes per triangle while a BVH is built, beside what stays. Measured with 1.6 million triangles: 35.
 const BUILDING: u64 = 100;
@@ -64,6 +67,7 @@ pub(super) fn read_in_parts(
 
 /// What the parts of a plan take, with `normals` of triangles or without.
 pub(super) fn memory(
+    scene: &Scene,
     frames: &[PlannedFrame],
     normals: bool,
     objects: &[PlannedObject],
@@ -108,13 +112,25 @@ pub(super) fn memory(
         .collect();
     files.sort();
     files.dedup();
+    let [sky, reading] = sky(scene);
     Memory {
         geometry: bvhs + normals + uvs,
         cubes: files.iter().map(|f| f.2).sum::<u64>() + captures.sum::<u64>(),
+        sky,
         film: layout.bytes(),
-        temporary: temporary(frames, layout).max(splitting),
+        temporary: temporary(frames, layout).max(splitting).max(reading),
         beside: request.beside,
         program: request.program,
+    }
+}
+
+/// What the sky's picture takes, and what reading it takes besides.
+fn sky(scene: &Scene) -> [u64; 2] {
+    let head = scene.sky.as_ref().and_then(model::Sky::picture);
+    match head.and_then(|path| panorama::head(path)) {
+        // Pictures of other shapes are refused before anything is made of them.
+        Some(head) if head.width == 2 * head.height => [Panorama::bytes(head.width), head.reading],
+        _ => [0; 2],
     }
 }
 

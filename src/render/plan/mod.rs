@@ -61,7 +61,7 @@ impl Plan {
         let trees = trees(request, &rays, &objects);
         let normals = keeps_normals(scene, &objects, &cubes);
         let memory =
-            |cubes: &_| memory::memory(&frames, normals, &objects, cubes, &layout, request);
+            |cubes: &_| memory::memory(scene, &frames, normals, &objects, cubes, &layout, request);
         memory::read_in_parts(&mut cubes, request.memory_limit, &memory);
         let memory = memory(&cubes);
         let view = Camera::new(scene)?.view.kind();
@@ -102,6 +102,13 @@ impl Plan {
     /// What the memory limit leaves, bytes.
     pub(crate) fn memory_left(&self) -> u64 {
         self.memory_limit.saturating_sub(self.memory.total())
+    }
+
+    /// The same for the sky: what is planned for it, and for work that is done before and after it is loaded, is there.
+    pub(crate) fn memory_for_sky(&self) -> u64 {
+        self.memory_left()
+            .saturating_add(self.memory.sky)
+            .saturating_add(self.memory.temporary)
     }
 
     fn within(&self, limit: u64) -> Result<()> {

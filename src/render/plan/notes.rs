@@ -7,7 +7,9 @@ use super::bindings::{Lit, lit_by};
 use super::planned::{Plan, PlannedObject, Skipped};
 use crate::camera::{Shot, ViewKind};
 use crate::colour::{Continuation, Spectrum, SpectrumShape};
+use crate::io::cube::CubeChannel;
 use crate::io::gltf;
+use crate::io::image::panorama;
 use crate::mesh::Factors;
 use crate::scene::MADE_FOR_MODEL;
 use crate::scene::model::{Geometry, Light, LightKind, Motion, Scene, SkyRadiance, SourceKind};
@@ -291,7 +293,35 @@ pub(crate) fn unshown(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
     let mut notes = unshown_materials(scene, objects);
     notes.extend(opaque_glass(scene, objects));
     notes.extend(lost_spectra(scene, objects));
+    notes.extend(unread_companions(scene));
     notes
+}
+
+/// That infrared and ultraviolet channels of the sky's picture are not read.
+fn unread_companions(scene: &Scene) -> Option<String> {
+    let path = scene.sky.as_ref()?.picture()?;
+    let is_companion = |name: &String| {
+        let own = name.rsplit('.').next();
+        CubeChannel::COMPANIONS
+            .iter()
+            .any(|channel| own == Some(channel.name()))
+    };
+    let mut channels = panorama::head(path)?.channels;
+    channels.retain(is_companion);
+    let is_asked = scene.continuation == Continuation::Companions && scene.effects.doppler;
+    let beyond = match is_asked {
+        true => {
+            ": the sky is dark beyond what is visible (radiance.continuation is \"companions\")"
+        }
+        false => "",
+    };
+    (!channels.is_empty()).then(|| {
+        format!(
+            "{}: the channels {} of a sky are not read, only those of cubes{beyond}",
+            path.display(),
+            channels.join(" and ")
+        )
+    })
 }
 
 /// That surfaces reflect no spectra: what arrives on them in their rest frames is seen by red, green and blue, whose shift on the way to a

@@ -228,9 +228,11 @@ pub struct Memory {
     pub geometry: u64,
     /// Cubes, and what capture cameras saw.
     pub cubes: u64,
+    /// The sky's picture, in all sizes.
+    pub sky: u64,
     /// The film.
     pub film: u64,
-    /// Held for a while only: a mesh beside its BVH under construction, what a rasterizer or a warp works on, or copies of
+    /// Held for a while only: a mesh beside its BVH under construction, a picture of the sky beside its copy, what a rasterizer or a warp works on, or copies of
     /// the film on their way into files.
     pub temporary: u64,
     /// What the request says is held beside the picture.
@@ -244,6 +246,7 @@ impl Memory {
     pub fn total(&self) -> u64 {
         self.geometry
             .saturating_add(self.cubes)
+            .saturating_add(self.sky)
             .saturating_add(self.film)
             .saturating_add(self.temporary)
             .saturating_add(self.beside)

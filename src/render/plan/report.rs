@@ -166,8 +166,12 @@ impl Plan {
 
     fn memory(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let memory = &self.memory;
+        let sky = match memory.sky {
+            0 => String::new(),
+            sky => format!(", sky {}", bytes(sky)),
+        };
         let text = format!(
-            "about {}: geometry {}, cubes {}, film {}, temporarily {}",
+            "about {}: geometry {}, cubes {}{sky}, film {}, temporarily {}",
             bytes(memory.total()),
             bytes(memory.geometry),
             bytes(memory.cubes),

@@ -8,7 +8,7 @@ use super::response::{received, response, sky_spectra};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::files;
-use crate::io::image::{exr, hdr};
+use crate::io::image::{exr, hdr, panorama};
 use crate::io::spectrum::text_of;
 use crate::light::sky::{BoostedSky, LightGrid, Panorama, Sky, StarMap, stars};
 use crate::render::plan::Plan;
@@ -21,8 +21,7 @@ pub(super) fn load(scene: &Scene, plan: &Plan) -> Result<Option<Arc<Sky>>> {
     let Some(sky) = &scene.sky else {
         return Ok(None);
     };
-    let left = plan.memory_left();
-    let budget = Budget::new(left);
+    let budget = Budget::new(plan.memory_for_sky());
     let panorama = match &sky.background {
         SkyRadiance::Image {
             path,
@@ -120,10 +119,7 @@ fn contents(path: &Path, budget: &Budget) -> Result<Vec<u8>> {
 
 /// The texels of an equirectangular picture, and its width.
 fn picture(path: &Path, budget: &Budget) -> Result<(Vec<[f32; 3]>, usize)> {
-    let is_hdr = path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("hdr"));
-    let ([width, height], texels) = if is_hdr {
+    let ([width, height], texels) = if panorama::is_hdr(path) {
         hdr::read(&contents(path, budget)?, path, budget)?
     } else {
         let layers = exr::read_whole(path, budget)?;

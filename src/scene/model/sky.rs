@@ -91,14 +91,18 @@ pub enum Catalogue {
 }
 
 impl Sky {
-    /// The files that it names.
-    pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
-        let image = match &self.background {
+    /// The file of its picture, where it has one.
+    pub fn picture(&self) -> Option<&PathBuf> {
+        match &self.background {
             SkyRadiance::Image { path, .. } => Some(path),
             SkyRadiance::Uniform(_) | SkyRadiance::Gradient { .. } | SkyRadiance::Spectrum(_) => {
                 None
             }
-        };
+        }
+    }
+
+    /// The files that it names.
+    pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         let table = self
             .stars
             .as_ref()
@@ -106,7 +110,7 @@ impl Sky {
                 Catalogue::File(path) => Some(path),
                 Catalogue::Random { .. } => None,
             });
-        image.into_iter().chain(table)
+        self.picture().into_iter().chain(table)
     }
 }
 

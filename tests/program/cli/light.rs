@@ -833,3 +833,45 @@ fn spectra_that_surfaces_in_motion_do_not_reflect_are_named() {
         }
     }
 }
+
+#[test]
+fn companions_of_a_picture_of_the_sky_are_said_to_be_unread_and_its_memory_is_planned() {
+    let folder = Folder::empty();
+    let write = |names: &[&str]| {
+        let channels = names.iter().map(|name| Channel {
+            name: (*name).into(),
+            samples: Samples::F32(vec![0.5; 32]),
+        });
+        let layers = Layers {
+            width: 8,
+            height: 4,
+            channels: channels.collect(),
+            metadata: Vec::new(),
+        };
+        exr::write(&folder.path("sky.exr"), &layers).unwrap();
+    };
+    let scene = |continuation: &str| {
+        let light = format!(
+            "[sky]\nimage = {{ file = \"sky.exr\" }}\n[radiance]\nquantity = \"rgb\"\ncontinuation = \"{continuation}\"\n"
+        );
+        floor(-0.5, "", &light)
+    };
+    let unread = "sky.exr: the channels IR and UV of a sky are not read";
+    write(&["R", "G", "B", "IR", "UV"]);
+    for (continuation, dark) in [("companions", true), ("blackbody", false)] {
+        for said in planned_and_rendered(&folder, &scene(continuation)) {
+            assert!(said.contains(unread), "{said}");
+            let beyond = "the sky is dark beyond what is visible";
+            assert_eq!(said.contains(beyond), dark, "{said}");
+        }
+    }
+    write(&["R", "G", "B"]);
+    for said in planned_and_rendered(&folder, &scene("companions")) {
+        assert!(!said.contains("of a sky are not read"), "{said}");
+    }
+    let plan = folder.ok(&["plan", "floor.toml", "--json"]);
+    let plan: serde_json::Value = serde_json::from_str(&plan).unwrap();
+    let bytes = nullray::light::sky::Panorama::bytes(8);
+    assert!(bytes >= 4 * 3 * 32, "{bytes}");
+    assert_eq!(plan["memory"]["sky"], bytes);
+}

@@ -106,6 +106,7 @@ impl Rendered {
         }
         let blackness = remarks::blackness(scene, &self.film, !shift.is_empty());
         say(quiet, &blackness)?;
+        say(quiet, &remarks::only_sky(scene, &self.film))?;
         say(quiet, &remarks::enclosed(scene, &self.prepared))?;
         say(quiet, &times)?;
         say(quiet, &shift)?;

@@ -6,8 +6,11 @@ use nullray::render::film::Film;
 use nullray::render::plan;
 use nullray::render::prepare::Prepared;
 use nullray::render::{enclosed, survey};
-use nullray::scene::model::{Object, Scene};
-use nullray::spacetime::Quantity;
+use nullray::scene::model::{
+    BackFaces, Brightness, EmissionProfile, Geometry, Light, LightKind, Motion, Object, Scene, Sky,
+    SkyRadiance,
+};
+use nullray::spacetime::{Quantity, Velocity};
 
 use super::flags::with_flags;
 
@@ -33,15 +36,37 @@ pub fn blackness(scene: &Scene, film: &Film, is_shifted: bool) -> String {
     let why = if film.met() == 0.0 && scene.sky.is_some() {
         "only the sky is in view, and none of it is visible: it is dark there, or its light is shifted out of sight \
          (see display.false_colour, too)"
+            .into()
     } else if film.met() == 0.0 {
-        "no ray meets an object from its front: look elsewhere, change camera.hfov, or, from inside \
-         or behind, set display.back_faces = \"two_sided\""
+        nothing_met(scene)
     } else if is_shifted {
-        "what is in view shines, but nothing of its light is visible"
+        "what is in view shines, but nothing of its light is visible".into()
     } else {
-        film.mean_coverage().map_or(UNLIT, missing)
+        let missing = film.mean_coverage().and_then(missing);
+        missing.unwrap_or_else(|| unlit(scene)).into()
     };
     format!("the picture is black: {why}\n")
+}
+
+/// That only the sky is in view of a scene that has objects, if it is so; empty otherwise, and where the picture is black.
+pub fn only_sky(scene: &Scene, film: &Film) -> String {
+    let is_alone = film.met() == 0.0 && scene.sky.is_some() && !scene.objects.is_empty();
+    match is_alone && !is_black(film) {
+        true => format!("only the sky is in view: {}\n", nothing_met(scene)),
+        false => String::new(),
+    }
+}
+
+/// That no object is seen, and what would show one.
+fn nothing_met(scene: &Scene) -> String {
+    let (from, behind) = match scene.back_faces {
+        BackFaces::TwoSided => ("", ""),
+        BackFaces::AsFile | BackFaces::Black | BackFaces::Culled => (
+            " from its front",
+            ", or, from inside or behind, set display.back_faces = \"two_sided\"",
+        ),
+    };
+    format!("no ray meets an object{from}: look elsewhere, change camera.hfov{behind}")
 }
 
 /// When the light in view left and when there are data, for each lamp and pulse of which nothing is in view at its time; and
@@ -130,11 +155,73 @@ fn short(value: f64) -> String {
     (rounded + 0.0).to_string()
 }
 
-const UNLIT: &str = "nothing in view is lit at the moment at which its light left: try another --time (see display.back_faces, \
-     too, and whether lamps are inside objects, whose outside they do not light)";
+/// Why surfaces in view are dark that lack no data.
+fn unlit(scene: &Scene) -> &'static str {
+    if varies(scene) {
+        "nothing in view is lit at the moment at which its light left: try another --time (see display.back_faces, \
+         too, and whether lamps are inside objects, whose outside they do not light)"
+    } else if !scene.is_lit() {
+        "what is in view is black: its base colours, which are seen where a scene has no light, are 0"
+    } else if scene.lights.iter().all(sends_nothing) && scene.sky.as_ref().is_none_or(is_dark) {
+        "nothing in view is lit: the intensity, radiance or power of all lights is 0"
+    } else if scene.objects.iter().all(reflects_nothing) {
+        "nothing in view reflects any light: its colour is 0"
+    } else {
+        "no light reaches what is in view, at any time: it comes from behind the surfaces, is shadowed, or is inside objects, whose \
+         outside it does not light (see display.back_faces, too)"
+    }
+}
+
+/// Whether what surfaces receive depends on when they are seen: not where lights are steady, and they and all objects rest in the world.
+fn varies(scene: &Scene) -> bool {
+    let moves = |velocity: Velocity, motion: &Motion| {
+        !velocity.is_rest() || !matches!(motion, Motion::Inertial)
+    };
+    let varies = |light: &Light| match &light.kind {
+        LightKind::Lamp(lamp) => {
+            lamp.emission != EmissionProfile::Steady || moves(lamp.velocity, &lamp.motion)
+        }
+        LightKind::Area { emission, .. } => *emission != EmissionProfile::Steady,
+    };
+    !scene.sources.is_empty()
+        || scene.lights.iter().any(varies)
+        || scene
+            .objects
+            .iter()
+            .any(|object| !object.velocity.is_rest())
+}
+
+/// Whether a sky lights nothing.
+fn is_dark(sky: &Sky) -> bool {
+    let is_black = sky.background == SkyRadiance::Uniform([0.0; 3]);
+    !sky.lights || (is_black && sky.sun.is_none() && sky.stars.is_none())
+}
+
+fn sends_nothing(light: &Light) -> bool {
+    let light = match &light.kind {
+        LightKind::Lamp(lamp) => lamp.intensity,
+        LightKind::Area { brightness, .. } => match brightness {
+            Brightness::Radiance(light) | Brightness::Power(light) => *light,
+        },
+    };
+    light == [0.0; 3]
+}
+
+/// Whether a shape is black, and mirrors nothing.
+fn reflects_nothing(object: &Object) -> bool {
+    match &object.geometry {
+        Geometry::Shape {
+            colour,
+            metallic,
+            roughness,
+            ..
+        } => *colour == [0.0; 3] && *metallic == 0.0 && *roughness == 1.0,
+        Geometry::Gltf { .. } | Geometry::Mesh(_) => false,
+    }
+}
 
 /// The main reason for which data are missing, if most of them are.
-fn missing(c: Coverage) -> &'static str {
+fn missing(c: Coverage) -> Option<&'static str> {
     let reasons = [
         (
             c.before,
@@ -154,9 +241,8 @@ fn missing(c: Coverage) -> &'static str {
         ),
     ];
     let largest = reasons.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
-    largest
-        .filter(|(part, _)| *part > c.held)
-        .map_or(UNLIT, |(_, why)| why)
+    let largest = largest.filter(|(part, _)| *part > c.held);
+    largest.map(|(_, why)| why)
 }
 
 /// What part of the surfaces in view that have data these cover, and what the sensor hides, in words; empty where nothing is missing.

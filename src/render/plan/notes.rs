@@ -12,7 +12,9 @@ use crate::io::gltf;
 use crate::io::image::panorama;
 use crate::mesh::Factors;
 use crate::scene::MADE_FOR_MODEL;
-use crate::scene::model::{Geometry, Light, LightKind, Motion, Scene, SkyRadiance, SourceKind};
+use crate::scene::model::{
+    Geometry, Light, LightKind, Motion, Object, Scene, SkyRadiance, SourceKind,
+};
 use crate::spacetime::Quantity;
 
 /// Velocities whose rapidities differ by less are the same but for rounding: W is 1 to as many digits.
@@ -294,7 +296,31 @@ pub(crate) fn unshown(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
     notes.extend(opaque_glass(scene, objects));
     notes.extend(lost_spectra(scene, objects));
     notes.extend(unread_companions(scene));
+    notes.extend(bright_colours(scene, objects));
     notes
+}
+
+/// That shapes reflect more light than they receive.
+fn bright_colours(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
+    let is_bright = |(index, object): &(usize, &Object)| {
+        let colour = match &object.geometry {
+            Geometry::Shape { colour, .. } => colour,
+            Geometry::Gltf { .. } | Geometry::Mesh(_) => return false,
+        };
+        let mut materials = objects[*index].materials.iter();
+        colour.iter().any(|c| *c > 1.0)
+            && materials.any(|name| matches!(lit_by(scene, *index, name), Lit::Reflecting(_)))
+    };
+    let bright = scene.objects.iter().enumerate().filter(is_bright);
+    let names: Vec<String> = bright
+        .map(|(_, object)| format!("{:?}", object.name))
+        .collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "the colour of {} is above 1: where there is light, it reflects more than it receives",
+            listed(&names)
+        )
+    })
 }
 
 /// That infrared and ultraviolet channels of the sky's picture are not read.

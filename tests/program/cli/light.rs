@@ -875,3 +875,89 @@ fn companions_of_a_picture_of_the_sky_are_said_to_be_unread_and_its_memory_is_pl
     assert!(bytes >= 4 * 3 * 32, "{bytes}");
     assert_eq!(plan["memory"]["sky"], bytes);
 }
+
+#[test]
+fn a_dark_picture_of_what_no_time_changes_is_explained_without_a_time() {
+    let folder = Folder::empty();
+    let lamp = |rest: &str| format!("[[light]]\nposition = [1, 2, 0]\n{rest}\n");
+    let below = "[[light]]\nposition = [1, -2, 0]\n".to_owned();
+    let late = lamp("emission = { gaussian = { time = \"99 m\", sigma = \"1 cm\" } }");
+    for (object, light, part, has_time) in [
+        (
+            "",
+            below,
+            "no light reaches what is in view, at any time",
+            false,
+        ),
+        (
+            "",
+            lamp("intensity = 0"),
+            "the intensity, radiance or power of all lights is 0",
+            false,
+        ),
+        (
+            "colour = [0, 0, 0]",
+            lamp(""),
+            "nothing in view reflects any light",
+            false,
+        ),
+        (
+            "colour = [0, 0, 0]",
+            String::new(),
+            "base colours, which are seen where a scene has no light, are 0",
+            false,
+        ),
+        ("", late, "nothing in view is lit at the moment", true),
+    ] {
+        let [_, said] = planned_and_rendered(&folder, &floor(0.0, object, &light));
+        assert!(said.contains(part), "{part}: {said}");
+        assert_eq!(said.contains("--time"), has_time, "{said}");
+    }
+}
+
+#[test]
+fn a_picture_without_any_object_says_so_and_advises_nothing_that_is_set() {
+    let folder = Folder::empty();
+    let sky = "[sky]\ngradient = {}\n";
+    let inside = "[camera]\neye = [0, 0, 0]\nlook_at = [0, 0, -1]\nsize = [8, 6]\n\
+                  [[object]]\nshape = { box = { size = [1, 1, 1] } }\n[display]\nback_faces = \"culled\"\n";
+    let away = inside.replace(
+        "eye = [0, 0, 0]\nlook_at = [0, 0, -1]",
+        "eye = [0, 0, 9]\nlook_at = [0, 0, 10]",
+    );
+    let two_sided = away.replace("culled", "two_sided");
+    for (scene, part, advice) in [
+        (
+            format!("{inside}{sky}"),
+            "only the sky is in view: no ray meets an object from its front",
+            true,
+        ),
+        (
+            format!("{two_sided}{sky}"),
+            "only the sky is in view: no ray meets an object:",
+            false,
+        ),
+        (away, "black: no ray meets an object from its front", true),
+        (two_sided, "black: no ray meets an object:", false),
+    ] {
+        let [_, said] = planned_and_rendered(&folder, &scene);
+        assert!(said.contains(part), "{part}: {said}");
+        assert_eq!(said.contains("two_sided"), advice, "{said}");
+    }
+}
+
+#[test]
+fn shapes_that_reflect_more_than_they_receive_are_named() {
+    let folder = Folder::empty();
+    let lamp = "[[light]]\nposition = [0, 3, 0]\n";
+    for (colour, light, is_said) in [
+        ("colour = [0.5, 3, 0.5]", lamp, true),
+        ("colour = [0.5, 1, 0.5]", lamp, false),
+        ("colour = [0.5, 3, 0.5]", "", false),
+    ] {
+        for said in planned_and_rendered(&folder, &floor(0.0, colour, light)) {
+            let part = "the colour of \"floor\" is above 1";
+            assert_eq!(said.contains(part), is_said, "{colour} {light}: {said}");
+        }
+    }
+}

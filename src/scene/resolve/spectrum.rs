@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use crate::colour::{Continuation, Scale, Spectrum, SpectrumShape};
-use crate::error::Result;
+use crate::error::{Result, number};
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::values::Number;
@@ -42,7 +42,24 @@ fn described(
     let shape = shape(cx, at, continuation)?;
     let (scale, key) = scale(cx, at)?;
     let by_luminance = matches!(scale, Scale::Luminance(_));
+    let ends = match &shape {
+        SpectrumShape::Table(rows) => rows.first().zip(rows.last()),
+        _ => None,
+    };
+    let ends = ends.map(|(first, last)| [first[0], last[0]]);
+    let unseen = || {
+        let (file, ends) = at.value.table.as_ref().zip(ends)?;
+        let [first, last] = ends.map(|metres| number((metres * 1e12).round() / 1e3));
+        let what = format!(
+            "{:?} spans {first} to {last} nm, of which nobody at rest sees anything, so that it has no luminance",
+            file.value
+        );
+        let help = "wavelengths of a table are in nm, like 550; where these are right, say how much light there is by `total`, its sum over \
+                    all wavelengths, or by `factor`";
+        Some(cx.refuse(file, what, help))
+    };
     Spectrum::new(shape, scale).ok_or_else(|| match by_luminance {
+        true if let Some(unseen) = unseen() => unseen,
         true => {
             let what = "nobody at rest sees anything of this spectrum, so that it has no luminance";
             let help = "say how much of it there is by `total`, its sum over all wavelengths, or by `factor`";
@@ -106,7 +123,12 @@ fn shape(
         return self::gaussian(cx, gaussian);
     }
     if let Some(table) = &said.table {
-        return cx.spectrum_table(table).map(SpectrumShape::Table);
+        let rows = cx.spectrum_table(table)?;
+        if rows.iter().all(|[_, value]| *value == 0.0) {
+            let what = format!("all values of {:?} are 0", table.value);
+            return Err(cx.refuse(table, what, "give at least one wavelength a value above 0"));
+        }
+        return Ok(SpectrumShape::Table(rows));
     }
     // A flat spectrum is a table of two rows.
     if let Some(flat) = &said.flat {
@@ -194,11 +216,17 @@ fn scale<'a>(
         ],
         "keep one of them",
     )?;
-    let number = |at: &Option<At<Number>>| {
+    let has_values = said.table.is_some() || said.rgb.is_some() || said.blackbody.is_some();
+    if let (Some(factor), false) = (factor, has_values) {
+        let what = "`factor` is one on the values of a table, of rgb or of Planck's law, and this spectrum has none";
+        let help = "say how much light there is by `total`, its sum over all wavelengths, or by `luminance`";
+        return Err(cx.refuse(factor, what, help));
+    }
+    let amount = |at: &Option<At<Number>>| {
         let check = |at| not_below_zero(cx, at, "the amount of light");
         at.as_ref().map(check).transpose()
     };
-    let scale = match (number(luminance)?, number(total)?, number(factor)?) {
+    let scale = match (amount(luminance)?, amount(total)?, amount(factor)?) {
         (Some(wanted), ..) => Scale::Luminance(wanted),
         (_, Some(wanted), _) => Scale::Total(wanted),
         (.., Some(factor)) => Scale::Factor(factor),

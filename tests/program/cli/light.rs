@@ -961,3 +961,33 @@ fn shapes_that_reflect_more_than_they_receive_are_named() {
         }
     }
 }
+
+#[test]
+fn spectra_of_which_nobody_sees_anything_are_refused_by_what_is_wrong_with_them() {
+    let folder = Folder::empty();
+    folder.write("um.csv", "0.4,1\n0.7,2\n");
+    folder.write("zero.csv", "400,0\n700,0\n");
+    for (spectrum, parts) in [
+        (
+            "table = \"um.csv\"",
+            &["\"um.csv\" spans 0.4 to 0.7 nm", "are in nm"][..],
+        ),
+        (
+            "table = \"zero.csv\", factor = 2",
+            &["all values of \"zero.csv\" are 0"],
+        ),
+        (
+            "line = \"589 nm\", factor = 3",
+            &["`factor` is one on the values of a table", "`total`"],
+        ),
+        (
+            "gaussian = { centre = \"550 nm\", sigma = \"20 nm\" }, factor = 3",
+            &["`total`"],
+        ),
+    ] {
+        let light = "[radiance]\nquantity = \"rgb\"\n";
+        let object = format!("spectrum = {{ {spectrum} }}");
+        folder.write("floor.toml", floor(0.0, &object, light));
+        refused(&folder, &["render", "floor.toml"], parts);
+    }
+}

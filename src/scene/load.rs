@@ -384,6 +384,23 @@ fn report(text: &str, name: &str, overrides: &Overrides) -> Result<Report> {
     })
 }
 
+/// The extensions of models that are not read.
+const OTHER_MODELS: [&str; 12] = [
+    "3ds", "abc", "blend", "dae", "fbx", "obj", "ply", "stl", "usd", "usda", "usdc", "usdz",
+];
+
+/// Refuses what is a model by its name, as none but glTF is read, and that not as a scene.
+fn refuse_model(path: &Path) -> Result<()> {
+    let extension = path.extension().unwrap_or_default();
+    let mut all = OTHER_MODELS.iter();
+    let Some(other) = all.find(|other| extension.eq_ignore_ascii_case(other)) else {
+        return Ok(());
+    };
+    let what = format!("this is a model (.{other}), and of models only glTF is read");
+    let help = "export it as .glb or .gltf";
+    Err(Error::unsupported(path, "", what, help))
+}
+
 fn read(path: &Path) -> Result<Vec<u8>> {
     let file = match files::open(path) {
         Ok((file, _)) => file,
@@ -398,6 +415,7 @@ fn read(path: &Path) -> Result<Vec<u8>> {
         }
         Err(error) => return Err(Error::io(path, "cannot open")(error)),
     };
+    refuse_model(path)?;
     start_of(file, path)
 }
 

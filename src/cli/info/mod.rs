@@ -5,6 +5,7 @@ mod camera;
 mod gltf;
 mod picture;
 mod scene;
+mod table;
 
 use std::io::Read;
 use std::path::Path;
@@ -33,6 +34,7 @@ pub fn run(arguments: &InfoArguments) -> Result<()> {
         Kind::Exr => picture::exr(path, memory),
         Kind::Png => picture::png(path),
         Kind::Frame(name) => picture::frame(path, name, memory),
+        Kind::Table => table::info(path),
         Kind::Scene => scene::info(path, memory),
     }?;
     match arguments.json.on {
@@ -155,6 +157,8 @@ enum Kind {
     Png,
     /// Another picture that may be a frame of a sequence, and what its kind is called.
     Frame(&'static str),
+    /// A spectrum, or stars.
+    Table,
     Scene,
 }
 
@@ -190,13 +194,14 @@ impl Kind {
                 "hdr" => Ok(Kind::Frame("Radiance HDR picture")),
                 "tif" | "tiff" => Ok(Kind::Frame("TIFF picture")),
                 "toml" => Ok(Kind::Scene),
+                "csv" => Ok(Kind::Table),
                 _ if first == Some(&b'{') => Ok(Kind::Gltf),
                 _ if is_text && std::str::from_utf8(start).is_ok() => Ok(Kind::Scene),
                 _ => Err(Error::unsupported(
                     path,
                     "",
                     "nullray does not know this kind of file",
-                    "give a .gltf, .glb, .npy, .npz, .ti, .h5, .hdf5, .mat, .exr, .png, .hdr, .tif, a folder of numbered pictures or of Zarr, or a scene (.toml)",
+                    "give a .gltf, .glb, .npy, .npz, .ti, .h5, .hdf5, .mat, .exr, .png, .hdr, .tif, .csv, a folder of numbered pictures or of Zarr, or a scene (.toml)",
                 )),
             },
         }

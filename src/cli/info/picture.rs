@@ -5,7 +5,7 @@ use std::path::Path;
 use nullray::Result;
 use nullray::io::budget::Budget;
 use nullray::io::cube;
-use nullray::io::image::{self, Channel, Samples};
+use nullray::io::image::{self, Channel, Samples, panorama};
 use serde_json::{Value, json};
 
 use super::Info;
@@ -64,7 +64,11 @@ pub fn frame(path: &Path, name: &str, memory: u64) -> Result<Info> {
         channels,
     );
     let count = cube::frame_count(path)?;
+    let is_sky = panorama::is_hdr(path) && width == 2 * height;
     let usable = match count {
+        1 if is_sky => {
+            "as the image of a [sky], and as one of a folder of numbered pictures, which is the file of a [source.cube]"
+        }
         1 => "as one of a folder of numbered pictures, which is the file of a [source.cube]",
         _ => "as the file of a [source.cube] with axes = \"T H W\"",
     };

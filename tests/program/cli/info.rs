@@ -509,3 +509,44 @@ fn every_invalid_file_of_the_tests_gets_an_answer() {
         assert!(!run.stderr.contains("bug in nullray"), "{}", run.stderr);
     }
 }
+
+#[test]
+fn tables_and_pictures_of_the_sky_are_named_by_what_they_are_of_use_for() {
+    let folder = Folder::empty();
+    folder.write("lamp.csv", "nm,W\n400,1\n550,2.5\n700,0\n");
+    folder.write("stars.csv", "x,y,z,mag,T\n1,0,0,2,5000\n0,1,0,3,9000\n");
+    folder.write("other.csv", "speed,error\n0.5,a\n");
+    let mut hdr = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n".to_vec();
+    hdr.extend([128; 4 * 8]);
+    folder.write("sky.hdr", &hdr);
+    let info = |name: &str| folder.ok(&["info", name]);
+    let lamp = info("lamp.csv");
+    for part in ["3", "400 to 700 nm", "spectrum = { table = \"lamp.csv\" }"] {
+        assert!(lamp.contains(part), "{part}: {lamp}");
+    }
+    let stars = info("stars.csv");
+    for part in ["2", "stars = { file = \"stars.csv\" }"] {
+        assert!(stars.contains(part), "{part}: {stars}");
+    }
+    assert!(info("sky.hdr").contains("as the image of a [sky]"));
+    let run = folder.run(&["info", "other.csv"]);
+    assert_eq!(run.code, 2);
+    let said = "neither the table of a spectrum nor one of stars";
+    assert!(run.message().contains(said), "{}", run.message());
+}
+
+#[test]
+fn models_of_other_kinds_are_said_to_be_unread() {
+    let folder = Folder::empty();
+    folder.write("m.obj", "v 0 0 0\n");
+    for command in ["render", "info", "plan"] {
+        let run = folder.run(&[command, "m.obj"]);
+        assert_eq!(run.code, 2);
+        for part in [
+            "this is a model (.obj), and of models only glTF is read",
+            ".glb",
+        ] {
+            assert!(run.message().contains(part), "{}", run.message());
+        }
+    }
+}

@@ -11,6 +11,10 @@ use super::document::Document;
 use super::warnings::Warnings;
 use crate::Result;
 
+/// What is said of normals of vertices.
+pub(crate) const NORMALS_UNREAD: &str =
+    "vertex normals are not read: every triangle is shaded as flat";
+
 /// The most texture coordinate sets.
 pub(super) const MOST_SETS: u32 = 16;
 
@@ -107,8 +111,7 @@ impl Place<'_, '_> {
             return Ok(None);
         }
         if has(Semantic::Normals) {
-            let what = "vertex normals are not read: every triangle is shaded as flat";
-            warnings.add(what, &self.label);
+            warnings.add(NORMALS_UNREAD, &self.label);
         }
         if has(Semantic::Colors(1)) {
             warnings.add(

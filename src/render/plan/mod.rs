@@ -32,7 +32,7 @@ use crate::scene::model::{
 pub use bindings::{Lit, lit_by, shown_by};
 pub(crate) use memory::BUILT_TOGETHER;
 pub use notes::unread;
-pub(crate) use notes::{is_read_after_all, unfound_light, unshown};
+pub(crate) use notes::{is_moot, unfound_light, unshown};
 pub use planned::{Memory, Plan, PlannedCube, PlannedFrame, PlannedObject, Rays, Request, Skipped};
 pub use report::{bytes, count, motion};
 

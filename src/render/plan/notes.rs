@@ -13,7 +13,7 @@ use crate::io::image::panorama;
 use crate::mesh::Factors;
 use crate::scene::MADE_FOR_MODEL;
 use crate::scene::model::{
-    Geometry, Light, LightKind, Motion, Object, Scene, SkyRadiance, SourceKind,
+    Geometry, Light, LightKind, Motion, Object, Scene, SkyRadiance, Source, SourceKind,
 };
 use crate::spacetime::Quantity;
 
@@ -212,7 +212,7 @@ fn unread_of<'a>(
     for (file, unread) in files {
         for sentence in unread {
             let note = format!("{}: {sentence}", file.display());
-            if !is_read_after_all(scene, sentence) && !notes.contains(&note) {
+            if !is_moot(scene, sentence) && !notes.contains(&note) {
                 notes.push(note);
             }
         }
@@ -220,17 +220,20 @@ fn unread_of<'a>(
     notes
 }
 
-/// Whether a scene reads what a file's warning says is not read: lights in one that was made for the model, and animations where something
-/// moves by one.
-pub(crate) fn is_read_after_all(scene: &Scene, warning: &str) -> bool {
+/// Whether it does not matter in a scene what a file's warning says is not read: lights where the scene was made for the model and has them,
+/// animations where something moves by one, and normals where no light falls on surfaces.
+pub(crate) fn is_moot(scene: &Scene, warning: &str) -> bool {
     let by_animation = |motion: &Motion| matches!(motion, Motion::Animation { .. });
     let lamp = |light: &Light| match &light.kind {
         LightKind::Lamp(lamp) => by_animation(&lamp.motion),
         LightKind::Area { .. } => false,
     };
+    let is_pulse = |source: &&Source| matches!(source.kind, SourceKind::Pulse(_));
+    let pulses = scene.sources.iter().filter(is_pulse).count();
     let plays = || by_animation(&scene.camera.motion) || scene.lights.iter().any(lamp);
     (warning.contains(gltf::LIGHTS_UNREAD) && scene.text.starts_with(MADE_FOR_MODEL))
         || (warning.contains(gltf::ANIMATIONS_UNREAD) && plays())
+        || (warning.contains(gltf::NORMALS_UNREAD) && !scene.is_lit() && pulses == 0)
 }
 
 /// That light of lamps without an extent is lost where it comes by perfect mirrors or through smooth glass: no path that is drawn goes that

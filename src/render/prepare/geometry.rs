@@ -16,7 +16,7 @@ use crate::io::{gltf, npy};
 use crate::mesh::atlas::Corners;
 use crate::mesh::{Mesh, shapes};
 use crate::render::plan::{
-    BUILT_TOGETHER, Plan, PlannedFrame, PlannedObject, is_read_after_all, keeps_normals,
+    BUILT_TOGETHER, Plan, PlannedFrame, PlannedObject, is_moot, keeps_normals,
 };
 use crate::render::progress::Progress;
 use crate::render::trace::{AlphaMasks, MaskedRun, Patch, RestFrame};
@@ -76,7 +76,7 @@ fn gathered_frame(
         let want = want(scene, object, planned);
         let mut told = Vec::new();
         let (mesh, images) = object_mesh(object, want, &mut told)?;
-        told.retain(|what| !is_read_after_all(scene, what));
+        told.retain(|what| !is_moot(scene, what));
         tell(warnings, told);
         let emitters = light.materials(index, &mesh, images)?;
         let origin = frame.event_from_world(object.origin);

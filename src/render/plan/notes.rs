@@ -220,8 +220,8 @@ fn unread_of<'a>(
     notes
 }
 
-/// Whether it does not matter in a scene what a file's warning says is not read: lights where the scene was made for the model and has them,
-/// animations where something moves by one, and normals where no light falls on surfaces.
+/// Whether it does not matter in a scene what a file's warning says is not read: lights where the scene was made for the model and has them, or has
+/// recorded light or pulses, animations where something moves by one, and normals where no light falls on surfaces.
 pub(crate) fn is_moot(scene: &Scene, warning: &str) -> bool {
     let by_animation = |motion: &Motion| matches!(motion, Motion::Animation { .. });
     let lamp = |light: &Light| match &light.kind {
@@ -231,7 +231,9 @@ pub(crate) fn is_moot(scene: &Scene, warning: &str) -> bool {
     let is_pulse = |source: &&Source| matches!(source.kind, SourceKind::Pulse(_));
     let pulses = scene.sources.iter().filter(is_pulse).count();
     let plays = || by_animation(&scene.camera.motion) || scene.lights.iter().any(lamp);
-    (warning.contains(gltf::LIGHTS_UNREAD) && scene.text.starts_with(MADE_FOR_MODEL))
+    let has_light =
+        scene.text.starts_with(MADE_FOR_MODEL) || (!scene.is_lit() && !scene.sources.is_empty());
+    (warning.contains(gltf::LIGHTS_UNREAD) && has_light)
         || (warning.contains(gltf::ANIMATIONS_UNREAD) && plays())
         || (warning.contains(gltf::NORMALS_UNREAD) && !scene.is_lit() && pulses == 0)
 }

@@ -6,7 +6,7 @@ use super::planned::{Memory, PlannedCube, PlannedFrame, PlannedObject, Request};
 use crate::accel::Bvh;
 use crate::io::cube::{BRICK, LEAST_ROOM};
 use crate::io::image::panorama;
-use crate::light::sky::Panorama;
+use crate::light::sky::{LightGrid, Panorama};
 use crate::light::time_texture::Capture;
 use crate::render::film::Layout;
 use crate::scene::model::{self, Scene};
@@ -129,7 +129,15 @@ fn sky(scene: &Scene) -> [u64; 2] {
     let head = scene.sky.as_ref().and_then(model::Sky::picture);
     match head.and_then(|path| panorama::head(path)) {
         // Pictures of other shapes are refused before anything is made of them.
-        Some(head) if head.width == 2 * head.height => [Panorama::bytes(head.width), head.reading],
+        Some(head) if head.width == 2 * head.height => {
+            let lights = scene.sky.as_ref().is_some_and(|sky| sky.lights);
+            let grid = if lights {
+                LightGrid::bytes(head.width)
+            } else {
+                0
+            };
+            [Panorama::bytes(head.width) + grid, head.reading]
+        }
         _ => [0; 2],
     }
 }

@@ -213,7 +213,8 @@ impl BaseColours {
         };
         let [metallic, roughness] = self.gloss(gloss, rest, patch, hit);
         let look = [metallic, roughness];
-        let reflection = Reflection::metallic_roughness(normal, view, colour, look, gloss.dielectric);
+        let reflection =
+            Reflection::metallic_roughness(normal, view, colour, look, gloss.dielectric);
         match &finish.glass {
             // From within, the other side is the scene's medium: bodies of glass do not touch.
             Some(glass) if glass.solid => {

@@ -66,7 +66,7 @@ impl Account {
         if stats.disk.all > 0 {
             let BytesRead { all, again, .. } = stats.disk;
             rows.push(row("needed of cubes on disk", &plan::bytes(all - again)));
-            rows.push(row("read", &plan::bytes(all)));
+            rows.push(row("read of cubes on disk", &plan::bytes(all)));
             rows.push(row("read again", &plan::bytes(again)));
         }
         rows.push(row("loading", &seconds(self.loaded_in)));

@@ -122,8 +122,8 @@ impl Room {
     /// So many bytes for bricks that take `each`. Every thread may have bricks at hand for lookups of three kinds.
     fn new(bytes: u64, each: u64) -> Room {
         let bricks = bytes / each;
-        // An eighth of the room for each kind of lookup, shared among threads; the cache has the rest.
-        let at_hand = (bricks / 8 / threads()).clamp(1, AT_HAND as u64);
+        // A sixteenth of the room for each kind of lookup, shared among threads; the cache has the rest.
+        let at_hand = (bricks / 16 / threads()).clamp(1, AT_HAND as u64);
         let shards = (bricks / 16).clamp(1, SHARDS as u64);
         let kept = bricks.saturating_sub(3 * at_hand * threads() + shards);
         Room {

@@ -101,6 +101,36 @@ impl Beam {
     }
 }
 
+/// Sums over light: dE, and d_F |dE| with |dE| over all channels.
+#[derive(Debug, Clone, Copy, Default)]
+struct Moment {
+    flux: [f64; 3],
+    directions: DVec3,
+    size: f64,
+}
+
+impl Moment {
+    fn add(&mut self, flux: [f64; 3], in_rest: DVec3) {
+        // Colours outside the gamut may have a sum below 0.
+        let size = flux.iter().sum::<f64>().max(0.0);
+        self.flux = sum(self.flux, flux);
+        self.directions += in_rest * size;
+        self.size += size;
+    }
+
+    fn beam(&self) -> Beam {
+        let is_any = self.size > 0.0;
+        Beam {
+            in_rest: if is_any {
+                self.directions / self.size
+            } else {
+                DVec3::ZERO
+            },
+            flux: self.flux,
+        }
+    }
+}
+
 impl BoostedSky {
     /// `sky` without its sun, whose radiance `grid` has, and of whose light `received` comes to surfaces in the frame that
     /// `rest_from_world` leads to.
@@ -115,7 +145,7 @@ impl BoostedSky {
         let even = even(sky, rest_from_world, received);
         let lighting = match &even {
             None => beams.clone(),
-            Some(_) => of_stars(&beams, &stars),
+            Some(_) => stars.iter().map(Moment::beam).collect(),
         };
         let whole: f64 = lighting.iter().map(Beam::size).sum();
         let (bright, others): (Vec<Beam>, Vec<Beam>) = lighting
@@ -139,7 +169,7 @@ impl BoostedSky {
             irradiance,
             bright,
             even,
-            stars,
+            stars: stars.iter().map(|of_block| of_block.flux).collect(),
             cumulative: cumulative(&beams, grid),
         }
     }
@@ -330,79 +360,54 @@ fn even(sky: &Sky, boost: &Boost<Rest, World>, received: Received) -> Option<Eve
     }
 }
 
-/// The part of the stars of what blocks send.
-fn of_stars(beams: &[Beam], stars: &[[f64; 3]]) -> Vec<Beam> {
-    let beam = |(beam, flux): (&Beam, &[f64; 3])| Beam {
-        in_rest: beam.in_rest,
-        flux: *flux,
-    };
-    beams.iter().zip(stars).map(beam).collect()
-}
-
 /// What all blocks send, `stars` included.
 fn beams(
     sky: &Sky,
     grid: &LightGrid,
     boost: &Boost<Rest, World>,
     received: Received,
-    stars: &[[f64; 3]],
+    stars: &[Moment],
 ) -> Vec<Beam> {
     let table = match &sky.background {
         Background::Spectrum(table) => Some(table),
         _ => None,
     };
     let of_block = |block: usize| {
-        let (mut flux, mut moment, mut size) = ([0.0; 3], DVec3::ZERO, 0.0);
-        let mut add = |sent: [f64; 3], in_rest: DVec3| {
-            let sent_size = sent.iter().sum::<f64>().max(0.0);
-            flux = sum(flux, sent);
-            moment += in_rest * sent_size;
-            size += sent_size;
-        };
-        let mut middle = DVec3::ZERO;
+        let mut sent = stars.get(block).copied().unwrap_or_default();
         for texel in grid.texels(block) {
             let (in_rest, rho) = boost.direction(Direction::from_unit(grid.middle(texel)));
             let (w, solid_angle) = (1.0 / rho, grid.solid_angle(texel));
-            middle += in_rest.unit() * solid_angle;
-            add(
-                received.irradiance(w, grid.radiance(texel), solid_angle),
-                in_rest.unit(),
-            );
+            let flux = received.irradiance(w, grid.radiance(texel), solid_angle);
+            sent.add(flux, in_rest.unit());
             if let Some(table) = table {
                 let share = w * w * solid_angle;
-                add(table.colour(w).map(|c| c * share), in_rest.unit());
+                sent.add(table.colour(w).map(|c| c * share), in_rest.unit());
             }
         }
-        // Of stars no more is known here than their block.
-        let middle = middle.normalize_or_zero();
-        if let Some(stars) = stars.get(block) {
-            add(*stars, middle);
-        }
-        let in_rest = if size > 0.0 { moment / size } else { middle };
-        Beam { in_rest, flux }
+        sent.beam()
     };
     (0..BLOCKS).into_par_iter().map(of_block).collect()
 }
 
-/// What the stars of each block send; none where there are none.
+/// What the stars of each block send, and Σ of their directions by that; none where there are none.
 fn stars(
     sky: &Sky,
     grid: &LightGrid,
     boost: &Boost<Rest, World>,
     received: Received,
-) -> Vec<[f64; 3]> {
+) -> Vec<Moment> {
     let Some(map) = &sky.stars else {
         return Vec::new();
     };
-    let mut blocks = vec![[0.0; 3]; BLOCKS];
+    let mut blocks = vec![Moment::default(); BLOCKS];
     for star in map.stars() {
-        let block = grid.texel(star.direction).block;
-        let w = 1.0 / boost.direction(Direction::from_unit(star.direction)).1;
+        let (in_rest, rho) = boost.direction(Direction::from_unit(star.direction));
+        let w = 1.0 / rho;
         let flux = match sky.thermal_stars {
             true => star.colour(w).map(|c| c * w * w),
             false => received.irradiance(w, star.channels(), 1.0),
         };
-        blocks[block] = sum(blocks[block], flux);
+        blocks[grid.texel(star.direction).block].add(flux, in_rest.unit());
     }
     blocks
 }

@@ -60,7 +60,8 @@ pub(super) fn read_in_parts(
         return;
     };
     for cube in cubes.iter_mut().flatten() {
-        let most = (cube.bytes + cube.bytes / 16).min(MOST_HELD);
+        // All of it, what there is to bricks beside their samples, and those that threads have at hand.
+        let most = (cube.bytes + cube.bytes / 2).min(MOST_HELD);
         cube.held = cube.held.map(|least| (least + each).min(most));
     }
 }

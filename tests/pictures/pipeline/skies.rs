@@ -441,7 +441,7 @@ fn surfaces_in_motion_are_lit_by_the_spectrum_of_the_sky_as_they_see_it() {
 
 #[test]
 fn surfaces_in_motion_are_lit_by_stars_as_they_see_them() {
-    // E_F = W² Ω B(λ; T/W) cos θ_F of a star in the middle of a cell of the table of irradiance.
+    // E_F = W² Ω B(λ; T/W) cos θ_F of a star, wherever it is.
     let (longitude, height): (f64, f64) = (1.875f64.to_radians(), 1.0 - 2.0 * 2.5 / 48.0);
     let across = (1.0 - height * height).sqrt();
     let d = DVec3::new(longitude.sin() * across, height, -longitude.cos() * across);

@@ -168,7 +168,7 @@ fn a_huge_cube_is_planned_from_its_header() {
         "a.json",
     ];
     let text = folder.ok(&[&arguments[..], &limit].concat());
-    for row in ["needed of cubes on disk", "read of them"] {
+    for row in ["needed of cubes on disk", "read of cubes on disk"] {
         let said = text.lines().find(|line| line.contains(row)).unwrap();
         assert!(said.ends_with(needed), "{said} {needed}");
     }

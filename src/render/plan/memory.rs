@@ -61,7 +61,7 @@ pub(super) fn read_in_parts(
     };
     for cube in cubes.iter_mut().flatten() {
         // All of it, what there is to bricks beside their samples, and those that threads have at hand.
-        let most = (cube.bytes + cube.bytes / 2).min(MOST_HELD);
+        let most = (2 * cube.bytes).min(MOST_HELD);
         cube.held = cube.held.map(|least| (least + each).min(most));
     }
 }

@@ -230,6 +230,24 @@ impl BoostedSky {
         }
     }
 
+    /// The same for a direction that a surface draws with this `density`. What it reflects and what [`BoostedSky::sample`] finds have to be parts of
+    /// one light, so it is the mean, too, but for lobes narrower than a texel, which show the picture.
+    #[inline]
+    pub fn reflected_radiance(
+        &self,
+        sky: &Sky,
+        d: Direction<World>,
+        rho: f64,
+        density: f64,
+    ) -> [f64; 3] {
+        // dω_F = dω/ρ².
+        let texel = self.grid.solid_angle_about(d.unit()) / (rho * rho);
+        match density * texel > 1.0 {
+            true => self.radiance(sky, d, rho),
+            false => self.mean_radiance(sky, d, rho),
+        }
+    }
+
     /// L_F where the background has the radiance `channels`.
     #[inline]
     fn seen(&self, sky: &Sky, channels: [f64; 3], d: Direction<World>, rho: f64) -> [f64; 3] {

@@ -192,6 +192,12 @@ impl LightGrid {
         self.radiance(texel.index)
     }
 
+    /// The solid angle of the texel about a direction.
+    #[inline]
+    pub(super) fn solid_angle_about(&self, d: DVec3) -> f64 {
+        self.solid_angle(self.texel(d).index)
+    }
+
     /// A direction of `block`, drawn by two numbers in [0, 1).
     #[inline]
     pub(super) fn sample(&self, block: usize, x: f64, y: f64) -> DVec3 {

@@ -563,16 +563,15 @@ impl PathTraced {
             // A mirror shows the sun, whose light as that of a lamp it does not reflect.
             boosted.radiance_with_sun(&light.sky, d, rho)
         } else if is_shared {
-            boosted.radiance(&light.sky, d, rho)
+            boosted.mean_radiance(&light.sky, d, rho)
         } else {
-            // As it is seen, where directions drawn for the sky have the mean of a texel: so glossy surfaces show the picture, and
-            // over a texel both are the same.
             let weight = match (light.shadows, boosted.is_uneven()) {
                 (false, _) => 0.0,
                 (true, false) => 1.0,
                 (true, true) => balance(density, boosted.density(cosine, d, rho)),
             };
-            boosted.radiance(&light.sky, d, rho).map(|l| l * weight)
+            let radiance = boosted.reflected_radiance(&light.sky, d, rho, density);
+            radiance.map(|l| l * weight)
         };
         Incident::new(radiance, boosted.received().wavelength_scale(w))
     }

@@ -31,9 +31,8 @@ use crate::io::npy::Dtype;
 const GROUP: u64 = 64;
 /// Locks.
 const SHARDS: usize = 64;
-/// What there is to a brick beside its samples: its entries in tables, and what the allocator loses. Measured: 290 where
-/// neighbours are read together, 850 where each is read alone.
-const BESIDE: u64 = 850;
+/// What there is to a brick beside its samples: its entries in tables, and what the allocator loses. Measured: 250 to 290.
+const BESIDE: u64 = 400;
 /// Bricks that a thread has at hand without a lock, at most.
 const AT_HAND: usize = 1024;
 

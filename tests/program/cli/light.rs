@@ -873,7 +873,9 @@ fn companions_of_a_picture_of_the_sky_are_said_to_be_unread_and_its_memory_is_pl
     let plan: serde_json::Value = serde_json::from_str(&plan).unwrap();
     let bytes = nullray::light::sky::Panorama::bytes(8);
     assert!(bytes >= 4 * 3 * 32, "{bytes}");
-    assert_eq!(plan["memory"]["sky"], bytes);
+    // And that of the grid by which it lights surfaces.
+    let grid = nullray::light::sky::LightGrid::bytes(8);
+    assert_eq!(plan["memory"]["sky"], bytes + grid);
 }
 
 #[test]

@@ -10,7 +10,7 @@
 //! has the mean Σ vᵢ lᵢ/N for every c that does not depend on the draws, and no noise where all is open and c = 1, or all is blocked and c = 0 (a control
 //! variate: Hammersley and Handscomb, "Monte Carlo Methods", 1964, 5.5). So two pairs of directions are drawn, independent of each other, and c is the part of the one
 //! pair that is open for the other: under the open sky there is no noise, in a closed box it is exactly dark, and the mean is right everywhere. Between them
-//! single samples may be a little below 0.
+//! single samples may be below 0.
 //!
 //! Surfaces that shine also directionally draw one direction more for that part. What is in the way is black: light is followed once.
 

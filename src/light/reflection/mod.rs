@@ -353,9 +353,25 @@ impl Reflection {
         if share == 0.0 || self.is_mirror {
             return diffuse;
         }
+        diffuse + share * self.specular_density(l)
+    }
+
+    /// The density with which [`Reflection::sample_specular`] draws `l`; 0 of a diffuse surface.
+    #[inline]
+    pub fn specular_density(&self, l: DVec3) -> f64 {
+        if self.specular.is_none() {
+            return 0.0;
+        }
         let h = (self.view + l).normalize_or(self.normal);
         let visible = 2.0 * (self.facing + self.root(self.facing));
-        diffuse + share * self.distribution(self.normal.dot(h)) / visible
+        self.distribution(self.normal.dot(h)) / visible
+    }
+
+    /// The specular part of f for light from `l`; 0 of a diffuse surface.
+    #[inline]
+    pub fn specular_value(&self, l: DVec3) -> [f64; 3] {
+        let (value, diffuse) = (self.value(l), self.diffuse_value(l));
+        std::array::from_fn(|c| value[c] - diffuse[c])
     }
 
     /// q.

@@ -240,12 +240,17 @@ impl BoostedSky {
         rho: f64,
         density: f64,
     ) -> [f64; 3] {
-        // dω_F = dω/ρ².
-        let texel = self.grid.solid_angle_about(d.unit()) / (rho * rho);
-        match density * texel > 1.0 {
+        match self.shows_picture(d, rho, density) {
             true => self.radiance(sky, d, rho),
             false => self.mean_radiance(sky, d, rho),
         }
+    }
+
+    /// Whether a surface that draws a direction with this `density` has a lobe narrower than a texel there.
+    #[inline]
+    pub fn shows_picture(&self, d: Direction<World>, rho: f64, density: f64) -> bool {
+        // dω_F = dω/ρ².
+        density * self.grid.solid_angle_about(d.unit()) / (rho * rho) > 1.0
     }
 
     /// L_F where the background has the radiance `channels`.

@@ -12,7 +12,10 @@
 //! pair that is open for the other: under the open sky there is no noise, in a closed box it is exactly dark, and the mean is right everywhere. Between them
 //! single samples may be below 0.
 //!
-//! Surfaces that shine also directionally draw one direction more for that part. What is in the way is black: light is followed once.
+//! Surfaces that shine also directionally draw one direction more for that part, which finds what smooth ones reflect; the N of above find small suns in
+//! what rough ones do. Each counts by the balance heuristic (Veach, "Robust Monte Carlo Methods", 1997, 9.2.2): a direction l that is drawn for the
+//! specular part with the density q(l), and for the sky with p(l), has the weights q/(q + N p) there and N p/(q + N p) here. Where the lobe is narrower than
+//! a texel the first has all of it, as it alone sees the picture. What is in the way is black: light is followed once.
 
 use glam::DVec3;
 
@@ -23,7 +26,7 @@ use super::stats::Meter;
 use crate::accel::vectors::Columns;
 use crate::light::lamp::Incident;
 use crate::light::reflection::Reflection;
-use crate::light::sky::{BoostedSky, Sky};
+use crate::light::sky::{BoostedSky, Sky, SkySample};
 
 /// What random numbers of a hit are for, beside that of [`area_lights`](super::area_lights).
 const SKY: u32 = 1;
@@ -54,6 +57,8 @@ struct Drawn {
     l: DVec3,
     /// L cos θ over density, in parts of all that are drawn.
     light: [f64; 3],
+    /// How much of that counts in the specular part.
+    specular: f64,
 }
 
 /// The part of a pair of a point's directions along which nothing is in the way; all of it where none was drawn.
@@ -63,6 +68,15 @@ fn open_part(drawn: &[Drawn], pair: usize, blocked: impl Fn(usize) -> bool) -> f
     match of_pair().count() {
         0 => 1.0,
         count => open as f64 / count as f64,
+    }
+}
+
+/// The weight of the direction of `sample`, which has the density with which the sky draws it, where it is drawn for the specular part.
+fn own_part(reflection: &Reflection, boosted: &BoostedSky, sample: &SkySample) -> f64 {
+    let own = reflection.specular_density(sample.in_rest);
+    match boosted.shows_picture(sample.d, sample.rho, own) {
+        true => 1.0,
+        false => own / (own + DRAWS as f64 * sample.density),
     }
 }
 
@@ -142,11 +156,16 @@ impl SkyLight {
                     };
                     let factor = n.dot(sample.in_rest) / (sample.density * DRAWS as f64);
                     let radiance = boosted.mean_radiance(&self.sky, sample.d, sample.rho);
+                    let specular = match emitted.reflections.get(k) {
+                        None => 0.0,
+                        Some(reflection) => 1.0 - own_part(reflection, boosted, &sample),
+                    };
                     drawn.push(Drawn {
                         k,
                         pair,
                         l: sample.in_rest,
                         light: radiance.map(|l| l * factor),
+                        specular,
                     });
                     emitted.queries.push(k, sample.d.unit(), f64::INFINITY);
                 }
@@ -165,14 +184,19 @@ impl SkyLight {
             // The diffuse value is its mean over directions, with which c E is reflected, and that of each direction drawn.
             let mean = reflection.map_or([1.0; 3], Reflection::mean_diffuse_value);
             let mut sum: [f64; 3] = std::array::from_fn(|i| c * irradiance[i] * mean[i]);
-            for (i, Drawn { pair, l, light, .. }) in drawn.iter().enumerate() {
+            for (i, drawn) in drawn.iter().enumerate() {
                 let value = match (blocked(i), reflection) {
                     (true, _) => [0.0; 3],
                     (false, None) => [1.0; 3],
-                    (false, Some(reflection)) => reflection.diffuse_value(*l),
+                    (false, Some(reflection)) => {
+                        let diffuse = reflection.diffuse_value(drawn.l);
+                        let specular = reflection.specular_value(drawn.l);
+                        std::array::from_fn(|c| diffuse[c] + drawn.specular * specular[c])
+                    }
                 };
+                let open = open[1 - drawn.pair];
                 for (channel, sum) in sum.iter_mut().enumerate() {
-                    *sum += (value[channel] - open[1 - pair] * mean[channel]) * light[channel];
+                    *sum += (value[channel] - open * mean[channel]) * drawn.light[channel];
                 }
             }
             match reflection {
@@ -201,8 +225,16 @@ impl SkyLight {
             };
             // `weight` is value times cosine over density.
             let (d, rho) = boosted.in_world(l);
-            let radiance = boosted.radiance(&self.sky, d, rho);
-            let light: [f64; 3] = std::array::from_fn(|c| weight[c] * radiance[c]);
+            let density = reflection.specular_density(l);
+            let radiance = boosted.reflected_radiance(&self.sky, d, rho, density);
+            let sample = SkySample {
+                d,
+                in_rest: l,
+                rho,
+                density: boosted.density(reflection.normal().dot(l), d, rho),
+            };
+            let part = own_part(reflection, boosted, &sample);
+            let light: [f64; 3] = std::array::from_fn(|c| part * weight[c] * radiance[c]);
             drawn.push((k, light));
             emitted.queries.push(k, d.unit(), f64::INFINITY);
         }

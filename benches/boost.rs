@@ -3,7 +3,7 @@
 //! `direction`: camera look directions to the world, with their wavelength ratios; `tangent`: world look
 //! directions into a rest frame; `look`: whole look directions of a camera by pixel, as pictures take them. Each
 //! at rest and moving, in turn, best of several rounds. JSON lines in `target/bench/boost.jsonl`: fields
-//! `case`, `rays`, `ns_per_ray`, `mrays_per_s`, `times_rest`. `--smoke` and `NULLRAY_BENCH_SMOKE=1` use tiny sizes.
+//! `case`, `rays`, `ns_per_ray`, `mrays_per_s`, `times_rest` (the median of rounds) and its `quartiles`. `--smoke` and `NULLRAY_BENCH_SMOKE=1` use tiny sizes.
 
 mod common;
 
@@ -17,7 +17,7 @@ use nullray::render::progress::Silent;
 use nullray::scene::{Overrides, parse};
 use nullray::spacetime::{Boost, CameraFrame, Direction, Rest, Velocity, World};
 
-use common::{best_of, grid, report, report_file};
+use common::{Rounds, grid, report, report_file};
 
 /// Names and velocities: at rest, slow, fast, and at the largest that pictures stand in any direction.
 fn velocities() -> Vec<(&'static str, Velocity)> {
@@ -49,18 +49,15 @@ fn main() {
             .into_iter()
             .map(|(name, v)| (name, of(image, v)));
         let works: Vec<_> = works.collect();
-        let mut best = vec![f64::INFINITY; works.len()];
-        for _ in 0..rounds {
-            for ((_, work), best) in works.iter().zip(&mut best) {
-                *best = best.min(best_of(1, work));
-            }
-        }
+        let mut timed: Vec<_> = works.iter().map(|(_, work)| work).collect();
+        let times = Rounds::of(rounds, &mut timed);
         let rays = image * image;
-        for ((name, _), seconds) in works.iter().zip(&best) {
+        for (k, (name, _)) in works.iter().enumerate() {
+            let (seconds, ratio) = (times.best(k), times.ratio(k, 0));
             let line = serde_json::json!({
                 "case": format!("{what}, {name}"), "threads": 1, "rays": rays,
                 "ns_per_ray": seconds * 1e9 / rays as f64, "mrays_per_s": rays as f64 / seconds / 1e6,
-                "times_rest": seconds / best[0],
+                "times_rest": ratio.middle, "quartiles": ratio.quartiles(),
             });
             report(&mut file, &line);
         }

@@ -1,6 +1,7 @@
 //! Building trees: by mesh, preset and number of threads.
 //!
-//! Measured in turn with obvhs alone (its medium preset: f32 boxes, no corners), best of several rounds, and
+//! Measured in turn with obvhs alone (its medium preset: f32 boxes, no corners), best of several rounds and their `times_obvhs` on one
+//! thread (median and `quartiles`), and
 //! what the tree is worth: the time of one 1024² picture by one thread, for the sum that a still takes, and of 2¹⁷ rays that
 //! go on from what it shows all ways. JSON lines in `target/bench/build.jsonl`: fields `case`, `preset`, `threads`,
 //! `triangles`, `build_s`, `mtriangles_per_s`, `bytes_per_triangle`, `trace_s`, `ns_per_ray`, `ns_per_bounced_ray`. Meshes: every `*.tri` of the folder `NULLRAY_BENCH_MESHES`, else generated ones and a
@@ -15,7 +16,8 @@ use glam::DVec3;
 use nullray::accel::{Bvh, Facing, NoTally, Origins, Preset, Ray, Traversal};
 
 use common::{
-    Camera, Peer, TILE, best_of, meshes, on_threads, report, report_file, sphere, trace_tile,
+    Camera, Peer, Ratio, TILE, best, best_of, meshes, on_threads, report, report_file, sphere,
+    trace_tile,
 };
 
 fn main() {
@@ -32,18 +34,22 @@ fn main() {
         } else {
             rounds
         };
-        let mut best = vec![f64::INFINITY; 8];
+        let mut seconds: Vec<Vec<f64>> = cases().map(|_| Vec::new()).collect();
         for _ in 0..rounds {
-            for (best, (preset, threads)) in best.iter_mut().zip(cases()) {
-                *best = best.min(build_time(&triangles, preset, threads));
+            for (seconds, (preset, threads)) in seconds.iter_mut().zip(cases()) {
+                seconds.push(build_time(&triangles, preset, threads));
             }
         }
-        for ((preset, threads), seconds) in cases().zip(best) {
+        let alone = cases().position(|case| case == (None, 1)).expect("obvhs");
+        for (k, (preset, threads)) in cases().enumerate() {
+            let ratio = Ratio::of(&seconds[k], &seconds[alone]);
+            let seconds = best(&seconds[k]);
             let worth = preset.map(|preset| worth(&name, &triangles, preset, image));
             let line = serde_json::json!({
                 "case": name, "preset": preset.map_or("obvhs medium".into(), |p| format!("{p:?}").to_lowercase()),
                 "threads": threads, "triangles": triangles.len(), "build_s": seconds,
                 "mtriangles_per_s": triangles.len() as f64 / seconds / 1e6,
+                "times_obvhs": ratio.middle, "quartiles": ratio.quartiles(),
                 "bytes_per_triangle": worth.as_ref().map(|w| w.bytes), "trace_s": worth.as_ref().map(|w| w.picture),
                 "ns_per_ray": worth.as_ref().map(|w| w.per_ray), "ns_per_bounced_ray": worth.as_ref().map(|w| w.per_bounced_ray),
             });
@@ -61,10 +67,9 @@ fn main() {
             let triangles: Vec<_> = (0..count)
                 .map(|i| triangle(i, count, &mut numbers))
                 .collect();
-            let time = || build_time(&triangles, Some(Preset::Balanced), 2);
-            let seconds = (0..rounds.min(3))
-                .map(|_| time())
-                .fold(f64::INFINITY, f64::min);
+            let time = |_| build_time(&triangles, Some(Preset::Balanced), 2);
+            let seconds: Vec<f64> = (0..rounds.min(3)).map(time).collect();
+            let seconds = best(&seconds);
             if name == "random" {
                 random = seconds;
             }

@@ -1,9 +1,9 @@
 //! Whole frames through the public interface: scene text → plan → prepared scene → film.
 //!
 //! Every case is rendered several times in turn with two tracings of the same world rays alone: by this crate's
-//! certified packets, and by obvhs' own f32 traversal. The best of each counts, and the time per stage is that
-//! of one more rendering, with statistics. One line per case is printed and written as JSON to
-//! `target/bench/frame.jsonl`. Meshes: every `*.tri` of the folder `NULLRAY_BENCH_MESHES` (and
+//! certified packets, and by obvhs' own f32 traversal. Rates are the best of each, ratios the medians of rounds with their
+//! quartiles, and the time per stage is that of one more rendering, with statistics. One line per case is printed and
+//! written as JSON to `target/bench/frame.jsonl`. Lit frames: `scenes/several-velocities.toml` at 1600 × 1000. Meshes: every `*.tri` of the folder `NULLRAY_BENCH_MESHES` (and
 //! nefertiti, or else the last, at sixteen times its triangles), else generated ones. A first argument that is no flag
 //! selects cases that contain it. `--smoke`, `NULLRAY_BENCH_SMOKE=1` and `cargo test --benches` use
 //! tiny sizes.
@@ -19,8 +19,8 @@ mod scene;
 
 use std::fs;
 use std::io::Write;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Instant;
 
 use glam::DVec3;
 use nullray::accel::{Bvh, Kernel};
@@ -30,7 +30,7 @@ use nullray::render::progress::{Progress, Silent};
 use nullray::render::trace::Stage;
 use nullray::render::{render, render_with_stats};
 
-use common::{Peer, TILE, grid, meshes, trace_tile};
+use common::{Peer, Rounds, TILE, grid, meshes, trace_tile};
 use scene::{Case, Files, Light, Place};
 
 struct Size {
@@ -80,6 +80,7 @@ fn main() {
     }
     bench.several_velocities();
     bench.wide_views();
+    bench.lit();
 }
 
 struct Bench {
@@ -167,15 +168,14 @@ impl Bench {
     fn cameras(&mut self, name: &str, point: &Prepared, files: &Files, text: &str) {
         for camera in scene::CAMERAS {
             let other = files.prepare(&camera.in_place(text));
-            let [best_point, best] = self.in_turn([point, &other]);
+            let times = self.in_turn([point, &other]);
             let case = format!("{name}, {}", camera.name);
-            let (times, rate) = (
-                best / best_point,
-                point.layout.size[0].pow(2) as f64 / best / 1e6,
-            );
-            println!("{case:<60} {rate:6.2} Mrays/s   {times:.2} times the point camera's time");
+            let (best, ratio) = (times.best(1), times.ratio(1, 0));
+            let rate = point.layout.size[0].pow(2) as f64 / best / 1e6;
+            println!("{case:<60} {rate:6.2} Mrays/s   {ratio} times the point camera's time");
             let line = serde_json::json!({
-                "case": case, "seconds": best, "mrays_per_s": rate, "threads": 1, "times_point": times,
+                "case": case, "seconds": best, "mrays_per_s": rate, "threads": 1, "times_point": ratio.middle,
+                "quartiles": ratio.quartiles(),
             });
             writeln!(self.report, "{line}").expect("report");
         }
@@ -183,28 +183,23 @@ impl Bench {
 
     /// What motion costs: `moving` relative to `resting`, which sees the same.
     fn motion(&mut self, name: &str, resting: &Prepared, moving: &Prepared) {
-        let [still, moved] = self.in_turn([resting, moving]);
-        let case = format!("{name}, relative to rest");
-        println!("{case:<60} {:.3} times the time at rest", moved / still);
+        let times = self.in_turn([resting, moving]);
+        let (case, ratio) = (format!("{name}, relative to rest"), times.ratio(1, 0));
+        println!("{case:<60} {ratio} times the time at rest");
         let line = serde_json::json!({
-            "case": case, "seconds": moved, "seconds_at_rest": still, "threads": 1,
-            "times_at_rest": moved / still,
+            "case": case, "seconds": times.best(1), "seconds_at_rest": times.best(0), "threads": 1,
+            "times_at_rest": ratio.middle, "quartiles": ratio.quartiles(),
         });
         writeln!(self.report, "{line}").expect("report");
     }
 
-    /// The best times of two scenes that are rendered in turn.
-    fn in_turn(&self, scenes: [&Prepared; 2]) -> [f64; 2] {
+    /// The times of two scenes that one thread renders in turn.
+    fn in_turn(&self, scenes: [&Prepared; 2]) -> Rounds {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
         let pool = pool.build().expect("a thread");
-        let mut best = [f64::INFINITY; 2];
-        for _ in 0..2 * self.size.rounds {
-            for (best, scene) in best.iter_mut().zip(scenes) {
-                let time = seconds(|| pool.install(|| render(scene, &Silent).is_ok()));
-                *best = best.min(time);
-            }
-        }
-        best
+        let pool = &pool;
+        let frame = |scene| move || drop(pool.install(|| render(scene, &Silent)));
+        Rounds::of(2 * self.size.rounds, &mut scenes.map(frame))
     }
 
     fn several_velocities(&mut self) {
@@ -233,6 +228,27 @@ impl Bench {
         }
     }
 
+    /// A scene whose surfaces reflect the light of lamps, with shadows: bodies at several velocities.
+    fn lit(&mut self) {
+        let name = "several velocities, lit by lamps";
+        if !self.chooses(name) {
+            return;
+        }
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+        let path = folder.join("several-velocities.toml");
+        let text = fs::read_to_string(path).expect("a scene");
+        let size = [1600, 1000].map(|n: u32| n.div_ceil(1024 / self.size.image));
+        let prepared = Files::none(&folder).prepare_at(&text, size, 4);
+        for threads in [1, 2] {
+            let way = Way {
+                threads,
+                ..Way::default()
+            };
+            let name = format!("{name}, threads: {threads}");
+            self.measure(&name, &prepared, way, None);
+        }
+    }
+
     fn chooses(&self, name: &str) -> bool {
         self.only.as_ref().is_none_or(|only| name.contains(only))
     }
@@ -247,26 +263,33 @@ impl Bench {
     ) {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = pool.build().expect("threads");
-        let (mut best, mut best_peer, mut best_bare) =
-            (f64::INFINITY, f64::INFINITY, f64::INFINITY);
-        for _ in 0..self.size.rounds {
-            best = best.min(seconds(|| pool.install(|| render(scene, progress).is_ok())));
-            if let Some(Rivals { peer, bare }) = rivals {
-                best_bare = best_bare.min(seconds(bare));
-                best_peer = best_peer.min(seconds(peer));
+        let mut frame = || drop(pool.install(|| render(scene, progress)));
+        let times = match rivals {
+            None => Rounds::of(self.size.rounds, &mut [&mut frame]),
+            Some(Rivals { peer, bare }) => {
+                let mut bare = || drop(std::hint::black_box(bare()));
+                let mut peer = || drop(std::hint::black_box(peer()));
+                let works: &mut [&mut dyn FnMut()] = &mut [&mut frame, &mut bare, &mut peer];
+                Rounds::of(self.size.rounds, works)
             }
-        }
+        };
+        let best = times.best(0);
         let counted = pool.install(|| render_with_stats(scene, progress));
         let (_, stats) = counted.expect("a film");
         let [width, height] = scene.layout.size.map(u64::from);
         let rays = width * height * scene.layout.samples as u64;
         let rate = rays as f64 / best / 1e6;
-        let rate_of = |time: f64| rivals.map(|_| (width * height) as f64 / time / 1e6);
-        let (peer, bare) = (rate_of(best_peer), rate_of(best_bare));
+        // Rays per time of the frame over those of the other.
+        let rate_of = |other: usize| {
+            let rate = (width * height) as f64 / times.best(other) / 1e6;
+            rivals.map(|_| (rate, times.ratio(other, 0)))
+        };
+        let (bare, peer) = (rate_of(1), rate_of(2));
         print!("{case:<46} {rate:6.2} Mrays/s");
-        if let (Some(peer), Some(bare)) = (peer, bare) {
-            print!("   of bare visibility ({bare:6.2}) {:.2}", rate / bare);
-            print!("   of obvhs ({peer:6.2}) {:.2}", rate / peer);
+        for (what, other) in [("bare visibility", bare), ("obvhs", peer)] {
+            if let Some((rate, ratio)) = other {
+                print!("   of {what} ({rate:6.2}) {ratio}");
+            }
         }
         println!();
         let per_ray = |stage: &Stage| 1e9 * stats.seconds[*stage as usize] / rays as f64;
@@ -280,8 +303,10 @@ impl Bench {
         let line = serde_json::json!({
             "case": case, "precision": "certified", "kernel": format!("{:?}", Kernel::best()).to_lowercase(),
             "threads": threads, "rays": rays, "hits": stats.hits, "seconds": best, "mrays_per_s": rate,
-            "visibility_mrays_per_s": bare, "of_visibility": bare.map(|bare| rate / bare),
-            "obvhs_mrays_per_s": peer, "ratio": peer.map(|peer| rate / peer),
+            "visibility_mrays_per_s": bare.map(|bare| bare.0), "of_visibility": bare.map(|bare| bare.1.middle),
+            "of_visibility_quartiles": bare.map(|bare| bare.1.quartiles()),
+            "obvhs_mrays_per_s": peer.map(|peer| peer.0), "ratio": peer.map(|peer| peer.1.middle),
+            "quartiles": peer.map(|peer| peer.1.quartiles()),
             "stages": Stage::ALL.map(Stage::name), "stage_ns_per_ray": stages, "texture_bytes": stats.texture_bytes,
             "node_visits": stats.visibility.nodes, "triangle_tests": stats.visibility.triangles,
             "f64_fallbacks": stats.visibility.doubts, "exact_fallbacks": stats.visibility.exact,
@@ -335,12 +360,6 @@ impl Progress for Count {
     fn is_cancelled(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
-}
-
-fn seconds<T>(work: impl FnOnce() -> T) -> f64 {
-    let begin = Instant::now();
-    std::hint::black_box(work());
-    begin.elapsed().as_secs_f64()
 }
 
 /// The world look directions through all pixel centres, tile by tile.

@@ -2,8 +2,8 @@
 //!
 //! Before anything is allocated, readers look at what a header claims, and take it from a budget. That does not grow
 //! with the samples: it takes less than all of a file with one pixel or bin does, from opening to the last byte. JSON lines
-//! in `target/bench/load.jsonl`: fields `case`, `bytes` of the file, `load_s`, `one_pixel_s` for such a file, and `limits_at_most`,
-//! the second over the first. `--smoke` and `NULLRAY_BENCH_SMOKE=1` use tiny sizes.
+//! in `target/bench/load.jsonl`: fields `case`, `bytes` of the file, `load_s`, `one_pixel_s` for such a file, `limits_at_most`,
+//! the second over the first, and `spread`, quartiles of the first over its best. `--smoke` and `NULLRAY_BENCH_SMOKE=1` use tiny sizes.
 
 mod common;
 
@@ -16,7 +16,7 @@ use nullray::io::cube::{self, Cube, Wanted};
 use nullray::io::image::{Channel, Layers, Samples, exr, npz, png};
 use nullray::validate::compare::{Encoding, Picture};
 
-use common::{best_of, is_smoke, report, report_file};
+use common::{Rounds, is_smoke, report, report_file};
 
 /// A format: its name, and how a file of so many pixels to the side is written and read.
 type Case = (&'static str, fn(&Path, usize), fn(&Path));
@@ -99,10 +99,12 @@ fn main() {
             write(&path, side);
             let bytes = fs::metadata(&path).expect("it is there").len();
             let rounds = if side == 1 { 100 * rounds } else { rounds };
-            (bytes, best_of(rounds, || read(&path)))
+            let times = Rounds::of(rounds, &mut [|| read(&path)]);
+            (bytes, times.best(0), times.spread(0).quartiles())
         });
         let line = serde_json::json!({
             "case": name, "bytes": large.0, "load_s": large.1, "one_pixel_s": one.1, "limits_at_most": one.1 / large.1,
+            "spread": large.2,
         });
         report(&mut file, &line);
     }

@@ -2,8 +2,8 @@
 //!
 //! A cube that fits the second-level cache and one that fits none, each in half and single precision
 //! and with every filter in time; at texture coordinates row by row with a slowly moving time, as a picture
-//! asks, and anywhere at any time. JSON lines in `target/bench/lookup.jsonl`: fields `case`, `filter`, `order`,
-//! `bytes` of the cube, `lookups`, `ns_per_lookup`. `--smoke` and `NULLRAY_BENCH_SMOKE=1` use tiny sizes.
+//! asks, and anywhere at any time. Filters are measured in turn. JSON lines in `target/bench/lookup.jsonl`: fields `case`, `filter`, `order`,
+//! `bytes` of the cube, `lookups`, `ns_per_lookup`, `times_nearest` (the median of rounds) and its `quartiles`. `--smoke` and `NULLRAY_BENCH_SMOKE=1` use tiny sizes.
 
 mod common;
 
@@ -15,7 +15,7 @@ use nullray::io::cube::{Cube, CubeSamples};
 use nullray::light::time_texture::{TimeAxis, TimeTexture};
 use nullray::scene::model::{BinValues, Fill, Outside, TimeBins, TimeFilter};
 
-use common::{best_of, report, report_file};
+use common::{Rounds, report, report_file};
 
 const FILTERS: [(&str, TimeFilter); 4] = [
     ("nearest", TimeFilter::Nearest),
@@ -35,21 +35,27 @@ fn main() {
     for (place, shape) in [("in cache", small), ("in memory", large)] {
         for precision in ["f16", "f32"] {
             let cube = std::sync::Arc::new(cube(shape, precision));
-            for (name, filter) in FILTERS {
-                let texture = texture(cube.clone(), filter);
-                for (order, points) in [
-                    ("in order", ordered(lookups)),
-                    ("anywhere", anywhere(lookups)),
-                ] {
-                    let seconds = best_of(rounds, || {
-                        for (uv, t) in &points {
+            for (order, points) in [
+                ("in order", ordered(lookups)),
+                ("anywhere", anywhere(lookups)),
+            ] {
+                let look_up = |(_, filter)| {
+                    let texture = texture(cube.clone(), filter);
+                    let points = &points;
+                    move || {
+                        for (uv, t) in points {
                             black_box(texture.sample_uv(*uv, *t));
                         }
-                    });
+                    }
+                };
+                let times = Rounds::of(rounds, &mut FILTERS.map(look_up));
+                for (k, (name, _)) in FILTERS.into_iter().enumerate() {
+                    let ratio = times.ratio(k, 0);
                     let line = serde_json::json!({
                         "case": format!("{place}, {precision}, {name}, {order}"), "filter": name, "order": order,
                         "threads": 1, "bytes": bytes(shape, precision), "lookups": lookups,
-                        "ns_per_lookup": seconds * 1e9 / lookups as f64,
+                        "ns_per_lookup": times.best(k) * 1e9 / lookups as f64,
+                        "times_nearest": ratio.middle, "quartiles": ratio.quartiles(),
                     });
                     report(&mut file, &line);
                 }

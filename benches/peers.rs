@@ -33,7 +33,7 @@ use nullray::accel::{
 use nullray::render::progress::Silent;
 use nullray::render::render;
 
-use common::{Camera, TILE, meshes};
+use common::{Camera, Ratio, TILE, best, meshes, seconds_of};
 use scene::{Files, Place};
 
 const SIZE: usize = 1024;
@@ -307,14 +307,11 @@ fn measure(
             *hits = hit;
         }
         for (row, work) in &mut works {
-            let begin = Instant::now();
-            work();
-            row.seconds.push(begin.elapsed().as_secs_f64());
+            row.seconds.push(seconds_of(work));
         }
     }
 
-    let mut best = 0.0f64;
-    let least = |seconds: &[f64]| seconds.iter().copied().fold(f64::INFINITY, f64::min);
+    let mut primary = 0.0f64;
     for (kind, seconds, hits) in &theirs {
         let rays = if kind.starts_with("shadow") {
             shadows.iter().map(Shadows::len).sum()
@@ -324,7 +321,7 @@ fn measure(
         println!(
             "  {:<44} {:7.2} Mrays/s, {hits} hits",
             format!("Embree, {kind}"),
-            rays as f64 / least(seconds) / 1e6
+            rays as f64 / best(seconds) / 1e6
         );
     }
     for (row, _) in &works {
@@ -332,44 +329,36 @@ fn measure(
             .iter()
             .find(|(kind, ..)| *kind == row.rival)
             .expect("a rival");
-        let mut ratios: Vec<f64> = rival
-            .1
-            .iter()
-            .zip(&row.seconds)
-            .map(|(theirs, ours)| theirs / ours)
-            .collect();
-        ratios.sort_by(f64::total_cmp);
-        let quartiles = [ROUNDS / 4, ROUNDS / 2, ROUNDS - 1 - ROUNDS / 4].map(|at| ratios[at]);
-        let rate = row.rays as f64 / least(&row.seconds) / 1e6;
-        let [low, middle, high] = quartiles;
+        let ratio = Ratio::of(&rival.1, &row.seconds);
+        let rate = row.rays as f64 / best(&row.seconds) / 1e6;
         println!(
-            "  {:<44} {rate:7.2} Mrays/s, {middle:.2} ({low:.2} to {high:.2}) times Embree's {}",
+            "  {:<44} {rate:7.2} Mrays/s, {ratio} times Embree's {}",
             row.name, row.rival
         );
         if row.name.starts_with("certified, primary") {
-            best = best.max(middle);
+            primary = primary.max(ratio.middle);
         }
         let line = serde_json::json!({
             "mesh": name, "triangles": triangles.len(), "what": row.name, "mrays_per_s": rate, "rival": row.rival,
-            "ratio": middle, "quartiles": [low, high], "build_s": build, "embree_build_s": embree.built,
+            "ratio": ratio.middle, "quartiles": ratio.quartiles(), "build_s": build, "embree_build_s": embree.built,
         });
         writeln!(report, "{line}").expect("report");
     }
     // One sample per pixel from the mesh on.
     let frame = |name: &str| {
         let row = works.iter().find(|(row, _)| row.name == name);
-        least(&row.expect("a picture").0.seconds)
+        best(&row.expect("a picture").0.seconds)
     };
     let embree_frame = theirs.iter().find(|(kind, ..)| *kind == "closest 16");
     let ours = quick_build + frame("picture at 0.9 c");
-    let bare = embree.built[1] + least(&embree_frame.expect("a rival").1);
+    let bare = embree.built[1] + best(&embree_frame.expect("a rival").1);
     println!(
         "  {:<44} {:7.1} ms, {:.2} times Embree's medium tree and bare rays",
         "first picture at 0.9 c, tree included",
         1e3 * ours,
         ours / bare
     );
-    best
+    primary
 }
 
 impl Row {

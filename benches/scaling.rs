@@ -1,12 +1,19 @@
 //! How cost grows: with triangles, threads, rest frames and resolution.
 //!
 //! `triangles`: closest hits of a fixed 1024² image of spheres of 10³ to 10⁷ triangles; `rest frames`: whole pictures of
-//! a thousand balls at 1 to 1000 velocities; `resolution`: whole pictures of 16 balls. Each by one
-//! and by two threads, in turn, best of several rounds. JSON lines in `target/bench/scaling.jsonl`: fields `case`,
-//! `of`, `value`, `threads`, `seconds`, `mrays_per_s`, `times_one_thread`. A first argument that is no flag selects
-//! cases that contain it. `--smoke` and `NULLRAY_BENCH_SMOKE=1` use tiny sizes.
+//! a thousand balls at 1 to 1000 velocities; `resolution`: whole pictures of 16 balls, 0.1 to 67 megapixels; `whole process`: the
+//! program's `render` of models of 10⁴ to 10⁷ triangles, from start to end: it reads the file, builds, traces a picture of 1024² at 0.9 c and writes
+//! it. Each by one and by two threads, in turn, best of several rounds. JSON lines in `target/bench/scaling.jsonl`: fields `case`,
+//! `of`, `value`, `threads`, `seconds`, `mrays_per_s`, `times_one_thread` (the speed-up, the median of rounds) and its `quartiles`. A first
+//! argument that is no flag selects cases that contain it. `--smoke` and `NULLRAY_BENCH_SMOKE=1` use tiny sizes.
 
 mod common;
+
+#[path = "frame/scene.rs"]
+#[allow(dead_code)]
+mod scene;
+
+use std::process::Command;
 
 use glam::DVec3;
 use nullray::accel::{Bvh, Facing};
@@ -17,7 +24,8 @@ use nullray::render::render;
 use nullray::scene::{Overrides, parse};
 use rayon::prelude::*;
 
-use common::{Camera, TILE, on_threads, report, report_file, sphere, trace_tile};
+use common::{Camera, Rounds, TILE, report, report_file, sphere, trace_tile};
+use scene::{Case, Files, Light, Place};
 
 fn main() {
     let smoke = common::is_smoke();
@@ -50,13 +58,20 @@ fn main() {
         }
     }
     if chosen("resolution") {
-        for image in if smoke {
-            [16, 32, 64, 128]
-        } else {
-            [256, 512, 1024, 2048]
-        } {
+        let images: &[usize] = match smoke {
+            true => &[16, 32, 64, 128],
+            false => &[316, 512, 1024, 2048, 4096, 8192],
+        };
+        for &image in images {
             bench.picture("resolution", image, &balls_scene(16, 4, image));
         }
+    }
+    if chosen("whole process") {
+        let (sizes, image): (&[usize], _) = match smoke {
+            true => (&[18], 32),
+            false => (&[58, 182, 578, 1826], 1024),
+        };
+        bench.whole_process(sizes, image);
     }
 }
 
@@ -88,20 +103,53 @@ impl Bench {
         });
     }
 
+    /// The program renders spheres of 3 n² triangles.
+    fn whole_process(&mut self, sizes: &[usize], image: usize) {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        for &n in sizes {
+            let mesh = sphere(n);
+            let files = Files::write(folder.path(), &mesh, [1; 3]);
+            let case = Case {
+                name: "",
+                moving: true,
+                light: Light::Base,
+            };
+            let text = scene::of_mesh(&files, &case, Place::of(""), image as u32);
+            std::fs::write(folder.path().join("scene.toml"), text).expect("a scene");
+            let render = |threads: usize| {
+                let mut program = Command::new(env!("CARGO_BIN_EXE_nullray"));
+                program.current_dir(&folder).args(["render", "scene.toml"]);
+                program.args(["-o", "picture.png", "--threads", &threads.to_string()]);
+                let done = program.output().expect("the program");
+                assert!(done.status.success(), "{done:?}");
+            };
+            let count = mesh.len();
+            self.measure_by("whole process", count, image * image, render);
+        }
+    }
+
     /// `work` by one and by two threads.
     fn measure(&mut self, of: &str, value: usize, rays: usize, work: impl Fn() + Sync) {
-        let mut best = [f64::INFINITY; 2];
-        for _ in 0..self.rounds {
-            for threads in [1, 2] {
-                let seconds = on_threads(threads, || common::best_of(1, &work));
-                best[threads - 1] = best[threads - 1].min(seconds);
-            }
-        }
-        for (threads, seconds) in (1..).zip(best) {
+        let pools = [1, 2].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            pool.build().expect("threads")
+        });
+        self.measure_by(of, value, rays, |threads| pools[threads - 1].install(&work));
+    }
+
+    /// The same of work that is told how many threads it has.
+    fn measure_by(&mut self, of: &str, value: usize, rays: usize, work: impl Fn(usize)) {
+        let work = &work;
+        let times = Rounds::of(
+            self.rounds,
+            &mut [1, 2].map(|threads| move || work(threads)),
+        );
+        for threads in [1, 2] {
+            let (seconds, ratio) = (times.best(threads - 1), times.ratio(0, threads - 1));
             let line = serde_json::json!({
                 "case": format!("{value} {of}, {threads} threads"), "of": of, "value": value, "threads": threads,
                 "rays": rays, "seconds": seconds, "mrays_per_s": rays as f64 / seconds / 1e6,
-                "times_one_thread": best[0] / seconds,
+                "times_one_thread": ratio.middle, "quartiles": ratio.quartiles(),
             });
             report(&mut self.file, &line);
         }

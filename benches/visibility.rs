@@ -4,7 +4,8 @@
 //! c + (0.5, 0.8, 0.6) R ("shadow").
 //!
 //! All are measured in turn, one thread, best of several rounds; one line per case, kind of rays, precision and kernel
-//! is printed and written as JSON to `target/bench/visibility.jsonl`. Meshes: every `*.tri`
+//! is printed, with how many times the rate of certified single rays it is (the median of rounds and its quartiles), and written as
+//! JSON to `target/bench/visibility.jsonl`. Meshes: every `*.tri`
 //! (little-endian f32, nine per triangle) of the folder `NULLRAY_BENCH_MESHES`, else generated ones.
 //! `--smoke`, `NULLRAY_BENCH_SMOKE=1` and `cargo test --benches` use tiny sizes.
 //!
@@ -14,16 +15,17 @@
 
 mod common;
 
+use std::cell::Cell;
 use std::fs;
 use std::io::Write;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use glam::DVec3;
 use nullray::accel::{
     Bvh, Facing, Hit, Kernel, NoTally, Origins, Precision, Ray, Segment, Traversal,
 };
 
-use common::{Camera, Peer, TILE, meshes};
+use common::{Camera, Peer, Rounds, TILE, meshes};
 
 struct Size {
     image: usize,
@@ -76,18 +78,26 @@ fn measure_mesh(name: &str, triangles: Vec<[DVec3; 3]>, size: &Size, report: &mu
     };
     let shots = Shots::new(&bvh, distance, width, size.image);
     let cases = cases(bvh, peer);
-    for (case, best, hits) in measure(&cases, &shots, size.rounds) {
-        let (rays, precision, kernel) = (case.rays, case.precision, case.kernel);
+    let (times, hits) = measure(&cases, &shots, size.rounds);
+    for (k, case) in cases.iter().enumerate() {
+        let (rays, precision, kernel, hits) =
+            (case.rays, case.precision, case.kernel, hits[k].get());
         let count = shots.count(rays);
-        let rate = count as f64 / best.as_secs_f64() / 1e6;
+        let rate = count as f64 / times.best(k) / 1e6;
+        let singly = |other: &Case| (other.rays, other.kernel) == (rays, "scalar");
+        let single = cases.iter().position(singly).expect("single rays");
+        // How often the time of this case goes into that of single rays.
+        let ratio = times.ratio(single, k);
         let called = match rays {
             "shared" => name.to_string(),
             other => format!("{name}, {other} rays"),
         };
-        println!("  {called}: {precision} {kernel}: {rate:.2} Mrays/s, {hits} hits");
+        println!(
+            "  {called}: {precision} {kernel}: {rate:.2} Mrays/s, {ratio} times single rays, {hits} hits"
+        );
         let line = serde_json::json!({
             "case": called, "camera": place, "rays": rays, "precision": precision, "kernel": kernel,
-            "threads": 1, "mrays_per_s": rate, "hits": hits,
+            "threads": 1, "mrays_per_s": rate, "hits": hits, "times_single": ratio.middle, "quartiles": ratio.quartiles(),
             "triangles": triangle_count, "ray_count": count,
             "bytes_per_triangle": bytes, "build_s": build.as_secs_f64(),
         });
@@ -142,28 +152,22 @@ fn kernel_name(kernel: Kernel) -> &'static str {
     }
 }
 
-/// The best time of each case, and how many rays hit.
-fn measure<'a>(
-    cases: &'a [Case],
-    shots: &Shots,
-    rounds: usize,
-) -> Vec<(&'a Case, Duration, usize)> {
-    let mut results: Vec<_> = cases.iter().map(|c| (c, Duration::MAX, 0)).collect();
-    for _ in 0..rounds {
-        for (case, best, hits) in &mut results {
-            let begin = Instant::now();
-            *hits = (case.trace)(shots);
-            *best = begin.elapsed().min(*best);
-        }
-    }
+/// The times of the cases, and how many rays hit.
+fn measure(cases: &[Case], shots: &Shots, rounds: usize) -> (Rounds, Vec<Cell<usize>>) {
+    let hits = vec![Cell::new(0); cases.len()];
+    let works = cases.iter().zip(&hits);
+    let mut works: Vec<_> = works
+        .map(|(case, hits)| || hits.set((case.trace)(shots)))
+        .collect();
+    let times = Rounds::of(rounds, &mut works);
     for rays in ["shared", "pinhole", "shadow"] {
-        let certified =
-            |r: &&(&Case, Duration, usize)| (r.0.rays, r.0.precision) == (rays, "certified");
-        let mut counts: Vec<usize> = results.iter().filter(certified).map(|r| r.2).collect();
+        let certified = |case: &Case| (case.rays, case.precision) == (rays, "certified");
+        let all = cases.iter().zip(&hits).filter(|(case, _)| certified(case));
+        let mut counts: Vec<usize> = all.map(|(_, hits)| hits.get()).collect();
         counts.dedup();
         assert_eq!(counts.len(), 1, "certified hits agree: {rays} {counts:?}");
     }
-    results
+    (times, hits)
 }
 
 fn trace_shared(bvh: &Bvh, method: Traversal, shots: &Shots) -> usize {

@@ -5,15 +5,16 @@
 mod camera;
 mod meshes;
 mod peer;
+mod rounds;
 
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 pub use camera::{Camera, TILE, trace_tile};
 pub use meshes::{meshes, sphere};
 pub use peer::Peer;
+pub use rounds::{Ratio, Rounds, best, seconds_of};
 
 /// Whether to run tiny sizes only: `--smoke`, `NULLRAY_BENCH_SMOKE=1`, `cargo test --benches`.
 pub fn is_smoke() -> bool {
@@ -33,13 +34,8 @@ pub fn report_file(name: &str) -> fs::File {
 }
 
 /// The least of `rounds` times that `work` takes, seconds.
-pub fn best_of(rounds: usize, mut work: impl FnMut()) -> f64 {
-    let time = |_| {
-        let begin = Instant::now();
-        work();
-        begin.elapsed().as_secs_f64()
-    };
-    (0..rounds).map(time).fold(f64::INFINITY, f64::min)
+pub fn best_of(rounds: usize, work: impl FnMut()) -> f64 {
+    Rounds::of(rounds, &mut [work]).best(0)
 }
 
 /// Writes a line of a report, and prints it.

@@ -218,7 +218,17 @@ impl Files {
 
     /// Parses, plans and prepares a scene beside these files.
     pub fn prepare(&self, text: &str) -> Prepared {
-        self.prepare_as(text, |_| Request::default())
+        self.prepare_as(text, &Overrides::default(), |_| Request::default())
+    }
+
+    /// The same at another size.
+    pub fn prepare_at(&self, text: &str, size: [u32; 2], samples: u32) -> Prepared {
+        let overrides = Overrides {
+            size: Some(size),
+            samples_per_pixel: Some(samples),
+            ..Overrides::default()
+        };
+        self.prepare_as(text, &overrides, |_| Request::default())
     }
 
     /// The same where the memory lacks this part of its cube's bytes, or one byte, so that it is read in bricks; none of a cube that takes less
@@ -227,7 +237,7 @@ impl Files {
         let cube = self.folder.join("cube.npy").metadata().expect("cube").len();
         (cube > MOST_ALWAYS_HELD).then(|| {
             let lacking = ((cube as f64 * lacking) as u64).max(1);
-            self.prepare_as(text, |plan| Request {
+            self.prepare_as(text, &Overrides::default(), |plan| Request {
                 memory_limit: plan.memory.total() - lacking,
                 ..Request::default()
             })
@@ -235,8 +245,13 @@ impl Files {
     }
 
     /// The same as is requested of its plan.
-    fn prepare_as(&self, text: &str, request: impl Fn(&Plan) -> Request) -> Prepared {
-        let scene = parse(text, "benchmark", &self.folder, &Overrides::default()).expect("a scene");
+    fn prepare_as(
+        &self,
+        text: &str,
+        overrides: &Overrides,
+        request: impl Fn(&Plan) -> Request,
+    ) -> Prepared {
+        let scene = parse(text, "benchmark", &self.folder, overrides).expect("a scene");
         let plan = Plan::new(&scene, &Request::default()).expect("a plan");
         let plan = Plan::new(&scene, &request(&plan)).expect("a plan");
         Prepared::new(&scene, &plan, &Silent).expect("a prepared scene")

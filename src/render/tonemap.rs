@@ -33,9 +33,9 @@ pub struct Display {
 
 /// Shows linear RGB `pixels`.
 ///
-/// A percentile p is the nearest-rank one: of the n pixels whose brightest component is above 0 and
-/// finite, in ascending order of that component, the ⌈p n / 100⌉-th becomes white. Negative components
-/// are 0, infinite ones white; a pixel with NaN is magenta.
+/// A percentile p is the nearest-rank one: of the n pixels whose brightest component, as the display shows them, is above 0 and
+/// finite, in ascending order of that component, the ⌈p n / 100⌉-th becomes white. Colours outside the gamut count as those
+/// that are shown in their place, infinite components are white, and a pixel with NaN is magenta.
 ///
 /// # Errors
 /// A percentile outside (0, 100], a white that is not above 0 and finite.
@@ -115,7 +115,13 @@ fn wrong(what: String) -> Error {
 }
 
 fn percentile<T: Copy + Into<f64>>(pixels: &[[T; 3]], p: f64) -> f64 {
-    let brightest = pixels.iter().map(|pixel| brightest(pixel.map(Into::into)));
+    // As it is shown: light of one wavelength is far outside the gamut, and has components far above those that a display can have of it.
+    let shown = |pixel: &[T; 3]| {
+        let rgb = pixel.map(Into::into);
+        let is_number = rgb.iter().all(|c| !c.is_nan());
+        is_number.then(|| brightest(within_gamut(rgb)))
+    };
+    let brightest = pixels.iter().filter_map(shown);
     let mut lit: Vec<f64> = brightest.filter(|&x| x > 0.0 && x.is_finite()).collect();
     if lit.is_empty() {
         return 1.0;
@@ -209,6 +215,18 @@ mod tests {
             let display = tonemap(&pixels, Exposure::Percentile(p)).unwrap();
             assert_eq!(display.white, white, "{p}");
         }
+    }
+
+    #[test]
+    fn a_colour_outside_the_gamut_is_exposed_by_what_is_shown_of_it() {
+        // Y = 0.2126 · 4 − 0.7152 − 0.0722 = 0.0630; what is left of red is Y + Y/(Y + 1) (4 − Y).
+        let outside = [4.0, -1.0, -1.0];
+        let y = 0.2126390058715103 * 4.0 - 0.7151686787677559 - 0.0721923153607337;
+        let expected = y + y / (y + 1.0) * (4.0 - y);
+        let display = tonemap(&[outside], Exposure::Percentile(100.0)).unwrap();
+        assert!((display.white / expected - 1.0).abs() < 1e-12);
+        // Its red is white.
+        assert_eq!(display.rgb, [255, 0, 0]);
     }
 
     #[test]

@@ -678,7 +678,7 @@ pub enum FlashClock {
 /// The factor between linear radiance and the display.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Exposure {
-    /// This percentile of the brightest channel (of lit pixels) becomes white, in (0, 100].
+    /// This percentile of the brightest channel (of lit pixels, as the display shows it) becomes white, in (0, 100].
     Percentile(f64),
     /// Radiance of white, above 0.
     White(f64),

@@ -1,23 +1,12 @@
 //! A scene for a model that comes without one: a camera that frames it, a sky, and its own lights or a sun.
 //!
-//! The model fits into the sphere of radius r about the middle C of its bounding box. From a place at the distance
-//! d it fills a cone of half-angle α, sin α = r/d, about the direction a. Aberration takes circles of directions
-//! to circles (Penrose 1959): with look directions (−1, l) in the cone those with
-//!
-//! ```text
-//! k·N ≥ 0,     N = (−cos α, a),
-//! ```
-//!
-//! a camera with velocity β along n sees the cone of N′ = Λ N = (t′, a′), of half-angle α′ about a′:
-//!
-//! ```text
-//! t′ = γ(−cos α − β n·a),    a′∥ = γ(n·a + β cos α),    cos α′ = −t′/|a′|,    sin α′ = sin α/|a′|,
-//! ```
-//!
-//! the last since N′·N′ = N·N = sin² α.
-//!
-//! Its forward axis is a′, and d is such that α′ fills the picture. α′ grows with α, which bisection finds. From a
-//! camera that flies towards the model so fast that it had to be inside it, the picture is made narrower instead.
+//! *Framing.* The camera looks from a fixed side at the middle C of the model's bounding box. A model at rest is seen from an event as at any
+//! time, so that a vertex in the look direction l is seen by a moving camera in the aberrated direction l′ = Λ l
+//! ([`Boost::direction`]), wherever its shadow would fall for a camera at rest. Of all vertices those count that are farthest
+//! from C in their direction (an outline of a few thousand). The forward axis goes through the middle of what the outline covers of
+//! the film; a few steps find it, as every turn changes what the middle is. The distance is such that the outline fills the picture, by bisection: it
+//! covers the more the nearer the camera is. From a camera that flies towards the model so fast that it had to be inside of the sphere about the
+//! model, the picture is made narrower instead.
 //!
 //! What stands on a wide and level ground is framed without it: triangles at the very bottom are left out of the sphere where
 //! all others fit into a quarter of its radius.
@@ -42,7 +31,7 @@ use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::gltf::{self, BadVertices, GltfLight, GltfLightKind, GltfSummary, Want};
 use crate::mesh::{Factors, Mesh};
-use crate::spacetime::{Velocity, World};
+use crate::spacetime::{Boost, CameraFrame, Direction, Velocity, World};
 
 /// The first line of such a scene.
 pub(crate) const MADE_FOR_MODEL: &str = "# Made by nullray for a model without a scene.";
@@ -50,7 +39,7 @@ pub(crate) const MADE_FOR_MODEL: &str = "# Made by nullray for a model without a
 /// How a model is looked at that comes without a scene.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ModelView {
-    /// The camera's speed v/c; none at rest, and 0.9 for a fly-by.
+    /// The camera's speed v/c; none at rest, and 0.5 for a fly-by.
     pub beta: Option<f64>,
     /// Where it moves to; none: along x.
     pub direction: Option<Heading>,
@@ -76,8 +65,9 @@ pub enum Heading {
 impl ModelView {
     /// How many pictures a fly-by has.
     pub const FLYBY_FRAMES: u64 = 48;
-    /// The speed of a fly-by for which none is given.
-    const FLYBY_SPEED: f64 = 0.9;
+    /// The speed of a fly-by for which none is given: what passes is turned by 30° and changes its hue, and light from behind, a tenth as bright
+    /// as that from ahead, is in the range of a display. At 0.9 c five decades are between them.
+    const FLYBY_SPEED: f64 = 0.5;
 }
 
 /// From the model to the camera: in front (+z, as glTF has it), somewhat to the right and above.
@@ -86,13 +76,19 @@ const VIEWPOINT: DVec3 = DVec3::new(0.5, 0.35, 1.0);
 const FOV: f64 = 50.0;
 /// That of a fly-by.
 const FLYBY_FOV: f64 = 90.0;
-/// How much of the picture, from its middle to its nearer edges, the sphere about the model fills.
-const FILLED: f64 = 0.95;
+/// How much of the picture, from its middle to its edges, the model fills in the direction in which it fills more.
+const FILLED: f64 = 0.88;
+/// Turns of the forward axis: each leaves about a fifth of how far the middle of the model is off, and all 1e-5 of it.
+const TURNS: usize = 8;
+/// What is seen nearer than this to 90° from the forward axis (its cosine) is taken as out of any picture.
+const SIDEWAYS: f64 = 0.02;
+/// Cells of the outline, from the middle along an axis: directions to 1/12, or 5°, in which a sphere is 4·10⁻³ flatter.
+const CELLS: usize = 12;
 /// θ₀ of the fly-by, degrees: a little beyond the edges of the picture.
 const FLYBY_EDGE: f64 = 40.0;
 /// Distance of the fly-by, in radii.
 const FLYBY_DISTANCE: f64 = 2.5;
-/// The widest α: the camera is not nearer than 1.015 r.
+/// The sphere about the model is seen within this angle: the camera is not nearer than 1.015 r.
 const WIDEST: f64 = 80.0;
 /// A ground is at the bottom, level to this part of the radius of all, and what stands on it has at most this part of it.
 const LEVEL: f64 = 0.01;
@@ -118,12 +114,12 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Str
         gltf::refuse_outside(path)?;
     }
     let held = gltf::inspect(path, None)?;
-    let ball = Ball::of(path, &held, budget)?;
+    let subject = Subject::of(path, &held, budget)?;
     let motion = Motion::new(path, view)?;
     let size = view.size.unwrap_or(SIZE);
     let camera = match (view.flyby, motion) {
-        (true, Some(motion)) => passing(&ball, motion),
-        (_, motion) => framing(&ball, motion, size),
+        (true, Some(motion)) => passing(&subject.ball, motion),
+        (_, motion) => framing(&subject, motion, size),
     };
     let mut text = format!("{MADE_FOR_MODEL}\n");
     // Writing to a text does not fail.
@@ -188,16 +184,24 @@ struct Ball {
     radius: f64,
 }
 
-impl Ball {
+/// What a camera frames.
+#[derive(Debug, Clone, PartialEq)]
+struct Subject {
+    ball: Ball,
+    /// Vertices that are farthest from the middle of the ball, each in its cell of directions.
+    outline: Vec<DVec3>,
+}
+
+impl Subject {
     /// Bytes that a vertex takes while a model is loaded without texture coordinates: its place, in a list that grows.
     const VERTEX: u64 = 2 * 24;
     /// A triangle: its corners, in a list that grows, and as they are in the file.
     const TRIANGLE: u64 = 2 * 12 + 12;
 
-    fn of(path: &Path, held: &GltfSummary, budget: &Budget) -> Result<Ball> {
-        let taken = Ball::VERTEX.saturating_mul(held.vertices);
+    fn of(path: &Path, held: &GltfSummary, budget: &Budget) -> Result<Subject> {
+        let taken = Subject::VERTEX.saturating_mul(held.vertices);
         budget.take(
-            taken.saturating_add(Ball::TRIANGLE.saturating_mul(held.triangles)),
+            taken.saturating_add(Subject::TRIANGLE.saturating_mul(held.triangles)),
             path,
         )?;
         let want = Want {
@@ -207,35 +211,64 @@ impl Ball {
             bad_vertices: BadVertices::Drop,
         };
         let mesh = gltf::load(path, None, want)?.mesh;
-        Ball::around(&mesh).ok_or_else(|| {
+        Subject::in_mesh(&mesh).ok_or_else(|| {
             let what = "its triangles have no extent that a camera could frame";
             let help = "export a model whose triangles have an area, in metres from 1e-60 to 1e28, and no corner that is not finite";
             Error::invalid(path, "meshes", what, help)
         })
     }
 
-    /// That of the triangles that have corners apart; of a model on a wide and level ground, that of what is above the ground.
-    fn around(mesh: &Mesh) -> Option<Ball> {
+    /// The triangles that have corners apart; of a model on a wide and level ground, what is above the ground.
+    fn in_mesh(mesh: &Mesh) -> Option<Subject> {
         let all = Ball::of_those(mesh, |_| true)?;
         let corners = (0..mesh.triangles.len() as u32).flat_map(|i| mesh.corners(i));
         let top = corners.map(|p| p.y).fold(f64::INFINITY, f64::min) + LEVEL * all.radius;
-        let above = Ball::of_those(mesh, |corners| corners.iter().any(|p| p.y > top));
-        match above.filter(|above| above.radius < WIDE * all.radius) {
-            Some(above) => Some(above),
-            None => Some(all),
-        }
+        let is_above = |corners: &[DVec3; 3]| corners.iter().any(|p| p.y > top);
+        let above = Ball::of_those(mesh, is_above);
+        Some(
+            match above.filter(|above| above.radius < WIDE * all.radius) {
+                Some(above) => Subject::within(above, mesh, is_above),
+                None => Subject::within(all, mesh, |_| true),
+            },
+        )
     }
 
+    /// The triangles that `count`, which are within `ball`.
+    fn within(ball: Ball, mesh: &Mesh, count: impl Fn(&[DVec3; 3]) -> bool) -> Subject {
+        const SIDE: usize = 2 * CELLS + 1;
+        let mut farthest = vec![(0.0, DVec3::ZERO); SIDE * SIDE * SIDE];
+        for corner in counted(mesh, count).flatten() {
+            let from_middle = corner - ball.centre;
+            let distance = from_middle.length();
+            if distance == 0.0 {
+                continue;
+            }
+            // Unit vectors lie in the cells of a cube of side 2 that the sphere goes through.
+            let cell = |x: f64| (CELLS as f64 * (1.0 + x / distance)).round() as usize;
+            let [x, y, z] = from_middle.to_array().map(cell);
+            let slot = &mut farthest[(x * SIDE + y) * SIDE + z];
+            if distance > slot.0 {
+                *slot = (distance, corner);
+            }
+        }
+        let outline = farthest.into_iter().filter(|(distance, _)| *distance > 0.0);
+        Subject {
+            ball,
+            outline: outline.map(|(_, corner)| corner).collect(),
+        }
+    }
+}
+
+/// The corners of the triangles that `count`, and have corners apart.
+fn counted(mesh: &Mesh, count: impl Fn(&[DVec3; 3]) -> bool) -> impl Iterator<Item = [DVec3; 3]> {
+    let all = (0..mesh.triangles.len() as u32).map(|i| mesh.corners(i));
+    all.filter(move |corners @ [a, b, c]| a != b && b != c && count(corners))
+}
+
+impl Ball {
     /// That of those triangles that `count`, and have corners apart.
     fn of_those(mesh: &Mesh, count: impl Fn(&[DVec3; 3]) -> bool) -> Option<Ball> {
-        let seen = || {
-            let all = 0..mesh.triangles.len() as u32;
-            let apart = all
-                .map(|i| mesh.corners(i))
-                .filter(|[a, b, c]| a != b && b != c)
-                .filter(&count);
-            apart.flatten()
-        };
+        let seen = || counted(mesh, &count).flatten();
         let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
         let [least, greatest] = seen().fold(empty, |[l, g], p| [l.min(p), g.max(p)]);
         let centre = 0.5 * least + 0.5 * greatest;
@@ -277,7 +310,7 @@ impl Motion {
             Heading::Towards => -away,
             Heading::Away => away,
         };
-        let Some(n) = crate::spacetime::Direction::<World>::new(n) else {
+        let Some(n) = Direction::<World>::new(n) else {
             let what = format!("{n} has no direction");
             return refuse("direction", what, "give a vector like 1,0,-1");
         };
@@ -308,15 +341,11 @@ impl Motion {
         [black, white].map(|radiance| format!("{radiance:.1e}").parse().unwrap_or(radiance))
     }
 
-    /// The cone of half-angle `alpha` about `axis`, as the camera sees it: its axis and half-angle.
-    fn seen(&self, axis: DVec3, alpha: f64) -> (DVec3, f64) {
-        let (cos, along) = (libm::cos(alpha), self.n.dot(axis));
-        // N′ = Λ N; its part across is that of N.
-        let time = self.gamma * (-cos - self.beta * along);
-        let stretched = self.gamma * (along + self.beta * cos);
-        let axis = axis + self.n * (stretched - along);
-        let length = axis.length();
-        (axis / length, libm::atan2(libm::sin(alpha), -time))
+    /// To the camera's frame.
+    fn boost(&self) -> Boost<CameraFrame, World> {
+        let velocity = Velocity::from_beta(self.n * self.beta);
+        // Speeds were checked when the motion was made.
+        Boost::<World, CameraFrame>::new(velocity.unwrap_or(Velocity::REST)).inverse()
     }
 }
 
@@ -339,9 +368,9 @@ impl Framing {
         writeln!(text, "eye = {}", vector(self.eye))?;
         let target = self.eye + self.forward * self.reach;
         writeln!(text, "look_at = {}", vector(target))?;
-        // Where it looks up or down, what is behind it is up.
-        if self.forward.y.abs() > 0.99 {
-            writeln!(text, "up = [0.0, 0.0, {:?}]", -self.forward.y.signum())?;
+        let up = up_of(self.forward);
+        if up != DVec3::Y {
+            writeln!(text, "up = {}", vector(up))?;
         }
         writeln!(text, "hfov = \"{:?} deg\"", self.fov)?;
         writeln!(text, "size = [{}, {}]", size[0], size[1])?;
@@ -360,28 +389,100 @@ impl Framing {
 }
 
 /// A camera that has the whole model in view.
-fn framing(ball: &Ball, motion: Option<Motion>, [width, height]: [u32; 2]) -> Framing {
+fn framing(subject: &Subject, motion: Option<Motion>, [width, height]: [u32; 2]) -> Framing {
     let away = VIEWPOINT.normalize();
+    let Ball { centre, radius } = subject.ball;
     let aspect = f64::from(width) / f64::from(height);
-    // Half the field of view across the shorter side, of which the sphere fills a part.
-    let half = libm::tan(0.5 * FOV.to_radians()) / aspect.max(1.0);
-    let wanted = libm::atan(FILLED * half);
-    let seen = |alpha| match &motion {
-        Some(motion) => motion.seen(-away, alpha),
-        None => (-away, alpha),
+    // Half the extents of the film at the distance 1.
+    let across = libm::tan(0.5 * FOV.to_radians());
+    let film = [across, across / aspect];
+    let boost = motion.as_ref().map(Motion::boost);
+    let look = |alpha: f64| {
+        let eye = centre + away * (radius / libm::sin(alpha));
+        let look = Look::at(subject, eye, boost.as_ref(), film);
+        (eye, look)
     };
-    let alpha = bisect(WIDEST.to_radians(), |alpha| seen(alpha).1 < wanted);
-    let (forward, filled) = seen(alpha);
+    let widest = WIDEST.to_radians();
+    let fits = |alpha: f64| look(alpha).1.is_some_and(|look| look.filled < FILLED);
+    let alpha = bisect(widest, fits);
+    // What is found is at most one last digit beyond the edge, where nothing may be in view at all.
+    let (eye, look) = look(alpha * (1.0 - f64::EPSILON));
+    let Look { forward, filled } = look.unwrap_or(Look {
+        forward: -away,
+        filled: FILLED,
+    });
     // Narrower, where no place outside of the model fills the picture.
-    let tangent = libm::tan(filled.min(wanted)) / FILLED * aspect.max(1.0);
-    let distance = ball.radius / libm::sin(alpha);
+    let tangent = across * (filled / FILLED).min(1.0);
     Framing {
-        eye: ball.centre + away * distance,
+        eye,
         forward,
         fov: 2.0 * libm::atan(tangent).to_degrees(),
         motion,
         interval: None,
-        reach: distance,
+        reach: eye.distance(centre),
+    }
+}
+
+/// How a camera has a model in the middle of its picture.
+#[derive(Debug, Clone, Copy)]
+struct Look {
+    forward: DVec3,
+    /// How much of half the picture the model fills, across or upwards.
+    filled: f64,
+}
+
+impl Look {
+    /// From `eye`, of a camera whose film has these half extents at the distance 1; none where the model is seen too far to the side.
+    fn at(
+        subject: &Subject,
+        eye: DVec3,
+        boost: Option<&Boost<CameraFrame, World>>,
+        film: [f64; 2],
+    ) -> Option<Look> {
+        let seen = |point: DVec3| {
+            let d = (point - eye).normalize();
+            match boost {
+                None => d,
+                Some(boost) => boost.direction(Direction::from_unit(d)).0.unit(),
+            }
+        };
+        let outline: Vec<DVec3> = subject.outline.iter().map(|p| seen(*p)).collect();
+        let mut forward = seen(subject.ball.centre);
+        let mut filled = f64::INFINITY;
+        for turn in 1..=TURNS {
+            let right = forward.cross(up_of(forward)).normalize();
+            let up = right.cross(forward);
+            let mut least = [f64::INFINITY; 2];
+            let mut most = [f64::NEG_INFINITY; 2];
+            for l in &outline {
+                let ahead = l.dot(forward);
+                if ahead < SIDEWAYS {
+                    return None;
+                }
+                for (k, axis) in [right, up].into_iter().enumerate() {
+                    let place = l.dot(axis) / ahead;
+                    least[k] = least[k].min(place);
+                    most[k] = most[k].max(place);
+                }
+            }
+            // The farther of both edges from the middle of the picture, which is in the middle of them after some turns.
+            let parts = [0, 1].map(|k| most[k].max(-least[k]) / film[k]);
+            let before = std::mem::replace(&mut filled, parts[0].max(parts[1]));
+            let [x, y] = [0, 1].map(|k| 0.5 * (least[k] + most[k]));
+            if turn == TURNS || before - filled <= 1e-9 * filled {
+                break;
+            }
+            forward = (forward + right * x + up * y).normalize();
+        }
+        Some(Look { forward, filled })
+    }
+}
+
+/// What is up in the picture of a camera that looks along `forward`: where that is up or down, what is behind it.
+fn up_of(forward: DVec3) -> DVec3 {
+    match forward.y.abs() > 0.99 {
+        true => DVec3::new(0.0, 0.0, -forward.y.signum()),
+        false => DVec3::Y,
     }
 }
 
@@ -430,55 +531,95 @@ fn passing(ball: &Ball, motion: Motion) -> Framing {
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_cone_of_directions_is_seen_as_the_cone_of_its_aberrated_edge() {
-        let motion = Motion {
-            beta: 0.8,
-            gamma: 5.0 / 3.0,
-            n: DVec3::X,
-        };
-        // About the direction of motion tan(α′/2) = √((1 − β)/(1 + β)) tan(α/2) = tan(α/2)/3.
-        for (axis, factor) in [(DVec3::X, 1.0 / 3.0), (DVec3::NEG_X, 3.0)] {
-            let (seen, alpha) = motion.seen(axis, 0.4);
-            assert!((seen - axis).length() < 1e-15);
-            let expected = 2.0 * libm::atan(factor * libm::tan(0.2));
-            assert!((alpha - expected).abs() < 1e-14);
+    /// A box, by the corners of a grid on it, and the sphere about it.
+    fn slab(size: DVec3, middle: DVec3) -> Subject {
+        let steps = || (0..=4).map(|k| f64::from(k) / 4.0 - 0.5);
+        let grid = steps().flat_map(|x| steps().flat_map(move |y| steps().map(move |z| [x, y, z])));
+        let outline = grid.map(|p| middle + size * DVec3::from_array(p)).collect();
+        Subject {
+            ball: Ball {
+                centre: middle,
+                radius: 0.5 * size.length(),
+            },
+            outline,
         }
-        // A narrow one across the motion is seen at cos θ′ = β, narrower by 1/γ (dθ′ = dθ √(1 − β²)/(1 + β cos θ)).
-        let (seen, alpha) = motion.seen(DVec3::Y, 1e-4);
-        assert!((seen.x - 0.8).abs() < 1e-7);
-        assert!((alpha / 0.6e-4 - 1.0).abs() < 1e-6);
     }
 
     #[test]
-    fn the_model_fills_the_picture_at_any_speed_and_scale() {
-        for radius in [1e-3, 1.0, 1e4] {
-            let ball = Ball {
-                centre: DVec3::new(3.0, -1.0, 7.0) * radius,
-                radius,
-            };
+    fn the_model_fills_the_middle_of_the_picture_at_any_speed_and_scale() {
+        for scale in [1e-3, 1.0, 1e4] {
+            let size = DVec3::new(4.0, 1.0, 0.5) * scale;
+            let subject = slab(size, DVec3::new(3.0, -1.0, 7.0) * scale);
             for (beta, n) in [
                 (0.0, DVec3::X),
                 (0.9, DVec3::X),
+                (0.99, DVec3::new(0.3, 0.9, -0.3)),
                 (0.5, -VIEWPOINT),
                 (0.99, VIEWPOINT),
             ] {
-                let motion = Motion {
-                    beta,
-                    gamma: 1.0 / f64::sqrt(1.0 - beta * beta),
-                    n: n.normalize(),
+                let n = n.normalize();
+                let gamma = 1.0 / f64::sqrt(1.0 - beta * beta);
+                let motion = Motion { beta, gamma, n };
+                let camera = framing(&subject, Some(motion), [640, 320]);
+                // cos θ′ = (cos θ + β)/(1 + β cos θ) about the motion, in the plane of both.
+                let seen = |p: DVec3| {
+                    let d = (p - camera.eye).normalize();
+                    let cos = d.dot(n);
+                    let along = (cos + beta) / (1.0 + beta * cos);
+                    let across = d.reject_from(n).normalize_or_zero();
+                    n * along + across * (1.0 - along * along).max(0.0).sqrt()
                 };
-                let camera = framing(&ball, Some(motion), [640, 320]);
-                let to = ball.centre - camera.eye;
-                let (axis, alpha) = motion.seen(to.normalize(), libm::asin(radius / to.length()));
-                assert!((axis - camera.forward).length() < 1e-9);
-                // Half of the shorter side is tan(fov/2)/2.
-                let edge = 0.5 * libm::tan(0.5 * camera.fov.to_radians());
+                let right = camera.forward.cross(DVec3::Y).normalize();
+                let up = right.cross(camera.forward);
+                let half = libm::tan(0.5 * camera.fov.to_radians());
+                let extent = |axis: DVec3, half: f64| {
+                    let places = subject.outline.iter().map(|p| {
+                        let l = seen(*p);
+                        l.dot(axis) / l.dot(camera.forward) / half
+                    });
+                    places.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| {
+                        [a.min(x), b.max(x)]
+                    })
+                };
+                let edges = [extent(right, half), extent(up, 0.5 * half)];
+                let case = format!("{scale} {beta} {n}: {edges:?}");
+                let filled = edges.map(|[a, b]| b.max(-a));
                 assert!(
-                    (libm::tan(alpha) / edge - FILLED).abs() < 1e-6,
-                    "{beta} {n}"
+                    (filled[0].max(filled[1]) / FILLED - 1.0).abs() < 1e-6,
+                    "{case}"
                 );
+                // The margins are alike.
+                assert!(edges.iter().all(|[a, b]| (a + b).abs() < 1e-2), "{case}");
             }
+        }
+    }
+
+    #[test]
+    fn the_outline_has_what_is_farthest_in_every_direction() {
+        // A spike out of a ball of many triangles.
+        let mut corners = Vec::new();
+        for k in 0..20_000 {
+            let z = 1.0 - f64::from(k) / 10_000.0;
+            let (sin, cos) = libm::sincos(2.4 * f64::from(k));
+            corners.push(DVec3::new(cos, sin, 0.0) * (1.0 - z * z).max(0.0).sqrt() + DVec3::Z * z);
+        }
+        corners[5000] *= 1.5;
+        let spike = corners[5000];
+        let triangles = (0..corners.len() as u32 - 2).map(|k| [k, k + 1, k + 2]);
+        let mesh = Mesh::new(corners.clone(), triangles.collect(), [1.0; 3]);
+        let subject = Subject::in_mesh(&mesh).unwrap();
+        assert!(subject.outline.len() < 4000 && subject.outline.contains(&spike));
+        for direction in [
+            DVec3::X,
+            DVec3::new(-1.0, 2.0, 0.4),
+            DVec3::new(0.1, -0.3, -2.0),
+        ] {
+            let reach = |all: &[DVec3]| {
+                let along = all.iter().map(|p| p.dot(direction.normalize()));
+                along.fold(f64::NEG_INFINITY, f64::max)
+            };
+            let [all, outline] = [&corners, &subject.outline].map(|all| reach(all));
+            assert!(outline > all * (1.0 - 4e-3), "{outline} of {all}");
         }
     }
 
@@ -495,7 +636,7 @@ mod tests {
             );
             mesh.positions = [square(ground, 0.0), square(1.0, 2.0)].concat();
             mesh.triangles = vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
-            Ball::around(&mesh).unwrap()
+            Subject::in_mesh(&mesh).unwrap().ball
         };
         // The upper square alone: its half diagonal. With a ground of its size both are framed.
         let alone = with(100.0);
@@ -530,10 +671,10 @@ mod tests {
     #[test]
     fn triangles_without_extent_are_not_framed() {
         let flat = Mesh::new(vec![DVec3::ONE; 3], vec![[0, 1, 2]], [1.0; 3]);
-        assert_eq!(Ball::around(&flat), None);
+        assert_eq!(Subject::in_mesh(&flat), None);
         let corners = vec![DVec3::ZERO, DVec3::X * 2.0, DVec3::Y, DVec3::Z * 1e9];
         let one = Mesh::new(corners, vec![[0, 1, 2], [3, 3, 3]], [1.0; 3]);
-        let ball = Ball::around(&one).unwrap();
+        let ball = Subject::in_mesh(&one).unwrap().ball;
         assert_eq!(ball.centre, DVec3::new(1.0, 0.5, 0.0));
     }
 }

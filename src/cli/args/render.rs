@@ -115,7 +115,7 @@ impl PassArguments {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Models without a scene (.glb, .gltf)")]
 pub struct ModelArguments {
-    /// The camera's speed v/c, above -1 and below 1. Default: at rest; 0.9 for --flyby.
+    /// The camera's speed v/c, above -1 and below 1. Default: at rest; 0.5 for --flyby.
     #[arg(long, value_name = "BETA", allow_negative_numbers = true)]
     pub beta: Option<f64>,
     /// Where the camera moves to: x, y, z, -x, -y, -z, a vector like 1,0,-1, or "towards" the model or "away" from it. Default: x.

@@ -351,7 +351,7 @@ impl<'de> Deserialize<'de> for Receiver {
     expecting = "a table like { exposure = \"99 %\" }"
 )]
 pub(in crate::scene) struct Display {
-    /// The percentile of the lit pixels' brightest channel that becomes white, in (0, 100] %. Excludes
+    /// The percentile of the lit pixels' brightest channel, as the display shows it, that becomes white, in (0, 100] %. Excludes
     /// `white` and `logarithmic`. Default: "99 %".
     pub exposure: Option<At<Percentage>>,
     /// The radiance that becomes white, above 0. Excludes `exposure` and `logarithmic`.

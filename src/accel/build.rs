@@ -64,6 +64,7 @@ impl Preset {
         let worth = rays.camera as f64
             + SHADOW_RAYS_WORTH * rays.shadow as f64
             + BOUNCED_RAYS_WORTH * rays.bounced as f64;
+        // No triangles and no rays make NaN, which is in neither range.
         match worth / triangles as f64 {
             per_triangle if per_triangle >= THOROUGH_FROM => Preset::Thorough,
             per_triangle if per_triangle >= BALANCED_FROM => Preset::Balanced,
@@ -144,6 +145,7 @@ impl Bvh {
             let tree = build_tree(&triangles, &ids, &space, preset);
             let layout = Layout::of(&tree, order.len(), pages);
             drop(tree);
+            // The layout counts within its island; ids count in all triangles. The mark of a leaf's last triangle stays as it is.
             let id = |place: &u32| ids[(place & !LAST) as usize] | place & LAST;
             order.par_extend(layout.order.par_iter().map(id));
             layouts.push((layout.nodes, layout.depth, space));
@@ -176,6 +178,7 @@ impl Bvh {
                 space,
             }
         });
+        // The set that is largest in space comes first: it is the main tree.
         let Some(tree) = trees.next() else {
             return Bvh::empty();
         };
@@ -227,6 +230,7 @@ fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], space: &TreeSpace, preset: 
         reinserted,
         ..
     } = preset.effort();
+    // Reinsertion searches most of a tree whose boxes are much the same, for each of its nodes, and gains nothing there.
     let mut tree = cluster(leaves, radius, narrow);
     let reinserted = match is_searchable(&mut tree, ids.len()) {
         true => reinserted,

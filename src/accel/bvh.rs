@@ -242,6 +242,7 @@ impl Bvh {
 fn unit_normal(e1: DVec3, e2: DVec3) -> DVec3 {
     // Equal powers of two leave the direction as it is and the squares within range.
     let size = e1.abs().max(e2.abs()).max_element();
+    // Clamped, so that the factor is a normal number where the edges are 0 or next to the limits of f64.
     let scale = power_of_two(-exponent(size).clamp(-900, 900));
     (e1 * scale).cross(e2 * scale).normalize_or_zero()
 }

@@ -33,23 +33,27 @@ pub(super) fn cluster(leaves: Vec<Bvh2Node>, radius: usize, narrow: usize) -> Bv
     let mut clusters = sorted(&leaves);
     let mut next = leaves;
     let mut partners = vec![0i8; clusters.len()];
+    // Pairs fill the list from its end, so that children come after their parents and the first place is left for the root.
     let mut nodes = vec![Bvh2Node::default(); 2 * clusters.len() - 1];
     let mut free = nodes.len();
     let mut passes = 0;
     while clusters.len() > 1 {
         let partners = &mut partners[..clusters.len()];
+        // Each radius is compiled by itself, with a search of fixed length.
         match radius {
             _ if passes < narrow => find_partners::<1>(&clusters, partners),
             2 => find_partners::<2>(&clusters, partners),
             14 => find_partners::<14>(&clusters, partners),
             _ => find_partners::<32>(&clusters, partners),
         }
+        // A pass that merges too little would make the whole quadratic: see the module's head.
         if clusters.len() > FEW && pairs(partners) < clusters.len() / SLOWEST {
             pair_neighbours(partners);
         }
         let merged = merge(&clusters, partners, &mut next, &mut nodes[..free]);
         free -= 2 * merged;
         next.truncate(clusters.len() - merged);
+        // The two lists change places, so that no pass allocates.
         std::mem::swap(&mut clusters, &mut next);
         passes += 1;
     }
@@ -58,6 +62,7 @@ pub(super) fn cluster(leaves: Vec<Bvh2Node>, radius: usize, narrow: usize) -> Bv
         nodes,
         primitive_indices: (0..count as u32).collect(),
         children_are_ordered_after_parents: true,
+        // A pass adds one level at most.
         max_depth: DEFAULT_MAX_STACK_DEPTH.max(passes + 1),
         ..Bvh2::default()
     }
@@ -105,15 +110,18 @@ fn merge(
             let (mut at, mut end) = (0, pairs.len());
             for index in range(chunk) {
                 let partner = partner(index);
+                // The first of two has no follower: the second, maybe in a later chunk, stands for both.
                 if agreed(index) && partner > index {
                     continue;
                 }
                 followers[at] = clusters[index];
+                // From the end on, as the whole list of pairs is filled.
                 if agreed(index) {
                     end -= 2;
                     pairs[end] = clusters[index];
                     pairs[end + 1] = clusters[partner];
                     let both = clusters[index].aabb().union(clusters[partner].aabb());
+                    // Indices count in the whole tree, of which `begin` nodes lie before this chunk's.
                     followers[at] = Bvh2Node::new(both, 0, (begin + end) as u32);
                 }
                 at += 1;
@@ -132,9 +140,11 @@ fn sorted(leaves: &[Bvh2Node]) -> Vec<Bvh2Node> {
         .fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(lo, hi), leaf| {
             (lo.min(leaf.aabb().min), hi.max(leaf.aabb().max))
         });
+    // An axis without extent gets a finite scale, by which all its centres are 0.
     let scale = 1.0 / (hi - lo).as_dvec3().max(DVec3::splat(f64::MIN_POSITIVE));
     let code = |(index, leaf): (usize, &Bvh2Node)| {
         let centre = (leaf.aabb().center() - lo).as_dvec3() * scale;
+        // Boxes with one code go by their index, so that the order does not depend on the sort.
         (morton_encode_u64_unorm(centre), index as u32)
     };
     let mut order: Vec<(u64, u32)>;
@@ -167,6 +177,7 @@ fn find_partners_from<const RADIUS: usize>(
     partners: &mut [i8],
 ) {
     let end = first + partners.len();
+    // Chunks fit on the stack; a list that one thread searches alone may be as long as two of them.
     let mut areas = [f32::INFINITY; CHUNK];
     let mut areas_of_more;
     let areas = match partners.len() <= CHUNK {
@@ -181,6 +192,7 @@ fn find_partners_from<const RADIUS: usize>(
     for i in first.saturating_sub(RADIUS)..end {
         let ours = clusters[i].aabb();
         let last = (i + RADIUS).min(clusters.len() - 1);
+        // Those before `first` belong to another chunk: here they are only partners of those that follow.
         let (mut best, mut partner) = match i >= first {
             true => (areas[i - first], partners[i - first]),
             false => (f32::INFINITY, 0),

@@ -90,6 +90,7 @@ impl Expansion {
     }
 
     fn value(&self) -> f64 {
+        // From the small end: the large parts would swallow the small ones.
         self.parts[..self.len]
             .iter()
             .fold(0.0, |sum, part| sum + part)
@@ -98,6 +99,7 @@ impl Expansion {
 
 /// x + y as the rounded sum and what was rounded away.
 pub(super) fn two_sum(x: f64, y: f64) -> (f64, f64) {
+    // Knuth's form, which does not ask which of the two is larger.
     let sum = x + y;
     let y_part = sum - x;
     let x_part = sum - y_part;
@@ -108,6 +110,7 @@ pub(super) fn two_sum(x: f64, y: f64) -> (f64, f64) {
 pub(super) fn two_product(x: f64, y: f64) -> (f64, f64) {
     let product = x * y;
     let ((xh, xl), (yh, yl)) = (split(x), split(y));
+    // Exact in this order (Dekker): each difference cancels what the rounded product holds already.
     let rest = ((xh * yh - product) + xh * yl + xl * yh) + xl * yl;
     (product, rest)
 }

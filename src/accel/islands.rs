@@ -78,6 +78,7 @@ pub(super) fn islands(triangles: &[[DVec3; 3]], ids: Vec<u32>) -> Vec<Island> {
     while let Some(set) = pending.pop() {
         let half = set.bounds.half();
         let is_fine = |id: &u32| Bounds::of(&triangles[*id as usize]).half() < FINE * half;
+        // Each pending set ends as one tree at least, and so does this one.
         let is_full = islands.len() + pending.len() + 1 >= MOST;
         if is_full || set.ids.par_iter().filter(|id| is_fine(id)).count() < FEW {
             islands.push(set);
@@ -91,6 +92,7 @@ pub(super) fn islands(triangles: &[[DVec3; 3]], ids: Vec<u32>) -> Vec<Island> {
             if part.ids.len() < FEW || is_full {
                 rest.extend(part.ids);
             } else if part.bounds.half() * SMALLER <= half {
+                // Small enough that its triangles are large in a tree of its own, where the question is asked again.
                 pending.push(part);
             } else if let Some(plane) = widest_gap(triangles, &part) {
                 let is_below = |id: &u32| plane.is_above(&triangles[*id as usize]);
@@ -115,12 +117,14 @@ struct Plane {
 
 impl Plane {
     fn is_above(&self, corners: &[DVec3; 3]) -> bool {
+        // No triangle reaches into the gap, so that any of its corners tells the side.
         corners[0][self.axis] < self.at
     }
 }
 
 /// The middle of the widest interval along an axis that none of these triangles reaches into; none where they lie close together.
 fn widest_gap(triangles: &[[DVec3; 3]], island: &Island) -> Option<Plane> {
+    // All axes are cut by the longest one, so that gaps compare by their width.
     let length = 2.0 * island.bounds.half();
     let mut widest: Option<(Range<usize>, usize)> = None;
     for axis in 0..3 {
@@ -130,12 +134,14 @@ fn widest_gap(triangles: &[[DVec3; 3]], island: &Island) -> Option<Plane> {
         for &id in &island.ids {
             let one = Bounds::of(&triangles[id as usize]);
             let place = |x: f64| ((x - lo) / length * INTERVALS as f64) as usize;
+            // The greatest coordinate is where the last interval ends, and counts as within it.
             let last = place(one.hi[axis]).min(INTERVALS - 1);
             is_taken[place(one.lo[axis]).min(last)..=last].fill(true);
         }
         // Runs of empty ones, but for that after the last.
         let mut first = 0;
         for (at, _) in is_taken.iter().enumerate().filter(|(_, taken)| **taken) {
+            // Wider than the widest so far, or as wide as a gap has to be.
             let known = widest.as_ref().map_or(GAP - 1, |(gap, _)| gap.len());
             if at - first > known {
                 widest = Some((first..at, axis));

@@ -65,6 +65,7 @@ impl Layout {
             order: &mut layout.order,
             first_slot,
         };
+        // A tree of a single leaf has a root all the same, with that as its only child.
         if whole.inner == 0 {
             let leaf = places.leaf(&source, 0, &mut 0);
             node[0].set_child(0, child(root, leaf));
@@ -85,6 +86,7 @@ impl Places<'_> {
         }
         // Both children stand side by side, and after them what is below either.
         let (heads, below) = self.nodes.split_at_mut(2);
+        // The head of the left side is one of its inner nodes, and stands in `heads`.
         let (left_nodes, right_nodes) = below.split_at_mut(left.inner as usize - 1);
         let (left_order, right_order) = self.order.split_at_mut(left.boxes as usize);
         let first = self.first_node + 2;
@@ -132,6 +134,7 @@ impl Places<'_> {
                 };
                 node.set_child(side, child(&source.tree.nodes[pair + side], target));
             }
+            // The left side is pushed last, and so laid out next: the order is that of a depth-first walk.
             for side in [1, 0] {
                 if source.extents[pair + side].inner > 0 {
                     let below = source.tree.nodes[pair + side].first_index as usize;

@@ -57,6 +57,7 @@ fn extent(tree: &Bvh2, extents: &[Extent], index: usize) -> Extent {
         inner: 1 + left.inner + right.inner,
         boxes,
     };
+    // A leaf is made of leaves only: a node below that is worth its cost stays.
     if left.inner + right.inner > 0 || boxes > LARGEST_LEAF {
         return kept;
     }
@@ -64,6 +65,7 @@ fn extent(tree: &Bvh2, extents: &[Extent], index: usize) -> Extent {
     let area = |node: &Bvh2Node| node.aabb().half_area();
     let [below, beside] = [pair, pair + 1].map(|child| area(&tree.nodes[child]));
     let apart = below * left.boxes as f32 + beside * right.boxes as f32;
+    // A n ≤ A c + A₁ n₁ + A₂ n₂, with A c on the left.
     match area(node) * (boxes as f32 - NODE_COST) <= apart {
         true => Extent { inner: 0, boxes },
         false => kept,

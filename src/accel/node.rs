@@ -68,6 +68,7 @@ impl Node {
     pub fn set_child(&mut self, side: usize, child: Child) {
         for axis in 0..3 {
             self.planes[axis][side] = child.lo[axis];
+            // Negated, so that one maximum finds the latest entry and the earliest exit.
             self.planes[axis][side + 2] = -child.hi[axis];
         }
         self.children[side] = child.node;
@@ -82,6 +83,7 @@ impl Node {
                 lo: node.planes.map(|p| p[side]),
                 hi: node.planes.map(|p| -p[side + 2]),
             };
+            // A place without a child has lo = ∞ and hi = −∞.
             (child.lo[0] <= child.hi[0]).then_some(child)
         })
     }

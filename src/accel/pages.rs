@@ -88,11 +88,13 @@ impl<T: Copy + Send + Sync> Pages<T> {
 /// A map with room for `len` values from an offset on, where a large page begins; none where they are not worth one, or the system has none.
 fn map<T>(len: usize) -> Option<(MmapMut, usize)> {
     let bytes = len.checked_mul(size_of::<T>()).filter(|&b| b >= LARGE)?;
+    // A page more than is needed: the map itself need not begin with a large page.
     let map = MmapMut::map_anon(bytes.checked_add(PAGE)?).ok()?;
     // Memory is the same without large pages.
     #[cfg(all(target_os = "linux", not(miri)))]
     let _ = map.advise(memmap2::Advice::HugePage);
     let offset = map.as_ptr().align_offset(PAGE.max(align_of::<T>()));
+    // `align_offset` may have no answer, which is a number far beyond.
     (offset <= PAGE).then_some((map, offset))
 }
 

@@ -162,7 +162,7 @@ impl Origins<'_> {
     pub(super) fn left(&self, ray: usize) -> u32 {
         match self {
             Origins::Leaving { slots, .. } => slots[ray],
-            _ => NO_SLOT,
+            Origins::Shared(_) | Origins::Each(_) => NO_SLOT,
         }
     }
 }

@@ -17,6 +17,7 @@ impl Bvh {
         let ray = ScaledRay::new(ray)?;
         let mut nearest: Option<Hit> = None;
         for tree in self.trees() {
+            // Also what is exactly as near: of equals the smaller id wins, whichever tree it is in.
             let s_max = nearest.map_or(s_max, |hit| hit.up_to().s);
             let hit =
                 tree.with_stack(|stack| tree.closest_of(&ray, s_max, NO_SLOT, stack, &mut NoTally));
@@ -158,6 +159,7 @@ impl ScaledRay {
         let far = ray.origin.abs().max_element();
         // 0 times a number is 0, times NaN or ∞ it is NaN.
         let finite = (ray.direction * 0.0 + ray.origin * 0.0) == DVec3::ZERO;
+        // The limits that the head of `accel` names.
         let usual = power_of_two(-500)..power_of_two(500);
         if !finite || !usual.contains(&size) || far > Bvh::MAX_COORDINATE {
             return None;

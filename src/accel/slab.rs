@@ -140,6 +140,7 @@ impl SlabRay {
     #[inline(always)]
     pub fn range(&self, s: f64) -> Vec4 {
         let far = far_of(s * self.scale - self.start, self.blur);
+        // Boxes are entered at t ≥ 0 and left at `far` at most; exits have a minus.
         Vec4::new(0.0, 0.0, -far, -far)
     }
 
@@ -154,6 +155,7 @@ impl SlabRay {
         let x = distances::<X>(node.planes[0], self.origin[0], self.inverse[0]);
         let y = distances::<Y>(node.planes[1], self.origin[1], self.inverse[1]);
         let z = distances::<Z>(node.planes[2], self.origin[2], self.inverse[2]);
+        // One maximum for both: the latest entry, and minus the earliest exit.
         x.max(y).max(z.max(range))
     }
 }
@@ -161,6 +163,7 @@ impl SlabRay {
 /// Which children are hit, as bits: those of which [`SlabRay::clip`] leaves an interval.
 #[inline(always)]
 pub(super) fn hit_children(clip: Vec4) -> u32 {
+    // Entry ≤ exit, as the sum of the one and minus the other.
     let length: BVec4A = (clip + clip.zwxy()).cmple(Vec4::ZERO);
     length.bitmask() & 3
 }
@@ -170,6 +173,7 @@ pub(super) fn hit_children(clip: Vec4) -> u32 {
 fn distances<const DESCENDS: bool>(planes: Vec4, origin: Vec4, inverse: Vec4) -> Vec4 {
     let distance = planes - origin;
     if DESCENDS {
+        // A ray that descends meets the upper planes first. Their difference has its minus already.
         distance.zwxy() * inverse
     } else {
         distance * inverse

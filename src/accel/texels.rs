@@ -175,6 +175,7 @@ mod x86 {
                 // SAFETY: as above.
                 let other = unsafe { bilinear(texels, second, 8 * group) };
                 for (mean, other) in mean.iter_mut().zip(other) {
+                    // Where the second place does not count the first stays as it is, bit for bit, as in `mixed`.
                     *mean = _mm256_blendv_ps(*mean, mix(*mean, other, weight), counts);
                 }
             }

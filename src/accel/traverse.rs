@@ -34,6 +34,7 @@ pub(super) fn traverse(
     query: &mut impl Query,
     tally: &mut impl Tally,
 ) {
+    // A copy of the loop per octant of directions: no node asks for signs.
     match ray.descends {
         [false, false, false] => walk::<false, false, false>(nodes, ray, stack, query, tally),
         [true, false, false] => walk::<true, false, false>(nodes, ray, stack, query, tally),
@@ -83,6 +84,7 @@ fn walk<const X: bool, const Y: bool, const Z: bool>(
                     at = second;
                     continue;
                 }
+                // Both are hit: the farther one waits.
                 _ if clip.x <= clip.y => {
                     stack[waiting] = (second, clip.y);
                     waiting += 1;
@@ -110,6 +112,7 @@ fn next(stack: &[StackEntry], waiting: &mut usize, range: Vec4) -> Option<NodeRe
     while *waiting > 0 {
         *waiting -= 1;
         let (node, entry) = stack[*waiting];
+        // The last lane of the range is minus where it ends.
         if entry <= -range.w {
             return Some(node);
         }

@@ -24,6 +24,7 @@ impl TreeSpace {
     pub fn new(lo: DVec3, hi: DVec3) -> TreeSpace {
         let centre = lo * 0.5 + hi * 0.5;
         let half = (hi - centre).max(centre - lo).max_element();
+        // half < 2^(e + 1), e its exponent. The clamp keeps k and 1/k normal where the geometry is a point.
         let scale = power_of_two(-(exponent(half).clamp(-400, 400) + 1));
         let margin = DVec3::splat(power_of_two(-30));
         TreeSpace {

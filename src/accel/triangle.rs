@@ -71,6 +71,7 @@ impl Line {
             return None;
         }
         if low > bound || high < -bound {
+            // s decides which triangle is nearest and is a quotient of its own, with one rounding less than u and v have.
             let inverse = 1.0 / delta;
             let s = n.dot(a) / delta;
             let s = if delta.abs() < GRAZING * (length * length) {

@@ -416,6 +416,7 @@ pub(crate) fn prefetch_either<T, U>(is_first: bool, first: &[T], second: &[U], a
         while offset < size_of::<T>() {
             // SAFETY: prefetching reads nothing, wherever it points.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(element.wrapping_add(offset)) };
+            // A line of the cache.
             offset += 64;
         }
     }
@@ -434,6 +435,7 @@ pub(crate) fn prefetch_all<T: ?Sized>(what: &T) {
         while at < size_of_val(what) {
             // SAFETY: prefetching reads nothing, and `at` is within `what`.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(first.add(at)) };
+            // A line of the cache.
             at += 64;
         }
     }
@@ -537,6 +539,7 @@ pub(super) mod x86 {
                 // SAFETY: a column has twice as many numbers as are loaded, which needs no alignment.
                 let (below, growth) =
                     unsafe { (_mm_loadu_ps(column), _mm_loadu_ps(column.add(4))) };
+                // In the order of `ShiftMatrix::times`, with nothing fused: the same bits.
                 let growth = _mm256_mul_pd(_mm256_cvtps_pd(growth), rest);
                 let between = _mm256_add_pd(_mm256_cvtps_pd(below), growth);
                 _mm256_mul_pd(between, _mm256_set1_pd(x))

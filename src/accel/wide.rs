@@ -126,6 +126,7 @@ impl WideTree {
     /// `tree`, collapsed, in these `pages`.
     pub fn collapsed(tree: BinaryTree, pages: PageSize) -> WideTree {
         let ranges = tree.ranges();
+        // Room for as many nodes, and below for as many leaves, as a usual mesh has.
         let (mut nodes, mut depth) = (Vec::with_capacity(tree.nodes.len() / 16 + 1), 0);
         // Depth-first by a list of nodes whose children are still to be set: source, target, level. Leaves are made after,
         // of their slots.
@@ -234,6 +235,7 @@ impl BinaryTree<'_> {
     fn descendants(&self, ranges: &[(u32, u32)], node: usize) -> Descendants {
         let mut found = Descendants::default();
         let add = |found: &mut Descendants, child: Child| {
+            // What fits into one leaf stays together.
             let splits = self.range(ranges, child.node).1 > WIDTH;
             found.push(child, splits);
         };

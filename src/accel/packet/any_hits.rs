@@ -126,6 +126,7 @@ impl<S, T: Tally> AnyHits<'_, S, T> {
             bvh,
             rays,
             blocked: self.blocked,
+            // Lanes without a ray are closed from the start.
             open: u64::MAX >> (RAYS - block.count),
             limit,
             block,
@@ -171,6 +172,7 @@ impl VectorLoop for Extents<'_> {
         while axis < 3 {
             let (mut lo, mut hi) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
             let eights = self.from[axis].chunks_exact(LANES);
+            // The numbers beyond the last eight begin the extents, each in a lane of its own.
             for (lane, x) in eights.remainder().iter().enumerate() {
                 (lo[lane], hi[lane]) = (*x, *x);
             }
@@ -215,6 +217,7 @@ impl<'a> Way<'a> {
             broken += end * 0.0;
         }
         let (apart, extent) = (starts.size(), ends.size());
+        // In this form also for NaN: then from their starts.
         if !(extent < apart && broken == DVec3::ZERO) {
             return Way::FromStart;
         }
@@ -223,6 +226,7 @@ impl<'a> Way<'a> {
         let error = extent + power_of_two(-51) * reach;
         let end = ends.lo * 0.5 + ends.hi * 0.5;
         let size = 1.0 + space.map(end).abs().max_element();
+        // What (A2) allows.
         match error * space.scale <= power_of_two(-48) * size {
             true => Way::ToPoint(SegmentsToPoint {
                 segments,
@@ -288,6 +292,7 @@ fn set_limits<K: Simd, R: Blockable>(k: K, block: &mut Block, rays: R) -> Option
         // In this form also for NaN.
         let is_usual = (0.0..f64::INFINITY).contains(&s_min) & (s_max > f64::NEG_INFINITY);
         broken |= !is_usual;
+        // Within what f32 holds: nothing is met as far away as that (K2).
         let from = lesser(from * tau_from_s, MOST);
         let to = greater(lesser(to * tau_from_s, MOST), -MOST);
         block.near[lane] = (from * (1.0 - RELATIVE) - ABSOLUTE) as f32;
@@ -328,6 +333,7 @@ impl<K: Simd, R: Blockable, T: Tally> BlockQuery<K> for AnyQuery<'_, R, T> {
 
     #[inline(always)]
     fn limit(&self, _: K) -> f32 {
+        // Boxes are entered at 0 or later, so that a negative limit ends the traversal.
         if self.open == 0 { -1.0 } else { self.limit }
     }
 
@@ -355,6 +361,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
                 let d = load_vectors(k, &self.block.directions, first);
                 let edge_functions = triangle.edge_functions::<R>(&d, self.block, first);
                 let [u, v, w] = edge_functions;
+                // Inside, or too near an edge for f32 to tell: none of U + B, V + B and W + B is negative.
                 let inside = k.not_negative(u, v, w) & open;
                 if inside != 0 {
                     let volume = triangle.volume::<R>(self.block, first);
@@ -377,6 +384,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
     ) {
         let triangle = PacketTriangle::new::<R>(k, triangles, at);
         let (tag, front) = (self.bvh.tags[slot as usize], triangles.front >> at & 1 != 0);
+        // For all rays or for none: whether the side that they see is there, if σ is right and if it is not.
         let shown = if tag.shows(front) { u32::MAX } else { 0 };
         let other_shown = if tag.shows(!front) { u32::MAX } else { 0 };
         let mut first = 0;
@@ -395,6 +403,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
                     let unsure = triangle.volume_slack(volume);
                     let ahead = k.le(unsure, volume);
                     let behind = k.le(unsure, k.sub(k.splat(0.0), volume));
+                    // Rays that certainly start on one side, with the edge functions of that side.
                     let inside_of_own = (inside & ahead) | (other_inside & behind);
                     if inside_of_own != 0 {
                         let edge_functions = [
@@ -402,6 +411,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
                             k.select(behind, other[1], v),
                             k.select(behind, other[2], w),
                         ];
+                        // Where n·a − n·δ is negative Δ turns its sign, too, as their quotient does not.
                         let delta = k.flip(triangle.determinant(&d), volume);
                         let numbers = (edge_functions, delta, k.abs(volume));
                         self.block_rays(k, &triangle, slot, (first, inside_of_own), numbers);
@@ -447,8 +457,10 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
         // Certainly beyond the ends, and certainly between them: (A1).
         let from = k.load(&self.block.near[first..]);
         let to = k.load(&self.block.far[first..]);
+        // Unless Δ − B is positive, `far` is no bound.
         let steep = k.le(k.splat(f32::MIN_POSITIVE), least);
         let beyond = k.le(to, near) | (k.le(far, from) & steep);
+        // Inward by 4 r τ + 4 a: (A1).
         let (shrunk, margin) = (4.0 * RELATIVE as f32, k.splat(4.0 * ABSOLUTE as f32));
         let from = k.mul_add(from, k.splat(1.0 + shrunk), margin);
         let to = k.mul_sub(to, k.splat(1.0 - shrunk), margin);

@@ -93,6 +93,7 @@ impl Bvh {
     ) {
         let count = segments.count().min(blocked.len());
         let main = self.main();
+        // Holes are asked about one by one, and single rays need no columns.
         let is_usual = method.kernel != Kernel::Scalar && main.suits_packets() && !self.has_holes();
         let rays = ColumnsToPoint::new(segments, &main.tree.space).filter(|_| is_usual);
         let Some(rays) = rays else {
@@ -200,6 +201,7 @@ impl View<'_> {
             return self.closest_singly(all, from, directions, hits, tally, replaced);
         }
         match from {
+            // Seen from so far away boxes are one point in f32: single rays go to the tree before they are rounded.
             Origins::Shared(origin) if is_far(self.tree.space.map(origin)) => {
                 self.closest_singly(all, from, directions, hits, tally, replaced);
             }
@@ -503,6 +505,7 @@ impl Workspace {
         let certified = precision == Precision::Certified;
         let mut left = block.hit;
         while left != 0 {
+            // The remainder changes nothing, but shows the compiler that the lane exists.
             let lane = left.trailing_zeros() as usize % RAYS;
             left &= left - 1;
             let ray = block.order[lane] as usize;

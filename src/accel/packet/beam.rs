@@ -72,9 +72,11 @@ impl<K: Simd> Beam<K> {
             let far = k.load(&planes[1 - slab.near]);
             // The latest of the earliest entries and the earliest of the latest exits: (B1).
             if slab.straddles {
+                // Rays that go up may enter through the lower plane, those that go down through the upper one. One of the two lies behind.
                 enter = k.max(enter, k.max(k.mul_add(near, i, a), k.mul_add(far, j, b)));
             } else {
                 let [c, d] = slab.far_offset;
+                // Either end of the interval of 1/d may be the extreme one: it depends on which side of the origin the plane is.
                 enter = k.max(enter, k.min(k.mul_add(near, i, a), k.mul_add(near, j, b)));
                 leave = k.min(leave, k.max(k.mul_add(far, i, c), k.mul_add(far, j, d)));
             }
@@ -97,6 +99,7 @@ impl<F> Axis<F> {
         let offsets = [-(origin + margin) as f32, -(origin - margin) as f32];
         let straddles = least < 0.0 && greatest > 0.0;
         let descends = !straddles && least < 0.0;
+        // j] The end nearer to 0 is made smaller, the other one larger: (B3).
         let [i, j] = if straddles {
             [steep(greatest) * NARROWER, -steep(-least) * NARROWER]
         } else if descends {
@@ -106,6 +109,7 @@ impl<F> Axis<F> {
         };
         let near = usize::from(descends);
         let (near_offset, far_offset) = (offsets[near], offsets[1 - near]);
+        // Of directions with both signs, the second product is that of the planes above.
         let second_offset = if straddles { offsets[1] } else { near_offset };
         Axis {
             near,

@@ -133,6 +133,7 @@ impl Block {
         let unit = power_of_two(-exponent(first));
         self.tau_from_s = space.scale * power_of_two(exponent(first));
         self.load_directions(k, rays, unit);
+        // In a small tree rays may go all ways: (K2).
         let apart = if bvh.is_small() {
             f32::INFINITY
         } else {
@@ -162,6 +163,7 @@ impl Block {
     /// plain numbers: blocks of incoherent rays end here, before wide vectors, for which some processors slow their clock.
     #[inline(always)]
     pub fn is_certainly_incoherent(&self, bvh: View, direction: impl Fn(usize) -> DVec3) -> bool {
+        // Two lanes of each quarter of the block, the first and the last lane among them.
         const STRIDE: usize = 9;
         // A little more than in `load`, where directions are rounded to f32.
         const APART: f64 = COHERENT as f64 * (1.0 + power_of_two(-20));
@@ -297,6 +299,7 @@ impl Block {
         bounds.moments = interval(k, &self.moments);
         bounds.max_moment = greatest(&bounds.moments) * ABOVE;
         bounds.max_distance = bounds.offsets[0] + bounds.offsets[1] + bounds.offsets[2];
+        // F is about where rays start as given: (E5) of `setup` bounds what f64 does from there.
         if rays.is_reversed() {
             bounds.max_distance = self.max_distance(space, rays, point);
         }
@@ -379,6 +382,7 @@ impl Block {
             first += K::LANES;
         }
         let mut extent = [[0.0; 2]; 3];
+        // No |d|∞ below 1/4, and none above 4: (K2).
         let mut coherent = k.smallest(size) > 1.0 / SPREAD;
         let mut axis = 0;
         while axis < 3 {
@@ -398,6 +402,7 @@ impl Block {
         self.far = [f32::INFINITY; RAYS];
         self.slots = [NONE; RAYS];
         self.hit = 0;
+        // Mostly nothing is hit before: then no lane is looked at by itself.
         let mut known = false;
         for &ray in &self.order {
             known |= hits[ray as usize].is_some();
@@ -437,6 +442,7 @@ impl Block {
         }
         let far = k.greatest(far);
         let limit = far * (1.0 + power_of_two(-21) as f32) + power_of_two(-26) as f32;
+        // Finite, as it is multiplied by numbers that may be 0.
         if limit < f32::MAX { limit } else { f32::MAX }
     }
 }
@@ -457,6 +463,7 @@ fn share_origin<R: RaySet>(
     bounds.offsets = extent.to_array();
     let most = |[lo, hi]: [f32; 2]| greater32(-lo, hi);
     let [x, y, z] = bounds.directions.map(most);
+    // |δ × d| at most, axis by axis.
     let moment = [
         extent.y * z + extent.z * y,
         extent.z * x + extent.x * z,
@@ -479,6 +486,7 @@ fn centre(points: &[[f64; RAYS]; 3]) -> DVec3 {
     let mut centre = DVec3::ZERO;
     let mut axis = 0;
     while axis < 3 {
+        // Eight at a time, in vectors, and those of the eight at last.
         let (mut lo, mut hi) = ([points[axis][0]; 8], [points[axis][0]; 8]);
         let mut first = 0;
         while first < RAYS {
@@ -491,6 +499,7 @@ fn centre(points: &[[f64; RAYS]; 3]) -> DVec3 {
         for i in 1..8 {
             (lo[0], hi[0]) = (lesser(lo[0], lo[i]), greater(hi[0], hi[i]));
         }
+        // Halves first: the sum of the two might be infinite.
         centre[axis] = lo[0] * 0.5 + hi[0] * 0.5;
         axis += 1;
     }

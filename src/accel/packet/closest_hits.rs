@@ -42,6 +42,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> Task for ClosestHits<'_, T, R, 
             return Outcome::Incoherent;
         };
         let beam = Beam::new(k.children(), &bounds);
+        // A block that misses the tree ends here, before its hits are reset.
         if beam.intersect(&tree.nodes[0], f32::MAX, &mut [0.0; WIDTH]) == 0 {
             return Outcome::Missed;
         }
@@ -79,6 +80,7 @@ impl<K: Simd, T: Tally, R: RaySet, const CERTIFIED: bool> BlockQuery<K>
 
     #[inline(always)]
     fn narrow(&mut self, k: K, triangles: &mut LeafTriangles) {
+        // (Q1) holds for a shared origin only.
         if R::OWN_ORIGINS {
             return;
         }

@@ -110,6 +110,7 @@ impl Lines {
             // As `ScaledRay::new` does it.
             let (origin, direction) = (given.origin(lane), given.direction(lane));
             let size = greatest(direction);
+            // 0 times NaN or ∞ is NaN, which is not equal to anything.
             let finite = (direction.x + direction.y + direction.z) * 0.0
                 + (origin.x + origin.y + origin.z) * 0.0
                 == 0.0;
@@ -117,6 +118,7 @@ impl Lines {
                 & (size >= power_of_two(-500))
                 & (size < power_of_two(500))
                 & (greatest(origin) <= Bvh::MAX_COORDINATE);
+            // 2^−e and 2^e, by the exponent's bits: 2046 is twice the bias.
             let exponent = size.to_bits() >> 52;
             let unit = f64::from_bits((2046u64.wrapping_sub(exponent)) << 52);
             let per_unit = f64::from_bits(exponent << 52);
@@ -263,11 +265,13 @@ impl Boxes {
                 lines.base[1][lane],
                 lines.base[2][lane],
             );
+            // The part of e of (W1) that is the ray's, rounded upward.
             let off = 2.0 * lines.unsure[lane] + power_of_two(-46) * (2.0 + greatest(base));
             self.off[lane] = off as f32 * (1.0 + f32::EPSILON);
             self.slopes[0][lane] = -lines.slopes[0][lane] as f32;
             self.slopes[1][lane] = -lines.slopes[1][lane] as f32;
             let z = lines.steepest[lane] as i32 as u32;
+            // x and y follow z cyclically, as in `turned`.
             self.axes[0][lane] = if z == 2 { 0 } else { z + 1 };
             self.axes[1][lane] = if z == 0 { 2 } else { z - 1 };
             self.axes[2][lane] = z;

@@ -144,6 +144,7 @@ fn is_zen_4_or_later() -> bool {
     {
         use std::arch::x86_64::__cpuid;
         let vendor = __cpuid(0);
+        // The letters of "AuthenticAMD", four to a register.
         let is_amd =
             [vendor.ebx, vendor.edx, vendor.ecx] == [0x6874_7541, 0x6974_6e65, 0x444d_4163];
         // The base family, 15 here, and the extended one that is added to it.

@@ -54,6 +54,7 @@ impl Quarters {
             while at < QUARTERS {
                 let (lo, hi) = (least[at] * 0.5, greatest[at] * -0.5);
                 quarters.middle[axis][at] = lo + hi;
+                // No |d|∞ of a block is greater than `SPREAD`: (Q1).
                 quarters.half[axis][at] = (hi - lo) + power_of_two(-20) as f32 * SPREAD;
                 at += 1;
             }
@@ -75,6 +76,7 @@ impl Quarters {
             let slack = k.load(&triangles.slack[edge]);
             let mut at = 0;
             while at < QUARTERS {
+                // The greatest of U + B over the quarter: c·p + h·|p| + B.
                 let most = k.dot(&lane3(k, &self.middle, at), &p, slack);
                 let most = k.dot(&lane3(k, &self.half, at), &size, most);
                 hit[at] &= k.le(zero, most);
@@ -89,6 +91,7 @@ impl Quarters {
             at += 1;
         }
         triangles.quarters = transposed(bytes).to_le_bytes();
+        // (Q1) is for one σ: triangles whose σ is uncertain stay.
         triangles.candidates &= any | !triangles.certain;
     }
 }

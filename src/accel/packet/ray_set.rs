@@ -441,6 +441,7 @@ impl Blockable for ColumnsToPoint<'_> {
 
     #[inline(always)]
     fn ends(self, order: &[u32; RAYS], in_fours: bool) -> [[f64; RAYS]; 2] {
+        // They end at 1: directions are whole ways.
         let mut ends = [[1.0; RAYS]; 2];
         let s_min = self.segments.s_min;
         if in_fours {

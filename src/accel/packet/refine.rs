@@ -227,6 +227,7 @@ impl Pairs {
     #[inline(always)]
     fn collect(&mut self, bvh: &Bvh, slots: &[u32], instead: u32) {
         for (i, &slot) in slots.iter().enumerate().take(GROUP) {
+            // Lanes without a hit work with the triangle of another one, and what they find is not read.
             let slot = if slot == NONE { instead } else { slot };
             self.set_corners(i, &bvh.corners[slot as usize]);
         }

@@ -176,6 +176,7 @@ impl<K: Simd> TriangleSetup<K> {
         let lengths = [norm1(k, &e2), norm1(k, &e1), norm1(k, &e3)];
         let size = greatest(&centre);
         let slacks = if CERTIFIED {
+            // T; and η: what the leaf's corners have lost, with what f64 leaves unknown.
             let far = k.add(k.add(norm1(k, &a), lengths[1]), k.splat(size));
             self.slacks::<R>(&lengths, far, leaf.error + self.blur)
         } else {
@@ -193,6 +194,7 @@ impl<K: Simd> TriangleSetup<K> {
         };
         let distance = k.abs(volume);
         triangles.certain = k.le(ambiguous, distance);
+        // Without bounds, one origin has the σ that is computed.
         if !CERTIFIED && !R::OWN_ORIGINS {
             triangles.certain = u32::MAX;
         }
@@ -224,6 +226,7 @@ impl<K: Simd> TriangleSetup<K> {
         store3(k, &mut triangles.normal, &normal);
         let mut most = k.dot(&self.direction[0], &normal, slacks.normal);
         most = k.dot(&self.direction[1], &absolute(k, &normal), most);
+        // 4 v for the roundings of the two products and of what is subtracted.
         let least = k.sub(k.mul(distance, k.splat(1.0 - 4.0 * V)), ambiguous);
         candidates &= k.le(least, k.mul(most, k.splat(limit)));
         // Triangles whose σ is uncertain are always of interest.

@@ -74,6 +74,7 @@ impl Tile {
     /// Rays that go all ways, by the signs of their directions: next to one another those that differ in one sign (Gray's code), so that
     /// blocks of rays have signs in common, by which they miss boxes.
     pub fn by_signs(count: usize, direction: impl Fn(usize) -> DVec3) -> Tile {
+        // By the bits of the signs: the place of that pattern in Gray's order.
         const GRAY: [u8; 8] = [0, 1, 3, 2, 7, 6, 4, 5];
         let key = |ray: usize| {
             let d = direction(ray);

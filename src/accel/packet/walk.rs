@@ -275,6 +275,7 @@ impl<'a, K: Eight> Walk<'a, K> {
             query_of[lane] = at as u8;
             self.narrow(lane, query.limit());
         }
+        // As many start as there are stacks; the others follow as stacks become free.
         for slot in 0..queries.len().min(SLOTS) {
             let lane = next_lane(&mut self.coming);
             self.slots[lane] = slot as u8;
@@ -304,6 +305,7 @@ impl<'a, K: Eight> Walk<'a, K> {
             for &(lane, slot) in &pairs[..found] {
                 let lane = lane as usize % RAYS;
                 if queries[query_of[lane] as usize].triangle(slot as usize, tally) {
+                    // The query has its answer: no box that waits is of interest.
                     self.counts[lane] = 0;
                 }
             }
@@ -342,6 +344,7 @@ impl<'a, K: Eight> Walk<'a, K> {
         let mut axis = 0;
         while axis < 3 {
             let planes = node.planes[axis].as_flattened();
+            // 0 or 8 already; the mask spares a check of bounds.
             let near = boxes.near[axis][lane] as usize & WIDTH;
             let inverse = k.splat(boxes.inverses[axis][lane]);
             let [offset, beyond] = &boxes.offsets[axis];
@@ -354,6 +357,7 @@ impl<'a, K: Eight> Walk<'a, K> {
         }
         let count = self.counts[lane];
         let stack = &mut self.stacks[self.slots[lane] as usize % SLOTS];
+        // Trees deep enough to fill the stack are left out ([`DEPTH`]); the remainder spares a check of bounds.
         let first = WIDTH + count as usize % (STACK - WIDTH);
         let entries = &mut stack.entries[first..first + WIDTH];
         let nodes = &mut stack.nodes[first..first + WIDTH];
@@ -370,6 +374,7 @@ impl<'a, K: Eight> Walk<'a, K> {
         // Eight at a time, of which the last that is not too far; the first eight are below those of the ray.
         loop {
             let near = k.within(&stack.entries[count..count + WIDTH], far);
+            // The nearest of the eight is the last: the zeros that lead are those that are too far.
             let skipped = (near << 24).leading_zeros() as usize;
             if skipped < WIDTH.min(count) {
                 count -= skipped + 1;
@@ -438,6 +443,7 @@ impl<'a, K: Eight> Walk<'a, K> {
         let w = k.mul_sub(a[0], b[1], k.mul(a[1], b[0]));
         let least = k.min(u, k.min(v, w));
         let greatest = k.max(u, k.max(v, w));
+        // By (W2) no two signs are certainly opposite.
         let none_below = k.le(k.splat(0.0), k.add(least, bound));
         let none_above = k.le(greatest, bound);
         (none_below | none_above) & leaf.present

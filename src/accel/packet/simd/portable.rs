@@ -94,6 +94,7 @@ impl Simd for Portable {
 
     #[inline(always)]
     fn store_vectors(self, vectors: &[DVec3], scale: f64, [x, y, z]: [&mut [f32]; 3]) {
+        // Of known lengths, so that the loop checks no bounds.
         let (vectors, x, y, z) = (&vectors[..4], &mut x[..4], &mut y[..4], &mut z[..4]);
         for (i, v) in vectors.iter().enumerate() {
             x[i] = (v.x * scale) as f32;

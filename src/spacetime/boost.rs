@@ -80,7 +80,7 @@ use super::event::{Direction, Displacement, Event, Frame, Parts, World};
 use super::ray::NullRay;
 use super::velocity::Velocity;
 
-/// e^φ below which displacements are boosted by increments.
+/// e^φ below which displacements are boosted by increments: φ < ½.
 const SLOW: f64 = 1.65;
 
 /// A rotation-free Lorentz boost that takes quantities of frame `From` to frame `To`.

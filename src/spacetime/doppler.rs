@@ -160,6 +160,7 @@ impl Quantity {
     /// in the source's, `w` the ratio of wavelengths surface / source.
     #[inline]
     pub fn irradiance_factor(self, w: WavelengthRatio) -> f64 {
+        // dΩ′ = W² dΩ gives two of the powers back.
         1.0 / power(w.0, self.exponent() - 2)
     }
 
@@ -172,6 +173,7 @@ impl Quantity {
     /// [`Quantity::irradiance_power`] of each of `inverses`. A plain loop, to be compiled for wide vectors.
     #[inline(always)]
     pub(crate) fn irradiance_powers<const N: usize>(self, inverses: &[f64; N], to: &mut [f64; N]) {
+        // Without the two powers that are of the solid angle.
         match self.exponent() - 2 {
             3 => powers::<3, N>(inverses, to),
             2 => powers::<2, N>(inverses, to),
@@ -187,6 +189,7 @@ impl Quantity {
     /// Energy (or photons) received per exposure for a flash of time integral 1 at the emitter.
     #[inline]
     pub fn exposure_factor(self, w: WavelengthRatio) -> f64 {
+        // dt′ = W dt gives one of the powers back.
         1.0 / power(w.0, self.exponent() - 1)
     }
 }

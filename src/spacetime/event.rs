@@ -154,6 +154,7 @@ fn with_squares(v: DVec3) -> (DVec3, f64) {
     const UP: f64 = f64::from_bits((1023 + 600) << 52);
     const DOWN: f64 = f64::from_bits((1023 - 600) << 52);
     let largest = v.abs().max_element();
+    // Squares of what lies between are normal numbers, and so is the sum of three.
     let (scale, back) = if largest < 1e-140 {
         (UP, DOWN)
     } else {
@@ -198,6 +199,7 @@ impl Parts {
         let near = if along > 0.0 { d - to_end } else { d + to_end };
         let across = near - n * n.dot(near);
         let large = length + along.abs();
+        // length² − along² = |d⊥|²: the small factor by the large one, without a difference.
         let small = across.length_squared() / large;
         let (one_plus, one_minus) = if along > 0.0 {
             (large, small)

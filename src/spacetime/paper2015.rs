@@ -11,6 +11,7 @@
 
 /// γ = 1/√(1 − β²).
 pub fn lorentz_factor(beta: f64) -> f64 {
+    // 1 − β² by its factors, of which 1 − |β| keeps its digits.
     1.0 / ((1.0 - beta) * (1.0 + beta)).sqrt()
 }
 
@@ -152,6 +153,7 @@ fn one_plus(beta: f64, angle: f64) -> f64 {
     } else {
         libm::sin(0.5 * angle)
     };
+    // cos θ = 2 cos²(θ/2) − 1 = 1 − 2 sin²(θ/2), whichever leaves no difference.
     (1.0 - beta.abs()) + 2.0 * beta.abs() * half * half
 }
 

@@ -46,6 +46,7 @@ impl<D: Dimension> Measure<D> {
     /// `factor` times this, to four digits, in the same unit: a bound to name in a message.
     pub(crate) fn scaled(self, factor: f64) -> Self {
         let product = self.number * factor;
+        // Through its text, so that it prints with no more digits than that.
         let number = format!("{product:.3e}").parse().unwrap_or(product);
         Measure { number, ..self }
     }
@@ -63,6 +64,7 @@ impl<D: Dimension> Measure<D> {
 
     /// In base units: metres, radians, m/s, per cent; where the unit has seconds, with seconds.
     fn base(self) -> f64 {
+        // One rounding where one will do: "12 cm" is the f64 nearest to 0.12.
         if self.unit.times == 1.0 {
             self.number / self.unit.over
         } else {
@@ -133,6 +135,7 @@ impl Angle {
 
     /// Sine and cosine; exact at multiples of 90 degrees.
     pub fn sin_cos(self) -> (f64, f64) {
+        // The first unit is the degree.
         if self.unit == &AngleDimension::UNITS[0] && self.number % 90.0 == 0.0 {
             return match (self.number / 90.0).rem_euclid(4.0) {
                 1.0 => (1.0, 0.0),
@@ -246,6 +249,7 @@ fn split_number(text: &str) -> (&str, &str) {
     if is(end, b"eE") {
         let exponent = end + 1 + usize::from(is(end + 1, b"+-"));
         let last = digits(exponent);
+        // An e without digits after it is no exponent, but begins the unit.
         end = if last > exponent { last } else { end };
     }
     let (number, rest) = text.split_at(end);

@@ -96,6 +96,7 @@ impl Velocity {
         if gamma < 1.0 {
             return Err(VelocityError::GammaBelowOne(gamma));
         }
+        // γ − 1 = 2 sinh²(φ/2): no digit of a small γ − 1 is lost.
         Self::from_rapidity_along(2.0 * libm::asinh((0.5 * (gamma - 1.0)).sqrt()), direction)
     }
 
@@ -107,6 +108,7 @@ impl Velocity {
         if !(q > 0.0 && q <= 1.0) {
             return Err(VelocityError::OneMinusBeta(q));
         }
+        // artanh(1 − q) = ½ ln((2 − q)/q).
         let magnitude = if q < 0.5 {
             0.5 * (libm::log(2.0 - q) - libm::log(q))
         } else {

@@ -94,6 +94,7 @@ impl Arcs {
                 break;
             }
             state = end(&begin, segment.duration, index)?;
+            // Meanwhile the gyroscope turns against axes that are boosted without rotation.
             axes = axes.map(|axis| hyperbola::turned(&begin, segment.duration, axis));
             arcs.push(Arc { begin, end: state });
             if index + 1 == segments.len() {

@@ -62,6 +62,7 @@ impl Circular {
         if speed >= 1.0 || speed.is_nan() {
             return Err(WorldLineError::RimTooFast { speed });
         }
+        // A product for γ: 1 − v² would lose digits near the speed of light.
         Ok(Circular {
             zero,
             axis,

@@ -66,6 +66,7 @@ impl Clock {
         for (span, ends) in nodes.windows(2).enumerate() {
             let rate = |s| rate(span, s);
             let length = ends[1] - ends[0];
+            // On average over the spans so far, and as many more as `CELLS` spans may have.
             clock.most = CELLS * (span + CELLS);
             clock.add(
                 ends[0],

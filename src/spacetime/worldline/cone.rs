@@ -83,6 +83,7 @@ impl Light {
     fn place(&self, g: f64) -> (f64, f64) {
         let Light { y, z, minus } = *self;
         let along = match is_near(z) {
+            // Near the start the two nearly cancel: x∥ = ½ (y − y/z) = ½ g y (y/z), as z = 1 + gy.
             true => 0.5 * g * y * minus,
             false => 0.5 * (y - minus),
         };

@@ -32,6 +32,7 @@ impl Elapsed {
         let u = g * y;
         start
             + if u.abs() < SMALL {
+                // The next term is u⁴/5, below 10⁻²⁰.
                 y * (1.0 - u * (1.0 / 2.0 - u * (1.0 / 3.0 - u / 4.0)))
             } else if is_near(z) {
                 libm::log1p(u) / g

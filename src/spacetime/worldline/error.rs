@@ -135,7 +135,13 @@ impl WorldLineError {
             | TooLong { index, .. }
             | Superluminal { index, .. } => Some(index),
             TooStrong { index, .. } => index,
-            _ => None,
+            NotFinite(_)
+            | TooFew(_)
+            | TooMany(_)
+            | ZeroOutside { .. }
+            | NoAxis
+            | OnAxis
+            | RimTooFast { .. } => None,
         }
     }
 }

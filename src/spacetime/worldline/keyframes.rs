@@ -19,7 +19,7 @@ use super::cone::past_cone;
 use super::elapsed::Elapsed;
 use super::error::{WorldLineError, check_ascending, check_count};
 use super::polyline;
-use super::series::{Found, Series};
+use super::series::{Series, SeriesCrossing};
 use super::spline;
 use super::state::{Crossing, State};
 use crate::spacetime::{Displacement, Event, Velocity, World};
@@ -106,6 +106,7 @@ impl Keyframes {
         let (begin, end) = (*self.series.events.first()?, *self.series.events.last()?);
         let to_end = from(end);
         match () {
+            // Its first event is not seen yet; or its last one has been seen before.
             () if !from(begin).is_causal() => Some((begin, first)),
             () if to_end.ct > to_end.x.length() => Some((end, last)),
             () => None,
@@ -161,7 +162,7 @@ impl Keyframes {
             let moved = to_end + found.displacement;
             return Some(self.crossing(
                 near.event,
-                Found {
+                SeriesCrossing {
                     displacement: moved,
                     ..found
                 },
@@ -185,7 +186,7 @@ impl Keyframes {
         Some(self.crossing(apex, self.series.past_cone_of(apex)?))
     }
 
-    fn crossing(&self, reference: Event<World>, found: Found) -> Crossing {
+    fn crossing(&self, reference: Event<World>, found: SeriesCrossing) -> Crossing {
         let proper_time = self
             .clock
             .proper_time(found.parameter, |span, s| rate(&self.series, span, s));

@@ -28,9 +28,11 @@ pub(super) fn polyline(events: &[Event<World>]) -> Result<Series, WorldLineError
     };
     for (i, pair) in ways.windows(2).enumerate() {
         let [before, after] = [pair[0].x / pair[0].ct, pair[1].x / pair[1].ct];
+        // From w before the corner to w after it, so that turns of neighbouring corners do not meet.
         let w = TURN * pair[0].ct.min(pair[1].ct);
         let turn = events[i + 1];
         add(&mut series, turn + Displacement::new(-w, before * -w), &[]);
+        // At u in [0, 1] it is 2w·before·u + w·(after − before)·u² on: the velocity changes evenly.
         let bend = (after - before) * w;
         let end = turn + Displacement::new(w, after * w);
         add(&mut series, end, &[before * (2.0 * w), bend]);

@@ -11,7 +11,7 @@ use super::cone::past_cone;
 use super::elapsed::Elapsed;
 use super::error::{WorldLineError, check_ascending, check_count};
 use super::rounding::sum;
-use super::series::{Found, Piece, Series};
+use super::series::{Piece, Series, SeriesCrossing};
 use super::state::{Crossing, State};
 use super::taylor::{self, Step};
 use crate::spacetime::{Displacement, Event, MAX_RAPIDITY, Velocity, World};
@@ -93,6 +93,7 @@ impl Profile {
 
     pub fn past_cone(&self, near: &State, offset: Displacement<World>) -> Option<Crossing> {
         let start = near.proper_time;
+        // As if the acceleration stayed what it is at `near`.
         let guess = past_cone(near, offset).map_or(f64::NAN, |c| c.proper_time() - start);
         let found = self.series.past_cone(near.event, start, offset, guess)?;
         Some(crossing(near.event, found))
@@ -103,7 +104,7 @@ impl Profile {
     }
 }
 
-fn crossing(reference: Event<World>, found: Found) -> Crossing {
+fn crossing(reference: Event<World>, found: SeriesCrossing) -> Crossing {
     let elapsed = Elapsed::known(found.parameter, 0.0);
     Crossing::new(reference, found.displacement, elapsed)
 }
@@ -205,6 +206,7 @@ impl Walk {
             // One step of the series, cut at the knot.
             let u = self.u.value.truncate();
             let step = taylor::step(u, (self.axes, self.carried), a, slope, target - time);
+            // The last step ends at the knot itself, not at the rounded sum of steps.
             let whole = step.length == target - time;
             let next = if whole { target } else { time + step.length };
             if next == time || self.steps.len() == MAX_STEPS {
@@ -215,6 +217,7 @@ impl Walk {
             }
             self.take(step, next);
             let u = self.u.value.truncate();
+            // |U| = sinh φ.
             if u.length() > libm::sinh(MAX_RAPIDITY) || !u.is_finite() {
                 return Err(WorldLineError::TooFast {
                     index,
@@ -227,6 +230,7 @@ impl Walk {
     }
 
     fn take(&mut self, step: Step, time: f64) {
+        // The small terms first.
         self.position.add(step.coefficients.iter().rev().sum());
         self.u.add(step.gained.extend(0.0));
         self.axes = step.axes;
@@ -239,6 +243,7 @@ impl Walk {
 
 /// The walk to the beginning, reversed, and that to the end.
 fn joined(before: Walk, after: Walk) -> Series {
+    // Both walks begin with the event at proper time 0: it is taken once.
     let nodes = before.nodes.iter().skip(1).rev().chain(&after.nodes);
     let (parameters, events) = nodes.copied().unzip();
     let mut series = Series {

@@ -46,6 +46,7 @@ pub(super) fn decreasing(bracket: [f64; 2], start: f64, f: impl Fn(f64) -> Sampl
         let good = newton >= low && newton <= high && step.abs() <= 0.5 * last_step.abs();
         let next = if good { newton } else { 0.5 * (low + high) };
         last_step = next - s;
+        // There is no step left, or no bracket.
         if next == s || next <= low && next >= high {
             return next;
         }

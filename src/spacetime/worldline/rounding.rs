@@ -8,6 +8,7 @@ use glam::DVec3;
 /// a + b rounded, and what rounding left out, exactly.
 #[inline]
 pub(super) fn sum(a: f64, b: f64) -> (f64, f64) {
+    // Two-Sum (Knuth), for any order of sizes.
     let s = a + b;
     let of_b = s - a;
     (s, (a - (s - of_b)) + (b - of_b))
@@ -17,6 +18,7 @@ pub(super) fn sum(a: f64, b: f64) -> (f64, f64) {
 #[inline]
 pub(super) fn product(a: f64, b: f64) -> (f64, f64) {
     let p = a * b;
+    // The fused product is rounded once, after p is taken away: what is left is the error.
     (p, a.mul_add(b, -p))
 }
 
@@ -43,6 +45,7 @@ pub(super) fn length_error(v: DVec3, length: f64) -> f64 {
         rest = total;
         errors += error + left_out;
     }
+    // |v| + length is 2 length, but for terms of second order.
     (rest + errors) / (2.0 * length)
 }
 

@@ -50,7 +50,7 @@ struct Way {
 
 /// A crossing: displacement from the reference, and parameter.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Found {
+pub(super) struct SeriesCrossing {
     pub displacement: Displacement<World>,
     pub parameter: f64,
 }
@@ -122,7 +122,7 @@ impl Series {
         parameter: f64,
         offset: Displacement<World>,
         guess: f64,
-    ) -> Option<Found> {
+    ) -> Option<SeriesCrossing> {
         let own = self.piece(parameter);
         let target = self.crossed(own, |node| (near - node) + offset)?;
         if target == own {
@@ -138,18 +138,19 @@ impl Series {
         let between = first.moved + (self.events[enter] - self.events[leave]);
         let from = self.parameters[enter];
         let found = self.on_piece(target, from, offset - between, parameter - from + guess);
-        Some(Found {
+        Some(SeriesCrossing {
             displacement: between + found.displacement,
             ..found
         })
     }
 
     /// The crossing with the past light cone of `apex`; displacement from `apex`.
-    pub fn past_cone_of(&self, apex: Event<World>) -> Option<Found> {
+    pub fn past_cone_of(&self, apex: Event<World>) -> Option<SeriesCrossing> {
         let piece = self.crossed(0, |node| apex - node)?;
         let offset = apex - self.events[piece];
+        // Nothing to guess from: the root is looked for from the middle of the piece on.
         let found = self.on_piece(piece, self.parameters[piece], offset, f64::NAN);
-        Some(Found {
+        Some(SeriesCrossing {
             displacement: found.displacement - offset,
             ..found
         })
@@ -177,13 +178,19 @@ impl Series {
     }
 
     /// The crossing on a piece, `offset` and displacement counted from the event at parameter `from`.
-    fn on_piece(&self, piece: usize, from: f64, offset: Displacement<World>, guess: f64) -> Found {
+    fn on_piece(
+        &self,
+        piece: usize,
+        from: f64,
+        offset: Displacement<World>,
+        guess: f64,
+    ) -> SeriesCrossing {
         let bracket = [piece, piece + 1].map(|node| self.parameters[node] - from);
         let s = root::decreasing(bracket, guess, |s| {
             let Way { moved, tangent } = self.way(piece, from, s);
             delay_left(offset, moved, tangent)
         });
-        Found {
+        SeriesCrossing {
             displacement: self.way(piece, from, s).moved,
             parameter: from + s,
         }
@@ -198,7 +205,7 @@ pub(super) fn delay_left(
 ) -> Sample {
     let left = offset - moved;
     let distance = left.x.length();
-    // d|X − x|/ds: by how much the distance shrinks.
+    // −d|X − x|/ds: by how much the distance shrinks. At the apex it has a kink, and 0 lies between its slopes.
     let closing = if distance > 0.0 {
         left.x.dot(tangent.x) / distance
     } else {
@@ -207,6 +214,7 @@ pub(super) fn delay_left(
     Sample {
         value: left.ct - distance,
         slope: closing - tangent.ct,
+        // One rounding of each number that the value is made of.
         noise: f64::EPSILON * (left.ct.abs() + distance + moved.ct.abs() + moved.x.length()),
     }
 }

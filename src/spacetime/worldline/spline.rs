@@ -38,6 +38,7 @@ pub(super) fn natural(events: &[Event<World>]) -> Result<Series, WorldLineError>
             first: series.coefficients.len(),
             count: coefficients.len(),
         });
+        // World time goes evenly with u.
         let times = [way.ct, 0.0, 0.0];
         let with_time = coefficients.iter().zip(times).map(|(c, t)| c.extend(t));
         series
@@ -50,6 +51,7 @@ pub(super) fn natural(events: &[Event<World>]) -> Result<Series, WorldLineError>
 
 /// c₁, c₂, c₃ of x − x₀ in u = (ct − ct₀)/h.
 fn span(h: f64, dx: DVec3, m0: DVec3, m1: DVec3) -> [DVec3; 3] {
+    // In units of 6/h²: c₂ = M₀ h²/2 and c₃ = (M₁ − M₀) h²/6.
     let (m0, m1) = (m0 * (h * h / 6.0), m1 * (h * h / 6.0));
     [dx - m0 * 2.0 - m1, m0 * 3.0, m1 - m0]
 }
@@ -126,6 +128,7 @@ fn fastest([a, b, c]: [DVec3; 3]) -> (f64, f64) {
         .map(sample)
         .fold(0.0, |best, u| if speed(u) > speed(best) { u } else { best });
     let (mut low, mut high) = ((best - sample(1)).max(0.0), (best + sample(1)).min(1.0));
+    // (2/3)⁶⁰ of a thirty-second is below 10⁻¹²; so near its maximum the speed itself does not change any more.
     for _ in 0..60 {
         let third = (high - low) / 3.0;
         if speed(low + third) < speed(high - third) {

@@ -72,6 +72,7 @@ impl Stretch {
         state: impl Fn(f64) -> Option<State>,
     ) -> Option<Self> {
         let duration = end - begin;
+        // An anchor serves a rapidity of `REACH` to either side.
         let count = (g * duration / (2.0 * REACH)).ceil().max(1.0);
         let usable = duration > 0.0 && count <= MOST_ANCHORS;
         if !usable {
@@ -94,6 +95,7 @@ impl Stretch {
     /// The anchor nearest to a proper time of the stretch.
     #[inline(always)]
     pub fn nearest(&self, proper_time: f64) -> &Anchor {
+        // A time just before the beginning, by rounding, is a negative number, which the cast makes 0.
         let nearest = ((proper_time - self.begin) * self.density) as usize;
         &self.anchors[nearest.min(self.anchors.len() - 1)]
     }
@@ -186,6 +188,7 @@ impl Anchor {
     fn series(&self, since: f64) -> Series {
         let phi = self.g * since;
         let q = phi * phi;
+        // Quotients of neighbouring terms: of sinh φ/φ 1/(2·3), 1/(4·5), …, of (cosh φ − 1)/(φ²/2) 1/(3·4), 1/(5·6), …
         Series {
             phi,
             q,

@@ -77,6 +77,7 @@ pub(super) fn step(
     Step {
         length,
         coefficients: motion.positions(length),
+        // The small terms first.
         gained: (1..=ORDER).rev().map(|k| motion.u[k]).sum(),
         axes: motion.axes.map(|axis| axis.iter().rev().sum()),
     }
@@ -151,6 +152,7 @@ impl Motion {
         let factor = |k: usize| {
             let turned = self.axes.iter().map(|axis| axis[k].length());
             let size = turned.fold(self.u[k].length() / self.gamma[0], f64::max);
+            // size · factorᵏ = `TOLERANCE`.
             libm::pow(TOLERANCE / size, 1.0 / k as f64)
         };
         factor(ORDER).min(factor(ORDER - 1)).min(1.0)

@@ -35,6 +35,7 @@ impl Thrust {
     pub fn new(acceleration: DVec3) -> Self {
         let (n, g) = unit_and_length(acceleration).unwrap_or((DVec3::X, 0.0));
         let g_error = length_error(acceleration, g);
+        // Without an error to correct the plain quotient is as good.
         let exact = g_error != 0.0;
         Thrust {
             g,

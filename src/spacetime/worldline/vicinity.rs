@@ -40,6 +40,7 @@ impl Vicinity {
             near,
             g,
             n: near.thrust.n,
+            // On the line t + x∥ = (e^(gτ) − 1)/g, which is τ without acceleration.
             begin: match g > 0.0 && elapsed > f64::NEG_INFINITY {
                 true => libm::expm1(g * elapsed) / g,
                 false => elapsed,
@@ -81,6 +82,7 @@ impl Vicinity {
         // t = −r² w/(w² − h²) and x∥ = r² h/(w² − h²).
         let scale = square / ((w - h) * (w + h));
         let (ct, ahead) = (-w * scale, h * scale);
+        // Not beyond the horizon, not infinitely far, and not before the acceleration began.
         let crosses = (w > h) & (scale < f64::INFINITY) & (ct + ahead >= self.begin);
         (Displacement::new(ct, self.n * ahead), crosses)
     }

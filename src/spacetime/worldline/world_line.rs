@@ -141,7 +141,7 @@ impl WorldLine {
     pub fn rests(&self) -> Option<[f64; 2]> {
         match &self.kind {
             Kind::Keyframes(line) => line.rests(),
-            _ => None,
+            Kind::Arcs(_) | Kind::Profile(_) | Kind::Circular(_) => None,
         }
     }
 
@@ -149,7 +149,7 @@ impl WorldLine {
     pub fn period(&self) -> Option<f64> {
         match &self.kind {
             Kind::Circular(line) => line.period(),
-            _ => None,
+            Kind::Arcs(_) | Kind::Profile(_) | Kind::Keyframes(_) => None,
         }
     }
 
@@ -186,7 +186,7 @@ impl WorldLine {
     pub fn frame(&self) -> Option<InertialFrame<CameraFrame>> {
         match &self.kind {
             Kind::Arcs(line) => line.frame(),
-            _ => None,
+            Kind::Profile(_) | Kind::Keyframes(_) | Kind::Circular(_) => None,
         }
     }
 
@@ -214,7 +214,7 @@ impl WorldLine {
     pub fn vicinity(&self, near: &State) -> Option<Vicinity> {
         match &self.kind {
             Kind::Arcs(line) => Some(line.vicinity(near)),
-            _ => None,
+            Kind::Profile(_) | Kind::Keyframes(_) | Kind::Circular(_) => None,
         }
     }
 
@@ -223,7 +223,7 @@ impl WorldLine {
     pub fn stretch(&self, times: [f64; 2], reference: Event<World>) -> Option<Stretch> {
         match &self.kind {
             Kind::Arcs(line) => line.stretch(times, reference),
-            _ => None,
+            Kind::Profile(_) | Kind::Keyframes(_) | Kind::Circular(_) => None,
         }
     }
 

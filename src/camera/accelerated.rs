@@ -93,6 +93,7 @@ impl Accelerated {
     /// Whether light that every element gets passed the pinhole on its world line, during the whole
     /// exposure.
     pub(super) fn sees_everywhere(&self) -> bool {
+        // The light of the corners is under way longest, and the exposure reaches from its first moment to its last.
         let times = [0.0, self.exposure.duration];
         times.iter().all(|t| {
             let placed = self.placed(*t);
@@ -304,6 +305,7 @@ impl Placed {
         ElementRay {
             d,
             seen,
+            // The boost's ratio is that of the camera to the world.
             ratio: 1.0 / ratio,
             from,
         }

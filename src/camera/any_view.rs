@@ -87,6 +87,7 @@ impl AnyView {
         if scene.equations == Equations::Paper2015 && moves {
             return Ok(AnyView::Paper(Paper::new(model, shot, aberration)));
         }
+        // Film points that see nothing need weights, which rays from one event do not have.
         if instant_point && shot.projection.has_blind_points() {
             return Ok(AnyView::Inertial(Inertial::new(model, shot, aberration)));
         }

@@ -79,6 +79,7 @@ impl Radial {
                 let (sin, cos) = libm::sincos(rho);
                 [cos, if rho > 0.0 { sin / rho } else { 1.0 }]
             }
+            // Just beyond the edge, which `limit` allows, the roots would be NaN.
             Radial::Equisolid => [1.0 - 0.5 * square, (1.0 - 0.25 * square).max(0.0).sqrt()],
             Radial::Orthographic => [(1.0 - square).max(0.0).sqrt(), 1.0],
         }
@@ -188,6 +189,7 @@ impl Projection for Fisheye {
     fn film_point(&self, v: DVec3) -> Option<[f64; 2]> {
         let across = libm::hypot(v.x, v.y);
         let theta = libm::atan2(across, v.z);
+        // An orthographic lens sees the half space before it.
         let beyond = self.radial == Radial::Orthographic && v.z < 0.0;
         // What lies straight behind is seen all around.
         if beyond || !(across > 0.0 || v.z > 0.0) {

@@ -82,6 +82,7 @@ impl Inertial {
             Some(sensor) => {
                 let velocity = shot.frame.velocity();
                 let own = sensor.own_focal_length(shot.projection.forward(), velocity);
+                // The sensor keeps its size, so that a longer focal length narrows the view.
                 (shot.projection.stretched(own / sensor.focal_length), own)
             }
         };

@@ -45,6 +45,7 @@ impl Paper {
             world_from_camera: *shot.frame.world_from_frame(),
             beta,
             gamma,
+            // Eq. 11 starts the clock at t′/γ; where the camera accelerates Eq. 15 gives the world time of the shot itself.
             early: match inertial {
                 true => model.origin.ct + model.time / gamma - shot.event.ct,
                 false => 0.0,
@@ -65,6 +66,7 @@ fn stretch(model: &CameraModel, shot: &Shot) -> f64 {
     let d = sensor.focal_length;
     match (sensor.assembly, acceleration(model)) {
         (Assembly::Rigid, _) => 1.0,
+        // Eq. 16, and γd as in Eq. 4 where nothing accelerates.
         (Assembly::Bell, g) if g != 0.0 => paper2015::comoving_separation(g, d, speed) / d,
         (Assembly::WorldLength | Assembly::Bell, _) => gamma,
     }
@@ -124,6 +126,7 @@ impl View for Paper {
             ratio: doppler,
             origin: RayOrigin {
                 displacement,
+                // z′/z of Eq. 3: sin²θ + cos²θ/γ² = 1 − β² cos²θ.
                 delay: (1.0 - along * along).sqrt(),
                 weight,
             },

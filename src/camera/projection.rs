@@ -177,6 +177,7 @@ impl Projection for Perspective {
     #[inline(always)]
     fn vector(&self, x: f64, y: f64) -> DVec3 {
         let ([width, height], [right, up]) = (self.size, self.edges);
+        // 2x − w is exact at the edges and centres of pixels, and opposite on opposite sides.
         self.forward
             + right * ((2.0 * x - width) * self.pixel[0])
             + up * ((height - 2.0 * y) * self.pixel[1])
@@ -191,6 +192,7 @@ impl Projection for Perspective {
     #[inline(always)]
     fn film_point(&self, v: DVec3) -> Option<[f64; 2]> {
         let [width, height] = self.size;
+        // Divided in any case, and then selected: loops over this go in vectors.
         let scale = self.focal / v.z;
         let place = [0.5 * width + scale * v.x, 0.5 * height - scale * v.y];
         if v.z > 0.0 { Some(place) } else { None }
@@ -209,7 +211,9 @@ impl Projection for Perspective {
 
     fn linear(&self) -> Option<Linear> {
         let ([width, height], forward) = (self.size, self.forward);
+        // Unit axes over t, and over t (height/width).
         let [right, up] = self.edges.map(|edge| edge / edge.length_squared());
+        // v·x is x z and v·y is y z: linear in v, unlike x and y themselves.
         let x = (forward + right) * (0.5 * width);
         let y = (forward - up) * (0.5 * height);
         Some(Linear {
@@ -223,6 +227,7 @@ impl Projection for Perspective {
 pub(crate) fn rotation_matrix(axis: DVec3, angle: f64) -> DMat3 {
     let (sin, cos) = libm::sincos(angle);
     let half = libm::sin(0.5 * angle);
+    // 1 − cos, without the difference.
     let versine = 2.0 * half * half;
     let column = |e: DVec3| e * cos + axis.cross(e) * sin + axis * (axis.dot(e) * versine);
     DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))

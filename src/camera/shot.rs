@@ -38,6 +38,7 @@ impl Shot {
         let inertial = model.motion == Motion::Inertial;
         Ok(Shot {
             projection: turn.map_or(film.clone(), |turn| film.turned(turn)),
+            // Without acceleration that is the event of the scene, which needs no rounding.
             frame: InertialFrame::new(state.velocity, if inertial { model.origin } else { origin }),
             event: state.event,
         })

@@ -34,6 +34,7 @@ impl Stereo {
     /// The view of `model`, whose pupils are `distance` metres apart; its shutter opens at `shot`.
     pub fn new(model: &CameraModel, distance: f64, shot: &Shot, aberration: bool) -> Self {
         let right = shot.projection.axes()[0];
+        // To the right pupil; the left one is as far to the other side.
         let offset = Displacement::new(0.0, right * (0.5 * distance));
         let world_from_camera = shot.frame.world_from_frame();
         Stereo {
@@ -62,6 +63,7 @@ impl View for Stereo {
 
     #[inline]
     fn ray_through<P: Projection>(&self, film: &P, x: f64, y: f64, moment: f64) -> CameraRay {
+        // Either half of the picture is all of one eye's film.
         let (x, side) = match x < self.half {
             true => (x, -1.0),
             false => (x - self.half, 1.0),

@@ -275,6 +275,7 @@ impl SimpleRays for Exact<'_> {
         for k in 0..BLOCK {
             to.set_place(k, boost.displacement(to.place(k)));
             to.ratio[k] *= ratios[k];
+            // A film point that sees nothing is left to `ray_through`, which gives it no weight.
             to.set_simple(k, film.sees(x[k], y[k]));
         }
         to.weight = [camera.exposure.weight; BLOCK];

@@ -230,8 +230,10 @@ impl Apparent {
             let (h, seen, x, y) = (film.get(at), k.get(at), point_x[at], point_y[at]);
             let [u, v] = apparent.slide(h, [x, y]);
             let square = seen.length_squared();
+            // What of m is along the line of sight turns nothing; the rest turns it by |m⊥|/|k|.
             let along = apparent.m_camera.dot(seen) / square;
             let turn = (apparent.m_camera - seen * along).length() / square.sqrt();
+            // Beside the film by no more than half of it.
             let near_x = (x > -0.5 * width) & (x < 1.5 * width);
             let near_y = (y > -0.5 * height) & (y < 1.5 * height);
             let on_film = (u * u + v * v).sqrt();
@@ -350,6 +352,7 @@ impl Observer {
             },
             rest_from_world: *frame.frame_from_world(),
         };
+        // h is linear in the four-vector (−|c|, c): m is what becomes of (−1, 0).
         let (_, seen) = projection.in_camera(Displacement::new(-1.0, DVec3::ZERO));
         projection.apparent.m_camera = seen;
         projection.apparent.m = self.linear.homogeneous_from_camera * seen;
@@ -363,12 +366,14 @@ pub type Place<'a> = Option<(ApparentProjection<'a>, DVec3)>;
 /// Direction of motion, 1/(γq) − 1 and the velocity ηβ.
 fn optical(velocity: Velocity, index: f64) -> Result<(DVec3, f64, Velocity)> {
     let (n, rapidity) = velocity.split();
+    // In vacuum γq is 1, and ηβ is β.
     if index == 1.0 || velocity.is_rest() {
         return Ok((n, 0.0, velocity));
     }
     let slowed = index * libm::tanh(rapidity);
     let optical = Velocity::from_rapidity_along(libm::atanh(slowed), n);
     let optical = optical.ok().filter(|_| slowed < 1.0).ok_or_else(outrun)?;
+    // √(1 − (ηβ)²) as a product, which loses no digits near 1.
     let q = ((1.0 - slowed) * (1.0 + slowed)).sqrt();
     Ok((n, 1.0 / (velocity.gamma() * q) - 1.0, optical))
 }

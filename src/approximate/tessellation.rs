@@ -92,7 +92,7 @@ pub struct Worst {
 /// What a pixel sees.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
-    found: SurfaceHit,
+    surface_hit: SurfaceHit,
     pixel: [u32; 2],
     bend: Bend,
 }
@@ -177,10 +177,14 @@ fn samples(
             .coordinates()
             .enumerate()
             .filter_map(|(ray, (column, row))| {
-                let found = hits.hit(ray)?;
-                let bend = bend(prepared, &projections[found.frame as usize], found)?;
+                let surface_hit = hits.hit(ray)?;
+                let bend = bend(
+                    prepared,
+                    &projections[surface_hit.frame as usize],
+                    surface_hit,
+                )?;
                 Some(Sample {
-                    found,
+                    surface_hit,
                     pixel: [column, row],
                     bend,
                 })
@@ -196,16 +200,20 @@ fn samples(
 }
 
 /// Where the ray met the triangle, metres in the rest frame.
-fn place(prepared: &Prepared, found: SurfaceHit) -> DVec3 {
-    let rest = &prepared.frames[found.frame as usize];
-    let [a, b, c] = rest.bvh.corners(found.hit.slot);
-    a + (b - a) * found.hit.u + (c - a) * found.hit.v
+fn place(prepared: &Prepared, surface_hit: SurfaceHit) -> DVec3 {
+    let rest = &prepared.frames[surface_hit.frame as usize];
+    let [a, b, c] = rest.bvh.corners(surface_hit.hit.slot);
+    a + (b - a) * surface_hit.hit.u + (c - a) * surface_hit.hit.v
 }
 
 /// How errors grow in the triangle that was met; none behind the camera.
-fn bend(prepared: &Prepared, projection: &ApparentProjection, found: SurfaceHit) -> Option<Bend> {
-    let bvh = &prepared.frames[found.frame as usize].bvh;
-    let [p, q, r] = bvh.corners(found.hit.slot);
+fn bend(
+    prepared: &Prepared,
+    projection: &ApparentProjection,
+    surface_hit: SurfaceHit,
+) -> Option<Bend> {
+    let bvh = &prepared.frames[surface_hit.frame as usize].bvh;
+    let [p, q, r] = bvh.corners(surface_hit.hit.slot);
     let edges = [q - p, r - q, p - r];
     let longer = |a: DVec3, b: DVec3| {
         if b.length_squared() > a.length_squared() {
@@ -215,11 +223,13 @@ fn bend(prepared: &Prepared, projection: &ApparentProjection, found: SurfaceHit)
         }
     };
     let longest = edges.into_iter().fold(DVec3::ZERO, longer);
+    // Twice the area over the longest edge.
     let height = edges[0].cross(edges[1]).length() / longest.length();
-    let x = place(prepared, found);
+    let x = place(prepared, surface_hit);
     let c = projection.optical(x);
+    // Unit vectors of the plane, along the longest edge and across it.
     let along = longest.normalize();
-    let across = bvh.normal(&found.hit).cross(along);
+    let across = bvh.normal(&surface_hit.hit).cross(along);
     // c × Ce for unit vectors e of the plane: the largest is the greater eigenvalue of their products.
     let turned = |e: DVec3| c.cross(projection.optical(x + e) - c) / c.length();
     let (u, v) = (turned(along), turned(across));
@@ -245,17 +255,17 @@ impl Needed {
         pixels: f64,
     ) -> Option<Needed> {
         let is_of = |s: &&Sample| {
-            let rest = &prepared.frames[s.found.frame as usize];
-            rest.patch(s.found.hit.triangle).object == object
+            let rest = &prepared.frames[s.surface_hit.frame as usize];
+            rest.patch(s.surface_hit.hit.triangle).object == object
         };
         let mut seen_by = 0;
         let worst = samples.iter().filter(is_of).inspect(|_| seen_by += 1);
         // Of equals the first.
         let length = |s: &Sample| s.bend.length(pixels);
         let worst = worst.reduce(|worst, s| if length(s) < length(worst) { s } else { worst })?;
-        let rest = &prepared.frames[worst.found.frame as usize];
-        let patch = rest.patch(worst.found.hit.triangle);
-        let longest_edge = longest_edge(prepared, worst.found.frame, object);
+        let rest = &prepared.frames[worst.surface_hit.frame as usize];
+        let patch = rest.patch(worst.surface_hit.hit.triangle);
+        let longest_edge = longest_edge(prepared, worst.surface_hit.frame, object);
         let edge_length = Some(length(worst)).filter(|l| l.is_finite());
         let parts = (longest_edge / edge_length.unwrap_or(f64::INFINITY))
             .ceil()
@@ -269,9 +279,9 @@ impl Needed {
             parts: parts as u64,
             halvings: parts.log2().ceil() as u32,
             worst: Worst {
-                triangle: worst.found.hit.triangle - patch.object_first,
+                triangle: worst.surface_hit.hit.triangle - patch.object_first,
                 pixel: worst.pixel,
-                place: (place(prepared, worst.found) - patch.object_origin.x).to_array(),
+                place: (place(prepared, worst.surface_hit) - patch.object_origin.x).to_array(),
                 untessellated: worst.bend.error(longest_edge),
             },
         })
@@ -305,6 +315,7 @@ impl Forecast {
             return (text + "  the picture shows no object\n").into();
         }
         let names = self.objects.iter().map(|o| o.name.chars().count());
+        // At least as wide as its head, \"object\"; names that are longer than 32 run over.
         let width = names.max().unwrap_or(0).clamp(6, 32);
         text += &format!(
             "  {:<width$}  {:>10}  {:>10}  {:>8}  {:>8}  {:>12}  worst at\n",

@@ -73,6 +73,7 @@ impl Grid {
     fn tiles(self, piece: &Piece, film: impl Fn(&Piece) -> [DVec3; 3], mut visit: impl FnMut(u32)) {
         let last = self.size.map(|n| n - 1);
         let [left, top, right, bottom] = piece.reach.pixels([0; 2], last).map(|p| p / TILE);
+        // One tile or two are not worth the edge functions.
         let many = (right - left + 1) * (bottom - top + 1) > 2;
         let edges = many.then(|| Edges::of(film(piece)));
         for row in top..=bottom {
@@ -101,6 +102,7 @@ impl Edges {
     fn reach(&self, corner: [f64; 2]) -> bool {
         let size = f64::from(TILE);
         self.0.iter().all(|e| {
+            // The corner of the tile at which the function is greatest.
             let x = corner[0] + if e.x > 0.0 { size } else { 0.0 };
             let y = corner[1] + if e.y > 0.0 { size } else { 0.0 };
             let terms = (e.x * x).abs() + (e.y * y).abs() + e.z.abs();
@@ -148,6 +150,7 @@ impl Bins {
             sorted[*place as usize] = index;
             *place += 1;
         };
+        // These are in the order of the pieces, too.
         let mut pairs = pairs.into_iter().peekable();
         for (index, piece) in (0..).zip(triangles) {
             if piece.tile != Reach::SEVERAL {

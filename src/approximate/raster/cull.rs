@@ -100,6 +100,7 @@ impl FilmEdges {
     #[inline(always)]
     pub fn reach(self, [left, top, right, bottom]: [f64; 4]) -> (bool, [f32; 4]) {
         let [width, height] = self.size;
+        // NaN is not outside: what cannot be told is kept.
         let outside = (right < -BESIDE) | (bottom < -BESIDE) | (left > width) | (top > height);
         let within = |x: f64, size: f64| x.max(0.0).min(size);
         // No less far beside than f32 rounds.
@@ -216,6 +217,8 @@ impl Frustum {
         let (t, axis) = projection.in_camera(normal);
         // In the camera's frame the cone is k·N ≥ 0 again; it misses a side that lies beyond its angle.
         let length = axis.length();
+        // N·N = sin²α is the same in all frames, so that in the camera's the sine is `sine`/`length`; 1e-9 covers the roundings.
+        // A cone as wide as a hemisphere or wider may reach around any side.
         let narrow = t < 0.0;
         narrow
             && self
@@ -295,6 +298,7 @@ fn bounds(polygon: &[DVec3]) -> Option<[f64; 4]> {
         f64::NEG_INFINITY,
         f64::NEG_INFINITY,
     ];
+    // What is not before the camera has no place on the film.
     let found = polygon.iter().filter(|h| h.z > 0.0).fold(start, |b, h| {
         let (x, y) = (h.x / h.z, h.y / h.z);
         [b[0].min(x), b[1].min(y), b[2].max(x), b[3].max(y)]

@@ -111,6 +111,7 @@ pub(super) fn points([a, b, c]: [f64; 3]) -> f64 {
     let square = half * (half - a) * (half - b) * (half - c);
     // No more than a little where one edge is cut alone. Not for NaN either.
     match square > 0.0 {
+        // The area over √3/4, that of a piece, is the number of pieces; there are half as many points.
         true => square.sqrt() * 2.0 / 3f64.sqrt(),
         false => 0.0,
     }

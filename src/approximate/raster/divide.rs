@@ -17,7 +17,7 @@ use super::cull::{Before, Frustum, Reach, ReachAll, SEEN, UNSEEN};
 use super::cuts::{Cuts, points};
 use super::flatness::{Bend, Edges, LOT};
 use super::method::Tessellation;
-use super::vertices::{SeenVertices, Vertex, extend};
+use super::vertices::{ApparentVertices, Vertex, extend};
 use crate::accel::vectors::dispatch;
 use crate::approximate::projection::ApparentProjection;
 use crate::render::trace::{BuildPlaceHasher, SharedVertices};
@@ -33,7 +33,7 @@ const ENOUGH: usize = 1024;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FrameVertices<'a> {
     pub shared: &'a SharedVertices,
-    pub seen: &'a SeenVertices,
+    pub apparent: &'a ApparentVertices,
 }
 
 /// A triangle that may have to be divided.
@@ -75,7 +75,7 @@ impl<'a> BatchBuilder<'a> {
             divider,
             batch: Batch {
                 frame,
-                shared: divider.vertices.seen.all.len() as u32,
+                shared: divider.vertices.apparent.all.len() as u32,
                 cuts: Vec::new(),
                 places: Vec::new(),
                 pieces: Vec::new(),
@@ -150,7 +150,7 @@ impl<'a> BatchBuilder<'a> {
 
     /// Keeps those of the triangles in `slots` whose corners say that they are straight enough; others that are there are left to be looked at.
     fn add(&mut self, slots: Range<u32>, is_there: impl Fn(u32) -> bool) {
-        let FrameVertices { shared, seen } = self.divider.vertices;
+        let FrameVertices { shared, apparent } = self.divider.vertices;
         let film = self.divider.frustum.edges();
         let mut lot = Box::new(Before::EMPTY);
         self.batch.pieces.reserve(slots.len());
@@ -159,7 +159,7 @@ impl<'a> BatchBuilder<'a> {
             let corners = &shared.corners[begin as usize..end as usize];
             for (at, of_triangle) in corners.iter().enumerate() {
                 for (index, to) in of_triangle.iter().zip(&mut lot.corners) {
-                    let corner = seen.corners[*index as usize];
+                    let corner = apparent.corners[*index as usize];
                     for (to, number) in to.iter_mut().zip(corner) {
                         to[at] = number;
                     }
@@ -215,12 +215,12 @@ impl<'a> BatchBuilder<'a> {
             self.descend();
         }
         self.count();
-        let (mut batch, seen) = (self.batch, &self.divider.vertices.seen.all);
+        let (mut batch, vertices) = (self.batch, &self.divider.vertices.apparent.all);
         if self.divider.cuts.are_too_many() {
             // Not all points have been transformed, and nobody looks at the rest.
             batch.pieces.clear();
         }
-        let film = |piece: &Piece| batch.corners(seen, piece).map(|v| v.film);
+        let film = |piece: &Piece| batch.corners(vertices, piece).map(|v| v.film);
         batch.bins = Bins::new(grid, &batch.pieces, film);
         batch
     }
@@ -263,6 +263,7 @@ impl<'a> BatchBuilder<'a> {
                     for (edge, (a, b)) in ends.into_iter().enumerate() {
                         let needed = a.distance(b) / length;
                         edges.needed[edge][at] = needed;
+                        // What is longer than a whole number of lengths by rounding alone has no part more.
                         edges.parts[edge][at] = (needed * SAME).ceil();
                     }
                 }
@@ -286,7 +287,7 @@ impl<'a> BatchBuilder<'a> {
     #[inline(always)]
     fn vertex(&self, index: u32) -> &Vertex {
         match index.checked_sub(self.batch.shared) {
-            None => &self.divider.vertices.seen.all[index as usize],
+            None => &self.divider.vertices.apparent.all[index as usize],
             Some(own) => &self.batch.cuts[own as usize],
         }
     }
@@ -368,6 +369,7 @@ impl<'a> BatchBuilder<'a> {
     /// The point after the first ⌊n/2⌋ of the n `parts` of an edge, counted from the end whose coordinates are less:
     /// the same from either side of it.
     fn cut(&mut self, a: u32, b: u32, parts: f64) -> u32 {
+        // The same from both triangles of the edge.
         let key = [a.min(b), a.max(b)];
         if let Some(known) = self.points.get(&key) {
             return *known;

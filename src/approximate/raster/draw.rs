@@ -303,7 +303,7 @@ pub(super) struct StripSamples<'a> {
     pub strip: Strip,
     camera_rays: &'a CameraRays,
     /// Whether directions and W of the camera rays have been asked for.
-    has_looks: bool,
+    has_directions: bool,
     surfaces: &'a Surfaces<'a>,
     /// World time that light takes per metre; 0 where retardation is turned off.
     pub index: f64,
@@ -317,7 +317,7 @@ impl StripSamples<'_> {
 
     /// Makes room for one ray for each sample in `rays`, which holds none: the camera rays, where these have been asked for.
     pub fn start(&self, rays: &mut RayBatch) {
-        match self.has_looks {
+        match self.has_directions {
             true => {
                 rays.ratios.extend_from_slice(&self.camera_rays.ratios);
                 (rays.directions).extend_from_slice(&self.camera_rays.directions);
@@ -332,7 +332,7 @@ impl StripSamples<'_> {
 
     /// Makes a ray of `rays` the camera ray of its sample again, where these have been asked for.
     pub fn look(&self, sample: usize, rays: &mut RayBatch) {
-        if self.has_looks {
+        if self.has_directions {
             rays.ratios[sample] = self.camera_rays.ratios[sample];
             rays.directions[sample] = self.camera_rays.directions[sample];
         }
@@ -372,7 +372,7 @@ struct Stage<'a, P> {
     scene: &'a Prepared,
     visibility: &'a P,
     /// Whether directions and W of camera rays are asked for.
-    has_looks: bool,
+    has_directions: bool,
     surfaces: Surfaces<'a>,
     /// Of the medium; 1 where rays have delays of their own.
     index: f64,
@@ -408,7 +408,7 @@ pub(super) fn film<P: Visibility>(
     let is_plain = matches!(scene.background, Background::Observed(_));
     let stage = Stage {
         scene,
-        has_looks: !(visibility.turns_rays() && is_plain && scene.layout.channels.is_empty()),
+        has_directions: !(visibility.turns_rays() && is_plain && scene.layout.channels.is_empty()),
         surfaces: Surfaces::unbuffered(&scene.frames, scene.camera.shot.event, index),
         index,
         visibility,
@@ -495,13 +495,13 @@ impl<P: Visibility> Painter for Stage<'_, P> {
         let Stage { scene, .. } = self;
         let generator = generator(&scene.camera.view);
         generator.place_by_pixel(camera_rays, &scene.sampler, strip.rows, samples);
-        if self.has_looks {
+        if self.has_directions {
             generator.look(camera_rays);
         }
         let strip_samples = StripSamples {
             strip,
             camera_rays,
-            has_looks: self.has_looks,
+            has_directions: self.has_directions,
             surfaces: &self.surfaces,
             index: scene.ray_index,
         };
@@ -569,7 +569,7 @@ impl<P> Stage<'_, P> {
         let samples = StripSamples {
             strip,
             camera_rays,
-            has_looks: self.has_looks,
+            has_directions: self.has_directions,
             surfaces: &self.surfaces,
             index: self.index,
         };

@@ -140,6 +140,7 @@ impl<'a> Even<'a> {
         }
         let slot = batch.pieces[triangle.piece as usize].slot;
         let (triangle, _) = rest.bvh.triangle(slot);
+        // Patches are in the order of their first triangles.
         let after = (rest.patches).partition_point(|patch| patch.first <= triangle);
         let own = after.max(1) - 1;
         let projection = &self.triangles.projections[batch.frame as usize];
@@ -217,6 +218,7 @@ impl Painter for Even<'_> {
             let patch = match patches.get_mut(triangle as usize) {
                 None => NOTHING,
                 Some(known) => {
+                    // Once for each triangle of the tile, whatever number of samples see it.
                     if *known == NOTHING {
                         *known = self.patch_of(&triangles.triangles[triangle as usize]);
                     }
@@ -316,6 +318,7 @@ impl Positions {
             match each {
                 1 => {
                     let (within, salt) = sampler.replicate(samples.start);
+                    // The salt makes it the replicate's key, and taken once more the pixel's again.
                     keys.iter_mut().for_each(|key| *key ^= salt);
                     sampler.offsets(keys, within, x, y);
                     keys.iter_mut().for_each(|key| *key ^= salt);
@@ -415,6 +418,7 @@ impl VectorLoop for AddUp<'_> {
                     }
                     _ => {
                         let factor = if is_seen { self.one } else { 1.0 };
+                        // One after the other, as the ray tracer adds them: a product with their number would be rounded differently.
                         for _ in 0..now {
                             for k in 0..4 {
                                 sum[k] += factor * colour[k];

@@ -42,11 +42,13 @@ impl Map {
         let [columns, rows] = self.size().map(f64::from);
         match self {
             Map::Cube(_) => {
+                // From −1 to 1 over the face; rows go down.
                 let (u, v) = (2.0 * place.x / columns - 1.0, 2.0 * place.y / rows - 1.0);
                 let [axis, a, b] = face(place.face);
                 (axis + a * u + b * v).normalize()
             }
             Map::Panorama(_) => {
+                // Its middle looks along −z.
                 let longitude = (place.x / columns - 0.5) * std::f64::consts::TAU;
                 let latitude = (0.5 - place.y / rows) * std::f64::consts::PI;
                 let (sin, cos) = libm::sincos(longitude);
@@ -62,6 +64,7 @@ impl Map {
             Map::Cube(_) => {
                 let index = face_of(d);
                 let [axis, a, b] = face(index);
+                // A texel's u is a·d/(axis·d), from −1 to 1.
                 let scale = 0.5 / axis.dot(d);
                 Place {
                     face: index,
@@ -71,6 +74,7 @@ impl Map {
             }
             Map::Panorama(_) => {
                 let longitude = libm::atan2(d.x, -d.z);
+                // A unit vector's part may exceed 1 by rounding.
                 let latitude = libm::asin(d.y.clamp(-1.0, 1.0));
                 Place {
                     face: 0,
@@ -89,6 +93,7 @@ impl Map {
 
     fn index(self, face: u32, x: f64, y: f64) -> u32 {
         let [columns, rows] = self.size();
+        // What rounding puts before the first texel the cast makes 0; what it puts behind the last is the last.
         let (column, row) = ((x as u32).min(columns - 1), (y as u32).min(rows - 1));
         (face * rows + row) * columns + column
     }
@@ -113,6 +118,7 @@ impl Map {
             (self.texel(place.face, left, top + 1.0), (1.0 - x) * y),
             (self.texel(place.face, left + 1.0, top + 1.0), x * y),
         ];
+        // The tap that counts most comes first.
         let largest = usize::from(x >= 0.5) + 2 * usize::from(y >= 0.5);
         taps.swap(0, largest);
         taps

@@ -57,24 +57,38 @@ impl<'a> CameraRatios<'a> {
         if !self.differ() && rest_from_world.is_none() {
             return ratios.fill(1.0);
         }
-        let loops = Looks {
-            film: self.film,
+        // The most usual projection is matched here, and not at each film point.
+        match self.film {
+            AnyProjection::Perspective(film) => {
+                self.fill_through(film, rest_from_world, [x, y], corner, ratios);
+            }
+            film => self.fill_through(film, rest_from_world, [x, y], corner, ratios),
+        }
+    }
+
+    /// [`CameraRatios::fill`] by the projection `film`, which is the camera's.
+    fn fill_through<P: Projection>(
+        &self,
+        film: &P,
+        rest_from_world: Option<&Boost<Rest, World>>,
+        points: [&[f64]; 2],
+        corner: [f64; 2],
+        ratios: &mut [f64],
+    ) {
+        dispatch(RatioLoop {
+            film,
             world_from_camera: self.world_from_camera.as_ref(),
             is_unaberrated: self.is_unaberrated,
             rest_from_world,
-            points: [x, y],
+            points,
             corner,
             ratios,
-        };
-        match self.film {
-            AnyProjection::Perspective(film) => dispatch(loops.through(film)),
-            _ => dispatch(loops),
-        }
+        });
     }
 }
 
 /// The loop over film points.
-struct Looks<'a, P> {
+struct RatioLoop<'a, P> {
     film: &'a P,
     world_from_camera: Option<&'a Boost<World, CameraFrame>>,
     is_unaberrated: bool,
@@ -84,37 +98,14 @@ struct Looks<'a, P> {
     ratios: &'a mut [f64],
 }
 
-impl<'a, P> Looks<'a, P> {
-    /// The same through another projection.
-    fn through<Q>(self, film: &'a Q) -> Looks<'a, Q> {
-        let Looks {
-            world_from_camera,
-            is_unaberrated,
-            rest_from_world,
-            points,
-            corner,
-            ratios,
-            ..
-        } = self;
-        Looks {
-            film,
-            world_from_camera,
-            is_unaberrated,
-            rest_from_world,
-            points,
-            corner,
-            ratios,
-        }
-    }
-}
-
-impl<P: Projection> VectorLoop for Looks<'_, P> {
+impl<P: Projection> VectorLoop for RatioLoop<'_, P> {
     #[inline(always)]
     fn run(self) {
         let [left, top] = self.corner;
         let [x, y] = self.points.map(|all| all.chunks(LANES));
         for ((x, y), to) in x.zip(y).zip(self.ratios.chunks_mut(LANES)) {
             let (mut at_x, mut at_y) = ([0.0; LANES], [0.0; LANES]);
+            // The last points are filled up to a whole vector, of which only their part is stored.
             match (x.first_chunk(), y.first_chunk()) {
                 (Some(x), Some(y)) => (at_x, at_y) = (*x, *y),
                 _ => {
@@ -130,6 +121,7 @@ impl<P: Projection> VectorLoop for Looks<'_, P> {
             }
             let mut ratios = [1.0; LANES];
             if let Some(boost) = self.world_from_camera.copied() {
+                // Directions are turned only for a second boost, and only with aberration.
                 if self.is_unaberrated || self.rest_from_world.is_none() {
                     for k in 0..LANES {
                         let d = Direction::from_unit(DVec3::new(dx[k], dy[k], dz[k]));

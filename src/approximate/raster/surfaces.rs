@@ -196,6 +196,7 @@ impl Surface {
         let sum_of = |values: [f64; 3]| e[0] * values[0] + e[1] * values[1] + e[2] * values[2];
         let known = rest.shared_vertices().corners[piece.slot as usize];
         let weights = piece.corners.map(|index| {
+            // A corner of the tree's triangle has its weight by definition; that of a cut follows from its place.
             match (
                 known.iter().position(|own| *own == index),
                 index.checked_sub(batch.shared),
@@ -244,6 +245,7 @@ fn weights([a, b, c]: [DVec3; 3], x: DVec3) -> [f64; 2] {
     let scale = 1.0 / e1.abs().max(e2.abs()).max_element();
     let (e1, e2, p) = (e1 * scale, e2 * scale, (x - a) * scale);
     let n = e1.cross(e2);
+    // Parts of the area, as lengths along the normal.
     [p.cross(e2).dot(n), e1.cross(p).dot(n)].map(|part| part / n.length_squared())
 }
 

@@ -94,7 +94,7 @@ impl<'a> Triangles<'a> {
             tessellation: raster.tessellation,
             vertices: FrameVertices {
                 shared: frames[frame].shared_vertices(),
-                seen: &seen[frame],
+                apparent: &seen[frame],
             },
             cuts: &cuts,
         });
@@ -115,6 +115,7 @@ impl<'a> Triangles<'a> {
             batches,
             attributes: raster.attributes,
             ratios: CameraRatios::of(&scene.camera).ok_or_else(apart)?,
+            // Where all there is lies at the camera's place any unit will do.
             unit: if farthest.is_normal() { farthest } else { 1.0 },
             has_holes: frames.iter().any(|rest| rest.bvh.has_holes()),
             needed: match scene.layout.channels.is_empty()
@@ -250,7 +251,7 @@ mod tests {
                 tessellation: Tessellation::Uniform(0.01),
                 vertices: FrameVertices {
                     shared: frames[frame].shared_vertices(),
-                    seen: &seen[frame],
+                    apparent: &seen[frame],
                 },
                 cuts: &cuts,
             });

@@ -27,7 +27,7 @@ pub(super) type FilmCorner = [f64; 3];
 
 /// The vertices of a rest frame as they are seen.
 #[derive(Debug)]
-pub(super) struct SeenVertices {
+pub(super) struct ApparentVertices {
     pub all: Vec<Vertex>,
     pub corners: Vec<FilmCorner>,
 }
@@ -37,7 +37,7 @@ pub(super) fn transformed(
     projection: &ApparentProjection,
     shared: &SharedVertices,
     straight: Straight,
-) -> SeenVertices {
+) -> ApparentVertices {
     let SharedVertices {
         positions, longest, ..
     } = shared;
@@ -58,7 +58,7 @@ pub(super) fn transformed(
                 }),
             });
         });
-    SeenVertices { all, corners }
+    ApparentVertices { all, corners }
 }
 
 /// Appends the vertices at those of `positions` that `vertices` does not hold yet.
@@ -140,6 +140,7 @@ impl FilmCorners<'_> {
             let ends_straight =
                 straight.around(block.length[at], stretch * longest[at], block.scale[at]);
             let own = block.film.get(at).z;
+            // A z that is not before the camera has the triangles of this corner looked at one by one.
             z[at] = if ends_straight & (own > 0.0) {
                 own
             } else {

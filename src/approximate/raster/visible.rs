@@ -14,13 +14,13 @@ pub(super) struct Buffers {
     /// The tile that was begun last, and how many rows its strips have.
     tile: Option<(Tile, u32)>,
     triangles: TileBuffers,
-    seen: SeenSurfaces,
+    visible: VisibleSurfaces,
     fragments: Fragments,
 }
 
 /// The surfaces of a tile that samples see, set up once they are first asked for.
 #[derive(Debug, Default)]
-struct SeenSurfaces {
+struct VisibleSurfaces {
     /// By triangle of the tile, the index of its surface, where it has been seen.
     seen_as: Vec<u32>,
     /// By surface, its triangle; and the first of them, which are set up.
@@ -28,7 +28,7 @@ struct SeenSurfaces {
     surfaces: SurfaceLots,
 }
 
-impl SeenSurfaces {
+impl VisibleSurfaces {
     /// Forgets those of the last tile, and has none yet of `triangles`.
     fn start(&mut self, triangles: usize) {
         self.seen_as.clear();
@@ -82,7 +82,7 @@ impl Visibility for Triangles<'_> {
         let Buffers {
             tile,
             triangles,
-            seen,
+            visible,
             fragments,
         } = buffers;
         let Some((tile, rows)) = *tile else {
@@ -94,18 +94,18 @@ impl Visibility for Triangles<'_> {
         // Behind a hole any triangle may be seen.
         if strip.is_all_of(tile) && !self.has_holes {
             triangles.cover_tile(&pieces, tile, x, y);
-            seen.start(triangles.triangles.len());
+            visible.start(triangles.triangles.len());
         } else {
             if triangles.complete(&pieces, tile, rows) {
-                seen.start(triangles.triangles.len());
+                visible.start(triangles.triangles.len());
             }
             match strip.each.is_multiple_of(WHOLE) && !self.has_holes {
                 true => {
                     triangles.cover_by_pixels(strip, x, y);
                     triangles.each_run_of_pixels(strip, |triangle, samples| {
-                        fragments.see(seen.of(triangle), samples);
+                        fragments.see(visible.of(triangle), samples);
                     });
-                    let surfaces = seen.complete(self, tile, triangles);
+                    let surfaces = visible.complete(self, tile, triangles);
                     return fragments.finish(self, samples, surfaces, rays);
                 }
                 false => triangles.cover(strip, x, y),
@@ -115,8 +115,8 @@ impl Visibility for Triangles<'_> {
         if self.has_holes {
             for (sample, (x, y)) in x.iter().zip(&*y).enumerate() {
                 let mut is_opaque = |triangle: u32| {
-                    let known = seen.of(triangle);
-                    let surfaces = seen.complete(self, tile, triangles);
+                    let known = visible.of(triangle);
+                    let surfaces = visible.complete(self, tile, triangles);
                     let surface = known.map(|known| &surfaces[known as usize]);
                     surface.is_some_and(|surface| surface.is_opaque(self, *x, *y))
                 };
@@ -129,9 +129,9 @@ impl Visibility for Triangles<'_> {
         }
         // Samples in a row that see one triangle, or none, are one run.
         triangles.each_run(count, |triangle, samples| {
-            fragments.see(seen.of(triangle), samples);
+            fragments.see(visible.of(triangle), samples);
         });
-        let surfaces = seen.complete(self, tile, triangles);
+        let surfaces = visible.complete(self, tile, triangles);
         fragments.finish(self, samples, surfaces, rays);
     }
 }

@@ -124,6 +124,7 @@ impl TileBuffers {
                 is_held: &mut is_held,
             });
             for at in begin..end {
+                // In place: those that are kept move to the front, in their order.
                 let triangle = self.triangles[at];
                 if triangle.only == SEVERAL || is_held[at - begin] != 0 {
                     self.triangles[count] = triangle;
@@ -179,6 +180,7 @@ impl TileBuffers {
         let (x, y) = (of_sample(&self.samples.x), of_sample(&self.samples.y));
         let (mut nearest, mut depth) = (NOTHING, 0.0);
         for (index, of) in (0..).zip(&self.functions) {
+            // What is inside is decided in f32, as where samples are covered; what is nearer, in f64.
             let is_inside = of.edges.iter().all(|[a, b, c]| a * x + b * y + c >= 0.0);
             let [a, b, c] = of.exact;
             let own = a * f64::from(x) + b * f64::from(y) + c;

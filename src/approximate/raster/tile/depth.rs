@@ -47,6 +47,7 @@ impl Samples {
     pub fn start(&mut self, x: &[f64], y: &[f64]) {
         let count = x.len().min(y.len()).min(BLOCKS * LANES);
         let blocks = count.div_ceil(LANES);
+        // NaN is inside of nothing: lanes beyond the last sample see no triangle.
         self.x[..blocks].fill([f32::NAN; LANES]);
         self.y[..blocks].fill([f32::NAN; LANES]);
         self.least[..blocks].fill([0.0; LANES]);

@@ -117,6 +117,7 @@ fn over_row(of: &Functions, row: usize) -> [[u32; SIDE]; 2] {
 /// The least and the greatest value that a function has over each pixel of a row.
 #[inline(always)]
 fn corners_of_row([a, b, c]: [f32; 3], row: usize) -> ([f32; SIDE], [f32; SIDE]) {
+    // The corner at which the function is least, and the opposite one.
     let [left, right] = if a >= 0.0 { [0.0, 1.0] } else { [1.0, 0.0] };
     let row = row as f32;
     let [top, bottom] = if b >= 0.0 {
@@ -263,6 +264,7 @@ impl CoverPixels<'_> {
             self.mix(pixel, row);
         }
         let Pixels { least, most, .. } = &mut *self.pixels;
+        // At other samples what was there is still seen: the bounds hold both.
         least[pixel] = least[pixel].min(low);
         most[pixel] = most[pixel].max(high);
         let (each, of) = (self.strip.each, &self.functions[index as usize]);

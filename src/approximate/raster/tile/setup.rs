@@ -75,8 +75,10 @@ impl VectorLoop for SetUp<'_> {
             let (a, b, c) = (self.corner(0, at), self.corner(1, at), self.corner(2, at));
             let e = [b.cross(c), c.cross(a), a.cross(b)];
             let determinant = a.dot(e[0]);
+            // By the orientation: inside all three functions are positive from either side.
             let sign = 1f64.copysign(determinant);
             let near = (e[0] + e[1] + e[2]) * (self.unit / determinant);
+            // What f32 may get wrong of 1/z anywhere in the tile.
             let bound = ROUNDING * (SIDE as f64 * (near.x.abs() + near.y.abs()) + near.z.abs());
             // Not where the triangle is edge-on, and not for NaN.
             let is_seen = (determinant.abs() > 0.0) & (bound < f64::INFINITY);
@@ -85,6 +87,7 @@ impl VectorLoop for SetUp<'_> {
                 // Equal powers of two on either side of an edge: its two functions stay each other's negatives.
                 let largest = e.x.abs().max(e.y.abs()).max(e.z.abs());
                 let scale = sign * reciprocal_power_of_two(largest);
+                // What is edge-on becomes (0, 0, −1): no point is inside of it.
                 let seen = if is_seen { scale } else { 0.0 };
                 edges[k][0][at] = (e.x * seen) as f32;
                 edges[k][1][at] = (e.y * seen) as f32;
@@ -124,5 +127,6 @@ impl VectorLoop for SetUp<'_> {
 #[inline(always)]
 fn reciprocal_power_of_two(x: f64) -> f64 {
     let exponent = x.to_bits() >> 52;
+    // By its bits: 2046 is twice the bias of exponents. 0 and subnormals have the greatest power that there is.
     f64::from_bits(2046u64.saturating_sub(exponent) << 52)
 }

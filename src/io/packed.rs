@@ -140,6 +140,7 @@ fn value(bits: u16) -> i32 {
 /// The bits of the f16 next to a value in 2⁻²⁴; of zero if that is negative.
 fn bits(value: i64) -> u16 {
     let value = value.clamp(0, i64::from(i32::MAX)) as u64;
+    // A subnormal number is its own bits.
     let Some(shift) = value.checked_ilog2().and_then(|log| log.checked_sub(10)) else {
         return value as u16;
     };

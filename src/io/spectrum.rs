@@ -84,6 +84,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Vec<[f64; 2]>> {
         let Some([nanometres, value]) = numbers(line) else {
             return refuse("this is not two numbers".into(), FORM);
         };
+        // Bounds so far off that nobody means more, and so near that products stay finite.
         if !(nanometres > 0.0 && nanometres <= 1e30) {
             let what = format!("a wavelength of {nanometres} nm is not above 0 and finite");
             return refuse(what, FORM);

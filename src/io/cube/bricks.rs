@@ -124,6 +124,7 @@ impl Room {
         // A sixteenth of the room for each kind of lookup, shared among threads; the cache has the rest.
         let at_hand = (bricks / 16 / threads()).clamp(1, AT_HAND as u64);
         let shards = (bricks / 16).clamp(1, SHARDS as u64);
+        // Beside the cache: bricks at hand, which may have left it, for lookups of three kinds, and one more for each lock.
         let kept = bricks.saturating_sub(3 * at_hand * threads() + shards);
         Room {
             kept: kept as usize,
@@ -588,6 +589,7 @@ impl Bricks {
     /// Counts the bytes of a brick that is read.
     fn note(&self, brick: u64) {
         let bit = 1 << (brick % GROUP);
+        // Bits are for counting alone, so that nothing has to be ordered by them.
         let before = self.seen[(brick / GROUP) as usize].fetch_or(bit, Ordering::Relaxed);
         let again = before & bit != 0;
         if again && self.counts_only {
@@ -616,6 +618,7 @@ impl Held {
 
     #[inline]
     fn slot(of: &Bricks, brick: u64) -> usize {
+        // Bricks side by side, and those of one number in several cubes, go to places far apart.
         let mixed = (brick + (of.number << 40)).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
         // 32 bits of a number below 1, times how many there are: without a division.
         ((mixed * of.at_hand as u64) >> 32) as usize

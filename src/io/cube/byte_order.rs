@@ -108,6 +108,7 @@ impl ByteOrder {
                 let turned = |x: f64| (x as i64).swap_bytes() as f64;
                 bytes_of(samples, turned, |x| (x as i64 as u64 & 255) as u16, true)
             }
+            // Exponents of turned numbers are anywhere: a third of f32's lie beyond 10^±25, two thirds of f64's beyond 10^±100.
             4 => sizes(samples, 1e25, |x| {
                 f64::from(f32::from_bits((x as f32).to_bits().swap_bytes()))
             }),
@@ -234,6 +235,7 @@ fn evenness<const N: usize>(samples: &[f64], bytes: impl Fn(f64) -> [u8; N]) -> 
     let [now, turned] = counts.map(|counts| {
         let all: u64 = counts.iter().sum();
         let pairs: u64 = counts.iter().map(|n| n * n.saturating_sub(1)).sum();
+        // 1 where all 256 values are as frequent.
         256.0 * pairs as f64 / (all * all.saturating_sub(1)) as f64
     });
     let sign = Sign::Evenness;

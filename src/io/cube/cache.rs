@@ -155,6 +155,7 @@ impl<V> Shard<V> {
         }
         let slot = self.slots.swap_remove(self.hand);
         self.places.remove(&slot.key);
+        // The last slot has moved into the gap.
         if let Some(moved) = self.slots.get(self.hand) {
             self.places.insert(moved.key, self.hand);
         }

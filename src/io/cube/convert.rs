@@ -236,6 +236,7 @@ impl<'a> Work<'a> {
         if stride == 0 {
             return Ok(());
         }
+        // Energies of merged bins add up; of densities they have the mean.
         let factor = if self.to_come.density {
             1.0 / merge as f64
         } else {
@@ -312,7 +313,9 @@ impl<'a> Work<'a> {
         #[cfg(feature = "zarr")]
         let zarr = match form {
             Form::Zarr => Some(ZarrFolder::new(to, &dtype, &sizes, axes, times)?),
-            _ => None,
+            #[cfg(feature = "hdf5")]
+            Form::Hdf5 => None,
+            Form::Numpy => None,
         };
         #[cfg(feature = "zarr")]
         let multiple = zarr.as_ref().map_or(1, |zarr| zarr.writer.layer());
@@ -598,7 +601,7 @@ fn encode(sample: f64, dtype: &Dtype, bytes: &mut Vec<u8>) -> Option<()> {
 fn too_large(to: &Path, sample: f64, dtype: &Dtype) -> Error {
     let name = match dtype {
         Dtype::F16 => "f16",
-        _ => "f32",
+        Dtype::F32 | Dtype::F64 | Dtype::Other(_) => "f32",
     };
     let what = format!("{name} cannot hold a sample of {sample:e}");
     let help = "choose a wider type; EXR has none wider than f32";

@@ -149,6 +149,7 @@ impl Pages {
             strides: along,
             count: layout.sizes.iter().product::<usize>() as u64,
             per_brick,
+            // Bricks are pages of the file: the first of them lacks the samples that would lie before the array.
             skew: match layout.start % size {
                 0 => layout.start / size % (1 << per_brick),
                 _ => 0,

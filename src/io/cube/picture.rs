@@ -334,7 +334,7 @@ fn refuse_transfer(file: &Path, transfer: Option<Transfer>) -> Result<()> {
             "this picture is linear by its format",
             "leave out `transfer`",
         )),
-        _ => Ok(()),
+        Some(Transfer::Linear) | None => Ok(()),
     }
 }
 

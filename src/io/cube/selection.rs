@@ -131,7 +131,9 @@ impl Selection {
                 Axis::Channel if size == 4 && taken.without_alpha && taken.channels.is_none() => {
                     Role::Kept(3)
                 }
-                _ => Role::Kept(size),
+                Axis::Row | Axis::Column | Axis::Time | Axis::Channel | Axis::Single => {
+                    Role::Kept(size)
+                }
             };
             roles.push(role);
             if let Role::Kept(_) = role {
@@ -142,7 +144,7 @@ impl Selection {
                     kept.extend([(Axis::Row, size / columns), (Axis::Column, columns)]);
                 }
                 (Role::Kept(size), axis, _) => kept.push((axis, size)),
-                _ => {}
+                (Role::Summed(_) | Role::Chosen(_), ..) => {}
             }
         }
         if choices.next().is_some() {
@@ -192,7 +194,9 @@ impl Selection {
         let samples = match self.dtype {
             Dtype::F16 => CubeSamples::F16(self.gather(from, path, &arrangement, f16::from_f64)?),
             Dtype::F64 => CubeSamples::F64(self.gather(from, path, &arrangement, |x| x)?),
-            _ => CubeSamples::F32(self.gather(from, path, &arrangement, |x| x as f32)?),
+            Dtype::F32 | Dtype::Other(_) => {
+                CubeSamples::F32(self.gather(from, path, &arrangement, |x| x as f32)?)
+            }
         };
         debug_assert_eq!(samples.len(), count);
         Ok(Cube {
@@ -216,7 +220,9 @@ impl Selection {
                     bytes.extend(slab.iter().flat_map(|x| f16::from_f64(*x).to_le_bytes()))
                 }
                 Dtype::F64 => bytes.extend(slab.iter().flat_map(|x| x.to_le_bytes())),
-                _ => bytes.extend(slab.iter().flat_map(|x| (*x as f32).to_le_bytes())),
+                Dtype::F32 | Dtype::Other(_) => {
+                    bytes.extend(slab.iter().flat_map(|x| (*x as f32).to_le_bytes()))
+                }
             }
             to.write_all(&bytes)
                 .map_err(Error::io(path, "cannot write a temporary file for"))
@@ -237,7 +243,9 @@ impl Selection {
                 (numbers.iter_mut()).for_each(|x| *x = f16::from_f64(*x).to_f64());
             }
             Dtype::F64 => {}
-            _ => (numbers.iter_mut()).for_each(|x| *x = f64::from(*x as f32)),
+            Dtype::F32 | Dtype::Other(_) => {
+                (numbers.iter_mut()).for_each(|x| *x = f64::from(*x as f32))
+            }
         }
     }
 
@@ -271,7 +279,7 @@ impl Selection {
         match self.dtype {
             Dtype::F16 => Number::F16,
             Dtype::F64 => Number::F64,
-            _ => Number::F32,
+            Dtype::F32 | Dtype::Other(_) => Number::F32,
         }
     }
 
@@ -358,7 +366,7 @@ impl Selection {
     ) -> Result<()> {
         let summed = |role: &Role| match role {
             Role::Summed(size) => *size,
-            _ => 1,
+            Role::Kept(_) | Role::Chosen(_) => 1,
         };
         let combinations: usize = self.roles.iter().map(summed).product();
         let mut part = Vec::new();

@@ -62,6 +62,7 @@ impl<'a> Shifts<'a> {
             let help = "check the unit of the distances and of the bins' width";
             return refuse(what, help);
         }
+        // A whole number of bins, by which parts of bins stay what they are.
         let ahead = -least.floor() as i64;
         let largest = (most + ahead as f64).ceil() as usize;
         Ok(Shifts { by, ahead, largest })

@@ -119,6 +119,7 @@ impl Store {
                 Lies::Column | Lies::Channel | Lies::Nothing => {}
             }
         }
+        // Rows are axis 0 of a cube, and bins axis 2.
         [0, 1].map(|n| thickness[n].clamp(1, self.shape[2 * n]))
     }
 
@@ -192,6 +193,7 @@ impl Store {
         bins: Range<usize>,
         to: &mut Vec<f64>,
     ) -> Result<()> {
+        // A dead bin is mended from the nearest living ones, which may lie outside.
         let reach = self.dead.reach(bins.clone());
         self.read_stored(rows, columns, reach.clone(), to)?;
         if self.dead.is_empty() || bins.is_empty() {

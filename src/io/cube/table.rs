@@ -84,7 +84,7 @@ fn refuse_transfer(path: &Path, wanted: Wanted) -> Result<()> {
             let what = "an array holds radiance as it is, and no codes of pictures";
             Err(Error::invalid(path, "", what, "leave out `transfer`"))
         }
-        _ => Ok(()),
+        Some(Transfer::Linear) | None => Ok(()),
     }
 }
 

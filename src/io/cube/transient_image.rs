@@ -398,6 +398,7 @@ fn load(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Cube> 
 fn times(reader: &mut dyn ReadSeek, file: &Path) -> Result<Option<FileTimes>> {
     let Header { first, width, .. } = header(reader, file)?;
     Ok(Some(FileTimes {
+        // The file gives the centre of bin 0.
         start: first - 0.5 * width,
         width,
         at_sensor: false,

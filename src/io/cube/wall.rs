@@ -77,6 +77,7 @@ impl Wall {
 pub(super) fn columns_of(points: &[DVec3]) -> Option<usize> {
     let count = points.len();
     let (first, last) = (*points.first()?, *points.last()?);
+    // About a thousandth of the distance of neighbours: so long is the diagonal over the root of the number of points.
     let tolerance = 1e-3 * first.distance(last) / (count as f64).sqrt();
     let is_grid = |columns: usize| {
         let (along, down) = (points[1] - first, points[columns] - first);

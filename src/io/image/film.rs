@@ -244,6 +244,7 @@ fn planes(rgb: &[u8]) -> Vec<u8> {
     let (blue, red) = chroma.split_at_mut(pixels.len());
     for (((pixel, y), cb), cr) in pixels.iter().zip(luma).zip(blue).zip(red) {
         let [r, g, b] = pixel.map(f64::from);
+        // Rec. 709 in the limited range: Y′, and Cb and Cr over 2 (1 − 0.0722) and 2 (1 − 0.2126).
         let brightness = 0.2126 * r + 0.7152 * g + 0.0722 * b;
         let code = |offset: f64, value: f64| (offset + value + 0.5).floor() as u8;
         *y = code(16.0, 219.0 / 255.0 * brightness);

@@ -165,6 +165,7 @@ fn take<'a>(rest: &mut &'a [u8], count: usize) -> Option<&'a [u8]> {
 fn scan_line(rest: &mut &[u8], row: &mut [[u8; 4]]) -> Option<()> {
     let width = row.len();
     match rest.get(..4)? {
+        // The mark of a line whose components follow one another, with its width.
         &[2, 2, high, low] if high < 128 => {
             *rest = &rest[4..];
             let said = usize::from(high) << 8 | usize::from(low);
@@ -222,6 +223,7 @@ fn linear([r, g, b, e]: [u8; 4], factors: &Factors) -> [f32; 3] {
     if e == 0 {
         return [0.0; 3];
     }
+    // The exponent's bias is 128, and mantissas are parts of 256; each stands for the middle of its step.
     let scale = libm::exp2f(f32::from(e) - 136.0) / factors.exposure;
     let [cr, cg, cb] = factors.corrections;
     [(r, cr), (g, cg), (b, cb)].map(|(m, c)| (f32::from(m) + 0.5) * scale / c)

@@ -323,10 +323,12 @@ fn taps(x: f64, n: usize, wrap: Wrap) -> ([usize; 2], f64) {
         Wrap::Repeat => x - x.floor(),
         Wrap::Clamp => x.clamp(0.0, 1.0),
         Wrap::Mirror => {
+            // Every second repetition runs backwards.
             let period = x - 2.0 * (0.5 * x).floor();
             if period > 1.0 { 2.0 - period } else { period }
         }
     };
+    // The centres of texels are at halves.
     let position = inside * n as f64 - 0.5;
     let first = position.floor();
     let index = |i: f64| match wrap {

@@ -81,6 +81,7 @@ fn check_directories(
     };
     let read = (|| -> std::io::Result<Option<String>> {
         let header: [u8; 8] = bytes(reader)?;
+        // BigTIFF has 43 where TIFF has 42, and numbers of 8 bytes.
         let is_big = matches!(header[2..4], [43, 0] | [0, 43]);
         let numbers = Numbers {
             is_little: header.starts_with(b"II"),
@@ -115,6 +116,7 @@ fn check_directories(
                         format!("tag {tag} of picture {picture} holds text in place of numbers");
                     return Ok(Some(what));
                 }
+                // The count, and the value or where it lies.
                 reader.seek_relative(2 * width as i64)?;
             }
             next = match is_big {

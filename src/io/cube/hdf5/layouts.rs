@@ -418,6 +418,7 @@ fn places(file: &File, name: &str, transposed: bool) -> Result<Option<Points>> {
         return Ok(None);
     };
     let sizes: Vec<usize> = sizes.iter().map(|n| *n as usize).collect();
+    // Of a list of three points only the format says which axis has the coordinates.
     let (size, coordinates_first) = match *sizes {
         [3, n] if transposed || n != 3 => ([1, n], true),
         [n, 3] => ([1, n], false),

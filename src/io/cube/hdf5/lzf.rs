@@ -22,11 +22,13 @@ fn decoded(data: &[u8], size: usize) -> Option<Vec<u8>> {
     let mut out: Vec<u8> = Vec::new();
     while let Some(control) = bytes.next() {
         let control = usize::from(control);
+        // Below 32: that many bytes and one more, as they are.
         if control < 32 {
             let before = out.len();
             out.extend(bytes.by_ref().take(control + 1));
             (out.len() == before + control + 1).then_some(())?;
         } else {
+            // The upper three bits and 2 are how many bytes are copied; at 7 a byte more says the rest.
             let more = match control >> 5 {
                 7 => usize::from(bytes.next()?),
                 _ => 0,

@@ -64,6 +64,7 @@ fn array(dtype: &Dtype, sizes: &[usize], axes: &str, times: Option<FileTimes>) -
         &bytes.to_le_bytes(),
     ]
     .concat();
+    // By type: dataspace, datatype, fill value, layout, attributes.
     let mut messages = vec![
         (0x01, space(sizes)),
         (0x03, number(dtype)),
@@ -113,8 +114,10 @@ fn number(dtype: &Dtype) -> Vec<u8> {
         Dtype::F64 => (8, 63, 52, 11, 52, 1023),
         Dtype::F32 | Dtype::Other(_) => (4, 31, 23, 8, 23, 127),
     };
+    // Version 1, class 1 (floating-point); little-endian, with the first 1 of the mantissa implied.
     let mut number = vec![0x11, 0x20, sign, 0];
     number.extend(bytes.to_le_bytes());
+    // Where its bits begin, and how many they are.
     number.extend([0, 0]);
     number.extend((8 * bytes as u16).to_le_bytes());
     number.extend([exponent, exponent_bits, 0, mantissa]);

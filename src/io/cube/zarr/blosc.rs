@@ -21,6 +21,7 @@ pub(super) fn decode(bytes: &[u8], most: u64) -> Result<Vec<u8>, Broken> {
     let short = || "it is too short for Blosc".to_string();
     let header: &[u8; HEADER] = bytes.first_chunk().ok_or_else(short)?;
     let (version, flags, width) = (header[0], header[2], usize::from(header[3]).max(1));
+    // Blosc 1 writes versions 1 and 2 of its format.
     if version > 2 {
         return Err("it is encoded by Blosc 2".into());
     }
@@ -54,6 +55,7 @@ pub(super) fn decode(bytes: &[u8], most: u64) -> Result<Vec<u8>, Broken> {
             let end = at.checked_add(size).ok_or_else(short)?;
             let stream = bytes.get(at..end).ok_or_else(short)?;
             at = end;
+            // A stream as long as what it decodes to is stored as it is; the codec of others is the upper three bits of the flags.
             match size == part {
                 true => own.extend_from_slice(stream),
                 false => own.extend(decompressed(stream, flags >> 5, part)?),
@@ -112,6 +114,7 @@ fn blosclz(from: &[u8], length: usize) -> Option<Vec<u8>> {
                 to.push(bytes.next()?);
             }
         } else {
+            // The upper three bits, 1 to 7, stand for matches of three bytes and more.
             let mut count = usize::from(control >> 5) + 2;
             if control >> 5 == 7 {
                 loop {
@@ -131,6 +134,7 @@ fn blosclz(from: &[u8], length: usize) -> Option<Vec<u8>> {
                 }
                 _ => far + near,
             };
+            // Distance 0 is the byte before.
             let start = to.len().checked_sub(distance + 1)?;
             if to.len() + count > length {
                 return None;

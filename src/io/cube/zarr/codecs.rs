@@ -57,6 +57,7 @@ pub(super) fn decode(
     let expected = (count * number.bytes()) as u64;
     let most = expected + BESIDE;
     let mut bytes = bytes;
+    // Codecs are listed as they encode: decoding goes back.
     for codec in codecs.iter().rev() {
         bytes = match codec {
             Codec::Gzip => gzip(&bytes, most)?,

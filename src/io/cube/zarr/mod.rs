@@ -238,7 +238,7 @@ fn known(path: &Path, wanted: Wanted) -> Result<(Metadata, Selection, Said)> {
     let dtype = match metadata.number {
         Number::F16 => Dtype::F16,
         Number::F32 | Number::I8 | Number::I16 | Number::U8 | Number::U16 => Dtype::F32,
-        _ => Dtype::F64,
+        Number::F64 | Number::I32 | Number::I64 | Number::U32 | Number::U64 => Dtype::F64,
     };
     let selection = Selection::new(&metadata.shape, dtype, &taken)
         .map_err(|(what, help)| invalid(what, &help))?;
@@ -307,7 +307,14 @@ impl Array {
     fn new(metadata: Metadata, room: usize) -> Array {
         let sharded = metadata.codecs.iter().find_map(|codec| match codec {
             Codec::Sharding { inner, .. } => Some(inner.clone()),
-            _ => None,
+            Codec::Transpose { .. }
+            | Codec::Bytes { .. }
+            | Codec::Blosc
+            | Codec::Gzip
+            | Codec::Lz4
+            | Codec::Zlib
+            | Codec::Zstd
+            | Codec::Crc32c => None,
         });
         Array {
             unit: sharded.unwrap_or_else(|| metadata.chunk.clone()),
@@ -332,6 +339,7 @@ impl Array {
         }
         let numbers = self.read_unit(place)?;
         let each = self.kept_bytes();
+        // There is always room for one, however large it is.
         while self.kept.len() * each >= self.room.max(each) {
             if let Some((_, place)) = self.used.pop_first() {
                 self.kept.remove(&place);
@@ -362,7 +370,14 @@ impl Array {
                 has_checksum,
                 at_start,
             } => Some((inner, codecs, *has_checksum, *at_start)),
-            _ => None,
+            Codec::Transpose { .. }
+            | Codec::Bytes { .. }
+            | Codec::Blosc
+            | Codec::Gzip
+            | Codec::Lz4
+            | Codec::Zlib
+            | Codec::Zstd
+            | Codec::Crc32c => None,
         });
         // A unit is a chunk, or a chunk of a shard: `outer` is its file.
         let per_shard: Vec<usize> = chunk

@@ -44,7 +44,7 @@ impl Writer {
             _ if at == 0 => LAYER.min(*size),
             Axis::Time => IN_TIME.min(*size),
             Axis::Channel => *size,
-            _ => ACROSS.min(*size),
+            Axis::Row | Axis::Column | Axis::Single | Axis::Sum | Axis::Choice => ACROSS.min(*size),
         };
         let chunk: Vec<usize> = axes
             .list()

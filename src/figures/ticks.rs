@@ -72,6 +72,7 @@ pub(crate) fn round_step(least: f64) -> f64 {
         }
     };
     let steps = [1.0, 2.0, 5.0].map(scaled);
+    // 1e-9, so that rounding of the range skips no step.
     let enough = steps.into_iter().find(|&step| step >= least * (1.0 - 1e-9));
     enough.unwrap_or(scaled(10.0))
 }
@@ -80,6 +81,7 @@ pub(crate) fn round_step(least: f64) -> f64 {
 pub(crate) fn number(value: f64, step: f64) -> String {
     let whole = |digits: &i32| {
         let scaled = step * power(*digits);
+        // A whole number, but for rounding.
         (scaled - scaled.round()).abs() <= 1e-6 * scaled
     };
     let digits = (0..9).find(whole).unwrap_or(9) as usize;

@@ -2,7 +2,7 @@
 
 use nullray::figures::drawing::{Item, pdf, png, svg};
 use nullray::figures::overlay::{
-    Outline, Overlay, Part, Parts, Seen, Target, apparent, instantaneous, outlines,
+    CentredPicture, Outline, Overlay, Part, Parts, Target, apparent, instantaneous, outlines,
 };
 use nullray::io::image::RgbImage;
 use nullray::render::plan::{Plan, Request};
@@ -24,7 +24,7 @@ fn scene(text: &str) -> Scene {
     scene::parse(text, "test scene", ".".as_ref(), &Overrides::default()).unwrap()
 }
 
-fn films(scene: &Scene, parts: Parts) -> (Seen, Seen) {
+fn films(scene: &Scene, parts: Parts) -> (CentredPicture, CentredPicture) {
     let plan = Plan::new(scene, &Request::default()).unwrap();
     let mut prepared = Prepared::new(scene, &plan, &Silent).unwrap();
     let film = apparent(&mut prepared, parts, &Silent).unwrap();

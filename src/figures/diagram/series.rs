@@ -115,6 +115,7 @@ fn fix_limits(diagram: &mut Diagram, frames: u32) {
         let [from, to] = points
             .iter()
             .fold(ends, |[a, b], e| [a.min(e[i]), b.max(e[i])]);
+        // A twentieth of the whole.
         let air = 0.05 * (to - from).max(0.0);
         [from - air, to + air]
     };

@@ -228,6 +228,7 @@ impl Track {
         let sign = value(start)?;
         let towards = if sign < 0.0 { 1.0 } else { -1.0 };
         let mut near = start;
+        // From a thousandth of a metre on.
         for doubling in -10..DOUBLINGS {
             let far = self.reach(start, towards * 2f64.powi(doubling));
             if value(far)? * towards >= 0.0 {
@@ -268,6 +269,7 @@ impl Track {
         if self.is_straight() {
             return None;
         }
+        // Four per doubling, from a thousandth of a metre on.
         let times = (-40..4 * DOUBLINGS).map(|k| start + towards * libm::exp2(0.25 * f64::from(k)));
         times.map_while(|time| self.at(time)).find_map(|moment| {
             let change = (moment.velocity.rapidity() - before).length();
@@ -331,7 +333,7 @@ fn on_sensor(
     let behind = match sensor.assembly {
         Assembly::Bell => Displacement::new(0.0, element),
         // The focal length is stretched, the sensor is not.
-        _ => {
+        Assembly::Rigid | Assembly::WorldLength => {
             let own = sensor.own_focal_length(forward, state.velocity);
             let offset = Displacement::new(0.0, element - forward * (own - sensor.focal_length));
             state.frame().world_from_frame().displacement(offset)

@@ -48,6 +48,7 @@ fn covered(arrow: Arrow, stroke: &Stroke) -> f64 {
         Cap::Butt => 0.0,
         Cap::Round | Cap::Square => stroke.width / 2.0,
     };
+    // Half way between the two, so that the end of the shaft does not show.
     (narrow + notch) / 2.0 + cap
 }
 
@@ -63,6 +64,7 @@ fn head(contour: &[Piece], arrow: Arrow) -> Option<Path> {
         return None;
     }
     let (u, v) = (x / distance, y / distance);
+    // In the arrow's own axes: behind the tip and beside it.
     let at = |behind: f64, beside: f64| {
         [
             tip[0] - behind * u - beside * v,
@@ -99,6 +101,7 @@ impl Piece {
     fn last_parameter(&self, far: impl Fn([f64; 2]) -> bool) -> Option<f64> {
         const STEPS: u32 = 32;
         let at = |i: u32| f64::from(i) / f64::from(STEPS);
+        // Curves are not always monotone: the last of 32 steps, then bisection.
         let i = (0..=STEPS).rev().find(|&i| far(self.until(at(i)).to))?;
         let (mut low, mut high) = (at(i), at((i + 1).min(STEPS)));
         while high - low > f64::EPSILON {
@@ -127,7 +130,7 @@ impl Piece {
                 let to = mix(abc, bcd);
                 (Segment::Cubic(ab, abc, to), to)
             }
-            _ => {
+            Segment::Move(_) | Segment::Line(_) | Segment::Close => {
                 let to = mix(self.from, self.to);
                 (Segment::Line(to), to)
             }
@@ -145,7 +148,7 @@ impl Piece {
             segment: match self.segment {
                 Segment::Quadratic(a, _) => Segment::Quadratic(a, self.from),
                 Segment::Cubic(a, b, _) => Segment::Cubic(b, a, self.from),
-                _ => Segment::Line(self.from),
+                Segment::Move(_) | Segment::Line(_) | Segment::Close => Segment::Line(self.from),
             },
             to: self.from,
         }

@@ -65,6 +65,7 @@ fn path_item(path: &Path, fill: &Option<Fill>, stroke: &Option<Stroke>) -> Verdi
         length("the hatch's spacing", spacing)?;
         length("the hatch's width", width)?;
         let size = path.bounds().map_or([0.0; 2], |area| area.size());
+        // Only what is seen is hatched: less than twice the longest side.
         if size[0].hypot(size[1]).min(2.0 * LONGEST_SIDE) / spacing > MOST_LINES {
             let what =
                 format!("a hatch of spacing {spacing} has more than {MOST_LINES} lines here");
@@ -170,7 +171,7 @@ fn contours(path: &Path) -> Verdict {
                 return Err((what, "a move first, and after every close"));
             }
             Segment::Close => open = false,
-            _ => {}
+            Segment::Line(_) | Segment::Quadratic(..) | Segment::Cubic(..) => {}
         }
     }
     points(path).try_for_each(coordinate)

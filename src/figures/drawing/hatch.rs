@@ -18,10 +18,12 @@ pub(super) fn lines(hatch: &Hatch, area: Rect, page: Rect) -> Path {
     let along = range(seen, [cos, -sin], hatch.width);
     let first = (across[0] / hatch.spacing).ceil();
     let last = (across[1] / hatch.spacing).floor();
+    // At most MOST_LINES, as `check` has it.
     let count = (last - first + 1.0).clamp(0.0, MOST_LINES) as u32;
     let mut segments = Vec::with_capacity(2 * count as usize);
     for k in 0..count {
         let d = (first + f64::from(k)) * hatch.spacing;
+        // Along the lines is (cos, −sin), across them (sin, cos).
         let at = |u: f64| [u * cos + d * sin, d * cos - u * sin];
         segments.extend([Segment::Move(at(along[0])), Segment::Line(at(along[1]))]);
     }

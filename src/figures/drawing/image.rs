@@ -32,7 +32,9 @@ pub(crate) fn push_base64(text: &mut String, bytes: &[u8]) {
         let byte = |i: usize| u32::from(chunk.get(i).copied().unwrap_or(0));
         let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
         for digit in 0..4 {
+            // Digits are of six bits, the highest first.
             let value = bits >> (18 - 6 * digit) & 63;
+            // n bytes fill n + 1 digits.
             text.push(match digit <= chunk.len() {
                 true => char::from(DIGITS[value as usize]),
                 false => '=',

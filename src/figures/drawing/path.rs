@@ -159,6 +159,7 @@ fn inner_slope([h0, h1]: [f64; 2], [d0, d1]: [f64; 2]) -> f64 {
         // A turning point: any other slope would overshoot it.
         return 0.0;
     }
+    // The slope of the shorter step counts for more.
     let (w0, w1) = (2.0 * h1 + h0, h1 + 2.0 * h0);
     (w0 + w1) / (w0 / d0 + w1 / d1)
 }

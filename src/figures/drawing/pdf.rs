@@ -101,6 +101,7 @@ fn write_font(pdf: &mut Pdf, first: Ref, leans: bool, glyphs: &Glyphs) -> Result
     described.system_info(system).font_descriptor(descriptor);
     let mut widths = described.widths();
     for (glyph, (_, advance)) in glyphs {
+        // PDF counts widths in thousandths of the size.
         widths.same(*glyph, *glyph, float(1000.0 * advance));
     }
     widths.finish();
@@ -112,6 +113,7 @@ fn write_font(pdf: &mut Pdf, first: Ref, leans: bool, glyphs: &Glyphs) -> Result
         false => FontFlags::empty(),
     };
     let mut details = pdf.font_descriptor(descriptor);
+    // Its encoding is its own (Identity-H), not one of Latin text.
     details
         .name(name)
         .flags(FontFlags::SERIF | FontFlags::SYMBOLIC | slope);
@@ -220,6 +222,7 @@ impl<'a> Page<'a> {
         let mut content = Content::new();
         // y runs down from the top.
         content.transform([1.0, 0.0, 0.0, -1.0, 0.0, float(height)]);
+        // As SVG has it by default.
         content.set_miter_limit(4.0);
         Page {
             content,
@@ -279,6 +282,7 @@ impl<'a> Page<'a> {
             for glyph in run {
                 // Thousandths of the size, to the left.
                 let back = 1000.0 * (end - glyph.at[0]) / glyph.size;
+                // Less is rounding.
                 if back.abs() > 0.01 {
                     items.adjust(float(back));
                 }

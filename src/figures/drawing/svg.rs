@@ -55,7 +55,7 @@ fn holds_image(marks: &[Mark]) -> bool {
     marks.iter().any(|mark| match mark {
         Mark::Image { .. } => true,
         Mark::Clip { marks, .. } => holds_image(marks),
-        _ => false,
+        Mark::Fill { .. } | Mark::Line { .. } | Mark::Text { .. } => false,
     })
 }
 
@@ -204,6 +204,7 @@ impl Svg {
         self.attribute("lengthAdjust", "spacingAndGlyphs");
         self.attribute("text-anchor", anchor);
         if text.angle != 0.0 {
+            // SVG turns clockwise.
             let turn = number(-text.angle.to_degrees());
             self.attribute("transform", &format!("rotate({turn} {x} {y})"));
         }

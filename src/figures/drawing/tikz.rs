@@ -107,6 +107,7 @@ fn node(text: &Text) -> String {
     let (sin, cos) = libm::sincos(text.angle);
     let [px, py] = [text.at[0] + sin * down, text.at[1] + cos * down];
     let size = number(text.size);
+    // \fontsize wants a distance of lines too: LaTeX's own sizes have 1.2 times theirs.
     let leading = number(1.2 * text.size);
     let turn = match text.angle {
         0.0 => String::new(),

@@ -149,6 +149,7 @@ impl Grid<'_> {
             2 => (x, y + 1, [x0 + between(b, a), y0 + 1.0]),
             _ => (x, y, [x0, y0 + between(b, a)]),
         };
+        // Horizontal edges are even, vertical ones odd.
         let vertical = side % 2;
         let edge = 2 * (row * self.width + column) + vertical;
         Some(Crossing { edge, at })

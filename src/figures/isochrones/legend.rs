@@ -99,6 +99,7 @@ impl Legend {
     /// The colours, one row of pixels at a time.
     fn bar(&self) -> Item {
         let rows = (self.bottom - self.top).max(1.0) as u32;
+        // The middle of a row; the latest is at the top.
         let part = |row: u32| 1.0 - (f64::from(row) + 0.5) / f64::from(rows);
         Item::Image {
             image: RgbImage {
@@ -145,6 +146,7 @@ impl Legend {
             let y = self.height_of(*ct);
             let tick = Path::line([x, y], [x + 0.25 * em * out, y]);
             let stroke = Stroke::new(INK, (em / 16.0).max(1.0));
+            // A third of an em down puts the middle of digits at the tick.
             [Item::stroked(tick, stroke), text(label, y + 0.32 * em)]
         });
         ticks.chain([text(&scale.head, self.head)]).collect()
@@ -181,6 +183,7 @@ impl Scale {
     fn distance(range: &Range, room: f64, em: f64) -> Result<Scale> {
         let unit = Unit::metres(range.low.abs().max(range.high.abs()));
         let every = every(range, room);
+        // So many lines apart that labels do not touch.
         let chosen = range.lines().filter(|line| line % every == 0);
         let step = unit.count(range.step * every as f64);
         let ticks = chosen.map(|line| {
@@ -212,6 +215,7 @@ impl Scale {
         let step = round_step((high - low) / (room / 2.5).min(9.0));
         let base = unit.count(1.0 / c);
         let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+        // Ten at most; the bound is for ranges that rounding spoils.
         let ticks = (first..=last).take(50).map(|i| {
             let t = i as f64 * step;
             Ok((t / base, RichText::plain(&number(t, step))?))

@@ -47,9 +47,11 @@ impl Page {
         // Small pictures are enlarged by whole factors, so that pixels stay squares.
         let scale = (COMFORTABLE / width.max(height)).max(1);
         let [w, h] = [width, height].map(|n| f64::from(n) * f64::from(scale));
+        // With the height of the picture, but never below what can be read.
         let em = (0.035 * h).clamp(15.0, 40.0);
         let margin = (1.2 * em).round();
         let top = (margin + 2.0 * em).round();
+        // Low pictures have a legend higher than themselves.
         let bar_height = (h - 1.6 * em).max(12.0 * em);
         let legend = match range {
             Some(range) => Some(Legend::lay_out(

@@ -60,6 +60,7 @@ fn shade(ct: f64, range: Option<Range>) -> [u8; 3] {
 /// The stroke of line `number`, in the picture and on the legend: dark on bright colours and bright on dark ones.
 pub(super) fn stroke(range: &Range, number: i64, width: f64) -> Stroke {
     let heavy = is_heavy(number);
+    // Viridis is dark below its middle.
     let colour = match range.part(number as f64 * range.step) < 0.5 {
         true => Colour::WHITE,
         false => Colour::rgb(24, 16, 40),

@@ -94,6 +94,7 @@ fn widened(low: f64, high: f64) -> (f64, f64) {
     if high - low > 1e-9 * size {
         return (low, high);
     }
+    // About 0 a thousandth of it is nothing: one of a unit.
     let margin = if size > 1e-12 { 1e-3 * size } else { 1e-3 };
     (low - margin, high + margin)
 }

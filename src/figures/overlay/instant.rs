@@ -21,7 +21,7 @@ use crate::scene::model::{Equations, Scene};
 /// A picture of one ray through the centre of each pixel.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
-pub struct Seen {
+pub struct CentredPicture {
     /// The channels.
     pub film: Film,
     /// The outlines of objects, where they are wanted.
@@ -33,7 +33,11 @@ pub struct Seen {
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` is cancelled.
-pub fn apparent(prepared: &mut Prepared, parts: Parts, progress: &dyn Progress) -> Result<Seen> {
+pub fn apparent(
+    prepared: &mut Prepared,
+    parts: Parts,
+    progress: &dyn Progress,
+) -> Result<CentredPicture> {
     centred(prepared, parts.needs(), progress)
 }
 
@@ -45,7 +49,7 @@ pub fn centred(
     prepared: &mut Prepared,
     channels: Vec<Aov>,
     progress: &dyn Progress,
-) -> Result<Seen> {
+) -> Result<CentredPicture> {
     let layout = Layout {
         samples: 1,
         pixel_centers: true,
@@ -64,7 +68,7 @@ pub fn centred(
         })?,
         None => Vec::new(),
     };
-    Ok(Seen { film, outlines })
+    Ok(CentredPicture { film, outlines })
 }
 
 /// Takes the picture of identities ([`Aov::Object`]) without delay and aberration, one ray through the
@@ -79,7 +83,7 @@ pub fn instantaneous(
     scene: &Scene,
     prepared: &mut Prepared,
     progress: &dyn Progress,
-) -> Result<Seen> {
+) -> Result<CentredPicture> {
     let mut scene = scene.clone();
     scene.equations = Equations::Exact;
     scene.effects.aberration = false;

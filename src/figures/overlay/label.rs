@@ -81,6 +81,7 @@ impl Labels {
         }
         let mut best: Option<(usize, [[f64; 2]; 3])> = None;
         for place in PLACES {
+            // The chord of the line that is as long as the text.
             let [a, m, b] = [-0.5, 0.0, 0.5].map(|k| at(line, &lengths, place * whole + k * width));
             let half = 0.5 * width + GAP;
             let rest = [
@@ -89,6 +90,7 @@ impl Labels {
             ];
             let [x, y] = [b[0] - a[0], b[1] - a[1]];
             let is_straight = x.hypot(y) >= STRAIGHT * width;
+            // Three discs cover the text: their centres are half a width apart.
             let discs = [a, m, b].map(|centre| (centre, 0.3 * width + 0.5 * SIZE));
             if !is_straight || !discs.iter().all(|disc| self.is_free(*disc)) {
                 continue;
@@ -112,6 +114,7 @@ impl Labels {
         let label = style::label(text, m, colour, SIZE);
         self.places.push(Place::between(a, b, SIZE));
         Ok(Some(Text {
+            // y runs down.
             angle: libm::atan2(-y, x),
             ..label
         }))

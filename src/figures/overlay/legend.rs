@@ -162,7 +162,7 @@ impl Sample {
             Sample::Pointer(Target::Ahead(_) | Target::Behind(_)) => 12.0 + GAP,
             Sample::Pointer(Target::Outside(_)) => 26.0 + GAP,
             Sample::Nothing => 0.0,
-            _ => SAMPLE + GAP,
+            Sample::Apparent | Sample::Instantaneous | Sample::Isochrones => SAMPLE + GAP,
         }
     }
 
@@ -178,8 +178,10 @@ impl Sample {
                 items
             }
             Sample::Pointer(Target::Outside(_)) => {
+                // The shaft of 24 points, and its border.
                 symbol(Target::Outside([1.0, 0.0]), [x + 25.0, y])
             }
+            // RADIUS, and the border of the ring.
             Sample::Pointer(target) => symbol(target, [x + 6.0, y]),
             Sample::Bar(length) => {
                 let tick = |at: f64| Path::line([at, y - 2.5], [at, y + 2.5]);

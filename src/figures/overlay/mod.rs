@@ -28,7 +28,7 @@ mod pointer;
 mod style;
 mod times;
 
-pub use instant::{Seen, apparent, centred, instantaneous};
+pub use instant::{CentredPicture, apparent, centred, instantaneous};
 pub use outline::{Outline, outlines};
 pub use page::{bytes, png_scale};
 pub use parts::{Part, Parts};
@@ -108,8 +108,8 @@ impl Overlay {
     /// isochrones.
     pub fn trace(
         scene: &Scene,
-        apparent: Option<&Seen>,
-        instantaneous: Option<&Seen>,
+        apparent: Option<&CentredPicture>,
+        instantaneous: Option<&CentredPicture>,
         parts: Parts,
         step: Option<f64>,
     ) -> Result<Overlay> {
@@ -120,11 +120,11 @@ impl Overlay {
         let times = apparent.and_then(|seen| seen.film.aov(Aov::EventCt));
         let times = times.filter(|_| parts.has(Part::Isochrones));
         let isochrones = times.map(|ct| Isochrones::trace(size, ct, step));
-        let outlined = |seen: Option<&Seen>| {
+        let outlined = |seen: Option<&CentredPicture>| {
             let seen = seen.filter(|_| parts.has(Part::Outlines));
             seen.map_or(Vec::new(), |seen| seen.outlines.clone())
         };
-        let identities = |seen: Option<&Seen>| {
+        let identities = |seen: Option<&CentredPicture>| {
             let seen = seen.filter(|_| parts.has(Part::Outlines));
             let ids = seen.and_then(|seen| seen.film.aov(Aov::Object));
             ids.map_or(Vec::new(), |ids| ids.iter().map(|id| *id as i32).collect())

@@ -22,6 +22,7 @@ impl<'a> Regions<'a> {
             return None;
         }
         let mut runs = vec![1; objects.len()];
+        // Pixels of the same object from here to the right, counted from the right.
         for i in (0..objects.len() - 1).rev() {
             if (i + 1) % size[0] != 0 && objects[i] == objects[i + 1] {
                 runs[i] = runs[i + 1] + 1;
@@ -55,6 +56,7 @@ impl<'a> Regions<'a> {
         let mut places: Vec<[f64; 2]> = middles.collect();
         let far = |place: &[f64; 2]| (place[0] - middle[0]).hypot(place[1] - middle[1]);
         places.sort_by(|a, b| far(a).total_cmp(&far(b)));
+        // At most PLACES, evenly thinned.
         let thin = places.len().div_ceil(PLACES).max(1);
         places.into_iter().step_by(thin).collect()
     }

@@ -72,6 +72,7 @@ pub fn outlines(
     }
     let edges = Edges::find(size, objects, &mut look)?;
     let mut areas = areas(size, objects);
+    // Small objects first: an edge is drawn once, as that of the smaller of the two.
     areas.sort_by_key(|area| (area.count, area.object));
     let mut taken = BTreeSet::new();
     let traced = areas.iter().map(|area| Outline {
@@ -245,6 +246,7 @@ impl Edges {
             let middles: Vec<_> = changes.iter().map(Change::middle).collect();
             let seen = look(&middles)?;
             for (change, seen) in changes.iter_mut().zip(seen) {
+                // The half in which the object changes.
                 let middle = 0.5 * (change.between[0] + change.between[1]);
                 change.between[usize::from(seen != change.object)] = middle;
             }
@@ -260,6 +262,7 @@ impl Edges {
 
     /// The lines of one object, without what others have `taken`.
     fn trace(&self, area: &Area, objects: &[f64], taken: &mut BTreeSet<usize>) -> Vec<Polyline> {
+        // Squares lie between pixel centres: one more to the left and above.
         let min = area.min.map(|side| side.saturating_sub(1));
         let last = [0, 1].map(|axis| area.max[axis].min(self.size[axis].saturating_sub(2)));
         let object = area.object as f64;
@@ -289,6 +292,7 @@ impl Edges {
         };
         // Top, right, bottom, left; pairs of pixels are numbered by their first one.
         let edges = [
+            // As `changes` numbers them: 2i to the right of pixel i, 2i + 1 below it.
             2 * first,
             2 * (first + 1) + 1,
             2 * (first + width),

@@ -272,17 +272,19 @@ fn pointed(place: &Place, pointer: &Pointer, labels: &mut Labels) -> Result<Vec<
     // Behind the arrow, or above the sign first.
     let places: Vec<[f64; 2]> = match pointer.target {
         Target::Outside([x, y]) => {
+            // Behind the shaft of 24 points.
             let first = 34.0 + 0.5 * width * x.abs();
             let backs = (0..12).map(|k| first + 10.0 * f64::from(k));
             backs.map(|back| [-back * x, -back * y]).collect()
         }
-        _ => {
+        Target::Ahead(_) | Target::Behind(_) => {
             let (up, aside) = (RADIUS + 7.0, RADIUS + 5.0 + 0.5 * width);
             vec![[0.0, -up], [0.0, up], [aside, 0.0], [-aside, 0.0]]
         }
     };
     let places = places.iter().map(|[x, y]| {
         [
+            // Half of the text and its halo stay on the page.
             kept(at[0] + x, 0.5 * width + 4.0, place.size[0]),
             kept(at[1] + y, 7.0, place.size[1]),
         ]
@@ -304,6 +306,7 @@ fn arrow_tip(place: &Place, way: [f64; 2]) -> [f64; 2] {
     let middle = place.size.map(|side| 0.5 * side);
     let reach = [0, 1].map(|i| match way[i] == 0.0 {
         true => f64::INFINITY,
+        // Room for the head and its border.
         false => (middle[i] - 6.0).max(0.0) / way[i].abs(),
     });
     let far = reach[0].min(reach[1]);

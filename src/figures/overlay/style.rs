@@ -75,6 +75,7 @@ impl Pen {
             width: arrow.width + 3.0 * self.border,
         };
         let border = Stroke {
+            // Shaft and head of an arrow overlap, which would show unless they are opaque.
             colour: DARK.with_alpha(if end.is_some() { 255 } else { 170 }),
             width: self.width + 2.0 * self.border,
             end: end.map(wider),
@@ -101,6 +102,7 @@ pub(super) fn symbol(target: Target, at: [f64; 2]) -> Vec<Item> {
         }
         Target::Behind(_) => {
             let mut items: Vec<Item> = POINTER.draw(ring).into();
+            // The dot of ⊙.
             items.extend(POINTER.draw(Path::circle(at, 0.7)));
             items
         }
@@ -126,6 +128,7 @@ pub(super) fn speed(velocity: crate::spacetime::Velocity) -> Result<RichText> {
     let told = |decimals: &usize| {
         let rounded =
             (beta * libm::pow(10.0, *decimals as f64)).round() / libm::pow(10.0, *decimals as f64);
+        // To 1 % of β and of 1 − β, whichever is less.
         rounded < 1.0 && (rounded - beta).abs() <= 0.01 * beta.min(1.0 - beta)
     };
     match (1..=8).find(told) {

@@ -49,6 +49,7 @@ impl Isochrones {
         check(&range)?;
         let [width, height] = size.map(|side| side as usize);
         let grid = Grid { width, height, ct };
+        // Densities are per pixel, and lines may be CLOSEST parts of the longer side apart.
         let crowded = 1.0 / (CLOSEST * f64::from(size[0].max(size[1])));
         let unit = Unit::metres(range.low.abs().max(range.high.abs()));
         let lines = isochrones(&grid, &range, crowded).into_iter();

@@ -168,6 +168,7 @@ impl<'a> Arrival<'a> {
         let state = state.ok_or_else(|| refuse("it is not on its world line then".into()))?;
         let by_paper = scene.equations == Equations::Paper2015 && model.rotation.is_none();
         Ok(Arrival {
+            // Through the pixel's centre.
             film: AnyProjection::new(model).vector(f64::from(column) + 0.5, f64::from(row) + 0.5),
             shot: prepared.camera.shot.event,
             has_element: model.sensor.is_some() && !by_paper,
@@ -202,6 +203,7 @@ impl<'a> Arrival<'a> {
         if sensor.assembly == Assembly::Bell && self.model.rotation.is_none() {
             return Some(self.state.event + Displacement::new(0.0, element));
         }
+        // The focal length that the camera measures itself.
         let own = sensor.own_focal_length(forward, self.state.velocity);
         let mut place = element - forward * (own - sensor.focal_length);
         if let Some(rotation) = self.model.rotation {
@@ -210,6 +212,7 @@ impl<'a> Arrival<'a> {
                 Pivot::Pinhole => DVec3::ZERO,
                 Pivot::Sensor => forward * -own,
             };
+            // Turning about the centre: c + R (p − c).
             place = centre + turn * (place - centre);
         }
         let offset = Displacement::new(0.0, place);

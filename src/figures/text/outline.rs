@@ -106,7 +106,7 @@ pub fn bounds(segments: &[Segment]) -> Option<Rect> {
                 extremes([from, third(from), third(p), p], &mut points);
             }
             Segment::Cubic(a, b, p) => extremes([from, a, b, p], &mut points),
-            _ => {}
+            Segment::Move(_) | Segment::Line(_) | Segment::Close => {}
         }
         if let Some(end) = segment.end() {
             points.push(end);

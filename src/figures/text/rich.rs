@@ -250,7 +250,7 @@ impl Place {
         match run.level {
             Level::Line if upright => self.overhang,
             Level::Superscript => self.overhang,
-            _ => 0.0,
+            Level::Line | Level::Subscript => 0.0,
         }
     }
 

@@ -117,12 +117,15 @@ impl<'a> Setter<'a> {
                 Style::Italic => &self.italic,
             };
             let scale = size / f64::from(face.units_per_em());
+            // Kerning is between glyphs of one font.
             if let Some((_, previous)) = previous.filter(|(font, _)| *font == style) {
                 self.outline.width += f64::from(kerning(face, previous, glyph)) * scale;
             }
             let advance = f64::from(face.glyph_hor_advance(glyph).unwrap_or(0));
             let right = face.glyph_bounding_box(glyph).map_or(0, |ink| ink.x_max);
+            // Italic letters lean out over their advance.
             self.overhang = (f64::from(right) - advance).max(0.0) * scale;
+            // y runs down on pages, up in fonts.
             let mut pen = Pen {
                 origin: [self.outline.width, -rise],
                 scale,

@@ -91,7 +91,11 @@ fn straight(path: &Path) -> Option<Vec<[f64; 2]>> {
     let point = |(i, segment): (usize, &Segment)| match *segment {
         Segment::Move(point) if i == 0 => Some(point),
         Segment::Line(point) if i > 0 => Some(point),
-        _ => None,
+        Segment::Move(_)
+        | Segment::Line(_)
+        | Segment::Quadratic(..)
+        | Segment::Cubic(..)
+        | Segment::Close => None,
     };
     path.0.iter().enumerate().map(point).collect()
 }

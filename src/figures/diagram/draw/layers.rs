@@ -105,6 +105,7 @@ pub(super) fn head(panel: &Panel, map: &Map, ends: [Point; 2]) -> Option<(Point,
     let [from, to] = panel.limits.segment(ends[0], ends[1])?;
     let height = map.at(to)[1] - map.at(from)[1];
     let size = (height.abs() / HEADED).min(1.0);
+    // A little beyond the middle: the head lies before its tip.
     (height.abs() > HEADLESS).then(|| (from.plus(0.55, to.from(from)), size))
 }
 
@@ -173,6 +174,7 @@ impl Pen<'_> {
                 };
                 let at = self.map.at(tip);
                 let way = (at[0] - from[0]).hypot(at[1] - from[1]);
+                // A piece of seven points that carries the head along.
                 let back =
                     [0, 1].map(|i| at[i] - (at[i] - from[i]) * 7.0 * size / way.max(7.0 * size));
                 items.push(Item::stroked(Path::line(back, at), head));
@@ -222,6 +224,7 @@ impl Pen<'_> {
             let stroke = Stroke::new(colour, 0.9 * self.theme.width).rounded();
             let dash: &[f64] = match interval.kind {
                 Kind::Timelike => &[],
+                // With round caps: dots.
                 Kind::Spacelike => &[0.1, 3.0],
                 Kind::Null => &[6.0, 2.5],
             };
@@ -234,6 +237,7 @@ impl Pen<'_> {
     fn band(&self, ends: [Point; 2], band: Stroke) -> Item {
         let [a, b] = ends.map(|end| self.map.at(end));
         let [x, y] = [b[0] - a[0], b[1] - a[1]];
+        // Half of its width over its length.
         let half = 0.5 * band.width / x.hypot(y).max(f64::MIN_POSITIVE);
         let [u, v] = [-y * half, x * half];
         let corners = [

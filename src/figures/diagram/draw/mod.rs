@@ -89,7 +89,7 @@ fn beside(rect: Rect) -> Rect {
 fn boxes(labels: &[Item]) -> Result<Vec<Rect>> {
     let texts = labels.iter().filter_map(|item| match item {
         Item::Text(text) => Some(text.bounds()),
-        _ => None,
+        Item::Path { .. } | Item::Image { .. } | Item::Clip { .. } => None,
     });
     texts.collect()
 }

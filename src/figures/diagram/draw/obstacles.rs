@@ -73,6 +73,7 @@ fn areas(ground: &mut Ground, panel: &Panel, map: &Map, theme: &Theme) {
 
 /// The sides of the panel where shade ends at them.
 fn sides(ground: &mut Ground, edge: &[[f64; 2]], Rect { min, max }: Rect) {
+    // In pieces, since shade may end anywhere along a side.
     let height = |k: u32| min[1] + (max[1] - min[1]) * f64::from(k) / f64::from(PIECES);
     for (x, inner) in [(min[0], min[0] + INNER), (max[0], max[0] - INNER)] {
         // Just within the panel: on its very side the shade's own edge decides either way.

@@ -108,6 +108,7 @@ impl Pen<'_> {
         let floor = self.polygon(&solid.floor);
         let mut items = vec![Item::filled(floor.clone(), ink.with_alpha(FLOOR))];
         let grid = solid.grid.iter();
+        // Alphas of 255: the grid is fainter than the edge of the floor, shadows are clearer.
         items.extend(grid.map(|line| self.line(*line, thin(ink.with_alpha(38), 0.3))));
         items.push(Item::stroked(floor, thin(ink.with_alpha(90), 0.35)));
         for (i, shadow) in solid.shadows.iter().enumerate() {
@@ -269,6 +270,7 @@ impl Pen<'_> {
     /// Where between two points what was `before` changes.
     fn edge(&self, from: Point, to: Point, before: bool) -> Point {
         let (mut low, mut high) = (0.0, 1.0);
+        // Bisection: `low` is like the first point, `high` like the second.
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
             match self.is_hidden(from.plus(middle, to.from(from))) == before {

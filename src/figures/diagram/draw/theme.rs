@@ -63,6 +63,7 @@ impl Theme {
     /// The stroke of the i-th world line.
     pub fn world_line(&self, i: usize, colour: Colour) -> Stroke {
         let stroke = Stroke::new(colour, self.width).rounded();
+        // Whole, dashed, dash-dotted, dotted: told apart without their colours.
         let pattern: &[f64] = match i % 4 {
             _ if !self.patterns => &[],
             0 => &[],

@@ -115,6 +115,7 @@ impl<'a> Words<'a> {
         let mut all = Vec::new();
         for axes in &self.panel.axes {
             let colour = frame_colour(self.panel, self.theme, axes.frame);
+            // Ways from the end of the axis, best first; y runs down.
             let up = [
                 [-0.9, 0.3],
                 [0.9, 0.3],
@@ -201,6 +202,7 @@ impl<'a> Words<'a> {
                 all.extend(numbers(axis, &[[0.9, 0.4], [0.9, -0.4], [0.9, 0.0]]));
             }
         }
+        // Numbers of clocks stand to the right of their lines.
         for (i, line) in self.panel.world_lines.iter().enumerate() {
             let colour = line_colour(self.panel, self.theme, i);
             let sides = vec![[1.0, 0.0], [0.9, 0.4], [0.9, -0.4]];
@@ -410,6 +412,7 @@ impl<'a> Words<'a> {
 fn normals(a: [f64; 2], b: [f64; 2]) -> [[f64; 2]; 2] {
     let [x, y] = [b[0] - a[0], b[1] - a[1]];
     let length = x.hypot(y).max(f64::MIN_POSITIVE);
+    // y runs down: the first points upwards.
     let up = if x < 0.0 { 1.0 } else { -1.0 };
     let normal = [-up * y / length, up * x / length];
     [normal, normal.map(|v| -v)]

@@ -57,6 +57,7 @@ pub(super) fn all(view: &View, limits: &Limits) -> Vec<Axes> {
 
 /// The view's own: through its origin, or along the edges where that is out of sight.
 fn own_axes(view: &View, limits: &Limits) -> Axes {
+    // Through 0 where it is in sight.
     let within = |[low, high]: [f64; 2]| if low < 0.0 && high > 0.0 { 0.0 } else { low };
     let origin = Point::new(within(limits.ct), within(limits.x));
     let step = step_of(view, &view.reference, limits);

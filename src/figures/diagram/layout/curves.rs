@@ -303,6 +303,7 @@ fn sheet_middles(limits: &Limits, a: &[Point], b: &[Point]) -> Vec<Point> {
     const HEIGHTS: [f64; 11] = [
         0.83, 0.76, 0.69, 0.62, 0.55, 0.48, 0.4, 0.31, 0.24, 0.17, 0.1,
     ];
+    // So near to the sides labels would leave the panel.
     let air = 0.06 * limits.size()[0];
     let within = |p: &Point| p.x > limits.x[0] + air && p.x < limits.x[1] - air;
     let heights = HEIGHTS.map(|part| limits.ct[0] + part * limits.size()[1]);
@@ -335,6 +336,7 @@ fn wedge(view: &View, limits: &Limits, wedge: &model::Wedge) -> Area {
     let rays = rays.map(|[ct, x]| Point::new(ct, x));
     let far = limits.beyond(apex);
     let [a, b] = rays.map(|ray| apex.plus(far, ray));
+    // The axis of the wedge is the sum of its rays.
     let along = rays[0].plus(1.0, rays[1]);
     let places = limits.ray(apex, along).map(|ends| within_wedge(ends, rays));
     Area {

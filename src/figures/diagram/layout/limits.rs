@@ -37,6 +37,7 @@ fn automatic(points: &[Point]) -> Limits {
     // The origin, where it is not far.
     let largest = (x[1] - x[0]).max(ct[1] - ct[0]).max(f64::MIN_POSITIVE);
     for range in [&mut x, &mut ct] {
+        // How far the range is from 0; negative where it holds it.
         let far = range[0].max(-range[1]);
         if far <= largest {
             *range = [range[0].min(0.0), range[1].max(0.0)];
@@ -44,6 +45,7 @@ fn automatic(points: &[Point]) -> Limits {
     }
     let extent = |range: [f64; 2]| range[1] - range[0];
     let largest = extent(x).max(extent(ct));
+    // A single point gets the margins of eight units.
     let margin = MARGIN * if largest > 0.0 { largest } else { 8.0 };
     let widened = |range: [f64; 2]| [range[0] - margin, range[1] + margin];
     let (x, ct) = (widened(x), widened(ct));
@@ -121,10 +123,12 @@ fn rims(view: &View, points: &[Point]) -> Vec<Point> {
     let cones = view.diagram.cones.iter();
     let rim = |cone: &model::Cone| {
         let apex = view.point(cone.event);
+        // Future upwards, past down.
         let sides = [(cone.future, 1.0), (cone.past, -1.0)]
             .into_iter()
             .filter(|(drawn, _)| *drawn);
         let heights = sides.map(move |(_, up)| up * height(view, cone, points, up));
+        // Four points of the rim, on the axes: limits need no more.
         let quarter =
             |h: f64| [[h, 0.0], [-h, 0.0], [0.0, h], [0.0, -h]].map(|[x, y]| Point::deep(h, x, y));
         heights
@@ -163,6 +167,7 @@ fn shown(track: &Track) -> Vec<f64> {
         }
     }
     if let Some(period) = track.period() {
+        // Eighths of a revolution reach its extremes to 8 %.
         times.extend((0..=8).map(|k| start + period * f64::from(k) / 8.0));
     }
     times

@@ -381,6 +381,7 @@ impl Limits {
 
     /// The part within of p + t d for t between two values (Liang and Barsky).
     fn part(&self, p: Point, d: Point, [mut from, mut to]: [f64; 2]) -> Option<[Point; 2]> {
+        // What the three directions leave of the range of t.
         for (p, d, [low, high]) in [
             (p.x, d.x, self.x),
             (p.ct, d.ct, self.ct),
@@ -514,6 +515,7 @@ impl Nappe {
     pub fn hides(&self, p: Point, clearance: f64) -> bool {
         let (v, n) = (p.from(self.apex), Point::TOWARDS);
         let product = |a: Point, b: Point| a.x * b.x + a.y * b.y - a.ct * b.ct;
+        // a t² + 2b t + c = 0.
         let (a, b, c) = (product(n, n), product(v, n), product(v, v));
         let root = (b * b - a * c).max(0.0).sqrt();
         let times = [(-b - root) / a, (-b + root) / a];
@@ -522,6 +524,7 @@ impl Nappe {
             let ct = v.ct + t * n.ct;
             *t > clearance && (ends[0]..=ends[1]).contains(&ct)
         };
+        // Without a root the line of sight misses the cone.
         b * b > a * c && times.iter().any(is_on)
     }
 }
@@ -551,6 +554,7 @@ pub(crate) fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }
+    // Of four digits so many are after the point.
     let digits = 3 - libm::floor(libm::log10(value.abs())) as i32;
     if !(-3..=6).contains(&digits) {
         let exponent = 3 - digits;

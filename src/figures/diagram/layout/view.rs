@@ -59,6 +59,7 @@ impl<'d> View<'d> {
             self.diagram.across.unwrap_or_default(),
         );
         let across = step.x - n * n.dot(step.x) - m * m.dot(step.x);
+        // What rounding leaves is far less, and what can be seen far more.
         across.length() > 1e-6 * step.x.length()
     }
 

@@ -238,6 +238,7 @@ fn points(diagram: &Diagram) -> impl Iterator<Item = [f64; 3]> + '_ {
         .flat_map(|r| r.corners.iter().copied());
     let ends = diagram.lines.iter().flat_map(|line| {
         let [first, last] = line.track.span();
+        // 65 events of a track tell how far it reaches.
         let steps = (0..=64).map(move |k| first + (last - first) * f64::from(k) / 64.0);
         steps.filter_map(|time| Some(line.track.at(time)?.event))
     });

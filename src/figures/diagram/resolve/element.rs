@@ -81,6 +81,7 @@ fn signals(names: &mut Names, at: &At<file::Signal>) -> Result<Vec<Segment>> {
             }
             let never = "light from there never reaches this world line";
             let to = found(names, received, span, never)?.event;
+            // Less is what rounding leaves of one place.
             if to == from || (to - from).ct < 1e-12 * from.ct.abs() {
                 // They meet: there is nothing to send.
                 break;
@@ -154,6 +155,7 @@ fn emissions(names: &mut Names, at: &At<file::Signal>) -> Result<Vec<Event<World
 /// How many signals: `count`, or as many as fit into the emitter's life.
 fn count(names: &Names, at: &At<file::Signal>, emitter: &Track, every: f64) -> Result<u32> {
     let [first, last] = emitter.span();
+    // Rounding of the quotient does not lose the last one.
     let alive = ((last - first) / every * (1.0 + 1e-12)).floor();
     let count = match &at.value.count {
         Some(count) => f64::from(count.value).min(alive),
@@ -272,6 +274,7 @@ fn to_vertex(
     let n = names.direction;
     let step = names.event(spot)? - about;
     let x = n.dot(step.x);
+    // As a product, which does not cancel near the light cone.
     let squared = (step.ct - x) * (step.ct + x);
     if squared > 0.0 {
         return Ok(Displacement::new(squared.sqrt().copysign(step.ct), n * 0.0));

@@ -157,6 +157,7 @@ pub(super) fn meeting(names: &Names, a: &Track, b: &Track) -> Option<Moment> {
         let other = b.where_zero(|e| e.ct - event.ct)?;
         Some(names.across?.dot(event.x - other.event.x).abs())
     };
+    // Lines that meet are as near as this, but for rounding.
     aside(moment.event)
         .is_none_or(|y| y <= 1e-9 * names.unit)
         .then_some(moment)
@@ -179,6 +180,7 @@ fn bracket(ahead: &impl Fn(f64) -> Option<f64>, a: &Track, unit: f64) -> Option<
         // Lines that begin together cross where they meet again.
         let mut near: Option<(f64, f64)> = None;
         for step in 0..STEPS {
+            // The sum of steps that grow by 2 % each: 0.01 · (1.02ᵏ − 1)/0.02, up to 5·10⁵ units.
             let grown = 0.01 * unit * (1.02f64.powi(step) - 1.0) / 0.02;
             let time = (start + towards * grown).clamp(first, last);
             let Some(value) = ahead(time) else { continue };
@@ -202,6 +204,7 @@ fn bracket(ahead: &impl Fn(f64) -> Option<f64>, a: &Track, unit: f64) -> Option<
 
 fn bisect(ahead: &impl Fn(f64) -> Option<f64>, [mut a, mut b]: [f64; 2]) -> f64 {
     let Some(sign) = ahead(a) else { return b };
+    // It ends sooner, where no double lies between.
     for _ in 0..140 {
         let middle = a + 0.5 * (b - a);
         if middle == a || middle == b {

@@ -344,7 +344,7 @@ impl<'a> Names<'a> {
 fn known<T: Clone>(slots: &[Slot<T>]) -> Vec<T> {
     let known = slots.iter().filter_map(|slot| match slot {
         Slot::Known(known) => Some(known.clone()),
-        _ => None,
+        Slot::Unasked | Slot::Asked => None,
     });
     known.collect()
 }

@@ -66,7 +66,7 @@ fn value<T>(cx: &Context, at: &At<T>, key: &str) -> Result<String> {
     let value = match &found {
         Some(Node::Item(item)) => item.as_value(),
         Some(Node::Value(value)) => Some(*value),
-        _ => None,
+        Some(Node::Table(_)) | None => None,
     };
     match value {
         Some(Value::Integer(value)) => Ok(signed(&value.value().to_string())),

@@ -75,6 +75,7 @@ impl Block {
         let first = match height {
             AnchorY::Top => 0.0,
             AnchorY::Middle => -0.5 * below,
+            // The last line stands at the anchor.
             AnchorY::Baseline | AnchorY::Bottom => -below,
         };
         let lines = self.lines.iter().enumerate();

@@ -49,6 +49,7 @@ impl Ground {
     pub fn new(width: f64, height: f64, background: Colour) -> Self {
         Ground {
             page: Rect {
+                // A point of air at the edge.
                 min: [1.0; 2],
                 max: [width - 1.0, height - 1.0],
             },
@@ -121,10 +122,12 @@ impl Ground {
         let near = self.dots_by_place.near(airy).into_iter();
         let dots = near.filter(|dot| touch(airy, self.dots[*dot]));
         let (on, near) = (self.crossed(airy), self.crossed(widened(airy, NEAR)));
+        // Not forbidden: it is better than no label.
         let outside = if self.holds(rect) { 0.0 } else { OUTSIDE };
         let middle = [0, 1].map(|i| 0.5 * (rect.min[i] + rect.max[i]));
         let sides = self.sides.iter().filter(|edge| is_inside(middle, edge));
         let on_sides = ON_SIDE * sides.count() as f64;
+        // What is crossed is not near as well.
         ON_DOT * dots.count() as f64 + ON_LINE * on + NEAR_LINE * (near - on) + on_sides + outside
     }
 

@@ -332,6 +332,7 @@ fn give_way(labels: &mut [Label], ground: &Ground) {
         place.iter().for_each(|rect| grid.insert(i, *rect));
     }
     let mut order: Vec<usize> = (0..labels.len()).rev().collect();
+    // Stable: among the equal the later ones, which are less important, come first.
     order.sort_by_key(|i| !labels[*i].is_passing());
     let leaders: Vec<_> = labels.iter().map(Label::leader).collect();
     for i in order {
@@ -393,6 +394,7 @@ impl Candidate {
         for (other, rect) in near.filter_map(|label| Some((label, label.rect()?))) {
             cost += match distance(airy, rect) {
                 0.0 => ON_LABEL,
+                // Less the farther, down to nothing at CLEAR.
                 apart => NEAR_LABEL * (1.0 - apart / CLEAR).max(0.0),
             };
             if self.colour() == Some(other.request.colour)
@@ -572,6 +574,7 @@ fn beside(
     distance: f64,
 ) -> (Vec<Text>, Rect) {
     let [x, y] = direction;
+    // A direction with less than 0.3 aside is above or below.
     let side = match x {
         x if x > 0.3 => AnchorX::Start,
         x if x < -0.3 => AnchorX::End,

@@ -2,7 +2,7 @@
 
 use nullray::Error;
 use nullray::error::{Message, Problem, Setting};
-use nullray::validate::compare::{Breach, Comparison, Found};
+use nullray::validate::compare::{Breach, Comparison, Measured};
 
 /// What sets it on the command line, as the words around it go on.
 fn flag(setting: Setting) -> String {
@@ -75,7 +75,7 @@ pub fn of_comparison(mut comparison: Comparison) -> Comparison {
 
 /// The same limit with them.
 pub fn of_breach(mut breach: Breach) -> Breach {
-    if let Found::Nothing(why) = &mut breach.found {
+    if let Measured::Nothing(why) = &mut breach.found {
         *why = with_flags(why).into();
     }
     breach

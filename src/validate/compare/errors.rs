@@ -201,6 +201,7 @@ impl Sums {
     }
 
     fn percentile(&self, p: f64) -> f64 {
+        // The rounding of p alone must not reach the next rank.
         let rank = (p / 100.0 * self.count as f64 * (1.0 - 1e-12)).ceil() as u64;
         let mut seen = 0;
         for (bin, count) in self.bins.iter().enumerate() {

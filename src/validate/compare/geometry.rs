@@ -237,6 +237,7 @@ impl<'a> Search<'a> {
             (Some((f, flat)), Some((b, flat_too))) => {
                 let b = -b;
                 let close = (f - b).length() <= SMOOTH * f.length().max(b.length());
+                // A neighbour on the same triangle tells exactly; others only where both sides agree.
                 match (flat, flat_too) {
                     (true, true) => Some(0.5 * (f + b)),
                     (true, false) => Some(f),

@@ -268,6 +268,7 @@ impl KnownScene {
         let (c, boost) = match self.index == 1.0 || rapidity == 0.0 {
             true => (r, *frame.world_from_frame()),
             false => {
+                // 1/(γq) − 1, as `approximate::projection` has it.
                 let q = ((1.0 - slowed) * (1.0 + slowed)).sqrt();
                 let stretch = 1.0 / (frame.velocity().gamma() * q) - 1.0;
                 let velocity = Velocity::from_rapidity_along(libm::atanh(slowed), n).ok()?;
@@ -341,6 +342,7 @@ impl KnownScene {
         };
         let mut distances: Vec<f64> = (0..width * height).filter_map(off).collect();
         let middle = distances.len() / 2;
+        // Half of a pixel's diagonal is 0.71: what is farther off is seen in another one.
         middle < distances.len()
             && *distances.select_nth_unstable_by(middle, f64::total_cmp).1 < 0.75
     }

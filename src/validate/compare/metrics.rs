@@ -489,14 +489,14 @@ pub struct Breach {
     #[serde(flatten)]
     pub tolerance: Tolerance,
     /// What the metric is.
-    pub found: Found,
+    pub found: Measured,
 }
 
 /// What a metric is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
-pub enum Found {
+pub enum Measured {
     /// A number.
     Value(f64),
     /// It could not be computed, for this reason.
@@ -524,16 +524,16 @@ impl std::fmt::Display for Breach {
         let Tolerance { metric, value } = &self.tolerance;
         let limit = match Name::of(metric).map(|name| name.better()) {
             Some(Better::Larger) => "least",
-            _ => "most",
+            Some(Better::Smaller) | None => "most",
         };
         match &self.found {
-            Found::Value(found) => {
+            Measured::Value(found) => {
                 // The digits of the table, unless these do not tell it from its limit.
                 let digits = Some(number(*found)).filter(|digits| *digits != number(*value));
                 let found = digits.unwrap_or_else(|| found.to_string());
                 write!(f, "{metric} is {found}, and may be at {limit} {value}")
             }
-            Found::Nothing(why) => {
+            Measured::Nothing(why) => {
                 write!(
                     f,
                     "{metric} may be at {limit} {value}, and could not be computed: {why}"
@@ -618,14 +618,14 @@ impl<'a> Name<'a> {
     }
 
     /// The metric of `comparison`; none where that has no channel of this name, and neither has a picture.
-    fn found(&self, comparison: &Comparison) -> Option<Found> {
+    fn found(&self, comparison: &Comparison) -> Option<Measured> {
         Some(match self.row.of {
             Of::Channel(value) => match self.errors(comparison)? {
                 Ok(errors) => settled(
                     value(errors),
                     || "it is not defined for these values, or for so few",
                 ),
-                Err(why) => Found::Nothing(why),
+                Err(why) => Measured::Nothing(why),
             },
             Of::Picture(value, _) => settled(value(comparison), || {
                 let is_skipped = self.row.name.starts_with("flip") && comparison.flip.is_none();
@@ -635,13 +635,13 @@ impl<'a> Name<'a> {
                 }
             }),
             Of::Pixels(values, ..) => match comparison.surface.as_ref().and_then(values) {
-                None => Found::Nothing(self.row.lacks()),
+                None => Measured::Nothing(self.row.lacks()),
                 Some((bias, d)) => match (self.part, gaps(d)) {
                     // Counts say themselves how much was measured.
                     (Some((_, Better::Larger, of)), _) | (Some((UNMEASURED, _, of)), _) => {
                         settled(of(d), || nothing(d))
                     }
-                    (_, Some(gaps)) if d.count > 0 => Found::Nothing(gaps.into()),
+                    (_, Some(gaps)) if d.count > 0 => Measured::Nothing(gaps.into()),
                     (Some((_, _, of)), _) => settled(of(d), || nothing(d)),
                     (None, _) => settled(bias, || nothing(d)),
                 },
@@ -676,10 +676,10 @@ impl<'a> Name<'a> {
     }
 }
 
-fn settled<M: Into<Message>>(value: Option<f64>, why: impl FnOnce() -> M) -> Found {
+fn settled<M: Into<Message>>(value: Option<f64>, why: impl FnOnce() -> M) -> Measured {
     match value.filter(|value| !value.is_nan()) {
-        Some(value) => Found::Value(value),
-        None => Found::Nothing(why().into()),
+        Some(value) => Measured::Value(value),
+        None => Measured::Nothing(why().into()),
     }
 }
 
@@ -687,8 +687,8 @@ impl Comparison {
     /// The metric of this name; none where there is no such metric, or it could not be computed.
     pub fn metric(&self, name: &str) -> Option<f64> {
         match Name::of(name)?.found(self)? {
-            Found::Value(value) => Some(value),
-            Found::Nothing(_) => None,
+            Measured::Value(value) => Some(value),
+            Measured::Nothing(_) => None,
         }
     }
 
@@ -709,7 +709,7 @@ impl Comparison {
                 return Err(Error::invalid("comparison", place, what, help));
             }
             // What cannot be computed does not hold.
-            let holds = matches!(&found, Found::Value(v) if name.allows(tolerance.value, *v));
+            let holds = matches!(&found, Measured::Value(v) if name.allows(tolerance.value, *v));
             if !holds {
                 let tolerance = tolerance.clone();
                 breaches.push(Breach { tolerance, found });

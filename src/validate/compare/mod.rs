@@ -49,7 +49,7 @@ pub use flip::Flip;
 pub use matching::Uncompared;
 pub use memory::working_memory;
 pub(crate) use memory::working_memory_of_light;
-pub use metrics::{Better, Breach, Found, METRICS, Metric, Tolerance, help};
+pub use metrics::{Better, Breach, METRICS, Measured, Metric, Tolerance, help};
 pub use options::{CompareOptions, NotFinite, Region};
 pub use picture::{Alpha, Encoding, Picture};
 pub use surface::SurfaceErrors;

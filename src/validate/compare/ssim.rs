@@ -36,14 +36,14 @@ pub(super) fn mean(pair: [Plane; 2], size: [usize; 2], region: &Region, range: f
         .map(|top| {
             let rows = top..(top + STRIP).min(inner.end);
             let mut strip = Strip::new(pair, width, range);
-            let mut found = (0.0, 0);
+            let mut total = (0.0, 0);
             dispatch(Summing {
                 strip: &mut strip,
                 rows,
                 region,
-                found: &mut found,
+                total: &mut total,
             });
-            found
+            total
         })
         .collect();
     let (sum, count) = (parts.iter()).fold((0.0, 0), |(s, n), (sum, count)| (s + sum, n + count));
@@ -70,13 +70,13 @@ struct Summing<'t, 'a> {
     rows: std::ops::Range<usize>,
     region: &'t Region,
     /// Their sum, and how many.
-    found: &'t mut (f64, u64),
+    total: &'t mut (f64, u64),
 }
 
 impl VectorLoop for Summing<'_, '_> {
     #[inline(always)]
     fn run(self) {
-        *self.found = self.strip.sum(self.rows, self.region);
+        *self.total = self.strip.sum(self.rows, self.region);
     }
 }
 

@@ -371,6 +371,7 @@ fn coverage(pair: &[Points; 2], region: &Region) -> Option<Share> {
 /// How far the boundaries between objects are off.
 fn silhouette(pair: &[Points; 2], region: &Region) -> Option<Silhouette> {
     let wrong = wrong_objects(pair, region)?;
+    // Over all directions a line crosses 4/π edges of pixels per pixel of its length (Crofton).
     let length = FRAC_PI_4 * crossings(&pair[0], region) as f64;
     let mean = match (wrong.pixels, length) {
         (0, _) => 0.0,
@@ -437,6 +438,7 @@ fn farthest(marks: &[bool], other: &[bool], [width, height]: [usize; 2]) -> Opti
 /// The distance of each pixel to the nearest mark in its column.
 fn vertical(marks: &[bool], [width, height]: [usize; 2]) -> Vec<u32> {
     let mut distances: Vec<u32> = marks.iter().map(|m| if *m { 0 } else { FAR }).collect();
+    // Down, then up: the nearest mark above, then the nearest at all.
     for i in width..width * height {
         distances[i] = distances[i].min(distances[i - width] + 1);
     }

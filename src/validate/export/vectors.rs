@@ -97,6 +97,7 @@ pub(super) fn of_object(
     let frame = InertialFrame::<Rest>::new(object.velocity, object.origin);
     let projection = observer.projection(&frame)?;
     let count = mesh.positions.len();
+    // Evenly among all vertices.
     let chosen = (0..MOST.min(count)).map(|n| n * count / MOST.min(count));
     let vectors: Vec<Vector> = chosen
         .filter_map(|vertex| {
@@ -196,6 +197,7 @@ impl Single {
         let u = self.object.map(|row| row[0]);
         let k = match self.index == 1.0 {
             true => {
+                // In vacuum: the null vector (−|r|, r) of the rest frame, taken to the world.
                 let r: [f32; 3] = std::array::from_fn(|i| p[i] - self.place[i]);
                 let length = (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]).sqrt();
                 product(&self.object, [-length, r[0], r[1], r[2]])
@@ -205,6 +207,7 @@ impl Single {
         let event = std::array::from_fn(|i| self.shot[i] + k[i]);
         let length = (k[1] * k[1] + k[2] * k[2] + k[3] * k[3]).sqrt();
         let kappa = [-1.0, k[1] / length, k[2] / length, k[3] / length];
+        // Into the camera's frame, and along its axes.
         let seen = product(&inverse(&self.camera), kappa);
         let along = self
             .axes
@@ -215,6 +218,7 @@ impl Single {
                 0.5 * self.size[1] * (1.0 - along[1] / along[2] / self.tangents[1]),
             ]
         });
+        // W is the quotient of κ·u for the object and for the camera.
         let dot =
             |v: [f32; 4]| kappa[1] * v[1] + kappa[2] * v[2] + kappa[3] * v[3] - kappa[0] * v[0];
         (event, film, dot(u) / dot(self.camera.map(|row| row[0])))

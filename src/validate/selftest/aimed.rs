@@ -78,6 +78,7 @@ fn corners(cases: u64, progress: &dyn Progress) -> Result<Outcome> {
             let mesh = placed(mesh, DVec3::splat(scale), shift);
             let bvh = build(mesh.clone());
             let fans = mesh.chunks(12).collect::<Vec<_>>();
+            // With each of the four kernels, the targets of twelve triangles.
             let size = 4 * 12 * targets(&mesh[0]).len() as u64;
             let outcome = count_in_batches(fans.len() as u64 * size, size, progress, |i| {
                 let targets = fans[i as usize].iter().flat_map(targets);

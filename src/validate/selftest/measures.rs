@@ -111,6 +111,7 @@ pub(super) fn event(inputs: &[f64], reference: &[Fine]) -> f64 {
     let got = Boost::<World, Rest>::new(velocity).displacement(Displacement::new(t, x));
     let phi = velocity.rapidity().length();
     let n = velocity.rapidity().abs() / phi;
+    // Terms by their absolute values, as the bound of `Boost::displacement` has them.
     let (along, sinh) = (n.dot(x.abs()), libm::sinh(phi));
     let shared = velocity.gamma_minus_one() * along + sinh * t.abs();
     let mut worst = reference[0].error(got.ct).abs() / (velocity.gamma() * t.abs() + sinh * along);
@@ -141,6 +142,7 @@ pub(super) fn hit(inputs: &[f64], reference: &[Fine]) -> f64 {
     let norm = |v: DVec3| v.x.abs() + v.y.abs() + v.z.abs();
     let [e1, e2] = [1, 2].map(|i| norm(corners[i] - corners[0]));
     let (a, steepest) = (norm(corners[0] - origin), direction.abs().max_element());
+    // The condition of s: the sizes of its terms over Δ.
     let kappa = (a + s.value.abs() * steepest) * (e1 * e2 / delta.value.abs());
     let error_of_s = s.error(found.map_or(0.0, |hit| hit.s)).abs() / (EPS * kappa);
     if side.value < 0.0 {
@@ -151,6 +153,7 @@ pub(super) fn hit(inputs: &[f64], reference: &[Fine]) -> f64 {
         return error_of_s;
     };
     let length = e1 + e2;
+    // The same of u and v.
     let kappa = (a + length) * (length * steepest / delta.value.abs());
     let weights = u.error(hit.u).abs().max(v.error(hit.v).abs());
     or_infinite(Some(error_of_s.max(weights / (EPS * kappa))))

@@ -29,6 +29,7 @@ impl Random {
     pub fn direction(&mut self) -> DVec3 {
         loop {
             let v = self.vector();
+            // Evenly over the sphere: within the ball, and long enough to keep its digits.
             if (1e-6..1.0).contains(&v.length_squared()) {
                 return v.normalize();
             }
@@ -51,6 +52,7 @@ pub(super) fn sphere(levels: usize) -> Vec<Triangle> {
     for octant in 0..8 {
         let sign = |bit: u32| if octant >> bit & 1 == 0 { 1.0 } else { -1.0 };
         let [a, b, c] = [DVec3::X * sign(0), DVec3::Y * sign(1), DVec3::Z * sign(2)];
+        // An odd number of mirrored axes turns the corners round.
         let outward = sign(0) * sign(1) * sign(2) > 0.0;
         triangles.push(if outward { [a, b, c] } else { [a, c, b] });
     }

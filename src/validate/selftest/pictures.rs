@@ -51,6 +51,7 @@ const CHANNELS: [Aov; 5] = [
 fn pictures(_: u64, progress: &dyn Progress) -> Result<Outcome> {
     let scene = scene::parse(SCENE, "self-test", ".".as_ref(), &Overrides::default())?;
     let original = film(&scene)?;
+    // Powers of two: scenes and places change without a rounding.
     let far = DVec3::new(1.0, -1.0, 1.0) * libm::exp2(30.0);
     let others = [
         scaled(&scene, libm::exp2(-30.0)),

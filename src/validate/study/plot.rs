@@ -181,6 +181,7 @@ struct Axis {
 
 impl Axis {
     fn around(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Self {
+        // f64 reaches 10^±308.
         let exponents = values.map(|v| libm::log10(v).clamp(-300.0, 300.0));
         let span = exponents.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], e| {
             [a.min(e), b.max(e)]

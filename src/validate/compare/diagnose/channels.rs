@@ -28,6 +28,7 @@ pub(super) fn identities(case: &Case) -> Option<Diagnosis> {
 fn renamed(case: &Case, name: &'static str, [r, c]: [Option<Plane>; 2]) -> Option<Diagnosis> {
     let (r, c) = (r?, c?);
     let id = |plane: &Plane, i: usize| match plane.at(i) {
+        // What stands for nothing: NaN, and −1 as an unsigned number.
         id if id.is_nan() || id >= 4_294_967_295.0 => -1,
         id => id as i64,
     };
@@ -379,6 +380,7 @@ pub(super) fn texture(case: &Case) -> Option<Diagnosis> {
             let [x, y] = turn(u, v);
             [libm::hypot(a - u, b - v), libm::hypot(a - x, b - y)]
         }));
+        // Coordinates that are off by less than a twentieth are no flip.
         tally.explains(0.05).then(|| Diagnosis {
             kind: Kind::TextureFlipped,
             what: format!("texture coordinate {words}").into(),

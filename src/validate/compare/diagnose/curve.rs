@@ -12,10 +12,10 @@ use super::{Case, Diagnosis, Kind, median};
 use crate::colour::srgb_encode;
 
 /// A diagnosis of the light, and what it leaves of the squared error.
-type Found = (Diagnosis, f64);
+type Explanation = (Diagnosis, f64);
 
 /// What `found` is of the light's mistakes, or a curve that explains it far better (`FAR_LESS`).
-pub(super) fn instead_of(case: &Case, found: Option<Found>) -> Option<Found> {
+pub(super) fn instead_of(case: &Case, found: Option<Explanation>) -> Option<Explanation> {
     if found.as_ref().is_some_and(|(_, left)| *left <= NOTHING) {
         return found;
     }
@@ -55,7 +55,7 @@ fn levels(lit: &[Lit]) -> usize {
 }
 
 /// Light to which one number is added.
-fn offset(case: &Case) -> Option<Found> {
+fn offset(case: &Case) -> Option<Explanation> {
     // Light that was taken away may leave less than none.
     let lit = lit_above(case, f64::NEG_INFINITY)?;
     let cut = |c: &[f64; 3]| c.contains(&0.0);
@@ -112,6 +112,7 @@ fn aces(v: f64) -> f64 {
 fn hable(v: f64) -> f64 {
     let curve =
         |v: f64| (v * (0.15 * v + 0.05) + 0.004) / (v * (0.15 * v + 0.5) + 0.06) - 0.02 / 0.3;
+    // 11.2 is what becomes white.
     curve(v) / curve(11.2)
 }
 
@@ -148,7 +149,7 @@ const EXPOSURES: usize = 33;
 const RANGE: f64 = 7.0;
 
 /// Light that went through a curve.
-fn toned(case: &Case) -> Option<Found> {
+fn toned(case: &Case) -> Option<Explanation> {
     let lit = lit(case)?;
     // Values that a display cuts say nothing of the curve.
     let cut = |c: &[f64; 3]| c.contains(&0.0) || c.iter().any(|v| *v >= 1.0 - 1e-6);
@@ -240,6 +241,7 @@ impl Polygon {
     fn of(pairs: &[[f64; 2]]) -> Option<Polygon> {
         let mut parts = std::collections::BTreeMap::<i64, Vec<[f64; 2]>>::new();
         for [x, y] in pairs.iter().filter(|[x, _]| *x > 0.0) {
+            // Parts of equal ratios of light.
             let x = libm::log(*x);
             parts
                 .entry((CORNERS * x).floor() as i64)

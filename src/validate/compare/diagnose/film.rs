@@ -275,6 +275,7 @@ impl Film {
         let n = pairs.len() as f64;
         let mean = |which: usize| pairs.iter().map(|pair| pair[which]).sum::<DVec2>() / n;
         let (p, q) = (mean(0), mean(1));
+        // Least squares, for each axis by itself.
         let (mut pp, mut pq) = (DVec2::ZERO, DVec2::ZERO);
         for pair in pairs {
             pp += (pair[0] - p) * (pair[0] - p);
@@ -361,6 +362,7 @@ pub(super) fn describe(
         let [x, y] = [-a.x, -a.y];
         evidence.extend([("to the right (pixels)", x), ("down (pixels)", y)]);
         let is_half = |v: f64| (v.abs() - 0.5).abs() < precision || v.abs() < precision;
+        // More than a quarter: 0 is no half pixel.
         let is_half = is_half(x) && is_half(y) && a.abs().max_element() > 0.25;
         let [words, about] = match is_half {
             true if precision <= BY_PLACES => ["by half a pixel, ", ""],
@@ -413,6 +415,7 @@ pub(super) fn describe(
         )
     });
     let aspect = half.x / half.y;
+    // A horizontal field of view taken for the vertical one scales by the aspect ratio, of which square pictures do not tell.
     let vertical = (k.x - aspect).abs() < 0.02 * aspect && (aspect - 1.0).abs() > 0.05;
     let why = match vertical {
         true => "; that is the horizontal field of view taken for the vertical one",

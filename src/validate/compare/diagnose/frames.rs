@@ -99,6 +99,7 @@ pub(super) fn signs(case: &Case) -> Vec<Diagnosis> {
         let (r, c) = (r?, c?);
         let pairs = case.pixels().into_iter().map(|i| (r.at(i), c.at(i)));
         let tally = Tally::of(pairs.map(|(r, c)| [(c - r).abs(), (c + r).abs()]));
+        // Times that are all about 0 have no sign.
         tally.explains(1e-6).then(|| Diagnosis {
             kind: Kind::SignOpposite,
             what: format!("{} has the opposite sign", aov.name()).into(),

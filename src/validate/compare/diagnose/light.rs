@@ -422,6 +422,7 @@ fn exponent(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     if n < FEWEST || wrong * 10 > n {
         return None;
     }
+    // Least squares of the logarithm of light against that of W.
     let mean = |k: usize| points.iter().map(|p| p[k]).sum::<f64>() / n as f64;
     let (x0, y0) = (mean(0), mean(1));
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
@@ -430,6 +431,7 @@ fn exponent(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
     }
     let slope = xy / xx;
+    // r²: the part of the variance that the line explains.
     let explained = xy * xy / (xx * yy);
     let spread = (xx / n as f64).sqrt();
     let explains = slope.abs() >= NOTABLE_EXPONENT && explained >= MOST;

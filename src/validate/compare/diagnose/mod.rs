@@ -314,7 +314,7 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
     let is_asked = !matches!(by_scene, rendered::Asked::Nothing);
     let by_scene = match by_scene {
         rendered::Asked::Mistake(found, left) => Some((found, left)),
-        _ => None,
+        rendered::Asked::Nothing | rendered::Asked::NoMistake => None,
     };
     match (by_scene, by_light) {
         (Some((by_scene, of_scene)), Some((by_light, left))) => {

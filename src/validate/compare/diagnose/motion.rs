@@ -125,12 +125,12 @@ pub(super) fn in_words(beta: DVec3) -> String {
 
 /// An object's pixels in a picture.
 #[derive(Debug, Clone, Default)]
-struct Seen {
+struct ObjectRatios {
     /// (1, d), and W γc(1 + βc·d).
     rows: Vec<(DVec4, f64)>,
 }
 
-impl Seen {
+impl ObjectRatios {
     /// (γ, γβ); none where the pixels do not determine it.
     fn velocity(&self) -> Option<DVec4> {
         if self.rows.len() < FEWEST {
@@ -173,7 +173,7 @@ impl Seen {
 
 /// Objects whose wavelength ratios are those of another velocity.
 pub(super) fn velocities(case: &Case) -> Vec<Diagnosis> {
-    let [Some(r), Some(c)] = [0, 1].map(|which| seen(case, which)) else {
+    let [Some(r), Some(c)] = [0, 1].map(|which| object_ratios(case, which)) else {
         return Vec::new();
     };
     if let Some(found) = another_camera(case, &r, &c) {
@@ -202,15 +202,15 @@ pub(super) fn velocities(case: &Case) -> Vec<Diagnosis> {
 /// Wavelength ratios of all objects that are those of a camera at rest, or that moves the opposite way.
 fn another_camera(
     case: &Case,
-    r: &BTreeMap<i64, Seen>,
-    c: &BTreeMap<i64, Seen>,
+    r: &BTreeMap<i64, ObjectRatios>,
+    c: &BTreeMap<i64, ObjectRatios>,
 ) -> Option<Diagnosis> {
     let camera = camera_velocity(case.pair[0])?;
     let (gamma, beta) = (camera.gamma(), camera.beta());
     let mut objects = Vec::new();
     for (object, c) in c {
         let r = r.get(object).filter(|r| r.rows.len() >= FEWEST);
-        if let Some(u) = r.and_then(Seen::velocity) {
+        if let Some(u) = r.and_then(ObjectRatios::velocity) {
             objects.push((u, &c.rows));
         }
     }
@@ -250,7 +250,7 @@ fn another_camera(
 /// An object whose velocity differs between the pictures.
 struct Moved {
     object: i64,
-    candidate: Seen,
+    candidate: ObjectRatios,
     /// Four-velocities in the reference and in the candidate.
     velocities: [DVec4; 2],
     /// How well the reference's reproduces W in the candidate.
@@ -258,7 +258,7 @@ struct Moved {
 }
 
 impl Moved {
-    fn of(object: i64, r: &Seen, c: &Seen) -> Option<Moved> {
+    fn of(object: i64, r: &ObjectRatios, c: &ObjectRatios) -> Option<Moved> {
         let velocities = [r.velocity()?, c.velocity()?];
         let fits = r.misfit(velocities[0]) <= FITS && c.misfit(velocities[1]) <= FITS;
         let error = c.misfit(velocities[0]);
@@ -334,7 +334,7 @@ impl Moved {
 }
 
 /// The look directions of a picture; where it has none, those from the reference's pinhole to its own events.
-fn looks<'a>(case: &Case<'a>, which: usize) -> Option<Box<dyn Fn(usize) -> DVec3 + 'a>> {
+fn directions<'a>(case: &Case<'a>, which: usize) -> Option<Box<dyn Fn(usize) -> DVec3 + 'a>> {
     if let Some(direction) = case.points[which].direction {
         return Some(Box::new(move |i| place(&direction, i)));
     }
@@ -348,15 +348,16 @@ fn looks<'a>(case: &Case<'a>, which: usize) -> Option<Box<dyn Fn(usize) -> DVec3
 }
 
 /// The pixels of each object in a picture; none where it lacks channels or metadata.
-fn seen(case: &Case, which: usize) -> Option<BTreeMap<i64, Seen>> {
+fn object_ratios(case: &Case, which: usize) -> Option<BTreeMap<i64, ObjectRatios>> {
     let layers = &case.pair[which].layers;
     let ratio = Plane::aov(layers, Aov::WavelengthRatio)?;
-    let look = looks(case, which)?;
+    let direction = directions(case, which)?;
     let velocity = camera_velocity(case.pair[which]).or_else(|| camera_velocity(case.pair[0]))?;
     let (gamma, beta) = (velocity.gamma(), velocity.beta());
-    let mut objects: BTreeMap<i64, Seen> = BTreeMap::new();
+    let mut objects: BTreeMap<i64, ObjectRatios> = BTreeMap::new();
     for i in case.pixels() {
-        let d = look(i);
+        let d = direction(i);
+        // W γ (1 + β·d) of the camera is linear in the object's four-velocity (γ, γβ).
         let value = ratio.at(i) * gamma * (1.0 + beta.dot(d));
         if value.is_finite() && value > 0.0 {
             let object = case.points[which].object_at(i).unwrap_or(0.0) as i64;
@@ -566,7 +567,12 @@ pub(super) fn describe_aberration_by_light(
             "aberration is reversed",
             "where a camera sees it that moves the opposite way (−β for β)",
         ),
-        _ => (
+        Change::CameraAtRest
+        | Change::Instant
+        | Change::AtRest(_)
+        | Change::Standing(_)
+        | Change::Reversed(_)
+        | Change::Swapped(..) => (
             Kind::AberrationMissing,
             "aberration is missing",
             "where a camera at rest sees it",

@@ -19,7 +19,7 @@ const LARGEST_PART: f64 = 0.5;
 #[derive(Debug, Default)]
 struct Part {
     square: f64,
-    found: Vec<DVec2>,
+    displacements: Vec<DVec2>,
 }
 
 /// One triangle, or one object, that is not where it should be.
@@ -129,7 +129,7 @@ fn localised(case: &Case, field: &Field) -> Option<Diagnosis> {
             objects.entry((object, -1)).or_default(),
         ] {
             part.square += d.length_squared();
-            part.found.push(d);
+            part.displacements.push(d);
         }
     }
     let has_triangles = points.primitive.is_some();
@@ -155,15 +155,15 @@ fn worst(parts: &BTreeMap<Name, Part>, total: f64, pixels: usize) -> Option<(Nam
     let (name, part) = parts
         .iter()
         .max_by(|a, b| a.1.square.total_cmp(&b.1.square))?;
-    let count = part.found.len() as f64;
-    let is_part = part.found.len() >= FEWEST && count <= LARGEST_PART * pixels as f64;
-    let mean = part.found.iter().sum::<DVec2>() / count;
+    let count = part.displacements.len() as f64;
+    let is_part = part.displacements.len() >= FEWEST && count <= LARGEST_PART * pixels as f64;
+    let mean = part.displacements.iter().sum::<DVec2>() / count;
     let coherent = mean.length() >= COHERENT * (part.square / count).sqrt();
     (is_part && coherent && part.square >= MOST * total).then_some((*name, part))
 }
 
 fn describe_part(kind: Kind, place: String, part: &Part, total: f64) -> Option<Diagnosis> {
-    let middle = |of: fn(&DVec2) -> f64| median(part.found.iter().map(of).collect());
+    let middle = |of: fn(&DVec2) -> f64| median(part.displacements.iter().map(of).collect());
     // A point that belongs to the right is seen displaced to the left.
     let [x, y, length] = [
         middle(|d| -d.x)?,
@@ -176,7 +176,7 @@ fn describe_part(kind: Kind, place: String, part: &Part, total: f64) -> Option<D
         evidence: vec![
             ("median displacement (pixels)", length),
             ("share of the displacement", part.square / total),
-            ("pixels", part.found.len() as f64),
+            ("pixels", part.displacements.len() as f64),
         ],
     })
 }

@@ -211,6 +211,7 @@ fn compressed(case: &Case) -> Option<[Light; 2]> {
     let [r, c] = planes.each_ref().map(values);
     let lit = r.iter().flatten().filter(|v| **v > 0.0 && v.is_finite());
     let middle = median(lit.copied().collect())?;
+    // To [0, 1), so that bright pixels do not decide alone.
     let compress = |v: f64| match v {
         v if v.is_nan() => 0.0,
         v if v.is_infinite() => 1.0,
@@ -470,6 +471,7 @@ impl Model {
         let tried = starts.filter_map(|film| self.refined(coarsest, film, COARSE_BLUR));
         let (mut film, _) = tried.min_by(|a, b| a.1.total_cmp(&b.1))?;
         for pair in finer.iter().rev() {
+            // Pixels of the next finer pair are half as large.
             film.a *= 2.0;
             film = self.refined(pair, film, BLUR)?.0;
         }
@@ -503,6 +505,7 @@ impl Model {
             film.k += step[1];
             let is_sane = film.k.min_element() > SMALLEST && film.k.max_element() * SMALLEST < 1.0;
             is_sane.then_some(())?;
+            // No step moves the film by a thousandth of a pixel any more.
             if step[0].abs().max((half * step[1]).abs()).max_element() < 1e-3 {
                 break;
             }
@@ -587,6 +590,7 @@ fn explained([r, c]: &[Light; 2], place: impl Fn(DVec2) -> Option<DVec2>) -> Opt
         .iter()
         .filter(|[was, is]| was.max(*is) > QUIET * largest);
     let (all, half) = loud.fold((0.0, 0.0), |(all, half), [was, is]| {
+        // By the root of the error (these are squares), so that loud tiles do not decide alone.
         let weight = was.max(*is).sqrt().sqrt();
         let is_explained = *is <= 0.5 * was;
         (all + weight, half + if is_explained { weight } else { 0.0 })

@@ -270,6 +270,7 @@ fn of_some_size(
             above += (c - at_b).dot(at_b - at_a);
             below += (at_b - at_a).length_squared();
         }
+        // Where the line through the two, in compressed light, is nearest to the candidate.
         let way = (b - a) * above / below;
         if !way.is_finite() || way.abs() < FINE * smallest {
             break;

@@ -159,6 +159,7 @@ fn displacement(sides: &[Side]) -> DVec3 {
         normal += DMat3::from_cols(side.n * side.n.x, side.n * side.n.y, side.n * side.n.z);
         right += side.n * side.off();
     }
+    // A little of the unit matrix: of displacements that do as well the shortest comes out.
     let damped = normal + DMat3::from_diagonal(DVec3::splat(1e-9 * sides.len() as f64));
     damped.inverse() * right
 }

@@ -124,6 +124,7 @@ pub(super) fn hyab(a: [f32; 3], b: [f32; 3]) -> f32 {
 /// ∛x for x above 0.008: Halley's iteration from a guess by the exponent.
 #[inline(always)]
 pub(super) fn cube_root(x: f32) -> f32 {
+    // A third of the exponent; the number makes up for its bias.
     let mut y = f32::from_bits(x.to_bits() / 3 + 709_958_130);
     for _ in 0..2 {
         let cube = y * y * y;
@@ -144,6 +145,7 @@ pub(super) fn power(x: f32, y: f32) -> f32 {
 /// log₂ of a normal number: exponent, and the series of artanh for the mantissa in [√½, √2).
 #[inline(always)]
 fn log2(x: f32) -> f32 {
+    // 0x3f3504f3 is √½: mantissas are taken from [√½, √2).
     let bits = x.to_bits().wrapping_sub(0x3f35_04f3);
     let exponent = (bits as i32) >> 23;
     let mantissa = f32::from_bits((bits & 0x007f_ffff).wrapping_add(0x3f35_04f3));
@@ -160,6 +162,7 @@ fn exp2(x: f32) -> f32 {
     const SHIFT: f32 = 12_582_912.0;
     let whole = (x + SHIFT) - SHIFT;
     let t = (x - whole) * std::f32::consts::LN_2;
+    // Taylor's series to t⁷: |t| ≤ ½ ln 2, so that the next term is below f32's rounding.
     let p = 1.0 / 120.0 + t * (1.0 / 720.0 + t * (1.0 / 5040.0));
     let p = 1.0 + t * (1.0 + t * (0.5 + t * (1.0 / 6.0 + t * (1.0 / 24.0 + t * p))));
     p * f32::from_bits((((whole as i32) + 127) as u32) << 23)
@@ -191,6 +194,7 @@ pub(super) fn tone_map(x: f32) -> f32 {
 pub(super) fn inverse_tone_map(t: f32) -> f32 {
     let a = OVER[0] - t * UNDER[0];
     let b = OVER[1] - t * UNDER[1];
+    // The greater root of a x² + b x − t u₂ = 0.
     let half = -0.5 * (b / a);
     half + (half * half + t * UNDER[2] / a).sqrt()
 }

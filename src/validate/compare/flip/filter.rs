@@ -31,6 +31,7 @@ pub(super) struct Filters {
 impl Filters {
     pub fn new(pixels_per_degree: f64) -> Self {
         let widest = SENSITIVITY.iter().map(|(_, b)| *b).fold(0.0, f64::max);
+        // Three standard deviations of the widest: of a exp(−π² x²/b) that is √(b/2π²), in degrees.
         let radius = (3.0 * (widest / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil();
         let deviation = 0.5 * FEATURE * pixels_per_degree;
         let reach = (3.0 * deviation).ceil() as usize;
@@ -49,6 +50,7 @@ fn sensitivity(radius: usize, pixels_per_degree: f64) -> [Vec<f32>; 4] {
     let gauss = |root: bool| {
         move |(a, b): (f64, f64)| {
             let amplitude = a * (PI / b).sqrt();
+            // Of a sum of two Gaussians either axis takes the root of the amplitude.
             let amplitude = if root { amplitude.sqrt() } else { amplitude };
             let weight = move |i: usize| {
                 let x = i as f64 / pixels_per_degree;
@@ -97,6 +99,7 @@ fn edge(reach: usize, deviation: f64) -> Vec<f32> {
 fn point(reach: usize, deviation: f64) -> Vec<f32> {
     let second = |(x, g): (f64, f64)| (x * x / (deviation * deviation) - 1.0) * g;
     let half: Vec<f64> = gaussian(reach, deviation).map(second).collect();
+    // Positive and negative weights are normalised apart, each to a sum of 1.
     let part = |keep: fn(f64) -> bool| {
         let kept: Vec<f64> = half
             .iter()

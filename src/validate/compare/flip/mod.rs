@@ -144,6 +144,7 @@ fn exposures(question: &Question) -> Option<Range> {
         luminances.retain(|y| *y > 0.0);
         middle = median(&mut luminances);
     }
+    // Exposures begin where the brightest light is shown as 0.85, and end where the median is (Andersson et al. 2021).
     let white = colour::inverse_tone_map(0.85);
     // Of numbers below f32's normal ones the quotient is infinite: no exposure is beyond the factors that f32 holds.
     let stops = |luminance: f32| libm::log2f(white / luminance).clamp(-126.0, 127.0);

@@ -201,6 +201,7 @@ impl<'a> Tile<'a> {
             for lane in 0..LANES {
                 let r = [r[0][lane], r[1][lane], r[2][lane], r[3][lane], r[4][lane]];
                 let c = [c[0][lane], c[1][lane], c[2][lane], c[3][lane], c[4][lane]];
+                // HDR-ꟻLIP is the largest error over all exposures.
                 let error = error(r, c, self.largest);
                 errors[lane] = if error > errors[lane] {
                     error
@@ -347,6 +348,7 @@ impl Ring {
             ddx,
         ];
         for lane in 0..LANES {
+            // Cz has the sum of two filters.
             found[2][lane] += cz2[lane];
             found[3][lane] = (dx[lane] * dx[lane] + dy[lane] * dy[lane]).sqrt();
             found[4][lane] = (ddx[lane] * ddx[lane] + ddy[lane] * ddy[lane]).sqrt();

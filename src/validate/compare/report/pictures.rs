@@ -71,6 +71,7 @@ impl ErrorMap {
             true => 0.0,
             false => f64::from(*finite.select_nth_unstable_by(rank, f32::total_cmp).1),
         };
+        // Also where there are no errors.
         let step = round_step((high / STEPS).max(1e-12));
         let [width, height] = comparison.size;
         ErrorMap {
@@ -132,6 +133,7 @@ impl ErrorMap {
         // At most one label for two lines of text.
         let step = round_step((self.most / (bar_height / em / 2.0).min(STEPS)).max(1e-13));
         let mut widest: f64 = 0.0;
+        // 1e-9, so that rounding loses no last label.
         for i in 0..=(self.most / step + 1e-9) as u32 {
             let value = f64::from(i) * step;
             let y = top + bar_height * (1.0 - value / self.most);

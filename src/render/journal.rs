@@ -24,12 +24,12 @@ pub struct Journal {
     path: PathBuf,
     fingerprint: [u8; FINGERPRINT],
     file: Mutex<Option<File>>,
-    found: Found,
+    parts: Parts,
     forgot: bool,
 }
 
 /// By index of a part, where its bytes lie, and how many.
-type Found = HashMap<u64, (u64, usize)>;
+type Parts = HashMap<u64, (u64, usize)>;
 
 impl Journal {
     /// Opens the file of the work of this fingerprint; parts of any other are forgotten. Where there is none, it is made with the first
@@ -43,17 +43,17 @@ impl Journal {
             path: path.into(),
             fingerprint: *fingerprint,
             file: Mutex::new(None),
-            found: Found::new(),
+            parts: Parts::new(),
             forgot: false,
         };
         if !path.try_exists().map_err(failed())? {
             return Ok(journal);
         }
         let mut file = ours(path)?;
-        let (found, end) = scan(&mut file, fingerprint).map_err(failed())?;
+        let (parts, end) = scan(&mut file, fingerprint).map_err(failed())?;
         let head = (FORMAT.len() + FINGERPRINT) as u64;
         journal.forgot = end == 0 && file.metadata().map_err(failed())?.len() > head;
-        journal.found = found;
+        journal.parts = parts;
         // What is of no use is written over by the first part.
         if end == 0 {
             return Ok(journal);
@@ -75,7 +75,7 @@ impl Journal {
 
     /// How many parts were there.
     pub fn found(&self) -> usize {
-        self.found.len()
+        self.parts.len()
     }
 
     /// Whether there were parts of other work, which are forgotten.
@@ -88,7 +88,7 @@ impl Journal {
     /// # Errors
     /// I/O errors.
     pub fn part(&self, index: u64) -> Result<Option<Vec<u8>>> {
-        let Some((at, length)) = self.found.get(&index) else {
+        let Some((at, length)) = self.parts.get(&index) else {
             return Ok(None);
         };
         let read = |file: &mut Option<File>| {
@@ -181,9 +181,9 @@ fn is_journal(file: &mut File) -> io::Result<bool> {
 }
 
 /// The whole parts in `file`, if they are of this work, and where they end.
-fn scan(file: &mut File, fingerprint: &[u8; FINGERPRINT]) -> io::Result<(Found, u64)> {
+fn scan(file: &mut File, fingerprint: &[u8; FINGERPRINT]) -> io::Result<(Parts, u64)> {
     let length = file.metadata()?.len();
-    let mut found = Found::new();
+    let mut parts = Parts::new();
     let mut reader = BufReader::with_capacity(1 << 16, file);
     let mut head = [0; FORMAT.len() + FINGERPRINT];
     let is_ours = match reader.read_exact(&mut head) {
@@ -193,7 +193,7 @@ fn scan(file: &mut File, fingerprint: &[u8; FINGERPRINT]) -> io::Result<(Found, 
     };
     // A journal of other work, or none at all, is begun anew: nothing of it is kept.
     if !is_ours {
-        return Ok((found, 0));
+        return Ok((parts, 0));
     }
     let mut at = head.len() as u64;
     let mut block = vec![0; 1 << 16];
@@ -228,10 +228,10 @@ fn scan(file: &mut File, fingerprint: &[u8; FINGERPRINT]) -> io::Result<(Found, 
         if u32::from_le_bytes(sum) != crc.sum() {
             break;
         }
-        found.insert(index, (after, size));
+        parts.insert(index, (after, size));
         at = end;
     }
-    Ok((found, at))
+    Ok((parts, at))
 }
 
 #[cfg(test)]

@@ -142,6 +142,7 @@ impl Histogram {
         let [squares, with_found] = self.squares[bin];
         // Σ (S − m f)².
         let spread = squares - 2.0 * m * with_found + m * m * self.found_squares;
+        // R/(R − 1) Σ (S − m f)²/n², as the head of `bake` says.
         r / (r - 1.0) * spread.max(0.0) / (n * n)
     }
 
@@ -191,6 +192,7 @@ impl Histogram {
         if !std::mem::take(&mut self.has_wide) {
             return;
         }
+        // The widest first: each goes into the next finer ones.
         for k in (0..self.wide.len()).rev() {
             let (finer, wide) = self.wide.split_at_mut(k);
             wide[0].apply();
@@ -331,6 +333,7 @@ impl Impulses {
             }
         }
         self.used = self.used.start.min(first)..self.used.end.max(first + POINTS);
+        // K is symmetric: it reaches as many bins after the delay's as before it.
         let reach = self.first as f64;
         let [least, most] = self.reached;
         self.reached = [least.min(whole + reach), most.max(whole - reach + 1.0)];
@@ -360,6 +363,7 @@ impl Impulses {
                     *energy += sum * k;
                 }
             }
+            // Far from its middle a pulse is less than the error of (2): of light that is 0 or more nothing becomes negative by it.
             let least = if self.is_positive {
                 0.0
             } else {

@@ -191,6 +191,7 @@ pub fn check(scene: &Scene) -> Result<()> {
     // Bins are of one clock: all that is baked has one rest frame.
     let moves = |velocity: Velocity| {
         let difference = velocity.rapidity() - first.velocity.rapidity();
+        // Rapidities that are the same but for rounding.
         difference.length() > 1e-12
     };
     if let Some(other) = scene.objects.iter().find(|o| moves(o.velocity)) {

@@ -70,6 +70,7 @@ impl Part {
             error_squares,
             texels,
         } = &self.summary;
+        // No light has no span, which is written as NaN.
         let [from, to] = energy.span.unwrap_or([f64::NAN; 2]);
         let numbers = [energy.held, energy.before, energy.after, from, to];
         let mut bytes = texels.to_le_bytes().to_vec();
@@ -83,6 +84,7 @@ impl Part {
     /// Of so many texels; none where that is not what these bytes are.
     pub fn from_bytes(bytes: &[u8], texels: usize, bins: usize) -> Option<Part> {
         let (count, rest) = bytes.split_first_chunk::<8>()?;
+        // Three energies, the two ends of their span, and an error by bin.
         let (numbers, rest) = rest.split_at_checked(8 * (5 + bins))?;
         let (covered, values) = rest.split_at_checked(texels)?;
         let (values, left) = values.as_chunks::<4>();

@@ -369,6 +369,7 @@ impl<'a> Charts<'a> {
             let least = u.min(v).min(1.0 - u - v);
             if least >= 0.0 && (front || triangle.has_back) {
                 let at = place(triangle.triangle, triangle.slot, [u, v]);
+                // On an edge that triangles share the first of them has it.
                 found = found.or(Some(Hit { front, ..at }));
             }
             inside += u32::from(is_inside([u, v]));
@@ -482,6 +483,7 @@ impl ChartTriangle {
                     continue;
                 }
                 for end in [p, q] {
+                    // An end beyond the row counts where the edge crosses the row's border.
                     let y = end.y.clamp(from, to);
                     let x = match y == end.y {
                         true => end.x,

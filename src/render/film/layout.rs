@@ -91,6 +91,7 @@ pub struct Layout {
 impl Layout {
     /// Bytes of a film of this layout.
     pub fn bytes(&self) -> u64 {
+        // The radiance, three numbers of 8 bytes, and one of each channel.
         let pixel = 24 + 8 * self.channels.len();
         self.size[0] as u64 * self.size[1] as u64 * pixel as u64
     }

@@ -137,6 +137,7 @@ impl Parts {
 
     /// Adds the sums of a part.
     fn add(&mut self, radiance: &[[f64; 3]]) {
+        // Parts go to the two halves in turn.
         let half = (self.taken % 2) as usize;
         let scale = 1.0 / f64::from(self.samples);
         let counts = !self.settled[half];
@@ -182,6 +183,7 @@ impl Parts {
     /// The variance of the mean of a pixel, by that of a part: 1/R, or as of (4) where a half is settled.
     fn share(&self) -> f64 {
         match self.settled.contains(&true) {
+            // The variance of a mean of two is a quarter of the sum of theirs.
             true => 0.25 * self.counted.map(|k| 1.0 / f64::from(k)).iter().sum::<f64>(),
             false => 1.0 / f64::from(self.taken),
         }
@@ -214,10 +216,12 @@ impl Parts {
 
     /// What one half says of a pixel: its mean radiance, and the square of the standard error of as many parts again beside it.
     fn judgement(&self, half: usize, pixel: usize) -> [f64; 2] {
+        // The halves take turns: either has as many.
         let n = f64::from(self.taken / 2);
         let spread = &self.spread[pixel];
         let (sum, squares) = (spread[1 + 2 * half], spread[2 + 2 * half]);
         let variance = ((squares - sum * sum / n) / (n - 1.0)).max(0.0);
+        // Of these n parts and as many of the other half.
         [spread[0] + sum / n, variance / (2.0 * n)]
     }
 

@@ -84,6 +84,7 @@ pub(super) fn memory(
         true => frames.iter().map(|f| f.triangles).sum::<u64>() * size_of::<DVec3>() as u64,
         false => 0,
     };
+    // Three indices by triangle, and two f32 by vertex and set.
     let uvs = objects
         .iter()
         .filter(|o| o.uvs)

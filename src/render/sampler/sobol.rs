@@ -101,9 +101,11 @@ impl VectorLoop for SobolOfEachAt<'_> {
 /// blue-noise diffusion of Monte Carlo sampling error via hierarchical ordering of pixels", SIGGRAPH Asia 2020).
 #[inline]
 pub(crate) fn sobol_among(pixel: u64, index: u32, count: u32, dimension: u32) -> [f64; 2] {
+    // The lowest two bits of column and row: where in its 4 × 4 pixels one is.
     const WITHIN: u64 = 3 | 3 << 32;
     let (x, y) = (pixel as u32 & 3, (pixel >> 32) as u32 & 3);
     let place = x & 1 | (y & 1) << 1 | (x & 2) << 1 | (y & 2) << 2;
+    // A power of two for each pixel, so that its own points fill elementary intervals, too.
     let first = place.wrapping_mul(count.next_power_of_two());
     sobol(pixel & !WITHIN, first.wrapping_add(index), dimension)
 }

@@ -29,6 +29,7 @@ impl Sampler {
     /// `samples` ≥ 1 stratified samples per pixel.
     pub fn stratified(samples: u32) -> Self {
         let samples = samples.max(1);
+        // The largest divisor that is not above the root: the grid is as square as n allows.
         let root = (1..=samples)
             .take_while(|d| *d <= samples / d)
             .filter(|d| samples.is_multiple_of(*d))
@@ -124,6 +125,7 @@ impl Sampler {
         for ((pixel, x), y) in pixels.iter().zip(&mut *x).zip(&mut *y) {
             let pixel = hash(*pixel);
             *x = sub_cell(j, rows, pixel);
+            // Turned by 31 bits, so that shift and stride come from other bits of the hash than those of x.
             *y = sub_cell(i, columns, pixel.rotate_left(31));
         }
         let [width, height] = self.cell;
@@ -164,6 +166,7 @@ impl Sampler {
                 x,
                 y,
             };
+            // Loops have a fixed length, the least of three that holds all samples.
             match each {
                 0..=4 => dispatch(of.at_most::<4>()),
                 5..=8 => dispatch(of.at_most::<8>()),
@@ -263,6 +266,7 @@ fn whole(x: u64) -> f64 {
 
 /// Samples of each of at least `parts` equal parts of `samples`, or of as many as there are samples.
 pub(crate) fn samples_per_part(samples: u32, parts: u32) -> u32 {
+    // The fewest parts, of those that are enough, that divide the samples evenly.
     let counts = parts.min(samples)..=samples;
     let parts = counts
         .into_iter()
@@ -423,6 +427,7 @@ impl Moments<'_> {
         let (i, j) = (self.index % a, self.index / a);
         let salt = (self.index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         for (pixel, moment) in self.pixels.iter().zip(self.moments) {
+            // The complement has other hashes than those that places come from.
             let pixel = hash(!pixel);
             let noise = hash(pixel ^ salt);
             let (columns, rows) = (pixel as u32, (pixel >> 32) as u32);

@@ -41,23 +41,23 @@ const LOOKED_AT: u64 = 64;
 
 /// The rays of a survey: so many samples of each pixel.
 #[derive(Debug, Clone, Copy)]
-struct Looks {
+struct PixelSamples {
     sampler: Sampler,
     samples: u32,
 }
 
-impl Looks {
+impl PixelSamples {
     /// One through the centre of each pixel.
-    fn centred() -> Looks {
-        Looks {
+    fn centred() -> PixelSamples {
+        PixelSamples {
             sampler: Sampler::centred(),
             samples: 1,
         }
     }
 
     /// Those of the picture itself.
-    fn of_picture(scene: &Prepared) -> Looks {
-        Looks {
+    fn of_picture(scene: &Prepared) -> PixelSamples {
+        PixelSamples {
             sampler: scene.sampler,
             samples: scene.layout.samples,
         }
@@ -183,7 +183,7 @@ pub fn unseen_lamps(scene: &Scene, prepared: &Prepared) -> Vec<(usize, [f64; 2])
         LightKind::Area { .. } => false,
     };
     // Lamps are numbered after the sources.
-    let ratios = |k: usize, looks: Looks| {
+    let ratios = |k: usize, pixel_samples: PixelSamples| {
         let index = scene.sources.len() + k;
         let lamp = light.lamps.get(index)?.as_ref()?;
         let tiles = (0..Tile::count(prepared.layout.size)).into_par_iter();
@@ -192,7 +192,7 @@ pub fn unseen_lamps(scene: &Scene, prepared: &Prepared) -> Vec<(usize, [f64; 2])
             each_point(
                 prepared,
                 &surfaces,
-                (Tile::of_image(prepared.layout.size, tile), looks),
+                (Tile::of_image(prepared.layout.size, tile), pixel_samples),
                 |observed| {
                     let point = &observed.point;
                     let arrival = lamp.arrival_at_peak(&point.ray, point.hit.s, light.index);
@@ -213,10 +213,10 @@ pub fn unseen_lamps(scene: &Scene, prepared: &Prepared) -> Vec<(usize, [f64; 2])
     };
     let of_lamp = |k: usize| {
         let is_lit = |([least, greatest], _): &([f64; 2], bool)| least <= greatest;
-        let found = ratios(k, Looks::centred())?;
+        let found = ratios(k, PixelSamples::centred())?;
         let (range, is_seen) = match is_lit(&found) {
             true => found,
-            false => ratios(k, Looks::of_picture(prepared)).filter(is_lit)?,
+            false => ratios(k, PixelSamples::of_picture(prepared)).filter(is_lit)?,
         };
         (!is_seen).then_some((k, range))
     };
@@ -240,19 +240,19 @@ pub fn seen_times(scene: &Prepared) -> Vec<SeenTimes> {
 
 /// The same, of one tile in `every`.
 fn seen_times_among(scene: &Prepared, every: u64) -> Vec<SeenTimes> {
-    seen_times_by(scene, every, Looks::centred())
+    seen_times_by(scene, every, PixelSamples::centred())
 }
 
 /// The same; where no ray through the centre of a pixel meets anything lit, by all samples.
 fn seen_or_sampled(scene: &Prepared, every: u64) -> Vec<SeenTimes> {
     let seen = seen_times_among(scene, every);
     match seen.is_empty() {
-        true => seen_times_by(scene, every, Looks::of_picture(scene)),
+        true => seen_times_by(scene, every, PixelSamples::of_picture(scene)),
         false => seen,
     }
 }
 
-fn seen_times_by(scene: &Prepared, every: u64, looks: Looks) -> Vec<SeenTimes> {
+fn seen_times_by(scene: &Prepared, every: u64, pixel_samples: PixelSamples) -> Vec<SeenTimes> {
     let Some(light) = scene.light.time_resolved() else {
         return Vec::new();
     };
@@ -264,7 +264,7 @@ fn seen_times_by(scene: &Prepared, every: u64, looks: Looks) -> Vec<SeenTimes> {
             &surfaces,
             light,
             Tile::of_image(scene.layout.size, index * every),
-            looks,
+            pixel_samples,
         )
     };
     // Least and greatest do not depend on an order.
@@ -278,15 +278,15 @@ fn seen_times_by(scene: &Prepared, every: u64, looks: Looks) -> Vec<SeenTimes> {
 /// The least and the greatest W = λ′/λ of what rays through the centres of pixels meet, a sky too, or all samples where the former
 /// meet no surface; none where they meet nothing.
 pub fn wavelength_ratios(scene: &Prepared) -> Option<[f64; 2]> {
-    let (range, has_met) = ratios_by(scene, Looks::centred());
+    let (range, has_met) = ratios_by(scene, PixelSamples::centred());
     match has_met {
         true => range,
-        false => ratios_by(scene, Looks::of_picture(scene)).0,
+        false => ratios_by(scene, PixelSamples::of_picture(scene)).0,
     }
 }
 
 /// The same, and whether the rays meet a surface.
-fn ratios_by(scene: &Prepared, looks: Looks) -> (Option<[f64; 2]>, bool) {
+fn ratios_by(scene: &Prepared, pixel_samples: PixelSamples) -> (Option<[f64; 2]>, bool) {
     let surfaces = scene.surfaces();
     let range = |index| {
         let range = std::cell::Cell::new(None);
@@ -300,7 +300,7 @@ fn ratios_by(scene: &Prepared, looks: Looks) -> (Option<[f64; 2]>, bool) {
         each_point(
             scene,
             &surfaces,
-            (tile, looks),
+            (tile, pixel_samples),
             |observed| {
                 has_met = true;
                 note(observed.w.0);
@@ -438,6 +438,7 @@ impl SeenTimes {
             let [data, seen] = [at(power).data, self.seen].map(|[from, to]| to - from);
             data > 0.3 * seen && data < 30.0 * seen
         };
+        // The nearest powers of ten first.
         let mut powers = (1..=15).flat_map(|power| [-power, power]);
         let fitting = powers.find(|power| start != 0.0 && at(*power).meets() && is_long(*power));
         let unit = fitting.map(|power| {
@@ -477,11 +478,11 @@ fn tile(
     surfaces: &Surfaces,
     light: &TimeResolved,
     tile: Tile,
-    looks: Looks,
+    pixel_samples: PixelSamples,
 ) -> Vec<SeenTimes> {
     let mut all = Vec::new();
     let each = |observed: &ObservedPoint| at_point(light, surfaces, observed, &mut all);
-    each_point(scene, surfaces, (tile, looks), each, |_| {});
+    each_point(scene, surfaces, (tile, pixel_samples), each, |_| {});
     all
 }
 
@@ -489,14 +490,19 @@ fn tile(
 fn each_point(
     scene: &Prepared,
     surfaces: &Surfaces,
-    (tile, looks): (Tile, Looks),
+    (tile, pixel_samples): (Tile, PixelSamples),
     mut each: impl FnMut(&ObservedPoint),
     mut escaped: impl FnMut(f64),
 ) {
     let (mut camera_rays, mut hits) = (CameraRays::default(), HitBuffer::default());
     let generator = generator(&scene.camera.view);
-    for sample in 0..looks.samples {
-        generator.generate(&mut camera_rays, &looks.sampler, tile, sample..sample + 1);
+    for sample in 0..pixel_samples.samples {
+        generator.generate(
+            &mut camera_rays,
+            &pixel_samples.sampler,
+            tile,
+            sample..sample + 1,
+        );
         let rays = camera_rays.rays(scene.method);
         let traced = scene.trace(surfaces, rays, &mut hits, &mut Meter::off());
         for (ray, ratio) in camera_rays.ratios.iter().enumerate() {

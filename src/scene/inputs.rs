@@ -27,7 +27,7 @@ pub(super) struct Pose {
 
 /// What was found outside the text of a scene, so that all that is read from one text sees the same.
 #[derive(Debug, Default)]
-pub(super) struct Seen {
+pub(super) struct FileCache {
     /// Files that are there.
     files: Mutex<HashSet<PathBuf>>,
     /// Poses of glTF cameras, by file and node.
@@ -48,7 +48,7 @@ type InFile = (PathBuf, Option<String>);
 /// The rows of a table.
 type Rows = Vec<[f64; 2]>;
 
-impl Seen {
+impl FileCache {
     /// Whether the file at `path` was there when it was first looked for; `look` looks for it.
     pub fn look_for(&self, path: &Path, look: impl FnOnce() -> io::Result<u64>) -> io::Result<()> {
         let mut files = self.files.lock().unwrap_or_else(PoisonError::into_inner);

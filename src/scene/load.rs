@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 
 use super::at::At;
 use super::file;
-use super::inputs::{Inputs, Pose, Seen};
+use super::inputs::{FileCache, Inputs, Pose};
 use super::memory::{self, Memory};
 use super::model::Scene;
 use super::overrides::{self, Overrides};
@@ -34,7 +34,7 @@ pub struct SceneFile {
     pub(super) reach: PathBuf,
     /// Meshes and cubes of a program.
     pub(super) memory: Memory,
-    pub(super) seen: Seen,
+    pub(super) cache: FileCache,
 }
 
 impl SceneFile {
@@ -79,7 +79,7 @@ impl SceneFile {
             base: base.to_path_buf(),
             reach: base.to_path_buf(),
             memory: Memory::default(),
-            seen: Seen::default(),
+            cache: FileCache::default(),
         }
     }
 
@@ -143,7 +143,7 @@ pub(super) fn scene(
         base,
         reach,
         memory,
-        seen,
+        cache,
         ..
     }: &SceneFile,
     allow_outside: bool,
@@ -155,63 +155,63 @@ pub(super) fn scene(
     let meshes = file.object.iter().filter_map(|at| at.value.gltf.as_ref());
     let cubes = || file.source.iter().filter_map(|at| at.value.cube.as_ref());
     for name in meshes {
-        look_for(&mut inputs, seen, name);
+        look_for(&mut inputs, cache, name);
     }
     for cube in cubes() {
-        look_for_cube(&mut inputs, seen, &cube.value);
+        look_for_cube(&mut inputs, cache, &cube.value);
     }
     let sky = file.sky.as_ref().map(|at| &at.value);
     let image = sky.and_then(|sky| Some(&sky.image.as_ref()?.value.file));
     let stars = sky.and_then(|sky| sky.stars.as_ref()?.value.file.as_ref());
     for name in image.into_iter().chain(stars) {
-        look_for(&mut inputs, seen, name);
+        look_for(&mut inputs, cache, name);
     }
     if let Some(sky) = sky {
-        read_spectrum(&mut inputs, seen, &sky.spectrum);
+        read_spectrum(&mut inputs, cache, &sky.spectrum);
     }
     for capture in cubes().filter_map(|cube| cube.value.capture.as_ref()) {
-        read_pose(&mut inputs, seen, &capture.value.gltf, &capture.value.node);
-        read_colmap(&mut inputs, seen, &capture.value.pose);
+        read_pose(&mut inputs, cache, &capture.value.gltf, &capture.value.node);
+        read_colmap(&mut inputs, cache, &capture.value.pose);
     }
     for edges in cubes().filter_map(|cube| cube.value.edges_file.as_ref()) {
-        read_numbers(&mut inputs, seen, &edges.value);
+        read_numbers(&mut inputs, cache, &edges.value);
     }
     for object in &file.object {
         if let Some(coordinates) = &object.value.texture_coordinates {
-            look_for(&mut inputs, seen, &coordinates.value.file);
+            look_for(&mut inputs, cache, &coordinates.value.file);
         }
-        read_spectrum(&mut inputs, seen, &object.value.spectrum);
+        read_spectrum(&mut inputs, cache, &object.value.spectrum);
     }
     for light in &file.light {
-        read_spectrum(&mut inputs, seen, &light.value.spectrum);
-        read_track(&mut inputs, seen, &light.value.motion);
+        read_spectrum(&mut inputs, cache, &light.value.spectrum);
+        read_track(&mut inputs, cache, &light.value.motion);
     }
-    camera(&mut inputs, seen, &file);
+    camera(&mut inputs, cache, &file);
     resolve::scene(report, inputs, &file)
 }
 
 /// Reads the table of a spectrum, where it has one.
-fn read_spectrum(inputs: &mut Inputs, seen: &Seen, spectrum: &Option<At<file::Spectrum>>) {
+fn read_spectrum(inputs: &mut Inputs, cache: &FileCache, spectrum: &Option<At<file::Spectrum>>) {
     let Some(name) = spectrum.as_ref().and_then(|at| at.value.table.as_ref()) else {
         return;
     };
-    look_for(inputs, seen, name);
+    look_for(inputs, cache, name);
     let path = inputs.base.join(&name.value);
     if inputs.problem(name).is_none() && resolve::has_extension(&path, SPECTRUM) {
-        inputs.add_table(name, seen.table(&path, || spectrum::load(&path)));
+        inputs.add_table(name, cache.table(&path, || spectrum::load(&path)));
     }
 }
 
 /// Looks for the file of a cube or for the pictures of a sequence, and reads what the file says of its time axis where the
 /// scene does not.
-fn look_for_cube(inputs: &mut Inputs, seen: &Seen, cube: &file::Cube) {
+fn look_for_cube(inputs: &mut Inputs, cache: &FileCache, cube: &file::Cube) {
     let name = &cube.file;
     if name.value.starts_with(memory::PREFIX) {
         return;
     }
     let path = inputs.base.join(&name.value);
     let array = cube.array.as_ref().map(|at| at.value.as_str());
-    let times = || seen.times(&path, array, || cube::times(&path, array));
+    let times = || cache.times(&path, array, || cube::times(&path, array));
     if cube::is_sequence(&path) {
         // All of them, or some.
         if let Err(error) = cube::pictures(&path) {
@@ -223,7 +223,7 @@ fn look_for_cube(inputs: &mut Inputs, seen: &Seen, cube: &file::Cube) {
         inputs.add_times(name, times());
         return;
     }
-    look_for(inputs, seen, name);
+    look_for(inputs, cache, name);
     let is_cube = || cube::FORMATS.iter().any(|f| f.has_name_of(&path));
     if inputs.problem(name).is_none() && is_cube() {
         inputs.add_times(name, times());
@@ -231,15 +231,15 @@ fn look_for_cube(inputs: &mut Inputs, seen: &Seen, cube: &file::Cube) {
 }
 
 /// Reads a table of edges.
-fn read_numbers(inputs: &mut Inputs, seen: &Seen, table: &file::EdgesFile) {
+fn read_numbers(inputs: &mut Inputs, cache: &FileCache, table: &file::EdgesFile) {
     let name = &table.file;
-    look_for(inputs, seen, name);
+    look_for(inputs, cache, name);
     let path = inputs.base.join(&name.value);
     if inputs.problem(name).is_some() || !resolve::has_extension(&path, NUMBERS) {
         return;
     }
     let array = table.array.as_ref().map(|array| array.value.as_str());
-    let numbers = seen.numbers(&path, array, || {
+    let numbers = cache.numbers(&path, array, || {
         npy::load_numbers(&path, array, &Budget::new(LONGEST_TABLE))
     });
     inputs.add_numbers(name, numbers);
@@ -258,26 +258,26 @@ pub(crate) fn kinematics(
 ) -> Result<Kinematics> {
     let report = report(text, name, overrides)?;
     let file: file::Scene = report.read()?;
-    let seen = SceneFile::of_text(text, name, base).seen;
+    let cache = SceneFile::of_text(text, name, base).cache;
     let mut inputs = Inputs::new(base.to_path_buf(), Memory::default());
-    camera(&mut inputs, &seen, &file);
+    camera(&mut inputs, &cache, &file);
     Kinematics::new(&Context::new(report, inputs, &file.speed_of_light)?, &file)
 }
 
-fn camera<D>(inputs: &mut Inputs, seen: &Seen, file: &file::Scene<D>) {
+fn camera<D>(inputs: &mut Inputs, cache: &FileCache, file: &file::Scene<D>) {
     if let Some(camera) = &file.camera {
-        read_pose(inputs, seen, &camera.value.gltf, &camera.value.node);
-        read_track(inputs, seen, &camera.value.motion);
+        read_pose(inputs, cache, &camera.value.gltf, &camera.value.node);
+        read_track(inputs, cache, &camera.value.motion);
     }
 }
 
 /// Reads the way of an animated node, where a motion follows one.
-fn read_track(inputs: &mut Inputs, seen: &Seen, motion: &Option<At<file::Motion>>) {
+fn read_track(inputs: &mut Inputs, cache: &FileCache, motion: &Option<At<file::Motion>>) {
     let animation = motion.as_ref().and_then(|at| at.value.animation.as_ref());
     let Some(file::Animation { gltf, node, name }) = animation.map(|at| &at.value) else {
         return;
     };
-    look_for(inputs, seen, gltf);
+    look_for(inputs, cache, gltf);
     let path = inputs.base.join(&gltf.value);
     if inputs.problem(gltf).is_some() || !resolve::has_extension(&path, GLTF) {
         return;
@@ -286,17 +286,17 @@ fn read_track(inputs: &mut Inputs, seen: &Seen, motion: &Option<At<file::Motion>
         node.value.as_str(),
         name.as_ref().map(|name| name.value.as_str()),
     );
-    let track = seen.track(&path, [Some(node), name], || gltf::track(&path, node, name));
+    let track = cache.track(&path, [Some(node), name], || gltf::track(&path, node, name));
     inputs.add_track(gltf, track);
 }
 
 /// Notes what is wrong with the file that `name` names. None is opened.
-fn look_for(inputs: &mut Inputs, seen: &Seen, name: &At<String>) {
+fn look_for(inputs: &mut Inputs, cache: &FileCache, name: &At<String>) {
     if name.value.starts_with(memory::PREFIX) {
         return;
     }
     let path = inputs.base.join(&name.value);
-    match seen.look_for(&path, || files::length(&path)) {
+    match cache.look_for(&path, || files::length(&path)) {
         Ok(_) => {}
         // There, but a directory or a device.
         Err(error) if error.kind() == ErrorKind::InvalidInput && path.exists() => {
@@ -315,18 +315,18 @@ fn look_for(inputs: &mut Inputs, seen: &Seen, name: &At<String>) {
 /// Reads the pose of the camera at `node` of the glTF file `name`, where there is one.
 fn read_pose(
     inputs: &mut Inputs,
-    seen: &Seen,
+    cache: &FileCache,
     name: &Option<At<String>>,
     node: &Option<At<String>>,
 ) {
     let Some(name) = name else { return };
-    look_for(inputs, seen, name);
+    look_for(inputs, cache, name);
     let path = inputs.base.join(&name.value);
     if inputs.problem(name).is_some() || !resolve::has_extension(&path, GLTF) {
         return;
     }
     let node = node.as_ref().map(|node| node.value.as_str());
-    let pose = seen.pose(&path, node, || {
+    let pose = cache.pose(&path, node, || {
         let camera = gltf::camera(&path, node)?;
         Ok(Pose {
             eye: camera.eye,
@@ -338,13 +338,13 @@ fn read_pose(
 }
 
 /// Reads the pose of an image of a reconstruction, where one is named.
-fn read_colmap(inputs: &mut Inputs, seen: &Seen, pose: &Option<At<file::GivenPose>>) {
+fn read_colmap(inputs: &mut Inputs, cache: &FileCache, pose: &Option<At<file::GivenPose>>) {
     let pose = pose.as_ref().map(|at| (&at.value.colmap, &at.value.image));
     let Some((Some(name), Some(image))) = pose else {
         return;
     };
     let path = inputs.base.join(&name.value);
-    let pose = seen.pose(&path, Some(&image.value), || {
+    let pose = cache.pose(&path, Some(&image.value), || {
         let found = colmap::pose(&path, &image.value)?;
         let [horizontal, vertical] = found.fov;
         Ok(Pose {
@@ -368,7 +368,7 @@ pub(crate) fn parse_diagram<D: DeserializeOwned, T>(
     let report = report(text, name, overrides)?;
     let file: file::Scene<D> = report.read()?;
     let mut inputs = Inputs::new(base.to_path_buf(), Memory::default());
-    camera(&mut inputs, &Seen::default(), &file);
+    camera(&mut inputs, &FileCache::default(), &file);
     let cx = Context::new(report, inputs, &file.speed_of_light)?;
     resolve(&cx, &Kinematics::new(&cx, &file)?, file.diagram.as_ref())
 }

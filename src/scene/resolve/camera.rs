@@ -77,10 +77,12 @@ fn horizontal_fov(
     if projection != ProjectionKind::Perspective {
         return Ok(Camera::hfov(projection).radians());
     }
+    // Each eye has half of the columns.
     let eyes = if camera.stereo.is_some() { 2.0 } else { 1.0 };
     let aspect = f64::from(width) / (eyes * f64::from(height));
     Ok(match pose.gltf_fov {
         Some((Some(horizontal), _)) => horizontal,
+        // tan(h/2) = aspect · tan(v/2): the film is a plane.
         Some((None, vertical)) => 2.0 * libm::atan(aspect * libm::tan(0.5 * vertical)),
         None => Camera::hfov(projection).radians(),
     })

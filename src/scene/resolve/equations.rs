@@ -65,7 +65,10 @@ fn motion(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
             [only] if only.duration.is_infinite() => Some(only.acceleration),
             _ => None,
         },
-        _ => None,
+        Motion::Profile { .. }
+        | Motion::Keyframes(_)
+        | Motion::Animation { .. }
+        | Motion::Circular { .. } => None,
     };
     match acceleration {
         Some(_) if camera.shutter.is_some() => refuse(
@@ -92,6 +95,7 @@ fn speeds_up(camera: &CameraModel, acceleration: DVec3) -> bool {
         return true;
     };
     let w = state.velocity.rapidity();
+    // Along it but for the rounding of directions in a file.
     w.dot(acceleration) >= (1.0 - 1e-12) * w.length() * acceleration.length()
 }
 

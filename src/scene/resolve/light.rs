@@ -324,6 +324,7 @@ fn beam(cx: &Context, at: &At<file::Light>) -> Result<Beam> {
         LightType::Spot => {
             let inner = light.inner.as_ref().map_or(0.0, |at| at.value.radians());
             let outer = light.outer.as_ref();
+            // π/4 is the default of KHR_lights_punctual.
             let outer_angle = outer.map_or(FRAC_PI_2 / 2.0, |at| at.value.radians());
             // 90° may be rounded.
             if !(0.0 <= inner && inner < outer_angle && outer_angle <= FRAC_PI_2 * (1.0 + 1e-12)) {

@@ -32,7 +32,11 @@ pub(super) fn resolve(cx: &Context, mover: &Mover, position: DVec3) -> Result<Mo
         Motion::Keyframes(events) | Motion::Animation { events, .. } => {
             events.first().copied().unwrap_or(Event::ORIGIN)
         }
-        _ => Event::new(cx.time(mover.clock_zero)?, position),
+        Motion::Inertial
+        | Motion::Accelerated(_)
+        | Motion::Segments(_)
+        | Motion::Profile { .. }
+        | Motion::Circular { .. } => Event::new(cx.time(mover.clock_zero)?, position),
     };
     let line = motion.world_line(velocity, origin);
     let line = line.map_err(|error| worldline::refusal(cx, mover, &error))?;

@@ -91,7 +91,9 @@ pub(super) fn given(cx: &Context, at: &At<GivenPose>, keys: &Keys) -> Result<Pos
     };
     let (rotation, eye) = match convention {
         PoseConvention::Colmap => (rotation.transpose(), -(rotation.transpose() * translation)),
-        _ => (rotation, translation),
+        PoseConvention::OpenGl | PoseConvention::OpenCv | PoseConvention::Mitsuba => {
+            (rotation, translation)
+        }
     };
     let (y, z) = (rotation.y_axis, rotation.z_axis);
     let (up, forward) = match convention {
@@ -144,6 +146,7 @@ fn rotation_and_translation(cx: &Context, at: &At<GivenPose>) -> Result<(DMat3, 
             translation: None,
             ..
         } => {
+            // The file gives rows.
             let row = |i: usize| DVec3::new(rows[i][0], rows[i][1], rows[i][2]);
             let rotation = DMat3::from_cols(row(0), row(1), row(2)).transpose();
             (
@@ -180,6 +183,7 @@ fn rotation_and_translation(cx: &Context, at: &At<GivenPose>) -> Result<(DMat3, 
             return Err(cx.refuse(at, what, "give one of the two"));
         }
     };
+    // R is a rotation where RᵀR is the identity and its determinant above 0.
     let square = rotation.transpose() * rotation;
     let apart = (square - DMat3::IDENTITY).to_cols_array();
     let is_rotation = apart.iter().all(|x| x.abs() < TOLERANCE) && rotation.determinant() > 0.0;
@@ -337,6 +341,7 @@ fn wide_fov(cx: &Context, hfov: &At<Angle>, projection: ProjectionKind) -> Resul
     if limits::is_field_of_view(radians, projection) {
         return Ok(radians);
     }
+    // The lower bound of `limits::is_field_of_view`.
     if radians > 0.0 && radians <= 1e-9 {
         return Err(extreme(cx, hfov));
     }

@@ -168,6 +168,7 @@ fn swept_radius(model: &CameraModel, rotation: &Rotation) -> f64 {
     };
     let pivot = match rotation.through {
         Pivot::Pinhole => DVec3::ZERO,
+        // About its middle, the mean of the four corners.
         Pivot::Sensor => corners.iter().sum::<DVec3>() * 0.25,
     };
     let radius = |&corner: &DVec3| (corner - pivot).cross(rotation.axis).length();

@@ -101,8 +101,10 @@ fn sun(cx: &Context, sun: &file::Sun) -> Result<Sun> {
         direction: cx.unit(&sun.direction, "the direction of the sun", help)?,
         irradiance: match &sun.irradiance {
             Some(_) => channels(cx, &sun.irradiance)?,
+            // White that faces it has a radiance of about 1, a little warm: π (1, 1, 1) of irradiance would make it 1.
             None => [3.2, 3.0, 2.6],
         },
+        // The sun's mean diameter as seen from the Earth.
         radius: radius(cx, &sun.diameter, 0.533, 90.0)?,
     })
 }

@@ -44,11 +44,15 @@ fn described(
     let by_luminance = matches!(scale, Scale::Luminance(_));
     let ends = match &shape {
         SpectrumShape::Table(rows) => rows.first().zip(rows.last()),
-        _ => None,
+        SpectrumShape::Lines(_)
+        | SpectrumShape::Blackbody(_)
+        | SpectrumShape::Gaussian { .. }
+        | SpectrumShape::Rgb(..) => None,
     };
     let ends = ends.map(|(first, last)| [first[0], last[0]]);
     let unseen = || {
         let (file, ends) = at.value.table.as_ref().zip(ends)?;
+        // Nanometres, to a thousandth.
         let [first, last] = ends.map(|metres| number((metres * 1e12).round() / 1e3));
         let what = format!(
             "{:?} spans {first} to {last} nm, of which nobody at rest sees anything, so that it has no luminance",

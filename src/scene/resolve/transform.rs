@@ -70,6 +70,7 @@ fn from_matrix(cx: &Context, parts: &Transform, matrix: &At<Numbers<16>>) -> Res
         let help = "give the 16 numbers by rows, the translation in the last column";
         return Err(cx.refuse(matrix, what, help));
     }
+    // Rows in place of columns: the transpose.
     let rows = DMat3::from_cols_array(&[a, b, c, d, e, f, g, h, i]);
     Ok(DAffine3 {
         matrix3: rows.transpose(),
@@ -88,6 +89,7 @@ fn invertible(transform: DAffine3) -> bool {
     let [Some(x), Some(y), Some(z)] = units else {
         return false;
     };
+    // The volume of unit columns: below this bound rounding decides what it is.
     let spans = x.cross(y).dot(z).abs() > 1e-12;
     let sized = |column: DVec3| (1e-30..=1e30).contains(&column.abs().max_element());
     spans && columns.into_iter().all(sized)

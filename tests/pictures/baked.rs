@@ -57,21 +57,20 @@ fn camera_cube(scene: &Scene, bins: &Bins) -> Result<Baked> {
     )
 }
 
+/// Over the texture coordinates of an object.
 fn surface_cube(scene: &Scene, object: usize, size: [u32; 2], bins: &Bins) -> Result<Baked> {
     let surface = Surface {
         object,
         coordinates: Coordinates::Set(0),
         size,
     };
-    bake::surface_cube(
-        scene,
-        &prepared(scene),
-        &surface,
-        bins,
-        CubePrecision::Single,
-        None,
-        &Silent,
-    )
+    cube_of(scene, &prepared(scene), &surface, bins)
+}
+
+/// Of any surface, in single precision.
+fn cube_of(scene: &Scene, prepared: &Prepared, surface: &Surface, bins: &Bins) -> Result<Baked> {
+    let precision = CubePrecision::Single;
+    bake::surface_cube(scene, prepared, surface, bins, precision, None, &Silent)
 }
 
 /// A reference cube of one channel: shape and values.
@@ -430,16 +429,7 @@ colour = [0.8, 0.8, 0.8]
             coordinates: Coordinates::Atlas,
             size: [128, 128],
         };
-        let baked = bake::surface_cube(
-            &scene,
-            &prepared(&scene),
-            &surface,
-            &bins,
-            CubePrecision::Single,
-            None,
-            &Silent,
-        );
-        let baked = baked.unwrap();
+        let baked = cube_of(&scene, &prepared(&scene), &surface, &bins).unwrap();
         let corners = baked.texture_coordinates.unwrap();
         let corners: Vec<f64> = corners
             .iter()
@@ -509,16 +499,7 @@ fn the_scenes_of_baked_light_show_what_paths_show() {
                 },
                 size: [128, 128],
             };
-            let baked = bake::surface_cube(
-                &lit,
-                &all,
-                &surface,
-                &bins,
-                CubePrecision::Single,
-                None,
-                &Silent,
-            )
-            .unwrap();
+            let baked = cube_of(&lit, &all, &surface, &bins).unwrap();
             let corners = baked.texture_coordinates.iter().flatten();
             let corners: Vec<f64> = corners.flatten().flatten().map(|x| f64::from(*x)).collect();
             let file = folder.path().join(format!("light/{name}-{}.npz", of.name));
@@ -821,16 +802,7 @@ fn the_back_of_a_sphere_has_the_light_of_a_flash_within() {
         coordinates: Coordinates::Atlas,
         size: [96, 96],
     };
-    let baked = bake::surface_cube(
-        &scene,
-        &prepared(&scene),
-        &surface,
-        &bins,
-        CubePrecision::Single,
-        None,
-        &Silent,
-    )
-    .unwrap();
+    let baked = cube_of(&scene, &prepared(&scene), &surface, &bins).unwrap();
     assert_eq!(baked.backs, CubeBacks::SecondHalf);
     assert_eq!(baked.cube.shape[..3], [192, 96, 1]);
     // I/r² of irradiance for the duration √(2π) σ of the flash, and albedo/π of it.

@@ -535,6 +535,21 @@ mod tests {
         sum
     }
 
+    /// What `count`² draws, spread evenly, make of the irradiance of a surface with normal `n`: their mean, and the most of one.
+    fn drawn(boosted: &BoostedSky, sky: &Sky, n: DVec3, count: usize) -> [f64; 2] {
+        let (mut sum, mut most) = (0.0, 0.0f64);
+        let at = |k: usize| (k as f64 + 0.5) / count as f64;
+        for k in 0..count * count {
+            if let Some(s) = boosted.sample(n, [at(k % count), at(k / count)]) {
+                let radiance = boosted.mean_radiance(sky, s.d, s.rho)[1];
+                let drawn = radiance * n.dot(s.in_rest) / s.density;
+                sum += drawn;
+                most = most.max(drawn);
+            }
+        }
+        [sum / (count * count) as f64, most]
+    }
+
     #[test]
     fn a_uniform_sky_lights_a_moving_surface_by_the_law() {
         for beta in [0.0, 0.5, 0.9, 0.99, 0.999] {
@@ -585,16 +600,7 @@ mod tests {
             let (sky, boost) = (uniform(), boost(beta));
             let boosted = of(&sky, &boost, Received::Scaled(Quantity::Integrated));
             for n in [DVec3::Y, DVec3::new(0.6, 0.0, -0.8)] {
-                let count = 300;
-                let mut sum = 0.0;
-                for k in 0..count * count {
-                    let at = |k: usize| (k as f64 + 0.5) / count as f64;
-                    if let Some(s) = boosted.sample(n, [at(k % count), at(k / count)]) {
-                        let radiance = boosted.mean_radiance(&sky, s.d, s.rho)[0];
-                        sum += radiance * n.dot(s.in_rest) / s.density;
-                    }
-                }
-                let (mean, e) = (sum / (count * count) as f64, boosted.irradiance(n)[0]);
+                let ([mean, _], e) = (drawn(&boosted, &sky, n, 300), boosted.irradiance(n)[1]);
                 assert!((mean - e).abs() < 5e-3 * e, "{beta} {n}: {mean} {e}");
             }
         }
@@ -628,17 +634,7 @@ mod tests {
                 let boosted = of(&sky, &boost(beta), received);
                 let n = DVec3::new(0.6, 0.0, -0.8);
                 // No multiple of the stars, whose blocks would be met at their edges.
-                let (count, mut sum, mut most) = (463, 0.0, 0.0f64);
-                for k in 0..count * count {
-                    let at = |k: usize| (k as f64 + 0.5) / count as f64;
-                    if let Some(s) = boosted.sample(n, [at(k % count), at(k / count)]) {
-                        let radiance = boosted.mean_radiance(&sky, s.d, s.rho)[1];
-                        let drawn = radiance * n.dot(s.in_rest) / s.density;
-                        sum += drawn;
-                        most = most.max(drawn);
-                    }
-                }
-                let (mean, e) = (sum / (count * count) as f64, boosted.irradiance(n)[1]);
+                let ([mean, most], e) = (drawn(&boosted, &sky, n, 463), boosted.irradiance(n)[1]);
                 assert!(
                     (mean - e).abs() < 0.03 * e,
                     "{is_thermal} {beta}: {mean} {e}"
@@ -697,17 +693,7 @@ mod tests {
             }
             // What is drawn has it, too, and no draw has a thousand times the mean.
             let n = DVec3::Y;
-            let (count, mut sum, mut most) = (256, 0.0, 0.0f64);
-            for k in 0..count * count {
-                let at = |k: usize| (k as f64 + 0.5) / count as f64;
-                if let Some(s) = boosted.sample(n, [at(k % count), at(k / count)]) {
-                    let radiance = boosted.mean_radiance(&sky, s.d, s.rho)[1];
-                    let drawn = radiance * n.dot(s.in_rest) / s.density;
-                    sum += drawn;
-                    most = most.max(drawn);
-                }
-            }
-            let (mean, e) = (sum / (count * count) as f64, expected(n));
+            let ([mean, most], e) = (drawn(&boosted, &sky, n, 256), expected(n));
             let off = (mean - e).abs();
             assert!(off < 0.02 * e + 2e-3 * largest, "{at:?} {beta}: {mean} {e}");
             assert!(most < 10.0 * largest, "{at:?} {beta}: {most} {e}");

@@ -2,16 +2,19 @@
 
 mod bake;
 mod builtin;
+mod channels;
 mod convert;
+mod dark;
 mod depth;
 mod diagram;
 mod emulated;
 mod export;
+mod exposure;
 mod film;
 mod frames;
 mod info;
 mod interrupt;
-mod light;
+mod lamps;
 mod memory;
 mod methods;
 mod models;
@@ -28,6 +31,8 @@ mod resident;
 mod resume;
 mod selftest;
 mod sheet;
+mod skies;
+mod spectra;
 mod stats;
 mod tessellation;
 

@@ -1,0 +1,172 @@
+//! What is said of dark pictures, and of those that show the sky alone.
+
+use super::Folder;
+
+/// A floor of 2 m seen from 4 m above, and a pulse from 3 m above it at ct = 10 m.
+pub(super) const PULSE: &str = "
+[camera]
+eye = [0, 4, 0]
+look_at = [0, 0, 0]
+up = [0, 0, -1]
+hfov = \"20 deg\"
+size = [9, 9]
+[[object]]
+shape = { plane = { size = [2, 2] } }
+[[source]]
+name = \"flash\"
+pulse = { position = [0, 3, 0], time = \"10 m\", sigma = \"1 cm\" }
+";
+
+/// A floor that a camera above it sees alone.
+pub(super) fn floor(beta: f64, floor: &str, rest: &str) -> String {
+    format!(
+        "[camera]\neye = [0, 2, 5]\nlook_at = [0, 0, 0]\nsize = [24, 16]\nvelocity = {{ beta = [0, 0, {beta:?}] }}\n\
+         [[object]]\nname = \"floor\"\nshape = {{ plane = {{ size = [2000, 2000] }} }}\n{floor}\n{rest}\n"
+    )
+}
+
+/// What `plan` and `render` say of a scene.
+pub(super) fn planned_and_rendered(folder: &Folder, scene: &str) -> [String; 2] {
+    folder.write("floor.toml", scene);
+    let rendered = folder.ok(&["render", "floor.toml", "--spp", "1", "-o", "floor.png"]);
+    [folder.ok(&["plan", "floor.toml"]), rendered]
+}
+
+#[test]
+fn a_dark_picture_says_when_the_light_left_and_when_to_look() {
+    let folder = Folder::empty();
+    folder.write("pulse.toml", PULSE);
+    let said = folder.ok(&["render", "pulse.toml", "-o", "a.png"]);
+    // The light that is seen at 0 was on the floor at −4 m and less, and would have left the lamp at −7 m.
+    let line = said
+        .lines()
+        .find(|line| line.starts_with("source \"flash\""))
+        .expect(&said);
+    assert!(
+        line.contains("and -7 m; its data span 9.96 m to 10.04 m"),
+        "{line}"
+    );
+    // At rest, a shot that is later by t sees light that left later by t: from 9.96 + 7 m on.
+    assert!(line.contains("try --time \"16.96 m\" to"), "{line}");
+    let said = folder.ok(&["render", "pulse.toml", "--time", "17 m", "-o", "b.png"]);
+    assert!(!said.contains("black"), "{said}");
+}
+
+#[test]
+fn light_that_is_shifted_out_of_sight_is_said_to_be() {
+    let folder = Folder::empty();
+    // Straight away from a wall at γ = 1000: W is near 2γ.
+    let scene = "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nsize = [8, 6]\n\
+                 velocity = { gamma = 1000, direction = [0, 0, 1] }\n[radiance]\nquantity = \"rgb\"\n\
+                 continuation = \"dark\"\n[[object]]\nshape = { box = { size = [100, 100, 1] } }\n";
+    folder.write("w.toml", scene);
+    let said = folder.ok(&["render", "w.toml", "-o", "w.png"]);
+    assert!(said.contains("the picture is black"), "{said}");
+    assert!(
+        said.contains("times the wavelength that it left with"),
+        "{said}"
+    );
+    let said = folder.ok(&[
+        "render",
+        "w.toml",
+        "-o",
+        "w.png",
+        "--set",
+        "effects.doppler=false",
+    ]);
+    assert!(!said.contains("wavelength that it left with"), "{said}");
+}
+
+#[test]
+fn a_sky_alone_and_lines_out_of_sight_have_their_own_reasons() {
+    let folder = Folder::empty();
+    let camera = "[camera]\neye = [0, 0, 5]\nforward = [0, 0, 1]\nsize = [8, 6]\n";
+    let wall =
+        "[[object]]\nshape = { box = { size = [100, 100, 1] } }\n[radiance]\nquantity = \"rgb\"\n";
+    let sky = "[sky]\nspectrum = { blackbody = \"2.725 K\", total = 1 }\nlights = false\n";
+    folder.write("sky.toml", format!("{camera}{wall}{sky}"));
+    let said = folder.ok(&["render", "sky.toml", "-o", "a.png"]);
+    assert!(said.contains("only the sky is in view"), "{said}");
+    assert!(!said.contains("meets an object"), "{said}");
+    // A sodium lamp that leaves the wall at 0.9 c: 589 nm come as 2.57 µm.
+    let lamp = "[[light]]\nname = \"sodium\"\nposition = [0, 0, 3]\nvelocity = { beta = [0, 0, 0.9] }\n\
+                spectrum = { line = \"589 nm\" }\n";
+    let scene =
+        format!("{camera}{wall}{lamp}").replace("forward = [0, 0, 1]", "look_at = [0, 0, 0]");
+    folder.write("lamp.toml", scene);
+    let said = folder.ok(&["render", "lamp.toml", "-o", "b.png"]);
+    assert!(
+        said.contains("the light of \"sodium\" falls on what is in view with"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_dark_picture_of_what_no_time_changes_is_explained_without_a_time() {
+    let folder = Folder::empty();
+    let lamp = |rest: &str| format!("[[light]]\nposition = [1, 2, 0]\n{rest}\n");
+    let below = "[[light]]\nposition = [1, -2, 0]\n".to_owned();
+    let late = lamp("emission = { gaussian = { time = \"99 m\", sigma = \"1 cm\" } }");
+    for (object, light, part, has_time) in [
+        (
+            "",
+            below,
+            "no light reaches what is in view, at any time",
+            false,
+        ),
+        (
+            "",
+            lamp("intensity = 0"),
+            "the intensity, radiance or power of all lights is 0",
+            false,
+        ),
+        (
+            "colour = [0, 0, 0]",
+            lamp(""),
+            "nothing in view reflects any light",
+            false,
+        ),
+        (
+            "colour = [0, 0, 0]",
+            String::new(),
+            "base colours, which are seen where a scene has no light, are 0",
+            false,
+        ),
+        ("", late, "nothing in view is lit at the moment", true),
+    ] {
+        let [_, said] = planned_and_rendered(&folder, &floor(0.0, object, &light));
+        assert!(said.contains(part), "{part}: {said}");
+        assert_eq!(said.contains("--time"), has_time, "{said}");
+    }
+}
+
+#[test]
+fn a_picture_without_any_object_says_so_and_advises_nothing_that_is_set() {
+    let folder = Folder::empty();
+    let sky = "[sky]\ngradient = {}\n";
+    let inside = "[camera]\neye = [0, 0, 0]\nlook_at = [0, 0, -1]\nsize = [8, 6]\n\
+                  [[object]]\nshape = { box = { size = [1, 1, 1] } }\n[display]\nback_faces = \"culled\"\n";
+    let away = inside.replace(
+        "eye = [0, 0, 0]\nlook_at = [0, 0, -1]",
+        "eye = [0, 0, 9]\nlook_at = [0, 0, 10]",
+    );
+    let two_sided = away.replace("culled", "two_sided");
+    for (scene, part, advice) in [
+        (
+            format!("{inside}{sky}"),
+            "only the sky is in view: no ray meets an object from its front",
+            true,
+        ),
+        (
+            format!("{two_sided}{sky}"),
+            "only the sky is in view: no ray meets an object:",
+            false,
+        ),
+        (away, "black: no ray meets an object from its front", true),
+        (two_sided, "black: no ray meets an object:", false),
+    ] {
+        let [_, said] = planned_and_rendered(&folder, &scene);
+        assert!(said.contains(part), "{part}: {said}");
+        assert_eq!(said.contains("two_sided"), advice, "{said}");
+    }
+}

@@ -1,0 +1,113 @@
+//! Skies, of pictures and by themselves.
+
+use nullray::io::image::{Channel, Layers, Samples, exr};
+
+use super::Folder;
+use super::dark::{floor, planned_and_rendered};
+use super::refused::refused;
+
+#[test]
+fn a_sky_alone_is_a_scene() {
+    let folder = Folder::new();
+    let scene = |sky: &str| {
+        format!(
+            "[camera]\neye = [0, 0, 0]\nlook_at = [0, 0, -1]\nhfov = \"90 deg\"\nsize = [32, 24]\n\
+             velocity = {{ beta = 0.9, direction = [0, 0, -1] }}\n{sky}"
+        )
+    };
+    let sky = "[sky]\ngradient = {}\n[radiance]\nquantity = \"rgb\"\n";
+    folder.write("sky.toml", scene(sky));
+    folder.ok(&["plan", "sky.toml"]);
+    folder.ok(&["render", "sky.toml", "-o", "alone.npz"]);
+    // Something small behind the camera changes nothing.
+    let behind =
+        "[[object]]\nshape = { sphere = { radius = 0.1 } }\norigin = { position = [0, 0, 50] }\n";
+    folder.write("behind.toml", scene(&format!("{sky}{behind}")));
+    folder.ok(&["render", "behind.toml", "-o", "behind.npz"]);
+    let equal = ["compare", "behind.npz", "alone.npz", "--tolerance", "max=0"];
+    folder.ok(&equal);
+    folder.ok(&["render", "sky.toml", "--aovs", "all", "-o", "all.npz"]);
+    folder.ok(&["compare", "all.npz", "all.npz", "--scene", "sky.toml"]);
+    refused(
+        &folder,
+        &["study", "sky.toml", "-o", "study.csv"],
+        &["no geometry"],
+    );
+    // Without one there is nothing at all.
+    folder.write("nothing.toml", scene(""));
+    refused(
+        &folder,
+        &["render", "nothing.toml"],
+        &["nothing.toml:1:", "no object and no sky", "[sky]"],
+    );
+}
+
+#[test]
+fn a_sky_that_is_not_twice_as_wide_as_high_is_refused() {
+    let folder = Folder::empty();
+    let channel = |name: &str| Channel {
+        name: name.into(),
+        samples: Samples::F32(vec![1.0; 30 * 12]),
+    };
+    let channels = ["R", "G", "B"].map(channel).into();
+    let layers = Layers::new(30, 12, channels, vec![]).unwrap();
+    exr::write(&folder.path("sky.exr"), &layers).unwrap();
+    folder.write(
+        "sky.toml",
+        "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nsize = [8, 6]\n[sky]\nimage = { file = \"sky.exr\" }\n\
+         [[object]]\nshape = { box = { size = [1, 1, 1] } }\n",
+    );
+    refused(
+        &folder,
+        &["render", "sky.toml"],
+        &[
+            "sky.exr",
+            "30 by 12 pixels are not 2:1",
+            "twice as wide as high",
+        ],
+    );
+}
+
+#[test]
+fn companions_of_a_picture_of_the_sky_are_said_to_be_unread_and_its_memory_is_planned() {
+    let folder = Folder::empty();
+    let write = |names: &[&str]| {
+        let channels = names.iter().map(|name| Channel {
+            name: (*name).into(),
+            samples: Samples::F32(vec![0.5; 32]),
+        });
+        let layers = Layers {
+            width: 8,
+            height: 4,
+            channels: channels.collect(),
+            metadata: Vec::new(),
+        };
+        exr::write(&folder.path("sky.exr"), &layers).unwrap();
+    };
+    let scene = |continuation: &str| {
+        let light = format!(
+            "[sky]\nimage = {{ file = \"sky.exr\" }}\n[radiance]\nquantity = \"rgb\"\ncontinuation = \"{continuation}\"\n"
+        );
+        floor(-0.5, "", &light)
+    };
+    let unread = "sky.exr: the channels IR and UV of a sky are not read";
+    write(&["R", "G", "B", "IR", "UV"]);
+    for (continuation, dark) in [("companions", true), ("blackbody", false)] {
+        for said in planned_and_rendered(&folder, &scene(continuation)) {
+            assert!(said.contains(unread), "{said}");
+            let beyond = "the sky is dark beyond what is visible";
+            assert_eq!(said.contains(beyond), dark, "{said}");
+        }
+    }
+    write(&["R", "G", "B"]);
+    for said in planned_and_rendered(&folder, &scene("companions")) {
+        assert!(!said.contains("of a sky are not read"), "{said}");
+    }
+    let plan = folder.ok(&["plan", "floor.toml", "--json"]);
+    let plan: serde_json::Value = serde_json::from_str(&plan).unwrap();
+    let bytes = nullray::light::sky::Panorama::bytes(8);
+    assert!(bytes >= 4 * 3 * 32, "{bytes}");
+    // And that of the grid by which it lights surfaces.
+    let grid = nullray::light::sky::LightGrid::bytes(8);
+    assert_eq!(plan["memory"]["sky"], bytes + grid);
+}

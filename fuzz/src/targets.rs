@@ -260,6 +260,7 @@ fn gltf(bytes: &[u8]) {
             uvs: true,
             textures: true,
             shading: true,
+            normals: true,
             bad_vertices,
         };
         let Ok(imported) = gltf::load_bytes(bytes, "fuzzed.glb", None, want) else {

@@ -318,6 +318,7 @@ impl Weaver<'_> {
             }],
             positions,
             uvs: vec![uvs],
+            normals: Vec::new(),
             triangles,
             colours: Vec::new(),
         }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::fmt::Display;
 
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 use super::atlas::Corners;
 
@@ -24,6 +24,9 @@ pub struct Mesh {
     /// top row of an image). A set that no vertex has is empty; otherwise vertices that lack it
     /// hold NaN.
     pub uvs: Vec<Vec<[f32; 2]>>,
+    /// Outward normals per vertex, of any length above 0 (glTF NORMAL); empty where no vertex has one, and 0 of those that have none.
+    /// Surfaces reflect light by what lies between those of their corners; triangles with a corner that has none are flat.
+    pub normals: Vec<[f32; 3]>,
     /// Linear RGBA factors on base colours, per vertex (glTF COLOR_0); empty where no vertex has one.
     pub colours: Vec<[f32; 4]>,
     /// Three vertex indices per triangle, counter-clockwise as seen from its front, in the order of the file.
@@ -326,12 +329,14 @@ impl Mesh {
             materials: vec![Material::matte(colour)],
             positions,
             uvs: Vec::new(),
+            normals: Vec::new(),
             colours: Vec::new(),
             triangles,
         }
     }
 
-    /// Checks that indices are in range, that lists are as long as they must be, and that colours and numbers of materials are in theirs.
+    /// Checks that indices are in range, that lists are as long as they must be, that normals are finite, and that colours and numbers of
+    /// materials are in their ranges.
     ///
     /// # Errors
     /// The first field of which that is not so.
@@ -353,6 +358,16 @@ impl Mesh {
                 self.uvs[set].len()
             );
             return refuse(format!("uvs[{set}]"), what);
+        }
+        let normals = self.normals.len();
+        if normals != 0 && normals != vertices {
+            let what = format!("{normals} normals for {vertices} vertices");
+            return refuse("normals".into(), what);
+        }
+        let bad = |normal: &[f32; 3]| !normal.iter().all(|x| x.is_finite());
+        if let Some(i) = self.normals.iter().position(bad) {
+            let what = format!("{:?} are not all finite", self.normals[i]);
+            return refuse(format!("normals[{i}]"), what);
         }
         let colours = self.colours.len();
         if colours != 0 && colours != vertices {
@@ -414,6 +429,9 @@ impl Mesh {
         for list in self.uvs.iter_mut().filter(|list| !list.is_empty()) {
             *list = old.iter().map(|v| list[*v]).collect();
         }
+        if !self.normals.is_empty() {
+            self.normals = old.iter().map(|v| self.normals[*v]).collect();
+        }
         if !self.colours.is_empty() {
             self.colours = old.iter().map(|v| self.colours[*v]).collect();
         }
@@ -459,6 +477,35 @@ impl Mesh {
         Some(a + (b - a) * u + (c - a) * v).filter(|uv| uv.is_finite())
     }
 
+    /// The unit normal between those of the corners at barycentric `(u, v)` of triangle `index`; none where a corner has none, or where they
+    /// cancel. Those of corners have to be unit vectors.
+    #[inline]
+    pub(crate) fn normal(&self, index: u32, [u, v]: [f64; 2]) -> Option<DVec3> {
+        // Unit normals are rounded by 2⁻²⁴ each: what is left of some that cancel may point anywhere.
+        const LEAST: f64 = 1e-6;
+        if self.normals.is_empty() {
+            return None;
+        }
+        let corners = self.triangles[index as usize];
+        let corners = corners.map(|v| DVec3::from(self.normals[v as usize].map(f64::from)));
+        if corners.contains(&DVec3::ZERO) {
+            return None;
+        }
+        let [a, b, c] = corners;
+        let normal = a + (b - a) * u + (c - a) * v;
+        let length = normal.length();
+        (length > LEAST).then(|| normal / length)
+    }
+
+    /// Turns normals as a linear map of places turns surfaces, and makes them unit vectors; those of length 0 stay 0.
+    pub(crate) fn turn_normals(&mut self, places: DMat3) {
+        let normals = normal_matrix(places);
+        for normal in &mut self.normals {
+            let turned = normals * DVec3::from(normal.map(f64::from));
+            *normal = turned.normalize_or_zero().as_vec3().to_array();
+        }
+    }
+
     /// The vertex colour, linear RGBA, at barycentric `(u, v)` of triangle `index`, or none where the mesh
     /// has none.
     #[inline]
@@ -471,5 +518,17 @@ impl Mesh {
         Some(std::array::from_fn(|k| {
             a[k] + (b[k] - a[k]) * u + (c[k] - a[k]) * v
         }))
+    }
+}
+
+/// What takes normals of surfaces along with a linear map of places, up to a positive factor: the inverse transpose, M⁻ᵀ = cof M/det M.
+///
+/// Cofactors are there for maps that make all flat, too. With the sign of det M, what points out of a body still does so where it is mirrored.
+pub(crate) fn normal_matrix(places: DMat3) -> DMat3 {
+    let (x, y, z) = (places.x_axis, places.y_axis, places.z_axis);
+    let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
+    match places.determinant() < 0.0 {
+        true => -cofactors,
+        false => cofactors,
     }
 }

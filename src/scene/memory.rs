@@ -84,6 +84,7 @@ fn hash_mesh(hash: &mut Sha256, mesh: &Mesh) {
     let Mesh {
         positions,
         uvs,
+        normals,
         colours,
         triangles,
         parts,
@@ -98,6 +99,9 @@ fn hash_mesh(hash: &mut Sha256, mesh: &Mesh) {
     for set in uvs {
         add(hash, set, |uv| uv[0].to_le_bytes());
         add(hash, set, |uv| uv[1].to_le_bytes());
+    }
+    for axis in 0..3 {
+        add(hash, normals, |n| n[axis].to_le_bytes());
     }
     for channel in 0..4 {
         add(hash, colours, |c| c[channel].to_le_bytes());

@@ -208,6 +208,7 @@ impl Subject {
             uvs: false,
             textures: false,
             shading: false,
+            normals: false,
             bad_vertices: BadVertices::Drop,
         };
         let mesh = gltf::load(path, None, want)?.mesh;

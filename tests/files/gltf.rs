@@ -17,6 +17,7 @@ const ALL: Want = Want {
     uvs: true,
     textures: true,
     shading: true,
+    normals: true,
     bad_vertices: BadVertices::Refuse,
 };
 

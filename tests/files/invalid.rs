@@ -16,6 +16,7 @@ const ALL: Want = Want {
     uvs: true,
     textures: true,
     shading: true,
+    normals: true,
     bad_vertices: BadVertices::Refuse,
 };
 

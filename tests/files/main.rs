@@ -11,6 +11,7 @@ mod colmap;
 mod cubes;
 mod gltf;
 mod gltf_animations;
+mod gltf_normals;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod image_files;

@@ -66,6 +66,7 @@ fn a_mesh_of_a_file_renders_the_same_when_it_is_passed_as_arrays() {
         uvs: true,
         textures: false,
         shading: false,
+        normals: false,
         bad_vertices: BadVertices::Refuse,
     };
     let mesh = gltf::load(&folder.path().join("quad.glb"), None, want)

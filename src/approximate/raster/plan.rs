@@ -67,6 +67,7 @@ impl Method {
                     uvs: false,
                     textures: false,
                     shading: false,
+                    normals: false,
                     bad_vertices: object.bad_vertices,
                 };
                 let (mesh, _) = object_mesh(object, want, &mut Vec::new())?;

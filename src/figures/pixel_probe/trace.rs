@@ -61,7 +61,7 @@ pub fn trace(
     let mut plan = Plan::new(scene, &request)?;
     plan.cubes.iter_mut().for_each(|cube| *cube = None);
     for object in &mut plan.objects {
-        (object.uvs, object.textures) = (false, false);
+        (object.uvs, object.textures, object.normals) = (false, false, false);
     }
     let mut prepared = Prepared::new(scene, &plan, progress)?;
     let (ray, moment) = camera_ray(&prepared, pixel);

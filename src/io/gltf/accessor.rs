@@ -26,6 +26,7 @@ const EXPORT_AGAIN: &str = "export the file again; a validator of glTF tells mor
 pub(super) enum Purpose {
     Positions,
     TexCoords,
+    Normals,
     /// RGB, or RGBA where `alpha` is set.
     Colours {
         alpha: bool,
@@ -121,7 +122,13 @@ impl Check<'_, '_> {
                 None
             }
             // Zeros, of as many vertices as there are places in the file.
-            None if matches!(purpose, Purpose::TexCoords | Purpose::Colours { .. }) => None,
+            None if matches!(
+                purpose,
+                Purpose::TexCoords | Purpose::Normals | Purpose::Colours { .. }
+            ) =>
+            {
+                None
+            }
             None => return Err(self.invalid("it has no data: no bufferView", EXPORT_AGAIN)),
         };
         let sparse = match &self.accessor.sparse {
@@ -169,6 +176,8 @@ impl Check<'_, '_> {
             (Purpose::TexCoords, F32) => (*kind == Type::Vec2 && !normalized, ""),
             (Purpose::TexCoords, U8 | U16) if normalized => (*kind == Type::Vec2, ""),
             (Purpose::TexCoords, I8 | U8 | I16 | U16) => (*kind == Type::Vec2 && quantized, Q),
+            (Purpose::Normals, F32) => (*kind == Type::Vec3 && !normalized, ""),
+            (Purpose::Normals, I8 | I16) if normalized => (*kind == Type::Vec3 && quantized, Q),
             (Purpose::Colours { alpha }, F32 | U8 | U16) => {
                 let right = if alpha { Type::Vec4 } else { Type::Vec3 };
                 (*kind == right && normalized == (component != F32), "")
@@ -280,7 +289,7 @@ const Q: &str = " without KHR_mesh_quantization";
 impl Purpose {
     fn components(self) -> u64 {
         match self {
-            Purpose::Positions | Purpose::Vectors => 3,
+            Purpose::Positions | Purpose::Normals | Purpose::Vectors => 3,
             Purpose::Rotations => 4,
             Purpose::TexCoords => 2,
             Purpose::Colours { alpha } => 3 + u64::from(alpha),
@@ -292,6 +301,7 @@ impl Purpose {
         match self {
             Purpose::Positions => "positions",
             Purpose::TexCoords => "texture coordinates",
+            Purpose::Normals => "normals",
             Purpose::Colours { .. } => "vertex colours",
             Purpose::Indices => "indices",
             Purpose::Vectors => "translations or scales",
@@ -303,6 +313,7 @@ impl Purpose {
     fn right_types(self) -> &'static str {
         match self {
             Purpose::Positions => "positions are VEC3 of FLOAT",
+            Purpose::Normals => "normals are VEC3 of FLOAT",
             Purpose::TexCoords => "they are VEC2 of FLOAT or normalized UNSIGNED_BYTE or _SHORT",
             Purpose::Colours { .. } => {
                 "they are VEC3 or VEC4 of FLOAT or normalized UNSIGNED_BYTE or _SHORT"

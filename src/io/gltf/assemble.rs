@@ -78,7 +78,7 @@ impl Builder<'_, '_> {
         let transformed_set = self.vertices.transformed_set;
         let (buffers, palette) = (&mut self.buffers, &mut self.palette);
         let material = palette.number(buffers, piece.material, resolved, transformed_set)?;
-        let base = self.vertices.of(buffers, at, piece, resolved)?;
+        let base = (self.vertices).of(buffers, at, piece, resolved, &mut self.warnings)?;
         let first_triangle = self.triangles.len() as u32;
         self.add_triangles(at, piece, base)?;
         self.parts.push(Part {
@@ -129,6 +129,7 @@ impl Builder<'_, '_> {
             mesh: Mesh {
                 positions: self.vertices.positions,
                 uvs: self.vertices.uvs,
+                normals: self.vertices.normals,
                 colours: self.vertices.colours,
                 triangles: self.triangles,
                 parts: self.parts,

@@ -45,6 +45,7 @@ impl Draft {
                 let of = materials.get(&material);
                 want.textures || of.is_some_and(|material| material.is_masked())
             },
+            normals: want.normals,
         };
         let pieces = Pieces::new(document, &placed, wanted, &mut warnings)?;
         warn_of_missing_uvs(&pieces, &materials, &mut warnings);

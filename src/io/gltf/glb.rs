@@ -19,7 +19,7 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 
-/// Consecutive triangles with one material, all of whose corners have the same sets of texture coordinates.
+/// Consecutive triangles with one material, all of whose corners have the same sets of texture coordinates, and normals or none.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Run {
     /// The first triangle.
@@ -30,6 +30,8 @@ pub struct Run {
     pub material: u32,
     /// The sets of texture coordinates.
     pub uv_sets: Vec<usize>,
+    /// Whether corners have normals.
+    pub normals: bool,
 }
 
 /// The primitives of `mesh`.
@@ -38,14 +40,15 @@ pub fn runs(mesh: &Mesh) -> Vec<Run> {
     for part in &mesh.parts {
         let start = runs.len();
         for triangle in part.first_triangle..part.first_triangle + part.triangles {
-            let uv_sets = sets(mesh, triangle);
+            let (uv_sets, normals) = (sets(mesh, triangle), has_normals(mesh, triangle));
             match runs[start..].last_mut() {
-                Some(run) if run.uv_sets == uv_sets => run.count += 1,
+                Some(run) if run.uv_sets == uv_sets && run.normals == normals => run.count += 1,
                 _ => runs.push(Run {
                     first: triangle,
                     count: 1,
                     material: part.material,
                     uv_sets,
+                    normals,
                 }),
             }
         }
@@ -63,6 +66,15 @@ fn sets(mesh: &Mesh, triangle: u32) -> Vec<usize> {
             .all(|v| uv(v).is_some_and(|uv| uv.iter().all(|x| x.is_finite())))
     };
     (0..mesh.uvs.len()).filter(has).collect()
+}
+
+/// Whether all corners of a triangle have normals.
+fn has_normals(mesh: &Mesh, triangle: u32) -> bool {
+    let corners = mesh.triangles[triangle as usize];
+    let normal = |v: &u32| mesh.normals.get(*v as usize);
+    corners
+        .iter()
+        .all(|v| normal(v).is_some_and(|normal| *normal != [0.0; 3]))
 }
 
 /// Whether the positions of `mesh` are what single precision makes of them.
@@ -96,13 +108,14 @@ pub fn write(
     let position = file.positions(&mesh.positions)?;
     let uvs = mesh.uvs.iter();
     let uvs: Vec<_> = uvs.map(|set| file.uvs(set, mesh.positions.len())).collect();
+    let normals = (!mesh.normals.is_empty()).then(|| file.normals(&mesh.normals));
     let colours = (!mesh.colours.is_empty()).then(|| file.colours(&mesh.colours));
     let indices: Vec<_> = runs.iter().map(|run| file.indices(mesh, run)).collect();
     let images: Vec<_> = images.iter().map(|image| file.image(image)).collect();
     let primitives = runs
         .iter()
         .zip(indices)
-        .map(|(run, indices)| file.primitive(run, [position, indices], &uvs, colours));
+        .map(|(run, indices)| file.primitive(run, [position, indices], &uvs, (normals, colours)));
     let primitives: Vec<_> = primitives.collect();
     let samplers = mesh.materials.iter().filter_map(sampler);
     let textures = mesh
@@ -274,6 +287,19 @@ impl File {
         json!({ "bufferView": view, "mimeType": image.media_type, "name": image.place })
     }
 
+    /// Unit vectors; of vertices without one any.
+    fn normals(&mut self, normals: &[[f32; 3]]) -> usize {
+        let unit = |n: &[f32; 3]| DVec3::from(n.map(f64::from)).normalize_or(DVec3::Z);
+        let bytes = normals
+            .iter()
+            .flat_map(|n| unit(n).as_vec3().to_array())
+            .flat_map(f32::to_le_bytes);
+        let view = self.view(bytes, Some(ARRAY_BUFFER));
+        self.accessor(json!({
+            "bufferView": view, "componentType": FLOAT, "count": normals.len(), "type": "VEC3",
+        }))
+    }
+
     fn colours(&mut self, colours: &[[f32; 4]]) -> usize {
         let bytes = colours.iter().flatten().flat_map(|c| c.to_le_bytes());
         let view = self.view(bytes, Some(ARRAY_BUFFER));
@@ -287,9 +313,12 @@ impl File {
         run: &Run,
         [position, indices]: [usize; 2],
         uvs: &[usize],
-        colours: Option<usize>,
+        (normals, colours): (Option<usize>, Option<usize>),
     ) -> Value {
         let mut attributes = json!({ "POSITION": position });
+        if let Some(normals) = normals.filter(|_| run.normals) {
+            attributes["NORMAL"] = normals.into();
+        }
         if let Some(colours) = colours {
             attributes["COLOR_0"] = colours.into();
         }

@@ -16,7 +16,9 @@ pub struct Want {
     pub textures: bool,
     /// What else a material shows under lamps: its textures of metal and roughness and of emission.
     pub shading: bool,
-    /// Positions and texture coordinates that are not finite. Triangles that are dropped keep their numbers:
+    /// Normals of vertices, by which light is reflected.
+    pub normals: bool,
+    /// Positions, texture coordinates and normals that are not finite. Triangles that are dropped keep their numbers:
     /// their corners are made one point, so that no ray meets them.
     pub bad_vertices: BadVertices,
 }
@@ -29,7 +31,7 @@ pub struct Imported {
     /// without a texture coordinate set that others have hold NaN in it, which
     /// [`Mesh::uv`] takes for none. Textures with transforms of their own
     /// (KHR_texture_transform) have their coordinates in further lists after the file's sets. Vertices without
-    /// a colour that others have are white.
+    /// a colour that others have are white, and those without a normal that others have hold 0.
     pub mesh: Mesh,
     /// How many of its texture coordinate sets the file has.
     pub uv_sets: usize,

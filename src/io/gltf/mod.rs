@@ -45,7 +45,6 @@ pub(crate) use draft::{ANIMATIONS_UNREAD, LIGHTS_UNREAD};
 pub use glb::save;
 pub use import::{BadVertices, EncodedImage, Imported, Want};
 pub use lights::{GltfLight, GltfLightKind};
-pub(crate) use primitive::NORMALS_UNREAD;
 pub use summary::GltfSummary;
 
 use crate::error::{Message, Result, Setting};

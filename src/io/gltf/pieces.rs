@@ -15,7 +15,7 @@ use crate::Result;
 /// number of them; the same holds for the next two.
 const MOST_TRIANGLES: u64 = 1 << 26;
 
-/// The most bytes of vertices (24 for a position, 8 for a pair of texture coordinates, 16 for a colour).
+/// The most bytes of vertices (24 for a position, 8 for a pair of texture coordinates, 12 for a normal, 16 for a colour).
 const MOST_VERTEX_BYTES: u64 = 1 << 31;
 
 /// The most primitives, counted at every node.
@@ -110,6 +110,7 @@ impl Totals {
         self.parts = self.parts.saturating_add(parts);
         for piece in pieces {
             let bytes = 24 + 8 * piece.uvs.len() + 16 * usize::from(piece.colours.is_some());
+            let bytes = bytes + 12 * usize::from(piece.normals.is_some());
             let bytes = bytes as u64;
             let bytes = piece.positions.count.saturating_mul(bytes);
             let all = |each: u64| each.saturating_mul(instances);

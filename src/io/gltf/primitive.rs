@@ -11,10 +11,6 @@ use super::document::Document;
 use super::warnings::Warnings;
 use crate::Result;
 
-/// What is said of normals of vertices.
-pub(crate) const NORMALS_UNREAD: &str =
-    "vertex normals are not read: every triangle is shaded as flat";
-
 /// The most texture coordinate sets.
 pub(super) const MOST_SETS: u32 = 16;
 
@@ -25,6 +21,7 @@ pub(super) struct Piece {
     pub positions: Layout,
     /// By set; sets that are not wanted are absent.
     pub uvs: BTreeMap<usize, Layout>,
+    pub normals: Option<Layout>,
     pub colours: Option<Colours>,
     pub indices: Option<Layout>,
     /// Index in the document; none is the default material.
@@ -47,6 +44,8 @@ pub(super) struct Wanted<'w> {
     pub set: &'w dyn Fn(Option<usize>, usize) -> bool,
     /// Whether vertex colours are.
     pub colours: &'w dyn Fn(Option<usize>) -> bool,
+    /// Whether normals are, whatever the material.
+    pub normals: bool,
 }
 
 /// How corners make triangles.
@@ -110,9 +109,6 @@ impl Place<'_, '_> {
             warnings.add("a primitive without positions: skipped", &self.label);
             return Ok(None);
         }
-        if has(Semantic::Normals) {
-            warnings.add(NORMALS_UNREAD, &self.label);
-        }
         if has(Semantic::Colors(1)) {
             warnings.add(
                 "vertex colours after the first set are not read",
@@ -139,6 +135,10 @@ impl Place<'_, '_> {
             topology,
             triangles: self.triangles(topology, corners)?,
             uvs: self.uvs(positions.count, &|set| (wanted.set)(material, set))?,
+            normals: match wanted.normals {
+                true => self.normals(positions.count)?,
+                false => None,
+            },
             colours: match (wanted.colours)(material) {
                 true => self.colours(positions.count)?,
                 false => None,
@@ -187,6 +187,16 @@ impl Place<'_, '_> {
             uvs.insert(set as usize, layout);
         }
         Ok(uvs)
+    }
+
+    fn normals(&self, vertices: u64) -> Result<Option<Layout>> {
+        let attributes = &self.primitive.attributes;
+        let Some(&index) = attributes.get(&Checked::Valid(Semantic::Normals)) else {
+            return Ok(None);
+        };
+        let layout = Layout::new(self.document, index, Purpose::Normals, &self.label)?;
+        self.check_count(&layout, "NORMAL", vertices)?;
+        Ok(Some(layout))
     }
 
     fn colours(&self, vertices: u64) -> Result<Option<Colours>> {

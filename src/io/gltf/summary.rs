@@ -43,6 +43,8 @@ pub struct GltfSummary {
     pub has_masks: bool,
     /// Whether vertices have colours.
     pub has_colours: bool,
+    /// Whether vertices have normals.
+    pub has_normals: bool,
     /// Names of the materials that show their base colours under any light (KHR_materials_unlit).
     pub unlit: Vec<String>,
     /// How many texture coordinate sets there are: the highest number, plus one.
@@ -69,6 +71,7 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<GltfSum
         uvs: true,
         textures: true,
         shading: true,
+        normals: true,
     };
     let draft = Draft::new(document, node, want)?;
     // Lights are those of the whole scene, whatever node is asked for.
@@ -94,6 +97,7 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<GltfSum
         has_gloss_textures: (materials.iter()).any(|m| m.metallic_roughness_texture.is_some()),
         has_masks: materials.iter().any(|m| m.is_masked()),
         has_colours: pieces.all().any(|(_, piece)| piece.colours.is_some()),
+        has_normals: pieces.all().any(|(_, piece)| piece.normals.is_some()),
         unlit: (materials.iter().filter(|m| m.unlit))
             .map(|m| m.name.clone())
             .collect(),

@@ -10,16 +10,23 @@ use super::import::BadVertices;
 use super::materials::{Resolved, UvTransform};
 use super::pieces::Placement;
 use super::primitive::{Colours, Piece};
+use super::warnings::Warnings;
 use crate::Result;
+use crate::mesh::normal_matrix;
 
 /// What vertices without a colour have.
 const WHITE: [f32; 4] = [1.0; 4];
+
+/// What vertices without a normal have.
+const FLAT: [f32; 3] = [0.0; 3];
 
 /// The vertices of all that has been read so far.
 pub(super) struct Vertices {
     pub positions: Vec<DVec3>,
     /// By set; shorter than `positions` where the last vertices lack the set.
     pub uvs: Vec<Vec<[f32; 2]>>,
+    /// Unit vectors, or 0; shorter than `positions` where the last vertices lack them.
+    pub normals: Vec<[f32; 3]>,
     /// Shorter than `positions` where the last vertices lack colours.
     pub colours: Vec<[f32; 4]>,
     /// Where shared vertices start.
@@ -34,9 +41,10 @@ pub(super) struct Vertices {
 struct BlockKey {
     node: usize,
     instance: u64,
-    /// Accessors of positions, of sets, and of colours.
+    /// Accessors of positions, of sets, of normals, and of colours.
     positions: usize,
     sets: Vec<(usize, usize)>,
+    normals: Option<usize>,
     colours: Option<usize>,
     /// The material, where it transforms coordinates.
     material: Option<usize>,
@@ -48,6 +56,7 @@ impl Vertices {
         Vertices {
             positions: Vec::new(),
             uvs: Vec::new(),
+            normals: Vec::new(),
             colours: Vec::new(),
             blocks: BTreeMap::new(),
             transformed_set: sets,
@@ -62,6 +71,7 @@ impl Vertices {
         at: &Placement,
         piece: &Piece,
         material: &Resolved,
+        warnings: &mut Warnings,
     ) -> Result<u32> {
         let sets = piece.uvs.iter();
         let transforms = !material.transforms.is_empty();
@@ -70,13 +80,14 @@ impl Vertices {
             instance: at.instance,
             positions: piece.positions.accessor,
             sets: sets.map(|(&set, uvs)| (set, uvs.accessor)).collect(),
+            normals: piece.normals.as_ref().map(|normals| normals.accessor),
             colours: piece.colours.as_ref().map(|c| c.layout.accessor),
             material: piece.material.filter(|_| transforms),
         };
         if let Some(&base) = self.blocks.get(&key) {
             return Ok(base);
         }
-        // Positions first: coordinates and colours that are bad take a vertex away by its position.
+        // Positions first: coordinates, normals and colours that are bad take a vertex away by its position.
         let base = self.positions.len();
         self.read_positions(buffers, &piece.positions, at.placed.world)?;
         for (&set, uvs) in &piece.uvs {
@@ -87,6 +98,9 @@ impl Vertices {
                 let list = self.transformed_set + which;
                 self.read_uvs(buffers, list, uvs, base, Some(transform))?;
             }
+        }
+        if let Some(normals) = &piece.normals {
+            self.read_normals(buffers, normals, base, at.placed.world, warnings)?;
         }
         if let Some(colours) = &piece.colours {
             self.read_colours(buffers, colours, base)?;
@@ -162,6 +176,44 @@ impl Vertices {
         }
     }
 
+    /// Reads normals, as they are in the world of the file. A vertex with one that is not finite loses its position, by which its triangles
+    /// are dropped; exporters write normals of length 0 where faces had no area: triangles of these are flat.
+    fn read_normals(
+        &mut self,
+        buffers: &mut Buffers,
+        layout: &Layout,
+        base: usize,
+        world: DAffine3,
+        warnings: &mut Warnings,
+    ) -> Result<()> {
+        let to_world = normal_matrix(world.matrix3);
+        let (normals, positions) = (&mut self.normals, &mut self.positions[base..]);
+        let mut bad = None;
+        // Primitives before this one that have no normals are flat.
+        normals.resize(base + layout.count as usize, FLAT);
+        accessor::read::<3>(buffers, layout, &mut |at, stored| {
+            let normal = DVec3::from_array(stored);
+            if !normal.is_finite() {
+                bad.get_or_insert((at, stored));
+                positions[at as usize] = DVec3::NAN;
+            }
+            let placed = (to_world * normal).normalize_or_zero();
+            normals[base + at as usize] = placed.as_vec3().to_array();
+        })?;
+        let all = normals[base..].iter().zip(&*positions);
+        let flat = all.filter(|(normal, position)| **normal == FLAT && !position.is_nan());
+        let what = "normals of length 0: triangles that have one are shaded as flat";
+        warnings.add_many(what, &layout.place, flat.count() as u64);
+        match bad.filter(|_| self.bad == BadVertices::Refuse) {
+            None => Ok(()),
+            Some((at, [x, y, z])) => Err(buffers.document.invalid(
+                format!("{}, vertex {at}", layout.place),
+                format!("the normal {x}, {y}, {z} is not finite"),
+                "normals must be finite numbers; bad_vertices = \"drop\" leaves their triangles out",
+            )),
+        }
+    }
+
     /// Reads vertex colours. A vertex with one that is negative or not finite loses its position, by which its triangles are dropped.
     fn read_colours(&mut self, buffers: &mut Buffers, from: &Colours, base: usize) -> Result<()> {
         let Colours { layout, alpha } = from;
@@ -210,6 +262,9 @@ impl Vertices {
         let vertices = self.positions.len();
         let used = self.uvs.iter_mut().filter(|set| !set.is_empty());
         used.for_each(|set| set.resize(vertices, [f32::NAN; 2]));
+        if !self.normals.is_empty() {
+            self.normals.resize(vertices, FLAT);
+        }
         if !self.colours.is_empty() {
             self.colours.resize(vertices, WHITE);
         }

@@ -131,6 +131,7 @@ pub(super) fn resolve(scene: &Scene, index: usize, object: &mut PlannedObject, w
             radiance += ", and what it emits";
         }
         object.uvs |= uvs;
+        object.normals |= object.has_normals && matches!(lit, Lit::Reflecting(_));
         object.textures |= textures;
         if !object.radiance.contains(&radiance) {
             object.radiance.push(radiance);

@@ -91,6 +91,12 @@ pub(super) fn memory(
         // All sets of the file, and one more where a texture transform makes one.
         .map(|o| 12 * o.triangles + 8 * o.vertices * (o.uv_sets as u64 + 1))
         .sum::<u64>();
+    // Triangles are there with texture coordinates already.
+    let vertex_normals = objects
+        .iter()
+        .filter(|o| o.normals)
+        .map(|o| 12 * o.vertices + if o.uvs { 0 } else { 12 * o.triangles })
+        .sum::<u64>();
     let cubes = cubes.iter().flatten();
     // One whose channels are named is loaded as it is, and then becomes a cube of colours and one of each companion.
     let splitting = cubes
@@ -116,7 +122,7 @@ pub(super) fn memory(
     files.dedup();
     let [sky, reading] = sky(scene);
     Memory {
-        geometry: bvhs + normals + uvs,
+        geometry: bvhs + normals + uvs + vertex_normals,
         cubes: files.iter().map(|f| f.2).sum::<u64>() + captures.sum::<u64>(),
         sky,
         film: layout.bytes(),

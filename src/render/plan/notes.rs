@@ -13,7 +13,7 @@ use crate::io::image::panorama;
 use crate::mesh::Factors;
 use crate::scene::MADE_FOR_MODEL;
 use crate::scene::model::{
-    Geometry, Light, LightKind, Motion, Object, Scene, SkyRadiance, Source, SourceKind,
+    Geometry, Light, LightKind, Motion, Object, Scene, SkyRadiance, SourceKind,
 };
 use crate::spacetime::Quantity;
 
@@ -221,21 +221,18 @@ fn unread_of<'a>(
 }
 
 /// Whether it does not matter in a scene what a file's warning says is not read: lights where the scene was made for the model and has them, or has
-/// recorded light or pulses, animations where something moves by one, and normals where no light falls on surfaces.
+/// recorded light or pulses, and animations where something moves by one.
 pub(crate) fn is_moot(scene: &Scene, warning: &str) -> bool {
     let by_animation = |motion: &Motion| matches!(motion, Motion::Animation { .. });
     let lamp = |light: &Light| match &light.kind {
         LightKind::Lamp(lamp) => by_animation(&lamp.motion),
         LightKind::Area { .. } => false,
     };
-    let is_pulse = |source: &&Source| matches!(source.kind, SourceKind::Pulse(_));
-    let pulses = scene.sources.iter().filter(is_pulse).count();
     let plays = || by_animation(&scene.camera.motion) || scene.lights.iter().any(lamp);
     let has_light =
         scene.text.starts_with(MADE_FOR_MODEL) || (!scene.is_lit() && !scene.sources.is_empty());
     (warning.contains(gltf::LIGHTS_UNREAD) && has_light)
         || (warning.contains(gltf::ANIMATIONS_UNREAD) && plays())
-        || (warning.contains(gltf::NORMALS_UNREAD) && !scene.is_lit() && pulses == 0)
 }
 
 /// That light of lamps without an extent is lost where it comes by perfect mirrors or through smooth glass: no path that is drawn goes that

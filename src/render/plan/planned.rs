@@ -114,6 +114,8 @@ pub struct PlannedObject {
     pub uvs: bool,
     /// Whether base colour textures and colours of vertices are loaded.
     pub textures: bool,
+    /// Whether normals of vertices are loaded.
+    pub normals: bool,
     /// What gives it radiance.
     pub radiance: Vec<String>,
     /// Whether it has holes: a material with an alpha mask.
@@ -133,6 +135,9 @@ pub struct PlannedObject {
     /// Whether vertices have colours.
     #[serde(skip)]
     pub(super) has_colours: bool,
+    /// Whether vertices have normals.
+    #[serde(skip)]
+    pub(super) has_normals: bool,
     /// Names of materials that show their base colours under any light.
     #[serde(skip)]
     pub(super) unlit: Vec<String>,

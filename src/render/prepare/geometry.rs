@@ -93,6 +93,7 @@ pub(super) fn want(scene: &Scene, object: &Object, planned: &PlannedObject) -> g
         uvs: planned.uvs,
         textures: planned.textures,
         shading: scene.is_lit(),
+        normals: planned.normals,
         bad_vertices: object.bad_vertices,
     }
 }
@@ -161,7 +162,12 @@ pub fn object_mesh(
             mesh.insert_uvs(own_sets, &corners);
         }
     }
+    // Those of meshes in memory are there whether they are wanted or not.
+    if !want.normals {
+        mesh.normals.clear();
+    }
     let transform = object.transform;
+    mesh.turn_normals(transform.matrix3);
     for p in &mut mesh.positions {
         *p = transform.transform_point3(*p);
     }
@@ -340,11 +346,12 @@ impl Gathered {
         }
         // The BVH holds the corners from here on; what addresses textures stays.
         mesh.positions = Vec::new();
-        if mesh.uvs.is_empty() && mesh.colours.is_empty() {
+        if mesh.uvs.is_empty() && mesh.normals.is_empty() && mesh.colours.is_empty() {
             mesh.triangles = Vec::new();
         }
         mesh.triangles.shrink_to_fit();
         mesh.uvs.iter_mut().for_each(Vec::shrink_to_fit);
+        mesh.normals.shrink_to_fit();
         mesh.colours.shrink_to_fit();
         self.meshes.push(mesh);
     }

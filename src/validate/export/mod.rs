@@ -232,6 +232,7 @@ fn objects(
             uvs: true,
             textures: true,
             shading: false,
+            normals: true,
             bad_vertices: object.bad_vertices,
         };
         let (mesh, images) = object_mesh(object, all, warnings)?;

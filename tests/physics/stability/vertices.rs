@@ -234,6 +234,7 @@ fn texture_coordinates_that_are_no_numbers_are_dropped_as_positions_are() {
         uvs: true,
         textures: false,
         shading: false,
+        normals: false,
         bad_vertices,
     };
     assert!(gltf::load(&path, None, want(BadVertices::Refuse)).is_err());
@@ -289,6 +290,7 @@ fn denormal_positions_of_a_file_are_kept_exactly() {
         uvs: false,
         textures: false,
         shading: false,
+        normals: false,
         bad_vertices: BadVertices::Refuse,
     };
     let imported = gltf::load(&path, None, want).unwrap();

@@ -55,6 +55,7 @@ fn errors(path: &Path, seen: &[f64]) -> Vec<f64> {
         uvs: true,
         textures: false,
         shading: false,
+        normals: false,
         bad_vertices: BadVertices::Refuse,
     };
     let mesh = gltf::load(path, None, want).unwrap().mesh;

@@ -204,6 +204,7 @@ fn our_own_importer_reads_the_geometry() {
         uvs: true,
         textures: true,
         shading: false,
+        normals: false,
         bad_vertices: BadVertices::Refuse,
     };
     let mesh = gltf::load(&exported.path("geometry/000.glb"), None, want)
@@ -223,6 +224,7 @@ fn a_base_colour_that_gltf_cannot_hold_is_in_the_description() {
         uvs: false,
         textures: false,
         shading: false,
+        normals: false,
         bad_vertices: BadVertices::Refuse,
     };
     let mesh = gltf::load(&exported.path("geometry/000.glb"), None, want)
@@ -248,6 +250,7 @@ fn textures_go_with_the_geometry() {
         uvs: true,
         textures: true,
         shading: false,
+        normals: false,
         bad_vertices: BadVertices::Refuse,
     };
     let loaded = gltf::load(&exported.path("geometry/000.glb"), None, want).unwrap();
@@ -319,6 +322,7 @@ fn masks_and_colours_of_vertices_are_in_the_geometry_and_said() {
         uvs: true,
         textures: true,
         shading: false,
+        normals: false,
         bad_vertices: BadVertices::Refuse,
     };
     let again = gltf::load(&exported.path("geometry/001.glb"), None, want).unwrap();

@@ -3,10 +3,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use glam::DVec3;
 use nullray::error::Result;
 use nullray::io::cube::{self, Cube, CubeSamples, Wanted};
+use nullray::io::gltf;
 use nullray::io::image::npz;
-use nullray::mesh::{Shape, shapes};
+use nullray::mesh::{Material, Mesh, Part, Shape, shapes};
 use nullray::render::aov::Aov;
 use nullray::render::bake::{self, Baked, Bins, Coordinates, CubePrecision, Surface};
 use nullray::render::film::Film;
@@ -351,6 +353,99 @@ colour = [0.9, 0.5, 0.3]
     let all: f64 = traced.radiance().iter().flatten().sum();
     assert!(direct < 0.6 * all, "{direct} {all}");
     assert_same_film(&stored, &traced);
+}
+
+/// A floor, and a plate of 3 × 3 cells whose normals are those of a wave across it: once through baked light of both, once by following light.
+#[test]
+fn a_film_through_light_baked_on_smooth_surfaces_is_the_path_traced_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut plate = Mesh::default();
+    for k in 0..16 {
+        let (u, v) = (f64::from(k % 4) / 3.0, f64::from(k / 4) / 3.0);
+        plate
+            .positions
+            .push(DVec3::new(3.0 * u - 1.5, 2.0 * v, -1.5));
+        plate.normals.push([
+            0.8 * (6.0 * u as f32).sin(),
+            0.5 * (5.0 * v as f32).cos(),
+            1.0,
+        ]);
+        plate.uvs.resize(1, Vec::new());
+        plate.uvs[0].push([u as f32, 1.0 - v as f32]);
+    }
+    for k in [0, 1, 2, 4, 5, 6, 8, 9, 10] {
+        plate
+            .triangles
+            .extend([[k, k + 1, k + 5], [k, k + 5, k + 4]]);
+    }
+    plate.parts.push(Part {
+        first_triangle: 0,
+        triangles: 18,
+        material: 0,
+        node: "plate".into(),
+    });
+    plate.materials.push(Material::matte([0.9, 0.5, 0.3]));
+    let flat = Mesh {
+        normals: Vec::new(),
+        ..plate.clone()
+    };
+    for (name, mesh) in [("smooth.glb", &plate), ("flat.glb", &flat)] {
+        gltf::save(&folder.path().join(name), "plate", mesh).unwrap();
+    }
+    let head = |file: &str| {
+        format!(
+            "
+[camera]
+eye = [0.5, 1.2, 4]
+look_at = [-0.3, 0.5, 0]
+hfov = \"50 deg\"
+size = [32, 24]
+velocity = {{ beta = [0.2, 0, -0.7] }}
+clock_zero = \"8.5 m\"
+[display]
+samples_per_pixel = 256
+[[object]]
+name = \"floor\"
+shape = {{ plane = {{ size = [3, 3] }} }}
+colour = [0.8, 0.8, 0.8]
+[[object]]
+name = \"plate\"
+gltf = \"{file}\"
+"
+        )
+    };
+    let light = "[[light]]\nposition = [0.4, 1.5, 0.3]\nintensity = 2\nemission = { gaussian = { sigma = \"0.3 m\" } }\n";
+    let lit = |file: &str| {
+        let text = format!("render = {{ bounces = 1 }}\n{}{light}", head(file));
+        stage::scene_in(folder.path(), &text)
+    };
+    let bins = Bins {
+        start: -2.0,
+        width: 0.1,
+        count: 120,
+    };
+    let mut sources = String::new();
+    for (object, name) in ["floor", "plate"].into_iter().enumerate() {
+        let mut scene = lit("smooth.glb");
+        scene.samples_per_pixel = 16;
+        let baked = surface_cube(&scene, object, [48, 48], &bins).unwrap();
+        npz::write_cube(&folder.path().join(format!("{name}.npy")), &baked.cube).unwrap();
+        sources += &format!(
+            "[[source]]\nobjects = [\"{name}\"]\ncube = {{ file = \"{name}.npy\", start = \"-2 m\", bin_width = \"0.1 m\", clock = \"world\", filter = \"linear\", uv = 0 }}\n",
+        );
+    }
+    let stored = stage::scene_in(folder.path(), &(head("smooth.glb") + &sources));
+    let film = |scene: &Scene| stage::rendered(scene, &stage::sampled()).unwrap();
+    let traced = film(&lit("smooth.glb"));
+    assert_same_film(&film(&stored), &traced);
+    // Flat it would be another film.
+    let other = film(&lit("flat.glb"));
+    let pixels = traced.radiance().iter().zip(other.radiance());
+    let (difference, all) = pixels.fold((0.0, 0.0), |(difference, all), (a, b)| {
+        (difference + (a[0] - b[0]).powi(2), all + a[0] * a[0])
+    });
+    let error = f64::sqrt(difference / all);
+    assert!(error > 0.1, "{error}");
 }
 
 /// Objects none of whose texture coordinates would do: a box, whose faces share theirs; a mesh from a file without any, mirrored; and a sphere. Baked with atlases, and read by their files, the light is the one that paths find.

@@ -34,6 +34,14 @@
 //! has the radiance (n₁/n₂)² as large on the near side, as L/n² does not change along rays (dω cos θ n² is invariant: ibid., § 4.8), times c.
 //! Where no θ₂ exists, all is reflected. A film without thickness lets light through unbent; with the reflections between its two faces its F
 //! is 2F/(1 + F). A direction is drawn as of a mirror with a probability near F, in proportion to it where it is less than 4 %. Neglected: dispersion (one index for all wavelengths), absorption between surfaces, polarization, and interference.
+//!
+//! # Normals of vertices
+//!
+//! Where a normal between those of the corners of a triangle stands for that of the triangle, n_g, it is n, turned to the side of n_g that the
+//! observer is on. With χ = 1 where n·l and n_g·l have one sign and otherwise 0, the surface has χ f in place of f: light from below it gives
+//! nothing, and the light that it reflects is no more than that of a surface with the normal n (Veach, "Robust Monte Carlo Methods for Light Transport
+//! Simulation", 1997, § 5.3, which tells too that this f is not reciprocal; light is followed from the observer). Diffuse surfaces do not depend
+//! on v, and n is as it is; of others it is `bent`.
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
@@ -41,10 +49,12 @@ use glam::DVec3;
 
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch};
 
+mod bent;
 mod cosine;
 mod glass;
 mod gloss;
 
+pub(crate) use bent::bent;
 pub(super) use cosine::by_cosine;
 pub(crate) use cosine::each_by_cosine;
 pub(crate) use gloss::{Coefficients, Glosses, reflectance_of_index};
@@ -56,6 +66,8 @@ use gloss::{alpha, diffuse_and_specular, facing, root, schlick};
 #[derive(Debug, Clone)]
 pub struct Reflection {
     normal: DVec3,
+    /// That of the surface itself, on the same side.
+    geometric: DVec3,
     view: DVec3,
     /// n·v.
     facing: f64,
@@ -90,6 +102,7 @@ impl Reflection {
     pub fn diffuse(normal: DVec3, colour: [f64; 3]) -> Self {
         Reflection {
             normal,
+            geometric: normal,
             view: normal,
             facing: 1.0,
             diffuse: colour,
@@ -113,6 +126,7 @@ impl Reflection {
         let [diffuse, specular] = diffuse_and_specular(colour, metallic, dielectric);
         Reflection {
             normal,
+            geometric: normal,
             view,
             facing: facing(normal, view),
             diffuse,
@@ -122,6 +136,11 @@ impl Reflection {
             through: None,
             near: 1.0,
         }
+    }
+
+    /// The same of a surface with this normal, where another stands for it: on the side of the observer.
+    pub fn on(self, geometric: DVec3) -> Self {
+        Reflection { geometric, ..self }
     }
 
     /// The same with the specular part of a mirror.
@@ -157,6 +176,22 @@ impl Reflection {
     /// The normal on the side of the observer.
     pub fn normal(&self) -> DVec3 {
         self.normal
+    }
+
+    /// That of the surface itself.
+    pub fn geometric_normal(&self) -> DVec3 {
+        self.geometric
+    }
+
+    /// Whether these are two.
+    pub(crate) fn is_smooth(&self) -> bool {
+        self.normal != self.geometric
+    }
+
+    /// Whether `l` is on the same side of the surface as of its normal: other light gives nothing.
+    #[inline]
+    pub fn is_open(&self, l: DVec3) -> bool {
+        (self.normal.dot(l) < 0.0) == (self.geometric.dot(l) < 0.0)
     }
 
     /// f for light from `l`, which is on the observer's side.
@@ -246,7 +281,7 @@ impl Reflection {
         let along = self.view.dot(h);
         let l = h * (2.0 * along) - self.view;
         let cosine = self.normal.dot(l);
-        if cosine <= 0.0 {
+        if cosine <= 0.0 || !self.is_open(l) {
             return None;
         }
         // G₂/G₁ = 4 (n·l)(n·v) V / G₁(v), G₁ = 2 n·v/(n·v + √(α² + (1 − α²)(n·v)²)).
@@ -268,8 +303,9 @@ impl Reflection {
                 None => f0.map(|f| f + (1.0 - f) * weight),
                 Some(glass) => [glass.reflected; 3],
             };
-            return Some(Scattered {
-                l: self.normal * (2.0 * self.normal.dot(self.view)) - self.view,
+            let l = self.normal * (2.0 * self.normal.dot(self.view)) - self.view;
+            return self.is_open(l).then(|| Scattered {
+                l,
                 weight: reflected.map(|f| f / share),
                 density: f64::INFINITY,
                 index: self.near,
@@ -282,8 +318,9 @@ impl Reflection {
                 let part = self.share_through();
                 if let Some(glass) = self.through.as_ref().filter(|_| x < part) {
                     let weight = (1.0 - glass.reflected) / ((1.0 - share) * part);
+                    let l = glass.l.filter(|l| self.is_open(*l))?;
                     return Some(Scattered {
-                        l: glass.l?,
+                        l,
                         weight: glass.colour.map(|c| c * weight),
                         density: f64::INFINITY,
                         index: glass.far,
@@ -317,7 +354,7 @@ impl Reflection {
         if self.is_diffuse() {
             // (c/π) (n·l)/p with p = (n·l)/π.
             let cosine = self.normal.dot(l);
-            return (cosine > 0.0).then_some(Scattered {
+            return (cosine > 0.0 && self.is_open(l)).then_some(Scattered {
                 l,
                 weight: self.diffuse,
                 density: cosine * FRAC_1_PI,
@@ -325,7 +362,7 @@ impl Reflection {
             });
         }
         let (cosine, density) = (self.normal.dot(l), self.density(l));
-        let is_drawn = cosine > 0.0 && density > 0.0;
+        let is_drawn = cosine > 0.0 && density > 0.0 && self.is_open(l);
         is_drawn.then(|| Scattered {
             l,
             weight: self.value(l).map(|f| f * cosine / density),
@@ -463,6 +500,7 @@ impl VectorLoop for Values<'_> {
             for k in 0..BLOCK {
                 let of = Reflection {
                     normal: normals.get(k),
+                    geometric: normals.get(k),
                     view: views.get(k),
                     facing: facing[k],
                     diffuse: diffuse.get(k).to_array(),

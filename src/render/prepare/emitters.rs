@@ -175,6 +175,7 @@ impl<'a> Builder<'a> {
                 gloss: gloss(self.scene, material, &textures),
                 glass: glass(self.scene, material),
                 emission: emission(self.scene, (area, &profile), material, &textures),
+                is_smooth: !mesh.normals.is_empty(),
             };
             self.emitters.push((lit, finish));
             let decoded = &self.textures.decoded;

@@ -300,6 +300,13 @@ impl AreaLights {
                 draws,
             });
         }
+        if points.is_smooth() {
+            for k in 0..run.count() {
+                if points.is_below(k, draws.l.get(k)) {
+                    draws.factors[k] = 0.0;
+                }
+            }
+        }
     }
 
     /// What falls on point `k` of what was drawn for it on `element`.

@@ -11,7 +11,7 @@ use super::run::Run;
 use crate::accel::Hit;
 use crate::io::image::Texture;
 use crate::light::lamp;
-use crate::light::reflection::Reflection;
+use crate::light::reflection::{Reflection, bent};
 use crate::mesh::TextureSampler;
 
 /// What of a point its radiance depends on, beside its wavelength ratio: each kind on all that come before it, too.
@@ -62,6 +62,33 @@ pub struct Finish {
     pub glass: Option<Glass>,
     /// Radiance of its own.
     pub emission: Option<BaseColour>,
+    /// Whether meshes have normals of vertices for it.
+    pub is_smooth: bool,
+}
+
+/// A hit, and the surface that it is on.
+type Place<'a> = (&'a RestFrame, &'a Patch, &'a Hit);
+
+impl Finish {
+    /// The normal by which it reflects diffusely at a hit, on the side of `geometric`, the triangle's own.
+    fn diffuse_normal(&self, (rest, patch, hit): Place, geometric: DVec3) -> DVec3 {
+        let smooth = self.is_smooth.then(|| rest.vertex_normal(patch, hit));
+        match smooth.flatten() {
+            // Winding decides what is outside: some exporters write normals to the other side.
+            Some(normal) if normal.dot(geometric) < 0.0 => -normal,
+            Some(normal) => normal,
+            None => geometric,
+        }
+    }
+
+    /// The normal by which it reflects at a hit towards `view`, on the side of `geometric`, the triangle's own.
+    pub(super) fn normal(&self, place: Place, geometric: DVec3, view: DVec3) -> DVec3 {
+        let normal = self.diffuse_normal(place, geometric);
+        match self.is_smooth && self.gloss.is_some() {
+            true => bent(normal, geometric, view),
+            false => normal,
+        }
+    }
 }
 
 impl BaseColour {
@@ -141,7 +168,7 @@ impl BaseColours {
         let is_textured = finish.gloss.is_some_and(|gloss| gloss.texture.is_some());
         let colours = [Some(&self.colours[finish.colour]), finish.emission.as_ref()];
         let all = colours.into_iter().flatten().map(BaseColour::dependence);
-        let rest = match is_textured || finish.glass.is_some() {
+        let rest = match is_textured || finish.glass.is_some() || finish.is_smooth {
             true => Dependence::Weights,
             false => Dependence::Patch,
         };
@@ -198,12 +225,30 @@ impl BaseColours {
         [gloss.metallic * metallic, gloss.roughness * roughness]
     }
 
-    /// How a surface of this finish reflects at a hit, towards `view` on the side of `normal`, where the observer is in a medium of the
-    /// index `near`, over that of the scene's medium.
+    /// How a surface of this finish reflects at a hit, towards `view` on the side of its triangle's normal `geometric`, where the observer is
+    /// in a medium of the index `near`, over that of the scene's medium.
+    #[inline]
     pub(super) fn reflection(
         &self,
         finish: &Finish,
-        (rest, patch, hit): (&RestFrame, &Patch, &Hit),
+        place: Place,
+        (geometric, view): (DVec3, DVec3),
+        near: f64,
+    ) -> Reflection {
+        let normal = finish.normal(place, geometric, view);
+        let reflection = self.reflection_by(finish, place, (normal, view), near);
+        match finish.is_smooth {
+            true => reflection.on(geometric),
+            false => reflection,
+        }
+    }
+
+    /// The same by the normal that stands for the triangle's.
+    #[inline]
+    fn reflection_by(
+        &self,
+        finish: &Finish,
+        (rest, patch, hit): Place,
         (normal, view): (DVec3, DVec3),
         near: f64,
     ) -> Reflection {
@@ -238,9 +283,10 @@ impl BaseColours {
     pub(super) fn diffuse_part(
         &self,
         finish: &Finish,
-        (rest, patch, hit): (&RestFrame, &Patch, &Hit),
-        normal: DVec3,
+        place: Place,
+        geometric: DVec3,
     ) -> Reflection {
+        let (rest, patch, hit) = place;
         let colour = self.colour_at(&self.colours[finish.colour], rest, patch, hit);
         let metallic = finish.gloss.as_ref();
         let metallic = metallic.map_or(0.0, |gloss| self.gloss(gloss, rest, patch, hit)[0]);
@@ -249,7 +295,8 @@ impl BaseColours {
             .as_ref()
             .map_or(0.0, |glass| glass.transmission);
         let part = (1.0 - metallic) * (1.0 - transmission);
-        Reflection::diffuse(normal, colour.map(|c| c * part))
+        let normal = finish.diffuse_normal(place, geometric);
+        Reflection::diffuse(normal, colour.map(|c| c * part)).on(geometric)
     }
 
     /// What colour `index` emits at the points of `run`.

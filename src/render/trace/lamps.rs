@@ -57,12 +57,21 @@ pub(super) fn illuminate(
     let needs_ways = lamp.shadows && end.is_none();
     let constant = lamp.constant_colour().map(DVec3::from_array);
     let kept = Kept {
-        directions: !is_matte,
+        directions: !is_matte || points.is_smooth(),
         ratios: constant.is_none() || incident.weighs || !reflections.is_empty(),
     };
     if needs_ways || !lamp.incidence_at((&on_rays, index), boost, normals, kept, incidence) {
         lamp.arrivals(&on_rays, index, arrivals);
         lamp.incidence(arrivals, boost, normals, incidence);
+    }
+
+    // Less what comes from below a surface that is smooth by its vertices.
+    if points.is_smooth() {
+        for k in 0..points.count() {
+            if points.is_below(k, incidence.l(arrivals).get(k)) {
+                incidence.darken(k);
+            }
+        }
     }
 
     // Less what is in shadow.

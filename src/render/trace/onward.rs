@@ -174,7 +174,7 @@ impl Level {
         let size = gamma * (way.ct.abs() + way.x.abs().max_element())
             + points.eye(k).abs().max_element()
             + points.positions.get(k).abs().max_element();
-        let normal = points.normals.get(k);
+        let normal = points.geometric(k);
         let side = match normal.dot(drawn.l) < 0.0 {
             true => -CLEARANCE,
             false => CLEARANCE,

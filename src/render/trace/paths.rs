@@ -204,16 +204,22 @@ impl PathTraced {
         emitted.glosses.clear();
         emitted.reflections.clear();
         emitted.points.views(&mut emitted.views);
+        if parts.iter().any(|part| part.finish.is_smooth) {
+            emitted.points.keep_geometric();
+        }
         for part in parts {
             for k in part.points.clone() {
                 let Some(hit) = run.hit(k) else {
                     continue;
                 };
-                let (view, normal) = (emitted.views.get(k), emitted.points.normals.get(k));
+                let (view, geometric) = (emitted.views.get(k), emitted.points.geometric(k));
                 let place = (run.rest, part.patch, &hit);
                 let near = self.near(run, k);
-                let (base, sides) = (&self.light.base, (normal, view));
+                let (base, sides) = (&self.light.base, (geometric, view));
                 let reflection = base.reflection(part.finish, place, sides, near);
+                if part.finish.is_smooth {
+                    emitted.points.normals.set(k, reflection.normal());
+                }
                 emitted.reflections.push(reflection);
             }
         }

@@ -18,6 +18,9 @@ pub(super) struct Points {
     pub positions: Columns,
     /// Unit normals there, on the side that the camera sees.
     pub normals: Columns,
+    /// Those of the triangles, where others stand for them.
+    geometric: Columns,
+    is_smooth: bool,
     /// Tangents of the rays that hit them, in the rest frame, where the whole points were taken over.
     tangents: Columns,
     /// Whether those are unit vectors.
@@ -215,6 +218,33 @@ impl Points {
         }
     }
 
+    /// Keeps the normals of triangles apart from [`Points::normals`], which are to be those of vertices.
+    pub(super) fn keep_geometric(&mut self) {
+        self.geometric.clone_from(&self.normals);
+        self.is_smooth = true;
+    }
+
+    /// Whether other normals may stand for those of triangles.
+    #[inline(always)]
+    pub(super) fn is_smooth(&self) -> bool {
+        self.is_smooth
+    }
+
+    /// The normal of the triangle at point `k`, on the side that the camera sees.
+    #[inline(always)]
+    pub(super) fn geometric(&self, k: usize) -> DVec3 {
+        match self.is_smooth {
+            true => self.geometric.get(k),
+            false => self.normals.get(k),
+        }
+    }
+
+    /// Whether light from `l`, which falls on point `k` by its normal, comes from below the triangle.
+    #[inline(always)]
+    pub(super) fn is_below(&self, k: usize, l: DVec3) -> bool {
+        self.is_smooth && self.geometric.get(k).dot(l) <= 0.0
+    }
+
     /// Tangents of the rays in the rest frame, where they are unit vectors: the opposite of [`Points::views`].
     pub(super) fn unit_tangents(&self) -> Option<&Columns> {
         self.are_unit.then_some(&self.tangents)
@@ -315,6 +345,7 @@ impl Points {
         self.s.resize(count, 0.0);
         self.positions.resize(count);
         self.normals.resize(count);
+        self.is_smooth = false;
         self.eyes.clear();
     }
 }
@@ -329,6 +360,8 @@ impl Default for Points {
             are_unit: false,
             directions: Columns::default(),
             normals: Columns::default(),
+            geometric: Columns::default(),
+            is_smooth: false,
             eye: DVec3::ZERO,
             eyes: Columns::default(),
             s: Vec::new(),

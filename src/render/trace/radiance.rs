@@ -499,6 +499,20 @@ fn project(
     meter.count(Counter::TextureBytes, read.get());
 }
 
+/// Puts normals of vertices in the place of those of triangles, at the points of `run`, which were taken over.
+fn smooth(finish: &Finish, run: &Run, emitted: &mut Emitted) {
+    let Emitted { points, views, .. } = emitted;
+    points.views(views);
+    points.keep_geometric();
+    for k in 0..run.count() {
+        if let Some(hit) = run.hit(k) {
+            let place = (run.rest, run.patch, &hit);
+            let normal = finish.normal(place, points.geometric(k), views.get(k));
+            points.normals.set(k, normal);
+        }
+    }
+}
+
 impl TimeResolved {
     /// Reflects light at the points of `run`: that of `lamps`, and in lit scenes all other.
     fn reflect(
@@ -515,6 +529,9 @@ impl TimeResolved {
         match has_shadows || self.areas.is_some() || self.sky.is_some() {
             true => emitted.points.fill(run),
             false => emitted.points.fill_unshadowed(run),
+        }
+        if finish.is_smooth {
+            smooth(finish, run, emitted);
         }
         self.start(finish, run, emitted);
         // Matte surfaces gather irradiance here and take their colour once, below; others reflect light as it arrives.
@@ -642,6 +659,7 @@ impl TimeResolved {
                 let colour = colours.get(k).to_array();
                 let look = [*metallic, *roughness];
                 Reflection::metallic_roughness(normal, view, colour, look, gloss.dielectric)
+                    .on(points.geometric(k))
             }));
         }
     }

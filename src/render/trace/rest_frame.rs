@@ -22,7 +22,7 @@ pub struct RestFrame {
     pub(crate) normals: Pages<DVec3>,
     /// Runs of triangles that look alike, ascending by first triangle.
     pub patches: Vec<Patch>,
-    /// Per object of the frame: triangles and texture coordinates, where something needs them.
+    /// Per object of the frame: triangles, texture coordinates and normals of vertices, where something needs them.
     pub meshes: Arc<[Mesh]>,
     /// The corners without repetitions, from when they are first asked for.
     pub(crate) vertices: OnceLock<SharedVertices>,
@@ -155,6 +155,13 @@ impl RestFrame {
     pub(crate) fn uv(&self, patch: &Patch, set: usize, hit: &Hit) -> Option<DVec2> {
         let mesh = self.meshes.get(patch.mesh as usize)?;
         mesh.uv(set, hit.triangle - patch.object_first, [hit.u, hit.v])
+    }
+
+    /// The unit normal between those of vertices at a hit on `patch`, outward, where the object has them.
+    #[inline]
+    pub(super) fn vertex_normal(&self, patch: &Patch, hit: &Hit) -> Option<DVec3> {
+        let mesh = self.meshes.get(patch.mesh as usize)?;
+        mesh.normal(hit.triangle - patch.object_first, [hit.u, hit.v])
     }
 
     /// The colour of vertices at a hit on `patch`, linear RGBA, where the object has them.

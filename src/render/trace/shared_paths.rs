@@ -41,6 +41,9 @@ impl PathTraced {
                 let points = &emitted.points;
                 let place = (points.positions.get(k), points.normals.get(k));
                 receivers.push(place, points.eye(k), points.triangles[k]);
+                if points.is_smooth() {
+                    receivers.push_geometric(points.geometric(k));
+                }
             }
             for ray in group.rays.clone() {
                 let (drawn, hit) = (&first.drawn[ray], first.hits.hits()[ray]);

@@ -257,6 +257,8 @@ pub(super) enum End {
 pub(super) struct Receivers {
     positions: Columns,
     normals: Columns,
+    /// Those of their triangles, where others stand for them; empty otherwise.
+    geometric: Columns,
     /// What shadow rays from them begin by, and their triangles.
     sizes: Vec<f64>,
     triangles: Vec<u32>,
@@ -274,6 +276,7 @@ impl Default for Receivers {
         Receivers {
             positions: Columns::default(),
             normals: Columns::default(),
+            geometric: Columns::default(),
             sizes: Vec::new(),
             triangles: Vec::new(),
             starts: Vec::new(),
@@ -290,6 +293,7 @@ impl Receivers {
     pub fn clear(&mut self) {
         self.positions.clear();
         self.normals.clear();
+        self.geometric.clear();
         self.sizes.clear();
         self.triangles.clear();
     }
@@ -300,6 +304,11 @@ impl Receivers {
         self.normals.push(normal);
         self.sizes.push(shadow_size(eye, x));
         self.triangles.push(triangle);
+    }
+
+    /// Says the normal of the triangle of the point that was added last, where another stands for it.
+    pub fn push_geometric(&mut self, normal: DVec3) {
+        self.geometric.push(normal);
     }
 
     /// Finds what each receives of a path that point `own` has sent to `end`; `paths` go on from the group.
@@ -319,6 +328,16 @@ impl Receivers {
             densities: &mut self.densities,
         });
         self.densities[count..].fill(0.0);
+        // No direction is drawn that goes below a surface.
+        for k in 0..self.geometric.len().min(count) {
+            let d = match end {
+                End::On { y, .. } => y - self.positions.get(k),
+                End::Open(l) => l,
+            };
+            if self.geometric.get(k).dot(d) <= 0.0 {
+                self.densities[k] = 0.0;
+            }
+        }
         // Nearly always all points may see the end, and are asked as they are, with the own one, which has seen it.
         let mut others = self.densities[..count].iter().enumerate();
         if others.any(|(at, density)| *density > 0.0 && at != own) {

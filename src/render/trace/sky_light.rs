@@ -55,6 +55,8 @@ struct Drawn {
     k: usize,
     pair: usize,
     l: DVec3,
+    /// Whether it comes from below the surface, by the normal of its triangle.
+    is_below: bool,
     /// L cos θ over density, in parts of all that are drawn.
     light: [f64; 3],
     /// How much of that counts in the specular part.
@@ -91,7 +93,7 @@ impl SkyLight {
     ) {
         let boosted = &self.frames[run.frame as usize];
         let glossy = !emitted.reflections.is_empty();
-        if self.shadows || glossy {
+        if self.shadows || glossy || emitted.points.is_smooth() {
             self.illuminate_open(boosted, run, index, emitted, meter);
         } else {
             for k in 0..run.count() {
@@ -124,6 +126,9 @@ impl SkyLight {
                 continue;
             };
             let l = sample.in_rest;
+            if emitted.points.is_below(k, l) {
+                continue;
+            }
             let weight = weight(emitted.reflections.get(k), l, sample.density);
             let factor = weight * n.dot(l) / sample.density;
             let radiance = boosted.mean_radiance(&self.sky, sample.d, sample.rho);
@@ -164,6 +169,7 @@ impl SkyLight {
                         k,
                         pair,
                         l: sample.in_rest,
+                        is_below: emitted.points.is_below(k, sample.in_rest),
                         light: radiance.map(|l| l * factor),
                         specular,
                     });
@@ -175,8 +181,8 @@ impl SkyLight {
         let mut at = 0;
         for k in 0..run.count() {
             let of_point = drawn[at..].iter().take_while(|d| d.k == k).count();
-            let blocked = |i: usize| emitted.queries.is_blocked(at + i);
             let drawn = &drawn[at..at + of_point];
+            let blocked = |i: usize| drawn[i].is_below || emitted.queries.is_blocked(at + i);
             let open = [0, 1].map(|pair| open_part(drawn, pair, blocked));
             let irradiance = boosted.irradiance(emitted.points.normals.get(k));
             let c = 0.5 * (open[0] + open[1]);

@@ -148,7 +148,7 @@ impl Onward {
         }
         // As far from the surface as in `paths`.
         let off = shadow_ray(vertex.from, vertex.x, drawn.l).s_min;
-        let normal = vertex.reflection.normal();
+        let normal = vertex.reflection.geometric_normal();
         let side = if normal.dot(drawn.l) < 0.0 { -off } else { off };
         self.origins.push(vertex.x + normal * side);
         self.directions.push(drawn.l);
@@ -349,10 +349,15 @@ impl TimedPaths<'_> {
             if filled != beginning.group {
                 filled = beginning.group;
                 receivers.clear();
+                let reflection = |k: &u32| &firsts[*k as usize].reflection;
+                let are_smooth = points.iter().any(|k| reflection(k).is_smooth());
                 for k in points {
                     let vertex = &firsts[*k as usize];
                     let place = (vertex.x, vertex.reflection.normal());
                     receivers.push(place, vertex.from, vertex.hit.triangle);
+                    if are_smooth {
+                        receivers.push_geometric(vertex.reflection.geometric_normal());
+                    }
                 }
             }
             let on = End::On {
@@ -509,6 +514,9 @@ impl TimedPaths<'_> {
             let Some(draw) = areas.drawn_from(base, place, numbers) else {
                 continue;
             };
+            if !vertex.reflection.is_open(draw.sent.l) {
+                continue;
+            }
             // What followed paths can meet, too, is weighed against that.
             let (l, density) = (draw.sent.l, draw.sent.density);
             let weight = match draw.sent.shadows {
@@ -699,7 +707,7 @@ impl TimedPaths<'_> {
         let (l, rho) = self.rest.frame.frame_from_world().direction(arrival.d);
         let l = l.unit();
         let cosine = vertex.reflection.normal().dot(l);
-        if cosine <= 0.0 {
+        if cosine <= 0.0 || !vertex.reflection.is_open(l) {
             return None;
         }
         let incident = lamp.incident(&arrival, rho, cosine);

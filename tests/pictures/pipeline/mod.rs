@@ -22,5 +22,6 @@ mod refusals;
 mod shared_paths;
 mod skies;
 mod skipping;
+mod smooth;
 mod spectra;
 pub mod stage;

@@ -1,8 +1,12 @@
 //! What is the same, whatever the method.
 
+use std::sync::Arc;
+
+use nullray::mesh::{Shape, shapes};
 use nullray::render::aov::Aov;
 use nullray::render::film::Film;
 use nullray::render::plan::Request;
+use nullray::scene::Builder;
 
 use super::stage::{
     BODIES, camera, centred, different, film, identities, prepared, scene, scene_file, values,
@@ -134,5 +138,43 @@ fn films_are_the_same_on_any_number_of_threads() {
             };
             assert_eq!(bits(&one), bits(&three), "{method}");
         }
+    }
+}
+
+#[test]
+fn surfaces_that_are_smooth_by_their_vertices_are_shaded_as_by_the_ray_tracer() {
+    let shape = Shape::Sphere {
+        radius: 0.8,
+        subdivisions: 1,
+    };
+    let mut mesh = shapes::mesh(shape, [0.9, 0.5, 0.3]);
+    mesh.materials[0].roughness = 0.4;
+    let normals = mesh.positions.iter().map(|p| p.as_vec3().to_array());
+    mesh.normals = normals.collect();
+    let lights = "[[light]]\ntype = \"directional\"\ndirection = [0.6, -0.8, 0]\nirradiance = 3\n\
+                  [[light]]\nposition = [1, 2, 3]\nintensity = 5\n";
+    for (beta, method, tolerance) in [
+        (0.0, "raster:none", 1e-10),
+        (0.6, "raster:adaptive=0.5", 0.02),
+    ] {
+        let scene = Builder::from_toml("smooth", &(camera("") + BODIES + lights))
+            .mesh("ball", Arc::new(mesh.clone()))
+            .set("object.ball.transform.translate", [-1.2, 0.8, 0.0])
+            .set("object.ball.velocity.beta", [beta, 0.0, 0.0])
+            .build()
+            .unwrap();
+        let stage = centred(&scene);
+        let (traced, drawn) = (film(&stage, "trace"), film(&stage, method));
+        let (left, right) = (identities(&traced), identities(&drawn));
+        let mut compared = 0;
+        for i in (0..left.len()).filter(|i| left[*i] == right[*i] && left[*i].0 == 2) {
+            let [x, y] = [&traced, &drawn].map(|film| film.radiance()[i][0]);
+            assert!(
+                (x - y).abs() <= tolerance * (0.05 + x),
+                "{beta} {i}: {x} {y}"
+            );
+            compared += 1;
+        }
+        assert!(compared > 300, "{compared}");
     }
 }

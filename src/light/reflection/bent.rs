@@ -1,0 +1,88 @@
+//! Normals by which surfaces are smooth, where they are turned too far from the observer.
+
+use glam::DVec3;
+
+/// The least cosine to the surface's normal of what is seen mirrored, but no more than [`PART`] of that of the view: with both, normals of
+/// flat surfaces stay as they are.
+const LEAST: f64 = 0.01;
+const PART: f64 = 0.9;
+
+/// A normal for light that a surface reflects by how it is seen: `normal`, unless that would mirror the view into the surface, whose own
+/// normal is `geometric`, or look away from the view.
+///
+/// Then the mirrored direction r is lifted along n_g until n_g·r is the least that is allowed, and the normal is that between this and the
+/// view v, so that n·v > 0 and n·n_g > 0. The least is that of Cycles' `ensure_valid_specular_reflection`; the rule is that of Keller, Wächter, Raab, Seibert, van
+/// Antwerpen, Korndörfer, Kettner, "The Iray light transport simulation and rendering system", 2017 (arXiv 1705.01263), A.3, which lifts r along
+/// n, and by that fails where n and n_g are nearly at right angles.
+pub(crate) fn bent(normal: DVec3, geometric: DVec3, view: DVec3) -> DVec3 {
+    let mirrored = normal * (2.0 * normal.dot(view)) - view;
+    let least = LEAST.min(PART * geometric.dot(view));
+    let height = geometric.dot(mirrored);
+    if height >= least {
+        return normal;
+    }
+    // What is mirrored straight down, or seen from the edge, has no direction to be lifted to.
+    let along = (mirrored - geometric * height).try_normalize();
+    let lifted = along.map(|along| along * (1.0 - least * least).sqrt() + geometric * least);
+    let between = lifted.and_then(|lifted| (lifted + view).try_normalize());
+    between.filter(|n| n.dot(view) > 0.0).unwrap_or(geometric)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bent_normals_mirror_the_view_above_the_surface_and_are_continuous() {
+        let unit = |height: f64, turn: f64| {
+            let radius = (1.0 - height * height).sqrt();
+            DVec3::new(radius * libm::cos(turn), radius * libm::sin(turn), height)
+        };
+        let (mut kept, mut lifted) = (0, 0);
+        for k in 1..40_000u32 {
+            let part = |n: u32| f64::from(k * n % 40_009) / 40_009.0;
+            let (n, v) = (
+                unit(part(7), 7.0 * part(11)),
+                unit(part(13), 7.0 * part(17)),
+            );
+            let bent = bent(n, DVec3::Z, v);
+            let mirrored = bent * (2.0 * bent.dot(v)) - v;
+            let least = (0.9 * v.z).min(0.01);
+            assert!(bent.is_normalized() && bent.dot(v) > 0.0 && bent.z > 0.0);
+            assert!(mirrored.z >= least - 1e-12, "{n} {v}");
+            let before = n * (2.0 * n.dot(v)) - v;
+            if bent == n {
+                kept += 1;
+                assert!(before.z >= least);
+                continue;
+            }
+            lifted += 1;
+            assert!(before.z < least);
+            // Lifted as far as need be, in the plane of r and n_g.
+            assert!((mirrored.z - least).abs() < 1e-12, "{n} {v}");
+            assert!(before.cross(mirrored).z.abs() < 1e-9, "{n} {v}");
+            // Where nothing has to be lifted, the rule begins with n itself.
+            if before.z > least - 1e-4 && n.dot(v) > 0.1 {
+                assert!((bent - n).length() < 1e-3, "{n} {v}");
+            }
+        }
+        assert!(kept > 10_000 && lifted > 10_000, "{kept} {lifted}");
+    }
+
+    #[test]
+    fn normals_of_flat_surfaces_are_not_bent() {
+        for k in 0..1000 {
+            let v = DVec3::new(1.0, 0.0, f64::from(k) / 1000.0).normalize();
+            assert_eq!(bent(DVec3::Z, DVec3::Z, v), DVec3::Z);
+        }
+        // The view along the surface, and what would be mirrored straight down, have normals, too.
+        for (n, v) in [
+            (DVec3::X, DVec3::X),
+            (-DVec3::X, DVec3::X),
+            (DVec3::X, DVec3::Z),
+        ] {
+            let bent = bent(n, DVec3::Z, v);
+            assert!(bent.is_normalized() && bent.z >= 0.0, "{n} {v}: {bent}");
+        }
+    }
+}

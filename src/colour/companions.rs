@@ -26,6 +26,7 @@
 
 use super::observer::{FIRST, LAST};
 use super::rgb_basis::{self, Continuation};
+use super::sampled::{Wavelengths, per_wavelength_power};
 use super::shift::RgbShift;
 use super::spectrum::integrate;
 use super::table::{MadeOnce, Table};
@@ -74,6 +75,30 @@ impl CompanionShift {
             Some(column) => std::array::from_fn(|j| seen[j] + column[j] * band),
             None => seen,
         }
+    }
+
+    /// The radiance W⁻⁵ L(λ/W) at each of `wavelengths` of the observer.
+    #[inline]
+    pub(crate) fn at(
+        &self,
+        w: f64,
+        rgb: [f64; 3],
+        [infrared, ultraviolet]: [f64; 2],
+        wavelengths: Wavelengths,
+    ) -> [f64; 3] {
+        let (mut seen, power) = (self.rgb.at(w, rgb, wavelengths), per_wavelength_power(w));
+        let ends = rgb_basis::white_at_ends();
+        for (seen, wavelength) in seen.iter_mut().zip(wavelengths) {
+            let at_rest = wavelength / w;
+            let is_within = |[from, to]: [f64; 2]| from < at_rest && at_rest < to;
+            if is_within(INFRARED) {
+                *seen += power * infrared * ends[1];
+            }
+            if is_within(ULTRAVIOLET) {
+                *seen += power * ultraviolet * ends[0];
+            }
+        }
+        seen
     }
 
     /// M(W), rows of linear RGB, columns red, green, blue, infrared, ultraviolet.

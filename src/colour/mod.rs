@@ -9,6 +9,7 @@ mod observer;
 mod planck;
 mod rgb_basis;
 mod rgb_sums;
+mod sampled;
 mod shift;
 mod shift_matrix;
 mod spectrum;
@@ -21,6 +22,10 @@ pub use line::{OUTSIDE_GREY, VISIBLE, line_colour};
 pub use observer::colour_matching;
 pub use planck::planck;
 pub use rgb_basis::Continuation;
+pub use sampled::Wavelengths;
+pub(crate) use sampled::{
+    Line, basis_at, colour_of_sampled, per_wavelength_power, reflectances, wavelengths_of,
+};
 pub use shift::{ColourTable, ReflectionTable, RgbShift};
 pub(crate) use shift_matrix::ShiftMatrix;
 pub use spectrum::{Scale, Spectrum, SpectrumShape};

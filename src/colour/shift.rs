@@ -18,6 +18,7 @@ use super::blackbodies::BLACKBODIES;
 use super::observer::{FIRST, LAST};
 use super::rgb_basis::{self, Continuation, WHITE_TEMPERATURE};
 use super::rgb_sums::xyz_of_primaries;
+use super::sampled::{Wavelengths, per_wavelength_power};
 use super::shift_matrix::ShiftMatrix;
 use super::spectrum::{Spectrum, SpectrumShape, integrate};
 use super::table::{MOST_OCTAVES, MadeOnce, Table, place};
@@ -104,6 +105,16 @@ impl RgbShift {
         from_fn(|j| from_fn(|k| columns[k][j]))
     }
 
+    /// The radiance W⁻⁵ L(λ/W) at each of `wavelengths` of the observer, of what has the linear RGB `rgb` at rest.
+    #[inline]
+    pub(crate) fn at(&self, w: f64, rgb: [f64; 3], wavelengths: Wavelengths) -> [f64; 3] {
+        let power = per_wavelength_power(w);
+        wavelengths.map(|l| {
+            let of = rgb_basis::radiances(l / w, self.continuation);
+            power * (of[0] * rgb[0] + of[1] * rgb[1] + of[2] * rgb[2])
+        })
+    }
+
     /// Where all that the observer sees is of the continuation, and no table has it.
     #[inline(never)]
     pub(crate) fn beyond(&self, w: f64, rgb: [f64; 3]) -> [f64; 3] {
@@ -151,7 +162,10 @@ fn rgb_shift(w: f64, continuation: Continuation) -> [[f64; 3]; 3] {
 
 /// The colour of a spectrum by W.
 #[derive(Debug, Clone)]
-pub struct ColourTable(Kind);
+pub struct ColourTable {
+    kind: Kind,
+    spectrum: Spectrum,
+}
 
 #[derive(Debug, Clone)]
 enum Kind {
@@ -167,7 +181,7 @@ impl ColourTable {
     /// That of `spectrum`.
     pub fn new(spectrum: &Spectrum) -> ColourTable {
         let factor = spectrum.factor();
-        ColourTable(match spectrum.shape() {
+        let kind = match spectrum.shape() {
             SpectrumShape::Rgb(rgb, continuation) => {
                 Kind::Rgb(rgb.map(|c| c * factor), RgbShift::of(*continuation))
             }
@@ -176,13 +190,22 @@ impl ColourTable {
                 let [r, g, b] = spectrum.colour_at(w);
                 [r, g, b, 0.0]
             })),
-        })
+        };
+        ColourTable {
+            kind,
+            spectrum: spectrum.clone(),
+        }
+    }
+
+    /// The spectrum whose colours they are.
+    pub fn spectrum(&self) -> &Spectrum {
+        &self.spectrum
     }
 
     /// Linear sRGB of the spectrum seen with wavelengths times `w`.
     #[inline]
     pub fn colour(&self, w: f64) -> [f64; 3] {
-        match &self.0 {
+        match &self.kind {
             Kind::Rgb(rgb, shift) => shift.apply(w, *rgb),
             Kind::Blackbody(t, factor) => BLACKBODIES.get().colour(t / w).map(|c| c * factor),
             Kind::Own(reach) => {

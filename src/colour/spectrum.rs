@@ -28,6 +28,7 @@ use super::observer::{FIRST, LAST, colour_matching};
 use super::planck::{planck, planck_total};
 use super::rgb_basis::{self, Continuation};
 use super::rgb_from_xyz;
+use super::sampled::{Line, Wavelengths, per_wavelength_power};
 
 /// Points of Gauss on [0, 1], and their weights.
 const GAUSS: [(f64, f64); 3] = [
@@ -125,6 +126,35 @@ impl Spectrum {
     /// L(λ), per metre, at a wavelength in metres; of lines, which have none, 0.
     pub fn per_wavelength(&self, wavelength: f64) -> f64 {
         self.factor * self.shape.per_wavelength(wavelength)
+    }
+
+    /// W⁻⁵ L(λ/W) at each of `wavelengths` of one who finds them times `w`; of lines 0.
+    #[inline]
+    pub(crate) fn at(&self, w: f64, wavelengths: Wavelengths) -> [f64; 3] {
+        let scale = self.factor * per_wavelength_power(w);
+        wavelengths.map(|l| scale * self.shape.per_wavelength(l / w))
+    }
+
+    /// Its lines, where it is of lines.
+    #[inline]
+    pub(crate) fn lines(&self) -> impl Iterator<Item = Line> {
+        let lines = match &self.shape {
+            SpectrumShape::Lines(lines) => lines.as_slice(),
+            SpectrumShape::Blackbody(_)
+            | SpectrumShape::Gaussian { .. }
+            | SpectrumShape::Table(_)
+            | SpectrumShape::Rgb(..) => &[],
+        };
+        lines.iter().map(|&[wavelength, energy]| Line {
+            wavelength,
+            energy: self.factor * energy,
+        })
+    }
+
+    /// Whether it is of lines, which have no width.
+    #[inline]
+    pub(crate) fn is_of_lines(&self) -> bool {
+        matches!(self.shape, SpectrumShape::Lines(_))
     }
 
     /// The sum over all wavelengths: ∫ L dλ. None for RGB, whose continuation need not have one.

@@ -3,7 +3,7 @@
 //! A radiance is seen with W⁻ᵖ (p by the declared quantity). Linear RGB as spectra is seen as M(W) times what it is at
 //! the source, with M of the power of a radiance. Irradiance has the W² of solid angles more.
 
-use crate::colour::RgbShift;
+use crate::colour::{RgbShift, Wavelengths};
 use crate::spacetime::{Quantity, WavelengthRatio};
 
 /// What is received of light, by W.
@@ -82,6 +82,16 @@ impl Received {
         match self {
             Received::Scaled(_) => channels,
             Received::Rgb(shift) => shift.apply(w, channels),
+        }
+    }
+
+    /// The radiance at each of these wavelengths of who receives it, where the source has the linear RGB `channels`; of what is no RGB of spectra
+    /// [`Received::radiance`].
+    #[inline]
+    pub(crate) fn at(&self, w: f64, channels: [f64; 3], wavelengths: Wavelengths) -> [f64; 3] {
+        match self {
+            Received::Scaled(_) => self.radiance(w, channels),
+            Received::Rgb(shift) => shift.at(w, channels, wavelengths),
         }
     }
 

@@ -30,7 +30,8 @@
 //!
 //! Linear RGB arrives as M(W) times what the lamp has, and a spectrum as its colour at W; either leaves as its product with the albedo, component by
 //! component: the light reflected is that of white light on the product of both colours. For a white lamp
-//! that rests with the surface it is exact; for a coloured or shifted one the products of spectra and of colours differ.
+//! that rests with the surface it is exact; for a coloured or shifted one the products of spectra and of colours differ. Where light is sampled
+//! at wavelengths λ_F of the surface (`render.spectra`), it arrives with W⁻³ I_λ(λ_F/W) at each of them.
 //!
 //! Sources: Weiskopf, Kraus, Ruder, ACM TOG 18(3), 1999 (radiance and solid angle); Jackson, Classical
 //! Electrodynamics, ch. 14 (the retarded distance); KHR_lights_punctual (the cone of a spot light).
@@ -51,7 +52,7 @@ pub(crate) use incidence::{Incidence, Kept};
 
 use super::Received;
 use crate::accel::vectors::BLOCK;
-use crate::colour::ColourTable;
+use crate::colour::{ColourTable, Line, Wavelengths, basis_at, reflectances};
 use crate::scene::model::{self, Beam, Pulse};
 use crate::spacetime::worldline::{State, WorldLine};
 use crate::spacetime::{
@@ -302,6 +303,37 @@ impl Lamp {
                 std::array::from_fn(|c| self.intensity[c] * colour[c])
             }
         }
+    }
+
+    /// The same at each of these wavelengths of the surface; of lines 0.
+    #[inline]
+    pub(crate) fn at(&self, w: f64, wavelengths: Wavelengths) -> [f64; 3] {
+        match &self.spectrum {
+            None => self.received.at(w, self.intensity, wavelengths),
+            Some(table) => {
+                let seen = table.spectrum().at(w, wavelengths);
+                let [r, g, b] = self.intensity;
+                if r == g && g == b {
+                    return seen.map(|l| l * r);
+                }
+                // Colours on a spectrum are those of a filter before the lamp.
+                let filter = reflectances(&basis_at(wavelengths.map(|l| l / w)), self.intensity);
+                std::array::from_fn(|c| filter[c] * seen[c])
+            }
+        }
+    }
+
+    /// Its lines, as they are seen at `w`.
+    pub(crate) fn lines(&self, w: f64) -> impl Iterator<Item = Line> {
+        let spectrum = self.spectrum.as_ref().map(|table| table.spectrum());
+        let lines = spectrum.into_iter().flat_map(|spectrum| spectrum.lines());
+        lines.map(move |line| line.reflected(self.intensity).received(w))
+    }
+
+    /// Whether all its light is in lines.
+    pub(crate) fn is_of_lines(&self) -> bool {
+        let spectrum = self.spectrum.as_ref();
+        spectrum.is_some_and(|table| table.spectrum().is_of_lines())
     }
 
     /// The same where it is that at any W.

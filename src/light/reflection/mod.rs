@@ -48,6 +48,7 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 use glam::DVec3;
 
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch};
+use crate::colour::reflectances;
 
 mod bent;
 mod cosine;
@@ -170,6 +171,21 @@ impl Reflection {
             is_mirror: true,
             through: Some(Box::new(through)),
             ..self
+        }
+    }
+
+    /// The same at some wavelengths, by b_r, b_g and b_b of each, of which all that has channels is made as of reflectances: f₀ and c (1 − m) are
+    /// linear in c, and the weights add up to 1.
+    pub(crate) fn at(&self, basis: &[[f64; 3]; 3]) -> Self {
+        let through = self.through.as_ref().map(|glass| Through {
+            colour: reflectances(basis, glass.colour),
+            ..**glass
+        });
+        Reflection {
+            diffuse: reflectances(basis, self.diffuse),
+            specular: self.specular.map(|f0| reflectances(basis, f0)),
+            through: through.map(Box::new),
+            ..*self
         }
     }
 
@@ -369,6 +385,31 @@ impl Reflection {
             density,
             index: self.near,
         })
+    }
+
+    /// The weight of what was `drawn` of `other`, which is this surface with other channels.
+    pub(crate) fn weight_of(&self, drawn: &Scattered, other: &Reflection) -> [f64; 3] {
+        if self.is_diffuse() {
+            return self.diffuse;
+        }
+        let (cosine, density) = (self.normal.dot(drawn.l), drawn.density);
+        if density.is_finite() {
+            return self.value(drawn.l).map(|f| f * cosine / density);
+        }
+        // One direction alone, by the chances of the other.
+        let share = other.specular_share();
+        match (&self.through, cosine > 0.0) {
+            (Some(glass), false) => {
+                let part = (1.0 - share) * other.share_through();
+                glass.colour.map(|c| c * (1.0 - glass.reflected) / part)
+            }
+            (Some(glass), true) => [glass.reflected / share; 3],
+            (None, _) => {
+                let weight = schlick(self.facing);
+                let f0 = self.specular.unwrap_or_default();
+                f0.map(|f| (f + (1.0 - f) * weight) / share)
+            }
+        }
     }
 
     /// The density with which [`Reflection::sample`] draws `l`, other than as a mirror's direction.

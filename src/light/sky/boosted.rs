@@ -31,6 +31,7 @@ use super::even::EvenSky;
 use super::faces::{axes, on_cube};
 use super::grid::{BLOCKS, LightGrid};
 use super::{Background, Sky, sum};
+use crate::colour::Wavelengths;
 use crate::light::Received;
 use crate::light::reflection::by_cosine;
 use crate::spacetime::{Boost, Direction, Rest, World};
@@ -212,20 +213,35 @@ impl BoostedSky {
         })
     }
 
-    /// L_F of light from `d`, ω_rest/ω_world of which is `rho`, without the sun; stars shine from all of their block.
+    /// L_F of light from `d`, ω_rest/ω_world of which is `rho`, without the sun; stars shine from all of their block. By channel, or at
+    /// some wavelengths of the frame, where there are neither stars nor lines.
     #[inline]
-    pub fn radiance(&self, sky: &Sky, d: Direction<World>, rho: f64) -> [f64; 3] {
-        self.seen(sky, sky.background.radiance(d.unit(), 0.0), d, rho)
+    pub fn radiance(
+        &self,
+        sky: &Sky,
+        d: Direction<World>,
+        rho: f64,
+        wavelengths: Option<&Wavelengths>,
+    ) -> [f64; 3] {
+        let channels = sky.background.radiance(d.unit(), 0.0);
+        self.seen(sky, channels, d, rho, wavelengths)
     }
 
     /// The same for directions of [`BoostedSky::sample`]: where these are drawn by light, it is the mean about them.
     #[inline]
-    pub fn mean_radiance(&self, sky: &Sky, d: Direction<World>, rho: f64) -> [f64; 3] {
+    pub fn mean_radiance(
+        &self,
+        sky: &Sky,
+        d: Direction<World>,
+        rho: f64,
+        wavelengths: Option<&Wavelengths>,
+    ) -> [f64; 3] {
         match self.is_uneven() {
-            false => self.radiance(sky, d, rho),
+            false => self.radiance(sky, d, rho, wavelengths),
             true => {
                 let texel = self.grid.texel(d.unit());
-                self.seen(sky, self.grid.radiance_about(texel), d, rho)
+                let channels = self.grid.radiance_about(texel);
+                self.seen(sky, channels, d, rho, wavelengths)
             }
         }
     }
@@ -239,10 +255,11 @@ impl BoostedSky {
         d: Direction<World>,
         rho: f64,
         density: f64,
+        wavelengths: Option<&Wavelengths>,
     ) -> [f64; 3] {
         match self.shows_picture(d, rho, density) {
-            true => self.radiance(sky, d, rho),
-            false => self.mean_radiance(sky, d, rho),
+            true => self.radiance(sky, d, rho, wavelengths),
+            false => self.mean_radiance(sky, d, rho, wavelengths),
         }
     }
 
@@ -255,8 +272,18 @@ impl BoostedSky {
 
     /// L_F where the background has the radiance `channels`.
     #[inline]
-    fn seen(&self, sky: &Sky, channels: [f64; 3], d: Direction<World>, rho: f64) -> [f64; 3] {
+    fn seen(
+        &self,
+        sky: &Sky,
+        channels: [f64; 3],
+        d: Direction<World>,
+        rho: f64,
+        wavelengths: Option<&Wavelengths>,
+    ) -> [f64; 3] {
         let w = 1.0 / rho;
+        if let Some(wavelengths) = wavelengths {
+            return self.seen_at(sky, channels, w, *wavelengths);
+        }
         let mut seen = self.received.radiance(w, channels);
         if sky.has_spectra() {
             seen = sum(seen, sky.spectral_background(w));
@@ -273,10 +300,26 @@ impl BoostedSky {
         }
     }
 
+    /// The radiance at some wavelengths of the frame where the background has the radiance `channels`, seen at `w`.
+    #[inline]
+    fn seen_at(&self, sky: &Sky, channels: [f64; 3], w: f64, wavelengths: Wavelengths) -> [f64; 3] {
+        let seen = self.received.at(w, channels, wavelengths);
+        sum(seen, sky.spectral_at(w, wavelengths))
+    }
+
     /// The same with the sun, and with stars as the discs that they are.
     #[inline]
-    pub fn radiance_with_sun(&self, sky: &Sky, d: Direction<World>, rho: f64) -> [f64; 3] {
+    pub fn radiance_with_sun(
+        &self,
+        sky: &Sky,
+        d: Direction<World>,
+        rho: f64,
+        wavelengths: Option<&Wavelengths>,
+    ) -> [f64; 3] {
         let w = 1.0 / rho;
+        if let Some(wavelengths) = wavelengths {
+            return self.seen_at(sky, sky.radiance(d.unit()), w, *wavelengths);
+        }
         let seen = self.received.radiance(w, sky.radiance(d.unit()));
         match sky.has_spectra() {
             false => seen,
@@ -541,7 +584,7 @@ mod tests {
         let at = |k: usize| (k as f64 + 0.5) / count as f64;
         for k in 0..count * count {
             if let Some(s) = boosted.sample(n, [at(k % count), at(k / count)]) {
-                let radiance = boosted.mean_radiance(sky, s.d, s.rho)[1];
+                let radiance = boosted.mean_radiance(sky, s.d, s.rho, None)[1];
                 let drawn = radiance * n.dot(s.in_rest) / s.density;
                 sum += drawn;
                 most = most.max(drawn);

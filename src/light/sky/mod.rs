@@ -35,7 +35,7 @@ pub use star::Star;
 pub use stars::StarMap;
 
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
-use crate::colour::ColourTable;
+use crate::colour::{ColourTable, Line, Spectrum, Wavelengths};
 use crate::scene::model;
 
 /// A sky, ready to be looked at.
@@ -213,6 +213,33 @@ impl Sky {
             Background::Spectrum(table) => table.colour(w),
             _ => [0.0; 3],
         }
+    }
+
+    /// What has a spectrum of its own, beside stars.
+    #[inline]
+    fn spectrum(&self) -> Option<&Spectrum> {
+        match &self.background {
+            Background::Spectrum(table) => Some(table.spectrum()),
+            Background::Uniform(_) | Background::Gradient(_) | Background::Image(_) => None,
+        }
+    }
+
+    /// The lines of its light, as they are seen at `w`.
+    pub(crate) fn lines(&self, w: f64) -> impl Iterator<Item = Line> {
+        let lines = self.spectrum().into_iter().flat_map(Spectrum::lines);
+        lines.map(move |line| line.received(w))
+    }
+
+    /// Whether it has any.
+    pub(crate) fn has_lines(&self) -> bool {
+        self.spectrum().is_some_and(Spectrum::is_of_lines)
+    }
+
+    /// The radiance of what has a spectrum of its own, beside stars and lines, as it is seen at `w` at each of `wavelengths`.
+    #[inline]
+    fn spectral_at(&self, w: f64, wavelengths: Wavelengths) -> [f64; 3] {
+        let spectrum = self.spectrum();
+        spectrum.map_or([0.0; 3], |spectrum| spectrum.at(w, wavelengths))
     }
 
     /// Radiance by channel, without what has a spectrum of its own, along the look direction `d` of the world: of pictures and stars as they are.

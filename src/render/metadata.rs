@@ -10,7 +10,7 @@ use crate::render::bake::{Baked, Bins};
 use crate::render::film::Film;
 use crate::scene::model::{
     Assembly, CameraModel, CubeBacks, Elements, Equations, Integration, Motion, Pivot,
-    ProjectionKind, Records, Scene,
+    ProjectionKind, Records, Scene, Spectra,
 };
 use crate::spacetime::Quantity;
 
@@ -80,6 +80,8 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
         .false_colour
         .filter(|_| scene.sees_wavelengths())
         .map(|l| ("false_colour_m", wavelength(l)));
+    let spectra = (scene.spectra != Spectra::Rgb)
+        .then(|| ("reflected_spectra", scene.spectra.name().to_string()));
     let bounces = (scene.bounces > 0).then(|| ("bounces", scene.bounces.to_string()));
     let passes = (film.passes() > 1).then(|| ("passes", film.passes().to_string()));
     let error = film
@@ -97,6 +99,7 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
         .chain(bands.into_iter().flatten())
         .chain(false_colour)
         .chain(bounces)
+        .chain(spectra)
         .chain(passes)
         .chain(error)
         .chain(degrees)

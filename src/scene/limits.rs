@@ -1,7 +1,8 @@
 //! The ranges of numbers in scenes, whether a file or a program gives them. Each check says what is wrong, and what would be right.
 
-use super::model::{EmissionProfile, MOST_BOUNCES, MOST_SAMPLES, ProjectionKind};
+use super::model::{EmissionProfile, MOST_BOUNCES, MOST_SAMPLES, ProjectionKind, Scene, Spectra};
 use crate::error::number;
+use crate::spacetime::Quantity;
 
 /// What is wrong, and what would be right.
 pub(crate) type Wrong = (String, String);
@@ -48,6 +49,42 @@ pub(crate) fn bounces(bounces: u32) -> Result<(), Wrong> {
     }
     let what = format!("{bounces} bounces cannot be followed");
     Err((what, format!("give 0 to {MOST_BOUNCES}, like 4")))
+}
+
+/// What of light surfaces reflect, in a scene that is resolved: only light whose spectra are known can be sampled at wavelengths.
+pub(crate) fn spectra(scene: &Scene) -> Result<(), Wrong> {
+    if scene.spectra == Spectra::Rgb {
+        return Ok(());
+    }
+    let wrong = |what: &str, help: &str| Err((what.into(), help.into()));
+    if scene.quantity != Quantity::Rgb {
+        let what = "spectra are sampled, and radiance of this quantity has none";
+        return wrong(
+            what,
+            "set quantity = \"rgb\" in [radiance], or leave `spectra` out",
+        );
+    }
+    if let Some(other) = scene.sources.iter().find(|s| s.quantity != Quantity::Rgb) {
+        let what = format!(
+            "spectra are sampled, and those of source {:?} are not known",
+            other.name
+        );
+        return wrong(
+            &what,
+            "give its radiance the quantity \"rgb\", or leave `spectra` out",
+        );
+    }
+    if !scene.effects.doppler {
+        let what = "spectra are sampled at wavelengths that shift, and these do not";
+        return wrong(what, "turn `effects.doppler` on, or leave `spectra` out");
+    }
+    let mut sky = scene.sky.iter();
+    if sky.any(|sky| sky.lights && sky.stars.is_some()) {
+        let what = "spectra are sampled, and stars light surfaces by red, green and blue alone";
+        let help = "leave `stars` or `spectra` out, or set sky.lights = false";
+        return wrong(what, help);
+    }
+    Ok(())
 }
 
 /// The refractive index of the medium.

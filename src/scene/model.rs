@@ -72,6 +72,8 @@ pub struct Scene {
     pub effects: Effects,
     /// How many more times light is reflected after the first surface that it falls on.
     pub bounces: u32,
+    /// Whether surfaces reflect colours or spectra.
+    pub spectra: Spectra,
     /// Seed of the random numbers.
     pub seed: u32,
     /// Which of several captures of one surface gives it its radiance.
@@ -118,6 +120,28 @@ pub enum Equations {
     Exact,
     /// Those of Jarabo et al. 2015, with their approximations.
     Paper2015,
+}
+
+/// What of light surfaces reflect.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Spectra {
+    /// Red, green and blue, as they come to the surface in its rest frame.
+    #[default]
+    Rgb,
+    /// Its spectrum, at three wavelengths of each sample.
+    Sampled,
+}
+
+impl Spectra {
+    /// As the scene file says it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Spectra::Rgb => "rgb",
+            Spectra::Sampled => "sampled",
+        }
+    }
 }
 
 /// A thing with geometry, at rest in its own frame.

@@ -535,6 +535,8 @@ impl<P> Stage<'_, P> {
                 origins: (!rays.origins.is_empty()).then_some(&rays.origins),
                 left: &[],
                 method: scene.method,
+                ratios,
+                wavelengths: &[],
                 samples: Default::default(),
             },
             hits: &rays.hits,

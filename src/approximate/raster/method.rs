@@ -286,6 +286,15 @@ pub(super) fn moves(object: &str) -> Error {
     )
 }
 
+pub(super) fn samples_spectra() -> Error {
+    Error::unsupported(
+        "render.spectra",
+        "sampled",
+        "this method has no samples with wavelengths of their own",
+        Setting::TraceIt + ", or leave `spectra` out",
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

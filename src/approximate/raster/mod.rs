@@ -71,10 +71,14 @@ use crate::render::progress::Progress;
 ///
 /// # Errors
 /// What the method cannot do: rasterizers and warps need a camera all of whose rays leave one event, and
-/// objects slower than light in the medium; warps need objects that rest in the world. Numbers that no text of a method could have.
+/// objects slower than light in the medium, and colours of no sampled spectra; warps need objects that rest in the world. Numbers that no text of a method could have.
 /// Triangles cut at more than 2²⁴ points. [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
 pub fn render(scene: &Prepared, method: &Method, progress: &dyn Progress) -> Result<Film> {
     method.check_numbers()?;
+    let light = scene.light.time_resolved();
+    if *method != Method::Trace && light.is_some_and(|light| light.spectra.is_some()) {
+        return Err(method::samples_spectra());
+    }
     match method {
         Method::Trace => render::render(scene, progress),
         Method::Raster(raster) => {

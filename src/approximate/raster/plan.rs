@@ -2,7 +2,7 @@
 
 use super::batch::Piece;
 use super::cuts::{Cuts, cuts_of};
-use super::method::{Method, Tessellation, moves};
+use super::method::{Method, Tessellation, moves, samples_spectra};
 use super::vertices::{FilmCorner, Vertex};
 use super::warp::TEXEL_BYTES;
 use crate::approximate::projection::apart;
@@ -129,6 +129,9 @@ impl Method {
         self.check_numbers()?;
         if *self == Method::Trace {
             return Ok(());
+        }
+        if plan.samples_spectra {
+            return Err(samples_spectra());
         }
         if !matches!(
             plan.view,

@@ -42,7 +42,7 @@ use crate::mesh::atlas::Corners;
 use crate::render::film::TILE;
 use crate::render::prepare::Prepared;
 use crate::render::trace::{RestFrame, TimedPaths};
-use crate::scene::model::{CubeBacks, LightKind, Motion, Scene, SourceKind};
+use crate::scene::model::{CubeBacks, LightKind, Motion, Scene, SourceKind, Spectra};
 use crate::spacetime::Velocity;
 
 /// Bins of time.
@@ -185,6 +185,11 @@ pub fn check(scene: &Scene) -> Result<()> {
     let refuse = |place: String, what: String, help: &str| {
         Err(Error::invalid(&scene.name, place, what, help))
     };
+    if scene.spectra == Spectra::Sampled {
+        let what = "what is baked has red, green and blue, and no spectra";
+        let help = "leave `spectra` out, or follow light with `render.bounces`";
+        return refuse("render.spectra".into(), what.into(), help);
+    }
     let Some(first) = scene.objects.first() else {
         return Ok(());
     };

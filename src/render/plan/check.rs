@@ -18,6 +18,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
             limits::samples_per_pixel(scene.samples_per_pixel),
         ),
         ("bounces", limits::bounces(scene.bounces)),
+        ("spectra", limits::spectra(scene)),
         ("medium_index", limits::medium_index(scene.medium_index)),
         ("camera.time", finite(camera.time)),
     ];

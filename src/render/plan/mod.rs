@@ -26,7 +26,7 @@ use crate::render::film::Layout;
 use crate::render::metadata::BACKS;
 use crate::scene::model::{
     Crop, CubeBacks, CubeData, CubeSource, Elements, Geometry, Mapping, Object, Scene, Shape,
-    Source, SourceKind, TimeBins,
+    Source, SourceKind, Spectra, TimeBins,
 };
 
 pub use bindings::{Lit, lit_by, shown_by};
@@ -77,6 +77,7 @@ impl Plan {
             trees,
             memory,
             memory_limit: request.memory_limit,
+            samples_spectra: scene.spectra == Spectra::Sampled,
             counts_only: false,
             skipped: Vec::new(),
             notes: Vec::new(),

@@ -13,7 +13,7 @@ use crate::io::image::panorama;
 use crate::mesh::Factors;
 use crate::scene::MADE_FOR_MODEL;
 use crate::scene::model::{
-    Geometry, Light, LightKind, Motion, Object, Scene, SkyRadiance, SourceKind,
+    Geometry, Light, LightKind, Motion, Object, Scene, SkyRadiance, SourceKind, Spectra,
 };
 use crate::spacetime::Quantity;
 
@@ -71,6 +71,11 @@ fn skipped(scene: &Scene, plan: &Plan) -> Vec<Skipped> {
         plan.film.channels.is_empty(),
         "auxiliary channels",
         "none is asked for",
+    );
+    skip(
+        scene.spectra == Spectra::Sampled && scene.bounces > 0,
+        "paths that neighbours share",
+        "each sample has wavelengths of its own",
     );
     let no_uvs = plan.objects.iter().all(|o| !o.uvs);
     skip(
@@ -154,6 +159,14 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
                       \"line\" in [radiance])"
                 .into(),
         });
+    }
+    let reflects = |(index, object): (usize, &PlannedObject)| {
+        let mut materials = object.materials.iter();
+        materials.any(|name| matches!(lit_by(scene, index, name), Lit::Reflecting(_)))
+    };
+    let is_sampled = scene.spectra == Spectra::Sampled;
+    if is_sampled && !plan.objects.iter().enumerate().any(reflects) {
+        notes.push("no surface here reflects light: `render.spectra` has no effect".into());
     }
     if scene.bounces > 0 && plan.rays.bounces_at_most == 0 {
         notes.push(
@@ -355,7 +368,8 @@ fn unread_companions(scene: &Scene) -> Option<String> {
 /// That surfaces reflect no spectra: what arrives on them in their rest frames is seen by red, green and blue, whose shift on the way to a
 /// camera in motion against them is that of smooth spectra.
 fn lost_spectra(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
-    if scene.quantity != Quantity::Rgb || !scene.effects.doppler {
+    let is_sampled = scene.spectra == Spectra::Sampled;
+    if scene.quantity != Quantity::Rgb || !scene.effects.doppler || is_sampled {
         return None;
     }
     let is_no_rgb = |own: &Spectrum| !matches!(own.shape(), SpectrumShape::Rgb(..));
@@ -385,7 +399,7 @@ fn lost_spectra(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
     is_shifted.then(|| {
         format!(
             "surfaces reflect the light of {} as red, green and blue, and not as its spectrum: those that move against the camera are seen \
-             in wrong hues where that is no smooth one, like a line",
+             in wrong hues where that is no smooth one, like a line (remedy: spectra = \"sampled\" in [render])",
             listed(&lights)
         )
     })

@@ -70,6 +70,9 @@ pub struct Plan {
     pub memory: Memory,
     /// The most memory that may be taken, bytes: [`prepare`](crate::render::prepare) keeps textures within it.
     pub memory_limit: u64,
+    /// Whether light that surfaces reflect is sampled at wavelengths.
+    #[serde(skip)]
+    pub(crate) samples_spectra: bool,
     /// Whether parts of cubes that would be read are only counted: for [`estimate_reads`](crate::render::estimate_reads).
     #[serde(skip)]
     pub(crate) counts_only: bool,

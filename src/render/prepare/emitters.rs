@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::area::{area_light, area_lights, area_radiance};
-use super::response::{eye, received, response, response_to, without};
+use super::response::{eye, received, response, response_to, sampled, sampled_spectra, without};
 use super::stores::Stores;
 use crate::accel::Facing;
 use crate::colour::{ColourTable, Spectrum};
@@ -24,7 +24,7 @@ use crate::render::trace::{
     Gloss, PathTraced, Radiance, Response, RestFrame, Scaling, TextureLookup, TimeResolved,
 };
 use crate::scene::model::{
-    Effects, EmissionProfile, Geometry, LightKind, Reconstruction, Scene, SourceKind,
+    Effects, EmissionProfile, Geometry, LightKind, Reconstruction, Scene, SourceKind, Spectra,
 };
 use crate::spacetime::{Event, Quantity, World};
 
@@ -300,11 +300,15 @@ impl<'a> Builder<'a> {
             }
             Lit::Reflecting(pulses) => {
                 let first = pulses.first().map(|pulse| scene.sources[*pulse].quantity);
+                let response = match scene.spectra {
+                    Spectra::Rgb => response(first.unwrap_or(scene.quantity), scene),
+                    Spectra::Sampled => sampled(scene),
+                };
                 let emitter = Emitter::Lit {
                     finish: Box::new(finish),
                     lamps: pulses.into_iter().chain(everywhere()).collect(),
                 };
-                (emitter, response(first.unwrap_or(scene.quantity), scene))
+                (emitter, response)
             }
             Lit::Cube(source) => {
                 let emitter = sources[source]
@@ -335,6 +339,7 @@ impl<'a> Builder<'a> {
             areas,
             area_lights: area_lights(scene),
             sky: sky.and_then(|sky| super::sky::light(scene, sky, frames)),
+            spectra: sampled_spectra(scene),
             index: scene.medium_index,
         };
         Ok(match scene.bounces {

@@ -1,9 +1,11 @@
 //! What surfaces and observers of a scene make of light: its effects, its equations and what its eye sees.
 
-use crate::colour::{CompanionShift, RgbShift};
+use crate::colour::{CompanionShift, RgbShift, Spectrum};
 use crate::light::Received;
-use crate::render::trace::{Colouring, Eye, Response, Scaling, SkySpectra};
-use crate::scene::model::{Effects, Equations, Scene, Source, SourceKind};
+use crate::render::trace::{Colouring, Eye, Response, SampledSpectra, Scaling, SkySpectra};
+use crate::scene::model::{
+    Effects, Equations, LightKind, Scene, SkyRadiance, Source, SourceKind, Spectra,
+};
 use crate::spacetime::Quantity;
 
 /// What surfaces in `scene` receive of light that measures `quantity`.
@@ -70,6 +72,33 @@ pub(super) fn sky_spectra(scene: &Scene) -> SkySpectra {
         shifted: doppler,
         eye: eye(scene),
     }
+}
+
+/// What an observer in `scene` makes of light that surfaces reflect, where it is sampled at wavelengths.
+pub(super) fn sampled(scene: &Scene) -> Response {
+    Response {
+        scaled: without(scene.effects.searchlight),
+        colour: Colouring::Sampled(eye(scene)),
+    }
+}
+
+/// How light that surfaces of `scene` reflect is sampled at wavelengths, if it is.
+pub(super) fn sampled_spectra(scene: &Scene) -> Option<SampledSpectra> {
+    let of_lamp = scene.lights.iter().filter_map(|light| match &light.kind {
+        LightKind::Lamp(lamp) => lamp.spectrum.as_ref(),
+        LightKind::Area { .. } => None,
+    });
+    let of_objects = scene.objects.iter().filter_map(|o| o.spectrum.as_ref());
+    let of_sky = scene.sky.as_ref().and_then(|sky| match &sky.background {
+        SkyRadiance::Spectrum(spectrum) => Some(spectrum),
+        SkyRadiance::Uniform(_) | SkyRadiance::Gradient { .. } | SkyRadiance::Image { .. } => None,
+    });
+    let mut all = of_lamp.chain(of_objects).chain(of_sky);
+    (scene.spectra == Spectra::Sampled).then(|| SampledSpectra {
+        eye: eye(scene),
+        shift: RgbShift::of(scene.continuation),
+        has_lines: all.any(Spectrum::is_of_lines),
+    })
 }
 
 /// The scaling that goes with colours that have the searchlight effect in them.

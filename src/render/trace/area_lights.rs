@@ -26,7 +26,7 @@ use super::stats::Meter;
 use super::surfaces::Surfaces;
 use crate::accel::Hit;
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch};
-use crate::colour::ColourTable;
+use crate::colour::{ColourTable, Wavelengths};
 use crate::light::Received;
 use crate::light::lamp::{self, Incident};
 use crate::light::reflection::Reflection;
@@ -221,6 +221,7 @@ impl AreaLights {
                 arriving,
                 queries,
                 reflections,
+                spectral,
                 ..
             } = &mut *emitted;
             arriving.clear();
@@ -244,12 +245,24 @@ impl AreaLights {
                     density,
                 };
                 let weight = weight(reflections.get(k), &sent);
-                let incident = self.incident(base, run, element, draws, k);
+                let rest = run.traced.surfaces.rest(element.frame);
+                let place = (rest, element, (draws.u[k], draws.v[k]));
+                let radiance = Self::radiance_of(base, place);
+                let (w, factor) = (draws.ratios[k], draws.factors[k]);
+                let incident = self.incident_of(element, radiance, w, factor, spectral.at(k));
+                // Lines come beside what is sampled.
+                if let Some(table) = element.spectrum.as_ref().filter(|_| spectral.is_sampled()) {
+                    let factor = w * w * factor * mean(radiance) * weight * shines;
+                    let lines = table.spectrum().lines();
+                    let lines = lines.map(|line| line.received(w).scaled(factor));
+                    let lines = lines.map(|line| (arriving.len(), line));
+                    spectral.arriving.extend(lines);
+                }
                 arriving.push((k, incident.scaled(weight * shines), l));
                 let end = (element.frame, element.triangle);
                 queries.push_to(k, draws.d.get(k), draws.distances[k], end);
             }
-            reflect_unblocked(run, shadows, index, emitted, meter);
+            reflect_unblocked(Reflection::value, run, shadows, index, emitted, meter);
             // Usually nothing is left for a second turn.
             if self.elements.iter().all(|e| e.shadows) {
                 break;
@@ -309,35 +322,12 @@ impl AreaLights {
         }
     }
 
-    /// What falls on point `k` of what was drawn for it on `element`.
-    fn incident(
-        &self,
-        base: &BaseColours,
-        run: &Run,
-        element: &Element,
-        draws: &AreaDraws,
-        k: usize,
-    ) -> Incident {
-        let rest = run.traced.surfaces.rest(element.frame);
-        let place = (draws.u[k], draws.v[k]);
-        self.incident_of(
-            base,
-            (rest, element, place),
-            draws.ratios[k],
-            draws.factors[k],
-        )
-    }
-
-    /// What falls on a point that sees this place of `element`, which rests in `rest`, at W and with the factor
-    /// cos θ_y cos θ_F/r² over the density.
-    fn incident_of(
-        &self,
+    /// The radiance at a place of `element`, which rests in `rest`.
+    fn radiance_of(
         base: &BaseColours,
         (rest, element, (u, v)): (&RestFrame, &Element, (f64, f64)),
-        w: f64,
-        factor: f64,
-    ) -> Incident {
-        let radiance = match element.radiance.constant() {
+    ) -> [f64; 3] {
+        match element.radiance.constant() {
             // Holes do not shine.
             _ if !rest.bvh.is_opaque(element.triangle, [u, v]) => [0.0; 3],
             Some(radiance) => radiance,
@@ -352,13 +342,34 @@ impl AreaLights {
                 };
                 base.colour_at(&element.radiance, rest, rest.patch(element.triangle), &hit)
             }
-        };
-        let irradiance = match &element.spectrum {
-            None => self.received.irradiance(w, radiance, factor),
+        }
+    }
+
+    /// What falls on a point that sees `element` with this radiance at W and with the factor cos θ_y cos θ_F/r² over the density: by channel, or at
+    /// `wavelengths`, at which no line is.
+    fn incident_of(
+        &self,
+        element: &Element,
+        radiance: [f64; 3],
+        w: f64,
+        factor: f64,
+        wavelengths: Option<&Wavelengths>,
+    ) -> Incident {
+        let irradiance = match (&element.spectrum, wavelengths) {
+            (None, None) => self.received.irradiance(w, radiance, factor),
             // W⁻⁵ is in the colour, and W² of the solid angle is not.
-            Some(table) => {
+            (Some(table), None) => {
                 let factor = w * w * factor * radiance.iter().sum::<f64>() / 3.0;
                 table.colour(w).map(|c| c * factor)
+            }
+            (None, Some(wavelengths)) => {
+                let factor = w * w * factor;
+                let seen = self.received.at(w, radiance, *wavelengths);
+                seen.map(|l| l * factor)
+            }
+            (Some(table), Some(wavelengths)) => {
+                let factor = w * w * factor * mean(radiance);
+                table.spectrum().at(w, *wavelengths).map(|l| l * factor)
             }
         };
         Incident::new(irradiance, self.received.wavelength_scale(w))
@@ -424,7 +435,8 @@ impl AreaLights {
         }
         let density = shape.share / (0.5 * shape.twice);
         let factor = cosine_there * cosine / (distance * distance * density);
-        let incident = self.incident_of(base, (rest, element, (u, v)), 1.0, factor);
+        let radiance = Self::radiance_of(base, (rest, element, (u, v)));
+        let incident = self.incident_of(element, radiance, 1.0, factor, None);
         Some(AreaDraw {
             emission,
             clock_zero: rest.patch(element.triangle).object_origin.ct,
@@ -582,6 +594,10 @@ impl VectorLoop for Draws<'_> {
             begin += BLOCK;
         }
     }
+}
+
+fn mean([r, g, b]: [f64; 3]) -> f64 {
+    (r + g + b) / 3.0
 }
 
 /// As near to x as numbers from 0 to 1 are, without a branch.

@@ -7,6 +7,7 @@ use glam::DVec3;
 use crate::accel::Traversal;
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::camera::{AnyProjection, AnyView, FilmPoints, Projection, RayOrigin, RaySlices, View};
+use crate::colour::Wavelengths;
 use crate::render::film::Tile;
 use crate::render::sampler::{
     Sampler, halves, pixel_key, sobol, sobol_among, sobol_of_each, sobol_of_each_at,
@@ -41,6 +42,10 @@ pub struct Rays<'a> {
     pub directions: &'a [DVec3],
     /// Where each leaves; none if all leave the event of the shot.
     pub origins: Option<&'a [RayOrigin]>,
+    /// W of what rests in the world, for who looks along each: the camera, or the frame of a surface.
+    pub ratios: &'a [f64],
+    /// The wavelengths that who looks along each asks for; empty where there are none, or the samples draw them.
+    pub wavelengths: &'a [Wavelengths],
     /// The triangle that each leaves, and does not meet again; empty where they leave none.
     pub left: &'a [LeftTriangle],
     /// How they are traced.
@@ -55,6 +60,8 @@ impl<'a> Rays<'a> {
         Rays {
             directions,
             origins: None,
+            ratios: &[],
+            wavelengths: &[],
             left: &[],
             method,
             samples: Samples::default(),
@@ -226,6 +233,8 @@ impl CameraRays {
         Rays {
             directions: &self.directions,
             origins: (!self.origins.is_empty()).then_some(&self.origins),
+            ratios: &self.ratios,
+            wavelengths: &[],
             left: &[],
             method,
             samples: Samples {

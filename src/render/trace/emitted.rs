@@ -12,10 +12,13 @@ use super::hits::HitBuffer;
 use super::occlusion::{OcclusionQueries, shadow_starts};
 use super::points::Points;
 use super::sharing::{Groups, Receivers};
+use super::spectral_points::SpectralPoints;
 use crate::accel::vectors::Columns;
 use crate::accel::{Converging, Segment};
 use crate::camera::RayOrigin;
-use crate::colour::{ColourTable, CompanionShift, RgbShift, Spectrum};
+use crate::colour::{
+    ColourTable, CompanionShift, Line, RgbShift, Spectrum, Wavelengths, colour_of_sampled,
+};
 use crate::light::lamp::{Incident, Irradiance};
 use crate::light::reflection::{Glosses, Reflection, Scattered};
 use crate::light::time_texture::{
@@ -71,6 +74,8 @@ pub enum Colouring {
     Companions(&'static CompanionShift, Eye),
     /// The mean of the channels is a factor on a spectrum, whose colours have the searchlight effect in them.
     Spectrum(Arc<ColourTable>, Eye),
+    /// The channels are radiances at wavelengths that each point has of its own; colours have the searchlight effect in them.
+    Sampled(Eye),
 }
 
 /// The wavelengths that an observer sees: those of the human eye, times a factor.
@@ -112,6 +117,19 @@ impl Eye {
         wavelength * self.inverse
     }
 
+    /// The wavelength that it sees as the human eye sees this one.
+    #[inline(always)]
+    pub(super) fn seen_as(self, wavelength: f64) -> f64 {
+        wavelength / self.inverse
+    }
+
+    /// Linear sRGB, in the mean over x, of the radiances at the wavelengths of x.
+    #[inline]
+    pub(super) fn colour_of_sampled(self, x: f64, radiance: [f64; 3]) -> [f64; 3] {
+        // ∫ L′(λ) m(λ/s) dλ = s ∫ L′(sλ) m(λ) dλ.
+        colour_of_sampled(x, radiance).map(|c| c / self.inverse)
+    }
+
     /// Linear sRGB of `spectrum`, seen without a shift.
     pub fn colour(self, spectrum: &Spectrum) -> [f64; 3] {
         spectrum.colour_at(self.inverse).map(|c| c * self.gain)
@@ -135,6 +153,8 @@ pub struct Emitted {
     pub(super) companions: Vec<[f64; 2]>,
     /// What else there is to know of some points, in their order.
     pub(super) details: Vec<Detail>,
+    /// Where light is sampled at wavelengths.
+    pub(super) spectral: Box<SpectralPoints>,
     pub(super) lookups: Box<Lookups>,
     /// What may stand in the way of light.
     pub(super) queries: OcclusionQueries,
@@ -249,6 +269,8 @@ pub(super) struct Paths {
     pub members: Vec<u32>,
     /// W of each of them.
     pub wavelength_ratios: Vec<f64>,
+    /// Lines that paths have found, by the point of the run that they leave.
+    pub lines: Vec<(usize, Line)>,
     /// What leaves the points of one patch.
     pub emitted: Emitted,
     /// Where paths are shared, the groups that share them, the points from which they go on, and the points of one group.
@@ -306,6 +328,10 @@ pub(super) struct Level {
     /// Keys of their pixels, and their samples where each has its own.
     pub pixels: Vec<u64>,
     pub indices: Vec<u32>,
+    /// Wavelengths in the frames of the points that they leave, where light is sampled at some.
+    pub wavelengths: Vec<Wavelengths>,
+    /// Weights by red, green and blue, where there are lines.
+    pub rgb_weights: Vec<[f64; 3]>,
     /// From which on they are shared, if any are.
     pub shared_from: Option<usize>,
     /// Their nearest hits.
@@ -376,6 +402,7 @@ impl Default for Emitted {
             radiance: Vec::new(),
             companions: Vec::new(),
             details: Vec::new(),
+            spectral: Box::default(),
             lookups: Box::default(),
             queries: OcclusionQueries::default(),
             segments: Vec::new(),

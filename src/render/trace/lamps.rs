@@ -37,6 +37,7 @@ pub(super) fn illuminate(
         reflections,
         added,
         is_unlit,
+        spectral,
         ..
     } = emitted;
     let surfaces = run.traced.surfaces;
@@ -97,13 +98,31 @@ pub(super) fn illuminate(
         }
     }
 
+    // Lines are followed each by itself.
+    if lamp.is_of_lines() && spectral.is_sampled() {
+        find_lit(incidence.factors(), lit);
+        for k in lit.iter().map(|k| *k as usize) {
+            for line in lamp.lines(incidence.ratios()[k]) {
+                let line = line.scaled(incidence.factors()[k]);
+                spectral.reflect(k, line, &glosses.colours, |of| {
+                    of.value(incidence.l(arrivals).get(k))
+                });
+            }
+        }
+        return;
+    }
+
     // Each kind of surface in a loop of its own: matte ones reflect the sum later, others each light by itself.
     if constant.is_none() {
         colours.resize(points.count());
         let seen = incidence.ratios().iter().zip(incidence.factors());
         for (k, (w, factor)) in seen.enumerate() {
             let is_lit = *factor != 0.0;
-            let colour = if is_lit { lamp.colour(*w) } else { [0.0; 3] };
+            let colour = match spectral.at(k) {
+                _ if !is_lit => [0.0; 3],
+                Some(wavelengths) => lamp.at(*w, *wavelengths),
+                None => lamp.colour(*w),
+            };
             colours.set(k, colour.into());
         }
     }
@@ -139,7 +158,11 @@ pub(super) fn illuminate(
     Reflection::values(reflections, lit, incidence.l(arrivals), values);
     for (at, k) in lit.iter().enumerate() {
         let k = *k as usize;
-        let light = lamp.incident_at(incidence.ratios()[k], incidence.factors()[k]);
+        let (w, factor) = (incidence.ratios()[k], incidence.factors()[k]);
+        let light = match spectral.is_sampled() {
+            true => Incident::new((colours.get(k) * factor).to_array(), 1.0),
+            false => lamp.incident_at(w, factor),
+        };
         reflect(k, &light, values.get(at), incident, added);
     }
 }
@@ -155,8 +178,9 @@ fn find_lit(factors: &[f64], lit: &mut Vec<u32>) {
     lit.truncate(count);
 }
 
-/// Adds the light that is arriving and that nothing stands in the way of, as far as `shadows` are asked for.
+/// Adds the light that is arriving and that nothing stands in the way of, as far as `shadows` are asked for; `value` is f.
 pub(super) fn reflect_unblocked(
+    value: impl Fn(&Reflection, DVec3) -> [f64; 3],
     run: &Run,
     shadows: bool,
     index: f64,
@@ -170,6 +194,8 @@ pub(super) fn reflect_unblocked(
         incident,
         reflections,
         added,
+        glosses,
+        spectral,
         ..
     } = emitted;
     if shadows {
@@ -185,11 +211,19 @@ pub(super) fn reflect_unblocked(
             // A matte surface multiplies its colour once, later; any other needs the direction of the light.
             None => incident.add(*k, light),
             Some(reflection) => {
-                let value = DVec3::from_array(reflection.value(*l));
+                let value = DVec3::from_array(value(reflection, *l));
                 reflect(*k, light, value, incident, added);
             }
         }
     }
+    let mut lines = std::mem::take(&mut spectral.arriving);
+    for (at, line) in lines.drain(..) {
+        if !queries.is_blocked(at) {
+            let (k, _, l) = &arriving[at];
+            spectral.reflect(*k, line, &glosses.colours, |of| value(of, *l));
+        }
+    }
+    spectral.arriving = lines;
 }
 
 /// Adds what is reflected of `light` by point `k`, whose surface has this value of f.

@@ -33,6 +33,8 @@ impl Level {
         self.origins.clear();
         self.left.clear();
         self.ratios.clear();
+        self.wavelengths.clear();
+        self.rgb_weights.clear();
         self.pixels.clear();
         self.indices.clear();
         self.shared_from = None;
@@ -43,6 +45,8 @@ impl Level {
         Rays {
             directions: &self.directions,
             origins: Some(&self.origins),
+            ratios: &self.ratios,
+            wavelengths: &self.wavelengths,
             left: &self.left,
             method: before.rays.method,
             samples: Samples {
@@ -132,6 +136,7 @@ impl Level {
             numbers,
             reflections,
             by_cosine,
+            spectral,
             ..
         } = emitted;
         each_by_cosine(&points.normals, numbers, by_cosine);
@@ -142,10 +147,19 @@ impl Level {
                 true => reflection.scattered(by_cosine.get(k)),
                 false => reflection.sample([numbers[0][k], numbers[1][k]]),
             };
-            let Some(scattered) = drawn.filter(|drawn| drawn.weight.iter().any(|w| *w > 0.0))
-            else {
+            let is_any = |weight: [f64; 3]| weight.iter().any(|w| *w > 0.0);
+            // Lines may be reflected where nothing is at the wavelengths of the sample.
+            let in_rgb = |drawn: &Scattered| {
+                let of = spectral.in_rgb.get(k);
+                of.map(|of| of.weight_of(drawn, reflection))
+            };
+            let shows =
+                |drawn: &Scattered| is_any(drawn.weight) || in_rgb(drawn).is_some_and(is_any);
+            let Some(scattered) = drawn.filter(shows) else {
                 continue;
             };
+            self.rgb_weights.extend(in_rgb(&scattered));
+            self.wavelengths.extend(spectral.at(k));
             self.drawn.push(Drawn {
                 from: from(k),
                 frame: run.frame,

@@ -90,6 +90,7 @@ use super::sharing::{AT_ONCE, Sharing};
 use super::sky_light::SkyLight;
 use super::stats::{Meter, Stage};
 use super::time_resolved::{Emitter, TimeResolved};
+use crate::colour::{Line, Wavelengths, per_wavelength_power};
 use crate::light::Received;
 use crate::light::lamp::{Incident, Irradiance};
 use crate::light::reflection::{Reflection, Scattered};
@@ -125,7 +126,10 @@ impl PathTraced {
         frames: &[RestFrame],
     ) -> Self {
         let sharing = match frames {
-            [rest] if light.is_steady_for(rest) => Some(Sharing::new(light.is_diffuse())),
+            // Neighbours have wavelengths of their own, and share nothing.
+            [rest] if light.spectra.is_none() && light.is_steady_for(rest) => {
+                Some(Sharing::new(light.is_diffuse()))
+            }
             _ => None,
         };
         let mut emitters = light.emitters.iter();
@@ -184,6 +188,9 @@ impl Radiance for PathTraced {
             return self.light.emit(run, emitted, meter);
         };
         emitted.start(response.clone());
+        if let Some(spectra) = &self.light.spectra {
+            spectra.begin(run, &mut emitted.spectral);
+        }
         let whole = [Part {
             patch: run.patch,
             finish,
@@ -203,6 +210,7 @@ impl PathTraced {
         emitted.added.fill(run.count(), DVec3::ZERO);
         emitted.glosses.clear();
         emitted.reflections.clear();
+        emitted.spectral.start();
         emitted.points.views(&mut emitted.views);
         if parts.iter().any(|part| part.finish.is_smooth) {
             emitted.points.keep_geometric();
@@ -222,6 +230,9 @@ impl PathTraced {
                 }
                 emitted.reflections.push(reflection);
             }
+        }
+        if let Some(spectra) = &self.light.spectra {
+            spectra.reflect(&mut emitted.reflections, &mut emitted.spectral);
         }
     }
 
@@ -349,6 +360,7 @@ impl PathTraced {
         if first.shared_from.is_some() {
             self.share(&mut paths, run, emitted, meter);
         }
+        emitted.spectral.leaving.append(&mut paths.lines);
         emitted.paths = Some(paths);
     }
 
@@ -360,6 +372,7 @@ impl PathTraced {
             members,
             wavelength_ratios,
             emitted,
+            lines,
             ..
         } = paths;
         level(levels, at + 1);
@@ -388,9 +401,23 @@ impl PathTraced {
         met.clear();
         let escaped = drawn.iter().zip(traced.hits.hits()).enumerate();
         met.extend(escaped.map(|(ray, (drawn, hit))| match hit {
-            None => Met::Light(self.escaped(drawn, is_shared(ray))),
+            None => Met::Light(self.escaped(drawn, is_shared(ray), this.wavelengths.get(ray))),
             Some(_) => Met::Nothing,
         }));
+        if let Some(light) = self
+            .light
+            .sky
+            .as_ref()
+            .filter(|_| !this.rgb_weights.is_empty())
+        {
+            for (ray, (drawn, hit)) in drawn.iter().zip(traced.hits.hits()).enumerate() {
+                if hit.is_none() {
+                    self.escaped_lines(light, drawn, |line| {
+                        lines.extend(carried_back(levels, ray as u32, line));
+                    });
+                }
+            }
+        }
         // Rays that have met surfaces of one frame that the same lamps light, together; and those that have met one of other patches.
         let by_patch: Vec<&[MetPatch]> = order.chunk_by(|a, b| a.place == b.place).collect();
         let patch = |group: &[MetPatch]| {
@@ -414,6 +441,9 @@ impl PathTraced {
                 frame,
             };
             run.ratios(ratios, wavelength_ratios);
+            if let Some(spectra) = &self.light.spectra {
+                spectra.go_on(&run, wavelength_ratios, &mut emitted.spectral);
+            }
             emitted.own_weights.clear();
             match emitter(groups[0]) {
                 Emitter::Lit { lamps, .. } => {
@@ -440,6 +470,10 @@ impl PathTraced {
                         next[0].draw(&run, emitted, |k| run.members[k]);
                     }
                     self.note_surfaces(&parts, &run, (wavelength_ratios, emitted), &mut met);
+                    for (k, line) in emitted.spectral.leaving.drain(..) {
+                        let line = line.received(wavelength_ratios[k]);
+                        lines.extend(carried_back(levels, run.members[k], line));
+                    }
                 }
                 other => {
                     // With a spectrum, it may be drawn.
@@ -448,6 +482,11 @@ impl PathTraced {
                     self.weigh_own(points, shines, this, wavelength_ratios, emitted);
                     self.light.emit(&run, emitted, meter);
                     self.note_light(&run, (wavelength_ratios, emitted), &mut met);
+                    if self.light.spectra.is_some() {
+                        note_lines(&run, (wavelength_ratios, emitted), |ray, line| {
+                            lines.extend(carried_back(levels, ray, line));
+                        });
+                    }
                 }
             }
         }
@@ -467,6 +506,8 @@ impl PathTraced {
         if run.traced.rays.samples.depth <= self.bounces {
             self.start(parts, run, emitted);
             self.illuminate(lamps, run, emitted, meter);
+        } else {
+            emitted.spectral.start();
         }
     }
 
@@ -485,11 +526,15 @@ impl PathTraced {
                     true => (emitted.added.get(at).to_array(), emitted.incident.get(at)),
                     false => Default::default(),
                 };
+                let own = self.own((part.finish, part.patch), run, at, emitted);
                 met[run.members[at] as usize] = Met::Surface(MetSurface {
                     emitter: part.patch.emitter,
                     ratio: ratios[at],
                     reflected,
-                    own: self.own((part.finish, part.patch), run, at, emitted),
+                    own: match &self.light.spectra {
+                        None => own,
+                        Some(spectra) => spectra.of_rgb(at, own, &emitted.spectral),
+                    },
                     is_diffuse: !receives || emitted.reflections[at].is_diffuse(),
                     incident,
                 });
@@ -504,12 +549,18 @@ impl PathTraced {
         for (at, ray) in run.members.iter().enumerate() {
             let detail = details.next_if(|detail| detail.at == at);
             let scale = detail.map_or(1.0, |detail| detail.wavelength_scale);
-            let light = self.arriving(
-                emitter,
-                &emitted.response,
-                ratios[at],
-                (emitted.radiance[at], emitted.companions(at), scale),
-            );
+            let radiance = (emitted.radiance[at], emitted.companions(at));
+            let wavelengths = run.traced.rays.wavelengths.get(*ray as usize);
+            let light = match wavelengths {
+                Some(wavelengths) => {
+                    let seen = (ratios[at], *wavelengths);
+                    self.arriving_at(emitter, &emitted.response, seen, radiance)
+                }
+                None => {
+                    let light = (radiance.0, radiance.1, scale);
+                    self.arriving(emitter, &emitted.response, ratios[at], light)
+                }
+            };
             let weight = emitted.own_weights.get(at).copied().unwrap_or(1.0);
             met[*ray as usize] = Met::Light(light.scaled(weight));
         }
@@ -547,13 +598,38 @@ impl PathTraced {
                 table.colour(w).map(|c| c * factor)
             }
             Colouring::Companions(shift, _) => shift.apply(w, radiance, companions),
+            Colouring::Sampled(_) => radiance.map(|l| l * per_wavelength_power(w)),
             _ => received.radiance(w, radiance),
         };
         Incident::new(light, wavelength_scale * received.wavelength_scale(w))
     }
 
+    /// What arrives at some wavelengths of linear RGB, or of a spectrum without its lines, that leaves a surface of emitter `emitter`, seen at W.
+    fn arriving_at(
+        &self,
+        emitter: usize,
+        response: &Response,
+        (w, wavelengths): (f64, Wavelengths),
+        (radiance, companions): ([f64; 3], [f64; 2]),
+    ) -> Incident {
+        let light = match &response.colour {
+            Colouring::Spectrum(table, _) => {
+                let factor = mean(radiance);
+                table.spectrum().at(w, wavelengths).map(|l| l * factor)
+            }
+            Colouring::Companions(shift, _) => shift.at(w, radiance, companions, wavelengths),
+            _ => self.received[emitter].at(w, radiance, wavelengths),
+        };
+        Incident::new(light, 1.0)
+    }
+
     /// What arrives of the sky along `drawn`, where the ray that goes on along it meets nothing; not weighted where that `is_shared`.
-    fn escaped(&self, drawn: &Drawn, is_shared: bool) -> Incident {
+    fn escaped(
+        &self,
+        drawn: &Drawn,
+        is_shared: bool,
+        wavelengths: Option<&Wavelengths>,
+    ) -> Incident {
         let Some(light) = &self.light.sky else {
             return Incident::new([0.0; 3], 1.0);
         };
@@ -567,19 +643,35 @@ impl PathTraced {
         let w = 1.0 / rho;
         let radiance = if density.is_infinite() {
             // A mirror shows the sun, whose light as that of a lamp it does not reflect.
-            boosted.radiance_with_sun(&light.sky, d, rho)
+            boosted.radiance_with_sun(&light.sky, d, rho, wavelengths)
         } else if is_shared {
-            boosted.mean_radiance(&light.sky, d, rho)
+            boosted.mean_radiance(&light.sky, d, rho, wavelengths)
         } else {
             let weight = match (light.shadows, boosted.is_uneven()) {
                 (false, _) => 0.0,
                 (true, false) => 1.0,
                 (true, true) => balance(density, boosted.density(cosine, d, rho)),
             };
-            let radiance = boosted.reflected_radiance(&light.sky, d, rho, density);
+            let radiance = boosted.reflected_radiance(&light.sky, d, rho, density, wavelengths);
             radiance.map(|l| l * weight)
         };
         Incident::new(radiance, boosted.received().wavelength_scale(w))
+    }
+
+    /// Calls `each` with the lines of the sky that arrive along `drawn`, where the ray that goes on along it meets nothing.
+    fn escaped_lines(&self, light: &SkyLight, drawn: &Drawn, mut each: impl FnMut(Line)) {
+        let Scattered { l, density, .. } = drawn.scattered;
+        let boosted = &light.frames[drawn.frame as usize];
+        let (d, rho) = boosted.in_world(l);
+        let weight = match (light.shadows, boosted.is_uneven()) {
+            _ if density.is_infinite() => 1.0,
+            (false, _) => 0.0,
+            (true, false) => 1.0,
+            (true, true) => balance(density, boosted.density(drawn.cosine, d, rho)),
+        };
+        for line in light.sky.lines(1.0 / rho) {
+            each(line.scaled(weight));
+        }
     }
 
     /// Notes what `points` of `run` shine of their own counts for, if they do, where each was met along a ray of `level` and could have been
@@ -650,7 +742,12 @@ impl PathTraced {
     /// Ends the points of `run`: what they reflect, and what they shine of their own.
     fn add_own(&self, finish: &Finish, run: &Run, emitted: &mut Emitted) {
         for k in 0..run.count() {
-            let own = self.own((finish, run.patch), run, k, emitted);
+            let mut own = self.own((finish, run.patch), run, k, emitted);
+            if let Some(spectra) = &self.light.spectra {
+                // It is seen as it is.
+                spectra.see_rgb(k, own, &mut emitted.spectral);
+                own = [0.0; 3];
+            }
             let reflected = emitted.added.get(k);
             let wavelength_scale = emitted.incident.get(k).wavelength_scale();
             emitted.push(Emission {
@@ -658,7 +755,50 @@ impl PathTraced {
                 ..Emission::full(std::array::from_fn(|c| reflected[c] + own[c]))
             });
         }
+        if let Some(spectra) = &self.light.spectra {
+            spectra.see_lines(&mut emitted.spectral);
+        }
     }
+}
+
+/// Calls `each` with the lines of what the points of `run` shine of their own, whose W are `ratios`, as they come along their rays.
+fn note_lines(run: &Run, (ratios, emitted): (&[f64], &Emitted), mut each: impl FnMut(u32, Line)) {
+    let Colouring::Spectrum(table, _) = &emitted.response.colour else {
+        return;
+    };
+    for (at, ray) in run.members.iter().enumerate() {
+        let weight = emitted.own_weights.get(at).copied().unwrap_or(1.0);
+        let factor = weight * mean(emitted.radiance[at]);
+        for line in table.spectrum().lines() {
+            each(*ray, line.received(ratios[at]).scaled(factor));
+        }
+    }
+}
+
+/// A line that comes along a ray of the last of `levels`, as it leaves the first surface of the ray's path; and which point that is.
+fn carried_back(levels: &[Level], ray: u32, line: Line) -> Option<(usize, Line)> {
+    let (mut ray, mut line) = (ray as usize, line);
+    let (last, before) = levels.split_last()?;
+    let reflect = |level: &Level, ray: usize, line: Line| {
+        Some((
+            level.drawn.get(ray)?.from,
+            line.reflected(*level.rgb_weights.get(ray)?),
+        ))
+    };
+    let (mut from, reflected) = reflect(last, ray, line)?;
+    line = reflected;
+    for level in before.iter().rev() {
+        ray = from as usize;
+        let Met::Surface(point) = level.met.get(ray)? else {
+            return None;
+        };
+        (from, line) = reflect(level, ray, line.received(point.ratio))?;
+    }
+    Some((from as usize, line))
+}
+
+fn mean([r, g, b]: [f64; 3]) -> f64 {
+    (r + g + b) / 3.0
 }
 
 /// What counts of the sky's light along `l` of frame `frame`, found with the density of its cosine.

@@ -533,6 +533,9 @@ impl TimeResolved {
         if finish.is_smooth {
             smooth(finish, run, emitted);
         }
+        if let Some(spectra) = &self.spectra {
+            spectra.begin(run, &mut emitted.spectral);
+        }
         self.start(finish, run, emitted);
         // Matte surfaces gather irradiance here and take their colour once, below; others reflect light as it arrives.
         for lamp in lamps.iter().filter_map(|k| self.lamps[*k].as_ref()) {
@@ -559,8 +562,12 @@ impl TimeResolved {
             Some(_) => &emitted.added,
             None => {
                 let albedo = self.base.colours[finish.colour].constant();
-                if albedo.is_none() {
-                    self.colours(finish, run, &mut emitted.glosses.colours);
+                let albedo = albedo.filter(|_| self.spectra.is_none());
+                match (albedo, &self.spectra) {
+                    (Some(_), _) => {}
+                    (None, None) => self.colours(finish, run, &mut emitted.glosses.colours),
+                    // Which lines have made use of as they are.
+                    (None, Some(_)) => emitted.spectral.sample(&mut emitted.glosses.colours),
                 }
                 dispatch(Matte {
                     albedo: albedo.map(DVec3::from_array),
@@ -578,9 +585,16 @@ impl TimeResolved {
                 };
                 let own = self.base.colour_at(emission, run.rest, run.patch, &hit);
                 let factor = emitted.times.get(k).copied().unwrap_or(1.0);
+                if let Some(spectra) = &self.spectra {
+                    spectra.see_rgb(k, own.map(|c| factor * c), &mut emitted.spectral);
+                    continue;
+                }
                 let radiance = &mut emitted.radiance[k];
                 *radiance = std::array::from_fn(|c| radiance[c] + factor * own[c]);
             }
+        }
+        if let Some(spectra) = &self.spectra {
+            spectra.see_lines(&mut emitted.spectral);
         }
         emitted.note_wavelengths();
     }
@@ -607,7 +621,11 @@ impl TimeResolved {
         emitted.is_unlit = true;
         emitted.glosses.clear();
         emitted.reflections.clear();
+        emitted.spectral.start();
         let Some(gloss) = &finish.gloss else {
+            if self.spectra.is_some() {
+                self.colours(finish, run, &mut emitted.glosses.colours);
+            }
             return;
         };
         let Emitted {
@@ -618,10 +636,12 @@ impl TimeResolved {
             added,
             is_unlit,
             incident,
+            spectral,
             ..
         } = emitted;
         // What is drawn of areas and of the sky asks points one by one; loops over lamps do with one block where all look alike.
-        let by_point = self.areas.is_some() || self.sky.is_some();
+        let has_lines = self.spectra.is_some_and(|spectra| spectra.has_lines);
+        let by_point = self.areas.is_some() || self.sky.is_some() || has_lines;
         added.resize(run.count());
         if by_point {
             *is_unlit = false;
@@ -632,7 +652,8 @@ impl TimeResolved {
             points.views(views);
         }
         let colour = self.base.colours[finish.colour].constant();
-        if let (Some(colour), None, false) = (colour, gloss.texture, by_point) {
+        let has_own = by_point || self.spectra.is_some();
+        if let (Some(colour), None, false) = (colour, gloss.texture, has_own) {
             return glosses.fill_alike(colour, [gloss.metallic, gloss.roughness], gloss.dielectric);
         }
         glosses.dielectric = gloss.dielectric;
@@ -661,6 +682,10 @@ impl TimeResolved {
                 Reflection::metallic_roughness(normal, view, colour, look, gloss.dielectric)
                     .on(points.geometric(k))
             }));
+        }
+        if let Some(spectra) = &self.spectra {
+            spectra.reflect(reflections, spectral);
+            spectral.sample(&mut glosses.colours);
         }
     }
 }

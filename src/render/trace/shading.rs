@@ -10,7 +10,7 @@ use super::run::{Run, TracedRays, in_a_row};
 use super::stats::{Counter, Meter, Stage};
 use crate::accel::Hit;
 use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, dispatch, shift_each};
-use crate::colour::{self, RgbShift};
+use crate::colour::{self, RgbShift, per_wavelength_power};
 use crate::light::sky::{Looks, PixelAngles, Sky, Star};
 use crate::light::time_texture::Coverage;
 use crate::render::film::TileFilm;
@@ -579,6 +579,12 @@ fn add_colours(
             Colouring::Spectrum(table, eye) => {
                 let factor = mean(emitted.radiance[k]) * eye.gain();
                 table.colour(eye.ratio(ratios[k])).map(|c| c * factor)
+            }
+            Colouring::Sampled(eye) => {
+                let points = &emitted.spectral;
+                let seen = eye.colour_of_sampled(points.numbers[k], emitted.radiance[k]);
+                let power = per_wavelength_power(ratios[k]);
+                std::array::from_fn(|c| power * seen[c] + points.beside[k][c])
             }
         };
         // Stand-ins for missing data are shown as they are; all else gets the observer's factor.

@@ -82,6 +82,13 @@ fn own_part(reflection: &Reflection, boosted: &BoostedSky, sample: &SkySample) -
     }
 }
 
+/// f for light from `l`, which was drawn of the sky, with this part of its gloss.
+fn drawn_value(reflection: &Reflection, l: DVec3, part: f64) -> [f64; 3] {
+    let diffuse = reflection.diffuse_value(l);
+    let specular = reflection.specular_value(l);
+    std::array::from_fn(|c| diffuse[c] + part * specular[c])
+}
+
 impl SkyLight {
     /// Adds what the points of `run` reflect of the sky, in a medium of index `index`.
     pub(super) fn illuminate(
@@ -93,7 +100,9 @@ impl SkyLight {
     ) {
         let boosted = &self.frames[run.frame as usize];
         let glossy = !emitted.reflections.is_empty();
-        if self.shadows || glossy || emitted.points.is_smooth() {
+        if emitted.spectral.is_sampled() {
+            self.illuminate_sampled(boosted, run, index, emitted, meter);
+        } else if self.shadows || glossy || emitted.points.is_smooth() {
             self.illuminate_open(boosted, run, index, emitted, meter);
         } else {
             for k in 0..run.count() {
@@ -131,13 +140,72 @@ impl SkyLight {
             }
             let weight = weight(emitted.reflections.get(k), l, sample.density);
             let factor = weight * n.dot(l) / sample.density;
-            let radiance = boosted.mean_radiance(&self.sky, sample.d, sample.rho);
+            let wavelengths = emitted.spectral.at(k);
+            let radiance = boosted.mean_radiance(&self.sky, sample.d, sample.rho, wavelengths);
             let scale = boosted.received().wavelength_scale(1.0 / sample.rho);
             let incident = Incident::new(radiance.map(|l| l * factor), scale);
+            self.add_lines(sample.rho, factor, emitted);
             emitted.arriving.push((k, incident, l));
             emitted.queries.push(k, sample.d.unit(), f64::INFINITY);
         }
-        reflect_unblocked(run, self.shadows, index, emitted, meter);
+        reflect_unblocked(Reflection::value, run, self.shadows, index, emitted, meter);
+    }
+
+    /// Adds the lines of light that is about to arrive, of which `rho` is ω_rest/ω_world, times `factor`.
+    fn add_lines(&self, rho: f64, factor: f64, emitted: &mut Emitted) {
+        if self.sky.has_lines() && emitted.spectral.is_sampled() {
+            let at = emitted.arriving.len();
+            let lines = self.sky.lines(1.0 / rho);
+            let lines = lines.map(|line| (at, line.scaled(factor)));
+            emitted.spectral.arriving.extend(lines);
+        }
+    }
+
+    /// Adds what falls on the points, as it is reflected diffusely, where it is sampled at wavelengths: what falls from all of the sky at one of them
+    /// is not tabulated, so that drawn directions say all of it.
+    fn illuminate_sampled(
+        &self,
+        boosted: &BoostedSky,
+        run: &Run,
+        index: f64,
+        emitted: &mut Emitted,
+        meter: &mut Meter,
+    ) {
+        emitted.arriving.clear();
+        emitted.queries.clear();
+        for k in 0..run.count() {
+            let n = emitted.points.normals.get(k);
+            for dimension in [SKY, OTHER_PAIR] {
+                for draw in 0..PAIR {
+                    let numbers = run.one_random_of(k, dimension, draw, PAIR);
+                    let Some(sample) = boosted.sample(n, numbers) else {
+                        continue;
+                    };
+                    if emitted.points.is_below(k, sample.in_rest) {
+                        continue;
+                    }
+                    let factor = n.dot(sample.in_rest) / (sample.density * DRAWS as f64);
+                    let (d, rho) = (sample.d, sample.rho);
+                    let wavelengths = emitted.spectral.at(k);
+                    let radiance = boosted.mean_radiance(&self.sky, d, rho, wavelengths);
+                    let light = Incident::new(radiance.map(|l| l * factor), 1.0);
+                    self.add_lines(rho, factor, emitted);
+                    emitted.arriving.push((k, light, sample.in_rest));
+                    emitted.queries.push(k, d.unit(), f64::INFINITY);
+                }
+            }
+        }
+        let value = |reflection: &Reflection, l: DVec3| {
+            let (d, rho) = boosted.in_world(l);
+            let sample = SkySample {
+                d,
+                in_rest: l,
+                rho,
+                density: boosted.density(reflection.normal().dot(l), d, rho),
+            };
+            drawn_value(reflection, l, 1.0 - own_part(reflection, boosted, &sample))
+        };
+        reflect_unblocked(value, run, self.shadows, index, emitted, meter);
     }
 
     /// Adds what falls on the points between what is in the way, as it is reflected diffusely.
@@ -160,7 +228,7 @@ impl SkyLight {
                         continue;
                     };
                     let factor = n.dot(sample.in_rest) / (sample.density * DRAWS as f64);
-                    let radiance = boosted.mean_radiance(&self.sky, sample.d, sample.rho);
+                    let radiance = boosted.mean_radiance(&self.sky, sample.d, sample.rho, None);
                     let specular = match emitted.reflections.get(k) {
                         None => 0.0,
                         Some(reflection) => 1.0 - own_part(reflection, boosted, &sample),
@@ -194,11 +262,7 @@ impl SkyLight {
                 let value = match (blocked(i), reflection) {
                     (true, _) => [0.0; 3],
                     (false, None) => [1.0; 3],
-                    (false, Some(reflection)) => {
-                        let diffuse = reflection.diffuse_value(drawn.l);
-                        let specular = reflection.specular_value(drawn.l);
-                        std::array::from_fn(|c| diffuse[c] + drawn.specular * specular[c])
-                    }
+                    (false, Some(reflection)) => drawn_value(reflection, drawn.l, drawn.specular),
                 };
                 let open = open[1 - drawn.pair];
                 for (channel, sum) in sum.iter_mut().enumerate() {
@@ -232,7 +296,6 @@ impl SkyLight {
             // `weight` is value times cosine over density.
             let (d, rho) = boosted.in_world(l);
             let density = reflection.specular_density(l);
-            let radiance = boosted.reflected_radiance(&self.sky, d, rho, density);
             let sample = SkySample {
                 d,
                 in_rest: l,
@@ -240,14 +303,32 @@ impl SkyLight {
                 density: boosted.density(reflection.normal().dot(l), d, rho),
             };
             let part = own_part(reflection, boosted, &sample);
+            let spectral = &mut emitted.spectral;
+            let (sky, wavelengths) = (&self.sky, spectral.at(k));
+            let radiance = boosted.reflected_radiance(sky, d, rho, density, wavelengths);
             let light: [f64; 3] = std::array::from_fn(|c| part * weight[c] * radiance[c]);
+            // Lines by the same direction, which does not depend on colours.
+            let in_rgb = spectral.in_rgb.get(k);
+            let in_rgb = in_rgb.and_then(|of| of.sample_specular(run.random(k, GLOSS)));
+            if let Some((_, weight)) = in_rgb {
+                let lines = self.sky.lines(1.0 / rho);
+                let lines =
+                    lines.map(|line| (drawn.len(), line.reflected(weight.map(|c| part * c))));
+                spectral.arriving.extend(lines);
+            }
             drawn.push((k, light));
             emitted.queries.push(k, d.unit(), f64::INFINITY);
         }
         self.occlude(run, index, emitted, meter);
-        for (at, (k, light)) in drawn.into_iter().enumerate() {
+        for (at, (k, light)) in drawn.iter().enumerate() {
             if !emitted.queries.is_blocked(at) {
-                add(&mut emitted.added, k, |c| light[c]);
+                add(&mut emitted.added, *k, |c| light[c]);
+            }
+        }
+        let (spectral, queries) = (&mut *emitted.spectral, &emitted.queries);
+        for (at, line) in spectral.arriving.drain(..) {
+            if !queries.is_blocked(at) {
+                spectral.leaving.push((drawn[at].0, line));
             }
         }
     }

@@ -8,6 +8,7 @@ use super::emitted::Response;
 use super::point::EmissionClock;
 use super::rest_frame::RestFrame;
 use super::sky_light::SkyLight;
+use super::spectral::SampledSpectra;
 use crate::io::cube::Bricks;
 use crate::light::lamp::Lamp;
 use crate::light::time_texture::{Capture, TimeTexture};
@@ -36,6 +37,8 @@ pub struct TimeResolved {
     pub area_lights: Vec<(u32, usize)>,
     /// The sky, where it lights.
     pub sky: Option<SkyLight>,
+    /// How light that surfaces reflect is sampled at wavelengths; none where it is by red, green and blue.
+    pub spectra: Option<SampledSpectra>,
     /// Refractive index of the medium.
     pub index: f64,
 }

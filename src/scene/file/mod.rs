@@ -21,7 +21,7 @@ use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::at::At;
-use super::model::{BackFaces, CaptureChoice, Equations};
+use super::model::{BackFaces, CaptureChoice, Equations, Spectra};
 use super::values::{Number, Numbers, Vector};
 use crate::spacetime::units::{Percentage, Speed, Time, Wavelength};
 
@@ -176,6 +176,10 @@ pub(in crate::scene) struct Render {
     /// How many more times light is reflected after the first surface that it falls on, 0 to 64: 0 is direct light
     /// alone, 1 has light from one surface to the next, and so on. Default: 0.
     pub bounces: At<u32>,
+    /// What of light surfaces reflect: "rgb" (red, green and blue, as they come to a surface in its rest frame) or "sampled" (the
+    /// spectrum, at three wavelengths of each sample, with noise in colours): for lamps, skies and shining surfaces whose light is no smooth spectrum,
+    /// or coloured, on surfaces that move. Needs quantity = "rgb". Default: "rgb".
+    pub spectra: At<Spectra>,
     /// Which random numbers are drawn, 0 to 4294967295: pictures of different seeds have the same light and independent noise.
     /// Default: 0.
     pub seed: u32,
@@ -188,6 +192,7 @@ impl Default for Render {
     fn default() -> Self {
         Render {
             bounces: At::nowhere(0),
+            spectra: At::nowhere(Spectra::default()),
             seed: 0,
             captures: CaptureChoice::default(),
         }

@@ -28,6 +28,7 @@ mod worldline;
 use super::at::At;
 use super::file;
 use super::inputs::Inputs;
+use super::limits;
 use super::model::Scene;
 use super::report::Report;
 use crate::error::{Error, Result};
@@ -77,6 +78,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         equations: file.model.value,
         effects: settings::effects(&file.effects),
         bounces: settings::bounces(&cx, file)?,
+        spectra: file.render.spectra.value,
         seed: file.render.seed,
         captures: file.render.captures,
         outside: settings::outside(&file.outside),
@@ -106,6 +108,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
     // What only the whole scene can tell.
     refuse_two_backgrounds(&cx, file)?;
     sky::check(&cx, file, &scene)?;
+    cx.checked(&file.render.spectra, limits::spectra(&scene))?;
     equations::check(&cx, file, &scene)?;
     Ok(scene)
 }

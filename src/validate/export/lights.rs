@@ -3,7 +3,7 @@
 use super::bundle::{EmissionEntry, LampEntry};
 use super::describe::{matrix, velocity};
 use crate::mesh::Material;
-use crate::scene::model::{Beam, EmissionProfile, Lamp, Light, LightKind, Scene};
+use crate::scene::model::{Beam, EmissionProfile, Lamp, Light, LightKind, Scene, Spectra};
 use crate::spacetime::Quantity;
 
 /// The lamps of `scene` that move without acceleration.
@@ -114,6 +114,10 @@ pub(super) fn undescribed(scene: &Scene, is_matte: bool) -> Vec<&'static str> {
             "surfaces that are not matte: metals, glossy and emissive ones, glass",
         ),
         (scene.bounces > 0, "light that is reflected more than once"),
+        (
+            scene.spectra == Spectra::Sampled,
+            "spectra of the light that surfaces reflect",
+        ),
     ];
     let found = reasons.into_iter().filter(|(is_so, _)| *is_so);
     found.map(|(_, what)| what).collect()

@@ -1,0 +1,97 @@
+//! Light at wavelengths of each sample's own, in place of red, green and blue: [`Wavelengths`] in the frame of each point of a path, and lines.
+//!
+//! The camera's wavelengths of a sample, derived with their weights in the module on sampled colours, are divided by W at each surface of a path. All that has channels then
+//! is of these: albedos Σ c_j b_j(λ), light that comes with W⁻⁵ L(λ/W), and so all loops stay what they are. At the camera their radiances are
+//! weighed by what the eye sees, with W⁻⁵. What needs no product of spectra is exact as before: what surfaces shine of their own, where the camera sees it, has M(W).
+//!
+//! A line of λ₀ is at none of the wavelengths. From a lamp at w to a surface it has λ₀ w and W⁻⁴ of its energy, is reflected by what the albedo is
+//! there, and so from surface to surface back to the camera, at no wavelength that is drawn: nothing of it is wider than it is, and it has no noise but that
+//! of paths. It costs as many products as there are surfaces before, for each lamp, line and surface.
+
+use super::emitted::Eye;
+use super::run::Run;
+use super::spectral_points::SpectralPoints;
+use crate::colour::{Line, RgbShift, basis_at, wavelengths_of};
+use crate::light::reflection::Reflection;
+
+/// What random numbers at the first surface are for, beside those of [`area_lights`](super::area_lights), [`sky_light`](super::sky_light) and
+/// [`paths`](super::paths).
+const WAVELENGTH: u32 = 7;
+
+/// How light is sampled at wavelengths.
+#[derive(Debug, Clone, Copy)]
+pub struct SampledSpectra {
+    /// What the camera sees.
+    pub eye: Eye,
+    /// How linear RGB of spectra is seen.
+    pub shift: &'static RgbShift,
+    /// Whether any light is in lines.
+    pub has_lines: bool,
+}
+
+impl SampledSpectra {
+    /// Draws the wavelengths of points that the camera sees.
+    pub(super) fn begin(&self, run: &Run, to: &mut SpectralPoints) {
+        run.ratios(run.traced.rays.ratios, &mut to.ratios);
+        to.numbers.clear();
+        to.wavelengths.clear();
+        for (k, w) in to.ratios.iter().enumerate() {
+            let [x, _] = run.one_random_of(k, WAVELENGTH, 0, 1);
+            to.numbers.push(x);
+            let seen = wavelengths_of(x);
+            to.wavelengths.push(seen.map(|l| self.eye.seen_as(l) / w));
+        }
+        to.beside.clear();
+        to.beside.resize(run.count(), [0.0; 3]);
+    }
+
+    /// Takes the wavelengths of points that rays of a path have met, whose W are `ratios`.
+    pub(super) fn go_on(&self, run: &Run, ratios: &[f64], to: &mut SpectralPoints) {
+        to.wavelengths.clear();
+        let before = run.traced.rays.wavelengths;
+        for (ray, w) in run.members.iter().zip(ratios) {
+            to.wavelengths.push(before[*ray as usize].map(|l| l / w));
+        }
+    }
+
+    /// Makes `reflections` of points those at their wavelengths, and keeps them in red, green and blue for lines.
+    pub(super) fn reflect(&self, reflections: &mut [Reflection], points: &mut SpectralPoints) {
+        if self.has_lines {
+            points.in_rgb.extend_from_slice(reflections);
+        }
+        for (reflection, wavelengths) in reflections.iter_mut().zip(&points.wavelengths) {
+            *reflection = reflection.at(&basis_at(*wavelengths));
+        }
+    }
+
+    /// What is sampled of the linear RGB `radiance` of point `k`.
+    pub(super) fn of_rgb(&self, k: usize, radiance: [f64; 3], points: &SpectralPoints) -> [f64; 3] {
+        match points.at(k) {
+            Some(wavelengths) => self.shift.at(1.0, radiance, *wavelengths),
+            None => radiance,
+        }
+    }
+
+    /// Adds the linear RGB `radiance` of point `k` to what the camera sees.
+    pub(super) fn see_rgb(&self, k: usize, radiance: [f64; 3], points: &mut SpectralPoints) {
+        let w = self.eye.ratio(points.ratios[k]);
+        let seen = self.shift.apply(w, radiance).map(|c| c * self.eye.gain());
+        add(&mut points.beside[k], seen);
+    }
+
+    /// Adds the lines that leave points to what the camera sees.
+    pub(super) fn see_lines(&self, points: &mut SpectralPoints) {
+        for (k, line) in points.leaving.drain(..) {
+            let seen = line.received(points.ratios[k]);
+            let wavelength = self.eye.wavelength(seen.wavelength);
+            let colour = Line { wavelength, ..seen }.colour();
+            add(&mut points.beside[k], colour);
+        }
+    }
+}
+
+fn add(sum: &mut [f64; 3], colour: [f64; 3]) {
+    for (sum, c) in sum.iter_mut().zip(colour) {
+        *sum += c;
+    }
+}

@@ -315,7 +315,7 @@ impl Forecast {
             return (text + "  the picture shows no object\n").into();
         }
         let names = self.objects.iter().map(|o| o.name.chars().count());
-        // At least as wide as its head, \"object\"; names that are longer than 32 run over.
+        // At least as wide as its head, "object"; names that are longer than 32 run over.
         let width = names.max().unwrap_or(0).clamp(6, 32);
         text += &format!(
             "  {:<width$}  {:>10}  {:>10}  {:>8}  {:>8}  {:>12}  worst at\n",

@@ -99,7 +99,7 @@ impl<F> Axis<F> {
         let offsets = [-(origin + margin) as f32, -(origin - margin) as f32];
         let straddles = least < 0.0 && greatest > 0.0;
         let descends = !straddles && least < 0.0;
-        // j] The end nearer to 0 is made smaller, the other one larger: (B3).
+        // The end nearer to 0 is made smaller, the other one larger: (B3).
         let [i, j] = if straddles {
             [steep(greatest) * NARROWER, -steep(-least) * NARROWER]
         } else if descends {

@@ -267,8 +267,12 @@ impl Bench {
         let times = match rivals {
             None => Rounds::of(self.size.rounds, &mut [&mut frame]),
             Some(Rivals { peer, bare }) => {
-                let mut bare = || drop(std::hint::black_box(bare()));
-                let mut peer = || drop(std::hint::black_box(peer()));
+                let mut bare = || {
+                    std::hint::black_box(bare());
+                };
+                let mut peer = || {
+                    std::hint::black_box(peer());
+                };
                 let works: &mut [&mut dyn FnMut()] = &mut [&mut frame, &mut bare, &mut peer];
                 Rounds::of(self.size.rounds, works)
             }

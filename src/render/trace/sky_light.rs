@@ -12,10 +12,10 @@
 //! pair that is open for the other: under the open sky there is no noise, in a closed box it is exactly dark, and the mean is right everywhere. Between them
 //! single samples may be below 0.
 //!
-//! Surfaces that shine also directionally draw one direction more for that part, which finds what smooth ones reflect; the N of above find small suns in
-//! what rough ones do. Each counts by the balance heuristic (Veach, "Robust Monte Carlo Methods", 1997, 9.2.2): a direction l that is drawn for the
-//! specular part with the density q(l), and for the sky with p(l), has the weights q/(q + N p) there and N p/(q + N p) here. Where the lobe is narrower than
-//! a texel the first has all of it, as it alone sees the picture. What is in the way is black: light is followed once.
+//! Surfaces that shine also directionally draw one direction more for that part. Where directions of the sky are drawn by its light, the N of above count in
+//! it, too, as they find small suns, which the one for the lobe rarely does: each by the balance heuristic (Veach, "Robust Monte Carlo Methods", 1997,
+//! 9.2.2). A direction that is drawn for the lobe with the density q and for the sky with p has the weight q/(q + N p) there and N p/(q + N p)
+//! here. Where the lobe is narrower than a texel the first has all of it, as it alone sees the picture. What is in the way is black: light is followed once.
 
 use glam::DVec3;
 
@@ -75,6 +75,10 @@ fn open_part(drawn: &[Drawn], pair: usize, blocked: impl Fn(usize) -> bool) -> f
 
 /// The weight of the direction of `sample`, which has the density with which the sky draws it, where it is drawn for the specular part.
 fn own_part(reflection: &Reflection, boosted: &BoostedSky, sample: &SkySample) -> f64 {
+    // A sky without suns is drawn by cosine, which finds less of any lobe than the lobe itself.
+    if !boosted.is_uneven() {
+        return 1.0;
+    }
     let own = reflection.specular_density(sample.in_rest);
     match boosted.shows_picture(sample.d, sample.rho, own) {
         true => 1.0,
@@ -85,6 +89,9 @@ fn own_part(reflection: &Reflection, boosted: &BoostedSky, sample: &SkySample) -
 /// f for light from `l`, which was drawn of the sky, with this part of its gloss.
 fn drawn_value(reflection: &Reflection, l: DVec3, part: f64) -> [f64; 3] {
     let diffuse = reflection.diffuse_value(l);
+    if part == 0.0 {
+        return diffuse;
+    }
     let specular = reflection.specular_value(l);
     std::array::from_fn(|c| diffuse[c] + part * specular[c])
 }

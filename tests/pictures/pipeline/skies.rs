@@ -587,7 +587,7 @@ samples_per_pixel = 16
         let square = roughness.powi(4);
         let facing = view.y;
         let smith = |from: f64, to: f64| to * (square + (1.0 - square) * from * from).sqrt();
-        let boost = lorentz::boost(DVec3::new(beta, 0.0, 0.0));
+        let boost = lorentz::boost(lorentz::rapidity(DVec3::new(-beta, 0.0, 0.0)));
         let mut expected = 0.0;
         for k in 0..512 * 256 {
             let longitude = 2.0 * PI * ((f64::from(k % 512) + 0.5) / 512.0 - 0.5);

@@ -10,10 +10,10 @@ const PART: f64 = 0.9;
 /// A normal for light that a surface reflects by how it is seen: `normal`, unless that would mirror the view into the surface, whose own
 /// normal is `geometric`, or look away from the view.
 ///
-/// Then the mirrored direction r is lifted along n_g until n_g·r is the least that is allowed, and the normal is that between this and the
-/// view v, so that n·v > 0 and n·n_g > 0. The least is that of Cycles' `ensure_valid_specular_reflection`; the rule is that of Keller, Wächter, Raab, Seibert, van
-/// Antwerpen, Korndörfer, Kettner, "The Iray light transport simulation and rendering system", 2017 (arXiv 1705.01263), A.3, which lifts r along
-/// n, and by that fails where n and n_g are nearly at right angles.
+/// Then the mirrored direction r is lifted along n_g until n_g·r is the least that is allowed, and the normal is that between this and
+/// the view v, so that n·v > 0 and n·n_g > 0. The least is that of Cycles' `ensure_valid_specular_reflection`; the rule is that of
+/// Keller and others, "The Iray Light Transport Simulation and Rendering System", 2017 (arXiv 1705.01263), A.3, but for the direction in
+/// which r is lifted, for which n_g serves where n is nearly at right angles to it, too.
 pub(crate) fn bent(normal: DVec3, geometric: DVec3, view: DVec3) -> DVec3 {
     let mirrored = normal * (2.0 * normal.dot(view)) - view;
     let least = LEAST.min(PART * geometric.dot(view));

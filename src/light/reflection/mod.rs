@@ -37,11 +37,11 @@
 //!
 //! # Normals of vertices
 //!
-//! Where a normal between those of the corners of a triangle stands for that of the triangle, n_g, it is n, turned to the side of n_g that the
-//! observer is on. With χ = 1 where n·l and n_g·l have one sign and otherwise 0, the surface has χ f in place of f: light from below it gives
-//! nothing, and the light that it reflects is no more than that of a surface with the normal n (Veach, "Robust Monte Carlo Methods for Light Transport
-//! Simulation", 1997, § 5.3, which tells too that this f is not reciprocal; light is followed from the observer). Diffuse surfaces do not depend
-//! on v, and n is as it is; of others it is `bent`.
+//! Where a normal between those of the corners of a triangle stands for that of the triangle, n_g, it is n, turned to the side of n_g that
+//! the observer is on. With χ = 1 where n·l and n_g·l have one sign and otherwise 0, the surface has χ f in place of f: light from below it
+//! gives nothing, and it reflects no more than a surface of the normal n does. Such an f is not reciprocal (Veach, "Robust Monte Carlo
+//! Methods for Light Transport Simulation", 1997, § 5.3); light is followed from the observer. Diffuse surfaces do not depend on v, and n
+//! is as it is; of others it is `bent`.
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 

@@ -82,10 +82,15 @@ impl Finish {
     }
 
     /// The normal by which it reflects at a hit towards `view`, on the side of `geometric`, the triangle's own.
-    pub(super) fn normal(&self, place: Place, geometric: DVec3, view: DVec3) -> DVec3 {
+    pub(super) fn normal(
+        &self,
+        place: Place,
+        geometric: DVec3,
+        view: impl FnOnce() -> DVec3,
+    ) -> DVec3 {
         let normal = self.diffuse_normal(place, geometric);
         match self.is_smooth && self.gloss.is_some() {
-            true => bent(normal, geometric, view),
+            true => bent(normal, geometric, view()),
             false => normal,
         }
     }
@@ -235,7 +240,7 @@ impl BaseColours {
         (geometric, view): (DVec3, DVec3),
         near: f64,
     ) -> Reflection {
-        let normal = finish.normal(place, geometric, view);
+        let normal = finish.normal(place, geometric, || view);
         let reflection = self.reflection_by(finish, place, (normal, view), near);
         match finish.is_smooth {
             true => reflection.on(geometric),

@@ -502,12 +502,14 @@ fn project(
 /// Puts normals of vertices in the place of those of triangles, at the points of `run`, which were taken over.
 fn smooth(finish: &Finish, run: &Run, emitted: &mut Emitted) {
     let Emitted { points, views, .. } = emitted;
-    points.views(views);
+    if finish.gloss.is_some() {
+        points.views(views);
+    }
     points.keep_geometric();
     for k in 0..run.count() {
         if let Some(hit) = run.hit(k) {
             let place = (run.rest, run.patch, &hit);
-            let normal = finish.normal(place, points.geometric(k), views.get(k));
+            let normal = finish.normal(place, points.geometric(k), || views.get(k));
             points.normals.set(k, normal);
         }
     }

@@ -153,28 +153,29 @@ fn surfaces_that_are_smooth_by_their_vertices_are_shaded_as_by_the_ray_tracer() 
     mesh.normals = normals.collect();
     let lights = "[[light]]\ntype = \"directional\"\ndirection = [0.6, -0.8, 0]\nirradiance = 3\n\
                   [[light]]\nposition = [1, 2, 3]\nintensity = 5\n";
-    for (beta, method, tolerance) in [
-        (0.0, "raster:none", 1e-10),
-        (0.6, "raster:adaptive=0.5", 0.02),
+    // Where it is at first, to be seen at the left of the crate.
+    for (beta, x, method, tolerance) in [
+        (0.0, -1.2, "raster:none", 1e-10),
+        (0.6, 1.0, "raster:adaptive=0.05", 0.01),
     ] {
         let scene = Builder::from_toml("smooth", &(camera("") + BODIES + lights))
             .mesh("ball", Arc::new(mesh.clone()))
-            .set("object.ball.transform.translate", [-1.2, 0.8, 0.0])
+            .set("object.ball.transform.translate", [x, 0.8, 0.0])
             .set("object.ball.velocity.beta", [beta, 0.0, 0.0])
             .build()
             .unwrap();
         let stage = centred(&scene);
         let (traced, drawn) = (film(&stage, "trace"), film(&stage, method));
         let (left, right) = (identities(&traced), identities(&drawn));
-        let mut compared = 0;
+        let (mut compared, mut apart) = (0, 0);
         for i in (0..left.len()).filter(|i| left[*i] == right[*i] && left[*i].0 == 2) {
             let [x, y] = [&traced, &drawn].map(|film| film.radiance()[i][0]);
-            assert!(
-                (x - y).abs() <= tolerance * (0.05 + x),
-                "{beta} {i}: {x} {y}"
-            );
+            apart += usize::from((x - y).abs() > tolerance * (0.05 + x));
             compared += 1;
         }
+        // In motion, edges of shadows may be between the two places.
+        let most = if beta == 0.0 { 0 } else { compared / 50 };
+        assert!(apart <= most, "{beta}: {apart} of {compared}");
         assert!(compared > 300, "{compared}");
     }
 }

@@ -8,14 +8,15 @@
 //! λ_k = Λ((x + k)/3),   k = 0, 1, 2,      ∫ L′(λ) m(λ) dλ = mean of Σ_k ⅓ Λ′((x + k)/3) L′(λ_k) m(λ_k),
 //! ```
 //!
-//! Λ being the inverse of a distribution of wavelengths from 360 to 830 nm: n numbers x, one in each n-th part of [0, 1), make 3n wavelengths, one in each
-//! 3n-th part of the distribution. Its density is as 1/cosh²(0.0072 (λ − 538)), λ in nm, which is near to what the eye sees (Radziszewski, Boryczko, Alda, "An improved
-//! technique for full spectral rendering", WSCG 2009), in steps of equal probability between which Λ is linear, so that Λ′ is exact.
+//! Λ being the inverse of a distribution of wavelengths from 360 to 830 nm: n numbers x, one in each n-th part of [0, 1), make 3n
+//! wavelengths, one in each 3n-th part of the distribution. Its density is as 1/cosh²(0.0072 (λ − 538)), λ in nm, which is near to what the
+//! eye sees (Radziszewski, Boryczko, Alda, "An improved technique for full spectral rendering", Journal of WSCG 17, 2009), in steps of equal
+//! probability between which Λ is linear, so that Λ′ is exact.
 //!
-//! In the rest frame of what the ray meets at W these are λ_k/W, and so on along a path: each frame has its own, and W⁻⁵ of (2) of the
-//! module on paths goes with each step. There a linear RGB reflectance is Σ c_j b_j(λ) with the weights of [`rgb_basis`](super::rgb_basis), which stay what they are
-//! beyond 360 and 830 nm, and linear RGB light is the white times that, which goes on as its continuation says. White light at rest is so reflected as colours
-//! are: ∫ white Σ c_j b_j m dλ = c.
+//! In the rest frame of what the ray meets at W these are λ_k/W, and so on along a path: each frame has its own, and W⁻⁵ goes with each
+//! step (derived in the module on paths). There a linear RGB reflectance is Σ c_j b_j(λ) with the weights of [`rgb_basis`](super::rgb_basis),
+//! which stay what they are beyond 360 and 830 nm, and linear RGB light is the white times that, which goes on as its continuation says.
+//! White light at rest is so reflected as colours are: ∫ white Σ c_j b_j m dλ = c.
 //!
 //! Lines are at no wavelength that is drawn: each is followed from where it shines with its own, as a [`Line`].
 

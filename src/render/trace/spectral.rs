@@ -1,12 +1,14 @@
 //! Light at wavelengths of each sample's own, in place of red, green and blue: [`Wavelengths`] in the frame of each point of a path, and lines.
 //!
-//! The camera's wavelengths of a sample, derived with their weights in the module on sampled colours, are divided by W at each surface of a path. All that has channels then
-//! is of these: albedos Σ c_j b_j(λ), light that comes with W⁻⁵ L(λ/W), and so all loops stay what they are. At the camera their radiances are
-//! weighed by what the eye sees, with W⁻⁵. What needs no product of spectra is exact as before: what surfaces shine of their own, where the camera sees it, has M(W).
+//! The camera's wavelengths of a sample (derived, with their weights, in `colour/sampled.rs`) are divided by W at each surface of a path. All
+//! that has channels then is of these: albedos Σ c_j b_j(λ), light that comes with W⁻⁵ L(λ/W), and so all loops stay what they are. At the
+//! camera their radiances are weighed by what the eye sees, with W⁻⁵. What needs no product of spectra is exact as before: what surfaces shine
+//! of their own, where the camera sees it, has M(W).
 //!
-//! A line of λ₀ is at none of the wavelengths. From a lamp at w to a surface it has λ₀ w and W⁻⁴ of its energy, is reflected by what the albedo is
-//! there, and so from surface to surface back to the camera, at no wavelength that is drawn: nothing of it is wider than it is, and it has no noise but that
-//! of paths. It costs as many products as there are surfaces before, for each lamp, line and surface.
+//! A line of λ₀ is at none of the wavelengths. From a lamp at w to a surface it has λ₀ w and w⁻⁴ of its radiance, is reflected by what the
+//! albedo is there, and so from surface to surface back to the camera: it is no wider than it is, and has no noise but that of paths. That
+//! costs as many products as there are surfaces before, for each lamp, line and surface. Along paths f is taken as linear in the base colour, which it
+//! is but for F (1 − m) c of metalness m between 0 and 1.
 
 use super::emitted::Eye;
 use super::run::Run;

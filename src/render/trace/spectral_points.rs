@@ -61,10 +61,13 @@ impl SpectralPoints {
         colours: &Columns,
         value: impl Fn(&Reflection) -> [f64; 3],
     ) {
-        let value = match self.in_rgb.get(k) {
-            Some(reflection) => value(reflection),
-            None => (colours.get(k) * FRAC_1_PI).to_array(),
+        let leaving = match self.in_rgb.get(k) {
+            Some(reflection) => {
+                let there = reflection.at(&basis_at([line.wavelength; 3]));
+                line.scaled(value(&there)[0])
+            }
+            None => line.reflected((colours.get(k) * FRAC_1_PI).to_array()),
         };
-        self.leaving.push((k, line.reflected(value)));
+        self.leaving.push((k, leaving));
     }
 }

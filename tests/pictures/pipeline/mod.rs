@@ -19,6 +19,7 @@ mod outlines;
 mod passes;
 mod pulse;
 mod refusals;
+mod sampled;
 mod shared_paths;
 mod skies;
 mod skipping;

@@ -136,13 +136,28 @@ fn spectra_that_surfaces_in_motion_do_not_reflect_are_named() {
             &format!("{line}[effects]\ndoppler = false\n"),
             None,
         ),
+        (
+            -0.5,
+            "",
+            &format!("{line}[render]\nspectra = \"sampled\"\n"),
+            None,
+        ),
     ] {
         for said in planned_and_rendered(&folder, &floor(beta, object, light)) {
             let found = said.contains("as red, green and blue, and not as its spectrum");
             assert_eq!(found, name.is_some(), "{beta} {object} {light}: {said}");
+            let remedy = "spectra = \"sampled\" in [render]";
+            assert_eq!(said.contains(remedy), found, "{said}");
             assert!(said.contains(name.unwrap_or_default()), "{said}");
         }
     }
+    // Where nothing is reflected there is nothing to sample.
+    let unlit = floor(-0.5, "", &format!("{rgb}[render]\nspectra = \"sampled\"\n"));
+    let [planned, _] = planned_and_rendered(&folder, &unlit);
+    assert!(
+        planned.contains("`render.spectra` has no effect"),
+        "{planned}"
+    );
 }
 
 #[test]

@@ -57,6 +57,9 @@
 //!
 //! In one rest frame whose light is always the same, neighbouring diffuse points share what paths find beyond them: [`sharing`](super::sharing).
 //!
+//! Where light is sampled at wavelengths, each ray has those of its path in the frame that it leaves, and lines are carried back along it:
+//! [`spectral`](super::spectral).
+//!
 //! # Glass
 //!
 //! In a body of index n, light has the tangent (−n, d) of its rest frame F in place of (−1, d), which is carried on through all frames as any

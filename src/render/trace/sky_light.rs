@@ -12,6 +12,8 @@
 //! pair that is open for the other: under the open sky there is no noise, in a closed box it is exactly dark, and the mean is right everywhere. Between them
 //! single samples may be below 0.
 //!
+//! Where light is sampled at wavelengths ([`spectral`](super::spectral)) E is known of none of them, and c is 0.
+//!
 //! Surfaces that shine also directionally draw one direction more for that part. Where directions of the sky are drawn by its light, the N of above count in
 //! it, too, as they find small suns, which the one for the lobe rarely does: each by the balance heuristic (Veach, "Robust Monte Carlo Methods", 1997,
 //! 9.2.2). A direction that is drawn for the lobe with the density q and for the sky with p has the weight q/(q + N p) there and N p/(q + N p)

@@ -519,7 +519,7 @@ fn lines_are_narrow_spectra_along_all_paths() {
     for (object, tolerance) in [(0, 0.015), (1, 0.025), (2, 0.06), (3, 0.05)] {
         let is_of = |i: &usize| stage::value(&line, Aov::Object, *i) == f64::from(object);
         let pixels: Vec<usize> = stage::met(&line).into_iter().filter(is_of).collect();
-        assert!(pixels.len() >= 3, "{object}");
+        assert!(!pixels.is_empty(), "{object}");
         let [a, b] = [&line, &gaussian].map(|film| mean(film, &pixels));
         assert_close(b, a, tolerance, &format!("object {object}"));
     }

@@ -2,8 +2,8 @@
 //!
 //! *Framing.* The camera looks from a fixed side at the middle C of the model's bounding box. A model at rest is seen from an event as at any
 //! time, so that a vertex in the look direction l is seen by a moving camera in the aberrated direction l′ = Λ l
-//! ([`Boost::direction`]), wherever its shadow would fall for a camera at rest. Of all vertices those count that are farthest
-//! from C in their direction (an outline of a few thousand). The forward axis goes through the middle of what the outline covers of
+//! ([`Boost::direction`]), wherever its shadow would fall for a camera at rest. Straight edges are seen bent, so that points of long ones count, too; of all points those
+//! that are farthest from C in their direction (an outline of a few thousand). The forward axis goes through the middle of what the outline covers of
 //! the film; a few steps find it, as every turn changes what the middle is. The distance is such that the outline fills the picture, by bisection: it
 //! covers the more the nearer the camera is. From a camera that flies towards the model so fast that it had to be inside of the sphere about the
 //! model, the picture is made narrower instead.
@@ -84,6 +84,8 @@ const TURNS: usize = 8;
 const SIDEWAYS: f64 = 0.02;
 /// Cells of the outline, from the middle along an axis: directions to 1/12, or 5°, in which a sphere is 4·10⁻³ flatter.
 const CELLS: usize = 12;
+/// Points of the outline on long edges, per radius: straight edges are seen bent, and 1/8 of a radius of a circle is 2·10⁻³ of it off its chord.
+const PARTS: f64 = 8.0;
 /// θ₀ of the fly-by, degrees: a little beyond the edges of the picture.
 const FLYBY_EDGE: f64 = 40.0;
 /// Distance of the fly-by, in radii.
@@ -188,7 +190,7 @@ struct Ball {
 #[derive(Debug, Clone, PartialEq)]
 struct Subject {
     ball: Ball,
-    /// Vertices that are farthest from the middle of the ball, each in its cell of directions.
+    /// Points of edges that are farthest from the middle of the ball, each in its cell of directions.
     outline: Vec<DVec3>,
 }
 
@@ -238,8 +240,9 @@ impl Subject {
     fn within(ball: Ball, mesh: &Mesh, count: impl Fn(&[DVec3; 3]) -> bool) -> Subject {
         const SIDE: usize = 2 * CELLS + 1;
         let mut farthest = vec![(0.0, DVec3::ZERO); SIDE * SIDE * SIDE];
-        for corner in counted(mesh, count).flatten() {
-            let from_middle = corner - ball.centre;
+        let step = ball.radius / PARTS;
+        for point in counted(mesh, count).flat_map(|corners| along_edges(corners, step)) {
+            let from_middle = point - ball.centre;
             let distance = from_middle.length();
             if distance == 0.0 {
                 continue;
@@ -249,15 +252,26 @@ impl Subject {
             let [x, y, z] = from_middle.to_array().map(cell);
             let slot = &mut farthest[(x * SIDE + y) * SIDE + z];
             if distance > slot.0 {
-                *slot = (distance, corner);
+                *slot = (distance, point);
             }
         }
         let outline = farthest.into_iter().filter(|(distance, _)| *distance > 0.0);
         Subject {
             ball,
-            outline: outline.map(|(_, corner)| corner).collect(),
+            outline: outline.map(|(_, point)| point).collect(),
         }
     }
+}
+
+/// Points of a triangle's edges, its corners among them, that are about `step` apart or nearer.
+fn along_edges([a, b, c]: [DVec3; 3], step: f64) -> impl Iterator<Item = DVec3> {
+    [(a, b), (b, c), (c, a)]
+        .into_iter()
+        .flat_map(move |(p, q)| {
+            // No edge is longer than the diameter.
+            let count = (p.distance(q) / step).clamp(1.0, 2.0 * PARTS).ceil();
+            (0..count as u32).map(move |k| p.lerp(q, f64::from(k) / count))
+        })
 }
 
 /// The corners of the triangles that `count`, and have corners apart.

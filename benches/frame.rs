@@ -285,8 +285,10 @@ impl Bench {
         let rate = rays as f64 / best / 1e6;
         // Rays per time of the frame over those of the other.
         let rate_of = |other: usize| {
-            let rate = (width * height) as f64 / times.best(other) / 1e6;
-            rivals.map(|_| (rate, times.ratio(other, 0)))
+            rivals.map(|_| {
+                let rate = (width * height) as f64 / times.best(other) / 1e6;
+                (rate, times.ratio(other, 0))
+            })
         };
         let (bare, peer) = (rate_of(1), rate_of(2));
         print!("{case:<46} {rate:6.2} Mrays/s");

@@ -170,7 +170,7 @@ impl SkyLight {
         }
     }
 
-    /// Adds what falls on the points, as it is reflected diffusely, where it is sampled at wavelengths: what falls from all of the sky at one of them
+    /// Adds what falls on the points, as it is reflected diffusely and by the part of gloss that these directions have, where it is sampled at wavelengths: what falls from all of the sky at one of them
     /// is not tabulated, so that drawn directions say all of it.
     fn illuminate_sampled(
         &self,
@@ -217,7 +217,7 @@ impl SkyLight {
         reflect_unblocked(value, run, self.shadows, index, emitted, meter);
     }
 
-    /// Adds what falls on the points between what is in the way, as it is reflected diffusely.
+    /// Adds what falls on the points between what is in the way, as it is reflected diffusely and by the part of gloss that these directions have.
     fn illuminate_open(
         &self,
         boosted: &BoostedSky,

@@ -1,21 +1,19 @@
-//! From triangles to a tree over f32 boxes: clustered, optimised by obvhs, and its nodes laid out anew.
+//! From triangles to a tree over f32 boxes: clustered, bettered by moves of nodes, and its nodes laid out anew.
 
 use glam::DVec3;
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::node::Bvh2Node;
-use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use rayon::prelude::*;
 use robust::{Coord, orient2d};
 use serde::Serialize;
 
+use super::boxes::{Aabb, BoxNode, BoxTree};
 use super::bvh::{Bvh, Tree};
 use super::cluster::cluster;
 use super::islands::{Bounds, Island, islands};
 use super::layout::{LAST, Layout};
-use super::node::Tag;
+use super::node::{NodeRef, Tag};
 use super::pages::{PageSize, Pages};
 use super::rays::Facing;
+use super::reinsert::reinsert;
 use super::tree_space::TreeSpace;
 use super::wide::{BinaryTree, WideTree};
 
@@ -218,12 +216,12 @@ fn has_area(corners: &[DVec3; 3]) -> bool {
     projected(0, 1) != 0.0 || projected(1, 2) != 0.0 || projected(2, 0) != 0.0
 }
 
-fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], space: &TreeSpace, preset: Preset) -> Bvh2 {
-    let leaf = |(index, &id): (usize, &u32)| {
-        let (lo, hi) = space.bounds(&triangles[id as usize]);
-        Bvh2Node::new(Aabb::new(lo.into(), hi.into()), 1, index as u32)
-    };
-    let leaves: Vec<Bvh2Node> = ids.par_iter().enumerate().map(leaf).collect();
+fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], space: &TreeSpace, preset: Preset) -> BoxTree {
+    let leaves: Vec<BoxNode> = ids
+        .par_iter()
+        .enumerate()
+        .map(|(index, &id)| leaf(space, &triangles[id as usize], index))
+        .collect();
     let Effort {
         radius,
         narrow,
@@ -232,38 +230,42 @@ fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], space: &TreeSpace, preset: 
     } = preset.effort();
     // Reinsertion searches most of a tree whose boxes are much the same, for each of its nodes, and gains nothing there.
     let mut tree = cluster(leaves, radius, narrow);
-    let reinserted = match is_searchable(&mut tree, ids.len()) {
-        true => reinserted,
-        false => 0.0,
-    };
-    ReinsertionOptimizer::default().run(&mut tree, reinserted, None);
+    let parents = tree.parents();
+    if is_searchable(&tree, &parents, ids.len()) {
+        reinsert(&mut tree, parents, reinserted);
+    }
     tree
 }
 
+/// The leaf of a triangle with these corners, which is number `index`.
+fn leaf(space: &TreeSpace, corners: &[DVec3; 3], index: usize) -> BoxNode {
+    let (lo, hi) = space.bounds(corners);
+    let (lo, hi) = (lo.into(), hi.into());
+    BoxNode::new(Aabb { lo, hi }, NodeRef::leaf(index))
+}
+
 /// Whether better places are looked for.
-fn is_searchable(tree: &mut Bvh2, triangles: usize) -> bool {
+fn is_searchable(tree: &BoxTree, parents: &[u32], triangles: usize) -> bool {
     triangles <= FEW
         || nodes_met(tree) * OVERLAPPING <= triangles as f64
-            && nested(tree).pow(2) <= MOST_PAIRS * triangles
+            && nested(tree, parents).pow(2) <= MOST_PAIRS * triangles
 }
 
 /// How many nodes a random line meets that meets the root: the sum of their areas over the root's.
-fn nodes_met(tree: &Bvh2) -> f64 {
-    let area = |node: &Bvh2Node| f64::from(node.aabb().half_area());
+fn nodes_met(tree: &BoxTree) -> f64 {
+    let area = |node: &BoxNode| f64::from(node.aabb().half_area());
     let all: f64 = tree.nodes.iter().map(area).sum();
     all / tree.nodes.first().map_or(1.0, area)
 }
 
 /// How many nodes have boxes that are [`MUCH_THE_SAME`].
-fn nested(tree: &mut Bvh2) -> usize {
-    tree.init_parents_if_uninit();
+fn nested(tree: &BoxTree, parents: &[u32]) -> usize {
     let area = |node: usize| tree.nodes[node].aabb().half_area();
     let is_like_children = |node: usize| {
-        let first = tree.nodes[node].first_index as usize;
-        !tree.nodes[node].is_leaf()
-            && area(first).min(area(first + 1)) >= MUCH_THE_SAME * area(node)
+        (tree.nodes[node].children())
+            .is_some_and(|[a, b]| area(a).min(area(b)) >= MUCH_THE_SAME * area(node))
     };
-    let parent = |node: usize| tree.parents[node] as usize;
+    let parent = |node: usize| parents[node] as usize;
     let is_nested = |&node: &usize| {
         is_like_children(node)
             && is_like_children(parent(node))
@@ -282,12 +284,10 @@ mod tests {
         let ids: Vec<u32> = (0..count as u32).collect();
         let Bounds { lo, hi } = Bounds::of_all(&triangles, &ids).unwrap();
         let space = TreeSpace::new(lo, hi);
-        let leaf = |(index, corners): (usize, &[DVec3; 3])| {
-            let (lo, hi) = space.bounds(corners);
-            Bvh2Node::new(Aabb::new(lo.into(), hi.into()), 1, index as u32)
-        };
+        let leaf = |(index, corners): (usize, &[DVec3; 3])| leaf(&space, corners, index);
         let leaves = triangles.iter().enumerate().map(leaf).collect();
-        is_searchable(&mut cluster(leaves, 14, 3), count)
+        let tree = cluster(leaves, 14, 3);
+        is_searchable(&tree, &tree.parents(), count)
     }
 
     #[test]

@@ -12,10 +12,10 @@
 //! log(n)/−log(1 − 1/SLOWEST) + [`FEW`] levels deep before it is optimised.
 
 use glam::{DVec3, Vec3A};
-use obvhs::bvh2::node::Bvh2Node;
-use obvhs::bvh2::{Bvh2, DEFAULT_MAX_STACK_DEPTH};
-use obvhs::ploc::morton::morton_encode_u64_unorm;
 use rayon::prelude::*;
+
+use super::boxes::{Aabb, BoxNode, BoxTree};
+use super::node::NodeRef;
 
 /// A pass has to merge one cluster in so many. Of meshes it merges one in three or four.
 const SLOWEST: usize = 20;
@@ -28,13 +28,12 @@ const MANY: usize = 2 * CHUNK;
 
 /// The tree over `leaves`, at least one and none with NaN, of one box each, whose index is theirs. Clusters look for each
 /// other `radius` (of 2, 14 or 32) places away, in the first `narrow` passes only 1.
-pub(super) fn cluster(leaves: Vec<Bvh2Node>, radius: usize, narrow: usize) -> Bvh2 {
-    let count = leaves.len();
+pub(super) fn cluster(leaves: Vec<BoxNode>, radius: usize, narrow: usize) -> BoxTree {
     let mut clusters = sorted(&leaves);
     let mut next = leaves;
     let mut partners = vec![0i8; clusters.len()];
     // Pairs fill the list from its end, so that children come after their parents and the first place is left for the root.
-    let mut nodes = vec![Bvh2Node::default(); 2 * clusters.len() - 1];
+    let mut nodes = vec![BoxNode::EMPTY; 2 * clusters.len() - 1];
     let mut free = nodes.len();
     let mut passes = 0;
     while clusters.len() > 1 {
@@ -58,23 +57,19 @@ pub(super) fn cluster(leaves: Vec<Bvh2Node>, radius: usize, narrow: usize) -> Bv
         passes += 1;
     }
     nodes[0] = clusters[0];
-    Bvh2 {
+    BoxTree {
         nodes,
-        primitive_indices: (0..count as u32).collect(),
-        children_are_ordered_after_parents: true,
-        // A pass adds one level at most.
-        max_depth: DEFAULT_MAX_STACK_DEPTH.max(passes + 1),
-        ..Bvh2::default()
+        parents_first: true,
     }
 }
 
 /// Partners that agree go into the tree, from the end of `free` on, and one node above the two follows in `next`; all others
 /// follow as they are. Returns how many pairs there were.
 fn merge(
-    clusters: &[Bvh2Node],
+    clusters: &[BoxNode],
     partners: &[i8],
-    next: &mut [Bvh2Node],
-    free: &mut [Bvh2Node],
+    next: &mut [BoxNode],
+    free: &mut [BoxNode],
 ) -> usize {
     let range = |chunk: usize| chunk * CHUNK..((chunk + 1) * CHUNK).min(clusters.len());
     let partner = |index: usize| index.wrapping_add_signed(partners[index].into());
@@ -106,7 +101,7 @@ fn merge(
         (next, free) = (more, less);
     }
     let fill =
-        |(chunk, followers, pairs, begin): (usize, &mut [Bvh2Node], &mut [Bvh2Node], usize)| {
+        |(chunk, followers, pairs, begin): (usize, &mut [BoxNode], &mut [BoxNode], usize)| {
             let (mut at, mut end) = (0, pairs.len());
             for index in range(chunk) {
                 let partner = partner(index);
@@ -122,7 +117,7 @@ fn merge(
                     pairs[end + 1] = clusters[partner];
                     let both = clusters[index].aabb().union(clusters[partner].aabb());
                     // Indices count in the whole tree, of which `begin` nodes lie before this chunk's.
-                    followers[at] = Bvh2Node::new(both, 0, (begin + end) as u32);
+                    followers[at] = BoxNode::new(both, NodeRef::inner(begin + end));
                 }
                 at += 1;
             }
@@ -135,17 +130,18 @@ fn merge(
 }
 
 /// `leaves` in the order of the centres along the Morton curve; those with one code by index.
-fn sorted(leaves: &[Bvh2Node]) -> Vec<Bvh2Node> {
+fn sorted(leaves: &[BoxNode]) -> Vec<BoxNode> {
     let (lo, hi) = (leaves.iter())
         .fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(lo, hi), leaf| {
-            (lo.min(leaf.aabb().min), hi.max(leaf.aabb().max))
+            (lo.min(leaf.aabb().lo), hi.max(leaf.aabb().hi))
         });
     // An axis without extent gets a finite scale, by which all its centres are 0.
     let scale = 1.0 / (hi - lo).as_dvec3().max(DVec3::splat(f64::MIN_POSITIVE));
-    let code = |(index, leaf): (usize, &Bvh2Node)| {
-        let centre = (leaf.aabb().center() - lo).as_dvec3() * scale;
+    let code = |(index, leaf): (usize, &BoxNode)| {
+        let Aabb { lo: from, hi: to } = leaf.aabb();
+        let centre = ((from + to) * 0.5 - lo).as_dvec3() * scale;
         // Boxes with one code go by their index, so that the order does not depend on the sort.
-        (morton_encode_u64_unorm(centre), index as u32)
+        (morton_code(centre), index as u32)
     };
     let mut order: Vec<(u64, u32)>;
     if leaves.len() < MANY {
@@ -159,8 +155,27 @@ fn sorted(leaves: &[Bvh2Node]) -> Vec<Bvh2Node> {
     order.par_iter().with_min_len(CHUNK).map(leaf).collect()
 }
 
+/// The place along the Morton curve of a point with coordinates from 0 to 1: the bits of x, y and z in turn, 21 of each.
+fn morton_code(point: DVec3) -> u64 {
+    // Two zeros after each bit, by halves of halves (the "Part1By2" of J. Baert and F. Giesen, "Decoding Morton codes", 2009).
+    let spread = |x: f64| {
+        let mut bits = ((x * (1 << 21) as f64) as u64).min((1 << 21) - 1);
+        for (shift, kept) in [
+            (32, 0x001f_0000_0000_ffff),
+            (16, 0x001f_0000_ff00_00ff),
+            (8, 0x100f_00f0_0f00_f00f),
+            (4, 0x10c3_0c30_c30c_30c3),
+            (2, 0x1249_2492_4924_9249),
+        ] {
+            bits = (bits | bits << shift) & kept;
+        }
+        bits
+    };
+    spread(point.x) | spread(point.y) << 1 | spread(point.z) << 2
+}
+
 /// For each cluster, how many places away its best partner is; of equals the last.
-fn find_partners<const RADIUS: usize>(clusters: &[Bvh2Node], partners: &mut [i8]) {
+fn find_partners<const RADIUS: usize>(clusters: &[BoxNode], partners: &mut [i8]) {
     if clusters.len() < MANY {
         return find_partners_from::<RADIUS>(clusters, 0, partners);
     }
@@ -172,7 +187,7 @@ fn find_partners<const RADIUS: usize>(clusters: &[Bvh2Node], partners: &mut [i8]
 
 /// [`find_partners`] for the clusters from `first` on, of which there are as many as `partners`.
 fn find_partners_from<const RADIUS: usize>(
-    clusters: &[Bvh2Node],
+    clusters: &[BoxNode],
     first: usize,
     partners: &mut [i8],
 ) {
@@ -233,33 +248,34 @@ fn pair_neighbours(partners: &mut [i8]) {
 
 #[cfg(test)]
 mod tests {
-    use obvhs::aabb::Aabb;
-
     use super::*;
 
     /// Levels of a tree, and how many leaves it has.
-    fn levels(tree: &Bvh2) -> (usize, usize) {
+    fn levels(tree: &BoxTree) -> (usize, usize) {
         let (mut deepest, mut leaves) = (0, 0);
         let mut pending = vec![(0, 1)];
         while let Some((index, level)) = pending.pop() {
             deepest = deepest.max(level);
             let node = &tree.nodes[index];
-            match node.is_leaf() {
-                true => leaves += 1,
-                false => pending.extend([0, 1].map(|k| (node.first_index as usize + k, level + 1))),
+            match node.children() {
+                None => leaves += 1,
+                Some(pair) => pending.extend(pair.map(|child| (child, level + 1))),
             }
         }
         (deepest, leaves)
     }
 
     /// A leaf for each box.
-    fn leaves(boxes: &[Aabb]) -> Vec<Bvh2Node> {
-        let leaf = |(index, b): (usize, &Aabb)| Bvh2Node::new(*b, 1, index as u32);
+    fn leaves(boxes: &[Aabb]) -> Vec<BoxNode> {
+        let leaf = |(index, b): (usize, &Aabb)| BoxNode::new(*b, NodeRef::leaf(index));
         boxes.iter().enumerate().map(leaf).collect()
     }
 
     fn around(centre: Vec3A, half: f32) -> Aabb {
-        Aabb::new(centre - half, centre + half)
+        Aabb {
+            lo: centre - half,
+            hi: centre + half,
+        }
     }
 
     #[test]
@@ -271,8 +287,9 @@ mod tests {
         let families: [(&str, Make); 4] = [
             ("coincident", |_| around(Vec3A::splat(0.5), 0.25)),
             ("concentric", |x| around(Vec3A::splat(0.5), 0.5 * x)),
-            ("from one corner", |x| {
-                Aabb::new(Vec3A::ZERO, Vec3A::new(x, x, 0.01))
+            ("from one corner", |x| Aabb {
+                lo: Vec3A::ZERO,
+                hi: Vec3A::new(x, x, 0.01),
             }),
             ("collinear", |x| around(Vec3A::new(x, 0.0, 0.0), 0.0)),
         ];
@@ -316,30 +333,7 @@ mod tests {
         // In one chunk, in some, and with a last one that is not full.
         for count in [100, MANY, 3 * CHUNK + 5, 40_000] {
             let boxes = scattered(count);
-            let tree = cluster(leaves(&boxes), 14, 3);
-            let mut seen = vec![0; count];
-            let mut linked = vec![0; tree.nodes.len()];
-            linked[0] = 1;
-            for (index, node) in tree.nodes.iter().enumerate() {
-                let first = node.first_index as usize;
-                if node.is_leaf() {
-                    seen[first] += 1;
-                    let leaf = boxes[first];
-                    assert_eq!((node.aabb().min, node.aabb().max), (leaf.min, leaf.max));
-                    continue;
-                }
-                assert!(first > index, "children come after their parents");
-                let [a, b] = [first, first + 1].map(|child| {
-                    linked[child] += 1;
-                    *tree.nodes[child].aabb()
-                });
-                let both = a.union(&b);
-                assert_eq!((node.aabb().min, node.aabb().max), (both.min, both.max));
-            }
-            assert!(
-                seen.iter().chain(&linked).all(|&times| times == 1),
-                "{count}"
-            );
+            cluster(leaves(&boxes), 14, 3).check(&boxes);
         }
     }
 
@@ -352,5 +346,21 @@ mod tests {
         let mut chunked = vec![0; clusters.len()];
         find_partners::<14>(&clusters, &mut chunked);
         assert_eq!(whole, chunked);
+    }
+
+    #[test]
+    fn codes_hold_the_bits_of_the_coordinates_in_turn() {
+        let mut random = super::super::numbers(7);
+        for _ in 0..1000 {
+            let point = DVec3::from_array(std::array::from_fn(|_| random().abs()));
+            let code = morton_code(point);
+            let expected = (0..63).fold(0, |code, bit| {
+                let whole = (point[bit % 3] * 2f64.powi(21)) as u64;
+                code | (whole >> (bit / 3) & 1) << bit
+            });
+            assert_eq!(code, expected);
+        }
+        // The last point of an axis lies in its last part.
+        assert_eq!(morton_code(DVec3::ONE), (1 << 63) - 1);
     }
 }

@@ -3,9 +3,7 @@
 //! How many nodes and triangles lie below a node is known, so the places of both its sides are known before either is laid
 //! out: large ones are laid out side by side on all threads, in the same places as one by one.
 
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::node::Bvh2Node;
-
+use super::boxes::{BoxNode, BoxTree};
 use super::leaves::{Extent, extents};
 use super::node::{Child, Node, NodeRef};
 use super::pages::{PageSize, Pages};
@@ -29,7 +27,7 @@ pub(super) const LAST: u32 = 1 << 31;
 
 /// What is laid out, and what each of its nodes holds.
 struct Source<'a> {
-    tree: &'a Bvh2,
+    tree: &'a BoxTree,
     extents: Vec<Extent>,
 }
 
@@ -44,7 +42,7 @@ struct Places<'a> {
 impl Layout {
     /// That of `tree`, whose leaves hold one box each: leaves of several are made here. Its slots
     /// begin at `first_slot`, its nodes lie in these `pages`.
-    pub fn of(tree: &Bvh2, first_slot: usize, pages: PageSize) -> Layout {
+    pub fn of(tree: &BoxTree, first_slot: usize, pages: PageSize) -> Layout {
         let source = Source {
             tree,
             extents: extents(tree),
@@ -70,7 +68,7 @@ impl Layout {
             let leaf = places.leaf(&source, 0, &mut 0);
             node[0].set_child(0, child(root, leaf));
         } else {
-            (node[0], layout.depth) = places.fill(&source, root.first_index as usize, 1);
+            (node[0], layout.depth) = places.fill(&source, root.content.index(), 1);
         }
         layout
     }
@@ -102,7 +100,7 @@ impl Places<'_> {
             order: right_order,
             first_slot: self.first_slot + left.boxes as usize,
         };
-        let below = |child: usize| source.tree.nodes[child].first_index as usize;
+        let below = |child: usize| source.tree.nodes[child].content.index();
         let ((left_head, left_depth), (right_head, right_depth)) = rayon::join(
             || left_places.fill(source, below(pair), level + 1),
             || right_places.fill(source, below(pair + 1), level + 1),
@@ -137,7 +135,7 @@ impl Places<'_> {
             // The left side is pushed last, and so laid out next: the order is that of a depth-first walk.
             for side in [1, 0] {
                 if source.extents[pair + side].inner > 0 {
-                    let below = source.tree.nodes[pair + side].first_index as usize;
+                    let below = source.tree.nodes[pair + side].content.index();
                     let place = node.children[side].index() - self.first_node;
                     pending.push((below, Some(place), level + 1));
                 }
@@ -159,41 +157,44 @@ impl Places<'_> {
     }
 
     /// Puts all that is below `node` into slots; a leaf's worth, so that the recursion is no deeper than a leaf is large.
-    fn gather(&mut self, tree: &Bvh2, node: &Bvh2Node, used: &mut usize) {
-        let first = node.first_index as usize;
-        if node.is_leaf() {
-            self.order[*used] = tree.primitive_indices[first];
-            *used += 1;
-        } else {
-            let pair = &tree.nodes[first..first + 2];
-            pair.iter().for_each(|child| self.gather(tree, child, used));
+    fn gather(&mut self, tree: &BoxTree, node: &BoxNode, used: &mut usize) {
+        match node.children() {
+            None => {
+                self.order[*used] = node.content.index() as u32;
+                *used += 1;
+            }
+            Some(pair) => {
+                for child in pair {
+                    self.gather(tree, &tree.nodes[child], used);
+                }
+            }
         }
     }
 }
 
 /// `node`, as its parent holds it.
-fn child(node: &Bvh2Node, target: NodeRef) -> Child {
+fn child(node: &BoxNode, target: NodeRef) -> Child {
     Child {
         node: target,
-        lo: node.aabb().min.to_array(),
-        hi: node.aabb().max.to_array(),
+        lo: node.aabb().lo.to_array(),
+        hi: node.aabb().hi.to_array(),
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3A;
-    use obvhs::aabb::Aabb;
-
+    use super::super::boxes::Aabb;
     use super::super::cluster::cluster;
     use super::*;
+    use glam::Vec3A;
 
     /// A tree over boxes along a bent line, some of them the same.
-    fn tree(count: usize) -> Bvh2 {
+    fn tree(count: usize) -> BoxTree {
         let leaf = |index: usize| {
             let x = (index / 3) as f32;
             let centre = Vec3A::new(x, (0.01 * x).sin(), 0.1 * (index % 7) as f32);
-            Bvh2Node::new(Aabb::new(centre - 0.5, centre + 0.5), 1, index as u32)
+            let (lo, hi) = (centre - 0.5, centre + 0.5);
+            BoxNode::new(Aabb { lo, hi }, NodeRef::leaf(index))
         };
         cluster((0..count).map(leaf).collect(), 14, 3)
     }
@@ -214,7 +215,7 @@ mod tests {
             order: &mut order,
             first_slot: 0,
         };
-        let (root, depth) = places.walk(&source, tree.nodes[0].first_index as usize, 1);
+        let (root, depth) = places.walk(&source, tree.nodes[0].content.index(), 1);
         nodes[0] = root;
         assert_eq!((shared.depth, &shared.order), (depth, &order));
         for (one, other) in shared.nodes.iter().zip(&nodes) {

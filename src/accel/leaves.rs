@@ -4,8 +4,7 @@
 //! A ray that meets a node of area A meets a child of area A' with probability A'/A. So n triangles in one leaf cost A n;
 //! below a node that keeps its children they cost A c + A₁ n₁ + A₂ n₂, with c the cost of a node in those of a triangle.
 
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::node::Bvh2Node;
+use super::boxes::{BoxNode, BoxTree};
 
 /// The most triangles that a leaf is made of.
 const LARGEST_LEAF: u32 = 4;
@@ -22,21 +21,18 @@ pub(super) struct Extent {
 }
 
 /// Per node of `tree`, whose leaves hold one box each, what it holds where small nodes are leaves.
-pub(super) fn extents(tree: &Bvh2) -> Vec<Extent> {
+pub(super) fn extents(tree: &BoxTree) -> Vec<Extent> {
     let mut extents = vec![Extent::default(); tree.nodes.len()];
     let mut measure = |index: usize| extents[index] = extent(tree, &extents, index);
     // Children before their parents.
-    if tree.children_are_ordered_after_parents {
+    if tree.parents_first {
         (0..tree.nodes.len()).rev().for_each(measure);
     } else {
         let mut parents_first = Vec::with_capacity(tree.nodes.len());
         let mut pending = vec![0];
         while let Some(index) = pending.pop() {
             parents_first.push(index as u32);
-            let node = &tree.nodes[index];
-            if !node.is_leaf() {
-                pending.extend([0, 1].map(|side| node.first_index as usize + side));
-            }
+            pending.extend(tree.nodes[index].children().into_iter().flatten());
         }
         let children_first = parents_first.iter().rev();
         children_first.for_each(|&index| measure(index as usize));
@@ -45,13 +41,12 @@ pub(super) fn extents(tree: &Bvh2) -> Vec<Extent> {
 }
 
 /// What a node holds, by what its children hold.
-fn extent(tree: &Bvh2, extents: &[Extent], index: usize) -> Extent {
+fn extent(tree: &BoxTree, extents: &[Extent], index: usize) -> Extent {
     let node = &tree.nodes[index];
-    if node.is_leaf() {
+    let Some(pair) = node.children() else {
         return Extent { inner: 0, boxes: 1 };
-    }
-    let pair = node.first_index as usize;
-    let [left, right] = [pair, pair + 1].map(|child| extents[child]);
+    };
+    let [left, right] = pair.map(|child| extents[child]);
     let boxes = left.boxes + right.boxes;
     let kept = Extent {
         inner: 1 + left.inner + right.inner,
@@ -62,8 +57,8 @@ fn extent(tree: &Bvh2, extents: &[Extent], index: usize) -> Extent {
         return kept;
     }
     // The cost of one leaf against that of the node and both its leaves.
-    let area = |node: &Bvh2Node| node.aabb().half_area();
-    let [below, beside] = [pair, pair + 1].map(|child| area(&tree.nodes[child]));
+    let area = |node: &BoxNode| node.aabb().half_area();
+    let [below, beside] = pair.map(|child| area(&tree.nodes[child]));
     let apart = below * left.boxes as f32 + beside * right.boxes as f32;
     // A n ≤ A c + A₁ n₁ + A₂ n₂, with A c on the left.
     match area(node) * (boxes as f32 - NODE_COST) <= apart {

@@ -14,18 +14,19 @@
 //! - nothing depends on the scale or the place of the scene, or on the length of a direction.
 //!
 //! Limits: coordinates up to 2³⁰⁰ m; directions of length 2⁻⁵⁰⁰ to 2⁵⁰⁰; origins up to 2¹⁰⁰ scene
-//! sizes away. What is outside, or NaN, hits nothing. This is the only module that knows obvhs, and the only one
+//! sizes away. What is outside, or NaN, hits nothing. This is the only module
 //! that takes rays from f64 to f32.
 //!
 //! From bottom to top: `float` and `exact` are arithmetic, `pages` long arrays; `triangle` intersects a ray with a triangle; `node` and
 //! `wide` are the two trees, in the coordinates of `tree_space`; `bvh` holds them, `islands` says how many there are,
-//! `cluster`, `leaves`, `layout` and `build` make them, `alpha` makes holes;
+//! `boxes`, `cluster`, `reinsert`, `leaves`, `layout` and `build` make them, `alpha` makes holes;
 //! `slab`, `traverse` and `single` trace single rays; `packet` traces batches. `vectors` and `texels` are vector loops that all higher modules share.
 
 #[doc = include_str!("guide.md")]
 pub mod guide {}
 
 mod alpha;
+mod boxes;
 mod build;
 mod bvh;
 mod cluster;
@@ -40,6 +41,7 @@ mod packet;
 #[allow(unsafe_code)]
 pub(crate) mod pages;
 mod rays;
+mod reinsert;
 mod single;
 mod slab;
 mod tally;

@@ -1,0 +1,130 @@
+//! Boxes in f32, and the binary tree over them while it is built.
+
+use glam::{Vec3, Vec3A};
+
+use super::node::NodeRef;
+
+/// A box in tree space.
+///
+/// Its vectors have a fourth lane, which holds a coordinate again: an index there would be a denormal number, by which every product of
+/// such a vector takes over a hundred cycles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Aabb {
+    pub lo: Vec3A,
+    pub hi: Vec3A,
+}
+
+/// A box, and what is in it, in half a cache line.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(32))]
+pub(super) struct BoxNode {
+    lo: Vec3,
+    /// A leaf's box, or the first of two children, which stand side by side.
+    pub content: NodeRef,
+    hi: Vec3,
+}
+
+/// A binary tree whose leaves hold one box each. The root is first; where it has children, they are in pairs from place 1 on.
+#[derive(Debug, Clone)]
+pub(super) struct BoxTree {
+    pub nodes: Vec<BoxNode>,
+    /// Whether all children stand behind their parents.
+    pub parents_first: bool,
+}
+
+impl Aabb {
+    #[inline(always)]
+    pub fn union(self, other: Aabb) -> Aabb {
+        Aabb {
+            lo: self.lo.min(other.lo),
+            hi: self.hi.max(other.hi),
+        }
+    }
+
+    /// Half the box's surface.
+    #[inline(always)]
+    pub fn half_area(self) -> f32 {
+        let [x, y, z] = (self.hi - self.lo).to_array();
+        (x + y) * z + x * y
+    }
+}
+
+impl BoxNode {
+    /// What fills a list before its nodes are set.
+    pub const EMPTY: BoxNode = BoxNode {
+        lo: Vec3::ZERO,
+        content: NodeRef::ROOT,
+        hi: Vec3::ZERO,
+    };
+
+    #[inline(always)]
+    pub fn new(aabb: Aabb, content: NodeRef) -> BoxNode {
+        let (lo, hi) = (aabb.lo.into(), aabb.hi.into());
+        BoxNode { lo, content, hi }
+    }
+
+    #[inline(always)]
+    pub fn aabb(&self) -> Aabb {
+        let (lo, hi) = (self.lo.into(), self.hi.into());
+        Aabb { lo, hi }
+    }
+
+    #[inline(always)]
+    pub fn is_leaf(&self) -> bool {
+        self.content.is_leaf()
+    }
+
+    /// The two children, if it has any.
+    #[inline(always)]
+    pub fn children(&self) -> Option<[usize; 2]> {
+        let first = self.content.index();
+        (!self.is_leaf()).then_some([first, first + 1])
+    }
+}
+
+impl BoxTree {
+    /// By node its parent; the root's is the root.
+    pub fn parents(&self) -> Vec<u32> {
+        let mut parents = vec![0; self.nodes.len()];
+        for (parent, node) in self.nodes.iter().enumerate() {
+            for child in node.children().into_iter().flatten() {
+                parents[child] = parent as u32;
+            }
+        }
+        parents
+    }
+}
+
+#[cfg(test)]
+impl BoxTree {
+    /// Panics unless each of the boxes is in one leaf, each node below one parent, and each box the least that holds its children's.
+    pub(super) fn check(&self, boxes: &[Aabb]) {
+        let mut found = vec![0; boxes.len()];
+        let mut linked = vec![0; self.nodes.len()];
+        linked[0] = 1;
+        for (index, node) in self.nodes.iter().enumerate() {
+            match node.children() {
+                None => {
+                    found[node.content.index()] += 1;
+                    assert_eq!(node.aabb(), boxes[node.content.index()]);
+                }
+                Some(pair) => {
+                    assert!(!self.parents_first || pair[0] > index, "{index} {pair:?}");
+                    let [a, b] = pair.map(|child| {
+                        linked[child] += 1;
+                        self.nodes[child].aabb()
+                    });
+                    assert_eq!(node.aabb(), a.union(b));
+                }
+            }
+        }
+        assert!(found.iter().chain(&linked).all(|&times| times == 1));
+        // No circle that the root does not reach: from it as many nodes are met as there are.
+        let (mut met, mut pending) = (0, vec![0]);
+        while let Some(index) = pending.pop() {
+            met += 1;
+            pending.extend(self.nodes[index].children().into_iter().flatten());
+        }
+        assert_eq!(met, self.nodes.len());
+    }
+}

@@ -1,0 +1,344 @@
+//! Better places for nodes of a tree: Meister and Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", Computer
+//! Graphics Forum 37(2), 2018.
+//!
+//! What a tree costs is, by the surface area heuristic, in proportion to the sum of its nodes' areas. Node A with parent P and sibling B moves
+//! beside node C: P is removed, so that B stands where P stood, and a node that holds A and C stands where C stood. The sum then shrinks by
+//!
+//! ```text
+//! gain = area(P) + Σ (area(Q) − area(Q without A)) − Σ (area(R ∪ A) − area(R)) − area(C ∪ A)
+//! ```
+//!
+//! with Q all nodes above P up to the last that holds C as well, and R all nodes below that one which hold C. Seen from A, C lies below the sibling
+//! of a node above it: for each of these siblings from below to above, all below it is searched as long as the gain can still become larger
+//! than the best so far. It cannot where it is at most area(A) larger, which is the least area of C ∪ A.
+//!
+//! All moves of a pass are found side by side in the tree as it is, and made from the largest gain on, each unless one before changed a node next
+//! to it, or brought the place to which it moves below itself.
+//!
+//! obvhs has the same search, and is not used for it: it keeps indices in the fourth lanes of boxes, which are denormal numbers, and Intel's
+//! processors take over a hundred cycles for a product of such vectors. Trees with many moves took three times as long.
+
+use rayon::prelude::*;
+
+use super::boxes::{BoxNode, BoxTree};
+use super::node::NodeRef;
+
+/// How many passes there are, of parts of the nodes that fall: 1, 1/3, 1/5 … of what is asked for.
+const PASSES: usize = 16;
+
+/// Looks for better places for the `part` of the nodes of `tree` with the largest boxes, and for less in later passes.
+pub(super) fn reinsert(tree: &mut BoxTree, parents: Vec<u32>, part: f32) {
+    if tree.nodes.len() < 4 || part <= 0.0 {
+        return;
+    }
+    tree.parents_first = false;
+    let count = tree.nodes.len();
+    let mut moving = Moving {
+        is_touched: vec![false; count],
+        tree,
+        parents,
+    };
+    for pass in 0..PASSES {
+        let wanted = count as f32 * part / (2 * pass + 1) as f32;
+        moving.pass((wanted as usize).clamp(1, count - 1));
+    }
+}
+
+/// A tree whose nodes move.
+struct Moving<'a> {
+    tree: &'a mut BoxTree,
+    parents: Vec<u32>,
+    /// Whether a move of this pass has changed what is next to a node.
+    is_touched: Vec<bool>,
+}
+
+/// A node, the one that it will stand beside, and by how much the areas shrink.
+#[derive(Debug, Clone, Copy)]
+struct Move {
+    node: u32,
+    beside: u32,
+    gain: f32,
+}
+
+/// The other one of a pair.
+fn sibling(node: usize) -> usize {
+    // Pairs begin at odd places.
+    ((node - 1) ^ 1) + 1
+}
+
+impl Moving<'_> {
+    /// Finds the moves of so many nodes and makes them.
+    fn pass(&mut self, count: usize) {
+        // Large nodes stand at the list's start, but not by size: of twice as many the largest.
+        let listed = (2 * count + 2).min(self.tree.nodes.len());
+        let mut largest: Vec<(f32, u32)> = (1..listed)
+            .map(|node| (self.area(node), node as u32))
+            .collect();
+        let by_area = |a: &(f32, u32), b: &(f32, u32)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
+        if largest.len() > count {
+            largest.select_nth_unstable_by(count, by_area);
+            largest.truncate(count);
+        }
+        let search = |pending: &mut Vec<(f32, u32)>, &(_, node): &(f32, u32)| {
+            self.best_move(node as usize, pending)
+        };
+        let found = largest.par_iter().map_init(Vec::new, search);
+        let mut moves: Vec<Move> = found.flatten_iter().collect();
+        moves.par_sort_unstable_by(|a, b| b.gain.total_cmp(&a.gain).then(a.node.cmp(&b.node)));
+        self.is_touched.fill(false);
+        for found in moves {
+            self.make(found);
+        }
+    }
+
+    fn area(&self, node: usize) -> f32 {
+        self.tree.nodes[node].aabb().half_area()
+    }
+
+    fn parent(&self, node: usize) -> usize {
+        self.parents[node] as usize
+    }
+
+    /// The place for `node` with the largest gain, if one is above 0: see the module's head. `pending` is a list to work with.
+    fn best_move(&self, node: usize, pending: &mut Vec<(f32, u32)>) -> Option<Move> {
+        let nodes = &self.tree.nodes[..];
+        let moved = nodes[node].aabb();
+        let own = moved.half_area();
+        let parent = self.parent(node);
+        let mut best = Move {
+            node: node as u32,
+            beside: 0,
+            gain: 0.0,
+        };
+        // What removing the node saves above the place that is searched, and that place's parent as it is without the node.
+        let mut saved = self.area(parent);
+        let mut above = parent;
+        let mut searched = sibling(node);
+        let mut without = nodes[searched].aabb();
+        loop {
+            pending.clear();
+            pending.push((saved, searched as u32));
+            while let Some((saved, place)) = pending.pop() {
+                // No box that holds the node is smaller than its own.
+                if saved - own <= best.gain {
+                    continue;
+                }
+                let there = &nodes[place as usize];
+                let gain = saved - there.aabb().union(moved).half_area();
+                if gain > best.gain {
+                    (best.beside, best.gain) = (place, gain);
+                }
+                // Below this place the node here only grows.
+                if let Some(children) = there.children() {
+                    let below = gain + there.aabb().half_area();
+                    pending.extend(children.map(|child| (below, child as u32)));
+                }
+            }
+            if above != parent {
+                without = without.union(nodes[searched].aabb());
+                saved += self.area(above) - without.half_area();
+            }
+            if above == 0 {
+                break;
+            }
+            searched = sibling(above);
+            above = self.parent(above);
+        }
+        // Beside its sibling it stands already, and its parent is gone.
+        let stays = [sibling(node), parent].contains(&(best.beside as usize));
+        (best.gain > 0.0 && !stays).then_some(best)
+    }
+
+    /// Makes a move that was found in the tree before others were made, if it still can be.
+    fn make(&mut self, Move { node, beside, .. }: Move) {
+        let (node, beside) = (node as usize, beside as usize);
+        let (other, parent) = (sibling(node), self.parent(node));
+        let next_to = [node, other, parent, beside, self.parent(beside)];
+        if next_to.iter().any(|&near| self.is_touched[near]) || self.is_below(beside, node) {
+            return;
+        }
+        for near in next_to {
+            self.is_touched[near] = true;
+        }
+        // The pair of the node is kept for it and for what it moves beside.
+        let pair = NodeRef::inner(node.min(other));
+        let [moved_other, there] = [other, beside].map(|index| self.tree.nodes[index]);
+        let both = there.aabb().union(self.tree.nodes[node].aabb());
+        self.tree.nodes[beside] = BoxNode::new(both, pair);
+        self.put(there, other);
+        self.put(moved_other, parent);
+        self.parents[node] = beside as u32;
+        self.parents[other] = beside as u32;
+        self.refit_above(beside);
+        self.refit_above(parent);
+    }
+
+    /// Whether `node` is `top` or below it.
+    fn is_below(&self, mut node: usize, top: usize) -> bool {
+        while node != top && node != 0 {
+            node = self.parent(node);
+        }
+        node == top
+    }
+
+    fn put(&mut self, node: BoxNode, place: usize) {
+        self.tree.nodes[place] = node;
+        for child in node.children().into_iter().flatten() {
+            self.parents[child] = place as u32;
+        }
+    }
+
+    /// Sets the boxes of all above `node` to what they hold, up to the first that stays as it is.
+    fn refit_above(&mut self, mut node: usize) {
+        while node != 0 {
+            node = self.parent(node);
+            let above = self.tree.nodes[node];
+            let Some([a, b]) = above.children() else {
+                return;
+            };
+            let both = self.tree.nodes[a].aabb().union(self.tree.nodes[b].aabb());
+            if both == above.aabb() {
+                return;
+            }
+            self.tree.nodes[node] = BoxNode::new(both, above.content);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3A;
+
+    use super::super::boxes::Aabb;
+    use super::super::cluster::cluster;
+    use super::super::numbers;
+    use super::*;
+
+    /// So many boxes of all sizes up to `size` in a room of size 2, and a tree over them.
+    fn tree(count: usize, size: f32) -> (Vec<Aabb>, BoxTree) {
+        let mut random = numbers(count as u64);
+        let mut point = || Vec3A::from_array(std::array::from_fn(|_| random() as f32));
+        let boxes: Vec<Aabb> = (0..count)
+            .map(|_| {
+                let (middle, half) = (point(), point().abs() * point().x.abs() * size);
+                Aabb {
+                    lo: middle - half,
+                    hi: middle + half,
+                }
+            })
+            .collect();
+        let leaf = |(index, aabb): (usize, &Aabb)| BoxNode::new(*aabb, NodeRef::leaf(index));
+        let tree = cluster(boxes.iter().enumerate().map(leaf).collect(), 2, 2);
+        (boxes, tree)
+    }
+
+    fn moving(tree: &mut BoxTree) -> Moving<'_> {
+        tree.parents_first = false;
+        Moving {
+            parents: tree.parents(),
+            is_touched: vec![false; tree.nodes.len()],
+            tree,
+        }
+    }
+
+    /// The sum of the areas of nodes with children.
+    fn cost(tree: &BoxTree) -> f64 {
+        let inner = tree.nodes.iter().filter(|node| !node.is_leaf());
+        inner.map(|node| f64::from(node.aabb().half_area())).sum()
+    }
+
+    #[test]
+    fn boxes_stay_in_the_tree_once_and_its_cost_falls() {
+        for (count, size) in [
+            (2, 0.1),
+            (3, 0.1),
+            (9, 1.0),
+            (500, 0.05),
+            (500, 2.0),
+            (4000, 0.3),
+        ] {
+            for part in [0.02, 0.5, 1.0] {
+                let (boxes, mut tree) = tree(count, size);
+                let before = cost(&tree);
+                let parents = tree.parents();
+                reinsert(&mut tree, parents, part);
+                tree.check(&boxes);
+                let after = cost(&tree);
+                assert!(after <= before, "{count} {size} {part}");
+                // Of many boxes some stand badly after clustering.
+                let is_large = count > 100 && part > 0.1;
+                assert!(!is_large || after < 0.99 * before, "{after} {before}");
+            }
+        }
+    }
+
+    #[test]
+    fn each_move_gains_what_was_foretold_and_no_other_place_gains_more() {
+        let (boxes, start) = tree(24, 1.0);
+        let before = cost(&start);
+        let mut made = 0;
+        for node in 1..start.nodes.len() {
+            let mut tree = start.clone();
+            let best = moving(&mut tree).best_move(node, &mut Vec::new());
+            // By trying all places: those that are not the node, below it, above it or beside it.
+            let gain = |place: usize| {
+                let mut tree = start.clone();
+                let mut moving = moving(&mut tree);
+                let is_place = !moving.is_below(place, node)
+                    && ![sibling(node), moving.parent(node)].contains(&place)
+                    && !moving.is_below(node, place);
+                if !is_place {
+                    return None;
+                }
+                moving.make(Move {
+                    node: node as u32,
+                    beside: place as u32,
+                    gain: 0.0,
+                });
+                tree.check(&boxes);
+                Some(before - cost(&tree))
+            };
+            let most = (1..start.nodes.len()).filter_map(gain).fold(0.0, f64::max);
+            let foretold = best.map_or(0.0, |best| f64::from(best.gain));
+            // f32 sums of some tens of areas up to 50.
+            assert!((most - foretold).abs() < 1e-4, "{node}: {most} {foretold}");
+            if let Some(best) = best {
+                assert!((gain(best.beside as usize).unwrap() - most).abs() < 1e-4);
+                made += 1;
+            }
+        }
+        assert!(made > 5, "{made}");
+    }
+
+    #[test]
+    fn two_nodes_do_not_move_below_each_other() {
+        let (boxes, start) = tree(60, 1.0);
+        // The first of the children of the first of its children, next to which no node beside `node` stands.
+        let far_below = |node: usize| {
+            let [child, _] = start.nodes[node].children()?;
+            Some(start.nodes[child].children()?[0])
+        };
+        let mut tried = 0;
+        for a in 1..start.nodes.len() {
+            for b in 1..start.nodes.len() {
+                let mut tree = start.clone();
+                let mut moving = moving(&mut tree);
+                let apart = !moving.is_below(a, b) && !moving.is_below(b, a);
+                let (Some(below_a), Some(below_b), true) = (far_below(a), far_below(b), apart)
+                else {
+                    continue;
+                };
+                for (node, beside) in [(a, below_b), (b, below_a)] {
+                    moving.make(Move {
+                        node: node as u32,
+                        beside: beside as u32,
+                        gain: 0.0,
+                    });
+                }
+                tree.check(&boxes);
+                tried += 1;
+            }
+        }
+        assert!(tried > 50, "{tried}");
+    }
+}

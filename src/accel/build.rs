@@ -23,10 +23,10 @@ use super::wide::{BinaryTree, WideTree};
 pub enum Preset {
     /// Built fastest: for a still of a large mesh.
     Quick,
-    /// Built in twice the time, and some per cent faster to trace: for many samples or pictures.
+    /// Built in up to twice the time, and some per cent faster to trace: for many samples or pictures.
     #[default]
     Balanced,
-    /// Built in six times the time, and faster still to trace for rays that go all ways.
+    /// Built in four to six times the time, and faster still to trace for rays that go all ways.
     Thorough,
 }
 
@@ -55,7 +55,7 @@ impl Preset {
     /// The preset for which `rays` and the trees of so many triangles together take least time.
     ///
     /// Break-even as measured with `benches/build.rs` on meshes of 57,000 to 124,000 triangles, one thread: the balanced tree
-    /// takes 250 to 340 ns per triangle more to build than the quick one, the thorough one 1200 to 1740 ns. In a room of
+    /// takes 250 to 410 ns per triangle more to build than the quick one, the thorough one 1200 to 1950 ns. In a room of
     /// furniture they save 20 and 45 ns of 290 per ray that goes any way, around statues none to 15 and 40 ns, and at most 0.4
     /// ns per camera ray.
     pub fn for_rays(triangles: u64, rays: ExpectedRays) -> Preset {

@@ -20,7 +20,8 @@
 //! From bottom to top: `float` and `exact` are arithmetic, `pages` long arrays; `triangle` intersects a ray with a triangle; `node` and
 //! `wide` are the two trees, in the coordinates of `tree_space`; `bvh` holds them, `islands` says how many there are,
 //! `boxes`, `cluster`, `reinsert`, `leaves`, `layout` and `build` make them, `alpha` makes holes;
-//! `slab`, `traverse` and `single` trace single rays; `packet` traces batches. `vectors` and `texels` are vector loops that all higher modules share.
+//! `slab`, `traverse` and `single` trace single rays; `packet` traces batches. `vectors`, `texels` and `sincos` are
+//! vector loops that all higher modules share.
 
 #[doc = include_str!("guide.md")]
 pub mod guide {}
@@ -42,6 +43,7 @@ mod packet;
 pub(crate) mod pages;
 mod rays;
 mod reinsert;
+pub(crate) mod sincos;
 mod single;
 mod slab;
 mod tally;

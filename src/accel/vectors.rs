@@ -292,6 +292,12 @@ impl Vectors {
         VectorsRef(self.0.each_ref())
     }
 
+    /// Their coordinates, axis by axis, to be written.
+    #[inline(always)]
+    pub fn axes_mut(&mut self) -> &mut [Block; 3] {
+        &mut self.0
+    }
+
     /// Writes vector `k`.
     #[inline(always)]
     pub fn set(&mut self, k: usize, v: DVec3) {

@@ -460,9 +460,7 @@ impl SimpleRays for Moments<'_> {
     ) {
         let Accelerated { time, exposure, .. } = *self.camera;
         let anchor = self.anchor.clone();
-        for k in 0..BLOCK {
-            to.d.set(k, film.direction(x[k], y[k]).unit());
-        }
+        film.directions_and_lengths([x, y], to.d.axes_mut(), &mut [0.0; BLOCK]);
         // Without aberration the look directions of the camera are those of the world.
         let seen = to.d;
         let mut ratios = [0.0; BLOCK];

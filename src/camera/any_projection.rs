@@ -4,6 +4,7 @@ use glam::{DMat3, DVec3};
 
 use super::curved::{Equirectangular, Fisheye, Radial};
 use super::projection::{Linear, Perspective, Projection};
+use crate::accel::vectors::Block;
 use crate::scene::model::{CameraModel, CaptureCamera, ProjectionKind};
 
 /// Any of the projections.
@@ -102,6 +103,7 @@ each! {
     vector(x: f64, y: f64) -> DVec3;
     sees(x: f64, y: f64) -> bool;
     components(x: f64, y: f64) -> DVec3;
+    directions_and_lengths(at: [&Block; 2], to: &mut [Block; 3], lengths: &mut Block) -> ();
     film_point(v: DVec3) -> Option<[f64; 2]>;
     footprint(v: DVec3) -> f64;
     density() -> f64;

@@ -37,6 +37,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::{DMat3, DVec3};
 
 use super::projection::{Linear, Projection};
+use crate::accel::sincos::sincos_each;
+use crate::accel::vectors::{BLOCK, Block};
 
 /// How a fisheye's distances from the middle follow from angles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,13 +79,41 @@ impl Radial {
             Radial::Equidistant => {
                 let rho = square.sqrt();
                 let (sin, cos) = libm::sincos(rho);
-                [cos, if rho > 0.0 { sin / rho } else { 1.0 }]
+                [cos, sine_part(sin, rho)]
             }
             // Just beyond the edge, which `limit` allows, the roots would be NaN.
             Radial::Equisolid => [1.0 - 0.5 * square, (1.0 - 0.25 * square).max(0.0).sqrt()],
             Radial::Orthographic => [(1.0 - square).max(0.0).sqrt(), 1.0],
         }
     }
+
+    /// The same of a block, with the same bits.
+    #[inline(always)]
+    fn along_and_across_each(self, squares: &Block, along: &mut Block, across: &mut Block) {
+        match self {
+            Radial::Equidistant => {
+                let mut rho = *squares;
+                for rho in &mut rho {
+                    *rho = rho.sqrt();
+                }
+                sincos_each(&rho, across, along);
+                for k in 0..BLOCK {
+                    across[k] = sine_part(across[k], rho[k]);
+                }
+            }
+            Radial::Equisolid | Radial::Orthographic => {
+                for k in 0..BLOCK {
+                    [along[k], across[k]] = self.along_and_across(squares[k]);
+                }
+            }
+        }
+    }
+}
+
+/// sin(ρ)/ρ.
+#[inline(always)]
+fn sine_part(sine: f64, rho: f64) -> f64 {
+    if rho > 0.0 { sine / rho } else { 1.0 }
 }
 
 /// A film whose points stand for angles.
@@ -122,6 +152,19 @@ impl AngularFilm {
         ]
     }
 
+    /// Takes the components of vectors along the axes to look directions, and notes the lengths that they had.
+    #[inline(always)]
+    fn directions_and_lengths(&self, to: &mut [Block; 3], lengths: &mut Block) {
+        let [right, up, forward] = self.axes;
+        let [x, y, z] = to;
+        for k in 0..BLOCK {
+            let d = right * x[k] + up * y[k] + forward * z[k];
+            lengths[k] = d.length();
+            let d = d * (1.0 / lengths[k]);
+            (x[k], y[k], z[k]) = (d.x, d.y, d.z);
+        }
+    }
+
     /// The film point so many pixels right and up of the middle.
     fn point(&self, right: f64, up: f64) -> [f64; 2] {
         let [width, height] = self.size;
@@ -143,6 +186,17 @@ impl Fisheye {
         let focal = 0.5 * size[0] / radial.distance(0.5 * horizontal_fov);
         let film = AngularFilm { axes, size, focal };
         Fisheye { radial, film }
+    }
+
+    /// The place of a film point, or of one that sees nothing that of the middle, which looks forward.
+    #[inline(always)]
+    fn seen_place(&self, x: f64, y: f64) -> [f64; 2] {
+        let [a, b] = self.film.place(x, y);
+        let is_beyond = a * a + b * b > self.radial.limit();
+        [
+            if is_beyond { 0.0 } else { a },
+            if is_beyond { 0.0 } else { b },
+        ]
     }
 
     pub(super) fn stretched(&self, stretch: f64) -> Self {
@@ -169,7 +223,7 @@ impl Projection for Fisheye {
         self.film.axes
     }
 
-    #[inline]
+    #[inline(always)]
     fn sees(&self, x: f64, y: f64) -> bool {
         let [a, b] = self.film.place(x, y);
         a * a + b * b <= self.radial.limit()
@@ -177,13 +231,30 @@ impl Projection for Fisheye {
 
     #[inline]
     fn components(&self, x: f64, y: f64) -> DVec3 {
-        let [a, b] = self.film.place(x, y);
-        let square = a * a + b * b;
-        if square > self.radial.limit() {
-            return DVec3::Z;
-        }
-        let [along, across] = self.radial.along_and_across(square);
+        let [a, b] = self.seen_place(x, y);
+        let [along, across] = self.radial.along_and_across(a * a + b * b);
         DVec3::new(a * across, b * across, along)
+    }
+
+    #[inline(always)]
+    fn directions_and_lengths(
+        &self,
+        [x, y]: [&Block; 2],
+        to: &mut [Block; 3],
+        lengths: &mut Block,
+    ) {
+        let [a, b, along] = &mut *to;
+        let (mut squares, mut across) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for k in 0..BLOCK {
+            [a[k], b[k]] = self.seen_place(x[k], y[k]);
+            squares[k] = a[k] * a[k] + b[k] * b[k];
+        }
+        self.radial
+            .along_and_across_each(&squares, along, &mut across);
+        for k in 0..BLOCK {
+            (a[k], b[k]) = (a[k] * across[k], b[k] * across[k]);
+        }
+        self.film.directions_and_lengths(to, lengths);
     }
 
     fn film_point(&self, v: DVec3) -> Option<[f64; 2]> {
@@ -221,6 +292,14 @@ impl Projection for Fisheye {
     }
 }
 
+/// Whether a longitude and a latitude are those of directions; without a branch, as loops in vectors ask it.
+#[inline(always)]
+fn is_seen(longitude: f64, latitude: f64) -> bool {
+    // Rounding may take a little from an edge that is at 180 or 90 degrees.
+    const EDGE: f64 = 1.0 + 4.0 * f64::EPSILON;
+    (longitude.abs() <= PI * EDGE) & (latitude.abs() <= FRAC_PI_2 * EDGE)
+}
+
 /// The panorama; see the module.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equirectangular {
@@ -234,6 +313,17 @@ impl Equirectangular {
         let focal = size[0] / horizontal_fov;
         let film = AngularFilm { axes, size, focal };
         Equirectangular { film }
+    }
+
+    /// The longitude and the latitude of a film point, or of one that sees nothing those of the middle, which looks forward.
+    #[inline(always)]
+    fn seen_place(&self, x: f64, y: f64) -> [f64; 2] {
+        let [longitude, latitude] = self.film.place(x, y);
+        let is_seen = is_seen(longitude, latitude);
+        [
+            if is_seen { longitude } else { 0.0 },
+            if is_seen { latitude } else { 0.0 },
+        ]
     }
 
     pub(super) fn stretched(&self, stretch: f64) -> Self {
@@ -258,23 +348,39 @@ impl Projection for Equirectangular {
         self.film.axes
     }
 
-    #[inline]
+    #[inline(always)]
     fn sees(&self, x: f64, y: f64) -> bool {
-        // Rounding may take a little from an edge that is at 180 or 90 degrees.
-        const EDGE: f64 = 1.0 + 4.0 * f64::EPSILON;
         let [longitude, latitude] = self.film.place(x, y);
-        longitude.abs() <= PI * EDGE && latitude.abs() <= FRAC_PI_2 * EDGE
+        is_seen(longitude, latitude)
     }
 
     #[inline]
     fn components(&self, x: f64, y: f64) -> DVec3 {
-        if !self.sees(x, y) {
-            return DVec3::Z;
-        }
-        let [longitude, latitude] = self.film.place(x, y);
+        let [longitude, latitude] = self.seen_place(x, y);
         let (sin, cos) = libm::sincos(longitude);
         let (up, level) = libm::sincos(latitude);
         DVec3::new(level * sin, up, level * cos)
+    }
+
+    #[inline(always)]
+    fn directions_and_lengths(
+        &self,
+        [x, y]: [&Block; 2],
+        to: &mut [Block; 3],
+        lengths: &mut Block,
+    ) {
+        let (mut longitudes, mut latitudes) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for k in 0..BLOCK {
+            [longitudes[k], latitudes[k]] = self.seen_place(x[k], y[k]);
+        }
+        let mut level = [0.0; BLOCK];
+        let [right, up, forward] = &mut *to;
+        sincos_each(&longitudes, right, forward);
+        sincos_each(&latitudes, up, &mut level);
+        for k in 0..BLOCK {
+            (right[k], forward[k]) = (level[k] * right[k], level[k] * forward[k]);
+        }
+        self.film.directions_and_lengths(to, lengths);
     }
 
     fn film_point(&self, v: DVec3) -> Option<[f64; 2]> {
@@ -299,5 +405,73 @@ impl Projection for Equirectangular {
 
     fn linear(&self) -> Option<Linear> {
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::numbers;
+    use crate::accel::vectors::{VectorLoop, dispatch};
+    use crate::camera::AnyProjection;
+    use crate::scene::model::ProjectionKind;
+
+    /// The look directions of a block, and their lengths.
+    struct Look<'a, P>(&'a P, [&'a Block; 2], &'a mut [Block; 3], &'a mut Block);
+
+    impl<P: Projection> VectorLoop for Look<'_, P> {
+        #[inline(always)]
+        fn run(self) {
+            self.0.directions_and_lengths(self.1, self.2, self.3);
+        }
+    }
+
+    #[test]
+    fn directions_of_blocks_have_the_bits_of_those_one_by_one() {
+        let axes = [
+            DVec3::new(0.6, 0.0, -0.8),
+            DVec3::new(0.48, 0.8, 0.36),
+            DVec3::new(0.64, -0.6, 0.48),
+        ];
+        let kinds = [
+            (ProjectionKind::Perspective, 100.0),
+            (ProjectionKind::FisheyeEquidistant, 180.0),
+            (ProjectionKind::FisheyeEquidistant, 360.0),
+            (ProjectionKind::FisheyeEquisolid, 360.0),
+            (ProjectionKind::FisheyeOrthographic, 180.0),
+            (ProjectionKind::Equirectangular, 360.0),
+        ];
+        for (kind, degrees) in kinds {
+            let of = |size| AnyProjection::of_kind(kind, axes, f64::to_radians(degrees), size);
+            // The middle, the edges, and film points that see nothing among them, which are the most of a high film.
+            let (mut seen, mut next) = (0, numbers(3));
+            for size in [[401.0, 200.0], [401.0, 4000.0]] {
+                let film = of(size);
+                for block in 0..200 {
+                    let [width, height] = size;
+                    let at = |k: usize, across: f64, random: f64| match (block * BLOCK + k) % 9 {
+                        0 => 0.5 * across,
+                        1 => 0.0,
+                        2 => across,
+                        3 => 0.25 * across,
+                        _ => 0.5 * (1.0 + random) * across,
+                    };
+                    let x: Block = std::array::from_fn(|k| at(k, width, next()));
+                    let y: Block = std::array::from_fn(|k| at(k / 9, height, next()));
+                    let (mut to, mut lengths) = ([[0.0; BLOCK]; 3], [0.0; BLOCK]);
+                    dispatch(Look(&film, [&x, &y], &mut to, &mut lengths));
+                    for k in 0..BLOCK {
+                        let (d, length) = film.direction_and_length(x[k], y[k]);
+                        let expected = [d.unit().x, d.unit().y, d.unit().z, length];
+                        let found = [to[0][k], to[1][k], to[2][k], lengths[k]];
+                        let bits = |all: [f64; 4]| all.map(f64::to_bits);
+                        assert_eq!(bits(found), bits(expected), "{kind:?} {} {}", x[k], y[k]);
+                        seen += usize::from(film.sees(x[k], y[k]));
+                        assert!(film.sees(x[k], y[k]) || d.unit().dot(axes[2]) > 1.0 - 1e-15);
+                    }
+                }
+            }
+            assert!(seen > 1000, "{kind:?} {seen}");
+        }
     }
 }

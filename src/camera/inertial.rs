@@ -149,10 +149,10 @@ impl SimpleRays for Inertial {
         to: &mut RayBlock,
     ) {
         let (duration, focal_length) = (self.exposure.duration, self.focal_length);
+        let mut lengths = [0.0; BLOCK];
+        film.directions_and_lengths([x, y], to.d.axes_mut(), &mut lengths);
         for k in 0..BLOCK {
-            let (seen, length) = film.direction_and_length(x[k], y[k]);
-            to.d.set(k, seen.unit());
-            to.ct[k] = moments[k] * duration - focal_length * length;
+            to.ct[k] = moments[k] * duration - focal_length * lengths[k];
         }
         to.look(&self.world_from_camera, self.aberration);
         let (four_velocity, exposure) = (self.four_velocity, self.exposure);

@@ -6,6 +6,7 @@
 
 use glam::{DMat3, DVec3};
 
+use crate::accel::vectors::{BLOCK, Block};
 use crate::spacetime::{CameraFrame, Direction};
 
 /// From film points to directions, and back.
@@ -79,6 +80,23 @@ pub trait Projection {
         let length = d.length();
         // Divisions are what this costs: one does for three components.
         (Direction::from_unit(d * (1.0 / length)), length)
+    }
+
+    /// The same at a block of film points, given by x and y, with the same bits: components of the look
+    /// directions, and |D| of each. To be compiled for wide vectors.
+    #[inline(always)]
+    fn directions_and_lengths(
+        &self,
+        [x, y]: [&Block; 2],
+        to: &mut [Block; 3],
+        lengths: &mut Block,
+    ) {
+        let [to_x, to_y, to_z] = to;
+        for k in 0..BLOCK {
+            let (direction, length) = self.direction_and_length(x[k], y[k]);
+            let d = direction.unit();
+            (to_x[k], to_y[k], to_z[k], lengths[k]) = (d.x, d.y, d.z, length);
+        }
     }
 
     /// The look direction at film point `(x, y)`.

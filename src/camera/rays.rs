@@ -72,14 +72,12 @@ impl RaySlices<'_> {
     ) {
         // Asked once: with a branch at each direction the loop would not go in vectors.
         let boost = boost.filter(|boost| !boost.is_identity());
-        let (mut d, mut ratios) = (Vectors::ZERO, [1.0; BLOCK]);
+        let (mut d, mut lengths, mut ratios) = (Vectors::ZERO, [0.0; BLOCK], [1.0; BLOCK]);
         for (block, directions) in self.directions.chunks_mut(BLOCK).enumerate() {
             let begin = block * BLOCK;
             let (x, y) = (load(points.x, begin), load(points.y, begin));
             // Two loops: roots and quotients wait for each other, and more rays of a short loop are under way at once.
-            for k in 0..BLOCK {
-                d.set(k, film.direction(x[k], y[k]).unit());
-            }
+            film.directions_and_lengths([&x, &y], d.axes_mut(), &mut lengths);
             if let Some(boost) = boost {
                 for (k, ratio) in ratios.iter_mut().enumerate() {
                     let seen = Direction::from_unit(d.get(k));

@@ -1,0 +1,213 @@
+//! Sines and cosines of many angles, with the bits of [`libm::sincos`].
+//!
+//! The reduction by multiples of π/2 in two parts (Cody and Waite, "Software Manual for the Elementary Functions", 1980) and the polynomials on ±π/4
+//! are those of FreeBSD's msun, which libm has, in the order in which it works them out, but without branches. Blocks with an angle beyond 9π/4, or so
+//! near a multiple of π/2 that libm takes more parts, are left to it.
+
+use super::vectors::{BLOCK, Block};
+
+/// π/2 in two parts: its first 33 bits, and the rest.
+const QUARTER: [f64; 2] = bits([0x3ff9_21fb_5440_0000, 0x3dd0_b461_1a62_6331]);
+/// sin x = x + S₁ x³ + … + S₆ x¹³ to 2⁻⁵⁸ x on ±π/4.
+const S: [f64; 6] = bits([
+    0xbfc5_5555_5555_5549,
+    0x3f81_1111_1110_f8a6,
+    0xbf2a_01a0_19c1_61d5,
+    0x3ec7_1de3_57b1_fe7d,
+    0xbe5a_e5e6_8a2b_9ceb,
+    0x3de5_d93a_5acf_d57c,
+]);
+/// cos x = 1 − x²/2 + C₁ x⁴ + … + C₆ x¹⁴ to 2⁻⁵⁸ on ±π/4.
+const C: [f64; 6] = bits([
+    0x3fa5_5555_5555_554c,
+    0xbf56_c16c_16c1_5177,
+    0x3efa_01a0_19cb_1590,
+    0xbe92_7e4f_809c_52ad,
+    0x3e21_ee9e_bdb4_b1c4,
+    0xbda8_fae9_be88_38d4,
+]);
+/// The least angles from which on 1, 2, 3 and 4 times π/2 are taken off, and more: π/4, 3π/4, … 9π/4 as libm has them, in 32 bits.
+const FROM: [f64; 5] = bits([
+    0x3fe9_21fc << 32,
+    0x4002_d97d << 32,
+    0x400f_6a7b << 32,
+    0x4015_fdbd << 32,
+    0x401c_463c << 32,
+]);
+/// The least part of an angle that may be left of it, 2⁻¹⁵: where libm takes more parts of π/2, less than half of that is.
+const LEFT: f64 = 1.0 / 32768.0;
+/// A sum with 1.5·2⁵² has a whole number in its last bits.
+const WHOLE: f64 = 6_755_399_441_055_744.0;
+
+const fn bits<const N: usize>(bits: [u64; N]) -> [f64; N] {
+    let mut numbers = [0.0; N];
+    let mut k = 0;
+    while k < N {
+        numbers[k] = f64::from_bits(bits[k]);
+        k += 1;
+    }
+    numbers
+}
+
+/// Sets `sines` and `cosines` to those of `angles`.
+#[inline(always)]
+pub(crate) fn sincos_each(angles: &Block, sines: &mut Block, cosines: &mut Block) {
+    let mut are_usual = true;
+    for k in 0..BLOCK {
+        let is_usual;
+        (sines[k], cosines[k], is_usual) = sincos_usual(angles[k]);
+        are_usual &= is_usual;
+    }
+    if !are_usual {
+        singly(angles, sines, cosines);
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn singly(angles: &Block, sines: &mut Block, cosines: &mut Block) {
+    for k in 0..BLOCK {
+        (sines[k], cosines[k]) = libm::sincos(angles[k]);
+    }
+}
+
+/// The sine and cosine of `x`, and whether they are.
+#[inline(always)]
+fn sincos_usual(x: f64) -> (f64, f64, bool) {
+    // How many quarter turns are taken off, and what is left: r, and what its rounding lost.
+    let size = x.abs();
+    let mut quarters = 0.0;
+    for from in &FROM[..4] {
+        quarters += if size >= *from { 1.0 } else { 0.0 };
+    }
+    let quarters = f64::copysign(quarters, x);
+    let [first, rest] = QUARTER;
+    let (before, off) = (x - quarters * first, quarters * rest);
+    let r = before - off;
+    let lost = (before - r) - off;
+    let is_usual = (size < FROM[4]) & (r.abs() >= size * LEFT);
+
+    // Polynomials, that of the sine in libm's two ways: with and without what was lost.
+    let z = r * r;
+    let (w, v) = (z * z, z * r);
+    let sum = S[1] + z * (S[2] + z * S[3]) + z * w * (S[4] + z * S[5]);
+    let near = r + v * (S[0] + z * sum);
+    let far = r - ((z * (0.5 * lost - v * sum) - lost) - v * S[0]);
+    let sine = if size < FROM[0] { near } else { far };
+    // −0 is its own sine.
+    let sine = if size > 0.0 { sine } else { x };
+    let sum = z * (C[0] + z * (C[1] + z * C[2])) + w * w * (C[3] + z * (C[4] + z * C[5]));
+    let half = 0.5 * z;
+    let most = 1.0 - half;
+    let cosine = most + (((1.0 - most) - half) + (z * sum - r * lost));
+
+    // In odd quarters they change places, and signs by halves.
+    let turns = (quarters + WHOLE).to_bits();
+    let is_odd = turns & 1 == 1;
+    let (a, b) = if is_odd {
+        (cosine, sine)
+    } else {
+        (sine, cosine)
+    };
+    let sign = |turns: u64| (turns & 2) << 62;
+    let (a, b) = (a.to_bits() ^ sign(turns), b.to_bits() ^ sign(turns + 1));
+    (f64::from_bits(a), f64::from_bits(b), is_usual)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_4;
+
+    use super::*;
+    use crate::accel::numbers;
+    use crate::accel::vectors::{VectorLoop, dispatch};
+
+    /// Sines and cosines of many angles.
+    struct All<'a>(&'a [Block], &'a mut [[Block; 2]]);
+
+    impl VectorLoop for All<'_> {
+        #[inline(always)]
+        fn run(self) {
+            for (angles, [sines, cosines]) in self.0.iter().zip(self.1) {
+                sincos_each(angles, sines, cosines);
+            }
+        }
+    }
+
+    /// Holds sines and cosines of these angles to have the bits of libm's; there are as many of each block as is asked for that are not left to it.
+    fn check(angles: impl Iterator<Item = f64>, usual: impl Fn(usize) -> bool) {
+        let angles: Vec<f64> = angles.collect();
+        let (blocks, rest) = angles.as_chunks();
+        assert!(rest.is_empty());
+        let of_block = |block: &Block| block.iter().all(|x| sincos_usual(*x).2);
+        let count = blocks.iter().filter(|block| of_block(block)).count();
+        assert!(usual(count), "{count} of {}", blocks.len());
+        let mut wide = vec![[[0.0; BLOCK]; 2]; blocks.len()];
+        let mut narrow = wide.clone();
+        dispatch(All(blocks, &mut wide));
+        All(blocks, &mut narrow).run();
+        for seen in [wide, narrow] {
+            let seen = seen
+                .iter()
+                .flat_map(|[sines, cosines]| sines.iter().zip(cosines));
+            for (x, (sine, cosine)) in angles.iter().zip(seen) {
+                let expected = libm::sincos(*x);
+                let seen = [*sine, *cosine].map(f64::to_bits);
+                assert_eq!(seen, [expected.0, expected.1].map(f64::to_bits), "{x:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn sines_and_cosines_have_the_bits_of_libm() {
+        let mut next = numbers(5);
+        let most = 9.0 * FRAC_PI_4;
+        check((0..1 << 20).map(|_| most * next()), |usual| usual > 16000);
+        // Of any size.
+        let mut next = numbers(6);
+        let any = (0..1 << 16).map(|k| f64::from_bits(k << 47) * next());
+        check(any.filter(|x| x.is_finite()).take(65024), |usual| {
+            usual < 600
+        });
+        check((0..BLOCK * 100).map(|k| -0.0 * k as f64), |usual| {
+            usual == 100
+        });
+    }
+
+    #[test]
+    fn angles_about_multiples_of_eighths_of_a_turn_have_the_bits_of_libm() {
+        for eighth in 1..=12 {
+            for sign in [1.0, -1.0] {
+                let at = (sign * FRAC_PI_4 * f64::from(eighth)).to_bits() as i64;
+                let mut next = numbers(eighth as u64);
+                // By as many steps as 2⁰ to 2⁴⁷, a block each.
+                let near = (0..BLOCK * 48).map(|k| {
+                    let off = (next() * 2f64.powi((k / BLOCK) as i32)) as i64;
+                    f64::from_bits((at + off) as u64)
+                });
+                // Near those of quarters more is lost than two parts of π/2 make good.
+                let is_kept = |usual| match eighth {
+                    1 | 3 | 5 | 7 => usual == 48,
+                    9 => usual < 48,
+                    _ => usual < 20,
+                };
+                check(near, is_kept);
+            }
+        }
+    }
+
+    #[test]
+    fn one_angle_that_is_left_to_libm_leaves_the_others_as_they_are() {
+        for odd in [1e9, -8.0, f64::from_bits(0x4009_21fb_5444_2d18)] {
+            check(
+                (0..BLOCK).map(|k| if k == 37 { odd } else { k as f64 / 9.0 }),
+                |usual| usual == 0,
+            );
+        }
+        let (mut sines, mut cosines) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for odd in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
+            sincos_each(&[odd; BLOCK], &mut sines, &mut cosines);
+            assert!(sines.iter().chain(&cosines).all(|x| x.is_nan()));
+        }
+    }
+}

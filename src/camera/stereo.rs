@@ -15,7 +15,9 @@ use glam::DVec3;
 
 use super::any_projection::AnyProjection;
 use super::projection::Projection;
-use super::{CameraRay, Inertial, Shot, View};
+use super::rays::{RayBlock, SimpleRays};
+use super::{CameraRay, FilmPoints, Inertial, RaySlices, Shot, View};
+use crate::accel::vectors::{BLOCK, Block};
 use crate::scene::model::CameraModel;
 use crate::spacetime::{Displacement, World};
 
@@ -48,6 +50,18 @@ impl Stereo {
     }
 }
 
+impl Stereo {
+    /// Where column `x` of the picture is on an eye's film, which either half of the picture is all of, and that eye's side.
+    #[inline(always)]
+    fn of_eye(&self, x: f64) -> (f64, f64) {
+        let is_left = x < self.half;
+        (
+            if is_left { x } else { x - self.half },
+            if is_left { -1.0 } else { 1.0 },
+        )
+    }
+}
+
 impl View for Stereo {
     const SHARED_ORIGIN: bool = false;
 
@@ -63,13 +77,35 @@ impl View for Stereo {
 
     #[inline]
     fn ray_through<P: Projection>(&self, film: &P, x: f64, y: f64, moment: f64) -> CameraRay {
-        // Either half of the picture is all of one eye's film.
-        let (x, side) = match x < self.half {
-            true => (x, -1.0),
-            false => (x - self.half, 1.0),
-        };
+        let (x, side) = self.of_eye(x);
         let mut ray = self.eye.ray_through(film, x, y, moment);
         ray.origin.displacement = ray.origin.displacement + self.offset * side;
         ray
+    }
+
+    #[inline(always)]
+    fn rays<P: Projection>(&self, film: &P, points: &FilmPoints, mut rays: RaySlices) {
+        rays.fill_by(self, self, film, points);
+    }
+}
+
+impl SimpleRays for Stereo {
+    #[inline(always)]
+    fn rays<P: Projection>(
+        &self,
+        film: &P,
+        [x, y]: [&Block; 2],
+        moments: &Block,
+        to: &mut RayBlock,
+    ) {
+        let (mut in_half, mut sides) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for k in 0..BLOCK {
+            (in_half[k], sides[k]) = self.of_eye(x[k]);
+        }
+        SimpleRays::rays(&self.eye, film, [&in_half, y], moments, to);
+        let offset = self.offset;
+        for (k, side) in sides.into_iter().enumerate() {
+            to.set_place(k, to.place(k) + offset * side);
+        }
     }
 }

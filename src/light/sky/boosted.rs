@@ -73,6 +73,40 @@ pub struct SkySample {
     pub density: f64,
 }
 
+impl SkySample {
+    /// What comes from there of `sky`: by channel, or at some wavelengths of the rest frame.
+    #[inline]
+    pub fn of<'a>(&self, sky: &'a Sky, wavelengths: Option<&'a Wavelengths>) -> FromSky<'a> {
+        FromSky {
+            sky,
+            d: self.d,
+            rho: self.rho,
+            wavelengths,
+        }
+    }
+}
+
+/// Light of a sky from one direction.
+#[derive(Debug, Clone, Copy)]
+pub struct FromSky<'a> {
+    /// The sky that [`BoostedSky::new`] was made of.
+    pub sky: &'a Sky,
+    /// In the world.
+    pub d: Direction<World>,
+    /// ω_rest/ω_world.
+    pub rho: f64,
+    /// Those of the rest frame at which it is asked for; by channel where there are none.
+    pub wavelengths: Option<&'a Wavelengths>,
+}
+
+impl FromSky<'_> {
+    /// The radiance of the background in the world.
+    #[inline]
+    fn background(&self) -> [f64; 3] {
+        self.sky.background.radiance(self.d.unit(), 0.0)
+    }
+}
+
 /// What a block sends, W²⁻ᵖ L dω, and from where.
 #[derive(Debug, Clone, Copy)]
 struct Beam {
@@ -213,53 +247,24 @@ impl BoostedSky {
         })
     }
 
-    /// L_F of light from `d`, ω_rest/ω_world of which is `rho`, without the sun; stars shine from all of their block. By channel, or at
-    /// some wavelengths of the frame, where there are neither stars nor lines.
+    /// L_F without the sun; stars shine from all of their block. By channel, or at some wavelengths of the frame, where there are neither stars nor
+    /// lines. For directions of [`BoostedSky::sample`]: where these are drawn by light, it is the mean about them.
     #[inline]
-    pub fn radiance(
-        &self,
-        sky: &Sky,
-        d: Direction<World>,
-        rho: f64,
-        wavelengths: Option<&Wavelengths>,
-    ) -> [f64; 3] {
-        let channels = sky.background.radiance(d.unit(), 0.0);
-        self.seen(sky, channels, d, rho, wavelengths)
-    }
-
-    /// The same for directions of [`BoostedSky::sample`]: where these are drawn by light, it is the mean about them.
-    #[inline]
-    pub fn mean_radiance(
-        &self,
-        sky: &Sky,
-        d: Direction<World>,
-        rho: f64,
-        wavelengths: Option<&Wavelengths>,
-    ) -> [f64; 3] {
-        match self.is_uneven() {
-            false => self.radiance(sky, d, rho, wavelengths),
-            true => {
-                let texel = self.grid.texel(d.unit());
-                let channels = self.grid.radiance_about(texel);
-                self.seen(sky, channels, d, rho, wavelengths)
-            }
-        }
+    pub fn mean_radiance(&self, from: &FromSky) -> [f64; 3] {
+        let channels = match self.is_uneven() {
+            false => from.background(),
+            true => self.grid.radiance_about(self.grid.texel(from.d.unit())),
+        };
+        self.seen(channels, from)
     }
 
     /// The same for a direction that a surface draws with this `density`. What it reflects and what [`BoostedSky::sample`] finds have to be parts of
     /// one light, so it is the mean, too, but for lobes narrower than a texel, which show the picture.
     #[inline]
-    pub fn reflected_radiance(
-        &self,
-        sky: &Sky,
-        d: Direction<World>,
-        rho: f64,
-        density: f64,
-        wavelengths: Option<&Wavelengths>,
-    ) -> [f64; 3] {
-        match self.shows_picture(d, rho, density) {
-            true => self.radiance(sky, d, rho, wavelengths),
-            false => self.mean_radiance(sky, d, rho, wavelengths),
+    pub fn reflected_radiance(&self, from: &FromSky, density: f64) -> [f64; 3] {
+        match self.shows_picture(from.d, from.rho, density) {
+            true => self.seen(from.background(), from),
+            false => self.mean_radiance(from),
         }
     }
 
@@ -272,16 +277,10 @@ impl BoostedSky {
 
     /// L_F where the background has the radiance `channels`.
     #[inline]
-    fn seen(
-        &self,
-        sky: &Sky,
-        channels: [f64; 3],
-        d: Direction<World>,
-        rho: f64,
-        wavelengths: Option<&Wavelengths>,
-    ) -> [f64; 3] {
+    fn seen(&self, channels: [f64; 3], from: &FromSky) -> [f64; 3] {
+        let FromSky { sky, d, rho, .. } = *from;
         let w = 1.0 / rho;
-        if let Some(wavelengths) = wavelengths {
+        if let Some(wavelengths) = from.wavelengths {
             return self.seen_at(sky, channels, w, *wavelengths);
         }
         let mut seen = self.received.radiance(w, channels);
@@ -307,23 +306,17 @@ impl BoostedSky {
         sum(seen, sky.spectral_at(w, wavelengths))
     }
 
-    /// The same with the sun, and with stars as the discs that they are.
+    /// L_F with the sun, and with stars as the discs that they are.
     #[inline]
-    pub fn radiance_with_sun(
-        &self,
-        sky: &Sky,
-        d: Direction<World>,
-        rho: f64,
-        wavelengths: Option<&Wavelengths>,
-    ) -> [f64; 3] {
-        let w = 1.0 / rho;
-        if let Some(wavelengths) = wavelengths {
-            return self.seen_at(sky, sky.radiance(d.unit()), w, *wavelengths);
+    pub fn radiance_with_sun(&self, from: &FromSky) -> [f64; 3] {
+        let (sky, d, w) = (from.sky, from.d.unit(), 1.0 / from.rho);
+        if let Some(wavelengths) = from.wavelengths {
+            return self.seen_at(sky, sky.radiance(d), w, *wavelengths);
         }
-        let seen = self.received.radiance(w, sky.radiance(d.unit()));
+        let seen = self.received.radiance(w, sky.radiance(d));
         match sky.has_spectra() {
             false => seen,
-            true => sum(seen, sky.spectral(d.unit(), w)),
+            true => sum(seen, sky.spectral(d, w)),
         }
     }
 
@@ -365,6 +358,18 @@ impl BoostedSky {
             rho,
             density: self.density(cosine, d, rho),
         })
+    }
+
+    /// The direction `in_rest` as one that was drawn for a surface of the unit normal `n`.
+    #[inline]
+    pub fn sample_at(&self, n: DVec3, in_rest: DVec3) -> SkySample {
+        let (d, rho) = self.in_world(in_rest);
+        SkySample {
+            d,
+            in_rest,
+            rho,
+            density: self.density(n.dot(in_rest), d, rho),
+        }
     }
 
     /// The density per solid angle of the rest frame with which [`BoostedSky::sample`] draws a direction that is `d` in
@@ -584,7 +589,7 @@ mod tests {
         let at = |k: usize| (k as f64 + 0.5) / count as f64;
         for k in 0..count * count {
             if let Some(s) = boosted.sample(n, [at(k % count), at(k / count)]) {
-                let radiance = boosted.mean_radiance(sky, s.d, s.rho, None)[1];
+                let radiance = boosted.mean_radiance(&s.of(sky, None))[1];
                 let drawn = radiance * n.dot(s.in_rest) / s.density;
                 sum += drawn;
                 most = most.max(drawn);

@@ -27,7 +27,7 @@ mod stars;
 
 use glam::DVec3;
 
-pub use boosted::{BoostedSky, SkySample};
+pub use boosted::{BoostedSky, FromSky, SkySample};
 pub use catalogue::stars;
 pub use grid::LightGrid;
 pub use panorama::Panorama;

@@ -97,6 +97,7 @@ use crate::colour::{Line, Wavelengths, per_wavelength_power};
 use crate::light::Received;
 use crate::light::lamp::{Incident, Irradiance};
 use crate::light::reflection::{Reflection, Scattered};
+use crate::light::sky::FromSky;
 use crate::light::time_texture::CaptureView;
 
 /// What random numbers at a surface are for.
@@ -644,18 +645,24 @@ impl PathTraced {
         let boosted = &light.frames[drawn.frame as usize];
         let (d, rho) = boosted.in_world(l);
         let w = 1.0 / rho;
+        let from = FromSky {
+            sky: &light.sky,
+            d,
+            rho,
+            wavelengths,
+        };
         let radiance = if density.is_infinite() {
             // A mirror shows the sun, whose light as that of a lamp it does not reflect.
-            boosted.radiance_with_sun(&light.sky, d, rho, wavelengths)
+            boosted.radiance_with_sun(&from)
         } else if is_shared {
-            boosted.mean_radiance(&light.sky, d, rho, wavelengths)
+            boosted.mean_radiance(&from)
         } else {
             let weight = match (light.shadows, boosted.is_uneven()) {
                 (false, _) => 0.0,
                 (true, false) => 1.0,
                 (true, true) => balance(density, boosted.density(cosine, d, rho)),
             };
-            let radiance = boosted.reflected_radiance(&light.sky, d, rho, density, wavelengths);
+            let radiance = boosted.reflected_radiance(&from, density);
             radiance.map(|l| l * weight)
         };
         Incident::new(radiance, boosted.received().wavelength_scale(w))

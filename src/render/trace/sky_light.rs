@@ -75,6 +75,28 @@ fn open_part(drawn: &[Drawn], pair: usize, blocked: impl Fn(usize) -> bool) -> f
     }
 }
 
+/// Draws the directions of both pairs for each point of `run`, and calls `each` with the point, which pair it is, the direction, and the cosine over its
+/// density, in parts of all that are drawn.
+fn draw(
+    boosted: &BoostedSky,
+    run: &Run,
+    emitted: &mut Emitted,
+    mut each: impl FnMut(&mut Emitted, usize, usize, SkySample, f64),
+) {
+    for k in 0..run.count() {
+        let n = emitted.points.normals.get(k);
+        for (pair, dimension) in [SKY, OTHER_PAIR].into_iter().enumerate() {
+            for draw in 0..PAIR {
+                let numbers = run.one_random_of(k, dimension, draw, PAIR);
+                if let Some(sample) = boosted.sample(n, numbers) {
+                    let factor = n.dot(sample.in_rest) / (sample.density * DRAWS as f64);
+                    each(emitted, k, pair, sample, factor);
+                }
+            }
+        }
+    }
+}
+
 /// The weight of the direction of `sample`, which has the density with which the sky draws it, where it is drawn for the specular part.
 fn own_part(reflection: &Reflection, boosted: &BoostedSky, sample: &SkySample) -> f64 {
     // A sky without suns is drawn by cosine, which finds less of any lobe than the lobe itself.
@@ -149,25 +171,30 @@ impl SkyLight {
             }
             let weight = weight(emitted.reflections.get(k), l, sample.density);
             let factor = weight * n.dot(l) / sample.density;
-            let wavelengths = emitted.spectral.at(k);
-            let radiance = boosted.mean_radiance(&self.sky, sample.d, sample.rho, wavelengths);
             let scale = boosted.received().wavelength_scale(1.0 / sample.rho);
-            let incident = Incident::new(radiance.map(|l| l * factor), scale);
-            self.add_lines(sample.rho, factor, emitted);
-            emitted.arriving.push((k, incident, l));
-            emitted.queries.push(k, sample.d.unit(), f64::INFINITY);
+            self.arrive(boosted, (k, &sample), [factor, scale], emitted);
         }
         reflect_unblocked(Reflection::value, run, self.shadows, index, emitted, meter);
     }
 
-    /// Adds the lines of light that is about to arrive, of which `rho` is ω_rest/ω_world, times `factor`.
-    fn add_lines(&self, rho: f64, factor: f64, emitted: &mut Emitted) {
+    /// Lets the light of a direction drawn for the point `k` arrive where nothing is in the way: times `factor`, and with this scale of wavelengths.
+    fn arrive(
+        &self,
+        boosted: &BoostedSky,
+        (k, sample): (usize, &SkySample),
+        [factor, scale]: [f64; 2],
+        emitted: &mut Emitted,
+    ) {
+        let radiance = boosted.mean_radiance(&sample.of(&self.sky, emitted.spectral.at(k)));
+        let incident = Incident::new(radiance.map(|l| l * factor), scale);
         if self.sky.has_lines() && emitted.spectral.is_sampled() {
             let at = emitted.arriving.len();
-            let lines = self.sky.lines(1.0 / rho);
+            let lines = self.sky.lines(1.0 / sample.rho);
             let lines = lines.map(|line| (at, line.scaled(factor)));
             emitted.spectral.arriving.extend(lines);
         }
+        emitted.arriving.push((k, incident, sample.in_rest));
+        emitted.queries.push(k, sample.d.unit(), f64::INFINITY);
     }
 
     /// Adds what falls on the points, as it is reflected diffusely and by the part of gloss that these directions have, where it is sampled at wavelengths: what falls from all of the sky at one of them
@@ -182,36 +209,13 @@ impl SkyLight {
     ) {
         emitted.arriving.clear();
         emitted.queries.clear();
-        for k in 0..run.count() {
-            let n = emitted.points.normals.get(k);
-            for dimension in [SKY, OTHER_PAIR] {
-                for draw in 0..PAIR {
-                    let numbers = run.one_random_of(k, dimension, draw, PAIR);
-                    let Some(sample) = boosted.sample(n, numbers) else {
-                        continue;
-                    };
-                    if emitted.points.is_below(k, sample.in_rest) {
-                        continue;
-                    }
-                    let factor = n.dot(sample.in_rest) / (sample.density * DRAWS as f64);
-                    let (d, rho) = (sample.d, sample.rho);
-                    let wavelengths = emitted.spectral.at(k);
-                    let radiance = boosted.mean_radiance(&self.sky, d, rho, wavelengths);
-                    let light = Incident::new(radiance.map(|l| l * factor), 1.0);
-                    self.add_lines(rho, factor, emitted);
-                    emitted.arriving.push((k, light, sample.in_rest));
-                    emitted.queries.push(k, d.unit(), f64::INFINITY);
-                }
+        draw(boosted, run, emitted, |emitted, k, _, sample, factor| {
+            if !emitted.points.is_below(k, sample.in_rest) {
+                self.arrive(boosted, (k, &sample), [factor, 1.0], emitted);
             }
-        }
+        });
         let value = |reflection: &Reflection, l: DVec3| {
-            let (d, rho) = boosted.in_world(l);
-            let sample = SkySample {
-                d,
-                in_rest: l,
-                rho,
-                density: boosted.density(reflection.normal().dot(l), d, rho),
-            };
+            let sample = boosted.sample_at(reflection.normal(), l);
             drawn_value(reflection, l, 1.0 - own_part(reflection, boosted, &sample))
         };
         reflect_unblocked(value, run, self.shadows, index, emitted, meter);
@@ -228,32 +232,22 @@ impl SkyLight {
     ) {
         emitted.queries.clear();
         let mut drawn = Vec::with_capacity(run.count() * DRAWS);
-        for k in 0..run.count() {
-            let n = emitted.points.normals.get(k);
-            for (pair, dimension) in [SKY, OTHER_PAIR].into_iter().enumerate() {
-                for draw in 0..PAIR {
-                    let numbers = run.one_random_of(k, dimension, draw, PAIR);
-                    let Some(sample) = boosted.sample(n, numbers) else {
-                        continue;
-                    };
-                    let factor = n.dot(sample.in_rest) / (sample.density * DRAWS as f64);
-                    let radiance = boosted.mean_radiance(&self.sky, sample.d, sample.rho, None);
-                    let specular = match emitted.reflections.get(k) {
-                        None => 0.0,
-                        Some(reflection) => 1.0 - own_part(reflection, boosted, &sample),
-                    };
-                    drawn.push(Drawn {
-                        k,
-                        pair,
-                        l: sample.in_rest,
-                        is_below: emitted.points.is_below(k, sample.in_rest),
-                        light: radiance.map(|l| l * factor),
-                        specular,
-                    });
-                    emitted.queries.push(k, sample.d.unit(), f64::INFINITY);
-                }
-            }
-        }
+        draw(boosted, run, emitted, |emitted, k, pair, sample, factor| {
+            let radiance = boosted.mean_radiance(&sample.of(&self.sky, None));
+            let specular = match emitted.reflections.get(k) {
+                None => 0.0,
+                Some(reflection) => 1.0 - own_part(reflection, boosted, &sample),
+            };
+            drawn.push(Drawn {
+                k,
+                pair,
+                l: sample.in_rest,
+                is_below: emitted.points.is_below(k, sample.in_rest),
+                light: radiance.map(|l| l * factor),
+                specular,
+            });
+            emitted.queries.push(k, sample.d.unit(), f64::INFINITY);
+        });
         self.occlude(run, index, emitted, meter);
         let mut at = 0;
         for k in 0..run.count() {
@@ -303,30 +297,24 @@ impl SkyLight {
                 continue;
             };
             // `weight` is value times cosine over density.
-            let (d, rho) = boosted.in_world(l);
             let density = reflection.specular_density(l);
-            let sample = SkySample {
-                d,
-                in_rest: l,
-                rho,
-                density: boosted.density(reflection.normal().dot(l), d, rho),
-            };
+            let sample = boosted.sample_at(reflection.normal(), l);
             let part = own_part(reflection, boosted, &sample);
             let spectral = &mut emitted.spectral;
-            let (sky, wavelengths) = (&self.sky, spectral.at(k));
-            let radiance = boosted.reflected_radiance(sky, d, rho, density, wavelengths);
+            let from = sample.of(&self.sky, spectral.at(k));
+            let radiance = boosted.reflected_radiance(&from, density);
             let light: [f64; 3] = std::array::from_fn(|c| part * weight[c] * radiance[c]);
             // Lines by the same direction, which does not depend on colours.
             let in_rgb = spectral.in_rgb.get(k);
             let in_rgb = in_rgb.and_then(|of| of.sample_specular(run.random(k, GLOSS)));
             if let Some((_, weight)) = in_rgb {
-                let lines = self.sky.lines(1.0 / rho);
+                let lines = self.sky.lines(1.0 / sample.rho);
                 let lines =
                     lines.map(|line| (drawn.len(), line.reflected(weight.map(|c| part * c))));
                 spectral.arriving.extend(lines);
             }
             drawn.push((k, light));
-            emitted.queries.push(k, d.unit(), f64::INFINITY);
+            emitted.queries.push(k, sample.d.unit(), f64::INFINITY);
         }
         self.occlude(run, index, emitted, meter);
         for (at, (k, light)) in drawn.iter().enumerate() {

@@ -1,11 +1,42 @@
-//! Normals by which surfaces are smooth, where they are turned too far from the observer.
+//! Normals by which surfaces are smooth, and how they are turned where they are too far from the observer.
+//!
+//! Where a normal between those of the corners of a triangle stands for that of the triangle, n_g, it is n, turned to the side of n_g that
+//! the observer is on. With χ = 1 where n·l and n_g·l have one sign and otherwise 0, the surface has χ f in place of f: light from below it
+//! gives nothing, and it reflects no more than a surface of the normal n does. Such an f is not reciprocal (Veach, "Robust Monte Carlo
+//! Methods for Light Transport Simulation", 1997, § 5.3); light is followed from the observer. Diffuse surfaces do not depend on v, and n
+//! is as it is; of others it is `bent`.
 
 use glam::DVec3;
+
+use super::Reflection;
 
 /// The least cosine to the surface's normal of what is seen mirrored, but no more than [`PART`] of that of the view: with both, normals of
 /// flat surfaces stay as they are.
 const LEAST: f64 = 0.01;
 const PART: f64 = 0.9;
+
+impl Reflection {
+    /// The same of a surface with this normal, where another stands for it: on the side of the observer.
+    pub fn on(self, geometric: DVec3) -> Self {
+        Reflection { geometric, ..self }
+    }
+
+    /// That of the surface itself.
+    pub fn geometric_normal(&self) -> DVec3 {
+        self.geometric
+    }
+
+    /// Whether these are two.
+    pub(crate) fn is_smooth(&self) -> bool {
+        self.normal != self.geometric
+    }
+
+    /// Whether `l` is on the same side of the surface as of its normal: other light gives nothing.
+    #[inline]
+    pub fn is_open(&self, l: DVec3) -> bool {
+        (self.normal.dot(l) < 0.0) == (self.geometric.dot(l) < 0.0)
+    }
+}
 
 /// A normal for light that a surface reflects by how it is seen: `normal`, unless that would mirror the view into the surface, whose own
 /// normal is `geometric`, or look away from the view.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use nullray::io::cube::{is_sequence, pictures};
+use nullray::io::cube;
 use nullray::io::{colmap, files};
 use nullray::render::plan::{Plan, Request};
 use nullray::scene::model::{Geometry, Scene, SourceKind};
@@ -36,10 +36,7 @@ fn with(scene: &Scene, meshes: impl Iterator<Item = PathBuf>) -> Vec<PathBuf> {
         SourceKind::Cube(cube) => cube.data.path(),
         SourceKind::Pulse(_) => None,
     });
-    let cubes = cubes.flat_map(|path| match is_sequence(path) {
-        true => pictures(path).unwrap_or_default(),
-        false => vec![path.to_path_buf()],
-    });
+    let cubes = cubes.flat_map(|path| cube::files(path).unwrap_or_default());
     let coordinates = scene.objects.iter().filter_map(|o| {
         let file = o.texture_coordinates.as_ref()?;
         Some(file.path.clone())

@@ -15,7 +15,8 @@ use super::report::Report;
 use super::resolve::{self, Context, GLTF, Kinematics, NUMBERS, SPECTRUM};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
-use crate::io::{colmap, cube, files, gltf, npy, spectrum};
+use crate::io::cube::{self, CubeFormat};
+use crate::io::{colmap, files, gltf, npy, spectrum};
 
 /// The longest scene file, bytes. Scenes name their data; they do not hold them.
 const LONGEST: usize = 4 << 20;
@@ -211,22 +212,19 @@ fn look_for_cube(inputs: &mut Inputs, cache: &FileCache, cube: &file::Cube) {
     }
     let path = inputs.base.join(&name.value);
     let array = cube.array.as_ref().map(|at| at.value.as_str());
-    let times = || cache.times(&path, array, || cube::times(&path, array));
-    if cube::is_sequence(&path) {
-        // All of them, or some.
-        if let Err(error) = cube::pictures(&path) {
-            inputs.add_missing(name, error.to_string());
+    let format = cube::format_called(&path);
+    match format.and_then(CubeFormat::by_path) {
+        None => look_for(inputs, cache, name),
+        // All of what it consists of, or some.
+        Some(_) => {
+            if let Err(error) = cube::files(&path) {
+                inputs.add_missing(name, error.to_string());
+            }
         }
-        return;
     }
-    if cube::is_zarr(&path) {
-        inputs.add_times(name, times());
-        return;
-    }
-    look_for(inputs, cache, name);
-    let is_cube = || cube::FORMATS.iter().any(|f| f.has_name_of(&path));
-    if inputs.problem(name).is_none() && is_cube() {
-        inputs.add_times(name, times());
+    if inputs.problem(name).is_none() && format.is_some() {
+        let times = cache.times(&path, array, || cube::times(&path, array));
+        inputs.add_times(name, times);
     }
 }
 

@@ -15,30 +15,24 @@ use serde_json::{Map, Value, json};
 use super::{Info, MOST, escaped};
 
 pub fn info(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
-    let kind = match format.extensions {
-        ["ti"] => "transient_image",
-        ["h5", ..] => "hdf5",
-        _ => "numpy",
-    };
-    of_arrays(path, kind, format.name, &(format.arrays)(path)?, memory)
+    match format.pictures {
+        true => sequence(path, format, memory),
+        false => of_arrays(path, format, memory),
+    }
 }
 
-/// A Zarr array, or a group of them.
-pub fn zarr(path: &Path, memory: u64) -> Result<Info> {
-    of_arrays(path, "zarr", "Zarr folder", &cube::arrays(path)?, memory)
-}
-
-fn of_arrays(path: &Path, kind: &str, name: &str, headers: &[Header], memory: u64) -> Result<Info> {
-    let baked = baked(path, headers, memory);
-    let is_picture = baked.is_none() && is_picture(headers);
-    let title = match headers {
+fn of_arrays(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
+    let (name, headers) = (format.name, (format.arrays)(path)?);
+    let baked = baked(path, &headers, memory);
+    let is_picture = baked.is_none() && is_picture(&headers);
+    let title = match headers.as_slice() {
         headers if baked.is_some() => format!("baked light, {} arrays", headers.len()),
         headers if is_picture => format!("picture of {} arrays", headers.len()),
         [one] if one.name.is_none() => name.into(),
         [_] => format!("{name} of 1 array"),
         headers => format!("{name} of {} arrays", headers.len()),
     };
-    let mut info = Info::new(kind, &title);
+    let mut info = Info::new(format.key, &title);
     // Of a file that says which of its arrays is a cube, the others only describe it.
     let said = cube::inspect(path, Wanted::default());
     let said = said
@@ -139,8 +133,8 @@ fn as_baked(info: &mut Info, path: &Path, metadata: &Map<String, Value>) {
 }
 
 /// A sequence of pictures as a cube.
-pub fn sequence(path: &Path, memory: u64) -> Result<Info> {
-    let mut info = Info::new("pictures", "sequence of pictures");
+fn sequence(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
+    let mut info = Info::new(format.key, format.name);
     // Codes have no meaning without a transfer, and any will do to look at them.
     let plain = Wanted::default().within(memory);
     let linear = Wanted {

@@ -10,7 +10,7 @@ mod table;
 use std::io::Read;
 use std::path::Path;
 
-use nullray::io::cube::{CubeFormat, format_of, is_picture, is_sequence, is_zarr};
+use nullray::io::cube::{self, CubeFormat, format_called, format_of, is_picture};
 use nullray::io::files;
 use nullray::{Error, Result};
 use serde_json::{Map, Value};
@@ -27,8 +27,6 @@ pub fn run(arguments: &InfoArguments) -> Result<()> {
     let path = arguments.file.as_path();
     let memory = arguments.memory.bytes();
     let info = match Kind::of(path)? {
-        Kind::Pictures => array::sequence(path, memory),
-        Kind::Zarr => array::zarr(path, memory),
         Kind::Gltf => gltf::info(path),
         Kind::Array(format) => array::info(path, format, memory),
         Kind::Exr => picture::exr(path, memory),
@@ -149,8 +147,6 @@ pub(super) fn is_reordering(c: char) -> bool {
 }
 
 enum Kind {
-    Pictures,
-    Zarr,
     Gltf,
     Array(&'static CubeFormat),
     Exr,
@@ -169,11 +165,9 @@ impl Kind {
         if builtin::is_standard_input(path) {
             return Ok(Kind::Scene);
         }
-        if is_sequence(path) && !is_picture(path) {
-            return Ok(Kind::Pictures);
-        }
-        if is_zarr(path) {
-            return Ok(Kind::Zarr);
+        let told = format_called(path).filter(|format| format.by_path().is_some());
+        if let Some(format) = told.filter(|_| !is_picture(path)) {
+            return Ok(Kind::Array(format));
         }
         let start = start(path)?;
         let extension = path.extension().map(|e| e.to_ascii_lowercase());
@@ -197,15 +191,22 @@ impl Kind {
                 "csv" => Ok(Kind::Table),
                 _ if first == Some(&b'{') => Ok(Kind::Gltf),
                 _ if is_text && std::str::from_utf8(start).is_ok() => Ok(Kind::Scene),
-                _ => Err(Error::unsupported(
-                    path,
-                    "",
-                    "nullray does not know this kind of file",
-                    "give a .gltf, .glb, .npy, .npz, .ti, .h5, .hdf5, .mat, .exr, .png, .hdr, .tif, .csv, a folder of numbered pictures or of Zarr, or a scene (.toml)",
-                )),
+                _ => Err(unknown(path)),
             },
         }
     }
+}
+
+fn unknown(path: &Path) -> Error {
+    let extensions: Vec<_> = cube::extensions().map(|end| format!(".{end}")).collect();
+    let folders = cube::FORMATS.iter().filter_map(CubeFormat::by_path);
+    let folders: Vec<_> = folders.map(|told| told.folder_of).collect();
+    let help = format!(
+        "give a .gltf, .glb, {}, .exr, .png, .hdr, .tif, .csv, a folder of {}, or a scene (.toml)",
+        extensions.join(", "),
+        folders.join(" or of ")
+    );
+    Error::unsupported(path, "", "nullray does not know this kind of file", help)
 }
 
 /// The first bytes of a file.

@@ -19,11 +19,11 @@ use super::cache::{Cache, locked};
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
 use super::chunks::Chunks;
 use super::dead::DeadBins;
-use super::format::Wanted;
 use super::negative::Negative;
 use super::pages::{InOrder, Pages};
 use super::samples::CubeSamples;
 use super::store::Store;
+use super::wanted::Wanted;
 use crate::error::{Error, Result};
 use crate::io::npy::Dtype;
 

@@ -8,11 +8,11 @@ use half::f16;
 
 use super::axes::{Arrangement, Axes};
 use super::channels::Channels;
-use super::format::{FileTimes, Wanted};
 #[cfg(feature = "hdf5")]
 use super::hdf5;
 use super::shifts::Shifts;
 use super::store::Store;
+use super::wanted::{FileTimes, Wanted};
 #[cfg(feature = "zarr")]
 use super::zarr;
 use crate::error::{Error, Message, Result, Setting};

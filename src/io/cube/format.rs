@@ -1,126 +1,158 @@
-//! What a format of cubes has to say for itself.
+//! What a format of cubes has to say for itself: a row of [`FORMATS`](super::FORMATS).
 
-use std::io::Read;
-use std::path::Path;
+use std::io::{BufReader, Read, Write};
+use std::path::{Path, PathBuf};
 
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::axes::Axes;
-use super::channels::Channels;
-use super::negative::Negative;
-use super::samples::{Cube, CubeSamples};
+use super::layout::StoredLayout;
+use super::samples::Cube;
+#[cfg(any(feature = "hdf5", feature = "zarr"))]
+use super::selection::{Open, Selection};
 use super::wall::Wall;
-use crate::io::budget::Budget;
+use super::wanted::{CubeInfo, FileTimes, Wanted};
 use crate::io::files::{ReadSeek, Reader};
-use crate::io::npy::{Dtype, Header};
+use crate::io::npy::Header;
+use crate::io::open::open_regular;
 use crate::{Error, Result};
 
-/// A format of files that hold cubes. The readers get an open file, its name for messages, and what is
-/// asked of it.
+/// A format of files, or of folders of them, that hold cubes.
 #[derive(Debug)]
 pub struct CubeFormat {
     /// Its name, for people.
     pub name: &'static str,
-    /// How names of its files end, in lower case; the first is the one that copies get.
+    /// Its name, for programs.
+    pub key: &'static str,
+    /// How names of its files end, in lower case; the first is the one that copies get. None of what is told by its path.
     pub extensions: &'static [&'static str],
-    /// First bytes, one of which its files begin with.
-    pub magic: &'static [&'static [u8]],
     /// Whether its arrays have names.
     pub named: bool,
+    /// Whether it holds pictures, a frame of a cube each: codes of theirs stand for radiance by a transfer that is declared.
+    pub pictures: bool,
+    /// How it is told apart from the others.
+    pub(super) told: Told,
+    /// The files that it consists of, for which it is looked when a scene names it.
+    pub(super) files: fn(&Path) -> Result<Vec<PathBuf>>,
     /// What would be loaded, by the same checks of headers and lengths; no samples are read.
-    pub(super) inspect: fn(Reader, &Path, Wanted) -> Result<CubeInfo>,
+    pub(super) inspect: fn(Input, Wanted) -> Result<CubeInfo>,
     /// The cube.
-    pub(super) load: fn(Reader, &Path, Wanted) -> Result<Cube>,
+    pub(super) load: fn(Input, Wanted) -> Result<Cube>,
     /// The headers of all arrays, whether cubes or not.
     pub arrays: fn(&Path) -> Result<Vec<Header>>,
-    /// What a file says of the time axis of the array of this name, or of its only one.
-    pub(super) times: fn(Reader, &Path, Option<&str>) -> Result<Option<FileTimes>>,
-    /// The points of a surface that the pixels of the cube are, where a file says them.
-    pub(super) wall: fn(Reader, &Path, Wanted) -> Result<Option<Wall>>,
+    /// What it says of the time axis of the array of this name, or of its only one.
+    pub(super) times: fn(Input, Option<&str>) -> Result<Option<FileTimes>>,
+    /// The points of a surface that the pixels of the cube are, where it says them.
+    pub(super) wall: fn(Input, Wanted) -> Result<Option<Wall>>,
+    /// How parts of a cube are read.
+    pub(super) parts: Parts,
 }
 
-/// The time axis of a file that says where its bins lie, metres of light path.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FileTimes {
-    /// Time at the start of bin 0.
-    pub start: f64,
-    /// Width of a bin, above 0.
-    pub width: f64,
-    /// Whether times are those of arrival at a sensor whose place only the file knows: they include the way from each
-    /// point of a surface to it.
-    pub at_sensor: bool,
+/// How a format is told apart from the others.
+#[derive(Debug)]
+pub(super) enum Told {
+    /// By the first bytes of its files, which are one of these; where those say nothing, by the ends of their names.
+    ByStart(&'static [&'static [u8]]),
+    /// By a path, before anything is opened.
+    ByPath(ByPath),
 }
 
-/// How codes of PNG and TIFF pictures stand for radiance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum Transfer {
-    /// In proportion.
-    Linear,
-    /// By the transfer function of sRGB.
-    Srgb,
+/// What is told by its path, as folders and patterns are.
+#[derive(Debug)]
+pub struct ByPath {
+    /// Whether a path names such a thing.
+    pub(super) is: fn(&Path) -> bool,
+    /// What such things are called in a list of what can be read.
+    pub(super) called: &'static str,
+    /// What a folder of it is a folder of.
+    pub folder_of: &'static str,
+    /// How to name one.
+    pub help: &'static str,
 }
 
-/// What is asked of a file.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Wanted<'a> {
-    /// The array, which may be left out where there is one only.
-    pub array: Option<&'a str>,
-    /// The order of its axes. Where none is given, (H, W, T) or (H, W, T, C).
-    pub axes: Option<&'a Axes>,
-    /// What its channels are. Where nothing is said, one is grey and three are red, green, blue.
-    pub channels: Option<&'a Channels>,
-    /// How codes of PNG pictures stand for radiance.
-    pub transfer: Option<Transfer>,
-    /// Bins in which the sensor counted nothing; they are mended from their neighbours in time.
-    pub dead_bins: &'a [usize],
-    /// What becomes of samples below 0. They stay where nothing is said.
-    pub negative: Option<Negative>,
-    /// The most memory that pictures and what is decoded of them may take, bytes. Default: 16 GiB.
-    pub memory: Option<u64>,
+/// How parts of a cube are read without all of it in memory.
+#[derive(Debug)]
+pub(super) enum Parts {
+    /// Each sample has its place in the file.
+    InPlace(InPlace),
+    /// Windows of an array in chunks are decoded; or all of it is written out.
+    #[cfg(any(feature = "hdf5", feature = "zarr"))]
+    Windows(OpenWindows, WriteOut),
+    /// Nothing is found without reading all before it, so that all of it is written out first.
+    WrittenOut(WriteOut),
 }
 
-impl<'a> Wanted<'a> {
-    /// The same, within so many bytes of memory.
-    #[must_use]
-    pub fn within(self, memory: u64) -> Self {
-        Wanted {
-            memory: Some(memory),
-            ..self
+/// Where the samples of a file lie.
+pub(super) type InPlace = fn(&mut dyn ReadSeek, &Path, Wanted) -> Result<StoredLayout>;
+
+/// Writes the samples that are wanted to a temporary file.
+pub(super) type WriteOut = fn(Input, Wanted, &mut dyn Write) -> Result<StoredLayout>;
+
+/// What is taken of an array, and how it is opened with so many bytes for decoded chunks.
+#[cfg(any(feature = "hdf5", feature = "zarr"))]
+pub(super) type OpenWindows = fn(&Path, Wanted, usize) -> Result<(Selection, Open)>;
+
+/// What is read: a path, and the file there if it was opened to tell its format.
+pub(super) struct Input<'a> {
+    pub path: &'a Path,
+    opened: Option<Reader>,
+}
+
+impl<'a> Input<'a> {
+    /// What is told by its path.
+    pub fn at(path: &'a Path) -> Self {
+        Input { path, opened: None }
+    }
+
+    /// An open file, which `path` stands for in messages.
+    pub fn opened(path: &'a Path, reader: Reader) -> Self {
+        let opened = Some(reader);
+        Input { path, opened }
+    }
+
+    /// The file, as it was opened.
+    pub fn reader(self) -> Result<Reader> {
+        match self.opened {
+            Some(reader) => Ok(reader),
+            None => Ok(open_regular(self.path)?.0),
         }
     }
 
-    /// The memory that pictures may take.
-    pub(super) fn budget(&self) -> Budget {
-        self.memory.map_or_else(Budget::default, Budget::new)
+    /// The same for many small pieces.
+    pub fn buffered(self) -> Result<Reader> {
+        Ok(Box::new(BufReader::new(self.reader()?)))
     }
+}
 
-    /// The array of this name.
-    pub fn array(name: &'a str) -> Self {
-        Wanted {
-            array: Some(name),
-            ..Wanted::default()
-        }
-    }
+/// What consists of one file, or of a folder that is read as one.
+pub(super) fn itself(path: &Path) -> Result<Vec<PathBuf>> {
+    Ok(vec![path.to_path_buf()])
 }
 
 impl CubeFormat {
+    /// How it is told by its path; none of files, which are told by what they hold.
+    pub fn by_path(&self) -> Option<&ByPath> {
+        match &self.told {
+            Told::ByStart(_) => None,
+            Told::ByPath(by_path) => Some(by_path),
+        }
+    }
+
+    /// Whether it is told by a path, and by this one.
+    pub(super) fn is_at(&self, path: &Path) -> bool {
+        self.by_path().is_some_and(|told| (told.is)(path))
+    }
+
+    /// Whether files of it begin like this.
+    pub(super) fn begins(&self, start: &[u8]) -> bool {
+        match self.told {
+            Told::ByStart(magic) => magic.iter().any(|magic| start.starts_with(magic)),
+            Told::ByPath(_) => false,
+        }
+    }
+
     /// Whether the name of a file ends as those of this format do.
-    pub fn has_name_of(&self, path: &Path) -> bool {
+    pub(super) fn has_name_of(&self, path: &Path) -> bool {
         let extension = path.extension();
         let is = |known: &&str| extension.is_some_and(|e| e.eq_ignore_ascii_case(known));
         self.extensions.iter().any(is)
-    }
-
-    /// Whether the file begins as those of this format do, or is called so and begins as no array does; leaves the reader at the start.
-    pub(super) fn is(&self, reader: &mut dyn ReadSeek, file: &Path) -> Result<bool> {
-        let start = first_bytes(reader, file)?;
-        // What stands before HDF5 in its file may be anything.
-        let is_called = || self.named && self.has_name_of(file) && !start.starts_with(b"\x93NUMPY");
-        Ok(self.magic.iter().any(|magic| start.starts_with(magic)) || is_called())
     }
 }
 
@@ -133,47 +165,4 @@ pub(super) fn first_bytes(reader: &mut dyn ReadSeek, file: &Path) -> Result<Vec<
         .and_then(|_| reader.rewind())
         .map_err(Error::io(file, "cannot read"))?;
     Ok(start)
-}
-
-impl CubeInfo {
-    /// That of a cube in memory.
-    pub fn of(cube: &Cube) -> CubeInfo {
-        let dtype = match &cube.samples {
-            CubeSamples::F16(_) => Dtype::F16,
-            CubeSamples::F32(_) => Dtype::F32,
-            CubeSamples::F64(_) => Dtype::F64,
-        };
-        CubeInfo {
-            shape: cube.shape,
-            dtype,
-            bytes: cube.samples.bytes(),
-            axes: Axes::all(),
-            assumed: false,
-            array: None,
-            notes: Vec::new(),
-            remarks: Vec::new(),
-        }
-    }
-}
-
-/// What a cube will be once it is loaded: its shape and its size in memory.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct CubeInfo {
-    /// H, W, T, C; each at least 1.
-    pub shape: [usize; 4],
-    /// The precision of the samples in memory.
-    pub dtype: Dtype,
-    /// Bytes of the samples in memory.
-    pub bytes: u64,
-    /// The order of the axes in the file.
-    pub axes: Axes,
-    /// Whether that order was assumed: neither the file nor the caller said it.
-    pub assumed: bool,
-    /// The name of the array, where its file has several and says which of them is a cube.
-    pub array: Option<String>,
-    /// What else the file says of itself, for people.
-    pub notes: Vec<String>,
-    /// What looks wrong, as far as it shows without reading samples.
-    pub remarks: Vec<String>,
 }

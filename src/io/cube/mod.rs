@@ -1,7 +1,7 @@
 //! Cubes of samples (row, column, time, channel), and the files that hold them.
 //!
-//! A further format of files is a file here, with its [`CubeFormat`], and a line in [`FORMATS`]. What is no file, as sequences of pictures and
-//! Zarr folders, is told by its name alone: [`is_sequence`], [`is_zarr`].
+//! A further format is a file here, with its [`CubeFormat`], and a line in [`FORMATS`], whether it is one of files, told by what they hold, or
+//! of folders and patterns, told by their paths.
 
 #[cfg(not(all(feature = "hdf5", feature = "zarr")))]
 mod absent;
@@ -34,8 +34,10 @@ mod store;
 mod table;
 mod transient_image;
 mod wall;
+mod wanted;
 #[cfg(feature = "zarr")]
 mod zarr;
+mod zarr_folder;
 
 #[cfg(not(feature = "hdf5"))]
 use absent::hdf5;
@@ -48,12 +50,15 @@ pub use byte_order::{ByteOrder, Sign};
 pub use channels::{Channels, CubeChannel};
 pub use convert::{Changes, Converted, convert};
 pub use cube_store::CubeStore;
-pub use format::{CubeFormat, CubeInfo, FileTimes, Transfer, Wanted};
+pub use format::{ByPath, CubeFormat};
 pub use negative::{BelowZero, Negative};
 pub use pages::BRICK;
 pub use picture::frame_count;
 pub(crate) use pieces::Pieces;
 pub use samples::{Cube, CubeError, CubeSamples};
-pub use sequence::{frame_size, is_picture, is_sequence, is_zarr, pictures};
-pub use table::{FORMATS, arrays, format_of, inspect, load, load_bytes, times, wall};
+pub use sequence::{frame_size, is_picture};
+pub use table::{
+    FORMATS, extensions, files, format_called, format_of, inspect, load, load_bytes, times, wall,
+};
 pub use wall::Wall;
+pub use wanted::{CubeInfo, FileTimes, Transfer, Wanted};

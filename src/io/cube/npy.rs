@@ -11,10 +11,11 @@ use half::f16;
 use super::axes::{Arrangement, Axes};
 use super::byte_order::ByteOrder;
 use super::channels::Channels;
-use super::format::{CubeFormat, CubeInfo, Wanted};
+use super::format::{CubeFormat, Parts, Told, itself};
 use super::layout::StoredLayout;
 use super::number::{Number, exact_i64, exact_u64};
 use super::samples::{Cube, CubeSamples, place_of};
+use super::wanted::{CubeInfo, Wanted};
 use crate::Result;
 use crate::io::files::ReadSeek;
 use crate::io::npy::{self, Dtype, Header, Place, Stored, WRITE_AGAIN};
@@ -22,23 +23,37 @@ use crate::io::npy::{self, Dtype, Header, Place, Stored, WRITE_AGAIN};
 /// `.npy`: one array.
 pub(super) const ARRAY: CubeFormat = CubeFormat {
     name: "NumPy array",
+    key: "numpy",
     extensions: &["npy"],
-    magic: &[b"\x93NUMPY"],
     named: false,
-    inspect: |mut reader, file, wanted| inspect(&mut reader, file, wanted),
-    load: |mut reader, file, wanted| load(&mut reader, file, wanted),
+    pictures: false,
+    told: Told::ByStart(&[b"\x93NUMPY"]),
+    files: itself,
+    inspect: |input, wanted| {
+        let path = input.path;
+        inspect(&mut input.buffered()?, path, wanted)
+    },
+    load: |input, wanted| {
+        let path = input.path;
+        load(&mut input.buffered()?, path, wanted)
+    },
     arrays,
-    times: |_, _, _| Ok(None),
-    wall: |_, _, _| Ok(None),
+    times: |_, _| Ok(None),
+    wall: |_, _| Ok(None),
+    parts: Parts::InPlace(stored),
 };
 
 /// `.npz`: a zip archive of arrays.
 pub(super) const ARCHIVE: CubeFormat = CubeFormat {
     name: "NumPy archive",
     extensions: &["npz"],
-    // A local file header, or the end record of an archive without members.
-    magic: &[b"PK\x03\x04", b"PK\x05\x06"],
     named: true,
+    // A local file header, or the end record of an archive without members.
+    told: Told::ByStart(&[b"PK\x03\x04", b"PK\x05\x06"]),
+    parts: Parts::WrittenOut(|input, wanted, to| {
+        let path = input.path;
+        write_out(&mut input.reader()?, path, wanted, to)
+    }),
     ..ARRAY
 };
 
@@ -64,18 +79,14 @@ fn load(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Cube> 
 }
 
 /// How the samples of a file of one array lie in it.
-pub(super) fn stored(
-    reader: &mut dyn ReadSeek,
-    file: &Path,
-    wanted: Wanted,
-) -> Result<StoredLayout> {
+fn stored(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<StoredLayout> {
     npy::with_array(reader, file, wanted.array, |stored| {
         Ok(layout(stored, wanted)?.stored())
     })
 }
 
 /// Writes the samples of an array of an archive to `to`, where they begin at 0.
-pub(super) fn write_out(
+fn write_out(
     reader: &mut dyn ReadSeek,
     file: &Path,
     wanted: Wanted,

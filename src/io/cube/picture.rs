@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::channels::Channels;
-use super::format::{Transfer, Wanted};
+use super::wanted::{Transfer, Wanted};
 use crate::colour::srgb_decode;
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;

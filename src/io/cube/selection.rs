@@ -12,10 +12,10 @@ use half::f16;
 
 use super::axes::{Arrangement, Axes, Axis, NAME_AXES};
 use super::channels::Channels;
-use super::format::CubeInfo;
 use super::layout::StoredLayout;
 use super::number::Number;
 use super::samples::{Cube, CubeSamples, place_of};
+use super::wanted::CubeInfo;
 use crate::error::{Error, Result};
 use crate::io::npy::Dtype;
 

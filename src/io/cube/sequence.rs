@@ -19,11 +19,12 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::axes::{Arrangement, Axes};
-use super::format::{CubeInfo, Transfer, Wanted};
+use super::format::{ByPath, CubeFormat, Parts, Told};
 use super::layout::StoredLayout;
 use super::number::Number;
 use super::picture::{Form, Frame, Picture, extension, file_name, frame_count};
 use super::samples::{Cube, CubeSamples};
+use super::wanted::{CubeInfo, Transfer, Wanted};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::npy::Dtype;
@@ -41,9 +42,31 @@ const TOGETHER: usize = 16;
 const NAME_IT: &str = "name a folder of pictures with numbered names, or a pattern like \"frames/{i:03d}.exr\" or \
                        \"streak_%04d.hdr\"";
 
-/// Whether `path` names pictures and not an array: a sequence of them, or a single one.
-pub fn is_sequence(path: &Path) -> bool {
-    Pattern::of(path).is_some() || is_picture(path) || path.is_dir() && !is_zarr(path)
+/// Numbered pictures, or a single one.
+pub(super) const FORMAT: CubeFormat = CubeFormat {
+    name: "sequence of pictures",
+    key: "pictures",
+    extensions: &[],
+    named: false,
+    pictures: true,
+    told: Told::ByPath(ByPath {
+        is: is_sequence,
+        called: "numbered pictures (a folder of them, or a pattern for their names)",
+        folder_of: "numbered pictures",
+        help: "name a folder of numbered pictures (.exr, .png, .hdr, .tif), or a pattern like \"frames/{i:03d}.exr\"",
+    }),
+    files: pictures,
+    inspect: |input, wanted| inspect(input.path, wanted),
+    load: |input, wanted| load(input.path, wanted),
+    arrays: |_| Ok(Vec::new()),
+    times: |_, _| Ok(None),
+    wall: |_, _| Ok(None),
+    parts: Parts::WrittenOut(|input, wanted, to| write_out(input.path, wanted, to)),
+};
+
+/// Whether `path` names pictures and not an array, if it is no folder of another format.
+fn is_sequence(path: &Path) -> bool {
+    Pattern::of(path).is_some() || is_picture(path) || path.is_dir()
 }
 
 /// Whether `path` names a single picture, which is steady unless its axes have time.
@@ -51,18 +74,11 @@ pub fn is_picture(path: &Path) -> bool {
     PICTURES.contains(&extension(path).as_str()) && Pattern::of(path).is_none() && !path.is_dir()
 }
 
-/// Whether `path` is the folder of a Zarr array or of a group of them.
-pub fn is_zarr(path: &Path) -> bool {
-    ["zarr.json", ".zarray", ".zgroup"]
-        .iter()
-        .any(|name| path.join(name).is_file())
-}
-
 /// The pictures of a sequence, in the order of their numbers.
 ///
 /// # Errors
 /// There is no such folder, or no such picture in it; it holds several sequences; a number is missing or there twice.
-pub fn pictures(path: &Path) -> Result<Vec<PathBuf>> {
+fn pictures(path: &Path) -> Result<Vec<PathBuf>> {
     if is_picture(path) {
         let there = fs::metadata(path).map(|_| vec![path.to_path_buf()]);
         return there.map_err(Error::io(path, "cannot read"));
@@ -292,7 +308,7 @@ fn told_apart(name: &str) -> Option<(Pattern, u64)> {
 }
 
 /// What would be loaded, by the number of pictures and the first of them.
-pub(super) fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
+fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
     refuse_array(path, wanted)?;
     let frames = frames(path, wanted)?;
     let first = Form::of(&frames[0], wanted)?;
@@ -343,7 +359,7 @@ pub fn frame_size(file: &Path, memory: u64) -> Result<[usize; 3]> {
 }
 
 /// The cube.
-pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
+fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     refuse_array(path, wanted)?;
     let frames = frames(path, wanted)?;
     let first = Form::of(&frames[0], wanted)?;
@@ -382,7 +398,7 @@ pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
 }
 
 /// Writes the samples of all pictures to `to`, in single precision, one picture after the other.
-pub(super) fn write_out(path: &Path, wanted: Wanted, to: &mut dyn Write) -> Result<StoredLayout> {
+fn write_out(path: &Path, wanted: Wanted, to: &mut dyn Write) -> Result<StoredLayout> {
     refuse_array(path, wanted)?;
     let frames = frames(path, wanted)?;
     let first = Form::of(&frames[0], wanted)?;

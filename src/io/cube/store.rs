@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use super::axes::Arrangement;
 use super::dead::DeadBins;
-use super::format::Wanted;
+use super::format::{InPlace, Input, Parts};
 use super::layout::{StoredLayout, strides};
 use super::negative::Negative;
 use super::number::Number;
@@ -19,7 +19,8 @@ use super::number::Number;
 use super::samples::place_of;
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
 use super::selection::{Lies, Open, Selection, Windows};
-use super::{hdf5, npy, sequence, transient_image, zarr};
+use super::table;
+use super::wanted::Wanted;
 use crate::error::{Error, Result};
 use crate::io::files::{ReadSeek, Reader};
 use crate::io::npy::Dtype;
@@ -125,55 +126,34 @@ impl Store {
 
     /// Where the samples of the cube lie.
     pub fn locate(path: &Path, wanted: Wanted) -> Result<(Located, StoredLayout)> {
-        if let Some(located) = Store::locate_in_place(path, wanted)? {
-            return Ok(located);
-        }
-        let mut spool = Spool::new(path)?;
-        let to = &mut spool.writer;
-        let layout = if sequence::is_sequence(path) {
-            sequence::write_out(path, wanted, to)?
-        } else if sequence::is_zarr(path) {
-            zarr::write_out(path, wanted, to)?
-        } else {
-            let (mut reader, _) = crate::io::open::open_regular(path)?;
-            match hdf5::FORMAT.is(&mut reader, path)? {
-                true => hdf5::write_out(reader, path, wanted, to)?,
-                false => npy::write_out(&mut reader, path, wanted, to)?,
-            }
+        let (input, format) = table::open(path)?;
+        let write_out = match format.parts {
+            Parts::InPlace(stored) => return Located::in_place(input, stored, wanted),
+            #[cfg(any(feature = "hdf5", feature = "zarr"))]
+            Parts::Windows(_, write_out) => write_out,
+            Parts::WrittenOut(write_out) => write_out,
         };
+        let mut spool = Spool::new(path)?;
+        let layout = write_out(input, wanted, &mut spool.writer)?;
         Ok((Located::Spooled(spool.finish()?), layout))
     }
 
     /// The same of files in which samples have a place.
     pub fn locate_in_place(path: &Path, wanted: Wanted) -> Result<Option<(Located, StoredLayout)>> {
-        if sequence::is_sequence(path) || sequence::is_zarr(path) {
-            return Ok(None);
+        let (input, format) = table::open(path)?;
+        match format.parts {
+            Parts::InPlace(stored) => Located::in_place(input, stored, wanted).map(Some),
+            _ => Ok(None),
         }
-        let (mut reader, _) = crate::io::open::open_regular(path)?;
-        let layout = if transient_image::FORMAT.is(&mut reader, path)? {
-            transient_image::stored(&mut reader, path, wanted)?
-        } else if npy::ARRAY.is(&mut reader, path)? {
-            npy::stored(&mut reader, path, wanted)?
-        } else {
-            return Ok(None);
-        };
-        Ok(Some((Located::InPlace(reader), layout)))
     }
 
     /// What is taken of an array in chunks, and how that is opened, time and again, each with `room` bytes for decoded
     /// chunks; none where it is in no chunks.
     #[cfg(any(feature = "hdf5", feature = "zarr"))]
     pub fn windows(path: &Path, wanted: Wanted, room: usize) -> Result<Option<(Selection, Open)>> {
-        if sequence::is_sequence(path) {
-            return Ok(None);
-        }
-        if sequence::is_zarr(path) {
-            return zarr::windows(path, wanted, room).map(Some);
-        }
-        let (mut reader, _) = crate::io::open::open_regular(path)?;
-        match hdf5::FORMAT.is(&mut reader, path)? {
-            true => hdf5::windows(path, wanted, room).map(Some),
-            false => Ok(None),
+        match table::open(path)?.1.parts {
+            Parts::Windows(windows, _) => windows(path, wanted, room).map(Some),
+            Parts::InPlace(_) | Parts::WrittenOut(_) => Ok(None),
         }
     }
 
@@ -392,6 +372,13 @@ pub(super) enum Located {
 }
 
 impl Located {
+    fn in_place(input: Input, stored: InPlace, wanted: Wanted) -> Result<(Located, StoredLayout)> {
+        let path = input.path;
+        let mut reader = input.reader()?;
+        let layout = stored(&mut reader, path, wanted)?;
+        Ok((Located::InPlace(reader), layout))
+    }
+
     pub fn into_reader(self) -> Reader {
         match self {
             Located::InPlace(reader) => reader,

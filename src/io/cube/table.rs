@@ -1,33 +1,59 @@
-//! All formats of cubes, and reading a file of whichever it is. Sequences of pictures and Zarr folders are no files, and are told by their
-//! names before the first bytes of anything are read.
+//! All formats of cubes, and reading whichever it is. What is told by its path, as sequences of pictures and Zarr folders are, is so before the
+//! first bytes of anything are read.
 
-use std::io::{BufReader, Cursor};
-use std::path::Path;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
 
 use super::dead::DeadBins;
-use super::format::{CubeFormat, CubeInfo, FileTimes, Transfer, Wanted, first_bytes};
+use super::format::{CubeFormat, Input, first_bytes, itself};
 use super::samples::Cube;
 use super::wall::Wall;
+use super::wanted::{CubeInfo, FileTimes, Transfer, Wanted};
 use super::{hdf5, npy, sequence, transient_image, zarr};
 use crate::error::{Error, Result};
-use crate::io::files::{ReadSeek, Reader};
-use crate::io::npy::Header;
+use crate::io::files::ReadSeek;
 use crate::io::open::open_regular;
 
-/// The formats of files.
+/// All formats. What is told by its path is the last of these that it may be: any folder may be one of pictures.
 pub const FORMATS: &[CubeFormat] = &[
     npy::ARRAY,
     npy::ARCHIVE,
     transient_image::FORMAT,
     hdf5::FORMAT,
+    sequence::FORMAT,
+    zarr::FORMAT,
 ];
 
 /// The format of a file that begins with `start`; by the end of its name where that says nothing.
 pub fn format_of(start: &[u8], name: &Path) -> Option<&'static CubeFormat> {
-    let by_start = |f: &&CubeFormat| f.magic.iter().any(|magic| start.starts_with(magic));
-    let by_name = |f: &&CubeFormat| f.has_name_of(name);
-    let formats = || FORMATS.iter();
-    formats().find(by_start).or_else(|| formats().find(by_name))
+    let by_start = FORMATS.iter().find(|format| format.begins(start));
+    by_start.or_else(|| by_extension(name))
+}
+
+/// The format of what is called `path`, as far as is known before it is opened: of a file by the end of its name.
+pub fn format_called(path: &Path) -> Option<&'static CubeFormat> {
+    by_path(path).or_else(|| by_extension(path))
+}
+
+fn by_path(path: &Path) -> Option<&'static CubeFormat> {
+    FORMATS.iter().rev().find(|format| format.is_at(path))
+}
+
+fn by_extension(name: &Path) -> Option<&'static CubeFormat> {
+    FORMATS.iter().find(|format| format.has_name_of(name))
+}
+
+/// Every extension of files that hold cubes.
+pub fn extensions() -> impl Iterator<Item = &'static str> {
+    FORMATS.iter().flat_map(|format| format.extensions).copied()
+}
+
+/// The files that what is called `path` consists of: the pictures of a sequence, in the order of their numbers; of all else itself.
+///
+/// # Errors
+/// There is no such sequence, or it holds several, or a picture of it is missing or there twice.
+pub fn files(path: &Path) -> Result<Vec<PathBuf>> {
+    format_called(path).map_or(itself as fn(&Path) -> _, |format| format.files)(path)
 }
 
 /// What [`load`] would load, by the same checks of headers and lengths; no samples are read.
@@ -35,16 +61,8 @@ pub fn format_of(start: &[u8], name: &Path) -> Option<&'static CubeFormat> {
 /// # Errors
 /// As for [`load`], except for what is wrong with samples.
 pub fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
-    if sequence::is_sequence(path) {
-        return sequence::inspect(path, wanted);
-    }
-    if sequence::is_zarr(path) {
-        refuse_transfer(path, wanted)?;
-        return zarr::inspect(path, wanted);
-    }
-    refuse_transfer(path, wanted)?;
-    let (reader, format) = opened(path)?;
-    (format.inspect)(reader, path, wanted)
+    let (input, format) = open_wanted(path, wanted)?;
+    (format.inspect)(input, wanted)
 }
 
 /// The cube in a file, or in a sequence of pictures, that is `wanted` of it.
@@ -66,15 +84,8 @@ fn mended(mut cube: Cube, path: &Path, wanted: Wanted) -> Result<Cube> {
 }
 
 fn read(path: &Path, wanted: Wanted) -> Result<Cube> {
-    if sequence::is_sequence(path) {
-        return sequence::load(path, wanted);
-    }
-    refuse_transfer(path, wanted)?;
-    if sequence::is_zarr(path) {
-        return zarr::load(path, wanted);
-    }
-    let (reader, format) = opened(path)?;
-    (format.load)(reader, path, wanted)
+    let (input, format) = open_wanted(path, wanted)?;
+    (format.load)(input, wanted)
 }
 
 /// Refuses to decode what is no code of a picture.
@@ -94,14 +105,8 @@ fn refuse_transfer(path: &Path, wanted: Wanted) -> Result<()> {
 /// # Errors
 /// The file cannot be read, or is broken.
 pub fn times(path: &Path, array: Option<&str>) -> Result<Option<FileTimes>> {
-    if sequence::is_sequence(path) {
-        return Ok(None);
-    }
-    if sequence::is_zarr(path) {
-        return zarr::times(path, array);
-    }
-    let (reader, format) = opened(path)?;
-    (format.times)(reader, path, array)
+    let (input, format) = open(path)?;
+    (format.times)(input, array)
 }
 
 /// The points of a surface that the pixels of the cube in a file are, where the file says them.
@@ -109,19 +114,8 @@ pub fn times(path: &Path, array: Option<&str>) -> Result<Option<FileTimes>> {
 /// # Errors
 /// The file cannot be read, or is broken.
 pub fn wall(path: &Path, wanted: Wanted) -> Result<Option<Wall>> {
-    if sequence::is_sequence(path) || sequence::is_zarr(path) {
-        return Ok(None);
-    }
-    let (reader, format) = opened(path)?;
-    (format.wall)(reader, path, wanted)
-}
-
-/// The headers of the arrays in a Zarr folder.
-///
-/// # Errors
-/// As for [`inspect`].
-pub fn arrays(path: &Path) -> Result<Vec<Header>> {
-    zarr::arrays(path)
+    let (input, format) = open(path)?;
+    (format.wall)(input, wanted)
 }
 
 /// As [`load`], from bytes in memory; `name` stands for the file in messages.
@@ -132,26 +126,40 @@ pub fn load_bytes(bytes: &[u8], name: &str, wanted: Wanted) -> Result<Cube> {
     let (mut reader, name) = (Cursor::new(bytes.to_vec()), Path::new(name));
     refuse_transfer(name, wanted)?;
     let format = told_apart(&mut reader, name)?;
-    mended((format.load)(Box::new(reader), name, wanted)?, name, wanted)
+    let input = Input::opened(name, Box::new(reader));
+    mended((format.load)(input, wanted)?, name, wanted)
 }
 
-/// The file, and its format.
-fn opened(path: &Path) -> Result<(Reader, &'static CubeFormat)> {
-    let mut reader = BufReader::new(open_regular(path)?.0);
+/// What is at `path`, and its format, which has codes if those are to be decoded.
+fn open_wanted<'a>(path: &'a Path, wanted: Wanted) -> Result<(Input<'a>, &'static CubeFormat)> {
+    if !by_path(path).is_some_and(|format| format.pictures) {
+        refuse_transfer(path, wanted)?;
+    }
+    open(path)
+}
+
+/// What is at `path`, and its format.
+///
+/// # Errors
+/// There is no such file, or it is of no format of cubes.
+pub(super) fn open(path: &Path) -> Result<(Input<'_>, &'static CubeFormat)> {
+    if let Some(format) = by_path(path) {
+        return Ok((Input::at(path), format));
+    }
+    let (mut reader, _) = open_regular(path)?;
     let format = told_apart(&mut reader, path)?;
-    Ok((Box::new(reader), format))
+    Ok((Input::opened(path, reader), format))
 }
 
 /// The format by the first bytes; leaves the reader at the start.
 fn told_apart(reader: &mut dyn ReadSeek, file: &Path) -> Result<&'static CubeFormat> {
     let start = first_bytes(reader, file)?;
     format_of(&start, file).ok_or_else(|| {
-        let extensions = FORMATS.iter().flat_map(|format| format.extensions);
-        let extensions: Vec<_> = extensions.map(|end| format!(".{end}")).collect();
-        let help = format!(
-            "cubes are read from {}, numbered pictures (a folder of them, or a pattern for their names) and Zarr folders",
-            extensions.join(", ")
-        );
+        let by_path = FORMATS.iter().filter_map(CubeFormat::by_path);
+        let mut all: Vec<_> = extensions().map(|end| format!(".{end}")).collect();
+        all.extend(by_path.map(|told| told.called.to_string()));
+        let last = all.pop().unwrap_or_default();
+        let help = format!("cubes are read from {} and {last}", all.join(", "));
         let what = "this file is of no format of cubes, by its first bytes and its name";
         Error::unsupported(file, "", what, help)
     })

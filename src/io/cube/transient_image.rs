@@ -14,11 +14,12 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::axes::Axes;
-use super::format::{CubeFormat, CubeInfo, FileTimes, Wanted};
+use super::format::{CubeFormat, Parts, Told, itself};
 use super::layout::StoredLayout;
 use super::number::Number;
 use super::samples::{Cube, CubeSamples, place_of};
 use super::wall::Wall;
+use super::wanted::{CubeInfo, FileTimes, Wanted};
 use crate::error::{Error, Result};
 use crate::io::files::ReadSeek;
 use crate::io::npy::{Dtype, Header as ArrayHeader};
@@ -27,14 +28,30 @@ use crate::io::open::open_regular;
 /// `.ti`.
 pub(super) const FORMAT: CubeFormat = CubeFormat {
     name: "transient image",
+    key: "transient_image",
     extensions: &["ti"],
-    magic: &[b"TI04", b"TI01", b"TI00"],
     named: false,
-    inspect: |mut reader, file, wanted| inspect(&mut reader, file, wanted),
-    load: |mut reader, file, wanted| load(&mut reader, file, wanted),
+    pictures: false,
+    told: Told::ByStart(&[b"TI04", b"TI01", b"TI00"]),
+    files: itself,
+    inspect: |input, wanted| {
+        let path = input.path;
+        inspect(&mut input.buffered()?, path, wanted)
+    },
+    load: |input, wanted| {
+        let path = input.path;
+        load(&mut input.buffered()?, path, wanted)
+    },
     arrays,
-    times: |mut reader, file, _| times(&mut reader, file),
-    wall: |mut reader, file, wanted| wall(&mut reader, file, wanted),
+    times: |input, _| {
+        let path = input.path;
+        times(&mut input.buffered()?, path)
+    },
+    wall: |input, wanted| {
+        let path = input.path;
+        wall(&mut input.buffered()?, path, wanted)
+    },
+    parts: Parts::InPlace(stored),
 };
 
 /// The only layout of pixels that is a picture.
@@ -330,11 +347,7 @@ fn refuse_wishes(file: &Path, wanted: Wanted) -> Result<()> {
 }
 
 /// How the samples lie in the file.
-pub(super) fn stored(
-    reader: &mut dyn ReadSeek,
-    file: &Path,
-    wanted: Wanted,
-) -> Result<StoredLayout> {
+fn stored(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<StoredLayout> {
     refuse_wishes(file, wanted)?;
     let header = header(reader, file)?;
     Ok(StoredLayout {

@@ -80,7 +80,8 @@ impl Stores {
             negative = file.negative;
             let wanted = file.wanted(cube.channels.as_ref());
             let info = cubes::inspect(&file.path, wanted.within(self.memory))?;
-            assumed = match (info.assumed, cubes::is_sequence(&file.path)) {
+            let format = cubes::format_called(&file.path);
+            assumed = match (info.assumed, format.is_some_and(|format| format.pictures)) {
                 (false, _) => Order::Stated,
                 (true, true) => Order::Pictures,
                 (true, false) => Order::Array,

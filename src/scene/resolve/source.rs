@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::context::Context;
 use super::{binding, object, pose, radiance};
 use crate::error::{Result, number};
-use crate::io::cube::{Axes, Channels, FORMATS, is_picture, is_sequence, is_zarr};
+use crate::io::cube::{self, Axes, Channels, CubeFormat, is_picture};
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{
@@ -404,7 +404,7 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData>
         return Ok(CubeData::Memory(in_memory));
     }
     let path = cube_path(cx, &cube.file)?;
-    if !FORMATS.iter().any(|f| f.named && f.has_name_of(&path)) && !is_zarr(&path) {
+    if !cube::format_called(&path).is_some_and(|format| format.named) {
         alone(
             "only the arrays of .npz and HDF5 files and of Zarr groups have names: this is without a name",
         )?;
@@ -424,24 +424,14 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData>
 fn cube_path(cx: &Context, file: &At<String>) -> Result<PathBuf> {
     let path = cx.inputs.base.join(cx.text(file, "the file's name")?);
     // A folder or a pattern has no extension by which its format could be told.
-    if is_sequence(&path) {
+    if let Some(told) = cube::format_called(&path).and_then(CubeFormat::by_path) {
         return match cx.inputs.problem(file) {
-            Some(problem) => Err(cx.refuse(file, problem, cx.remedy(file, SEQUENCE.into()))),
+            Some(problem) => Err(cx.refuse(file, problem, cx.remedy(file, told.help.into()))),
             None => Ok(path),
         };
     }
-    if is_zarr(&path) {
-        return Ok(path);
-    }
-    let extensions: Vec<_> = FORMATS
-        .iter()
-        .flat_map(|format| format.extensions.iter().copied())
-        .collect();
-    cx.path(file, &extensions)
+    cx.path(file, &cube::extensions().collect::<Vec<_>>())
 }
-
-/// What names a sequence of pictures.
-const SEQUENCE: &str = "name a folder of numbered pictures (.exr, .png, .hdr, .tif), or a pattern like \"frames/{i:03d}.exr\"";
 
 fn mapping(cx: &Context, cube: &file::Cube) -> Result<Mapping> {
     cx.exclusive((&cube.uv, "uv"), (&cube.capture, "capture"))?;

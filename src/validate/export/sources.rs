@@ -92,9 +92,7 @@ fn entry(cube: &CubeSource, place: Place, shape: Option<[usize; 4]>) -> CubeEntr
 
 /// Whether these are arrays, which a bundle holds as they are; all else becomes one.
 fn is_numpy(file: &CubeFile) -> bool {
-    let extension = file.path.extension();
-    let named = |known: &str| extension.is_some_and(|e| e.eq_ignore_ascii_case(known));
-    (named("npy") || named("npz")) && !cube::is_sequence(&file.path)
+    cube::format_called(&file.path).is_some_and(|format| format.key == "numpy")
 }
 
 /// Where a cube's file is.

@@ -18,9 +18,9 @@
 use glam::DVec3;
 
 use super::super::axes::{Axes, Axis};
-use super::super::format::{FileTimes, Wanted};
 use super::super::selection::{Selection, Taken, name_and_choices};
 use super::super::wall::{Wall, columns_of};
+use super::super::wanted::{FileTimes, Wanted};
 use super::file::{Array, File};
 use crate::error::{Error, Result};
 

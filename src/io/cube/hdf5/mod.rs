@@ -14,13 +14,13 @@ use std::path::Path;
 use self::file::File;
 use self::layouts::known;
 pub(super) use self::write::write;
-use super::format::{CubeFormat, CubeInfo, FileTimes, Wanted};
+use super::format::{CubeFormat, Input, Parts, Told, itself};
 use super::layout::StoredLayout;
 use super::samples::Cube;
 use super::selection::{Open, Selection, Windows};
 use super::wall::Wall;
+use super::wanted::{CubeInfo, FileTimes, Wanted};
 use crate::error::Result;
-use crate::io::files::Reader;
 use crate::io::npy::Header;
 use crate::io::open::open_regular;
 
@@ -30,18 +30,30 @@ const CACHE: usize = 256 << 20;
 /// HDF5.
 pub(super) const FORMAT: CubeFormat = CubeFormat {
     name: "HDF5 file",
+    key: "hdf5",
     extensions: &["h5", "hdf5", "mat"],
-    magic: &[b"\x89HDF\r\n\x1a\n", b"MATLAB 7"],
     named: true,
+    pictures: false,
+    // What stands before HDF5 in its file may be anything else, too.
+    told: Told::ByStart(&[b"\x89HDF\r\n\x1a\n", b"MATLAB 7"]),
+    files: itself,
     inspect,
     load,
     arrays,
     times,
     wall,
+    parts: Parts::Windows(windows, write_out),
 };
 
-fn inspect(reader: Reader, path: &Path, wanted: Wanted) -> Result<CubeInfo> {
-    let known = known(&File::open(reader, path, CACHE)?, wanted)?;
+/// The file, for reading all of an array.
+fn opened(input: Input) -> Result<File> {
+    let path = input.path;
+    File::open(input.buffered()?, path, CACHE)
+}
+
+fn inspect(input: Input, wanted: Wanted) -> Result<CubeInfo> {
+    let path = input.path;
+    let known = known(&opened(input)?, wanted)?;
     let info = known.selection.info(path, known.assumed, known.notes)?;
     Ok(CubeInfo {
         array: Some(known.array.name().into()),
@@ -49,13 +61,14 @@ fn inspect(reader: Reader, path: &Path, wanted: Wanted) -> Result<CubeInfo> {
     })
 }
 
-fn load(reader: Reader, path: &Path, wanted: Wanted) -> Result<Cube> {
-    let mut known = known(&File::open(reader, path, CACHE)?, wanted)?;
+fn load(input: Input, wanted: Wanted) -> Result<Cube> {
+    let path = input.path;
+    let mut known = known(&opened(input)?, wanted)?;
     known.selection.load(&mut known.array, path)
 }
 
-fn times(reader: Reader, path: &Path, array: Option<&str>) -> Result<Option<FileTimes>> {
-    let file = File::open(reader, path, CACHE)?;
+fn times(input: Input, array: Option<&str>) -> Result<Option<FileTimes>> {
+    let file = opened(input)?;
     // What cannot be known yet, like which of several arrays is meant, is refused when that is loaded.
     Ok(layouts::times_of(&file, array).ok().flatten())
 }
@@ -65,18 +78,14 @@ fn arrays(path: &Path) -> Result<Vec<Header>> {
 }
 
 /// Writes the samples that are `wanted` to `to`.
-pub(super) fn write_out(
-    reader: Reader,
-    path: &Path,
-    wanted: Wanted,
-    to: &mut dyn Write,
-) -> Result<StoredLayout> {
-    let mut known = known(&File::open(reader, path, CACHE)?, wanted)?;
+fn write_out(input: Input, wanted: Wanted, to: &mut dyn Write) -> Result<StoredLayout> {
+    let path = input.path;
+    let mut known = known(&opened(input)?, wanted)?;
     known.selection.write_out(&mut known.array, path, to)
 }
 
 /// What is taken of the array, and how it is opened with `room` bytes for decoded chunks.
-pub(super) fn windows(path: &Path, wanted: Wanted, room: usize) -> Result<(Selection, Open)> {
+fn windows(path: &Path, wanted: Wanted, room: usize) -> Result<(Selection, Open)> {
     let opened = move |wanted: Wanted, path: &Path| {
         let file = File::open(open_regular(path)?.0, path, room)?;
         known(&file, wanted)
@@ -97,6 +106,6 @@ pub(super) fn windows(path: &Path, wanted: Wanted, room: usize) -> Result<(Selec
 }
 
 /// The points of a surface that the pixels are.
-fn wall(reader: Reader, path: &Path, wanted: Wanted) -> Result<Option<Wall>> {
-    Ok(known(&File::open(reader, path, CACHE)?, wanted)?.wall)
+fn wall(input: Input, wanted: Wanted) -> Result<Option<Wall>> {
+    Ok(known(&opened(input)?, wanted)?.wall)
 }

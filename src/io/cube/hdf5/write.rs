@@ -6,7 +6,7 @@
 
 use std::io::Write;
 
-use super::super::format::FileTimes;
+use super::super::wanted::FileTimes;
 use crate::io::npy::Dtype;
 
 /// Bytes before the samples.

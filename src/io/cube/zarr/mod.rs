@@ -24,10 +24,12 @@ use self::metadata::Metadata;
 use self::number::Number;
 pub(super) use self::write::Writer;
 use super::axes::Axes;
-use super::format::{CubeInfo, FileTimes, Wanted};
+use super::format::{CubeFormat, Parts, Told, itself};
 use super::layout::StoredLayout;
 use super::samples::Cube;
 use super::selection::{Open, Selection, Taken, Windows, name_and_choices};
+use super::wanted::{CubeInfo, FileTimes, Wanted};
+use super::zarr_folder::ZARR_FOLDER;
 use crate::error::{Error, Result};
 use crate::io::npy::{Dtype, Header};
 use crate::io::open::open_regular;
@@ -41,8 +43,27 @@ const MOST_COUNTED: usize = 1 << 16;
 /// Arrays of a group that are listed.
 const MOST_LISTED: usize = 1000;
 
+/// Folders of Zarr.
+pub(super) const FORMAT: CubeFormat = CubeFormat {
+    name: "Zarr folder",
+    key: "zarr",
+    extensions: &[],
+    named: true,
+    pictures: false,
+    told: Told::ByPath(ZARR_FOLDER),
+    files: itself,
+    inspect: |input, wanted| inspect(input.path, wanted),
+    load: |input, wanted| load(input.path, wanted),
+    arrays,
+    times: |input, array| times(input.path, array),
+    wall: |_, _| Ok(None),
+    parts: Parts::Windows(windows, |input, wanted, to| {
+        write_out(input.path, wanted, to)
+    }),
+};
+
 /// What would be loaded.
-pub(super) fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
+fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
     let (metadata, selection, said) = known(path, wanted)?;
     let mut notes = vec![format!(
         "Zarr array of {} in chunks of {:?}",
@@ -64,26 +85,26 @@ pub(super) fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
 }
 
 /// The cube.
-pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
+fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     let (metadata, selection, _) = known(path, wanted)?;
     selection.load(&mut Array::new(metadata, CACHE), path)
 }
 
 /// Writes the samples that are `wanted` to `to`.
-pub(super) fn write_out(path: &Path, wanted: Wanted, to: &mut dyn Write) -> Result<StoredLayout> {
+fn write_out(path: &Path, wanted: Wanted, to: &mut dyn Write) -> Result<StoredLayout> {
     let (metadata, selection, _) = known(path, wanted)?;
     selection.write_out(&mut Array::new(metadata, CACHE), path, to)
 }
 
 /// What is taken of the array, and how it is opened with `room` bytes for decoded chunks.
-pub(super) fn windows(path: &Path, wanted: Wanted, room: usize) -> Result<(Selection, Open)> {
+fn windows(path: &Path, wanted: Wanted, room: usize) -> Result<(Selection, Open)> {
     let (metadata, selection, _) = known(path, wanted)?;
     let open = move || Ok(Box::new(Array::new(metadata.clone(), room)) as Box<dyn Windows + Send>);
     Ok((selection, Box::new(open)))
 }
 
 /// What the array says of its time axis.
-pub(super) fn times(path: &Path, array: Option<&str>) -> Result<Option<FileTimes>> {
+fn times(path: &Path, array: Option<&str>) -> Result<Option<FileTimes>> {
     let name = array
         .map(|name| name_and_choices(name).0)
         .filter(|name| !name.is_empty());
@@ -93,7 +114,7 @@ pub(super) fn times(path: &Path, array: Option<&str>) -> Result<Option<FileTimes
 }
 
 /// The arrays that there are.
-pub(super) fn arrays(path: &Path) -> Result<Vec<Header>> {
+fn arrays(path: &Path) -> Result<Vec<Header>> {
     let mut headers = Vec::new();
     for (name, folder) in folders(path)? {
         let metadata = Metadata::read(&folder)?;
@@ -269,20 +290,52 @@ fn missing(metadata: &Metadata) -> Option<String> {
     let missing = (0..count)
         .filter(|n| !metadata.chunk_file(&place(*n)).is_file())
         .count();
-    let part = if metadata
-        .codecs
-        .iter()
-        .any(|codec| matches!(codec, Codec::Sharding { .. }))
-    {
-        "shards"
-    } else {
-        "chunks"
+    let part = match sharding(&metadata.codecs) {
+        Some(_) => "shards",
+        None => "chunks",
     };
     (missing > 0).then(|| {
         format!(
             "{missing} of {count} {part} are missing: they are read as the fill value, {}",
             metadata.fill
         )
+    })
+}
+
+/// How chunks lie in shards.
+struct Shards<'a> {
+    /// The size of a chunk in one.
+    inner: &'a Vec<usize>,
+    /// Those of the chunks.
+    codecs: &'a [Codec],
+    /// Whether the index ends in a checksum.
+    has_checksum: bool,
+    /// Whether the index is at the start of a shard, and not at its end.
+    at_start: bool,
+}
+
+/// The shards of an array with these codecs; none where its chunks have files of their own.
+fn sharding(codecs: &[Codec]) -> Option<Shards<'_>> {
+    codecs.iter().find_map(|codec| match codec {
+        Codec::Sharding {
+            inner,
+            codecs,
+            has_checksum,
+            at_start,
+        } => Some(Shards {
+            inner,
+            codecs,
+            has_checksum: *has_checksum,
+            at_start: *at_start,
+        }),
+        Codec::Transpose { .. }
+        | Codec::Bytes { .. }
+        | Codec::Blosc
+        | Codec::Gzip
+        | Codec::Lz4
+        | Codec::Zlib
+        | Codec::Zstd
+        | Codec::Crc32c => None,
     })
 }
 
@@ -305,19 +358,11 @@ struct Array {
 
 impl Array {
     fn new(metadata: Metadata, room: usize) -> Array {
-        let sharded = metadata.codecs.iter().find_map(|codec| match codec {
-            Codec::Sharding { inner, .. } => Some(inner.clone()),
-            Codec::Transpose { .. }
-            | Codec::Bytes { .. }
-            | Codec::Blosc
-            | Codec::Gzip
-            | Codec::Lz4
-            | Codec::Zlib
-            | Codec::Zstd
-            | Codec::Crc32c => None,
-        });
+        let shards = sharding(&metadata.codecs);
         Array {
-            unit: sharded.unwrap_or_else(|| metadata.chunk.clone()),
+            unit: shards
+                .map_or(&metadata.chunk, |shards| shards.inner)
+                .clone(),
             metadata,
             kept: HashMap::new(),
             used: BTreeMap::new(),
@@ -363,22 +408,6 @@ impl Array {
             number,
             ..
         } = &self.metadata;
-        let sharding = codecs.iter().find_map(|codec| match codec {
-            Codec::Sharding {
-                inner,
-                codecs,
-                has_checksum,
-                at_start,
-            } => Some((inner, codecs, *has_checksum, *at_start)),
-            Codec::Transpose { .. }
-            | Codec::Bytes { .. }
-            | Codec::Blosc
-            | Codec::Gzip
-            | Codec::Lz4
-            | Codec::Zlib
-            | Codec::Zstd
-            | Codec::Crc32c => None,
-        });
         // A unit is a chunk, or a chunk of a shard: `outer` is its file.
         let per_shard: Vec<usize> = chunk
             .iter()
@@ -402,7 +431,7 @@ impl Array {
         let failed = || Error::io(&file, "cannot read");
         // Compression may make a chunk longer, but not by much: a file that is larger is not read.
         let most = (chunk.iter().product::<usize>() * number.bytes()) as u64 * 2 + (1 << 20);
-        let (bytes, codecs) = match sharding {
+        let (bytes, codecs) = match sharding(codecs) {
             None => {
                 if length > most {
                     return Err(broken(format!(
@@ -416,7 +445,12 @@ impl Array {
                     .map_err(failed())?;
                 (bytes, codecs)
             }
-            Some((_, codecs, has_checksum, at_start)) => {
+            Some(Shards {
+                codecs,
+                has_checksum,
+                at_start,
+                ..
+            }) => {
                 if self.index.as_ref().is_none_or(|(kept, _)| *kept != outer) {
                     let count = per_shard.iter().product();
                     let index = codecs::index(&mut reader, count, has_checksum, at_start)

@@ -9,7 +9,7 @@ use flate2::write::GzEncoder;
 use serde_json::json;
 
 use super::super::axes::{Axes, Axis};
-use super::super::format::FileTimes;
+use super::super::wanted::FileTimes;
 use crate::io::npy::Dtype;
 
 /// Entries of a chunk along rows and columns, along time, and along the axis in which layers follow each other.

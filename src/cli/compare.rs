@@ -45,7 +45,7 @@ pub fn run(arguments: &CompareArguments) -> Result<Done> {
     let breaches = comparison.breaches(&arguments.tolerance)?;
     let breaches: Vec<Breach> = breaches.into_iter().map(flags::of_breach).collect();
     match arguments.json.on {
-        true => print_json(&Found {
+        true => print_json(&ComparisonJson {
             comparison: &comparison,
             breaches: &breaches,
         })?,
@@ -61,9 +61,9 @@ pub fn run(arguments: &CompareArguments) -> Result<Done> {
     })
 }
 
-/// What is printed as JSON.
+/// The JSON that is printed: the comparison, and the limits that it exceeds.
 #[derive(Serialize)]
-struct Found<'a> {
+struct ComparisonJson<'a> {
     #[serde(flatten)]
     comparison: &'a Comparison,
     /// Limits that are exceeded.

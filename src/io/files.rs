@@ -15,10 +15,10 @@ use super::packed;
 pub const BUILT_IN: &str = "builtin:";
 
 /// Compiled-in files by path below [`BUILT_IN`].
-static FILES: [(&str, LazyLock<Vec<u8>>); 2] = [
+static FILES: [(&str, LazyLock<io::Result<Vec<u8>>>); 2] = [
     (
         "corner/corner.glb",
-        LazyLock::new(|| include_bytes!("../../scenes/corner/corner.glb").to_vec()),
+        LazyLock::new(|| Ok(include_bytes!("../../scenes/corner/corner.glb").to_vec())),
     ),
     ("corner/lightmap.npz", LazyLock::new(packed::lightmap)),
 ];
@@ -115,8 +115,9 @@ pub(super) fn is_on_disk(path: &Path) -> bool {
 fn built_in(path: &Path) -> Option<io::Result<&'static [u8]>> {
     let below = path.strip_prefix(BUILT_IN).ok()?;
     let file = FILES.iter().find(|(name, _)| Path::new(name) == below);
-    Some(
-        file.map(|(_, bytes)| bytes.as_slice())
-            .ok_or_else(|| io::ErrorKind::NotFound.into()),
-    )
+    Some(match file.map(|(_, bytes)| bytes.as_ref()) {
+        Some(Ok(bytes)) => Ok(bytes.as_slice()),
+        Some(Err(error)) => Err(io::Error::new(error.kind(), error.to_string())),
+        None => Err(io::ErrorKind::NotFound.into()),
+    })
 }

@@ -178,9 +178,8 @@ impl<'a> Plane<'a> {
 
     /// Several auxiliary channels, where there are all of them.
     pub fn aovs<const N: usize>(layers: &'a Layers, aovs: [Aov; N]) -> Option<[Self; N]> {
-        let planes = aovs.map(|aov| Plane::aov(layers, aov));
-        let all = planes.iter().all(Option::is_some);
-        all.then(|| planes.map(|plane| plane.expect("all are there")))
+        let planes = aovs.into_iter().map(|aov| Plane::aov(layers, aov));
+        planes.collect::<Option<Vec<_>>>()?.try_into().ok()
     }
 
     /// The channel of this name, where there is one.

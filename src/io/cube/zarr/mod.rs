@@ -443,7 +443,7 @@ impl Array {
                     .take(most)
                     .read_to_end(&mut bytes)
                     .map_err(failed())?;
-                (bytes, codecs)
+                (bytes, codecs.as_slice())
             }
             Some(Shards {
                 codecs,

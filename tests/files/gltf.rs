@@ -3,6 +3,7 @@
 use crate::common::png::decode;
 use std::path::{Path, PathBuf};
 
+use crate::ALL;
 use glam::DVec3;
 use nullray::io::gltf::{self, GltfLightKind, Imported, Want};
 use nullray::mesh::{AlphaMode, Material, Mesh, TextureFilter, Wrap};
@@ -10,16 +11,7 @@ use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
 use nullray::render::render;
-use nullray::scene::model::BadVertices;
 use nullray::scene::{self, Overrides};
-
-const ALL: Want = Want {
-    uvs: true,
-    textures: true,
-    shading: true,
-    normals: true,
-    bad_vertices: BadVertices::Refuse,
-};
 
 fn valid(file: &str) -> PathBuf {
     Path::new("tests/data/valid").join(file)

@@ -2,18 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::ALL;
 use glam::DVec3;
 use nullray::io::gltf::{self, Imported, Want};
 use nullray::mesh::{Material, Mesh, Part};
 use nullray::scene::model::BadVertices;
-
-const ALL: Want = Want {
-    uvs: true,
-    textures: true,
-    shading: true,
-    normals: true,
-    bad_vertices: BadVertices::Refuse,
-};
 
 /// The normals of the file, of length 2, 5 and 3.
 const NORMALS: [[f32; 3]; 3] = [[0.0, 0.0, 2.0], [3.0, 0.0, 4.0], [1.0, 2.0, 2.0]];

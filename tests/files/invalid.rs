@@ -5,20 +5,13 @@ use crate::common::png::decode;
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use crate::ALL;
 use nullray::io::cube::{self, Wanted};
 use nullray::io::gltf::{self, Want};
 use nullray::io::npy;
-use nullray::scene::model::BadVertices;
 use nullray::{Error, Result};
 
 const DIRECTORY: &str = "tests/data/invalid";
-const ALL: Want = Want {
-    uvs: true,
-    textures: true,
-    shading: true,
-    normals: true,
-    bad_vertices: BadVertices::Refuse,
-};
 
 /// A row of the README's table.
 struct Case {

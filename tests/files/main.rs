@@ -3,6 +3,7 @@
 #[path = "../common"]
 mod common {
     pub mod png;
+    pub mod skipped;
 }
 
 #[cfg(all(feature = "hdf5", feature = "zarr"))]
@@ -23,6 +24,18 @@ mod scene_file;
 mod tiff;
 #[cfg(feature = "zarr")]
 mod zarr;
+
+use nullray::io::gltf::Want;
+use nullray::scene::model::BadVertices;
+
+/// All that glTF files hold.
+const ALL: Want = Want {
+    uvs: true,
+    textures: true,
+    shading: true,
+    normals: true,
+    bad_vertices: BadVertices::Refuse,
+};
 
 /// Numbers of a fixed sequence (xorshift), to damage files by.
 fn random_numbers() -> impl FnMut() -> usize {

@@ -328,10 +328,6 @@ velocity = { beta = [0.5, 0, 0] }
 [sky]
 gradient = {}",
     );
-    let on = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-        pool.build().unwrap().install(|| sampled(&scene))
-    };
-    let (one, three) = (on(1), on(3));
+    let [one, three] = [1, 3].map(|threads| stage::on(threads, || sampled(&scene)));
     assert_eq!(one.radiance(), three.radiance());
 }

@@ -9,7 +9,7 @@ use nullray::render::trace::Stats;
 use nullray::render::{render, render_with_stats};
 use nullray::scene::{self, Overrides};
 
-use crate::pipeline::stage;
+use crate::pipeline::stage::{self, bits, on};
 
 fn prepared(file: &str, precision: Precision) -> Prepared {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
@@ -23,19 +23,6 @@ fn prepared(file: &str, precision: Precision) -> Prepared {
     };
     let plan = Plan::new(&scene, &request).unwrap();
     Prepared::new(&scene, &plan, &Silent).unwrap()
-}
-
-fn bits(film: &Film) -> Vec<u64> {
-    film.radiance()
-        .iter()
-        .flatten()
-        .map(|v| v.to_bits())
-        .collect()
-}
-
-fn on<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-    pool.build().unwrap().install(work)
 }
 
 /// The counts without the times.

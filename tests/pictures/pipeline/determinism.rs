@@ -9,6 +9,7 @@ use nullray::scene::{self, Overrides};
 
 use crate::pipeline::stage;
 
+/// Those of all channels, too.
 fn bits(film: &Film) -> Vec<u64> {
     let aovs = Aov::ALL.iter().flat_map(|aov| film.aov(*aov).unwrap());
     let radiance = film.radiance().iter().flatten();
@@ -16,16 +17,12 @@ fn bits(film: &Film) -> Vec<u64> {
 }
 
 fn film_on(threads: usize, scene: &scene::model::Scene) -> Vec<u64> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .unwrap();
     // With the standard error, and so in parts.
     let request = Request {
         pixel_centers: false,
         ..stage::centred()
     };
-    pool.install(|| bits(&stage::rendered(scene, &request).unwrap()))
+    stage::on(threads, || bits(&stage::rendered(scene, &request).unwrap()))
 }
 
 fn same_on_any_number_of_threads(file: &str) {

@@ -15,7 +15,7 @@ use nullray::render::plan::{Plan, Request};
 use nullray::scene::model::{LightKind, Scene, Spectra};
 
 use crate::pipeline::lorentz;
-use crate::pipeline::stage::{self, assert_relative};
+use crate::pipeline::stage::{self, PANEL, assert_relative, mean, planck};
 
 /// Rows of the published basis: white, and the reflectances of red, green and blue, from 360 nm on every 5 nm.
 fn basis(wavelength: f64) -> [f64; 4] {
@@ -55,12 +55,6 @@ fn reflectance(colour: [f64; 3]) -> Tabulated {
         let [_, r, g, b] = basis(l);
         colour[0] * r + colour[1] * g + colour[2] * b
     })
-}
-
-/// Planck's law, written out here.
-fn planck(l: f64, t: f64) -> f64 {
-    let (h, c, k) = (6.62607015e-34, 299792458.0, 1.380649e-23);
-    2.0 * h * c * c / l.powi(5) / (h * c / (l * k * t)).exp_m1()
 }
 
 /// The linear RGB of a colour, as light: a white that is a blackbody of 6504 K beyond what the eye sees.
@@ -114,11 +108,6 @@ fn assert_close(got: [f64; 3], expected: [f64; 3], tolerance: f64, what: &str) {
             "{what}: {got:?} is not {expected:?} ({error:.1e})"
         );
     }
-}
-
-fn mean(film: &Film, pixels: &[usize]) -> [f64; 3] {
-    let all = pixels.iter().map(|i| film.radiance()[*i]);
-    all.fold([0.0; 3], |a, b| sum(a, b, 1.0 / pixels.len() as f64))
 }
 
 /// A coloured plane that moves at 0.5 c, under parallel light of a lamp that moves, too, seen by a camera that moves or not.
@@ -367,10 +356,7 @@ fn a_body_that_shines_lights_one_that_moves_against_it_by_its_spectrum() {
             let spectrum = scene.objects[1].spectrum.clone().unwrap();
             let film = rendered(&scene);
             let met = stage::met(&film);
-            assert!(
-                met.iter()
-                    .all(|i| stage::value(&film, Aov::Object, *i) == 0.0)
-            );
+            assert_eq!(met, stage::met_of(&film, 0));
             let mut expected = [0.0; 3];
             match spectrum.shape() {
                 SpectrumShape::Lines(lines) => over_directions(|x, part| {
@@ -414,10 +400,7 @@ fn a_line_that_two_bodies_reflect_that_move_against_each_other_shifts_between_th
     scene.camera.axes[2] = -scene.camera.axes[2];
     let film = rendered(&scene);
     let met = stage::met(&film);
-    assert!(
-        met.iter()
-            .all(|i| stage::value(&film, Aov::Object, *i) == 1.0)
-    );
+    assert_eq!(met, stage::met_of(&film, 1));
     let spectrum = match &scene.lights[0].kind {
         LightKind::Lamp(lamp) => lamp.spectrum.clone().unwrap(),
         LightKind::Area { .. } => panic!("no lamp"),
@@ -446,20 +429,13 @@ fn a_line_that_two_bodies_reflect_that_move_against_each_other_shifts_between_th
 
 /// A room of coloured matte, glossy and glassy bodies, one of which moves, with a lamp and a shining panel of this spectrum.
 fn room(spectrum: &str, more: &str) -> Scene {
+    let room = stage::room([0.2, 0.0, 0.0], "[0.8, 0.5, 0.2]");
+    let ball = stage::ball_at("ball", -0.8);
     stage::scene(&format!(
         "
 {more}
 radiance.quantity = \"rgb\"
-[camera]
-eye = [0, 1.4, 5]
-look_at = [0, 0.7, 0]
-hfov = \"50 deg\"
-size = [16, 12]
-velocity = {{ beta = [0.2, 0, 0] }}
-[[object]]
-name = \"floor\"
-shape = {{ plane = {{ size = [9, 9] }} }}
-colour = [0.8, 0.5, 0.2]
+{room}
 [[object]]
 name = \"wall\"
 shape = {{ box = {{ size = [9, 5, 0.1] }} }}
@@ -467,13 +443,10 @@ transform = {{ translate = [0, 2, -2] }}
 colour = [0.2, 0.7, 0.4]
 metallic = 0
 roughness = 0.5
-[[object]]
-name = \"ball\"
-shape = {{ sphere = {{ radius = 0.7, subdivisions = 3 }} }}
+{ball}
 colour = [0.9, 0.6, 0.3]
 metallic = 1
 roughness = 0.3
-transform = {{ translate = [-0.8, 0.8, 0] }}
 velocity = {{ beta = [0.4, 0, 0] }}
 [[object]]
 name = \"glass\"
@@ -482,10 +455,7 @@ colour = [0.9, 1, 0.8]
 transmission = 1
 roughness = 0
 transform = {{ translate = [1.4, 0.6, 1] }}
-[[object]]
-name = \"panel\"
-shape = {{ box = {{ size = [2, 0.1, 1] }} }}
-transform = {{ translate = [-1, 3, 0] }}
+{PANEL}
 velocity = {{ beta = [-0.3, 0, 0] }}
 {spectrum}
 [[light]]
@@ -517,8 +487,7 @@ fn lines_are_narrow_spectra_along_all_paths() {
     ]
     .map(|shape| rendered(&of(shape)));
     for (object, tolerance) in [(0, 0.015), (1, 0.025), (2, 0.06), (3, 0.05)] {
-        let is_of = |i: &usize| stage::value(&line, Aov::Object, *i) == f64::from(object);
-        let pixels: Vec<usize> = stage::met(&line).into_iter().filter(is_of).collect();
+        let pixels = stage::met_of(&line, object);
         assert!(!pixels.is_empty(), "{object}");
         let [a, b] = [&line, &gaussian].map(|film| mean(film, &pixels));
         assert_close(b, a, tolerance, &format!("object {object}"));
@@ -528,38 +497,22 @@ fn lines_are_narrow_spectra_along_all_paths() {
 #[test]
 fn white_light_at_rest_is_reflected_as_colours_are() {
     // All that reflects and shines is at rest, and white; the camera is not.
+    let (ball, glaze) = (stage::ball_at("ball", -0.8), stage::ball_at("glaze", 0.9));
     let text = |spectra: &str, light: &str, bounces: u32, colour: &str| {
+        let room = stage::room([0.0, 0.0, -0.5], colour);
         stage::scene(&format!(
             "
 render = {{ spectra = \"{spectra}\", bounces = {bounces} }}
 radiance.quantity = \"rgb\"
-[camera]
-eye = [0, 1.4, 5]
-look_at = [0, 0.7, 0]
-hfov = \"50 deg\"
-size = [16, 12]
-velocity = {{ beta = [0, 0, -0.5] }}
-[[object]]
-name = \"floor\"
-shape = {{ plane = {{ size = [9, 9] }} }}
-colour = {colour}
-[[object]]
-name = \"ball\"
-shape = {{ sphere = {{ radius = 0.7, subdivisions = 3 }} }}
+{room}
+{ball}
 colour = {colour}
 metallic = 1
 roughness = 0.4
-transform = {{ translate = [-0.8, 0.8, 0] }}
-[[object]]
-name = \"glaze\"
-shape = {{ sphere = {{ radius = 0.7, subdivisions = 3 }} }}
+{glaze}
 colour = {colour}
 roughness = 0.4
-transform = {{ translate = [0.9, 0.8, 0] }}
-[[object]]
-name = \"panel\"
-shape = {{ box = {{ size = [2, 0.1, 1] }} }}
-transform = {{ translate = [-1, 3, 0] }}
+{PANEL}
 {light}
 [display]
 samples_per_pixel = 1024"
@@ -580,8 +533,7 @@ samples_per_pixel = 1024"
     ] {
         let [rgb, sampled] = ["rgb", "sampled"].map(|s| rendered(&text(s, light, bounces, colour)));
         for object in 0..3 {
-            let is_of = |i: &usize| stage::value(&rgb, Aov::Object, *i) == f64::from(object);
-            let pixels: Vec<usize> = stage::met(&rgb).into_iter().filter(is_of).collect();
+            let pixels = stage::met_of(&rgb, object);
             assert!(pixels.len() > 4, "{object}");
             let [a, b] = [&rgb, &sampled].map(|film| mean(film, &pixels));
             let tolerance = tolerances[usize::from(object > 0)];
@@ -706,18 +658,8 @@ fn sampled_spectra_are_the_same_on_any_number_of_threads() {
     let more = "render = { spectra = \"sampled\", bounces = 2 }";
     let mut scene = room(line, more);
     scene.camera.size = [40, 30];
-    let on = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.unwrap().install(|| rendered(&scene))
-    };
-    let [one, four] = [on(1), on(4)];
-    let bits = |film: &Film| -> Vec<_> {
-        film.radiance()
-            .iter()
-            .map(|c| c.map(f64::to_bits))
-            .collect()
-    };
-    assert_eq!(bits(&one), bits(&four));
+    let [one, four] = [1, 4].map(|threads| stage::on(threads, || rendered(&scene)));
+    assert_eq!(stage::bits(&one), stage::bits(&four));
 }
 
 #[test]

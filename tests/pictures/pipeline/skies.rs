@@ -8,7 +8,7 @@ use nullray::io::image::{Channel, Layers, Samples, exr};
 use nullray::scene::model::Scene;
 
 use crate::pipeline::lorentz;
-use crate::pipeline::stage::{self, assert_relative};
+use crate::pipeline::stage::{self, assert_relative, planck};
 
 const PI: f64 = std::f64::consts::PI;
 
@@ -101,7 +101,7 @@ radiance = 1
 samples_per_pixel = 400
 ";
     let film = stage::rendered(&stage::scene(text), &stage::sampled()).unwrap();
-    let mean = film.radiance().iter().map(|rgb| rgb[0]).sum::<f64>() / 16.0;
+    let mean = stage::mean(&film, &stage::met(&film))[0];
     // The picture spans x from 0.47 to 1.53; the mean of ½ (1 + x/√(x² + 16)) over it, at h = 4.
     let at = |k: i32| 0.471 + 1.058 * (f64::from(k) + 0.5) / 100.0;
     let lit = |x: f64| 0.5 * (1.0 + x / (x * x + 16.0).sqrt());
@@ -115,23 +115,13 @@ fn a_mirror_in_motion_reflects_the_sky_as_a_mirror_in_its_own_frame() {
     // A smooth metal plate moves along its normal, away from the camera at β: light that goes to and fro is seen with
     // W² of each way. Straight down and up: ((1 − β)/(1 + β))² times … to the fourth power of ω.
     let beta: f64 = 0.4;
-    let text = "
-[camera]
-eye = [0, 2, 0]
-look_at = [0, 0, -1e-6]
-up = [0, 0, -1]
-hfov = \"0.5 deg\"
-size = [3, 3]
-[[object]]
-shape = { plane = { size = [40, 40] } }
-colour = [1, 1, 1]
-metallic = 1
-roughness = 0
-velocity = { beta = [0, -0.4, 0] }
-[sky]
-radiance = 1
-";
-    let film = stage::film(&stage::scene(text));
+    let text = stage::above_plane(
+        3,
+        [0.0; 3],
+        [0.0, -beta, 0.0],
+        "metallic = 1\nroughness = 0\n[sky]\nradiance = 1\n",
+    );
+    let film = stage::film(&stage::scene(&text));
     // In the plate's frame, which leaves, the sky above is fainter by D⁴, D² = (1 − β)/(1 + β); so is the plate.
     let expected = ((1.0 - beta) / (1.0 + beta)).powi(4);
     for rgb in film.radiance() {
@@ -262,12 +252,6 @@ fn stars_that_are_smaller_than_pixels_keep_their_light_and_none_is_missed() {
     }
 }
 
-/// Planck's law, written out: W m⁻² sr⁻¹ per metre.
-fn planck(wavelength: f64, kelvin: f64) -> f64 {
-    let (h, c, k) = (6.62607015e-34, 299792458.0, 1.380649e-23);
-    2.0 * h * c * c / wavelength.powi(5) / (h * c / (wavelength * k * kelvin)).exp_m1()
-}
-
 /// Linear sRGB of a blackbody, by a plain sum over `step` nm.
 fn thermal(kelvin: f64, step: f64) -> [f64; 3] {
     let mut xyz = [0.0; 3];
@@ -391,26 +375,9 @@ fn a_star_in_motion_is_a_blackbody_of_another_temperature() {
 
 /// A white floor that moves together with the camera above it.
 fn floor(folder: &Path, sky: &str) -> [f64; 3] {
-    let text = format!(
-        "
-[camera]
-eye = [0, 2, 0]
-look_at = [0, 0, -1e-6]
-up = [0, 0, -1]
-hfov = \"0.5 deg\"
-size = [1, 1]
-velocity = {{ beta = [0.6, 0.48, 0] }}
-[[object]]
-shape = {{ plane = {{ size = [40, 40] }} }}
-colour = [1, 1, 1]
-velocity = {{ beta = [0.6, 0.48, 0] }}
-[radiance]
-quantity = \"rgb\"
-[sky]
-shadows = false
-{sky}
-"
-    );
+    let beta = [0.6, 0.48, 0.0];
+    let keys = format!("[radiance]\nquantity = \"rgb\"\n[sky]\nshadows = false\n{sky}");
+    let text = stage::above_plane(1, beta, beta, &keys);
     stage::film(&stage::scene_in(folder, &text)).radiance()[0]
 }
 

@@ -37,6 +37,13 @@ fn metal(subdivisions: u32, roughness: f32) -> Mesh {
     mesh
 }
 
+/// The scene of `text` with `mesh` at the origin, at β.
+fn with_body(text: &str, mesh: &Mesh, beta: f64) -> Builder {
+    Builder::from_toml("smooth", text)
+        .mesh("body", Arc::new(mesh.clone()))
+        .set("object.body.velocity.beta", [beta, 0.0, 0.0])
+}
+
 /// `mesh` at the origin, at β, before a camera that moves along with it, 4 m away.
 fn scene(mesh: &Mesh, beta: f64, keys: &str) -> Scene {
     let text = format!(
@@ -49,11 +56,7 @@ size = [60, 45]
 velocity = {{ beta = [{beta}, 0, 0] }}
 {keys}"
     );
-    Builder::from_toml("smooth", &text)
-        .mesh("body", Arc::new(mesh.clone()))
-        .set("object.body.velocity.beta", [beta, 0.0, 0.0])
-        .build()
-        .unwrap()
+    with_body(&text, mesh, beta).build().unwrap()
 }
 
 /// The normal of the triangle that pixel `i` shows, in its rest frame.
@@ -291,7 +294,7 @@ fn a_sky_below_the_triangle_gives_nothing() {
         let mut body = stage::met(&film);
         // Not those whose samples see the ground beside it.
         body.retain(|i| stage::object_event(&film, *i).1.length() < 0.3);
-        let mean = body.iter().map(|i| seen[*i]).sum::<f64>() / body.len() as f64;
+        let mean = stage::mean(&film, &body)[0];
         // By the normals alone a third of π L would fall there; drawn directions have noise without bounces.
         assert!(
             body.len() > 80 && mean.abs() < 0.01,
@@ -374,8 +377,7 @@ fn bounced_and_single_light_of_the_sky_have_one_mean() {
         let mean = |bounces: u32| {
             let keys = format!("{sky}[render]\nbounces = {bounces}\n");
             let film = film_of(&scene(&mesh, 0.6, &keys), 64);
-            let met = stage::met(&film);
-            met.iter().map(|i| film.radiance()[*i][1]).sum::<f64>() / met.len() as f64
+            stage::mean(&film, &stage::met(&film))[1]
         };
         // A convex body lights itself with nothing.
         assert_relative(mean(1), mean(0), 4e-3, "bounces");
@@ -404,18 +406,16 @@ samples_per_pixel = 16"
         );
         let light = [
             ("type", "area".into()),
-            ("object", "furnace".into()),
+            ("object", "body".into()),
             ("radiance", 2.0.into()),
         ];
-        let scene = Builder::from_toml("furnace", &text)
-            .mesh("furnace", Arc::new(ball(0, [albedo; 3])))
-            .set("object.furnace.velocity.beta", [beta, 0.0, 0.0])
+        let scene = with_body(&text, &ball(0, [albedo; 3]), beta)
             .light("walls", light)
             .build()
             .unwrap();
         let film = stage::rendered(&scene, &stage::sampled()).unwrap();
-        let all = film.radiance().iter().map(|rgb| rgb[0]);
-        let mean = all.clone().sum::<f64>() / all.len() as f64 / 2.0;
+        let all: Vec<_> = (0..stage::pixels(&film)).collect();
+        let mean = stage::mean(&film, &all)[0] / 2.0;
         // Corners of the icosahedron lean by 37° from its faces: less falls on them, but not much less.
         assert!(mean < series && mean > 0.85 * series, "{mean} {series}");
     }
@@ -450,19 +450,15 @@ samples_per_pixel = 64
     };
     let other = "[[object]]\nname = \"far\"\nshape = { sphere = { radius = 0.01 } }\n\
                  transform = { translate = [0, 500, 0] }\nvelocity = { beta = [0.1, 0, 0] }\n";
-    let mean = |more: &str, body: f64| {
-        let scene = Builder::from_toml("shared", &text(more))
-            .mesh("body", Arc::new(ball(1, [0.8; 3])))
-            .build()
-            .unwrap();
+    let mean = |more: &str, number: usize| {
+        let body = ball(1, [0.8; 3]);
+        let scene = with_body(&text(more), &body, 0.0).build().unwrap();
         let film = stage::rendered(&scene, &stage::sampled()).unwrap();
-        let mut of_body = stage::met(&film);
-        of_body.retain(|i| stage::value(&film, Aov::Object, *i) == body);
+        let of_body = stage::met_of(&film, number);
         assert!(of_body.len() > 100);
-        let sum: f64 = of_body.iter().map(|i| film.radiance()[*i][0]).sum();
-        sum / of_body.len() as f64
+        stage::mean(&film, &of_body)[0]
     };
-    assert_relative(mean("", 1.0), mean(other, 2.0), 4e-3, "shared");
+    assert_relative(mean("", 1), mean(other, 2), 4e-3, "shared");
 }
 
 #[test]
@@ -470,12 +466,7 @@ fn smooth_surfaces_have_the_same_bits_on_any_number_of_threads() {
     let keys = format!("{SUN}[sky]\ngradient = {{}}\n[render]\nbounces = 2\n");
     for mesh in [ball(2, [0.8; 3]), metal(2, 0.2)] {
         let scene = scene(&mesh, 0.5, &keys);
-        let bits = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-            let film = pool.build().unwrap().install(|| film_of(&scene, 4));
-            let bits = film.radiance().iter().flatten().map(|x| x.to_bits());
-            bits.collect::<Vec<_>>()
-        };
+        let bits = |threads| stage::bits(&stage::on(threads, || film_of(&scene, 4)));
         let alone = bits(1);
         assert!(bits(3) == alone && bits(2) == alone);
     }

@@ -69,6 +69,91 @@ pub fn met(film: &Film) -> Vec<usize> {
     (0..object.len()).filter(|i| object[*i] >= 0.0).collect()
 }
 
+/// Pixels that see object `number`.
+pub fn met_of(film: &Film, number: usize) -> Vec<usize> {
+    let object = film.aov(Aov::Object).unwrap();
+    let is_it = |i: &usize| object[*i] == number as f64;
+    (0..object.len()).filter(is_it).collect()
+}
+
+/// The mean radiance of these pixels.
+pub fn mean(film: &Film, pixels: &[usize]) -> [f64; 3] {
+    let part = 1.0 / pixels.len() as f64;
+    let mut mean = [0.0; 3];
+    for i in pixels {
+        (0..3).for_each(|c| mean[c] += part * film.radiance()[*i][c]);
+    }
+    mean
+}
+
+/// The bits of the radiance of all pixels.
+pub fn bits(film: &Film) -> Vec<u64> {
+    let all = film.radiance().iter().flatten();
+    all.map(|x| x.to_bits()).collect()
+}
+
+/// Does `work` on so many threads.
+pub fn on<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    pool.build().unwrap().install(work)
+}
+
+/// Planck's law, written out: W m⁻² sr⁻¹ per metre.
+pub fn planck(wavelength: f64, kelvin: f64) -> f64 {
+    let (h, c, k) = (6.62607015e-34, 299792458.0, 1.380649e-23);
+    2.0 * h * c * c / wavelength.powi(5) / (h * c / (wavelength * k * kelvin)).exp_m1()
+}
+
+/// The tables of a camera in a room, 1.4 m above its floor, that moves at `beta`; and of the floor, of this colour.
+pub fn room(beta: [f64; 3], floor: &str) -> String {
+    format!(
+        "[camera]
+eye = [0, 1.4, 5]
+look_at = [0, 0.7, 0]
+hfov = \"50 deg\"
+size = [16, 12]
+velocity = {{ beta = {beta:?} }}
+[[object]]
+name = \"floor\"
+shape = {{ plane = {{ size = [9, 9] }} }}
+colour = {floor}"
+    )
+}
+
+/// The table of a ball in that room, at this place along x.
+pub fn ball_at(name: &str, x: f64) -> String {
+    format!(
+        "[[object]]
+name = \"{name}\"
+shape = {{ sphere = {{ radius = 0.7, subdivisions = 3 }} }}
+transform = {{ translate = [{x}, 0.8, 0] }}"
+    )
+}
+
+/// The table of a panel in that room, which is to shine.
+pub const PANEL: &str = "[[object]]
+name = \"panel\"
+shape = { box = { size = [2, 0.1, 1] } }
+transform = { translate = [-1, 3, 0] }";
+
+/// The tables of a camera that looks straight down from 2 m at a small part of a wide plane, with further `keys`; each moves at its β.
+pub fn above_plane(size: u32, camera: [f64; 3], plane: [f64; 3], keys: &str) -> String {
+    format!(
+        "[camera]
+eye = [0, 2, 0]
+look_at = [0, 0, -1e-6]
+up = [0, 0, -1]
+hfov = \"0.5 deg\"
+size = [{size}, {size}]
+velocity = {{ beta = {camera:?} }}
+[[object]]
+shape = {{ plane = {{ size = [40, 40] }} }}
+colour = [1, 1, 1]
+velocity = {{ beta = {plane:?} }}
+{keys}"
+    )
+}
+
 /// World time and place of the emission event.
 pub fn event(film: &Film, i: usize) -> (f64, DVec3) {
     let v = |aov| value(film, aov, i);

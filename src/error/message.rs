@@ -113,6 +113,7 @@ impl Message {
     pub fn with_names(&self, name: impl Fn(Setting) -> String) -> String {
         let mut named = String::with_capacity(self.text.len());
         let mut end = 0;
+        // Messages grow at their end alone, so that spans are in order and do not overlap.
         for (span, setting) in &self.settings {
             named += &self.text[end..span.start];
             named += &name(*setting);
@@ -181,6 +182,7 @@ impl From<Setting> for Message {
 impl<T: Into<Message>> AddAssign<T> for Message {
     fn add_assign(&mut self, more: T) {
         let Message { text, settings } = more.into();
+        // Spans count from the start of the whole text, or another name would be put in the wrong place.
         let offset = self.text.len();
         let moved = |(span, setting): (Range<usize>, Setting)| {
             (span.start + offset..span.end + offset, setting)

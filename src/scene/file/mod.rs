@@ -259,10 +259,12 @@ impl<'de> Visitor<'de> for OutsideVisitor {
     }
 
     fn visit_str<E: Error>(self, text: &str) -> Result<Outside, E> {
+        // By serde, so that a word that is none of them is refused with all that there are.
         Fill::deserialize(StrDeserializer::new(text)).map(Outside::All)
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Outside, A::Error> {
+        // From the map as it is, which knows where in the text its keys stand.
         let table = OutsideTable::deserialize(MapAccessDeserializer::new(map))?;
         Ok(Outside::ByCase(Box::new(table)))
     }

@@ -114,9 +114,6 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
         .collect()
 }
 
-/// The key of what baked light has on the backs of its surface.
-pub(crate) const BACKS: &str = "backs";
-
 /// Of baked light: program, scene, hash, units, bins.
 pub fn of_baked(scene: &Scene, bins: &Bins, samples: u32, baked: &Baked) -> Vec<(String, String)> {
     let energy = &baked.energy;
@@ -150,7 +147,8 @@ pub fn of_baked(scene: &Scene, bins: &Bins, samples: u32, baked: &Baked) -> Vec<
     let span = span.flat_map(|[from, to]| [("light_from", from), ("light_until", to)]);
     let span = span.map(|(key, time)| (key, time.to_string()));
     // Of a surface, what is on its backs.
-    let backs = (baked.backs != CubeBacks::AsFront).then(|| (BACKS, baked.backs.name().into()));
+    let backs =
+        (baked.backs != CubeBacks::AsFront).then(|| (CubeBacks::KEY, baked.backs.name().into()));
     let own = pairs.into_iter().chain(span).chain(backs);
     let own = own.map(|(key, value): (_, String)| (key.into(), value));
     of_text(&scene.name, &scene.text)

@@ -565,6 +565,9 @@ pub enum CubeBacks {
 }
 
 impl CubeBacks {
+    /// What files of baked light call it.
+    pub(crate) const KEY: &str = "backs";
+
     /// As scene files say it.
     pub fn name(self) -> &'static str {
         match self {

@@ -2,16 +2,9 @@
 //! result or an error, never a panic, a hang or a bid for all memory.
 
 use nullray::io::cube::{self, Wanted};
-use nullray::io::gltf::{self, Want};
-use nullray::scene::model::BadVertices;
+use nullray::io::gltf;
 
-const ALL: Want = Want {
-    uvs: true,
-    textures: true,
-    shading: true,
-    normals: true,
-    bad_vertices: BadVertices::Refuse,
-};
+use crate::ALL;
 
 fn valid(file: &str) -> Vec<u8> {
     std::fs::read(format!("tests/data/valid/{file}")).unwrap()

@@ -23,7 +23,6 @@ use crate::light::time_texture::TimeTexture;
 use crate::mesh::{Factors, shapes};
 use crate::render::aov::Aov;
 use crate::render::film::Layout;
-use crate::render::metadata::BACKS;
 use crate::scene::model::{
     Crop, CubeBacks, CubeData, CubeSource, Elements, Geometry, Mapping, Object, Scene, Shape,
     Source, SourceKind, Spectra, TimeBins,
@@ -397,7 +396,7 @@ fn has_rows_of_backs(cube: &CubeSource) -> bool {
     let said = text
         .ok()
         .and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok());
-    said.is_some_and(|said| said[BACKS] == CubeBacks::SecondHalf.name())
+    said.is_some_and(|said| said[CubeBacks::KEY] == CubeBacks::SecondHalf.name())
 }
 
 /// Refuses a table of edges that is not one of as many bins as there are.

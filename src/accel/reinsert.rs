@@ -16,7 +16,7 @@
 //! to it, or brought the place to which it moves below itself.
 //!
 //! obvhs has the same search, and is not used for it: it keeps indices in the fourth lanes of boxes, which are denormal numbers, and Intel's
-//! processors take over a hundred cycles for a product of such vectors. Trees with many moves took three times as long.
+//! processors take over a hundred cycles for a product of such vectors. Trees with many moves took two to three times as long.
 
 use rayon::prelude::*;
 

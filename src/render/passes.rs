@@ -22,7 +22,7 @@ use sha2::{Digest, Sha256};
 
 use crate::error::{Error, Result};
 use crate::io::image::write_atomically;
-use crate::render::film::{Film, Layout, Tile, TileFilm};
+use crate::render::film::{Film, FilmBuilder, Layout, Tile, TileFilm};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
@@ -136,9 +136,9 @@ impl Passes {
 
     /// The picture so far.
     pub fn film(&self) -> Film {
-        let mut film = Film::new(self.layout.clone()).with_passes(self.done, self.error);
+        let mut film = FilmBuilder::new(self.layout.clone());
         self.tiles.iter().for_each(|tile| film.place(tile));
-        film
+        film.finish().with_passes(self.done, self.error)
     }
 
     /// The standard error of the picture so far: root of the mean square over pixels, over their mean radiance. 0 where it is dark.

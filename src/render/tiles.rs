@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::io::cube::BytesRead;
-use crate::render::film::{Film, Tile, TileFilm};
+use crate::render::film::{Film, FilmBuilder, Tile, TileFilm};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
@@ -72,19 +72,19 @@ fn tiles_with(
 ) -> Result<Film> {
     let pipeline = Pipeline::new(scene, scene.sampler);
     let layout = &scene.layout;
-    let film = Mutex::new(Film::new(layout.clone()));
+    let film = Mutex::new(FilmBuilder::new(layout.clone()));
     let done: Result<()> =
         tiles
             .into_par_iter()
-            .try_for_each_init(Buffers::default, |buffers, index| {
+            .try_for_each_init(Default::default, |(buffers, kept), index| {
                 let tile = Tile::of_image(layout.size, index);
-                let mut tile_film = TileFilm::new(tile, layout);
+                let tile_film = TileFilm::reused(kept, tile, layout);
                 let mut meter = Meter::new(total.is_some());
                 let samples = 0..layout.samples;
-                pipeline.samples(samples, buffers, &mut tile_film, progress, &mut meter)?;
+                pipeline.samples(samples, buffers, tile_film, progress, &mut meter)?;
                 // A poisoned lock means a panic elsewhere, which rayon passes on.
                 let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
-                film.place(&tile_film);
+                film.place(tile_film);
                 if let (Some(total), Some(stats)) = (total, meter.into_stats()) {
                     let mut total = total.lock().unwrap_or_else(PoisonError::into_inner);
                     total.merge(stats);
@@ -93,7 +93,8 @@ fn tiles_with(
             });
     scene.light.check()?;
     done?;
-    Ok(film.into_inner().unwrap_or_else(PoisonError::into_inner))
+    let film = film.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Ok(film.finish())
 }
 
 /// From film points to radiance.
@@ -260,7 +261,8 @@ mod tests {
     fn film(scene: &Prepared, at_once: u32) -> Film {
         let layout = &scene.layout;
         let pipeline = Pipeline::new(scene, scene.sampler);
-        let (mut film, mut buffers) = (Film::new(layout.clone()), Buffers::default());
+        let mut film = FilmBuilder::new(layout.clone());
+        let mut buffers = Buffers::default();
         for index in 0..Tile::count(layout.size) {
             let mut tile = TileFilm::new(Tile::of_image(layout.size, index), layout);
             let mut first = 0;
@@ -272,7 +274,7 @@ mod tests {
             }
             film.place(&tile);
         }
-        film
+        film.finish()
     }
 
     #[test]
@@ -304,6 +306,30 @@ mod tests {
                     assert_eq!(bits(&together), bits(&alone), "{at_once}");
                 }
                 assert_eq!(together.met(), alone.met());
+            }
+        }
+    }
+
+    #[test]
+    fn tiles_are_the_same_whichever_were_rendered_before_them() {
+        let scene = corner("metallic = 1\nroughness = 0.3");
+        let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+        let whole = one_thread.unwrap().install(|| render(&scene, &Silent));
+        let whole = whole.unwrap();
+        let width = scene.layout.size[0] as usize;
+        for index in 0..Tile::count(scene.layout.size) {
+            let alone = render_tiles(&scene, index..index + 1, &Silent).unwrap();
+            for (column, row) in Tile::of_image(scene.layout.size, index).coordinates() {
+                let pixel = row as usize * width + column as usize;
+                let bits = |film: &Film| {
+                    let aovs =
+                        [Aov::Distance, Aov::Object].map(|aov| film.aov(aov).unwrap()[pixel]);
+                    (
+                        film.radiance()[pixel].map(f64::to_bits),
+                        aovs.map(f64::to_bits),
+                    )
+                };
+                assert_eq!(bits(&alone), bits(&whole), "{column} {row}");
             }
         }
     }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::camera::RayOrigin;
 use crate::error::{Error, Result};
 use crate::light::time_texture::Coverage;
-use crate::render::film::{Film, TILE, Tile, TileFilm};
+use crate::render::film::{Film, FilmBuilder, TILE, Tile, TileFilm};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::trace::{
@@ -442,7 +442,7 @@ pub(super) fn paint<P: Painter>(
     progress: &dyn Progress,
 ) -> Result<Film> {
     let layout = &scene.layout;
-    let film = Mutex::new(Film::new(layout.clone()));
+    let film = Mutex::new(FilmBuilder::new(layout.clone()));
     let done = (0..Tile::count(layout.size))
         .into_par_iter()
         .try_for_each_init(P::Buffers::default, |buffers, index| {
@@ -472,7 +472,8 @@ pub(super) fn paint<P: Painter>(
         });
     scene.light.check()?;
     done?;
-    Ok(film.into_inner().unwrap_or_else(PoisonError::into_inner))
+    let film = film.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Ok(film.finish())
 }
 
 impl<P: Visibility> Painter for Stage<'_, P> {

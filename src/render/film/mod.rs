@@ -41,7 +41,15 @@ struct TileCoverage {
     hidden: f64,
 }
 
-impl Film {
+/// A film on which tiles are placed, in any order.
+#[derive(Debug)]
+pub(crate) struct FilmBuilder {
+    /// Its radiance ends with the last row that some tile has come to: rows are cleared right before they are written, while they are near the
+    /// processor, and not all of them beforehand.
+    film: Film,
+}
+
+impl FilmBuilder {
     /// A film that nothing has been placed on.
     pub fn new(layout: Layout) -> Self {
         let n = layout.size[0] as usize * layout.size[1] as usize;
@@ -50,8 +58,8 @@ impl Film {
         } else {
             0
         };
-        Film {
-            radiance: vec![[0.0; 3]; n],
+        let film = Film {
+            radiance: Vec::with_capacity(n),
             unmet: 0.0,
             passes: 1,
             error: None,
@@ -59,11 +67,35 @@ impl Film {
             coverage: vec![TileCoverage::default(); tiles],
             aovs: vec![vec![0.0; n]; layout.channels.len()],
             layout,
-        }
+        };
+        FilmBuilder { film }
     }
 
     /// Places a finished tile.
     pub fn place(&mut self, tile: &TileFilm) {
+        let end = (tile.tile.corner[1] + tile.tile.size[1]) as usize;
+        self.clear_rows(end);
+        self.film.place(tile);
+    }
+
+    /// The film; what no tile was placed on is black.
+    pub fn finish(mut self) -> Film {
+        self.clear_rows(self.film.layout.size[1] as usize);
+        self.film
+    }
+
+    /// Makes sure that the rows before row `end` are there.
+    fn clear_rows(&mut self, end: usize) {
+        let end = end * self.film.layout.size[0] as usize;
+        if self.film.radiance.len() < end {
+            self.film.radiance.resize(end, [0.0; 3]);
+        }
+    }
+}
+
+impl Film {
+    /// Places a finished tile on rows that are there.
+    fn place(&mut self, tile: &TileFilm) {
         let samples = tile.taken(&self.layout);
         let parts = tile.parts().map(|parts| parts.taken);
         self.parts = self.parts.into_iter().chain(parts).min();

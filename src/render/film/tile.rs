@@ -45,6 +45,7 @@
 use std::ops::Range;
 
 use super::layout::{Layout, Tile};
+use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::light::time_texture::Coverage;
 use crate::render::aov::{Aov, Combine, Why};
 
@@ -302,6 +303,50 @@ impl TileFilm {
         }
     }
 
+    /// An empty film of `tile`, in the room of `kept` where that has as many pixels of this layout.
+    pub(crate) fn reused<'a>(
+        kept: &'a mut Option<TileFilm>,
+        tile: Tile,
+        layout: &Layout,
+    ) -> &'a mut TileFilm {
+        let fits = |film: &TileFilm| film.parts.is_none() && film.radiance.len() == tile.pixels();
+        match kept {
+            Some(film) if fits(film) => film.clear(tile),
+            _ => *kept = None,
+        }
+        kept.get_or_insert_with(|| TileFilm::new(tile, layout))
+    }
+
+    /// Makes it the empty film of `tile`, which has as many pixels.
+    fn clear(&mut self, of: Tile) {
+        // Taken apart by name: a field that is forgotten here does not compile.
+        let TileFilm {
+            tile,
+            radiance,
+            unmet,
+            coverage,
+            from_data,
+            hidden,
+            covers_itself: _,
+            held,
+            missing,
+            parts: _,
+            hits,
+            blind,
+            nearest,
+            aovs,
+        } = self;
+        (*tile, *unmet, *coverage) = (of, 0, Coverage::NONE);
+        (*from_data, *hidden) = (0.0, 0.0);
+        radiance.fill([0.0; 3]);
+        held.fill(0.0);
+        missing.fill(Missing::default());
+        hits.fill(0);
+        blind.fill(0);
+        nearest.fill(f64::INFINITY);
+        aovs.iter_mut().for_each(|aov| aov.fill(0.0));
+    }
+
     /// The pixel of ray `ray`: there is one for each pixel, sample by sample.
     #[inline]
     fn pixel(&self, ray: usize) -> usize {
@@ -357,18 +402,16 @@ impl TileFilm {
 
     /// Adds the radiance of as many rays in a row, the first of them `first`, times their factors, each to its pixel.
     pub(crate) fn add_scaled(&mut self, first: usize, radiance: &[[f64; 3]], factors: &[f64]) {
-        let scaled = radiance.iter().zip(factors);
         let pixels = first..first + radiance.len();
         // Rays of one sample are so many pixels in a row.
         if let Some(sums) = self.radiance.get_mut(pixels) {
-            for (sum, (rgb, factor)) in sums.iter_mut().zip(scaled) {
-                for (sum, value) in sum.iter_mut().zip(rgb) {
-                    *sum += factor * value;
-                }
-            }
-            return;
+            return dispatch(AddScaled {
+                sums,
+                radiance,
+                factors,
+            });
         }
-        for (ray, (rgb, factor)) in (first..).zip(scaled) {
+        for (ray, (rgb, factor)) in (first..).zip(radiance.iter().zip(factors)) {
             self.add(ray, rgb.map(|value| factor * value));
         }
     }
@@ -620,6 +663,38 @@ impl TileFilm {
     pub(super) fn taken(&self, layout: &Layout) -> u32 {
         let parts = self.parts.as_ref();
         parts.map_or(layout.samples, |parts| parts.taken * parts.samples)
+    }
+}
+
+/// The loop that adds radiance, times its factors, to as many sums.
+struct AddScaled<'a> {
+    sums: &'a mut [[f64; 3]],
+    radiance: &'a [[f64; 3]],
+    factors: &'a [f64],
+}
+
+impl VectorLoop for AddScaled<'_> {
+    #[inline(always)]
+    fn run(self) {
+        // Eight at a time: their numbers fill whole vectors, each with its factor beside it.
+        let (sums, last_sums) = self.sums.as_chunks_mut::<8>();
+        let (radiance, last) = self.radiance.as_chunks::<8>();
+        let (factors, last_factors) = self.factors.as_chunks::<8>();
+        for ((sums, radiance), factors) in sums.iter_mut().zip(radiance).zip(factors) {
+            let mut wide = [0.0; 24];
+            for k in 0..24 {
+                wide[k] = factors[k / 3];
+            }
+            let (sums, radiance) = (sums.as_flattened_mut(), radiance.as_flattened());
+            for k in 0..24 {
+                sums[k] += wide[k] * radiance[k];
+            }
+        }
+        for ((sum, rgb), factor) in last_sums.iter_mut().zip(last).zip(last_factors) {
+            for k in 0..3 {
+                sum[k] += factor * rgb[k];
+            }
+        }
     }
 }
 

@@ -290,6 +290,14 @@ impl VectorLoop for Offsets<'_> {
         let (x, y) = (&mut self.x[..count], &mut self.y[..count]);
         let sampler = *self.sampler;
         let (cell, salt) = sampler.cell_and_salt(self.index);
+        // Of one sample the cell is the pixel, and what the general formula adds is 0.
+        if sampler.samples() == 1 {
+            for k in 0..count {
+                let [for_x, for_y] = halves(hash(hash(self.pixels[k]) ^ salt));
+                (x[k], y[k]) = (for_x * UNIT, for_y * UNIT);
+            }
+            return;
+        }
         for k in 0..count {
             [x[k], y[k]] = sampler.offset_of_powers(hash(self.pixels[k]), cell, salt);
         }

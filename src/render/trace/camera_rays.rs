@@ -351,8 +351,10 @@ fn place<V: View>(
         let of_sample = begin..begin + pixels;
         let rows = rays.pixels[of_sample.clone()].chunks_mut(tile.size[0].max(1) as usize);
         for (row, pixels) in (top..).zip(rows) {
-            for (column, pixel) in (left..).zip(pixels) {
-                *pixel = pixel_key(column, row);
+            // Keys of neighbours follow one another.
+            let first = pixel_key(left, row);
+            for (column, pixel) in pixels.iter_mut().enumerate() {
+                *pixel = first + column as u64;
             }
         }
         let (within, salt) = sampler.replicate(sample);

@@ -164,6 +164,18 @@ impl PatchSpan {
         end: 0,
         black_back: false,
     };
+
+    /// Whether `hit`, in this frame, is on it.
+    #[inline(always)]
+    fn contains(&self, hit: &Hit, frame: u32) -> bool {
+        frame == self.frame && (self.first..self.end).contains(&hit.triangle)
+    }
+
+    /// Whether it is on a side of it that has colours.
+    #[inline(always)]
+    fn shows(&self, hit: &Hit, frame: u32) -> bool {
+        self.contains(hit, frame) && (hit.front || !self.black_back)
+    }
 }
 
 impl Shading {
@@ -334,10 +346,23 @@ impl Shading {
             unmet += self.take(scene, begin..*end, hit, weight, &mut patch, sink);
             begin = *end;
         }
-        for (ray, hit) in traced.hits.hits().iter().enumerate() {
-            let hit = hit.as_ref().map(|hit| (hit, traced.hits.frame(ray)));
-            let (weight, rays) = (weight(ray), ray as u32..ray as u32 + 1);
-            unmet += self.take(scene, rays, hit, weight, &mut patch, sink);
+        let hits = traced.hits.hits();
+        let mut ray = 0;
+        while ray < hits.len() {
+            let hit = hits[ray].as_ref();
+            let hit = hit.map(|hit| (hit, traced.hits.frame(ray)));
+            let (of_ray, rays) = (weight(ray), ray as u32..ray as u32 + 1);
+            unmet += self.take(scene, rays, hit, of_ray, &mut patch, sink);
+            ray += 1;
+            // Those after it that hit the same patch are most of them, and are taken together.
+            let begin = ray;
+            while let Some(Some(hit)) = hits.get(ray)
+                && patch.shows(hit, traced.hits.frame(ray))
+                && weight(ray) != 0.0
+            {
+                ray += 1;
+            }
+            self.lit.extend(begin as u32..ray as u32);
         }
         self.begin(u32::MAX, 0, 0);
         self.runs.pop();
@@ -379,7 +404,7 @@ impl Shading {
             return count;
         };
         // Another patch begins another run.
-        if frame != patch.frame || !(patch.first..patch.end).contains(&hit.triangle) {
+        if !patch.contains(hit, frame) {
             let (found, end) = traced.surfaces.rest(frame).patch_and_end(hit.triangle);
             *patch = PatchSpan {
                 frame,

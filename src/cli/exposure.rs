@@ -19,6 +19,8 @@ use super::interrupt;
 
 /// The most columns and rows of a preview.
 const PREVIEW: u32 = 128;
+/// The least `display.white` of scenes.
+const DARKEST_WHITE: f64 = 1e-30;
 /// How far beyond white the brightest of all pictures may be for the sake of those in the middle.
 const MOST_BEYOND: f64 = 100.0;
 
@@ -85,6 +87,10 @@ pub fn of_surfaces(scene: &Scene, request: &Request) -> Result<Option<f64>> {
         return Ok(None);
     }
     let white = tonemap::white(&seen, Exposure::Percentile(99.0))?;
+    // What a scene cannot say as its white: light that is shifted out of sight.
+    if white < DARKEST_WHITE {
+        return Ok(None);
+    }
     Ok(format!("{white:.2e}").parse().ok())
 }
 

@@ -52,8 +52,11 @@ fn described(
     let ends = ends.map(|(first, last)| [first[0], last[0]]);
     let unseen = || {
         let (file, ends) = at.value.table.as_ref().zip(ends)?;
-        // Nanometres, to a thousandth.
-        let [first, last] = ends.map(|metres| number((metres * 1e12).round() / 1e3));
+        // Nanometres, to a thousandth of one where that tells them apart.
+        let [first, last] = ends.map(|metres| match metres < 1e-9 {
+            true => format!("{:.3e}", metres * 1e9),
+            false => number((metres * 1e12).round() / 1e3).to_string(),
+        });
         let what = format!(
             "{:?} spans {first} to {last} nm, of which nobody at rest sees anything, so that it has no luminance",
             file.value

@@ -371,6 +371,9 @@ fn nothing(d: &Distribution) -> String {
 /// The part of the reference's pixels with surfaces that has to be measured for a limit to hold.
 const LEAST_MEASURED: f64 = 0.5;
 
+/// The part of the pixels of the same object at which the candidate may have no numbers where the reference has some: a few slivers and rims.
+const MOST_LACKING: f64 = 0.01;
+
 /// No more objects are named.
 const MOST_NAMED: usize = 6;
 
@@ -408,6 +411,13 @@ fn gaps(d: &Distribution) -> Option<String> {
         ));
     }
     // No object is missing altogether; pixels may be.
+    let compared = d.count + d.unmeasured;
+    if d.lacking as f64 > MOST_LACKING * compared as f64 {
+        return Some(format!(
+            "at {} of the {compared} pixels at which both show the same object the candidate has no numbers (NaN), and the reference has",
+            d.lacking
+        ));
+    }
     let part = d.count as f64 / d.surfaces as f64;
     (part < LEAST_MEASURED).then(|| {
         format!(

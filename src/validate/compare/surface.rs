@@ -11,7 +11,8 @@
 //! | wavelength ratio | `wavelength_ratio` | candidate / reference − 1, and steps of the coarser of the two precisions (ulp) |
 //!
 //! A limit on the last three holds only where they are known: it is exceeded where an object that the reference shows at eight
-//! pixels or more has no value at any of them, or where less than half of the reference's pixels with surfaces have one.
+//! pixels or more has no value at any of them, where less than half of the reference's pixels with surfaces have one, or where the candidate
+//! has no numbers (NaN) at more than a hundredth of the pixels at which both show the same object and the reference has some.
 //!
 //! With several samples per pixel the channels are means, which mix surfaces at silhouettes: compare pictures
 //! of pixel centres.
@@ -116,6 +117,8 @@ pub struct Distribution {
     pub count: u64,
     /// Pixels that have an object in both pictures, and no value.
     pub unmeasured: u64,
+    /// Those of them at which the reference has numbers, and the candidate has none.
+    pub lacking: u64,
     /// Pixels at which the reference shows a surface; 0 where it does not say.
     pub surfaces: u64,
     /// Objects that the reference shows at eight pixels or more, none of which has a value.
@@ -184,21 +187,33 @@ pub(super) fn compare(
 ) -> (Option<SurfaceErrors>, Option<Vec<f32>>) {
     let size = points[0].size();
     let map = field.map(geometry::map);
+    // Where the reference has numbers of each kind and the candidate has none.
+    let lacks = |planes: &[[Plane; 2]], i: usize| {
+        let has = |which: usize| planes.iter().all(|pair| !pair[which].at(i).is_nan());
+        has(0) && !has(1)
+    };
+    let of_places = Points::places(points).map(|[r, c]| [0, 1, 2].map(|k| [r[k], c[k]]));
+    let places = |i| of_places.is_some_and(|planes| lacks(&planes, i));
+    let of_times = points[0].time.zip(points[1].time);
+    let times = |i| of_times.is_some_and(|(r, c)| lacks(&[[r, c]], i));
+    let of_ratios = ratio(pair);
+    let ratios = |i| of_ratios.is_some_and(|planes| lacks(&[planes], i));
+    let shown = (size, region, points);
     let errors = SurfaceErrors {
         wrong_objects: wrong_objects(points, region),
         coverage: coverage(points, region),
         silhouette: silhouette(points, region),
         geometric: map
             .as_ref()
-            .map(|map| distribution(size, region, points, |_, i| map[i].into())),
-        emission_time: time(points).map(|of| signed(size, region, points, of)),
+            .map(|map| distribution(shown, &places, |_, i| map[i].into())),
+        emission_time: time(points).map(|of| signed(shown, &times, of)),
         emission_time_bins: time(points)
             .zip(bin_width)
-            .map(|(of, width)| distribution(size, region, points, move |_, i| of(i).abs() / width)),
+            .map(|(of, width)| distribution(shown, &times, move |_, i| of(i).abs() / width)),
         wavelength_ratio: ratio(pair)
-            .map(|[r, c]| signed(size, region, points, move |i| c.at(i) / r.at(i) - 1.0)),
+            .map(|[r, c]| signed(shown, &ratios, move |i| c.at(i) / r.at(i) - 1.0)),
         wavelength_ratio_ulp: ratio(pair)
-            .map(|[r, c]| distribution(size, region, points, move |_, i| steps(&r, &c, i))),
+            .map(|[r, c]| distribution(shown, &ratios, move |_, i| steps(&r, &c, i))),
     };
     let some = errors != SurfaceErrors::default();
     (some.then_some(errors), map)
@@ -244,14 +259,12 @@ fn steps(r: &Plane, c: &Plane, index: usize) -> f64 {
     }
 }
 
-fn signed(
-    size: [usize; 2],
-    region: &Region,
-    points: &[Points; 2],
-    value: impl Fn(usize) -> f64,
-) -> Signed {
+/// The pixels of the compared pictures: how many in a row and in a column, which are compared, and what they show.
+type Shown<'a> = ([usize; 2], &'a Region, &'a [Points<'a>; 2]);
+
+fn signed(shown: Shown, lacks: &dyn Fn(usize) -> bool, value: impl Fn(usize) -> f64) -> Signed {
     let (mut sum, mut count) = (0.0, 0u64);
-    let absolute = distribution(size, region, points, |chosen, i| {
+    let absolute = distribution(shown, lacks, |chosen, i| {
         let value = value(i);
         if chosen && !value.is_nan() {
             sum += value;
@@ -265,16 +278,14 @@ fn signed(
     }
 }
 
-/// The distribution of `value` over the pixels of the region that show the same object.
+/// The distribution of `value` over the pixels of the region that show the same object; `lacks` says where the candidate has no numbers for it.
 fn distribution(
-    size: [usize; 2],
-    region: &Region,
-    points: &[Points; 2],
+    ([width, height], region, points): Shown,
+    lacks: &dyn Fn(usize) -> bool,
     mut value: impl FnMut(bool, usize) -> f64,
 ) -> Distribution {
-    let [width, height] = size;
     let mut sums = Sums::new();
-    let (mut unmeasured, mut objects) = (0, Objects::default());
+    let (mut unmeasured, mut lacking, mut objects) = (0, 0, Objects::default());
     let zeros = vec![0.0; width];
     let mut row = vec![0.0; width];
     for y in 0..height {
@@ -287,6 +298,7 @@ fn distribution(
             row[x] = value(chosen[x], i);
             let is_measured = chosen[x] && !row[x].is_nan();
             unmeasured += u64::from(chosen[x] && !is_measured);
+            lacking += u64::from(chosen[x] && !is_measured && lacks(i));
             if let Some(object) = object.filter(|object| *object >= 0.0) {
                 objects.add(object as u64, [chosen[x], is_measured]);
             }
@@ -297,6 +309,7 @@ fn distribution(
     Distribution {
         count: errors.as_ref().map_or(0, |e| e.count),
         unmeasured,
+        lacking,
         surfaces: objects.counts.values().map(|[pixels, ..]| pixels).sum(),
         unmeasured_objects: objects.unmeasured(),
         summary: errors.as_ref().map(|e| Summary {

@@ -252,6 +252,24 @@ fn missing_shadows_are_named_and_no_missing_object() {
     );
 }
 
+#[test]
+fn missing_shadows_are_named_where_they_are_black() {
+    // One lamp: what it does not reach has no light at all.
+    let pulse = |shadows: bool| {
+        let text = format!(
+            "{SCENE}\n[[source]]\npulse = {{ position = [-3, 3, 1], time = \"-8 m\", sigma = \"40 m\", intensity = 12, shadows = {shadows} }}\n"
+        );
+        shot(&parsed(&text))
+    };
+    let [right, wrong] = [true, false].map(pulse);
+    let wrong = unknown_shot(&wrong);
+    let bare = only(&wrong, &["radiance"]);
+    for wrong in [wrong, bare] {
+        let found = diagnosed(&right, &wrong);
+        named(Kind::ShadowsMissing, &["shadows are missing"], &found);
+    }
+}
+
 /// Three objects of as many velocities above a floor, some of which hide parts of others.
 const SEVERAL: &str = r#"
     camera = { eye = [2.1, 1.9, 3.7], look_at = [0.2, 0.5, -0.4], up = [0.2, 1, 0.1], hfov = "75 deg", size = [180, 110], velocity = { beta = [-0.35, 0.1, -0.4] }, clock_zero = "3 m", time = "0.7 m" }

@@ -585,6 +585,73 @@ fn an_object_that_is_nowhere_is_named_and_breaks_limits_on_what_is_left() {
 }
 
 #[test]
+fn events_whose_numbers_come_in_another_order_are_no_mirrored_picture() {
+    let exact = exact();
+    let [ct, x, y, z] =
+        ["event.ct", "event.x", "event.y", "event.z"].map(|name| values(&exact, name));
+    for groups in [&["object", "event"][..], &["event", "radiance"]] {
+        let mut wrong = only(&exact, groups);
+        let moved = [
+            ("event.ct", &x),
+            ("event.x", &y),
+            ("event.y", &z),
+            ("event.z", &ct),
+        ];
+        for (name, from) in moved {
+            map(&mut wrong, name, |i, _| from[i]);
+        }
+        let found = diagnosed(&exact, &wrong);
+        named(
+            Kind::AxesExchanged,
+            &["(ct, x, y, z) holds (x, y, z, ct)"],
+            &found,
+        );
+    }
+}
+
+#[test]
+fn wrong_events_are_named_where_the_points_of_objects_are_right() {
+    let places = ["event.x", "event.y", "event.z"];
+    let none = changed(&places, |_, v| if v.is_nan() { v } else { 0.0 });
+    let moved = changed(&places[..1], |_, v| v + 0.5);
+    for wrong in [none, moved] {
+        let found = diagnosed(&exact(), &wrong);
+        named(
+            Kind::EventsWrong,
+            &["event.x, event.y and event.z are wrong"],
+            &found,
+        );
+    }
+}
+
+#[test]
+fn limits_are_exceeded_where_the_candidate_has_no_numbers() {
+    let exact = exact();
+    let lacking = |part: usize| {
+        let mut wrong = exact.clone();
+        for name in ["event.x", "object_event.x", "wavelength_ratio", "event.ct"] {
+            map(
+                &mut wrong,
+                name,
+                |i, v| {
+                    if i % 100 < part { f64::NAN } else { v }
+                },
+            );
+        }
+        compare(&exact, &wrong, &CompareOptions::default()).unwrap()
+    };
+    let limits = ["geometric.max=0.1", "time.max=0.1", "w.max=0.1"];
+    for limit in limits.map(|limit| [limit.parse().unwrap()]) {
+        let words = |part| {
+            let breaches = lacking(part).breaches(&limit).unwrap();
+            breaches.iter().map(Breach::to_string).collect::<String>()
+        };
+        assert!(words(30).contains("no numbers (NaN)"), "{}", words(30));
+        assert_eq!(words(0), "");
+    }
+}
+
+#[test]
 fn an_object_off_its_surface_is_named_where_nothing_explains_it() {
     // Events of the box, a tenth of a metre towards the camera.
     let exact = exact();

@@ -262,6 +262,51 @@ fn axes(pixels: &[usize], name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) ->
     })
 }
 
+/// Events whose four numbers come in another order: the time last, or anywhere but first.
+pub(super) fn order_of_events(case: &Case) -> Option<Diagnosis> {
+    const ORDERS: [([usize; 4], &str); 3] = [
+        ([1, 2, 3, 0], "x, y, z, ct"),
+        ([1, 0, 2, 3], "x, ct, y, z"),
+        ([1, 2, 0, 3], "x, y, ct, z"),
+    ];
+    let events = |which: usize| {
+        let time = Plane::aov(&case.pair[which].layers, Aov::EventCt)?;
+        Some((time, case.points[which].world?))
+    };
+    let ((r_time, r), (c_time, c)) = (events(0)?, events(1)?);
+    let event = |time: &Plane, place: &[Plane; 3], i: usize| {
+        let [x, y, z] = place.each_ref().map(|p| p.at(i));
+        [time.at(i), x, y, z]
+    };
+    let pixels = case.pixels();
+    let distance = |a: [f64; 4], b: [f64; 4]| {
+        let squares = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
+        squares.sum::<f64>().sqrt()
+    };
+    let found = ORDERS.map(|(order, words)| {
+        let tally = Tally::of(pixels.iter().map(|&i| {
+            let (r, c) = (event(&r_time, &r, i), event(&c_time, &c, i));
+            [distance(c, r), distance(c, order.map(|k| r[k]))]
+        }));
+        (tally, words)
+    });
+    let explaining = found.into_iter().filter(|(tally, _)| tally.explains(0.0));
+    let best = explaining.reduce(|a, b| if b.0.is_better_than(&a.0) { b } else { a });
+    let (tally, words) = best?;
+    Some(Diagnosis {
+        kind: Kind::AxesExchanged,
+        what: format!("the numbers of event come in another order: (ct, x, y, z) holds ({words})")
+            .into(),
+        evidence: vec![
+            (
+                "events differ from the reference by (m, rms)",
+                tally.error(),
+            ),
+            ("and from the hypothesis by (m, rms)", tally.rest()),
+        ],
+    })
+}
+
 /// Lengths and times in another unit that has a name.
 pub(super) fn units(case: &Case) -> Vec<Diagnosis> {
     let lengths = vectors(case)

@@ -61,6 +61,47 @@ pub(super) fn elsewhere(case: &Case) -> Vec<Diagnosis> {
         .collect()
 }
 
+/// The part of the pixels with right points at which events have to be wrong, and how far that has to be: in parts of the usual distance between
+/// places that the reference shows, and many times what their points are off, which the motion of a fast object stretches.
+const WRONG_EVENTS: f64 = 0.1;
+const FAR_OFF: f64 = 0.01;
+const MUCH_FARTHER: f64 = 100.0;
+
+/// Places in the world that are wrong where the points of objects are right: what else is measured goes by these.
+pub(super) fn unlike_points(case: &Case) -> Option<Diagnosis> {
+    let [r, c] = &case.points;
+    let (of_r, of_c) = (r.material?, c.material?);
+    let (r_world, c_world) = (r.world?, c.world?);
+    let pixels = case.pixels();
+    let offs = pixels.iter().map(|&i| {
+        let own = (place(&of_c, i) - place(&of_r, i)).length();
+        let world = (place(&c_world, i) - place(&r_world, i)).length();
+        [own, world]
+    });
+    let offs: Vec<[f64; 2]> = offs.filter(|[own, _]| own.is_finite()).collect();
+    let shown = || pixels.iter().map(|i| place(&r_world, *i));
+    let shown = || shown().filter(|p| p.is_finite());
+    let middle = shown().sum::<DVec3>() / shown().count().max(1) as f64;
+    let usual = super::median(shown().map(|p| (p - middle).length()).collect())?;
+    let far = |[own, world]: &&[f64; 2]| *world > FAR_OFF * usual + MUCH_FARTHER * own;
+    let wrong: Vec<f64> = offs.iter().filter(far).map(|[_, world]| *world).collect();
+    let part = wrong.len() as f64 / offs.len().max(1) as f64;
+    (wrong.len() >= FEWEST && part >= WRONG_EVENTS).then_some(())?;
+    let off = super::median(wrong)?;
+    Some(Diagnosis {
+        kind: Kind::EventsWrong,
+        what: format!(
+            "event.x, event.y and event.z are wrong: at {:.0} % of the pixels they are off, by {off:.4} m at half of these, where object_event is right",
+            100.0 * part
+        )
+        .into(),
+        evidence: vec![
+            ("part of the pixels", part),
+            ("places are off by (m, median)", off),
+        ],
+    })
+}
+
 /// Of an object's pixels, those that show nothing else around them: pixels at its rim may be means of several surfaces.
 fn inside(
     [width, height]: [usize; 2],

@@ -68,6 +68,22 @@ pub(super) fn lit(case: &Case) -> Option<Vec<Lit>> {
 
 /// The same with light of the candidate down to `least`.
 pub(super) fn lit_above(case: &Case, least: f64) -> Option<Vec<Lit>> {
+    let lit = with_light(case, least, |[r, _]| r.iter().sum::<f64>() > 0.0)?;
+    (lit.len() >= FEWEST).then_some(lit)
+}
+
+/// Pixels of surfaces to which either picture has light; none where the reference has it at too few.
+pub(super) fn lit_and_dark(case: &Case) -> Option<Vec<Lit>> {
+    lit(case)?;
+    with_light(case, 0.0, |pair| pair.iter().flatten().sum::<f64>() > 0.0)
+}
+
+/// Pixels of surfaces whose light is some that `is_wanted`, and which the candidate does not clip.
+fn with_light(
+    case: &Case,
+    least: f64,
+    is_wanted: impl Fn(&[[f64; 3]; 2]) -> bool,
+) -> Option<Vec<Lit>> {
     let [r, c] = case
         .pair
         .map(|picture| Plane::group(&picture.layers, RADIANCE));
@@ -76,14 +92,14 @@ pub(super) fn lit_above(case: &Case, least: f64) -> Option<Vec<Lit>> {
         .pixels()
         .into_iter()
         .map(|i| (i, [&r, &c].map(|p| p.map(|p| p.at(i)))));
-    let is_lit = |(_, [r, c]): &Lit| {
+    let is_lit = |(_, pair): &Lit| {
+        let [r, c] = pair;
         let is_light = |v: &f64, least: f64| v.is_finite() && *v >= least;
         let finite = r.iter().all(|v| is_light(v, 0.0)) && c.iter().all(|v| is_light(v, least));
         let clipped = c.iter().any(|v| (v - 1.0).abs() < CLIPPED) && r != c;
-        finite && r.iter().sum::<f64>() > 0.0 && !clipped
+        finite && is_wanted(pair) && !clipped
     };
-    let lit: Vec<Lit> = pixels.filter(is_lit).collect();
-    (lit.len() >= FEWEST).then_some(lit)
+    Some(pixels.filter(is_lit).collect())
 }
 
 pub(super) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -219,8 +235,9 @@ fn black(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         let evidence = vec![("part of the reference's light", part)];
         let kind = Kind::Exposure;
         let what = what.into();
-        // The scene may say why.
-        Some((Diagnosis { kind, what, evidence }, LEFT_BY_BLACK))
+        // What little light there is may be that of another scene. Of none at all many scenes are right: that tells nothing.
+        let left = if part > 0.0 { LEFT_BY_BLACK } else { 0.0 };
+        Some((Diagnosis { kind, what, evidence }, left))
     })
 }
 

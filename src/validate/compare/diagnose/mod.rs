@@ -185,6 +185,8 @@ pub enum Kind {
     ObjectDisplaced,
     /// The points shown of an object are not on the surface that the reference shows.
     ObjectElsewhere,
+    /// Events in the world are not those of the points of objects beside them.
+    EventsWrong,
 }
 
 impl Kind {
@@ -273,7 +275,8 @@ pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
 
 /// What explains the errors of pixels.
 fn causes(case: &Case) -> Vec<Diagnosis> {
-    let causes: [fn(&Case) -> Vec<Diagnosis>; 13] = [
+    let causes: [fn(&Case) -> Vec<Diagnosis>; 14] = [
+        |case| channels::order_of_events(case).into_iter().collect(),
         |case| film::turned(case).into_iter().collect(),
         |case| channels::identities(case).into_iter().collect(),
         |case| camera::another(case).into_iter().collect(),
@@ -341,6 +344,9 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
     }
     if found.is_empty() {
         found.extend(part::misplaced(case));
+    }
+    if found.is_empty() {
+        found.extend(events::unlike_points(case));
     }
     found
 }

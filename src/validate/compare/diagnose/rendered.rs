@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 
 use super::super::known::{Change, is_all_in_its_text};
-use super::light::{Lit, NOTABLE, Told, evidence, lit, middle, told};
+use super::light::{Lit, NOTABLE, Told, evidence, lit, lit_and_dark, middle, told};
 use super::time::words_for_bins;
 use super::{Case, Diagnosis, Kind, median};
 use crate::render::aov::Aov;
@@ -62,6 +62,14 @@ pub(super) enum Asked {
 
 /// The mistake with which the scene has the candidate's light.
 pub(super) fn changes(case: &Case) -> Asked {
+    match in_the_light(case) {
+        Asked::Mistake(found, left) => Asked::Mistake(found, left),
+        asked => in_the_dark(case).map_or(asked, |(found, left)| Asked::Mistake(found, left)),
+    }
+}
+
+/// The same by the pixels to which the reference has light.
+fn in_the_light(case: &Case) -> Asked {
     let scene_and_size = || {
         let (scene, lit) = (case.scene?, lit(case)?);
         if told(&lit, |_, r| r).tally.error() <= NOTABLE {
@@ -76,6 +84,37 @@ pub(super) fn changes(case: &Case) -> Asked {
     mistake(case, scene, &lit, size).map_or(Asked::NoMistake, |(found, left)| {
         Asked::Mistake(found, left)
     })
+}
+
+/// Missing shadows that are black in the reference, as those of a single lamp are: only the pixels in them show it.
+fn in_the_dark(case: &Case) -> Option<(Diagnosis, f64)> {
+    let (scene, lit) = (case.scene?, lit(case)?);
+    let mistake = without_shadows(scene)?;
+    let all = lit_and_dark(case)?;
+    if told(&all, |_, r| r).tally.error() <= NOTABLE {
+        return None;
+    }
+    size_where_light_is_that_of(case, scene, &lit)?;
+    let told = light_of(case, &mistake.scene, &all)?.told(&all);
+    let explains = told.tally.explains(NOTABLE) && told.left <= LEFT_BY_MISTAKE;
+    explains.then(|| {
+        let diagnosis = Diagnosis {
+            kind: mistake.kind,
+            what: mistake.what.into(),
+            evidence: evidence_of(mistake.size, &told),
+        };
+        (diagnosis, told.left)
+    })
+}
+
+/// How one sees a mistake of this size.
+fn evidence_of(size: (&'static str, f64), told: &Told) -> Vec<(&'static str, f64)> {
+    let of_light = evidence(&told.tally).into_iter();
+    let left = ("what it leaves of the squared error", told.left);
+    std::iter::once(size)
+        .chain(of_light)
+        .chain([left])
+        .collect()
 }
 
 fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Diagnosis, f64)> {
@@ -110,11 +149,7 @@ fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Diagno
     let diagnosis = Diagnosis {
         kind: mistake.kind,
         what: format!("{}{or}", mistake.what).into(),
-        evidence: [mistake.size]
-            .into_iter()
-            .chain(evidence(&told.tally))
-            .chain([("what it leaves of the squared error", told.left)])
-            .collect(),
+        evidence: evidence_of(mistake.size, told),
     };
     Some((diagnosis, told.left))
 }
@@ -138,7 +173,11 @@ fn light_and_size_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<(Light, 
     let mut scene = scene.clone();
     let [width, height] = case.points[0].size();
     let most = (MOST_RAYS / (width * height).max(1)).clamp(1, MOST_SAMPLES as usize);
-    scene.samples_per_pixel = scene.samples_per_pixel.min(most as u32);
+    // The reference may have been rendered with other samples than its file asks for.
+    let of_reference = case.pair[0].metadata("samples_per_pixel");
+    let of_reference = of_reference.and_then(|samples| samples.parse().ok());
+    let samples: u32 = of_reference.unwrap_or(scene.samples_per_pixel);
+    scene.samples_per_pixel = samples.clamp(1, most as u32);
     let mut request = Request {
         pixel_centers: case.pair[0].metadata("pixel_centers") == Some("true"),
         ..Request::default()

@@ -507,11 +507,7 @@ fn source(
     match &job.surface {
         Some(surface) => {
             let object = &scene.objects[surface.object].name;
-            let clock = match baked.own_clock {
-                true => "object",
-                false => "world",
-            };
-            let backs = baked.backs.name();
+            let (clock, backs) = (baked.clock.name(), baked.backs.name());
             // Another file of coordinates takes the place of one that it has.
             let has_file = scene.objects[surface.object].texture_coordinates.is_some();
             let own_sets = plan.objects[surface.object].uv_sets - usize::from(has_file);
@@ -535,8 +531,9 @@ fn source(
             let [_, up, forward] = scene.camera.axes;
             let vector = |v: glam::DVec3| format!("[{}, {}, {}]", v.x, v.y, v.z);
             format!(
-                "[[source]]\nname = \"light\"\ncube = {{ {axis}, clock = \"capture\", capture = {{ eye = {}, look_at = {}, up = {}, \
+                "[[source]]\nname = \"light\"\ncube = {{ {axis}, clock = \"{}\", capture = {{ eye = {}, look_at = {}, up = {}, \
                  hfov = \"{} deg\" }} }}\n",
+                baked.clock.name(),
                 vector(eye),
                 vector(eye + forward),
                 vector(up),

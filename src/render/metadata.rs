@@ -130,10 +130,7 @@ pub fn of_baked(scene: &Scene, bins: &Bins, samples: u32, baked: &Baked) -> Vec<
         ("start", bins.start.to_string()),
         ("bin_width", bins.width.to_string()),
         ("bins", bins.count.to_string()),
-        (
-            "clock",
-            if baked.own_clock { "object" } else { "world" }.into(),
-        ),
+        ("clock", baked.clock.name().into()),
         ("energy_in_bins", energy.held.to_string()),
         ("energy_before_bins", energy.before.to_string()),
         ("energy_after_bins", energy.after.to_string()),

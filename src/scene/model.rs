@@ -519,6 +519,17 @@ pub enum Clock {
     Capture,
 }
 
+impl Clock {
+    /// As scene files say it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Clock::World => "world",
+            Clock::Object => "object",
+            Clock::Capture => "capture",
+        }
+    }
+}
+
 /// What a stored value is along time.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]

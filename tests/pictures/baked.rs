@@ -15,7 +15,7 @@ use nullray::render::film::Film;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
-use nullray::scene::model::{CubeBacks, Geometry, Scene};
+use nullray::scene::model::{Clock, CubeBacks, Geometry, Scene};
 use nullray::scene::{self, Overrides};
 
 use crate::pipeline::stage;
@@ -276,7 +276,7 @@ emission = {{ gaussian = {{ sigma = \"1 cm\" }} }}"
             stage::assert_relative(mean(bin), chords(a, a + 0.3), 4.0 * deviation, what);
         }
         assert_eq!(mean(11), 0.0);
-        assert_eq!(baked.own_clock, beta != 0.0);
+        assert_eq!(baked.clock, Clock::Capture);
         let all = direct * (1.0 + albedo);
         stage::assert_relative(baked.energy.held / (24.0 * 16.0 * 64.0), all, 5e-3, beta);
         let [from, to] = baked.energy.span.unwrap();

@@ -18,7 +18,7 @@ use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::sampler::{Sampler, samples_per_part};
 use crate::render::trace::{AT_ONCE, CameraRays, Seen, Start, TimedPaths, generator};
-use crate::scene::model::{Motion, ProjectionKind, Scene};
+use crate::scene::model::{Clock, Motion, ProjectionKind, Scene};
 use crate::spacetime::Direction;
 
 /// The cube of the scene's camera, which rests relative to all objects; tiles are kept in `journal`, where there is one.
@@ -74,7 +74,11 @@ fn cube<T: Stored>(
             Ok(part.summary)
         })
         .collect::<Result<_>>()?;
-    baked(scene, prepared, [height, width], bins, values, &summaries)
+    let baked = baked(scene, prepared, [height, width], bins, values, &summaries)?;
+    Ok(Baked {
+        clock: Clock::Capture,
+        ..baked
+    })
 }
 
 /// How the pixels of a cube are made.

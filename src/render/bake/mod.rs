@@ -42,7 +42,7 @@ use crate::mesh::atlas::Corners;
 use crate::render::film::TILE;
 use crate::render::prepare::Prepared;
 use crate::render::trace::{RestFrame, TimedPaths};
-use crate::scene::model::{CubeBacks, LightKind, Motion, Scene, SourceKind, Spectra};
+use crate::scene::model::{Clock, CubeBacks, LightKind, Motion, Scene, SourceKind, Spectra};
 use crate::spacetime::Velocity;
 
 /// Bins of time.
@@ -129,8 +129,8 @@ pub struct Baked {
     pub standard_error: Vec<f64>,
     /// What is in it, and what is not.
     pub energy: Energy,
-    /// Whether its times are those of the object's own clock, and not of the world's.
-    pub own_clock: bool,
+    /// The clock that its times are of.
+    pub clock: Clock,
     /// What the backs of a surface show of it.
     pub backs: CubeBacks,
     /// The texture coordinates that were made for a surface, by triangle of its mesh and corner.
@@ -322,7 +322,10 @@ fn baked<T: Stored>(
         cube,
         standard_error,
         energy,
-        own_clock: !prepared.frames.iter().all(still),
+        clock: match prepared.frames.iter().all(still) {
+            true => Clock::World,
+            false => Clock::Object,
+        },
         backs: CubeBacks::AsFront,
         texture_coordinates: None,
     })

@@ -115,6 +115,15 @@ fn what_bake_prints_reads_what_it_has_written() {
         assert!(said.contains("standard error of a bin"), "{said}");
         assert!(!said.contains("warning"), "{said}");
         assert!(!folder.path(&format!("{file}.parts")).exists());
+        // So does what `info` says of an archive.
+        if file.ends_with(".npz") {
+            let clock = match options[0] {
+                "--camera" => "clock       capture",
+                _ => "clock       world",
+            };
+            let info = folder.ok(&["info", file]);
+            assert!(info.contains(clock), "{info}");
+        }
         // The picture through the cube is that of the light itself, but for the width of its bins and texels.
         let source = said.split_once("\n\n").unwrap().1;
         folder.write("baked.toml", FLASH.to_string() + source);

@@ -82,8 +82,10 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
     check_names(arguments, &jobs, &read)?;
     // Charts that overlap are refused before anything is baked, and so is a texture without room.
     let check = |prepared: &Prepared| {
-        let mut surfaces = jobs.iter().filter_map(|job| job.surface.as_ref());
-        surfaces.try_for_each(|surface| bake::check_surface(&scene, prepared, surface))
+        jobs.iter().try_for_each(|job| match &job.surface {
+            Some(surface) => bake::check_surface(&scene, prepared, surface),
+            None => bake::check_camera(&scene, prepared),
+        })
     };
     if arguments.plan {
         check(&Prepared::new(&scene, &plan, &Silent)?)?;

@@ -18,6 +18,7 @@ use nullray::render::progress::Silent;
 use nullray::scene::model::{Clock, CubeBacks, Geometry, Scene};
 use nullray::scene::{self, Overrides};
 
+use crate::pipeline::files::{self, Quad};
 use crate::pipeline::stage;
 
 const PI: f64 = std::f64::consts::PI;
@@ -830,6 +831,59 @@ fn what_cannot_be_baked_is_refused_in_words() {
     for (scene, words) in cases {
         let error = refused(&scene);
         assert!(error.contains(words), "{words}: {error}");
+    }
+}
+
+#[test]
+fn objects_that_shine_for_ever_are_refused_by_name() {
+    let bins = Bins {
+        start: 0.0,
+        width: 0.1,
+        count: 4,
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let head = "[radiance]\nquantity = \"rgb\"\n[camera]\neye = [0, 1, 5]\nlook_at = [0, 0, 0]\nsize = [4, 4]\n\
+         [[object]]\nname = \"floor\"\nshape = { plane = { size = [1, 1] } }\n";
+    let flash = "[[light]]\nposition = [0, 1, 0]\nemission = { gaussian = { sigma = \"5 cm\" } }\n";
+    let pulse =
+        "[[source]]\nobjects = [\"floor\"]\npulse = { position = [0, 1, 0], sigma = \"5 cm\" }\n";
+    let ends = "[[light]]\ntype = \"area\"\nobject = \"glow\"\nemission = { gaussian = { sigma = \"5 cm\" } }\n";
+    let shape = "shape = { plane = { size = [1, 1] } }\n";
+    let hot = format!("{shape}spectrum = {{ blackbody = \"3000 K\" }}\n");
+    let black = format!("{shape}colour = [0, 0, 0]\n");
+    let model = "gltf = \"glow.glb\"\n";
+    let ending = format!("{flash}{ends}");
+    for (glow, emissive, light, refused) in [
+        (hot.as_str(), "[0, 0, 0]", flash, true),
+        (model, "[1, 0.5, 0]", flash, true),
+        // Of light with an end nothing is lost.
+        (model, "[1, 0.5, 0]", &ending, false),
+        (&hot, "[0, 0, 0]", &ending, false),
+        (model, "[0, 0, 0]", flash, false),
+        // A base colour that no light falls on is radiance.
+        (shape, "[0, 0, 0]", pulse, true),
+        (&black, "[0, 0, 0]", pulse, false),
+    ] {
+        let material = format!("{{ \"emissiveFactor\": {emissive} }}");
+        let quad = Quad {
+            material: Some(&material),
+            ..Quad::PLAIN
+        };
+        files::glb(&folder.path().join("glow.glb"), &quad);
+        let text = format!("{head}[[object]]\nname = \"glow\"\n{glow}{light}");
+        let scene = stage::scene_in(folder.path(), &text);
+        let results = [
+            surface_cube(&scene, 0, [8, 8], &bins).err(),
+            camera_cube(&scene, &bins).err(),
+        ];
+        for error in results {
+            assert_eq!(error.is_some(), refused, "{text}: {error:?}");
+            let Some(error) = error else { continue };
+            let said = error.to_string();
+            let words = "object \"glow\": it shines for ever";
+            assert!(said.contains(words), "{said}");
+            assert!(error.help().contains("type = \"area\""), "{text}");
+        }
     }
 }
 

@@ -24,7 +24,7 @@ use crate::spacetime::Direction;
 /// The cube of the scene's camera, which rests relative to all objects; tiles are kept in `journal`, where there is one.
 ///
 /// # Errors
-/// What [`check`] refuses, bins without width or number, energies beyond 65504 in half precision, a camera that moves relative to the objects, I/O errors of the journal, and [`Error::Cancelled`] when `progress` says so.
+/// What [`check`] refuses, surfaces that shine for ever, bins without width or number, energies beyond 65504 in half precision, a camera that moves relative to the objects, I/O errors of the journal, and [`Error::Cancelled`] when `progress` says so.
 pub fn camera_cube(
     scene: &Scene,
     prepared: &Prepared,
@@ -48,7 +48,7 @@ fn cube<T: Stored>(
     progress: &dyn Progress,
 ) -> Result<Baked> {
     check(scene)?;
-    check_camera(scene)?;
+    check_plain(scene)?;
     let [width, height] = prepared.layout.size.map(|n| n as usize);
     bins.check::<T>(scene, width * height)?;
     let paths = paths(scene, prepared)?;
@@ -188,6 +188,16 @@ impl<'a> Pixels<'a> {
     }
 }
 
+/// Refuses scenes that [`camera_cube`] would, before any light is followed.
+///
+/// # Errors
+/// As there, but for those of bins and of the journal.
+pub fn check_camera(scene: &Scene, prepared: &Prepared) -> Result<()> {
+    check(scene)?;
+    check_plain(scene)?;
+    paths(scene, prepared).map(|_| ())
+}
+
 /// The pinhole of the camera as [`camera_cube`] has it, where a capture camera is given: in the world, or in the coordinates of the
 /// first object where all moves.
 pub fn eye(scene: &Scene, prepared: &Prepared) -> DVec3 {
@@ -206,7 +216,7 @@ pub fn eye(scene: &Scene, prepared: &Prepared) -> DVec3 {
     rest.frame.event_from_world(event).x - rest.frame.event_from_world(origin).x
 }
 
-fn check_camera(scene: &Scene) -> Result<()> {
+fn check_plain(scene: &Scene) -> Result<()> {
     let camera = &scene.camera;
     let refuse = |what: &str| {
         let help = "use a plain camera at rest with the objects; any other camera can then look at the cube";

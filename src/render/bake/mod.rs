@@ -29,7 +29,7 @@ mod part;
 mod stored;
 mod surface;
 
-pub use camera::{camera_cube, eye};
+pub use camera::{camera_cube, check_camera, eye};
 pub use surface::{Coordinates, Surface, check_surface, surface_cube};
 
 use self::part::Summary;
@@ -207,14 +207,13 @@ pub fn check(scene: &Scene) -> Result<()> {
     // Light that never ends would need infinitely many bins.
     for light in &scene.lights {
         let place = format!("light \"{}\"", light.name);
-        let for_ever = "it shines for ever, which does not fit into bins of time";
         let with_an_end = "give it an emission with an end, like emission = { gaussian = { sigma = \"5 cm\" } }, or follow light with `render.bounces`";
         let lamp = match &light.kind {
             LightKind::Lamp(lamp) => lamp,
             // Its object rests with the others.
             LightKind::Area { emission, .. } => match Emission::from(emission).span() {
                 Some(_) => continue,
-                None => return refuse(place, for_ever.into(), with_an_end),
+                None => return refuse(place, FOR_EVER.into(), with_an_end),
             },
         };
         if lamp.motion != Motion::Inertial || moves(lamp.velocity) {
@@ -224,7 +223,7 @@ pub fn check(scene: &Scene) -> Result<()> {
         }
         let end = Lamp::new(lamp, Received::Scaled(scene.quantity), false, lamp.origin);
         if end.emission_span().is_none() {
-            return refuse(place, for_ever.into(), with_an_end);
+            return refuse(place, FOR_EVER.into(), with_an_end);
         }
     }
     if scene.sky.as_ref().is_some_and(|sky| sky.lights) {
@@ -272,22 +271,37 @@ impl Energy {
     }
 }
 
+/// What is wrong with light that never ends.
+const FOR_EVER: &str = "it shines for ever, which does not fit into bins of time";
+
+/// The paths of a scene, of which no surface shines for ever: only when models are loaded it is known which ones shine.
 fn paths<'a>(scene: &Scene, prepared: &'a Prepared) -> Result<TimedPaths<'a>> {
     let rest = prepared.frames.first();
-    match (rest, prepared.light.time_resolved()) {
-        (Some(rest), Some(light)) if prepared.frames.len() == 1 => Ok(TimedPaths {
+    let paths = match (rest, prepared.light.time_resolved()) {
+        (Some(rest), Some(light)) if prepared.frames.len() == 1 => TimedPaths {
             rest,
             light,
             bounces: scene.bounces,
             method: prepared.method,
-        }),
-        _ => Err(Error::invalid(
-            &scene.name,
-            "light",
-            "no surface reflects any light",
-            "objects that rest relative to each other, with lamps that light them",
-        )),
-    }
+        },
+        _ => {
+            return Err(Error::invalid(
+                &scene.name,
+                "light",
+                "no surface reflects any light",
+                "objects that rest relative to each other, with lamps that light them",
+            ));
+        }
+    };
+    let Some(object) = paths.steady_object() else {
+        return Ok(paths);
+    };
+    let name = &scene.objects[object as usize].name;
+    let help = format!(
+        "give it light with an end: [[light]] with type = \"area\", object = {name:?} and emission = {{ gaussian = {{ sigma = \"5 cm\" }} }}; or follow light with `render.bounces`"
+    );
+    let place = format!("object \"{name}\"");
+    Err(Error::invalid(&scene.name, place, FOR_EVER, help))
 }
 
 fn baked<T: Stored>(

@@ -42,7 +42,7 @@ pub enum Coordinates {
 /// The cube of the surface of an object by its texture coordinates; rows are kept in `journal`, where there is one.
 ///
 /// # Errors
-/// What [`check`] refuses, bins without width or number, energies beyond 65504 in half precision, no texture coordinates, some outside [0, 1], charts that overlap, a texture too small for an atlas, I/O errors of the journal, and
+/// What [`check`] refuses, surfaces that shine for ever, bins without width or number, energies beyond 65504 in half precision, no texture coordinates, some outside [0, 1], charts that overlap, a texture too small for an atlas, I/O errors of the journal, and
 /// [`Error::Cancelled`] when `progress` says so.
 pub fn surface_cube(
     scene: &Scene,

@@ -24,6 +24,7 @@
 use glam::DVec3;
 
 use super::area_lights::SHORTER;
+use super::base_colours::BaseColour;
 use super::camera_rays::Samples;
 use super::emitted::Colouring;
 use super::occlusion::shadow_ray;
@@ -432,16 +433,13 @@ impl TimedPaths<'_> {
     /// What a surface shines of its own, met by a path that carries this after this delay.
     fn own(&self, path: usize, hit: &Hit, carried: [f64; 3], delay: f64) -> Option<Found<'_>> {
         let patch = self.rest.patch(hit.triangle);
-        let (emitter, response) = &self.light.emitters[patch.emitter as usize];
-        let base = &self.light.base;
-        let colour = match emitter {
-            _ if patch.black_back && !hit.front => None,
-            Emitter::Lit { finish, .. } => finish.emission.as_ref(),
-            Emitter::Base(colour) => Some(&base.colours[*colour]),
-            Emitter::Uv { .. } | Emitter::Captured(_) => None,
-        }?;
+        if patch.black_back && !hit.front {
+            return None;
+        }
+        let colour = self.shines(patch)?;
         let emission = colour.profile.as_deref()?;
-        let radiance = base.colour_at(colour, self.rest, patch, hit);
+        let radiance = self.light.base.colour_at(colour, self.rest, patch, hit);
+        let (_, response) = &self.light.emitters[patch.emitter as usize];
         let radiance = match &response.colour {
             Colouring::Spectrum(table, _) => {
                 // A spectrum has the colour; that of the surface only dims it.
@@ -457,6 +455,23 @@ impl TimedPaths<'_> {
             delay: delay + patch.object_origin.ct,
             is_end: false,
         })
+    }
+
+    /// With what a surface shines of its own, apart from the light of cubes.
+    fn shines(&self, patch: &Patch) -> Option<&BaseColour> {
+        match &self.light.emitters[patch.emitter as usize].0 {
+            Emitter::Lit { finish, .. } => finish.emission.as_ref(),
+            Emitter::Base(colour) => Some(&self.light.base.colours[*colour]),
+            Emitter::Uv { .. } | Emitter::Captured(_) => None,
+        }
+    }
+
+    /// An object that shines for ever, by its index in the scene: paths pass over its light.
+    pub fn steady_object(&self) -> Option<u32> {
+        let is_steady = |colour: &BaseColour| colour.profile.is_none() && colour.factor != [0.0; 3];
+        let mut patches = self.rest.patches.iter();
+        let found = patches.find(|patch| self.shines(patch).is_some_and(is_steady));
+        found.map(|patch| patch.object)
     }
 
     /// The same of one that begins on a surface.

@@ -512,6 +512,29 @@ fn what_cannot_be_baked_is_refused_and_leaves_no_file() {
 }
 
 #[test]
+fn an_object_that_shines_for_ever_is_refused_in_a_plan_too() {
+    let folder = Folder::empty();
+    let glow = "[[object]]\nname = \"glow\"\nshape = { sphere = { radius = 0.1 } }\nspectrum = { blackbody = \"3000 K\" }\n";
+    let rgb = "[radiance]\nquantity = \"rgb\"\n";
+    folder.write("lit.toml", format!("{FLASH}{glow}{LIGHT}{rgb}"));
+    for options in [
+        &["--camera", "--plan"][..],
+        &["--camera"],
+        &["--object=floor", "--plan"],
+        &["--object=floor"],
+    ] {
+        let bake = ["bake", "lit.toml", "--bin-width=1 m", "-o=a.npz"];
+        let run = folder.run(&[&bake[..], options].concat());
+        assert_eq!(run.code, 2, "{options:?}: {}", run.stderr);
+        let said = run.message();
+        for words in ["\"glow\"", "it shines for ever", "type = \"area\""] {
+            assert!(said.contains(words), "{options:?}: {said}");
+        }
+        assert_eq!(folder.names(), ["lit.toml"], "{options:?}");
+    }
+}
+
+#[test]
 fn what_cannot_be_baked_of_one_object_is_refused_before_the_others_are_baked() {
     let folder = Folder::empty();
     let chest = "[[object]]\nname = \"chest\"\nshape = { box = { size = [1, 1, 1] } }\n";

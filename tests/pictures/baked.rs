@@ -888,6 +888,34 @@ fn objects_that_shine_for_ever_are_refused_by_name() {
 }
 
 #[test]
+fn the_relative_error_does_not_depend_on_how_much_of_the_texture_is_covered() {
+    let mut scene = stage::scene(
+        "camera = { eye = [0, 1, 5], look_at = [0, 0, 0], size = [4, 4] }\n\
+         [[object]]\nname = \"floor\"\nshape = { plane = { size = [1, 1] } }\n\
+         [[light]]\nposition = [0, 1, 0]\nemission = { gaussian = { sigma = \"5 cm\" } }\n",
+    );
+    let bins = Bins {
+        start: 0.8,
+        width: 0.1,
+        count: 8,
+    };
+    let size = [1.0; 2];
+    let mut mesh = shapes::mesh(Shape::Plane { size }, [0.5; 3]);
+    scene.objects[0].geometry = Geometry::Mesh(Arc::new(mesh.clone()));
+    let whole = surface_cube(&scene, 0, [16, 16], &bins).unwrap();
+    // The same texels, with the same samples, as a quarter of a texture.
+    for uv in &mut mesh.uvs[0] {
+        *uv = uv.map(|x| 0.5 * x);
+    }
+    scene.objects[0].geometry = Geometry::Mesh(Arc::new(mesh));
+    let quarter = surface_cube(&scene, 0, [32, 32], &bins).unwrap();
+    assert_eq!(quarter.standard_error, whole.standard_error);
+    let [quarter, whole] = [quarter, whole].map(|baked| baked.relative_error());
+    assert!(whole > 0.0, "{whole}");
+    stage::assert_relative(quarter, whole, 1e-9, "quarter");
+}
+
+#[test]
 fn texture_coordinates_without_an_area_are_refused() {
     let mut scene = stage::scene(
         "camera = { eye = [0, 1, 5], look_at = [0, 0, 0], size = [4, 4] }\n\

@@ -127,6 +127,8 @@ pub struct Baked {
     /// Of each bin, the root of the mean square over pixels or texels of the standard error of its energy (mean of R, G, B); texels
     /// that the samples of one part alone meet are left out. NaN where no others are left, as with one sample.
     pub standard_error: Vec<f64>,
+    /// The mean square over the same texels, and bins, of the energy (mean of R, G, B).
+    mean_square: f64,
     /// What is in it, and what is not.
     pub energy: Energy,
     /// The clock that its times are of.
@@ -145,17 +147,12 @@ impl Baked {
         texels.all(|texel| (0..t).all(|bin| self.cube.total(texel, bin) == 0.0))
     }
 
-    /// The root of the mean square over all bins of the standard error, over that of the energy; NaN where all bins are dark.
+    /// The root of the mean square over all bins of the standard error, over that of the energy of the same texels; NaN where all bins are dark.
     pub fn relative_error(&self) -> f64 {
         let bins = self.standard_error.len().max(1);
         let errors: f64 = self.standard_error.iter().map(|e| e * e).sum();
-        let [h, w, t, _] = self.cube.shape;
-        let texels = (0..h * w).flat_map(|texel| (0..t).map(move |bin| (texel, bin)));
-        let square = |(texel, bin)| (self.cube.total(texel, bin) / 3.0).powi(2);
-        let squares: f64 = texels.map(square).sum();
-        let mean = squares / (h * w * t) as f64;
-        match mean > 0.0 {
-            true => (errors / bins as f64 / mean).sqrt(),
+        match self.mean_square > 0.0 && !self.is_dark() {
+            true => (errors / bins as f64 / self.mean_square).sqrt(),
             false => f64::NAN,
         }
     }
@@ -324,6 +321,7 @@ fn baked<T: Stored>(
     };
     let standard_error = (0..bins.count).map(|bin| (square(bin) / texels as f64).sqrt());
     let standard_error = standard_error.collect();
+    let squares: f64 = summaries.iter().map(|part| part.energy_squares).sum();
     T::check(&values, scene)?;
     let cube = Cube::new([height, width, bins.count, 3], T::samples(values));
     let cube = cube.map_err(|e| {
@@ -335,6 +333,7 @@ fn baked<T: Stored>(
     Ok(Baked {
         cube,
         standard_error,
+        mean_square: squares / (texels as f64 * bins.count as f64),
         energy,
         clock: match prepared.frames.iter().all(still) {
             true => Clock::World,

@@ -21,6 +21,8 @@ pub(super) struct Summary {
     pub energy: Energy,
     /// By bin, Σ of the squares of standard errors.
     pub error_squares: Vec<f64>,
+    /// Σ over bins of the squares of energies (means of the channels) of the same texels.
+    pub energy_squares: f64,
     /// Of so many texels, those that samples of two parts or more meet.
     pub texels: u64,
 }
@@ -30,6 +32,7 @@ impl Default for Summary {
         Summary {
             energy: Energy::NONE,
             error_squares: Vec::new(),
+            energy_squares: 0.0,
             texels: 0,
         }
     }
@@ -62,17 +65,30 @@ impl Part {
         for (bin, sum) in self.summary.error_squares.iter_mut().enumerate() {
             *sum += texel.error_square(bin);
         }
+        let values = &self.values[self.values.len() - texel.values.len()..];
+        let energies = values
+            .chunks(3)
+            .map(|rgb| rgb.iter().map(|c| f64::from(*c)).sum::<f64>());
+        self.summary.energy_squares += energies.map(|sum| (sum / 3.0).powi(2)).sum::<f64>();
     }
 
     pub fn to_bytes(&self) -> Vec<u8> {
         let Summary {
             energy,
             error_squares,
+            energy_squares,
             texels,
         } = &self.summary;
         // No light has no span, which is written as NaN.
         let [from, to] = energy.span.unwrap_or([f64::NAN; 2]);
-        let numbers = [energy.held, energy.before, energy.after, from, to];
+        let numbers = [
+            energy.held,
+            energy.before,
+            energy.after,
+            from,
+            to,
+            *energy_squares,
+        ];
         let mut bytes = texels.to_le_bytes().to_vec();
         let numbers = numbers.iter().chain(error_squares);
         bytes.extend(numbers.flat_map(|x| x.to_le_bytes()));
@@ -84,8 +100,8 @@ impl Part {
     /// Of so many texels; none where that is not what these bytes are.
     pub fn from_bytes(bytes: &[u8], texels: usize, bins: usize) -> Option<Part> {
         let (count, rest) = bytes.split_first_chunk::<8>()?;
-        // Three energies, the two ends of their span, and an error by bin.
-        let (numbers, rest) = rest.split_at_checked(8 * (5 + bins))?;
+        // Three energies, the two ends of their span, the sum of squares, and an error by bin.
+        let (numbers, rest) = rest.split_at_checked(8 * (6 + bins))?;
         let (covered, values) = rest.split_at_checked(texels)?;
         let (values, left) = values.as_chunks::<4>();
         if values.len() != 3 * texels * bins || !left.is_empty() {
@@ -105,7 +121,8 @@ impl Part {
             covered: covered.iter().map(|covered| *covered == 1).collect(),
             summary: Summary {
                 energy,
-                error_squares: numbers[5..].to_vec(),
+                error_squares: numbers[6..].to_vec(),
+                energy_squares: numbers[5],
                 texels: u64::from_le_bytes(*count),
             },
         })

@@ -323,7 +323,7 @@ fn check_names(arguments: &BakeArguments, jobs: &[Job], inputs: &[PathBuf]) -> R
             .into_iter()
             .chain(inputs.iter().map(PathBuf::as_path)),
         overwritten,
-        "cube",
+        " cube",
     );
     for job in jobs {
         names.check(&format!("-o {}", job.path.display()), &job.path)?;

@@ -14,7 +14,7 @@ pub struct Names {
     read: HashSet<PathBuf>,
     /// What is wrong with writing over those.
     overwritten: &'static str,
-    /// What a file that is written holds.
+    /// What a file that is written holds, after a space.
     thing: &'static str,
     written: HashSet<PathBuf>,
     /// Directories of which it is known that they take files.

@@ -496,6 +496,11 @@ fn what_cannot_be_baked_is_refused_and_leaves_no_file() {
             &["--camera"],
             "flat film",
         ),
+        (
+            ball(""),
+            &["--object=floor", "--object=floor"],
+            "give each cube a name of its own",
+        ),
         // Of a wrong name it does not matter what moves.
         (moving(), &["--object=nope"], "no object is called so"),
         (moving(), &["--object=chest"], "it moves relative to"),

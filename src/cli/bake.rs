@@ -109,7 +109,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
             let journal = Journal::open(&job.unfinished(), &identity.of_sums(&what))?;
             interrupt::can_resume(ANEW);
             if journal.found() > 0 {
-                interrupt::can_resume(RESUME);
+                interrupt::keeps(RESUME);
                 say(quiet, &format!("resuming {}\n", job.path.display()))?;
             }
             if journal.forgot() {
@@ -146,7 +146,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
 }
 
 /// What is said of work that is stopped once a part of it is kept, and before.
-const RESUME: &str = "run the same command again to resume";
+const RESUME: &str = "its finished parts are kept: run the same command again to resume";
 const ANEW: &str = "no part was finished; running the command again starts over";
 
 /// Rays are done once the part that they are of is kept, with which the work can be resumed.
@@ -154,7 +154,7 @@ struct Kept<'a>(&'a Bar);
 
 impl Progress for Kept<'_> {
     fn rays_done(&self, rays: u64) {
-        interrupt::can_resume(RESUME);
+        interrupt::keeps(RESUME);
         self.0.rays_done(rays);
     }
 

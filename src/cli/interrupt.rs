@@ -1,8 +1,8 @@
 //! Ctrl-C and termination signals: work that checks the flag stops by itself. If it has not stopped after a while,
 //! as in the construction of a BVH or the encoding of a large file, the process exits.
 //!
-//! Files appear whole or not at all, so that all there is to clear away is what is in the making. Nothing new is begun
-//! once the flag is set ([`check`]).
+//! Files appear whole or not at all, so that all there is to clear away is what is in the making; what work is resumed from is
+//! kept, and said to be. Nothing new is begun once the flag is set ([`check`]).
 
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,15 +16,15 @@ use super::{complain, complain_styled};
 
 /// The exit code, as shells have it: 128 + SIGINT.
 pub const CODE: u8 = 130;
-/// The message.
-const MESSAGE: &str = "nullray: stopped; no unfinished file is left\n";
+/// What is said of files where nothing is kept to resume from.
+const NONE_LEFT: &str = "no unfinished file is left";
 
 /// How long work may take to notice.
 const PATIENCE: Duration = Duration::from_millis(600);
 
 static STOPPING: AtomicBool = AtomicBool::new(false);
-/// What becomes of the work when it is begun again, where there is something to say.
-static AGAIN: Mutex<Option<&'static str>> = Mutex::new(None);
+/// What becomes of the work when it is begun again, where there is something to say, and whether unfinished work is kept for that.
+static AGAIN: Mutex<Option<(&'static str, bool)>> = Mutex::new(None);
 
 /// Handles signals from now on.
 pub fn install() {
@@ -45,16 +45,26 @@ fn stop() {
     std::process::exit(CODE.into());
 }
 
-/// Notes how the work can be resumed after it was stopped, or that it cannot be; the last note counts.
+/// Notes how the work can be resumed after it was stopped, or that it cannot be, where it keeps no unfinished file; the last note counts.
 pub fn can_resume(how: &'static str) {
-    *AGAIN.lock().unwrap_or_else(PoisonError::into_inner) = Some(how);
+    note(how, false);
+}
+
+/// Notes what unfinished work is kept, and how it can be resumed; the last note counts.
+pub fn keeps(what: &'static str) {
+    note(what, true);
+}
+
+fn note(text: &'static str, keeps: bool) {
+    *AGAIN.lock().unwrap_or_else(PoisonError::into_inner) = Some((text, keeps));
 }
 
 /// The message when everything has stopped.
 pub fn message() -> String {
     match *AGAIN.lock().unwrap_or_else(PoisonError::into_inner) {
-        Some(how) => format!("{MESSAGE}{how}\n"),
-        None => MESSAGE.into(),
+        Some((what, true)) => format!("nullray: stopped; {what}\n"),
+        Some((how, false)) => format!("nullray: stopped; {NONE_LEFT}\n{how}\n"),
+        None => format!("nullray: stopped; {NONE_LEFT}\n"),
     }
 }
 

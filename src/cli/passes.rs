@@ -119,7 +119,7 @@ impl Work<'_> {
     /// Takes up what was stopped.
     fn resume(&mut self, prepared: &Prepared) -> Result<()> {
         if self.passes.resume(&self.sums, &self.fingerprint)? {
-            interrupt::can_resume(RESUME);
+            interrupt::keeps(RESUME);
             let text = format!("resuming after pass {}\n", self.passes.done());
             say(self.quiet, &text)?;
         } else {
@@ -160,7 +160,7 @@ impl Work<'_> {
                 let pictures = self.outputs.of_film_alone();
                 pictures.write(self.scene, &self.passes.film(), None, true)?;
                 // Before this there is neither a picture nor a file to go on from.
-                interrupt::can_resume(RESUME);
+                interrupt::keeps(RESUME);
                 written = (Instant::now(), start.elapsed().as_secs_f64());
             }
         }

@@ -140,7 +140,7 @@ fn a_bake_that_is_stopped_can_be_resumed_once_a_part_is_kept_and_says_so_then_al
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(
         said,
-        format!("{STOPPED}run the same command again to resume\n")
+        "nullray: stopped; its finished parts are kept: run the same command again to resume\n"
     );
     assert_eq!(folder.names(), ["a.npz.parts", "lit.toml"]);
 }

@@ -23,7 +23,8 @@ pub fn info(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
 
 fn of_arrays(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
     let (name, headers) = (format.name, (format.arrays)(path)?);
-    let baked = baked(path, &headers, memory);
+    let metadata = metadata(path, &headers, memory);
+    let baked = metadata.as_ref().filter(|told| is_baked(told, &headers));
     let is_picture = baked.is_none() && is_picture(&headers);
     let title = match headers.as_slice() {
         headers if baked.is_some() => format!("baked light, {} arrays", headers.len()),
@@ -60,30 +61,37 @@ fn of_arrays(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
             format!("… and {more} more arrays, not looked into (--json has their shapes)"),
         );
     }
-    if let Some(baked) = &baked {
+    if let Some(baked) = baked {
         as_baked(&mut info, path, baked);
     }
     if is_picture {
         info.row("usable", "yes: `nullray compare` reads its channels");
+        let entries = metadata.iter().flatten();
+        let texts = entries.filter_map(|(key, text)| Some((key.clone(), text.as_str()?.into())));
+        info.metadata(&texts.collect::<Vec<_>>());
     }
     info.data("arrays", arrays);
     Ok(info)
 }
 
-/// The metadata of light that `nullray bake` has written; none of other files.
-fn baked(path: &Path, headers: &[Header], memory: u64) -> Option<Map<String, Value>> {
-    let named = |name: &str| {
-        let mut headers = headers.iter();
-        headers.find(|header| header.name.as_deref() == Some(name))
-    };
-    named("metadata")?;
-    named("radiance").filter(|header| header.shape.len() == 4)?;
+/// The metadata that nullray writes into its archives; none of other files.
+fn metadata(path: &Path, headers: &[Header], memory: u64) -> Option<Map<String, Value>> {
+    named(headers, "metadata")?;
     let text = npy::load_text(path, "metadata", &Budget::new(memory)).ok()?;
-    let metadata: Map<String, Value> = serde_json::from_str(&text).ok()?;
-    ["start", "bin_width", "bins", "clock"]
-        .iter()
-        .all(|key| metadata.contains_key(*key))
-        .then_some(metadata)
+    serde_json::from_str(&text).ok()
+}
+
+/// Whether these are the metadata and arrays of light that `nullray bake` has written.
+fn is_baked(metadata: &Map<String, Value>, headers: &[Header]) -> bool {
+    let keys = ["start", "bin_width", "bins", "clock"];
+    named(headers, "radiance").is_some_and(|header| header.shape.len() == 4)
+        && keys.iter().all(|key| metadata.contains_key(*key))
+}
+
+/// The array of this name.
+fn named<'a>(headers: &'a [Header], name: &str) -> Option<&'a Header> {
+    let mut headers = headers.iter();
+    headers.find(|header| header.name.as_deref() == Some(name))
 }
 
 /// Bins, clock and error of baked light, and the table of a scene that shows it.

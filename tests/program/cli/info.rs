@@ -223,10 +223,16 @@ fn of_pictures_that_the_program_wrote() {
             .unwrap()
             .contains("[camera]")
     );
-    said(
+    let data = said(
         &folder,
         "a.npz",
-        &["array       radiance", "(24, 32, 3)", "<f8"],
+        &["array       radiance", "(24, 32, 3)", "<f8", "scene_sha256"],
+    );
+    assert!(
+        data["metadata"]["scene_text"]
+            .as_str()
+            .unwrap()
+            .contains("[camera]")
     );
 }
 

@@ -85,6 +85,10 @@ fn a_budget_ends_after_whole_passes_whose_number_gives_the_bits() {
         .lines()
         .find_map(|line| line.split_once(" passes, standard error"));
     let passes = passes.unwrap().0.to_string();
+    // As `info` says.
+    let info = folder.ok(&["info", "a.npz"]);
+    let is_said = |line: &str| line.split_whitespace().eq(["passes", &passes]);
+    assert!(info.lines().any(is_said), "{passes}: {info}");
     let first = folder.read("a.npz");
     folder.ok(&[&TO_NPZ[..], &["--passes", &passes]].concat());
     assert!(first == folder.read("a.npz"), "{passes} passes");

@@ -100,7 +100,7 @@ pub struct Scene {
     pub caption: Option<String>,
     /// Display of the PNG: exposure.
     pub exposure: Exposure,
-    /// Samples per pixel (a square number is stratified evenly in both directions).
+    /// Samples per pixel (powers of 4 are spread most evenly: their strata are squares, and their Sobol' points fill all intervals).
     pub samples_per_pixel: u32,
     /// What of its files is not followed, in sentences.
     pub passed_over: Vec<String>,

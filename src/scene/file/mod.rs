@@ -389,7 +389,7 @@ pub(in crate::scene) struct Display {
     /// "two_sided", "black" (back faces are black and hide what is behind them) or "culled".
     /// Default: "as_file".
     pub back_faces: BackFaces,
-    /// Samples per pixel, 1 to 65536; a square number is stratified evenly. Default: 4.
+    /// Samples per pixel, 1 to 65536; powers of 4 are spread most evenly. Default: 4.
     pub samples_per_pixel: At<u32>,
 }
 

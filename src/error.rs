@@ -58,7 +58,7 @@ macro_rules! value_errors {
 pub(crate) use value_errors;
 
 /// A number as messages show it: with an exponent where it has more zeros than people count.
-pub(crate) fn number(value: f64) -> impl fmt::Display {
+pub fn number(value: f64) -> impl fmt::Display {
     fmt::from_fn(move |f| match value.abs() {
         size if size == 0.0 || !size.is_finite() || (1e-5..1e16).contains(&size) => {
             write!(f, "{value}")

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use nullray::error::number;
 use nullray::io::image::npz::{self, CubeOptions};
 use nullray::mesh::Factors;
 use nullray::render::aov::Aov;
@@ -448,8 +449,9 @@ fn report(
     } else if baked.is_dark() {
         let end = bins.start + bins.width * bins.count as f64;
         text += &format!(
-            "\nwarning: none of it falls into the bins, which are from {} m to {end} m: they are dark",
-            bins.start
+            "\nwarning: none of it falls into the bins, which are from {} m to {} m: they are dark",
+            number(bins.start),
+            number(end)
         );
     } else if energy.before > 1e-4 * all || energy.after > 1e-4 * all {
         text += &format!(
@@ -504,7 +506,8 @@ fn source(
     };
     let axis = format!(
         "file = {file:?}, {array}start = \"{} m\", bin_width = \"{} m\"",
-        bins.start, bins.width
+        number(bins.start),
+        number(bins.width)
     );
     match &job.surface {
         Some(surface) => {

@@ -5,6 +5,7 @@ use std::io::{self, Read};
 use sha2::{Digest, Sha256};
 
 use crate::colour::{Continuation, INFRARED, ULTRAVIOLET};
+use crate::error::number;
 use crate::io::sealed::hexadecimal;
 use crate::render::bake::{Baked, Bins};
 use crate::render::film::Film;
@@ -127,8 +128,8 @@ pub fn of_baked(scene: &Scene, bins: &Bins, samples: u32, baked: &Baked) -> Vec<
         ("samples_per_pixel", samples.to_string()),
         ("radiance_quantity", scene.quantity.to_string()),
         ("bounces", scene.bounces.to_string()),
-        ("start", bins.start.to_string()),
-        ("bin_width", bins.width.to_string()),
+        ("start", number(bins.start).to_string()),
+        ("bin_width", number(bins.width).to_string()),
         ("bins", bins.count.to_string()),
         ("clock", baked.clock.name().into()),
         ("energy_in_bins", energy.held.to_string()),

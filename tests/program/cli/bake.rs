@@ -243,6 +243,24 @@ fn bins_that_miss_light_say_how_much() {
         said.contains("none of it in the bins") && said.contains("none: the bins are dark"),
         "{said}"
     );
+    // Numbers that are very small have few digits.
+    let said = folder.ok(&[
+        "bake",
+        "lit.toml",
+        "--bin-width=1e-300 m",
+        "--bins=256",
+        "--texels=2x2",
+        "--spp=1",
+        "-o=small.npz",
+    ]);
+    for words in [
+        "from 0 m to 2.56e-298 m: they are dark",
+        "bin_width = \"1e-300 m\"",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let said = folder.ok(&["info", "small.npz"]);
+    assert!(said.contains("256 of 1e-300 m from 0 m"), "{said}");
     let run = folder.run(&["bake", "lit.toml", "--bin-width=0 m"]);
     assert_eq!(run.code, 2);
     assert!(run.message().contains("width above 0"), "{}", run.stderr);

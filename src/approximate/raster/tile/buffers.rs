@@ -3,7 +3,7 @@
 use super::depth::{BLOCKS, Block, LANES, NOTHING, Samples};
 use super::gather::{Gathered, Pieces, SEVERAL, StripLists, gather};
 use super::setup::{Functions, LOT, NEVER, SIDE, SetUp};
-use crate::accel::vectors::dispatch;
+use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::render::film::Tile;
 
 /// What is reused from tile to tile.
@@ -93,14 +93,14 @@ impl TileBuffers {
 
     /// Sets up the functions of the triangles: by lots, as columns, in vectors. Those that do not hold their only sample are not kept.
     pub(super) fn set_up(&mut self, pieces: &Pieces, tile: Tile) {
-        let mut lot = [NEVER; LOT];
-        let (mut points, mut is_held) = ([[0.0; LOT]; 2], [1; LOT]);
+        let mut points = [[0.0; LOT]; 2];
         let (x, y) = (self.samples.x.as_flattened(), self.samples.y.as_flattened());
         self.functions.resize(self.triangles.len(), NEVER);
         let corner = tile.corner.map(f64::from);
         let mut count = 0;
         for begin in (0..self.triangles.len()).step_by(LOT) {
             let end = self.triangles.len().min(begin + LOT);
+            let mut are_several = [0; LOT];
             for (at, triangle) in self.triangles[begin..end].iter().enumerate() {
                 let batch = &pieces.batches[triangle.batch as usize];
                 let piece = &batch.pieces[triangle.piece as usize];
@@ -114,23 +114,22 @@ impl TileBuffers {
                 // Where there are several, the first stands for them.
                 let only = usize::from(triangle.only) % (SIDE * SIDE);
                 (points[0][at], points[1][at]) = (x[only], y[only]);
+                are_several[at] = u32::from(triangle.only == SEVERAL);
             }
+            let mut kept = 0;
             dispatch(SetUp {
                 origin: corner,
                 unit: pieces.unit,
                 corners: &self.corners,
-                functions: &mut lot[..end - begin],
+                functions: &mut self.functions[count..],
                 points: &points,
-                is_held: &mut is_held,
+                are_several: &are_several,
+                kept: &mut kept,
             });
+            // In place: those that are kept move to the front, in their order.
             for at in begin..end {
-                // In place: those that are kept move to the front, in their order.
-                let triangle = self.triangles[at];
-                if triangle.only == SEVERAL || is_held[at - begin] != 0 {
-                    self.triangles[count] = triangle;
-                    self.functions[count] = lot[at - begin];
-                    count += 1;
-                }
+                self.triangles[count] = self.triangles[at];
+                count += (kept >> (at - begin) & 1) as usize;
             }
         }
         self.triangles.truncate(count);
@@ -149,21 +148,25 @@ impl TileBuffers {
     #[inline(always)]
     pub fn each_run(&self, count: usize, mut each: impl FnMut(u32, usize)) {
         let all = &self.samples.nearest.as_flattened()[..count];
+        let mut changes = [0; SAMPLES.div_ceil(u32::BITS as usize)];
+        dispatch(Changes {
+            nearest: &self.samples.nearest,
+            changes: &mut changes,
+        });
+        // Without a comparison for each sample, whose outcome no processor could predict.
         let mut begin = 0;
-        let mut at = 0;
-        while begin < count {
-            let own = all[begin];
-            // By whole blocks while they hold nothing else, then one by one.
-            while let Some(block) = all[at..].first_chunk::<LANES>()
-                && block.iter().fold(0, |other, index| other | (index ^ own)) == 0
-            {
-                at += LANES;
+        for (first, mut bits) in (0..).step_by(u32::BITS as usize).zip(changes) {
+            while bits != 0 {
+                let at = first + bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                if at < count {
+                    each(all[begin], at - begin);
+                    begin = at;
+                }
             }
-            while at < count && all[at] == own {
-                at += 1;
-            }
-            each(own, at - begin);
-            begin = at;
+        }
+        if begin < count {
+            each(all[begin], count - begin);
         }
     }
 
@@ -189,6 +192,35 @@ impl TileBuffers {
             }
         }
         nearest
+    }
+}
+
+/// The loop over samples that finds which see another triangle than the one before them, as bits in their order.
+struct Changes<'a> {
+    nearest: &'a [Block<u32>; BLOCKS],
+    changes: &'a mut [u32; SAMPLES.div_ceil(u32::BITS as usize)],
+}
+
+/// The most samples of a strip.
+const SAMPLES: usize = BLOCKS * LANES;
+
+impl VectorLoop for Changes<'_> {
+    #[inline(always)]
+    fn run(self) {
+        const WORD: usize = u32::BITS as usize;
+        let nearest: &[u32] = self.nearest.as_flattened();
+        // Of the first sample there is none before.
+        let mut before = nearest[0];
+        for (own, bits) in nearest.chunks_exact(WORD).zip(self.changes) {
+            let mut shifted = [before; WORD];
+            shifted[1..].copy_from_slice(&own[..WORD - 1]);
+            let mut all = 0;
+            for i in 0..WORD {
+                all |= u32::from(own[i] != shifted[i]) << i;
+            }
+            before = own[WORD - 1];
+            *bits = all;
+        }
     }
 }
 

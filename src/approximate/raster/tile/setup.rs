@@ -49,10 +49,13 @@ pub(super) struct SetUp<'a> {
     pub origin: [f64; 2],
     pub unit: f64,
     pub corners: &'a [[[f64; LOT]; 3]; 3],
+    /// Those of the triangles that are kept, from the first on.
     pub functions: &'a mut [Functions],
-    /// A point for each, and whether it is inside.
+    /// A point for each: it is kept where that is inside, or where there are several.
     pub points: &'a [[f32; LOT]; 2],
-    pub is_held: &'a mut [u32; LOT],
+    pub are_several: &'a [u32; LOT],
+    /// Bits of those that are kept.
+    pub kept: &'a mut u32,
 }
 
 impl SetUp<'_> {
@@ -98,15 +101,23 @@ impl VectorLoop for SetUp<'_> {
             depth[2][at] = if is_seen { near.z } else { 0.0 };
             slack[at] = if is_seen { bound as f32 } else { 0.0 };
         }
+        const { assert!(LOT == u32::BITS as usize) };
         let [x, y] = self.points;
+        let mut kept = 0;
         for at in 0..LOT {
             let mut is_inside = true;
             for [a, b, c] in &edges {
                 is_inside &= a[at] * x[at] + b[at] * y[at] + c[at] >= 0.0;
             }
-            self.is_held[at] = u32::from(is_inside);
+            kept |= (u32::from(is_inside) | self.are_several[at]) << at;
         }
-        for (at, function) in self.functions.iter_mut().enumerate().take(LOT) {
+        *self.kept = kept;
+        for function in self.functions.iter_mut().take(LOT) {
+            if kept == 0 {
+                break;
+            }
+            let at = kept.trailing_zeros() as usize % LOT;
+            kept &= kept - 1;
             // One by one: to map the arrays would copy all of them for each triangle.
             let mut of = NEVER;
             for (to, from) in of.edges.iter_mut().zip(&edges) {

@@ -18,7 +18,7 @@ use super::ratios::CameraRatios;
 use super::tile::{Gathered, NOTHING, TileBuffers, WHOLE};
 use super::triangles::{Triangles, is_front};
 use crate::accel::vectors::{VectorLoop, dispatch};
-use crate::render::film::{TILE, Tile, TileFilm};
+use crate::render::film::{Tile, TileFilm};
 use crate::render::prepare::Prepared;
 use crate::render::sampler::{Sampler, halves, pixel_key};
 use crate::render::trace::{Background, Dependence, Scaling, weigh};
@@ -200,8 +200,7 @@ impl Painter for Even<'_> {
             };
             triangles.cover_pixels(&strip, (x, y), &mut sample);
         } else {
-            let is_sampled = [true; (TILE * TILE) as usize];
-            positions.sample(&self.sampler, samples, &is_sampled[..strip.rows.pixels()]);
+            positions.sample_run(&self.sampler, samples, 0..strip.rows.pixels());
             strip.points([&positions.x, &positions.y], x, y);
             match strip.is_all_of(tile) {
                 true => triangles.cover_tile(&pieces, tile, x, y),
@@ -304,27 +303,32 @@ impl Positions {
 
     /// Works out where the samples of some pixels are.
     fn sample(&mut self, sampler: &Sampler, samples: Range<u32>, is_sampled: &[bool]) {
-        let each = samples.len();
         let mut begin = 0;
         for alike in is_sampled.chunk_by(|a, b| a == b) {
             let own = begin..begin + alike.len();
             begin = own.end;
-            if !alike[0] {
-                continue;
+            if alike[0] {
+                self.sample_run(sampler, samples.clone(), own);
             }
-            let keys = &mut self.keys[own.clone()];
-            let own = own.start * each..own.end * each;
-            let (x, y) = (&mut self.x[own.clone()], &mut self.y[own]);
-            match each {
-                1 => {
-                    let (within, salt) = sampler.replicate(samples.start);
-                    // The salt makes it the replicate's key, and taken once more the pixel's again.
-                    keys.iter_mut().for_each(|key| *key ^= salt);
-                    sampler.offsets(keys, within, x, y);
-                    keys.iter_mut().for_each(|key| *key ^= salt);
-                }
-                _ => sampler.offsets_by_pixel(keys, samples.clone(), x, y),
+        }
+    }
+
+    /// Works out where the samples of pixels in a row are.
+    fn sample_run(&mut self, sampler: &Sampler, samples: Range<u32>, pixels: Range<usize>) {
+        let each = samples.len();
+        let keys = &mut self.keys[pixels.clone()];
+        let own = pixels.start * each..pixels.end * each;
+        let (x, y) = (&mut self.x[own.clone()], &mut self.y[own]);
+        let (within, salt) = sampler.replicate(samples.start);
+        match (each, salt) {
+            (1, 0) => sampler.offsets(keys, within, x, y),
+            (1, salt) => {
+                // The salt makes it the replicate's key, and taken once more the pixel's again.
+                keys.iter_mut().for_each(|key| *key ^= salt);
+                sampler.offsets(keys, within, x, y);
+                keys.iter_mut().for_each(|key| *key ^= salt);
             }
+            _ => sampler.offsets_by_pixel(keys, samples, x, y),
         }
     }
 

@@ -36,10 +36,12 @@ pub(super) struct RayBatch {
 }
 
 impl RayBatch {
-    /// Forgets all rays.
-    fn clear(&mut self) {
-        self.directions.clear();
-        self.ratios.clear();
+    /// Forgets all rays; where `are_written` says that all those to come are, the old ones may lie where they will be.
+    fn clear(&mut self, are_written: bool) {
+        if !are_written {
+            self.directions.clear();
+            self.ratios.clear();
+        }
         self.origins.clear();
         self.hits.clear();
         self.parts.clear();
@@ -315,13 +317,14 @@ impl StripSamples<'_> {
         self.strip.points(self.camera_rays.offsets(), x, y);
     }
 
-    /// Makes room for one ray for each sample in `rays`, which holds none: the camera rays, where these have been asked for.
+    /// Makes room for one ray for each sample in `rays`: the camera rays, where these have been asked for.
     pub fn start(&self, rays: &mut RayBatch) {
         match self.has_directions {
             true => {
-                rays.ratios.extend_from_slice(&self.camera_rays.ratios);
-                (rays.directions).extend_from_slice(&self.camera_rays.directions);
+                rays.ratios.clone_from(&self.camera_rays.ratios);
+                rays.directions.clone_from(&self.camera_rays.directions);
             }
+            // Nobody asks about those that meet nothing.
             false => {
                 let count = self.strip.samples();
                 rays.ratios.resize(count, 1.0);
@@ -506,7 +509,7 @@ impl<P: Visibility> Painter for Stage<'_, P> {
             surfaces: &self.surfaces,
             index: scene.ray_index,
         };
-        rays.clear();
+        rays.clear(self.visibility.turns_rays());
         self.visibility
             .paint(&strip_samples, &mut buffers.tile, rays);
         self.shade(strip, tile, buffers, film);

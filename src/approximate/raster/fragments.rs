@@ -16,7 +16,8 @@ use crate::camera::RayOrigin;
 use crate::render::trace::{Dependence, SurfaceHit};
 use crate::spacetime::{Boost, Direction, Displacement, Rest, World};
 
-/// Number of samples of a run that are worked out together: four f64 are a vector of AVX2. Most runs of small triangles are not much longer.
+/// Number of samples of a run that are worked out together, or twice as many where there are more: four f64 are a vector of AVX2. Most runs of
+/// small triangles are not much longer.
 const LANES: usize = 4;
 
 /// Samples in a row that see one surface.
@@ -149,6 +150,9 @@ impl Fragments {
         rays: &mut RayBatch,
     ) {
         let is_placed = all.needed > Dependence::Patch;
+        // None at the camera's own place.
+        let is_there = |s: f64| (s > 0.0) & (s < f64::INFINITY);
+        let mut removed = Vec::new();
         for run in &self.runs {
             let on_surface = |surface: &Surface, s: f64, [u, v]: [f64; 2]| SurfaceHit {
                 hit: Hit {
@@ -173,17 +177,18 @@ impl Fragments {
                     continue;
                 }
             };
-            for ray in run.begin..run.end {
-                let s = self.distances[ray];
-                let weights = self.weights.each_ref().map(|weights| weights[ray]);
-                // None at the camera's own place.
-                let hit = (s > 0.0 && s < f64::INFINITY).then(|| on_surface(surface, s, weights));
-                if hit.is_none() {
-                    samples.look(ray, rays);
-                }
-                rays.hits.push(hit);
+            let own = run.begin..run.end;
+            let distances = &self.distances[own.clone()];
+            let weights = self.weights.each_ref().map(|all| &all[own.clone()]);
+            (rays.hits).push_places(on_surface(surface, 0.0, [0.0; 2]), distances, weights);
+            if !distances.iter().fold(true, |all, s| all & is_there(*s)) {
+                removed.extend(own.filter(|ray| !is_there(self.distances[*ray])));
             }
         }
+        for ray in &removed {
+            samples.look(*ray, rays);
+        }
+        rays.hits.remove(removed.into_iter());
     }
 
     /// Turns rays to those that meet the fragments at interpolated times, and have interpolated W.
@@ -251,8 +256,11 @@ impl VectorLoop for Interpolate<'_> {
             // Beyond the end of a run comes the next, which is worked out later.
             let mut begin = run.begin;
             while begin < run.end {
-                self.lanes(surface, begin);
-                begin += LANES;
+                match run.end - begin > LANES {
+                    true => self.lanes::<{ 2 * LANES }>(surface, begin),
+                    false => self.lanes::<LANES>(surface, begin),
+                }
+                begin += 2 * LANES;
             }
         }
     }
@@ -260,21 +268,21 @@ impl VectorLoop for Interpolate<'_> {
 
 impl Interpolate<'_> {
     #[inline(always)]
-    fn lanes(&mut self, surface: &Surface, begin: usize) {
-        let [x, y] = self.points.map(|all| all[begin..].first_chunk::<LANES>());
+    fn lanes<const N: usize>(&mut self, surface: &Surface, begin: usize) {
+        let [x, y] = self.points.map(|all| all[begin..].first_chunk::<N>());
         let (Some(x), Some(y)) = (x.copied(), y.copied()) else {
             return;
         };
         // 1/Σ eᵢ·p, and with it c.
         let (sum, of_c) = (surface.sum, surface.c);
-        let mut scale = [0.0; LANES];
-        for k in 0..LANES {
+        let mut scale = [0.0; N];
+        for k in 0..N {
             scale[k] = 1.0 / (sum.x * x[k] + sum.y * y[k] + sum.z);
         }
         for (c, to) in of_c.iter().zip(&mut *self.c) {
-            if let Some(to) = to[begin..].first_chunk_mut::<LANES>() {
-                let mut values = [0.0; LANES];
-                for k in 0..LANES {
+            if let Some(to) = to[begin..].first_chunk_mut::<N>() {
+                let mut values = [0.0; N];
+                for k in 0..N {
                     values[k] = (c.x * x[k] + c.y * y[k] + c.z) * scale[k];
                 }
                 *to = values;
@@ -284,11 +292,10 @@ impl Interpolate<'_> {
             return;
         };
         let both = (u[begin..].first_chunk_mut(), v[begin..].first_chunk_mut());
-        let (Some(u), Some(v)): (Option<&mut [f64; LANES]>, Option<&mut [f64; LANES]>) = both
-        else {
+        let (Some(u), Some(v)): (Option<&mut [f64; N]>, Option<&mut [f64; N]>) = both else {
             return;
         };
-        for k in 0..LANES {
+        for k in 0..N {
             let p = DVec3::new(x[k], y[k], 1.0) * scale[k];
             [u[k], v[k]] = surface.barycentric(p);
         }

@@ -22,9 +22,9 @@ pub struct SurfaceHit {
 /// Buffers of one tile, reused from batch to batch.
 #[derive(Debug, Default)]
 pub struct HitBuffer {
-    /// The nearest hit of each ray; empty where there are `alike`.
+    /// The nearest hit of each ray; empty where nobody asks for more than `alike` says.
     hits: Vec<Option<Hit>>,
-    /// Rays in a row that hit alike, where nobody asks for more than that: where they end, and what they hit.
+    /// Rays in a row that hit one side of one triangle, or nothing, where that is known: where they end, and what they hit.
     alike: Vec<(u32, Option<SurfaceHit>)>,
     /// Its rest frame; empty where there is one.
     frames: Vec<u32>,
@@ -77,9 +77,33 @@ impl HitBuffer {
     #[inline(always)]
     pub(crate) fn push_alike(&mut self, hit: Option<SurfaceHit>, rays: usize) {
         let count = self.hits.len() + rays;
+        self.push_run(hit, rays);
         self.hits.resize(count, hit.map(|found| found.hit));
         self.frames
             .resize(count, hit.map_or(0, |found| found.frame));
+    }
+
+    /// The same for rays that hit one triangle, each at its own distance and weights.
+    #[inline(always)]
+    pub(crate) fn push_places(&mut self, found: SurfaceHit, s: &[f64], [u, v]: [&[f64]; 2]) {
+        self.push_run(Some(found), s.len());
+        let places = s.iter().zip(u.iter().zip(v));
+        let hits = places.map(|(s, (u, v))| Hit {
+            s: *s,
+            u: *u,
+            v: *v,
+            ..found.hit
+        });
+        self.hits.extend(hits.map(Some));
+        self.frames.resize(self.hits.len(), found.frame);
+    }
+
+    /// Says that some rays hit nothing after all, when all have been taken over.
+    pub(crate) fn remove(&mut self, rays: impl Iterator<Item = usize>) {
+        for ray in rays {
+            (self.hits[ray], self.frames[ray]) = (None, 0);
+            self.alike.clear();
+        }
     }
 
     /// The same in a buffer of which nobody asks what a single ray hits.
@@ -89,7 +113,7 @@ impl HitBuffer {
         self.alike.push((begin + rays as u32, hit));
     }
 
-    /// Where rays in a row that hit alike end, and what they hit; empty where each ray has its own hit.
+    /// Where rays in a row that hit one side of one triangle end, and what they hit; empty where that is not known.
     pub(super) fn alike(&self) -> &[(u32, Option<SurfaceHit>)] {
         &self.alike
     }

@@ -338,15 +338,21 @@ impl Shading {
         let mut unmet = 0;
         let mut patch = PatchSpan::NONE;
         let scene = (traced, background);
+        // Rays with weights of their own come one by one.
+        let (alike, hits) = match (traced.hits.alike(), traced.hits.hits()) {
+            (alike, []) => (alike, [].as_slice()),
+            (alike, _) if !alike.is_empty() && traced.rays.origins.is_none() => {
+                (alike, [].as_slice())
+            }
+            (_, hits) => ([].as_slice(), hits),
+        };
         let mut begin = 0;
-        for (end, hit) in traced.hits.alike() {
+        for (end, hit) in alike {
             let hit = hit.as_ref().map(|found| (&found.hit, found.frame));
-            // Rays with weights of their own come one by one.
             let weight = weight(begin as usize);
             unmet += self.take(scene, begin..*end, hit, weight, &mut patch, sink);
             begin = *end;
         }
-        let hits = traced.hits.hits();
         let mut ray = 0;
         while ray < hits.len() {
             let hit = hits[ray].as_ref();

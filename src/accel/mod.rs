@@ -20,13 +20,14 @@
 //! From bottom to top: `float` and `exact` are arithmetic, `pages` long arrays; `triangle` intersects a ray with a triangle; `node` and
 //! `wide` are the two trees, in the coordinates of `tree_space`; `bvh` holds them, `islands` says how many there are,
 //! `boxes`, `cluster`, `reinsert`, `leaves`, `layout` and `build` make them, `alpha` makes holes;
-//! `slab`, `traverse` and `single` trace single rays; `packet` traces batches. `vectors`, `texels` and `sincos` are
+//! `slab`, `traverse` and `single` trace single rays; `packet` traces batches. `vectors`, `texels`, `sincos` and `arctan` are
 //! vector loops that all higher modules share.
 
 #[doc = include_str!("guide.md")]
 pub mod guide {}
 
 mod alpha;
+pub(crate) mod arctan;
 mod boxes;
 mod build;
 mod bvh;

@@ -347,7 +347,8 @@ pub(super) struct Drawn {
     pub from: u32,
     /// Its rest frame.
     pub frame: u32,
-    /// n·l there.
+    /// The normal of its triangle there, and n·l.
+    pub normal: DVec3,
     pub cosine: f64,
     /// Of one that is shared, the place of the point in its group.
     pub at: u32,

@@ -373,6 +373,12 @@ pub(super) fn shadow_start(size: f64, direction: DVec3) -> f64 {
     CLEARANCE * size / direction.length()
 }
 
+/// `x`, off its surface as far as rays go on from there: whatever rounding did to it, no triangle of the surface is above that.
+#[inline(always)]
+pub(super) fn lifted(size: f64, x: DVec3, normal: DVec3) -> DVec3 {
+    x + normal * shadow_start(size, normal)
+}
+
 /// The coordinates by which the point `from` was rounded that was seen from `camera`.
 #[inline(always)]
 pub(super) fn shadow_size(camera: DVec3, from: DVec3) -> f64 {

@@ -107,6 +107,7 @@ impl Level {
             level.drawn.push(Drawn {
                 from: chosen.point,
                 frame: run.frame,
+                normal: reflection.geometric_normal(),
                 cosine: reflection.normal().dot(scattered.l),
                 at: chosen.at,
                 scattered,
@@ -163,6 +164,7 @@ impl Level {
             self.drawn.push(Drawn {
                 from: from(k),
                 frame: run.frame,
+                normal: reflection.geometric_normal(),
                 cosine: reflection.normal().dot(scattered.l),
                 at: 0,
                 scattered,

@@ -40,7 +40,7 @@
 //! ```
 //!
 //! A direction drawn in F by the material has a density per dω_F and needs no factor; a point drawn on a shining surface with the density p_A has
-//! p_A r_G²/(W² cos θ_y) per dω_F by (4); a direction of the sky with p_ω per dω of the world has p_ω/W² by (3).
+//! p_A r_G²/(W² cos θ_y) per dω_F by (4), and one that is drawn with p_ω per dω_G has p_ω/W² by (3); so has a direction of the sky with p_ω per dω of the world.
 //!
 //! # How it is estimated
 //!
@@ -708,8 +708,10 @@ impl PathTraced {
                 weights.push(1.0);
                 continue;
             }
-            let by_material = level.drawn[ray].scattered.density;
-            let by_area = areas.density(run.frame, point.hit.triangle);
+            let drawn = &level.drawn[ray];
+            let by_material = drawn.scattered.density;
+            let from = (drawn.frame, drawn.normal);
+            let by_area = areas.density(run.traced.surfaces, &point, from);
             let weight = match by_area {
                 _ if by_material.is_infinite() => 1.0,
                 None => 1.0,
@@ -719,7 +721,8 @@ impl PathTraced {
                     let k = point.local.tangent.x;
                     let (r, w) = (point.hit.s * k.length(), ratios[at]);
                     let cosine = -point.facing_normal().dot(k) / k.length();
-                    let by_light = by_area * r * r / (w * w * cosine.max(f64::MIN_POSITIVE));
+                    let cosine = cosine.max(f64::MIN_POSITIVE);
+                    let by_light = by_area.per_solid_angle(r * r, cosine) / (w * w);
                     balance(by_material, by_light)
                 }
             };

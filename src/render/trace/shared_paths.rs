@@ -65,17 +65,20 @@ impl PathTraced {
                 let own = drawn.at as usize;
                 let numbers = (own, group.paths());
                 receivers.find(end, numbers, bvh, run.traced.rays.method, meter.occlusion());
-                let by_area = hit.and_then(|hit| {
-                    let areas = self.light.areas.as_ref()?;
-                    areas.density(run.frame, hit.triangle)
-                });
+                let mut by_area = [0.0; MOST];
+                let is_drawn = match (end, &self.light.areas) {
+                    (End::On { y, triangle, .. }, Some(areas)) => {
+                        areas.densities_at(triangle, y, receivers.places(), &mut by_area)
+                    }
+                    _ => None,
+                };
                 // What points could have drawn themselves is weighed against that, by each of them.
                 let densities = &receivers.densities;
-                let parts = match (end, by_area, sky) {
+                let parts = match (end, is_drawn, sky) {
                     (End::On { .. }, None, _) | (End::Open(_), _, None) => [1.0; MOST],
-                    (End::On { .. }, Some((_, false)), _) => [0.0; MOST],
-                    (End::On { .. }, Some((by_area, true)), _) => {
-                        densities.map(|density| balance(density, by_area))
+                    (End::On { .. }, Some(false), _) => [0.0; MOST],
+                    (End::On { .. }, Some(true), _) => {
+                        std::array::from_fn(|k| balance(densities[k], by_area[k]))
                     }
                     (End::Open(l), _, Some(sky)) => {
                         densities.map(|density| sky_weight(sky, run.frame, l, density))

@@ -22,7 +22,7 @@
 //! For points near one another w is about 1/M: each has the noise of M paths at the cost of M/N of a path and M shadow rays, which all end in
 //! one point. No w is above 1/q.
 //!
-//! What y shines of its own is shared likewise; where it is drawn as a light too (`area_lights`), with the density p_l per area, that counts for p_l/(p_j + p_l) at x_j,
+//! What y shines of its own is shared likewise; where x_j draws it as a light too (`area_lights`), with the density p_l per area, that counts for p_l/(p_j + p_l) there,
 //! and (1) for the rest, p_j/(p_j + p_l). Directions that meet nothing but the sky are as points at infinity: p_k is (n_k·l)/π V.
 //!
 //! # Its numbers
@@ -309,6 +309,15 @@ impl Receivers {
     /// Says the normal of the triangle of the point that was added last, where another stands for it.
     pub fn push_geometric(&mut self, normal: DVec3) {
         self.geometric.push(normal);
+    }
+
+    /// Where they are, the normals of their triangles, and what they are lifted by.
+    pub fn places(&self) -> (&Columns, &Columns, &[f64]) {
+        let normals = match self.geometric.len() {
+            0 => &self.normals,
+            _ => &self.geometric,
+        };
+        (&self.positions, normals, &self.sizes)
     }
 
     /// Finds what each receives of a path that point `own` has sent to `end`; `paths` go on from the group.

@@ -244,6 +244,34 @@ impl<'a> Surfaces<'a> {
         }
     }
 
+    /// Where the ray that has hit `point` leaves in rest frame `frame`.
+    pub(super) fn origin(&self, frame: u32, point: &SurfacePoint) -> DVec3 {
+        match &self.0 {
+            Frames::Many(many) if frame != point.frame => {
+                let displacement = Some(point.origin.displacement);
+                many.frames[frame as usize].origin(displacement).x
+            }
+            _ => point.local.origin.x,
+        }
+    }
+
+    /// `d` of rest frame `from` in rest frame `to`.
+    pub(super) fn displacement(
+        &self,
+        from: u32,
+        to: u32,
+        d: Displacement<Rest>,
+    ) -> Displacement<Rest> {
+        if self.shares_places(to, from) {
+            return d;
+        }
+        let in_world = self.rest(from).frame.world_from_frame().displacement(d);
+        self.rest(to)
+            .frame
+            .frame_from_world()
+            .displacement(in_world)
+    }
+
     /// The boost from the world to rest frame `frame`; none where that changes nothing.
     pub(super) fn boost(&self, frame: u32) -> Option<&'a Boost<Rest, World>> {
         let boost = match &self.0 {

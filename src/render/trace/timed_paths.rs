@@ -23,15 +23,15 @@
 
 use glam::DVec3;
 
-use super::area_lights::SHORTER;
+use super::area_draws::SHORTER;
 use super::base_colours::BaseColour;
 use super::camera_rays::Samples;
 use super::emitted::Colouring;
-use super::occlusion::shadow_ray;
+use super::occlusion::{lifted, shadow_ray, shadow_size};
 use super::onward::{CHOICE, ONWARD};
 use super::paths::{AREA, balance};
 use super::rest_frame::{Patch, RestFrame};
-use super::sharing::{End, Groups, Receivers, Sharing, Ungrouped};
+use super::sharing::{End, Groups, MOST, Receivers, Sharing, Ungrouped};
 use super::time_resolved::{Emitter, TimeResolved};
 use crate::accel::{Hit, NoTally, Origins, Segment, Traversal};
 use crate::light::lamp::{Emission, Lamp};
@@ -133,8 +133,14 @@ struct Onward {
     slots: Vec<u32>,
 }
 
-/// A path, the direction in which it goes on, what it carries there, and its delay so far.
-type Drawn = (usize, Scattered, [f64; 3], f64);
+/// A path, how it goes on, what it carries there, and its delay so far.
+type Drawn = (usize, Leaving, [f64; 3], f64);
+
+/// The normal of a triangle, and the direction in which a path goes on from there.
+struct Leaving {
+    normal: DVec3,
+    drawn: Scattered,
+}
 
 impl Onward {
     /// Adds path `path` from `vertex` on along a direction that is drawn by two numbers.
@@ -154,7 +160,8 @@ impl Onward {
         self.origins.push(vertex.x + normal * side);
         self.directions.push(drawn.l);
         self.slots.push(vertex.hit.slot);
-        self.paths.push((path, drawn, carried, vertex.delay));
+        let leaving = Leaving { normal, drawn };
+        self.paths.push((path, leaving, carried, vertex.delay));
     }
 }
 
@@ -297,9 +304,9 @@ impl TimedPaths<'_> {
             onward.draw(&shared.firsts[point as usize], starts + k, numbers);
         }
         let mut next = Vec::new();
-        for (meeting, drawn) in self.met(onward) {
+        for (meeting, leaving) in self.met(onward) {
             let Some(k) = meeting.path.checked_sub(starts) else {
-                next.extend(self.meet(&meeting, &drawn, all));
+                next.extend(self.meet(&meeting, &leaving, all));
                 continue;
             };
             let meeting = Meeting {
@@ -368,8 +375,10 @@ impl TimedPaths<'_> {
             };
             let numbers = (beginning.at, group.paths());
             receivers.find(on, numbers, &self.rest.bvh, self.method, None);
-            let areas = self.light.areas.as_ref();
-            let by_area = areas.and_then(|areas| areas.density(0, end.triangle));
+            let mut by_area = [0.0; MOST];
+            let is_drawn = self.light.areas.as_ref().and_then(|areas| {
+                areas.densities_at(end.triangle, end.y, receivers.places(), &mut by_area)
+            });
             let alone = group.count() as f64 / group.paths() as f64;
             for (at, point) in points.iter().enumerate() {
                 let (weight, density) = (receivers.weights[at], receivers.densities[at]);
@@ -384,10 +393,10 @@ impl TimedPaths<'_> {
                     continue;
                 }
                 for one in of_path {
-                    let weight = match (one.is_end, by_area) {
+                    let weight = match (one.is_end, is_drawn) {
                         (true, None) => weight,
-                        (true, Some((_, false))) => 0.0,
-                        (true, Some((by_area, true))) => weight * balance(density, by_area),
+                        (true, Some(false)) => 0.0,
+                        (true, Some(true)) => weight * balance(density, by_area[at]),
                         (false, _) if end.is_diffuse => weight,
                         // Other light than diffuse is found by the point that it comes to.
                         (false, _) if at == beginning.at => alone,
@@ -524,7 +533,10 @@ impl TimedPaths<'_> {
         for vertex in vertices {
             let (pixel, index) = samples[vertex.path];
             let numbers = self::samples(&[pixel], index, depth).on_path(AREA);
-            let place = (vertex.x, vertex.reflection.normal());
+            let reflection = &vertex.reflection;
+            let geometric = reflection.geometric_normal();
+            let x = lifted(shadow_size(vertex.from, vertex.x), vertex.x, geometric);
+            let place = (x, reflection.normal(), geometric);
             let base = (&self.light.base, self.rest);
             let Some(draw) = areas.drawn_from(base, place, numbers) else {
                 continue;
@@ -594,12 +606,12 @@ impl TimedPaths<'_> {
             onward.draw(vertex, vertex.path, numbers);
         }
         let met = self.met(onward).into_iter();
-        met.filter_map(|(meeting, drawn)| self.meet(&meeting, &drawn, all))
+        met.filter_map(|(meeting, leaving)| self.meet(&meeting, &leaving, all))
             .collect()
     }
 
     /// What rays meet, of those that meet anything.
-    fn met(&self, onward: Onward) -> Vec<(Meeting, Scattered)> {
+    fn met(&self, onward: Onward) -> Vec<(Meeting, Leaving)> {
         let Onward {
             paths,
             origins,
@@ -621,8 +633,9 @@ impl TimedPaths<'_> {
             |_| (),
         );
         let met = paths.into_iter().zip(hits).zip(origins);
-        let meetings = met.filter_map(|(((path, drawn, carried, delay), hit), from)| {
+        let meetings = met.filter_map(|(((path, leaving, carried, delay), hit), from)| {
             let hit: Hit = hit?;
+            let drawn = &leaving.drawn;
             let meeting = Meeting {
                 path,
                 hit,
@@ -632,21 +645,21 @@ impl TimedPaths<'_> {
                 carried,
                 delay: delay + self.light.index * drawn.index * hit.s,
             };
-            Some((meeting, drawn))
+            Some((meeting, leaving))
         });
         meetings.collect()
     }
 
-    /// The surface that a path meets along `drawn`, if it reflects; what it shines is added to `all`.
+    /// The surface that a path meets, which left another so, if it reflects; what it shines is added to `all`.
     fn meet<'a>(
         &'a self,
         meeting: &Meeting,
-        drawn: &Scattered,
+        leaving: &Leaving,
         all: &mut Vec<Found<'a>>,
     ) -> Option<Vertex<'a>> {
         let (carried, delay) = (meeting.carried, meeting.delay);
         if let Some(own) = self.own(meeting.path, &meeting.hit, carried, delay) {
-            let weight = self.weight_of_own(meeting, drawn.density);
+            let weight = self.weight_of_own(meeting, leaving);
             all.push(Found {
                 light: own.light.map(|c| weight * c),
                 ..own
@@ -655,19 +668,21 @@ impl TimedPaths<'_> {
         self.vertex(meeting)
     }
 
-    /// What counts of the light of a surface that shines, met along a direction drawn with `density`, where it could have been drawn
+    /// What counts of the light of a surface that shines, met by a path that left another so, where it could have been drawn
     /// itself: (4) of [`paths`](super::paths), with W = 1.
-    fn weight_of_own(&self, meeting: &Meeting, density: f64) -> f64 {
+    fn weight_of_own(&self, meeting: &Meeting, leaving: &Leaving) -> f64 {
+        let density = leaving.drawn.density;
         let areas = self.light.areas.as_ref();
-        match areas.and_then(|areas| areas.density(0, meeting.hit.triangle)) {
+        let from = (meeting.from, leaving.normal);
+        match areas.and_then(|areas| areas.density_at(meeting.hit.triangle, from)) {
             _ if density.is_infinite() => 1.0,
             None => 1.0,
             Some((_, false)) => 0.0,
             Some((by_area, true)) => {
                 let r = meeting.hit.s;
                 let cosine = self.rest.bvh.normal(&meeting.hit).dot(meeting.d).abs();
-                let by_light = by_area * r * r / cosine.max(f64::MIN_POSITIVE);
-                balance(density, by_light)
+                let cosine = cosine.max(f64::MIN_POSITIVE);
+                balance(density, by_area.per_solid_angle(r * r, cosine))
             }
         }
     }

@@ -1,0 +1,278 @@
+//! The triangles that shine, by rest frame, and which point of them is drawn for a point that they light.
+//!
+//! First a frame is chosen by the importances of the roots of their trees, I of (1) of [`light_tree`](super::light_tree), times W⁻⁴ of energies towards the
+//! middle of the tree, W² of solid angles and the W that κ leaves out; then a triangle of that frame by its tree, and a point on it evenly in solid angle or in
+//! area, as [`spherical_triangle`](super::spherical_triangle) says. One of two random numbers makes all choices, and what is left of it is the first of the
+//! point's. Whoever asks for the density with which a point is drawn gets it by the same functions.
+
+use glam::DVec3;
+
+use super::area_draws::{AreaDraws, DensitiesAt, Draws, SeenPoints};
+use super::emitted::Emitted;
+use super::light_tree::{Density, LightTree, Receiver, Shining, choose};
+use super::occlusion::{lifted, shadow_size};
+use super::point::SurfacePoint;
+use super::points::Points;
+use super::run::Run;
+use super::spherical_triangle::Triangle;
+use super::surfaces::Surfaces;
+use crate::accel::vectors::{Block, Columns, dispatch};
+use crate::spacetime::{Displacement, Rest};
+
+/// Triangles that shine, by rest frame.
+#[derive(Debug)]
+pub(super) struct ShiningFrames(Vec<FrameLights>);
+
+/// Those of one rest frame.
+#[derive(Debug)]
+struct FrameLights {
+    frame: u32,
+    /// The number of the first among those of all frames.
+    first: u32,
+    /// Their indices in the frame's BVH, ascending.
+    triangles: Vec<u32>,
+    tree: LightTree,
+}
+
+/// A point that is drawn.
+pub(super) struct DrawnPlace<'a> {
+    /// The number of the triangle among those of all frames.
+    pub element: u32,
+    pub triangle: &'a Triangle,
+    /// Barycentrics.
+    pub place: (f64, f64),
+    pub density: Density,
+}
+
+impl ShiningFrames {
+    /// `all`: frame, index in the frame's BVH and triangle of each, ascending.
+    pub fn new(all: &[(u32, u32, Shining)]) -> ShiningFrames {
+        let mut first = 0;
+        let frames = all.chunk_by(|a, b| a.0 == b.0).map(|of_frame| {
+            let lights = FrameLights {
+                frame: of_frame[0].0,
+                first,
+                triangles: of_frame.iter().map(|(_, triangle, _)| *triangle).collect(),
+                tree: LightTree::new(of_frame.iter().map(|(.., shining)| *shining).collect()),
+            };
+            first += of_frame.len() as u32;
+            lights
+        });
+        ShiningFrames(frames.collect())
+    }
+
+    /// Draws a point of all elements for each of the points of `run`, by `emitted.numbers`.
+    pub fn draw(&self, run: &Run, emitted: &mut Emitted) {
+        let Emitted {
+            points,
+            numbers,
+            draws,
+            ..
+        } = emitted;
+        let surfaces = run.traced.surfaces;
+        draws.resize(run.count());
+        self.look(run, points, draws);
+        self.choose_frames(run, &mut numbers[0], draws);
+        let mut seen = std::mem::take(&mut draws.seen);
+        for (at, (lights, seen)) in self.0.iter().zip(&seen).enumerate() {
+            draws.chosen.clear();
+            let all = draws.frames.iter().enumerate();
+            let chosen = all.filter(|(_, frame)| **frame == at as u32);
+            draws.chosen.extend(chosen.map(|(k, _)| k as u32));
+            dispatch(Draws {
+                tree: &lights.tree,
+                first: lights.first,
+                to_world: surfaces.rest(lights.frame).frame.world_from_frame(),
+                from_world: surfaces.boost(run.frame),
+                seen,
+                normals: &points.normals,
+                numbers,
+                draws,
+            });
+        }
+        std::mem::swap(&mut draws.seen, &mut seen);
+        if points.is_smooth() {
+            for k in 0..run.count() {
+                if points.is_below(k, draws.l.get(k)) {
+                    draws.factors[k] = 0.0;
+                }
+            }
+        }
+    }
+
+    /// Takes down how the frames that shine see the points of `run`.
+    fn look(&self, run: &Run, points: &Points, draws: &mut AreaDraws) {
+        let surfaces = run.traced.surfaces;
+        draws.seen.resize_with(self.0.len(), SeenPoints::default);
+        for (lights, seen) in self.0.iter().zip(&mut draws.seen) {
+            let is_own = surfaces.shares_places(lights.frame, run.frame);
+            seen.x.resize(run.count());
+            seen.normals.resize(run.count());
+            seen.tilts.resize(run.count(), 0.0);
+            for k in 0..run.count() {
+                let (own, normal) = (points.positions.get(k), points.geometric(k));
+                let receiver = if is_own {
+                    let x = lifted(shadow_size(points.eye(k), own), own, normal);
+                    at_rest(x, normal)
+                } else {
+                    let event = run
+                        .point(k)
+                        .map(|point| surfaces.event(lights.frame, &point));
+                    let x = event.map_or(DVec3::NAN, |event| event.x);
+                    receiver(surfaces, (run.frame, normal), lights.frame, x)
+                };
+                seen.x.set(k, receiver.x);
+                seen.normals.set(k, receiver.normal);
+                seen.tilts[k] = receiver.tilt;
+            }
+        }
+    }
+
+    /// Chooses a frame for each of the points of `run`, and leaves the rest of each number.
+    fn choose_frames(&self, run: &Run, numbers: &mut [f64], draws: &mut AreaDraws) {
+        draws.frames.clear();
+        draws.frames.resize(run.count(), 0);
+        draws.shares.clear();
+        draws.shares.resize(run.count(), 1.0);
+        if self.0.len() == 1 {
+            return;
+        }
+        let motions: Vec<_> = (self.0.iter())
+            .map(|lights| motion(run.traced.surfaces, run.frame, lights.frame))
+            .collect();
+        let mut importances = Vec::with_capacity(self.0.len());
+        for (k, number) in numbers.iter_mut().enumerate() {
+            let all = self.0.iter().zip(&motions).zip(&draws.seen);
+            importances.clear();
+            importances.extend(all.map(|((lights, motion), seen)| {
+                let receiver = Receiver {
+                    x: seen.x.get(k),
+                    normal: seen.normals.get(k),
+                    tilt: seen.tilts[k],
+                };
+                lights.importance(&receiver, motion)
+            }));
+            let chosen = choose(*number, &importances);
+            let (at, share, rest) = chosen.unwrap_or_default();
+            (draws.frames[k], draws.shares[k]) = (at as u32, share);
+            *number = rest;
+        }
+    }
+
+    /// A point by two numbers in [0, 1) for a lifted point of the only rest frame and the normal of its triangle.
+    pub fn draw_one(
+        &self,
+        (x, normal): (DVec3, DVec3),
+        [first, second]: [f64; 2],
+    ) -> DrawnPlace<'_> {
+        let tree = &self.0[0].tree;
+        let choice = tree.choose(&at_rest(x, normal), first);
+        DrawnPlace {
+            element: choice.triangle,
+            triangle: &tree.shining(choice.triangle).triangle,
+            place: tree.draw(&choice, x, second),
+            density: tree.density(choice.triangle, choice.share, x),
+        }
+    }
+
+    /// The lights of a frame and the number of a triangle among them, if it is one.
+    fn find(&self, frame: u32, triangle: u32) -> Option<(&FrameLights, u32)> {
+        let at = self.0.binary_search_by_key(&frame, |lights| lights.frame);
+        let lights = &self.0[at.ok()?];
+        let k = lights.triangles.binary_search(&triangle).ok()?;
+        Some((lights, k as u32))
+    }
+
+    /// The number and the density of `point`, if it is on one of the triangles, for the triangle of rest frame and normal `from` that the ray leaves that
+    /// has met it.
+    pub fn density(
+        &self,
+        surfaces: &Surfaces,
+        point: &SurfacePoint,
+        from: (u32, DVec3),
+    ) -> Option<(u32, Density)> {
+        let (lights, k) = self.find(point.frame, point.hit.triangle)?;
+        let seen_by = |lights: &FrameLights| {
+            let x = surfaces.origin(lights.frame, point);
+            receiver(surfaces, from, lights.frame, x)
+        };
+        let own = seen_by(lights);
+        let mut share = lights.tree.share(k, &own);
+        if self.0.len() > 1 {
+            let importance = |lights: &FrameLights| {
+                let motion = motion(surfaces, from.0, lights.frame);
+                lights.importance(&seen_by(lights), &motion)
+            };
+            let sum: f64 = self.0.iter().map(importance).sum();
+            let own = importance(lights);
+            share *= if own > 0.0 { own / sum } else { 0.0 };
+        }
+        Some((lights.first + k, lights.tree.density(k, share, own.x)))
+    }
+
+    /// The same of a place on a triangle of the only rest frame, for a ray that leaves a triangle of this normal from there.
+    pub fn density_at(&self, triangle: u32, (x, normal): (DVec3, DVec3)) -> Option<(u32, Density)> {
+        let (lights, k) = self.find(0, triangle)?;
+        let share = lights.tree.share(k, &at_rest(x, normal));
+        Some((k, lights.tree.density(k, share, x)))
+    }
+
+    /// The same per area at `y` for points of a block, normals of their triangles and what they are lifted by.
+    pub fn densities_at(
+        &self,
+        triangle: u32,
+        y: DVec3,
+        points: (&Columns, &Columns, &[f64]),
+        densities: &mut Block,
+    ) -> Option<u32> {
+        let (lights, triangle) = self.find(0, triangle)?;
+        dispatch(DensitiesAt {
+            tree: &lights.tree,
+            triangle,
+            y,
+            points,
+            densities,
+        });
+        Some(triangle)
+    }
+}
+
+impl FrameLights {
+    /// About what comes from them to a receiver whose frame moves so in theirs.
+    fn importance(&self, receiver: &Receiver, motion: &Displacement<Rest>) -> f64 {
+        let (importance, l) = self.tree.importance(receiver);
+        // 1/W towards the middle; NaN from there.
+        let inverse = motion.ct + motion.x.dot(l);
+        importance * if inverse > 0.0 { inverse } else { 1.0 }
+    }
+}
+
+/// A receiver in the frame of what shines.
+fn at_rest(x: DVec3, normal: DVec3) -> Receiver {
+    Receiver {
+        x,
+        normal,
+        tilt: 0.0,
+    }
+}
+
+/// How rest frame `to` sees a receiver at its place `x` whose normal in rest frame `from` is `normal`.
+fn receiver(surfaces: &Surfaces, (from, normal): (u32, DVec3), to: u32, x: DVec3) -> Receiver {
+    if surfaces.shares_places(to, from) {
+        return at_rest(x, normal);
+    }
+    let seen = surfaces.displacement(from, to, Displacement::new(0.0, normal));
+    let gamma = |frame| surfaces.rest(frame).frame.velocity().gamma();
+    // What rounding of both boosts may make of it.
+    let rounding = 16.0 * f64::EPSILON * gamma(from) * gamma(to);
+    Receiver {
+        x,
+        normal: seen.x,
+        tilt: seen.ct + rounding,
+    }
+}
+
+/// The four-velocity of rest frame `from` in rest frame `to`.
+fn motion(surfaces: &Surfaces, from: u32, to: u32) -> Displacement<Rest> {
+    surfaces.displacement(from, to, Displacement::new(1.0, DVec3::ZERO))
+}

@@ -1,0 +1,242 @@
+//! Triangles as they are seen from a point: how much of the sphere they fill, and points on them that are drawn evenly in solid angle.
+//!
+//! # Solid angle
+//!
+//! With A, B, C from the point to the corners, r their lengths and a, b, c unit vectors,
+//!
+//! ```text
+//! tan Ω/2 = |det(A, B, C)| / (r_A r_B r_C + A·B r_C + B·C r_A + C·A r_B),                            (1)
+//! ```
+//!
+//! (van Oosterom and Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed. Eng. 30, 1983), where det(A, B, C) is −A·N with the normal N
+//! as long as twice the area: no difference of nearly equal numbers, however far the triangle is.
+//!
+//! # Drawing
+//!
+//! As Arvo does ("Stratified sampling of spherical triangles", SIGGRAPH 1995): a point c′ of the arc from a to c is found for which
+//! the triangle (a, b, c′) has the part ξ of all area, and on the arc from b to c′ a point evenly in the cosine from b. The first goes without his angles:
+//! let c′ = a cos φ + u sin φ, where u is the unit vector of c⊥ = c − (a·c) a, and τ = tan φ/2. In (1) all four terms of the denominator are linear in
+//! c′, so that it is (1 + cos φ)(1 + a·b) + sin φ b·u, and the determinant is sin φ det(a, b, u). Hence, with T = tan ξΩ/2,
+//!
+//! ```text
+//! T = τ det(a, b, u)/(1 + a·b + τ b·u),    τ = T (1 + a·b)/(det(a, b, u) − T b·u),
+//! ```
+//!
+//! and, with p = cos(ξΩ/2) det(a, b, c) − sin(ξΩ/2) b·c⊥ and q = sin(ξΩ/2)(1 + a·b), c′ = ((p² − q² c⊥²) a + 2 p q c⊥)/(p² + q² c⊥²): one
+//! sine, one cosine and one arctangent for a draw (compare Peters, "BRDF importance sampling for polygonal lights", ACM TOG 40(4), 2021).
+
+use glam::DVec3;
+
+use crate::accel::arctan::upper_angle;
+use crate::spacetime::unit_and_length_or_nan;
+
+/// A triangle is seen as wide where its ball is nearer than so many of its radii, squared. Beyond, the solid angle of equal areas, as 1/r³ in a
+/// plane, differs from that in the middle by less than 3/32, and a draw by area is as good.
+const WIDE: f64 = 32.0 * 32.0;
+
+/// A triangle in its rest frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Triangle {
+    /// A corner, and the edges from there.
+    pub corner: DVec3,
+    pub edges: [DVec3; 2],
+    /// Along the normal, and as long as twice the area.
+    pub normal: DVec3,
+    pub twice: f64,
+}
+
+impl Triangle {
+    pub fn new([a, b, c]: [DVec3; 3]) -> Triangle {
+        let normal = (b - a).cross(c - a);
+        Triangle {
+            corner: a,
+            edges: [b - a, c - a],
+            normal,
+            twice: normal.length(),
+        }
+    }
+
+    #[inline(always)]
+    pub fn area(&self) -> f64 {
+        0.5 * self.twice
+    }
+
+    pub fn corners(&self) -> [DVec3; 3] {
+        let [e1, e2] = self.edges;
+        [self.corner, self.corner + e1, self.corner + e2]
+    }
+
+    /// The place of these barycentrics.
+    #[inline(always)]
+    pub fn at(&self, (u, v): (f64, f64)) -> DVec3 {
+        self.corner + self.edges[0] * u + self.edges[1] * v
+    }
+
+    /// Half of the solid angle that it fills for a point `x`; 0 from behind, unless it `is_two_sided`, which is 1 or 0.
+    #[inline(always)]
+    pub fn half_angle(&self, x: DVec3, is_two_sided: f64) -> f64 {
+        let a = self.corner - x;
+        let (b, c) = (a + self.edges[0], a + self.edges[1]);
+        let (ra, rb, rc) = (a.length(), b.length(), c.length());
+        let sum = ra * rb * rc + a.dot(b) * rc + b.dot(c) * ra + c.dot(a) * rb;
+        let front = -self.normal.dot(a);
+        let back = -front * is_two_sided;
+        let seen = if front > back { front } else { back };
+        upper_angle(above_zero(seen), sum)
+    }
+
+    /// Barycentrics of a point that is drawn evenly in area by two numbers in [0, 1).
+    #[inline(always)]
+    pub fn draw_by_area([x, y]: [f64; 2]) -> (f64, f64) {
+        let root = x.sqrt();
+        (root * (1.0 - y), root * y)
+    }
+
+    /// Barycentrics of a point that is drawn evenly in the solid angle for a point `x`, whose half is h: by the sine and the cosine of ξ h and by
+    /// another number in [0, 1).
+    #[inline(always)]
+    pub fn draw_by_angle(&self, x: DVec3, (sine, cosine): (f64, f64), number: f64) -> (f64, f64) {
+        let to_a = self.corner - x;
+        let (to_b, to_c) = (to_a + self.edges[0], to_a + self.edges[1]);
+        let (a, ra) = unit_and_length_or_nan(to_a);
+        let (b, rb) = unit_and_length_or_nan(to_b);
+        let (c, rc) = unit_and_length_or_nan(to_c);
+        // c′ on the arc from a to c. Parts across a come from differences, which are small where the triangle is.
+        let (ab, ac) = (b - a, c - a);
+        let (b_across, c_across) = (ab - a * a.dot(ab), ac - a * a.dot(ac));
+        let determinant = self.normal.dot(to_a).abs() / (ra * rb * rc);
+        let p = cosine * determinant - sine * b_across.dot(c_across);
+        let q = sine * (1.0 + a.dot(b));
+        let (p2, q2) = (p * p, q * q * c_across.dot(c_across));
+        let on_arc = (a * (p2 - q2) + c_across * (2.0 * p * q)) / (p2 + q2);
+        // From b towards it, evenly in 1 − cos.
+        let towards = on_arc - b;
+        let less = number * 0.5 * towards.dot(towards);
+        let across = towards - b * b.dot(towards);
+        let sine = (less * (2.0 - less)).sqrt();
+        let (along, _) = unit_and_length_or_nan(across);
+        let d = b * (1.0 - less) + along * sine;
+        // d in parts of A, B and C: none is below 0 but by rounding, and of NaN, where x is on the plane, corners are left.
+        let side = if self.normal.dot(to_a) < 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
+        let d = d * side;
+        let of_a = above_zero(d.dot(to_b.cross(to_c)));
+        let of_b = above_zero(d.dot(to_c.cross(to_a)));
+        let of_c = above_zero(d.dot(to_a.cross(to_b)));
+        let sum = of_a + of_b + of_c;
+        let sum = if sum > 0.0 { sum } else { 1.0 };
+        (of_b / sum, of_c / sum)
+    }
+}
+
+/// x, or 0 where it is below and of NaN.
+#[inline(always)]
+pub(super) fn above_zero(x: f64) -> f64 {
+    if x > 0.0 { x } else { 0.0 }
+}
+
+/// Whether what is in a ball of radius √`radius2` is seen as wide from the distance √`distance2` of its middle.
+#[inline(always)]
+pub(super) fn is_wide(radius2: f64, distance2: f64) -> bool {
+    distance2 < WIDE * radius2
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    use super::*;
+    use crate::accel::numbers;
+
+    fn random(next: &mut impl FnMut() -> f64) -> DVec3 {
+        DVec3::new(next(), next(), next())
+    }
+
+    #[test]
+    fn an_eighth_of_the_sphere_is_seen_from_the_origin_and_nothing_from_behind() {
+        let triangle = Triangle::new([DVec3::X, DVec3::Y, DVec3::Z]);
+        assert!((triangle.half_angle(DVec3::ZERO, 1.0) - PI / 4.0).abs() < 1e-15);
+        // Its normal is (1, 1, 1).
+        assert_eq!(triangle.half_angle(DVec3::ZERO, 0.0), 0.0);
+        let mirrored = 2.0 / 3.0 * DVec3::ONE;
+        assert!((triangle.half_angle(mirrored, 0.0) - PI / 4.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn far_triangles_have_their_area_over_the_square_of_the_distance() {
+        let triangle = Triangle::new([DVec3::ZERO, DVec3::X, DVec3::Y]);
+        for far in [1e4, 1e6, 1e12] {
+            let seen = 2.0 * triangle.half_angle(DVec3::Z * far, 0.0);
+            assert!((seen * far * far / 0.5 - 1.0).abs() < 3.0 / (far * far) + 1e-14);
+        }
+    }
+
+    /// The moments of unit vectors that points on a triangle are seen along, ∫ d dω, are ½ Σ θ n over its edges (Lambert's formula).
+    #[test]
+    fn points_are_drawn_evenly_in_solid_angle() {
+        let mut next = numbers(7);
+        for case in 0..60 {
+            // Close, flat, thin and far ones.
+            let size = [1.0, 1.0, 0.1, 1e-3][case % 4];
+            let middle = random(&mut next) * 0.7 + DVec3::Z;
+            let mut corners = [(); 3].map(|()| middle + random(&mut next) * size);
+            if case % 3 == 0 {
+                corners.iter_mut().for_each(|corner| corner.z *= 0.02);
+            }
+            let triangle = Triangle::new(corners);
+            let half = triangle.half_angle(DVec3::ZERO, 1.0);
+            let (n, mut sum) = (200, DVec3::ZERO);
+            for i in 0..n * n {
+                let [x, y] = [i % n, i / n].map(|k| (k as f64 + 0.5) / n as f64);
+                let (u, v) = triangle.draw_by_angle(DVec3::ZERO, libm::sincos(x * half), y);
+                assert!(u >= 0.0 && v >= 0.0 && u + v <= 1.0 + 1e-15);
+                sum += triangle.at((u, v)).normalize();
+            }
+            let seen = sum * (2.0 * half / f64::from(n * n));
+            let mut expected = DVec3::ZERO;
+            for k in 0..3 {
+                let (a, b) = (corners[k], corners[(k + 1) % 3]);
+                let across = a.cross(b);
+                let angle = libm::atan2(across.length(), a.dot(b));
+                expected += across.normalize() * (0.5 * angle);
+            }
+            let expected = expected * triangle.normal.dot(corners[0]).signum();
+            let off = (seen - expected).length() / (2.0 * half);
+            assert!(off < 2e-4, "case {case}: {seen} {expected}, off {off:e}");
+        }
+    }
+
+    #[test]
+    fn halves_of_a_triangle_that_is_cut_in_two_get_draws_by_their_solid_angles() {
+        let mut next = numbers(9);
+        for _ in 0..20 {
+            let [a, b, c] = [(); 3].map(|()| random(&mut next) + 0.5 * DVec3::Z);
+            let triangle = Triangle::new([a, b, c]);
+            let half = triangle.half_angle(DVec3::ZERO, 1.0);
+            // Cut from C to the middle of AB: there the barycentrics of A and B are equal.
+            let expected = Triangle::new([a, (a + b) * 0.5, c]).half_angle(DVec3::ZERO, 1.0) / half;
+            let n = 300;
+            let mut count = 0;
+            for i in 0..n * n {
+                let [x, y] = [i % n, i / n].map(|k| (k as f64 + 0.5) / n as f64);
+                let (u, v) = triangle.draw_by_angle(DVec3::ZERO, libm::sincos(x * half), y);
+                count += u32::from(1.0 - u - v > u);
+            }
+            let seen = f64::from(count) / f64::from(n * n);
+            assert!((seen - expected).abs() < 5e-3, "{seen} {expected}");
+        }
+    }
+
+    #[test]
+    fn points_in_the_plane_of_a_triangle_see_nothing_and_draw_within_it() {
+        let triangle = Triangle::new([DVec3::X, 2.0 * DVec3::X, DVec3::new(1.5, 1.0, 0.0)]);
+        assert_eq!(triangle.half_angle(DVec3::ZERO, 1.0), 0.0);
+        for (sine, cosine) in [(0.0, 1.0), (1e-9, 1.0), libm::sincos(FRAC_PI_2)] {
+            let (u, v) = triangle.draw_by_angle(DVec3::ZERO, (sine, cosine), 0.5);
+            assert!(u >= 0.0 && v >= 0.0 && u + v <= 1.0, "{u} {v}");
+        }
+    }
+}

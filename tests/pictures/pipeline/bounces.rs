@@ -258,6 +258,80 @@ samples_per_pixel = 1024"
 }
 
 #[test]
+fn lights_of_several_frames_add_up_to_all_of_them() {
+    // Each shines alone in a scene with all bodies, and then all do: of those one is chosen for each draw.
+    let bodies = [
+        (
+            "ball",
+            "sphere = { radius = 0.4, subdivisions = 3 }",
+            [-1.2, 1.0, 0.0],
+            [0.6, 0.0, 0.0],
+        ),
+        (
+            "panel",
+            "box = { size = [1.5, 0.1, 1] }",
+            [0.0, 1.5, -1.5],
+            [0.0, 0.0, 0.5],
+        ),
+        (
+            "tube",
+            "box = { size = [0.05, 0.05, 0.5] }",
+            [1.5, 0.3, 0.5],
+            [0.0, 0.0, 0.0],
+        ),
+        (
+            "saucer",
+            "box = { size = [0.6, 0.1, 0.6] }",
+            [0.5, 0.4, 1.0],
+            [-0.5, 0.0, 0.2],
+        ),
+    ];
+    let lit = |which: &[&str], bounces: u32| {
+        let mut text = format!(
+            "
+render = {{ bounces = {bounces} }}
+[camera]
+eye = [0, 2.5, 4]
+look_at = [0, 0, 0]
+hfov = \"50 deg\"
+size = [24, 18]
+[[object]]
+name = \"floor\"
+shape = {{ plane = {{ size = [6, 6] }} }}
+colour = [0.8, 0.5, 0.2]
+velocity = {{ beta = [0, 0, -0.4] }}
+[display]
+samples_per_pixel = 1024
+"
+        );
+        for (name, shape, at, beta) in bodies {
+            text += &format!(
+                "[[object]]\nname = \"{name}\"\nshape = {{ {shape} }}\ncolour = [0, 0, 0]\n\
+                 transform = {{ translate = {at:?} }}\nvelocity = {{ beta = {beta:?} }}\n"
+            );
+            if which.contains(&name) {
+                text += &format!(
+                    "[[light]]\ntype = \"area\"\nobject = \"{name}\"\nradiance = [3, 2, 1]\n"
+                );
+            }
+        }
+        sampled(&stage::scene(&text))
+    };
+    for bounces in [0, 1] {
+        let all = lit(&bodies.map(|(name, ..)| name), bounces);
+        let floor: Vec<usize> = stage::met(&all)
+            .into_iter()
+            .filter(|i| stage::value(&all, Aov::Object, *i) == 0.0)
+            .collect();
+        assert!(floor.len() > 150);
+        let alone = bodies.map(|(name, ..)| lit(&[name], bounces));
+        let sum: f64 = alone.iter().map(|film| mean(film, &floor, 0)).sum();
+        assert!(alone.iter().all(|film| mean(film, &floor, 0) > 0.1 * sum));
+        assert_relative(mean(&all, &floor, 0), sum, 3e-3, bounces);
+    }
+}
+
+#[test]
 fn boosting_everything_changes_rounding_only() {
     let scene = stage::scene(
         "

@@ -53,7 +53,7 @@ fn described(
     let unseen = || {
         let (file, ends) = at.value.table.as_ref().zip(ends)?;
         // Nanometres, to a thousandth of one where that tells them apart.
-        let [first, last] = ends.map(|metres| match metres < 1e-9 {
+        let [first, last] = ends.map(|metres| match metres < 1e-12 {
             true => format!("{:.3e}", metres * 1e9),
             false => number((metres * 1e12).round() / 1e3).to_string(),
         });

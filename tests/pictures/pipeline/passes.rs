@@ -177,8 +177,9 @@ fn errors_of_light_that_few_samples_find_are_within_the_standard_error_as_often_
 
 #[test]
 fn tiles_that_stop_by_their_error_have_no_bias_and_tell_their_error() {
+    // Passes of four samples: single parts of two are far from normal where few pixels of a tile see the edge of the panel.
     let films: Vec<_> = (1..=100)
-        .map(|seed| passes(&room(2, seed), Some(0.06), 200).film())
+        .map(|seed| passes(&room(4, seed), Some(0.05), 200).film())
         .collect();
     let truth = passes(&room(512, 0), None, 16).film();
     let told = calibrate(&films, &truth, 1.0 / 80.0);

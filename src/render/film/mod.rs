@@ -43,14 +43,10 @@ struct TileCoverage {
 
 /// A film on which tiles are placed, in any order.
 #[derive(Debug)]
-pub(crate) struct FilmBuilder {
-    /// Its radiance ends with the last row that some tile has come to: rows are cleared right before they are written, while they are near the
-    /// processor, and not all of them beforehand.
-    film: Film,
-}
+pub(crate) struct FilmBuilder(Film);
 
 impl FilmBuilder {
-    /// A film that nothing has been placed on.
+    /// A film that nothing has been placed on: it is black.
     pub fn new(layout: Layout) -> Self {
         let n = layout.size[0] as usize * layout.size[1] as usize;
         let tiles = if layout.has_gaps {
@@ -58,8 +54,8 @@ impl FilmBuilder {
         } else {
             0
         };
-        let film = Film {
-            radiance: Vec::with_capacity(n),
+        FilmBuilder(Film {
+            radiance: vec![[0.0; 3]; n],
             unmet: 0.0,
             passes: 1,
             error: None,
@@ -67,34 +63,22 @@ impl FilmBuilder {
             coverage: vec![TileCoverage::default(); tiles],
             aovs: vec![vec![0.0; n]; layout.channels.len()],
             layout,
-        };
-        FilmBuilder { film }
+        })
     }
 
     /// Places a finished tile.
     pub fn place(&mut self, tile: &TileFilm) {
-        let end = (tile.tile.corner[1] + tile.tile.size[1]) as usize;
-        self.clear_rows(end);
-        self.film.place(tile);
+        self.0.place(tile);
     }
 
     /// The film; what no tile was placed on is black.
-    pub fn finish(mut self) -> Film {
-        self.clear_rows(self.film.layout.size[1] as usize);
-        self.film
-    }
-
-    /// Makes sure that the rows before row `end` are there.
-    fn clear_rows(&mut self, end: usize) {
-        let end = end * self.film.layout.size[0] as usize;
-        if self.film.radiance.len() < end {
-            self.film.radiance.resize(end, [0.0; 3]);
-        }
+    pub fn finish(self) -> Film {
+        self.0
     }
 }
 
 impl Film {
-    /// Places a finished tile on rows that are there.
+    /// Places a finished tile.
     fn place(&mut self, tile: &TileFilm) {
         let samples = tile.taken(&self.layout);
         let parts = tile.parts().map(|parts| parts.taken);

@@ -181,11 +181,19 @@ const PARTS: [Part; 8] = [
     ("p99", Better::Smaller, |d| Some(d.summary?.p99)),
     ("max", Better::Smaller, |d| Some(d.summary?.max)),
     ("count", Better::Larger, |d| Some(d.count as f64)),
-    (UNMEASURED, Better::Smaller, |d| Some(d.unmeasured as f64)),
+    (UNMEASURED, Better::Smaller, |d| {
+        Some(without_value(d) as f64)
+    }),
 ];
 
 /// The name of the number of pixels without a value.
 const UNMEASURED: &str = "unmeasured";
+
+/// The pixels that could not be measured: those at which the reference shows a surface, whatever the candidate shows there; where it does not
+/// say, those that have one in both pictures.
+fn without_value(d: &Distribution) -> u64 {
+    d.unmeasured.max(d.surfaces.saturating_sub(d.count))
+}
 
 /// The name of the mean of values with a sign.
 const BIAS: &str = "bias";

@@ -270,6 +270,10 @@ fn limits_on_what_could_not_be_computed_are_exceeded_and_say_why() {
         ("wrong_objects=15", "wrong_objects is 16"),
         ("coverage=0.01", "coverage is 0, and may be at least 0.01"),
         ("geometric.count=1", "geometric.count is 0"),
+        (
+            "geometric.unmeasured=0",
+            "geometric.unmeasured is 16.00, and may be at most 0",
+        ),
         ("event.ct:count=17", "event.ct:count is 16"),
     ] {
         let breaches = breached(&[limit]).unwrap();
@@ -281,7 +285,7 @@ fn limits_on_what_could_not_be_computed_are_exceeded_and_say_why() {
     let kept = [
         "wrong_objects=16",
         "coverage=0",
-        "geometric.unmeasured=0",
+        "geometric.unmeasured=16",
         "event.x:max=0",
     ];
     assert_eq!(breached(&kept), Ok(vec![]));

@@ -449,6 +449,29 @@ fn names(name: Option<&str>, depth: usize, is_alone: bool) -> Option<Vec<String>
 
 fn no_picture(path: &Path, name: Option<&str>, shape: &[usize]) -> Error {
     let place = name.map_or(String::new(), |name| format!("array {name:?}"));
+    let group: Vec<&str> = (aov::group_of(name.unwrap_or("")).iter())
+        .map(|aov| aov.name())
+        .collect();
+    // A group whose array has fewer numbers than channels, as places without their times.
+    if let ([first, others @ ..], [height, width, depth]) = (&group[..], shape)
+        && !others.is_empty()
+    {
+        let all = group.join(", ");
+        let missing = match others.len() == *depth {
+            true => format!("; {first} is missing, if these are {}", others.join(", ")),
+            false => String::new(),
+        };
+        let what = format!(
+            "it has {depth} numbers per pixel, and stands for {} channels: {all}{missing}",
+            group.len()
+        );
+        let help = format!(
+            "shape ({height}, {width}, {}) with all of them in this order, or an array of shape ({height}, {width}) for each that there is, by its own name, like {:?}",
+            group.len(),
+            others[0]
+        );
+        return Error::unsupported(path, place, what, help);
+    }
     let what = format!("an array of shape {shape:?} is not a picture");
     let help = "(H, W) or (H, W, 1) for one channel; (H, W, 3) or (H, W, 4) for the array \"radiance\"; (H, W, n) for an \
                 array that is named like a group of n channels, like (H, W, 4) for \"event\"";

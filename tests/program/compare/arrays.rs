@@ -179,6 +179,31 @@ fn what_is_no_picture_is_refused_with_what_it_is() {
     );
 }
 
+#[test]
+fn arrays_of_less_than_their_group_are_refused_with_what_is_missing() {
+    let places = read_as(
+        "event.npz",
+        None,
+        header("<f4", "False", "(1, 2, 3)"),
+        &[0; 24],
+    );
+    let message = places.unwrap_err();
+    for words in [
+        "it has 3 numbers per pixel, and stands for 4 channels: event.ct, event.x, event.y, event.z",
+        "event.ct is missing, if these are event.x, event.y, event.z",
+    ] {
+        assert!(message.contains(words), "{words}: {message}");
+    }
+    let normals = read_as(
+        "normal.npz",
+        None,
+        header("<f4", "False", "(1, 2, 2)"),
+        &[0; 16],
+    );
+    let message = normals.unwrap_err();
+    assert!(message.contains("normal.x is missing"), "{message}");
+}
+
 /// An archive of light, of objects, and of these arrays.
 fn with_others(others: &[(&str, Vec<u8>)]) -> Result<Picture, String> {
     let folder = tempfile::tempdir().unwrap();

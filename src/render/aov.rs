@@ -200,7 +200,8 @@ fn named(word: &str) -> Vec<Aov> {
     all.filter(|aov| is_named(aov.name())).collect()
 }
 
-fn group(name: &str) -> &str {
+/// The group of the channel of this name.
+pub(crate) fn group(name: &str) -> &str {
     name.split('.').next().unwrap_or(name)
 }
 

@@ -123,7 +123,7 @@ pub fn compare(
     });
     // Geometry: where the points that each pixel shows lie on their objects, and how far apart they are.
     let pair = [reference, candidate];
-    let points = pair.map(|picture| Points::new(&picture.layers));
+    let points = Points::pair(pair.map(|picture| &picture.layers));
     let known = known_of(reference, &points[0], options)?;
     let mut notes = matched.notes.clone();
     let field = Field::new(&points, known.as_ref());

@@ -35,11 +35,22 @@ pub struct KnownScene {
     /// The event of the shot, which all rays leave.
     event: Event<World>,
     camera: InertialFrame<spacetime::CameraFrame>,
-    /// Whether directions are those of the camera's frame; otherwise the world's are taken for them.
-    aberration: bool,
+    /// How directions of the camera's frame follow from the world's.
+    aberration: Aberration,
     /// Refractive index of the medium; 0 where light takes no time.
     index: f64,
     objects: Vec<InertialFrame<Rest>>,
+}
+
+/// How directions of the camera's frame follow from the world's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Aberration {
+    /// By the boost.
+    Exact,
+    /// They are the same.
+    Missing,
+    /// By a boost that lacks γ: along d + β.
+    WithoutGamma,
 }
 
 /// What a rasterizer may have made of a scene.
@@ -51,6 +62,8 @@ pub(super) enum Change {
     CameraReversed,
     /// The camera's motion does not turn directions.
     CameraAtRest,
+    /// It does so by a boost that lacks γ.
+    CameraWithoutGamma,
     /// An object rests.
     AtRest(usize),
     /// An object rests where its origin is at the time of the shot.
@@ -100,6 +113,18 @@ pub(super) fn is_all_in_its_text(scene: &Scene) -> bool {
         && sky.is_none_or(|sky| sky.files().next().is_none())
 }
 
+/// The world's unit direction d that a boost without γ turns into `own`, along d + β.
+pub(super) fn unaberrated_without_gamma(own: DVec3, velocity: Velocity) -> DVec3 {
+    // |s d′ − β| = 1 for s > 0.
+    let beta = velocity.beta();
+    let along = own.dot(beta);
+    let s = along + (along * along + 1.0 - beta.length_squared()).sqrt();
+    s * own - beta
+}
+
+/// An event is on the past light cone of the shot where its time is that of its distance, to this part of it.
+const ON_CONE: f64 = 1e-3;
+
 impl KnownScene {
     /// What `scene` says; none for cameras whose rays leave events of their own (a sensor, a shutter, stereo, or
     /// `model = "paper2015"` in motion).
@@ -143,7 +168,10 @@ impl KnownScene {
             film: shot.projection,
             event: shot.event,
             camera: shot.frame,
-            aberration: effects.aberration,
+            aberration: match effects.aberration {
+                true => Aberration::Exact,
+                false => Aberration::Missing,
+            },
             index: if effects.retardation { index } else { 0.0 },
             objects: bodies
                 .into_iter()
@@ -161,7 +189,10 @@ impl KnownScene {
         };
         match change {
             Change::Instant => changed.index = 0.0,
-            Change::CameraAtRest => changed.aberration = false,
+            Change::CameraAtRest => changed.aberration = Aberration::Missing,
+            // Of a camera at rest both are the same.
+            Change::CameraWithoutGamma if self.camera.velocity().is_rest() => return None,
+            Change::CameraWithoutGamma => changed.aberration = Aberration::WithoutGamma,
             Change::CameraReversed => {
                 changed.camera = InertialFrame::new(-self.camera.velocity(), self.camera.origin());
             }
@@ -238,6 +269,14 @@ impl KnownScene {
         self.camera.velocity()
     }
 
+    /// The velocity by which look directions are turned.
+    pub(super) fn velocity_of_looks(&self) -> Velocity {
+        match self.aberration {
+            Aberration::Missing => Velocity::REST,
+            Aberration::Exact | Aberration::WithoutGamma => self.camera.velocity(),
+        }
+    }
+
     /// The velocities of the objects in the world.
     pub(super) fn velocities(&self) -> impl Iterator<Item = Velocity> + '_ {
         self.objects.iter().map(InertialFrame::velocity)
@@ -282,8 +321,9 @@ impl KnownScene {
     /// Where the world's direction `d` is seen; none where no film point looks that way.
     pub(super) fn film_point_along(&self, d: Direction<World>) -> Option<DVec2> {
         let seen = match self.aberration {
-            true => self.camera.frame_from_world().direction(d).0.unit(),
-            false => d.unit(),
+            Aberration::Exact => self.camera.frame_from_world().direction(d).0.unit(),
+            Aberration::Missing => d.unit(),
+            Aberration::WithoutGamma => (d.unit() + self.camera.velocity().beta()).normalize(),
         };
         let point = self.film.film_point(self.film.along_axes(seen))?;
         Some(DVec2::from_array(point)).filter(|point| point.is_finite())
@@ -293,15 +333,23 @@ impl KnownScene {
     pub(super) fn look_along(&self, p: DVec2) -> Option<Direction<World>> {
         self.film.sees(p.x, p.y).then_some(())?;
         let v = self.film.vector(p.x, p.y);
+        let own = Direction::new(v)?;
         match self.aberration {
-            true => Some(
-                self.camera
-                    .world_from_frame()
-                    .direction(Direction::new(v)?)
-                    .0,
-            ),
-            false => Direction::new(v),
+            Aberration::Exact => Some(self.camera.world_from_frame().direction(own).0),
+            Aberration::Missing => Direction::new(v),
+            Aberration::WithoutGamma => Direction::new(unaberrated_without_gamma(
+                own.unit(),
+                self.camera.velocity(),
+            )),
         }
+    }
+
+    /// The world's direction from the shot to an event of its past light cone; none to others.
+    pub(super) fn look_to(&self, ct: f64, x: DVec3) -> Option<Direction<World>> {
+        let [way, _] = self.since_shot(ct, x);
+        let late = ct - self.event.ct + self.index * way.length();
+        (late.abs() <= ON_CONE * way.length()).then_some(())?;
+        Direction::new(way)
     }
 
     /// The object at pixel `i` of a picture, and the coordinates in it of the point that the picture shows there. Where

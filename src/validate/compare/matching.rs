@@ -236,7 +236,7 @@ const STANDS_ELSEWHERE: f64 = 0.05;
 
 /// What is said of a number that stands for no object in the candidate, other than those that are known to.
 fn no_hit([r, c]: [&Picture; 2], options: &CompareOptions) -> Option<Message> {
-    let points = [r, c].map(|picture| Points::new(&picture.layers));
+    let points = Points::pair([&r.layers, &c.layers]);
     let theirs = points[1].object?;
     let (mut empty, mut counts) = (0usize, BTreeMap::<i64, [usize; 2]>::new());
     let (mut full, mut known) = (0usize, BTreeSet::new());

@@ -27,13 +27,23 @@ pub(super) struct Points<'a> {
     pub barycentric: Option<[Plane<'a>; 3]>,
     /// Look directions in the world.
     pub direction: Option<[Plane<'a>; 3]>,
-    /// Emission times in the world, or else in the object's frame.
+    /// Emission times in the world, or else, where both pictures have those alone, in the object's frame.
     pub time: Option<Plane<'a>>,
 }
 
 impl<'a> Points<'a> {
-    /// The channels that there are.
-    pub fn new(layers: &'a Layers) -> Self {
+    /// The channels that there are in two pictures, with times of one frame.
+    pub fn pair(pair: [&'a Layers; 2]) -> [Self; 2] {
+        let times = [Aov::EventCt, Aov::ObjectEventCt].into_iter();
+        let mut both = times.filter(|time| pair.iter().all(|p| Plane::aov(p, *time).is_some()));
+        let time = both.next();
+        pair.map(|layers| Points {
+            time: time.and_then(|time| Plane::aov(layers, time)),
+            ..Points::new(layers)
+        })
+    }
+
+    fn new(layers: &'a Layers) -> Self {
         let plane = |aov| Plane::aov(layers, aov);
         Points {
             width: layers.width as usize,
@@ -44,7 +54,7 @@ impl<'a> Points<'a> {
             world: Plane::aovs(layers, WORLD_POINT),
             barycentric: Plane::aovs(layers, BARYCENTRIC),
             direction: Plane::aovs(layers, DIRECTION),
-            time: plane(Aov::EventCt).or_else(|| plane(Aov::ObjectEventCt)),
+            time: None,
         }
     }
 

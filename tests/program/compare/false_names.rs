@@ -157,6 +157,27 @@ fn exchanged_velocities_of_which_one_leads_out_of_view_are_named() {
 }
 
 #[test]
+fn exchanged_velocities_are_named_by_events_alone() {
+    let events = |picture: &Picture| only(picture, &["object", "event"]);
+    let wrong = events(&exchanged(SCENE, "[0.3, 0, 0]", "[-0.4, 0, 0]"));
+    let words = ["objects 1 and 2 are swapped"];
+    named(
+        Kind::VelocitiesSwapped,
+        &words,
+        &diagnosed(&exact(), &wrong),
+    );
+    // One of them leads out of view; and two of which both are seen.
+    let wrong = events(&exchanged(THREE, "[0.7, 0, 0]", "[-0.5, 0, 0.2]"));
+    let found = diagnosed(&shot(&parsed(THREE)), &wrong);
+    named(Kind::VelocitiesSwapped, &words, &found);
+    // Of all samples, and of velocities that are each other's opposites.
+    let opposite = SCENE.replace("[-0.4, 0, 0]", "[-0.3, 0, 0]");
+    let wrong = events(&exchanged(&opposite, "[0.3, 0, 0]", "[-0.3, 0, 0]"));
+    let found = diagnosed(&shot(&parsed(&opposite)), &wrong);
+    named(Kind::VelocitiesSwapped, &words, &found);
+}
+
+#[test]
 fn exchanged_velocities_are_named_by_light_where_the_scene_is_there() {
     let wrong = exchanged(SCENE, "[0.3, 0, 0]", "[-0.4, 0, 0]");
     let options = CompareOptions {

@@ -1,5 +1,6 @@
 //! Comparing pictures: metrics against other programs, geometric errors against known shifts, planted errors.
 
+mod another_camera;
 mod arrays;
 mod browser;
 mod by_light;
@@ -8,6 +9,7 @@ mod light_and_sizes;
 mod metrics;
 mod one_object_or_camera;
 mod other_frames;
+mod other_numbers;
 mod pictures;
 mod planted;
 mod planting;

@@ -612,9 +612,9 @@ fn events_whose_numbers_come_in_another_order_are_no_mirrored_picture() {
 #[test]
 fn wrong_events_are_named_where_the_points_of_objects_are_right() {
     let places = ["event.x", "event.y", "event.z"];
-    let none = changed(&places, |_, v| if v.is_nan() { v } else { 0.0 });
+    let turned = changed(&places, |i, v| v + 0.5 * f64::from(i as u32 % 7));
     let moved = changed(&places[..1], |_, v| v + 0.5);
-    for wrong in [none, moved] {
+    for wrong in [turned, moved] {
         let found = diagnosed(&exact(), &wrong);
         named(
             Kind::EventsWrong,

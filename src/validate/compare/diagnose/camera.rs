@@ -1,31 +1,32 @@
-//! Cameras at another velocity, or at another time.
+//! Cameras at another velocity, at another time, or that are turned, by places.
 //!
-//! Of a known scene the place p(x) on the film is known at which a point is seen by a camera with a number x changed: its
-//! time, or the factor on its rapidity, which moves its place at the time of the shot, too. The candidate shows the point at the
-//! centre q of a pixel. x is found by the steps of Gauss and Newton from what the reference has, and from rest and from the opposite
-//! velocity: with D = ∂p/∂x,
+//! Of a known scene the place p(x) on the film is known at which a point is seen by a camera with numbers x changed: its
+//! time; its rapidity, which moves its place at the time of the shot, too; or its orientation. The candidate shows the point at the
+//! centre q of a pixel. x is found by the steps of Gauss and Newton from what the reference has, and for velocities from rest and from the
+//! opposite one: with J = ∂p/∂x,
 //!
 //! ```text
-//! x ← x − Σ D·(p − q) / Σ D²,
+//! x ← x − (Σ JᵀJ)⁻¹ Σ Jᵀ(p − q),
 //! ```
 //!
-//! over a few pixels; whether it explains the picture is asked of all. Look directions say the velocity alone. Another film
-//! may look much alike: it goes first where it leaves less.
+//! over a few pixels; whether it explains the picture is asked of all. Look directions say velocity and orientation alone (`looks`). Another
+//! film may look much alike: it goes first where it leaves less.
 
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DQuat, DVec2, DVec3};
 
 use super::super::known::KnownScene;
+use super::looks::turned_in_words;
 use super::motion::{self, NOTABLE_DISPLACEMENT, displaced};
 use super::{Case, Diagnosis, Kind, NEAR, Tally, film};
 use crate::scene::model::{CameraModel, Motion};
 use crate::spacetime::Velocity;
 
-/// So many pixels are asked for the number.
+/// So many pixels are asked for the numbers.
 const ASKED: usize = 1024;
 /// Steps from one start, and halvings of a step that leads to nothing better.
 const STEPS: usize = 12;
 const HALVINGS: usize = 6;
-/// Differences for the derivative, and steps that end the search, in parts of the size of the number.
+/// Differences for the derivatives, and steps that end the search: metres, rapidities, radians.
 const DIFFERENCE: f64 = 1e-4;
 const SMALLEST_STEP: f64 = 1e-9;
 
@@ -36,46 +37,55 @@ const LEFT_BY_CAMERA: f64 = 1.0;
 /// What a camera has otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Number {
-    /// Metres that its clock is ahead.
+    /// Metres that its clock is ahead: the first of the numbers.
     Time,
-    /// The factor on its rapidity.
-    Speed,
+    /// Its rapidity.
+    Velocity,
+    /// By how many radians it is turned, about the axes of its frame.
+    Turn,
 }
 
 impl Number {
     /// Where searches start: at what the reference has first.
-    fn starts(self) -> &'static [f64] {
+    fn starts(self, camera: &CameraModel) -> Vec<DVec3> {
+        let rapidity = camera.velocity.rapidity();
         match self {
-            Number::Time => &[0.0],
-            Number::Speed => &[1.0, 0.0, -1.0],
+            Number::Velocity if rapidity != DVec3::ZERO => vec![rapidity, DVec3::ZERO, -rapidity],
+            Number::Time | Number::Turn | Number::Velocity => vec![DVec3::ZERO],
         }
     }
 
-    fn apply(self, camera: &CameraModel, x: f64) -> Option<CameraModel> {
+    /// The numbers that there are.
+    fn axes(self) -> &'static [DVec3] {
+        match self {
+            Number::Time => &[DVec3::X],
+            Number::Velocity | Number::Turn => &DVec3::AXES,
+        }
+    }
+
+    fn apply(self, camera: &CameraModel, x: DVec3) -> Option<CameraModel> {
         let mut camera = camera.clone();
         match self {
-            Number::Time => camera.time += x,
-            Number::Speed => {
-                let rapidity = camera.velocity.rapidity();
-                camera.velocity = Velocity::from_rapidity(x * rapidity).ok()?;
+            Number::Time => camera.time += x.x,
+            Number::Velocity => camera.velocity = Velocity::from_rapidity(x).ok()?,
+            Number::Turn => {
+                let turn = DQuat::from_scaled_axis(x);
+                camera.axes = camera.axes.map(|axis| turn * axis);
             }
         }
         Some(camera)
     }
 }
 
-/// A camera of another velocity, or time, where no simpler mistake of the camera explains where points are seen.
+/// A camera of another velocity, time or orientation, where no simpler mistake of the camera explains where points are seen.
 pub(super) fn another(case: &Case) -> Option<Diagnosis> {
     let known = case.known?;
     (known.camera().motion == Motion::Inertial).then_some(())?;
     if displaced(case, known, known, None).error() <= NOTABLE_DISPLACEMENT {
         return None;
     }
-    let simpler = motion::of_all(case).or_else(|| motion::aberration(case));
-    simpler.is_none().then_some(())?;
-    let moves = !known.camera().velocity.is_rest();
-    let numbers = [Number::Time, Number::Speed].into_iter();
-    let numbers = numbers.filter(|number| *number == Number::Time || moves);
+    motion::of_all(case).is_none().then_some(())?;
+    let numbers = [Number::Time, Number::Velocity, Number::Turn].into_iter();
     let found = numbers.filter_map(|number| {
         let (x, changed) = fitted(case, known, number)?;
         let tally = displaced(case, known, &changed, None);
@@ -126,8 +136,8 @@ pub(super) fn other_shot(case: &Case) -> Option<Diagnosis> {
     })
 }
 
-/// The number that explains best where the candidate shows points, and the scene with it.
-fn fitted(case: &Case, known: &KnownScene, number: Number) -> Option<(f64, KnownScene)> {
+/// The numbers that explain best where the candidate shows points, and the scene with them.
+fn fitted(case: &Case, known: &KnownScene, number: Number) -> Option<(DVec3, KnownScene)> {
     let points = &case.points[1];
     let [width, _] = points.size();
     let shown = case.region.pixels(points.size());
@@ -139,7 +149,7 @@ fn fitted(case: &Case, known: &KnownScene, number: Number) -> Option<(f64, Known
         .copied()
         .step_by(shown.len() / ASKED + 1)
         .collect();
-    let with = |x: f64| known.seen_by(number.apply(known.camera(), x)?);
+    let with = |x: DVec3| known.seen_by(number.apply(known.camera(), x)?);
     // Where the points are seen, from the pixels that show them.
     let off = |scene: &KnownScene| -> Vec<Option<DVec2>> {
         let off = |i: &usize| {
@@ -153,22 +163,13 @@ fn fitted(case: &Case, known: &KnownScene, number: Number) -> Option<(f64, Known
         let lengths = off.iter().map(|d| d.map_or(width as f64, |d| d.length()));
         lengths.sum::<f64>() / off.len().max(1) as f64
     };
-    let search = |start: f64| -> Option<(f64, f64)> {
+    let search = |start: DVec3| -> Option<(DVec3, f64)> {
         let mut x = start;
         let mut now = off(&with(x)?);
         for _ in 0..STEPS {
-            let next = off(&with(x + DIFFERENCE)?);
-            let (mut above, mut below) = (0.0, 0.0);
-            for (a, b) in now.iter().zip(&next) {
-                if let (Some(a), Some(b)) = (a, b) {
-                    let slope = (*b - *a) / DIFFERENCE;
-                    // The weight of a mean of lengths.
-                    let weight = 1.0 / a.length().max(NEAR);
-                    above += weight * slope.dot(*a);
-                    below += weight * slope.length_squared();
-                }
-            }
-            let mut step = -above / below;
+            let ahead = |axis: &DVec3| Some(off(&with(x + DIFFERENCE * *axis)?));
+            let ahead: Vec<_> = number.axes().iter().map(ahead).collect::<Option<_>>()?;
+            let mut step = step(&now, &ahead)?;
             let better = (0..HALVINGS).find_map(|_| {
                 let found = with(x + step).map(|scene| off(&scene));
                 let found = found.filter(|found| mean(found) < mean(&now));
@@ -177,18 +178,47 @@ fn fitted(case: &Case, known: &KnownScene, number: Number) -> Option<(f64, Known
             });
             let Some(better) = better else { break };
             (x, now) = (x + step, better);
-            if step.abs() < SMALLEST_STEP {
+            if step.length() < SMALLEST_STEP {
                 break;
             }
         }
         x.is_finite().then(|| (x, mean(&now)))
     };
-    let found = number.starts().iter().filter_map(|start| search(*start));
+    let starts = number.starts(known.camera()).into_iter();
+    let found = starts.filter_map(search);
     let (x, _) = found.min_by(|a, b| a.1.total_cmp(&b.1))?;
     Some((x, with(x)?))
 }
 
-fn describe(known: &KnownScene, number: Number, x: f64, tally: &Tally) -> Diagnosis {
+/// The step of Gauss and Newton from displacements `now`, with those `ahead` along each axis.
+fn step(now: &[Option<DVec2>], ahead: &[Vec<Option<DVec2>>]) -> Option<DVec3> {
+    let (mut normal, mut right) = (DMat3::ZERO, DVec3::ZERO);
+    for (i, a) in now.iter().enumerate() {
+        let Some(a) = a else { continue };
+        let mut slopes = [DVec3::ZERO; 2];
+        for (k, ahead) in ahead.iter().enumerate() {
+            let Some(b) = ahead[i] else { continue };
+            for (slopes, slope) in slopes.iter_mut().zip(((b - a) / DIFFERENCE).to_array()) {
+                slopes[k] = slope;
+            }
+        }
+        // The weight of a mean of lengths.
+        let weight = 1.0 / a.length().max(NEAR);
+        for (slopes, a) in slopes.into_iter().zip(a.to_array()) {
+            let [x, y, z] = slopes.to_array();
+            normal += weight * DMat3::from_cols(slopes * x, slopes * y, slopes * z);
+            right += weight * a * slopes;
+        }
+    }
+    // Numbers that there are not stay as they are.
+    for k in ahead.len()..3 {
+        normal.col_mut(k)[k] = 1.0;
+    }
+    let step = -(normal.inverse() * right);
+    step.is_finite().then_some(step)
+}
+
+fn describe(known: &KnownScene, number: Number, x: DVec3, tally: &Tally) -> Diagnosis {
     let camera = known.camera();
     let text = motion::in_words;
     let (kind, what, size) = match number {
@@ -196,23 +226,30 @@ fn describe(known: &KnownScene, number: Number, x: f64, tally: &Tally) -> Diagno
             Kind::CameraTime,
             format!(
                 "the picture is that of another time: points are shown where the camera sees them at {:.4} m, and should be at {:.4} m",
-                camera.time + x,
+                camera.time + x.x,
                 camera.time
             ),
-            ("the camera's time differs by (m)", x),
+            ("the camera's time differs by (m)", x.x),
         ),
-        Number::Speed => {
-            let right = camera.velocity;
-            let beta = Velocity::from_rapidity(x * right.rapidity());
-            let beta = beta.map_or(DVec3::ZERO, Velocity::beta);
+        Number::Velocity => {
+            let right = camera.velocity.beta();
+            let is = Velocity::from_rapidity(x).map_or(DVec3::ZERO, Velocity::beta);
             (
                 Kind::CameraVelocity,
                 format!(
                     "the camera moves at another velocity: points are shown where they are seen with β = {}, and should be with {}",
-                    text(beta),
-                    text(right.beta())
+                    text(is),
+                    text(right)
                 ),
-                ("factor on the camera's rapidity", x),
+                ("beta differs by", (is - right).length()),
+            )
+        }
+        Number::Turn => {
+            let degrees = x.length().to_degrees();
+            (
+                Kind::CameraTurned,
+                turned_in_words(Some(known), x.normalize_or_zero(), degrees),
+                ("degrees", degrees),
             )
         }
     };

@@ -1,4 +1,4 @@
-//! Mistakes of single channels: indices, axes, units, texture coordinates, wavelength ratios.
+//! Mistakes of single channels: indices, axes, units, texture coordinates.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,6 @@ use glam::DVec3;
 
 use super::super::picture::Plane;
 use super::super::points::place;
-use super::motion::camera_velocity;
 use super::{Case, Diagnosis, Kind, Tally, frames, median, normals, time};
 use crate::render::aov::Aov;
 use crate::scene::model::SPEED_OF_LIGHT;
@@ -435,144 +434,4 @@ pub(super) fn texture(case: &Case) -> Option<Diagnosis> {
             ],
         })
     })
-}
-
-/// The relative error of W that is notable.
-const NOTABLE_RATIO: f64 = 0.005;
-
-/// The logarithms of W in the reference and in the candidate, by pixel.
-fn logarithms(case: &Case) -> Option<Vec<(usize, [f64; 2])>> {
-    let [r, c] = case
-        .pair
-        .map(|p| Plane::aov(&p.layers, Aov::WavelengthRatio));
-    let (r, c) = (r?, c?);
-    let logs = case
-        .pixels()
-        .into_iter()
-        .map(|i| (i, [libm::log(r.at(i)), libm::log(c.at(i))]));
-    Some(
-        logs.filter(|(_, logs)| logs.iter().all(|l| l.is_finite()))
-            .collect(),
-    )
-}
-
-/// Wavelength ratios that are inverted.
-pub(super) fn inverted(case: &Case) -> Option<Diagnosis> {
-    let logs = logarithms(case)?;
-    let tally = Tally::of(
-        logs.iter()
-            .map(|(_, [r, c])| [(c - r).abs(), (c + r).abs()]),
-    );
-    tally
-        .explains(NOTABLE_RATIO)
-        .then(|| describe_inverted("", &tally))
-}
-
-/// What is said of ratios that are inverted, in the objects that are named.
-fn describe_inverted(objects: &str, tally: &Tally) -> Diagnosis {
-    Diagnosis {
-        kind: Kind::RatioInverted,
-        what: format!(
-            "wavelength ratios are inverted{objects}: W is observed / emitted wavelength, below 1 for a blueshift"
-        ).into(),
-        evidence: vec![
-            ("ln W differs by (rms)", tally.error()),
-            ("and ln 1/W by", tally.rest()),
-        ],
-    }
-}
-
-/// Wavelength ratios that are wrong by a factor.
-pub(super) fn ratio(case: &Case) -> Option<Diagnosis> {
-    let logs = logarithms(case)?;
-    // One factor for each object.
-    let mut by_object: BTreeMap<i64, Vec<f64>> = BTreeMap::new();
-    for &(i, [r, c]) in &logs {
-        let object = case.points[0].object_at(i).unwrap_or(0.0) as i64;
-        by_object.entry(object).or_default().push(c - r);
-    }
-    let factors: BTreeMap<i64, f64> = (by_object.into_iter())
-        .filter_map(|(object, logs)| Some((object, median(logs)?)))
-        .collect();
-    let object_at = |i: usize| case.points[0].object_at(i).unwrap_or(0.0) as i64;
-    let factor = |i: usize| factors.get(&object_at(i)).copied().unwrap_or(0.0);
-    let by_factor = Tally::of(
-        logs.iter()
-            .map(|&(i, [r, c])| [(c - r).abs(), (c - r - factor(i)).abs()]),
-    );
-    let wrong = factors.iter().filter(|(_, log)| log.abs() > NOTABLE_RATIO);
-    let wrong: Vec<i64> = wrong.map(|(object, _)| *object).collect();
-    if wrong.is_empty() {
-        return None;
-    }
-    // Where W varies little over an object, one factor is much like 1/W.
-    let of_wrong = logs.iter().filter(|(i, _)| wrong.contains(&object_at(*i)));
-    let inverse =
-        Tally::of(of_wrong.map(|&(i, [r, c])| [(c - r - factor(i)).abs(), (c + r).abs()]));
-    if inverse.explains(NOTABLE_RATIO) {
-        let words: Vec<String> = wrong.iter().take(6).map(i64::to_string).collect();
-        return Some(describe_inverted(
-            &format!(" in object {}", words.join(", ")),
-            &inverse,
-        ));
-    }
-    by_factor
-        .explains(NOTABLE_RATIO)
-        .then(|| describe_factors(case, &factors, &by_factor))
-}
-
-/// Says which mistake in the formula of W makes these factors, ln W of the candidate less that of the reference by object.
-fn describe_factors(case: &Case, factors: &BTreeMap<i64, f64>, tally: &Tally) -> Diagnosis {
-    // Logarithms of γ to a tenth; of γ near 1 to a thousandth.
-    let near = |factor: f64, gamma: f64| {
-        (factor - libm::log(gamma)).abs() < 0.1 * libm::log(gamma).abs().max(0.01)
-    };
-    let camera = case
-        .known
-        .map(|known| known.camera_velocity())
-        .or_else(|| camera_velocity(case.pair[0]));
-    let camera = camera.map_or(1.0, |velocity| velocity.gamma());
-    let gammas: Vec<f64> = case.known.map_or(Vec::new(), |known| {
-        known.velocities().map(|v| v.gamma()).collect()
-    });
-    let gamma = |k: i64| gammas.get(k as usize).copied().unwrap_or(1.0);
-    let all = |of: &dyn Fn(i64) -> f64| factors.iter().all(|(k, factor)| near(*factor, of(*k)));
-    // One formula has to explain all objects: the camera's γ first, then each object's own.
-    let what = if all(&|_| camera) {
-        format!(
-            "wavelength ratios are γ times what they should be, γ = {camera:.4} the camera's: 1/(γ (1 + β·d)) lacks its γ, or γ (1 − β·d′) has it twice"
-        )
-    } else if all(&|_| 1.0 / camera) {
-        format!(
-            "wavelength ratios are 1/γ of what they should be, γ = {camera:.4} the camera's: γ (1 − β·d′) lacks its γ, or 1/(γ (1 + β·d)) has it twice"
-        )
-    } else if all(&|k| 1.0 / gamma(k)) {
-        "wavelength ratios lack the objects' γ: they are 1/γ of what they should be".into()
-    } else if all(&gamma) {
-        "wavelength ratios contain the objects' γ once too often".into()
-    } else {
-        // Of the others there is nothing to say.
-        let wrong = factors.iter().filter(|(_, log)| log.abs() > NOTABLE_RATIO);
-        let words = wrong
-            .take(6)
-            .map(|(k, factor)| format!("{:.4} (object {k})", libm::exp(*factor)));
-        format!(
-            "wavelength ratios are wrong by a factor: {}",
-            words.collect::<Vec<_>>().join(", ")
-        )
-    };
-    let largest = factors
-        .values()
-        .copied()
-        .fold(0.0f64, |a, b| if b.abs() > a.abs() { b } else { a });
-    Diagnosis {
-        kind: Kind::RatioFactor,
-        what: what.into(),
-        evidence: vec![
-            ("factor on W", libm::exp(largest)),
-            ("ln W differs by (rms)", tally.error()),
-            ("and from the hypothesis by", tally.rest()),
-            ("part of the pixels with it", tally.share()),
-        ],
-    }
 }

@@ -1,4 +1,4 @@
-//! Objects that are elsewhere, or have another velocity, by the events of the world that pixels show.
+//! Objects that are elsewhere, or have another velocity, maybe each other's, by the events of the world that pixels show.
 //!
 //! Such an event does not say which point of a moving object it belongs to, but in the object's frame all of them lie on
 //! its surface: p = Λ(β)(E − O). Where a candidate has taken another velocity, they do so in the frame of that velocity.
@@ -13,7 +13,7 @@ use glam::DVec3;
 use super::super::known::Change;
 use super::super::picture::Plane;
 use super::super::points::place;
-use super::motion::{FEWEST, in_words};
+use super::motion::{self, FEWEST, in_words};
 use super::rendered;
 use super::{Case, Diagnosis, Kind, time};
 use crate::render::aov::Aov;
@@ -45,7 +45,22 @@ pub(super) fn elsewhere(case: &Case) -> Vec<Diagnosis> {
     {
         return Vec::new();
     }
+    let pixels = pixels_of_both(case);
+    // Pairs before single objects: velocities that are each other's opposites look reversed, too.
+    let exchanged = exchanged(case, &pixels);
+    if !exchanged.is_empty() {
+        return exchanged.into_iter().map(|(_, found)| found).collect();
+    }
+    let mut left = MOST_OBJECTS;
+    (pixels.iter())
+        .filter_map(|(object, pixels)| off_surface(case, *object, pixels, &mut left))
+        .collect()
+}
+
+/// The pixels of objects that both pictures show, in each.
+fn pixels_of_both(case: &Case) -> BTreeMap<usize, [Vec<usize>; 2]> {
     let mut pixels: BTreeMap<usize, [Vec<usize>; 2]> = BTreeMap::new();
+    let [r, c] = &case.points;
     for i in case.region.pixels(r.size()) {
         for (which, points) in [r, c].into_iter().enumerate() {
             if let Some(object) = points.object_at(i).filter(|object| *object >= 0.0) {
@@ -54,11 +69,133 @@ pub(super) fn elsewhere(case: &Case) -> Vec<Diagnosis> {
         }
     }
     let enough = |pixels: &[Vec<usize>; 2]| pixels.iter().all(|pixels| pixels.len() >= FEWEST);
-    let found = pixels.iter().filter(|(_, pixels)| enough(pixels));
-    let mut left = MOST_OBJECTS;
+    pixels.retain(|_, pixels| enough(pixels));
+    pixels
+}
+
+/// Objects that are out of view as they have another one's velocity, which is seen with theirs; for candidates that say of events alone.
+pub(super) fn gone_by_exchange(case: &Case) -> Vec<usize> {
+    let [_, c] = &case.points;
+    let (Some(_), None) = (c.world, c.material) else {
+        return Vec::new();
+    };
+    let found = exchanged(case, &pixels_of_both(case));
+    let objects = found.into_iter().flat_map(|(pair, _)| pair);
+    objects.filter(|k| motion::is_gone(case, *k)).collect()
+}
+
+/// Of no more objects that are wrong, pairs are asked about.
+const MOST_EXCHANGED: usize = 4;
+
+/// Pairs of objects whose events are those of each other's velocity; one of them may be out of view for it.
+fn exchanged(
+    case: &Case,
+    pixels: &BTreeMap<usize, [Vec<usize>; 2]>,
+) -> Vec<([usize; 2], Diagnosis)> {
+    let Some(known) = case.known else {
+        return Vec::new();
+    };
+    let velocities: Vec<Velocity> = known.velocities().collect();
+    let is_wrong = |(object, [in_r, in_c]): &(&usize, &[Vec<usize>; 2])| {
+        !is_like_reference(case, **object, (in_r, &inside_of(case, **object, in_c)))
+    };
+    let wrong = pixels.iter().filter(is_wrong).map(|(object, _)| *object);
+    let wrong: Vec<usize> = wrong.take(MOST_EXCHANGED).collect();
+    let gone = (0..velocities.len()).filter(|k| motion::is_gone(case, *k));
+    let gone: Vec<usize> = gone.take(MOST_EXCHANGED).collect();
+    let has_velocity_of = |object: usize, other: usize| {
+        let (Some(right), Some(velocity)) = (velocities.get(object), velocities.get(other)) else {
+            return None;
+        };
+        (right != velocity).then_some(())?;
+        let [in_r, in_c] = pixels.get(&object)?;
+        let surface = Cloud::of(
+            in_r,
+            case.points[0].size(),
+            own_point(case, object, 0, *right),
+        );
+        let own = |which, velocity| own_point(case, object, which, velocity);
+        let by_boxes = by_boxes(&surface, in_r, in_c, *right, &[*velocity], own);
+        let found = by_boxes.or_else(|| {
+            let change = Change::Swapped(object, other);
+            by_pictures(
+                case,
+                object,
+                (in_r, &inside_of(case, object, in_c)),
+                &[change],
+            )
+        });
+        found.map(|(_, evidence)| evidence)
+    };
+    let is_out_of_view = |j: usize, k: usize| {
+        let swapped = known.changed(Change::Swapped(j, k));
+        swapped.is_some_and(|swapped| motion::is_out_of_view(case, &swapped, k))
+    };
+    let mut found = Vec::new();
+    for (n, &j) in wrong.iter().enumerate() {
+        for &k in wrong[n + 1..].iter().chain(&gone) {
+            let Some(evidence) = has_velocity_of(j, k) else {
+                continue;
+            };
+            let has_other = match gone.contains(&k) {
+                true => is_out_of_view(j, k),
+                false => has_velocity_of(k, j).is_some(),
+            };
+            if has_other {
+                let pair = [j.min(k), j.max(k)];
+                let what = format!(
+                    "the velocities of objects {} and {} are swapped: their events are those of each other's velocity",
+                    pair[0], pair[1]
+                );
+                let (kind, what) = (Kind::VelocitiesSwapped, what.into());
+                found.push((
+                    pair,
+                    Diagnosis {
+                        kind,
+                        what,
+                        evidence,
+                    },
+                ));
+            }
+        }
+    }
     found
-        .filter_map(|(object, pixels)| off_surface(case, *object, pixels, &mut left))
-        .collect()
+}
+
+/// The time and place of the event that each of these pixels of the reference shows.
+fn shown_by_reference(case: &Case, in_r: &[usize]) -> Option<Shown> {
+    let world = case.points[0].world?;
+    let time = Plane::aov(&case.pair[0].layers, Aov::EventCt)?;
+    let shown = in_r.iter().map(|i| (*i, (time.at(*i), place(&world, *i))));
+    Some(shown.collect())
+}
+
+/// Of the candidate's pixels of an object, those within its rim.
+fn inside_of(case: &Case, object: usize, in_c: &[usize]) -> Vec<usize> {
+    let is_there = |i: usize| case.points[1].object_at(i) == Some(object as f64);
+    inside(case.points[1].size(), in_c, is_there)
+}
+
+/// The point of an object that a pixel of a picture shows, in the object's frame, were it to move at `velocity`.
+fn own_point<'a>(
+    case: &Case<'a>,
+    object: usize,
+    which: usize,
+    velocity: Velocity,
+) -> impl Fn(usize) -> Option<DVec3> + 'a {
+    let frame = case.known.and_then(|known| known.frame(object));
+    let world = case.points[which].world;
+    let time = Plane::aov(&case.pair[which].layers, Aov::EventCt);
+    move |i: usize| {
+        let x = place(&world?, i);
+        // Of what rests, and of scenes that are not known, places say all.
+        let Some(frame) = frame.filter(|_| !velocity.is_rest()) else {
+            return Some(x - frame.map_or(DVec3::ZERO, |frame| frame.origin().x));
+        };
+        let event = Event::new(time?.at(i), x);
+        let frame = InertialFrame::<Rest>::new(velocity, frame.origin());
+        Some(frame.event_from_world(event).x)
+    }
 }
 
 /// The part of the pixels with right points at which events have to be wrong, and how far that has to be: in parts of the usual distance between
@@ -146,31 +283,21 @@ fn off_surface(
 ) -> Option<Diagnosis> {
     let frame = case.known.and_then(|known| known.frame(object));
     let velocity = frame.map_or(Velocity::REST, InertialFrame::velocity);
-    let own = |which: usize, velocity: Velocity| {
-        let world = case.points[which].world;
-        let time = Plane::aov(&case.pair[which].layers, Aov::EventCt);
-        move |i: usize| {
-            let x = place(&world?, i);
-            // Of what rests, and of scenes that are not known, places say all.
-            let Some(frame) = frame.filter(|_| !velocity.is_rest()) else {
-                return Some(x - frame.map_or(DVec3::ZERO, |frame| frame.origin().x));
-            };
-            let event = Event::new(time?.at(i), x);
-            let frame = InertialFrame::<Rest>::new(velocity, frame.origin());
-            Some(frame.event_from_world(event).x)
-        }
-    };
-    let size = case.points[0].size();
-    let surface = Cloud::of(in_r, size, own(0, velocity));
-    if let Some((reversed, evidence)) = by_boxes(&surface, in_r, in_c, velocity, own) {
-        return Some(other_velocity(object, velocity, reversed, evidence));
-    }
-    let is_there = |i: usize| case.points[1].object_at(i) == Some(object as f64);
-    let inside = inside(size, in_c, is_there);
+    let own = |which: usize, velocity: Velocity| own_point(case, object, which, velocity);
+    let surface = Cloud::of(in_r, case.points[0].size(), own(0, velocity));
+    let others = [Velocity::REST, -velocity];
     if !velocity.is_rest()
-        && let Some((reversed, evidence)) = by_pictures(case, object, (in_r, &inside), left)
+        && let Some((which, evidence)) = by_boxes(&surface, in_r, in_c, velocity, &others, own)
     {
-        return Some(other_velocity(object, velocity, reversed, evidence));
+        return Some(other_velocity(object, velocity, which == 1, evidence));
+    }
+    let inside = inside_of(case, object, in_c);
+    let others = [Change::AtRest(object), Change::Reversed(object)];
+    if !velocity.is_rest() && *left > 0 && !is_like_reference(case, object, (in_r, &inside)) {
+        *left -= 1;
+        if let Some((which, evidence)) = by_pictures(case, object, (in_r, &inside), &others) {
+            return Some(other_velocity(object, velocity, which == 1, evidence));
+        }
     }
     let part = surface.part_off(&told(case, object, &inside), own(1, velocity))?;
     (part > OFF_SURFACE).then(|| Diagnosis {
@@ -215,16 +342,16 @@ fn other_velocity(
 
 const PART_OFF: &str = "part of its points that are off the surface";
 
-/// Whether the candidate's events of an object that moves are those of its rest, or (true) of the opposite velocity, with the evidence:
-/// the part of its points that are off the surface, and how far the boxes around all points are apart, with the right velocity and that one.
+/// Which of other velocities the candidate's events of an object are those of, with the evidence: the part of its points that are off the
+/// surface, and how far the boxes around all points are apart, with the right velocity and that one.
 fn by_boxes<P: Fn(usize) -> Option<DVec3>>(
     surface: &Cloud,
     in_r: &[usize],
     in_c: &[usize],
     velocity: Velocity,
+    others: &[Velocity],
     own: impl Fn(usize, Velocity) -> P,
-) -> Option<(bool, Vec<(&'static str, f64)>)> {
-    (!velocity.is_rest()).then_some(())?;
+) -> Option<(usize, Vec<(&'static str, f64)>)> {
     let part = surface.part_off(in_c, own(1, velocity))?;
     let right = bounds(in_r.iter().copied().filter_map(own(0, velocity)));
     let apart = |velocity| {
@@ -232,8 +359,8 @@ fn by_boxes<P: Fn(usize) -> Option<DVec3>>(
         let [low, high] = [low - right[0], high - right[1]];
         low.abs().max(high.abs()).max_element()
     };
-    let [is, rest, reversed] = [velocity, Velocity::REST, -velocity].map(apart);
-    let nearest = rest.min(reversed);
+    let is = apart(velocity);
+    let (which, nearest) = least(others.iter().map(|velocity| Some(apart(*velocity))))?;
     let same = SAME_BOX * (right[1] - right[0]).length();
     let is_wrong = part > OFF_BY_VELOCITY || is > same;
     let explains = is_wrong && nearest <= same.min(NEARER * is);
@@ -242,42 +369,45 @@ fn by_boxes<P: Fn(usize) -> Option<DVec3>>(
         ("the box around its points is off by (m)", is),
         ("and with that velocity by (m)", nearest),
     ];
-    explains.then_some((reversed < rest, evidence))
+    explains.then_some((which, evidence))
 }
 
-/// The same by pictures of the object alone, with the right velocity and the others, while any are `left`, where its pixels in the reference
-/// and those within its rim in the candidate do not show the same points. As its sides move along themselves, it is not asked whether these
-/// are on them, but whether each is where it is seen.
+/// The least of numbers, and which it is; none where one is missing.
+fn least(numbers: impl Iterator<Item = Option<f64>>) -> Option<(usize, f64)> {
+    let numbers: Vec<f64> = numbers.collect::<Option<_>>()?;
+    let numbers = numbers.into_iter().enumerate();
+    numbers.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Whether an object's pixels in the reference and those within its rim in the candidate show the same points.
+fn is_like_reference(case: &Case, object: usize, (in_r, in_c): (&[usize], &[usize])) -> bool {
+    let shown = shown_by_reference(case, in_r);
+    let unlike = shown.and_then(|shown| part_unlike(case, object, &shown, in_c));
+    unlike.is_none_or(|part| part <= OFF_BY_VELOCITY)
+}
+
+/// The same as `by_boxes` by pictures of the object alone, as it is and with other changes. As its sides move along themselves, it is not asked
+/// whether points are on them, but whether each is where it is seen.
 fn by_pictures(
     case: &Case,
     object: usize,
     (in_r, in_c): (&[usize], &[usize]),
-    left: &mut usize,
-) -> Option<(bool, Vec<(&'static str, f64)>)> {
-    let r = &case.points[0];
-    let (world, time) = (r.world?, Plane::aov(&case.pair[0].layers, Aov::EventCt)?);
-    let shown = in_r.iter().map(|i| (*i, (time.at(*i), place(&world, *i))));
-    let is_like = |shown: &Shown| {
-        let unlike = part_unlike(case, object, shown, in_c);
-        unlike.is_none_or(|part| part <= OFF_BY_VELOCITY)
-    };
-    if *left == 0 || is_like(&shown.collect()) {
+    others: &[Change],
+) -> Option<(usize, Vec<(&'static str, f64)>)> {
+    if is_like_reference(case, object, (in_r, in_c)) {
         return None;
     }
-    *left -= 1;
     let unlike = |change| {
         let shown = rendered::events_of(case, object, change)?;
         part_unlike(case, object, &shown, in_c)
     };
     let is = unlike(None).filter(|part| *part > OFF_BY_VELOCITY)?;
-    let rest = unlike(Some(Change::AtRest(object)))?;
-    let reversed = unlike(Some(Change::Reversed(object)))?;
-    let nearest = rest.min(reversed);
+    let (which, nearest) = least(others.iter().map(|change| unlike(Some(*change))))?;
     let evidence = vec![
         ("part of its points that are not where they are seen", is),
         ("and with that velocity", nearest),
     ];
-    (nearest <= UNLIKE.min(NEARER * is)).then_some((reversed < rest, evidence))
+    (nearest <= UNLIKE.min(NEARER * is)).then_some((which, evidence))
 }
 
 /// By pixel, the time and place of the event that it shows of an object.

@@ -28,7 +28,6 @@ use super::super::picture::{Plane, RADIANCE};
 use super::super::points::{Points, place};
 use super::{Case, Diagnosis, Kind, MOST, NEAR, Tally, light, median};
 use crate::render::aov::Aov;
-use crate::spacetime::Direction;
 
 /// A picture, turned or moved.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -236,9 +235,6 @@ pub(super) fn scaled_and_rest(case: &Case) -> Option<(Diagnosis, f64)> {
     by_points.or_else(|| of_events(case))
 }
 
-/// An event is on the past light cone of the shot where its time is that of its distance, to this part of it.
-const ON_CONE: f64 = 1e-3;
-
 /// Another film, by events of moving objects alone: whatever point of the object it is, an event E on the past light cone of the shot P is
 /// seen along E − P.
 fn of_events(case: &Case) -> Option<(Diagnosis, f64)> {
@@ -250,10 +246,7 @@ fn of_events(case: &Case) -> Option<(Diagnosis, f64)> {
     let times = [times[0]?, times[1]?];
     let seen = |which: usize, i: usize| {
         let (ct, x) = (times[which].at(i), place(&planes[which], i));
-        let [way, _] = known.since_shot(ct, x);
-        let late = ct - known.shot_time() + known.index() * way.length();
-        (late.abs() <= ON_CONE * way.length()).then_some(())?;
-        known.film_point_along(Direction::new(way)?)
+        known.film_point_along(known.look_to(ct, x)?)
     };
     let displacement = |i: usize| {
         let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);

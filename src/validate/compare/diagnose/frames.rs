@@ -83,7 +83,7 @@ fn event(case: &Case) -> Option<Diagnosis> {
     )
 }
 
-fn direction(case: &Case) -> Option<Diagnosis> {
+pub(super) fn direction(case: &Case) -> Option<Diagnosis> {
     let [r, c] = case.points.map(|points| points.direction);
     let (r, c, known) = (r?, c?, case.known?);
     let view = move |i: usize| Some(known.view(known.own_look(place(&r, i))?));

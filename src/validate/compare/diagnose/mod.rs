@@ -8,9 +8,11 @@
 //! |---|---|
 //! | picture mirrored | the candidate turned around is the reference: left to right, top to bottom, both, or across its diagonal |
 //! | picture moved by whole pixels | the same for a shift by one or two pixels |
+//! | channels never written | the candidate's hold one number at every pixel, and the reference's do not (`constant`) |
 //! | identities wrong | the objects' (or triangles') indices count from 1; or are those of other objects |
-//! | aberration reversed, or missing | look directions, or places of a known scene, are those for −β, or for 0 |
-//! | camera at another velocity, or time | points of a known scene are where a camera sees them whose rapidity has a factor, or whose clock is ahead (`camera`) |
+//! | aberration reversed, missing, or without γ | look directions, or places of a known scene, are those for −β, for 0, or of a boost that lacks γ (`looks`) |
+//! | camera at another velocity, or turned | look directions are those of another boost, or of a rotation before it (`looks`); points of a known scene are where such a camera sees them (`camera`) |
+//! | camera at another time | points of a known scene are where a camera sees them whose clock is ahead (`camera`) |
 //! | shots that differ | the metadata of both pictures say another velocity or time of the camera: then nothing is said of what follows |
 //! | retardation missing | all emission times are the same; or points of a known scene, or of one object, are where they are at the time of the shot |
 //! | velocities swapped, reversed, missing, wrong | by wavelength ratios, or by places of a known scene (`motion`) |
@@ -25,10 +27,11 @@
 //! | texture coordinates flipped | v is 1 − v; u is 1 − u; u and v exchanged |
 //! | triangles shifted | in an object, their indices begin at another number |
 //! | weights exchanged | barycentric u and v belong to other corners |
-//! | W inverted | W is 1/W |
-//! | W of another camera | W is that of a camera at rest, or that moves the opposite way |
+//! | W inverted, or another number | W is 1/W; or W − 1, ln W, W² and the like (`ratios`) |
+//! | W of another camera | W is that of a camera at rest, or that moves the opposite way, or at another velocity |
 //! | W by a factor | W is multiplied by γ of the camera or the object, or by 1/γ, or by another factor |
 //! | emission time shifted | the time differs by a constant |
+//! | times rounded | times are far fewer numbers, all of them steps of one width apart |
 //! | time lookup shifted | the light is that of the scene with its cubes, pulses and flashes earlier or later; needs the scene |
 //! | colours exchanged | R, G, B are others of these |
 //! | gamma | light is encoded once more than it should be, or once less |
@@ -52,16 +55,19 @@
 
 mod camera;
 mod channels;
+mod constant;
 mod curve;
 mod depth;
 mod events;
 mod film;
 mod frames;
 mod light;
+mod looks;
 mod motion;
 mod normals;
 mod object;
 mod part;
+mod ratios;
 mod registration;
 mod rendered;
 mod size;
@@ -117,8 +123,12 @@ pub enum Kind {
     AberrationReversed,
     /// Look directions are those of the camera's frame.
     AberrationMissing,
+    /// The camera's boost lacks its γ.
+    AberrationWithoutGamma,
     /// The camera has another velocity.
     CameraVelocity,
+    /// The camera looks along another axis, or is rolled.
+    CameraTurned,
     /// The picture is that of another time of the camera.
     CameraTime,
     /// By their metadata, the pictures are of different shots.
@@ -151,12 +161,16 @@ pub enum Kind {
     TextureFlipped,
     /// Wavelength ratios are their inverses.
     RatioInverted,
+    /// The channel holds another number of the Doppler shift than the wavelength ratio.
+    RatioForm,
     /// Wavelength ratios are those of a camera of another velocity.
     RatioOfCamera,
     /// Wavelength ratios are wrong by a factor.
     RatioFactor,
     /// Emission times are shifted by a constant.
     TimeShifted,
+    /// Times are rounded to whole bins.
+    TimesRounded,
     /// Light is looked up at shifted times.
     LookupShifted,
     /// Red, green and blue are exchanged.
@@ -171,6 +185,8 @@ pub enum Kind {
     Offset,
     /// Channels have no numbers where they should.
     NotANumber,
+    /// Channels hold the same number at every pixel.
+    ConstantChannel,
     /// Light comes through what should hide it.
     ShadowsMissing,
     /// Light went through a curve for displays.
@@ -202,7 +218,9 @@ impl Kind {
                 | Kind::IdentitiesSwapped
                 | Kind::AberrationReversed
                 | Kind::AberrationMissing
+                | Kind::AberrationWithoutGamma
                 | Kind::CameraVelocity
+                | Kind::CameraTurned
                 | Kind::CameraTime
                 | Kind::ShotsDiffer
                 | Kind::RetardationMissing
@@ -219,6 +237,8 @@ impl Kind {
                 | Kind::FrameWrong
                 | Kind::SignOpposite
                 | Kind::RatioInverted
+                | Kind::RatioForm
+                | Kind::TimesRounded
         )
     }
 
@@ -228,6 +248,7 @@ impl Kind {
             self,
             Kind::AberrationReversed
                 | Kind::AberrationMissing
+                | Kind::AberrationWithoutGamma
                 | Kind::CameraVelocity
                 | Kind::CameraTime
                 | Kind::RatioOfCamera
@@ -249,8 +270,13 @@ pub(super) struct Case<'a> {
     pub scene: Option<&'a Scene>,
 }
 
-/// All diagnoses of a candidate.
+/// All diagnoses of a candidate: channels that were never written, and what the others say.
 pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
+    constant::set_apart(case).unwrap_or_else(|| diagnose_channels(case))
+}
+
+/// What is wrong by channels, all of which hold several numbers.
+fn diagnose_channels(case: &Case) -> Vec<Diagnosis> {
     let mut found = causes(case);
     // Of another shot, that is what is wrong: objects, light and films follow from it.
     if let Some(other) = camera::other_shot(case) {
@@ -262,7 +288,8 @@ pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
     if !found.iter().any(|found| found.kind.is_of_all()) {
         let mut gone = part::vanished(case);
         if found.iter().any(|d| d.kind == Kind::VelocitiesSwapped) {
-            let exchanged = motion::gone_by_exchange(case);
+            let mut exchanged = motion::gone_by_exchange(case);
+            exchanged.extend(events::gone_by_exchange(case));
             gone.retain(|(object, _)| !exchanged.contains(object));
         }
         found.extend(gone.into_iter().map(|(_, found)| found));
@@ -275,15 +302,15 @@ pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
 
 /// What explains the errors of pixels.
 fn causes(case: &Case) -> Vec<Diagnosis> {
-    let causes: [fn(&Case) -> Vec<Diagnosis>; 14] = [
+    let causes: [fn(&Case) -> Vec<Diagnosis>; 15] = [
         |case| channels::order_of_events(case).into_iter().collect(),
+        |case| looks::camera(case).into_iter().collect(),
+        |case| camera::another(case).into_iter().collect(),
         |case| film::turned(case).into_iter().collect(),
         |case| channels::identities(case).into_iter().collect(),
-        |case| camera::another(case).into_iter().collect(),
         channels::coordinates,
-        // Along the axis of its motion, W of the opposite velocity is nearly 1/W.
-        |case| motion::aberration(case).into_iter().collect(),
-        |case| channels::inverted(case).into_iter().collect(),
+        |case| time::rounded(case).into_iter().collect(),
+        |case| ratios::forms(case).into_iter().collect(),
         motion::velocities,
         motion::changes,
         |case| film::scaled(case).into_iter().collect(),
@@ -302,7 +329,7 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
     let mut found: Vec<Diagnosis> = channels::texture(case).into_iter().collect();
     found.extend(frames::beginnings(case));
     found.extend(frames::weights(case));
-    found.extend(channels::ratio(case));
+    found.extend(ratios::ratio(case));
     found.extend(time::instant(case).or_else(|| time::shifted(case)));
     let by_light = curve::instead_of(case, light::light(case));
     // Another velocity changes light much as another exponent does, or as a factor on what is far darker, and the scene tells them apart.
@@ -356,8 +383,10 @@ fn with_independent(case: &Case, mut found: Vec<Diagnosis>) -> Vec<Diagnosis> {
     if !found.iter().all(|found| found.kind.is_of_channel()) {
         return found;
     }
-    if found.iter().all(|found| found.kind != Kind::RatioInverted) {
-        found.extend(channels::inverted(case));
+    let is_of_ratio =
+        |found: &Diagnosis| matches!(found.kind, Kind::RatioInverted | Kind::RatioForm);
+    if !found.iter().any(is_of_ratio) {
+        found.extend(ratios::forms(case));
     }
     found.extend(light::light(case).map(|(found, _)| found));
     found

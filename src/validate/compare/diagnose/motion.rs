@@ -1,5 +1,5 @@
-//! Wrong velocities: of the camera by look directions, of objects by wavelength ratios, of both by where points of a
-//! known scene are shown. By events of the world: `events`.
+//! Wrong velocities: of objects and the camera by wavelength ratios, and by where points of a known scene are shown. By look
+//! directions: `looks`; by events of the world: `events`.
 //!
 //! # By wavelength ratios
 //!
@@ -31,60 +31,7 @@ use super::super::surface::FEWEST_OF_OBJECT;
 use super::{Case, Diagnosis, Kind, NEAR, Tally, median};
 use crate::error::{Message, Setting};
 use crate::render::aov::Aov;
-use crate::spacetime::{Boost, CameraFrame, Direction, Velocity, World};
-
-/// Errors of directions that storage in single precision makes, radians.
-const DIRECTION_ROUNDING: f64 = 1e-5;
-
-/// Look directions with the camera's velocity reversed, or left out.
-pub(super) fn aberration(case: &Case) -> Option<Diagnosis> {
-    let [r, c] = case.points.map(|points| points.direction);
-    let (r, c, velocity) = (r?, c?, camera_velocity(case.pair[0])?);
-    let mut sums = [0.0; 3];
-    let mut count = 0.0;
-    for i in case.region.pixels(case.points[0].size()) {
-        let [r, c] = [place(&r, i), place(&c, i)];
-        let Some(d) = Direction::new(r) else {
-            continue;
-        };
-        let [reversed, missing] = wrong_directions(d, velocity);
-        for (sum, expected) in sums.iter_mut().zip([r, reversed, missing]) {
-            *sum += (c - expected).length_squared();
-        }
-        count += 1.0;
-    }
-    let [error, reversed, missing] = sums.map(|sum: f64| (sum / f64::max(count, 1.0)).sqrt());
-    let (kind, how, rest) = match reversed <= missing {
-        true => (
-            Kind::AberrationReversed,
-            "aberration is reversed: look directions are those of a camera that moves the opposite way (−β for β)",
-            reversed,
-        ),
-        false => (
-            Kind::AberrationMissing,
-            "aberration is missing: look directions are those of the camera's own frame",
-            missing,
-        ),
-    };
-    let explains = error > DIRECTION_ROUNDING && rest <= NEAR * error;
-    explains.then(|| Diagnosis {
-        kind,
-        what: how.into(),
-        evidence: vec![
-            ("directions differ from the reference by (rad, rms)", error),
-            ("and from the hypothesis by (rad, rms)", rest),
-            ("beta of the camera", velocity.beta().length()),
-        ],
-    })
-}
-
-/// The world's look directions with the opposite boost, and without one, where the right one gives `d`.
-fn wrong_directions(d: Direction<World>, velocity: Velocity) -> [DVec3; 2] {
-    let camera_from_world = Boost::<CameraFrame, World>::new(-velocity);
-    let (own, _) = camera_from_world.direction(d);
-    let (reversed, _) = Boost::<World, CameraFrame>::new(-velocity).direction(own);
-    [reversed.unit(), own.unit()]
-}
+use crate::spacetime::Velocity;
 
 /// The velocity of a camera that moves without acceleration and does not turn, by the picture's metadata.
 pub(super) fn camera_velocity(picture: &Picture) -> Option<Velocity> {
@@ -120,7 +67,13 @@ fn is_velocity(u: DVec4, precision: f64) -> bool {
 
 /// A velocity as it is told.
 pub(super) fn in_words(beta: DVec3) -> String {
-    format!("({:.4}, {:.4}, {:.4})", beta.x, beta.y, beta.z)
+    let [x, y, z] = beta.to_array().map(rounded);
+    format!("({x:.4}, {y:.4}, {z:.4})")
+}
+
+/// A number of four decimals, and no −0.
+pub(super) fn rounded(v: f64) -> f64 {
+    (1e4 * v).round() / 1e4 + 0.0
 }
 
 /// An object's pixels in a picture.
@@ -196,7 +149,13 @@ pub(super) fn velocities(case: &Case) -> Vec<Diagnosis> {
     if !swapped.is_empty() {
         return swapped;
     }
-    moved.iter().map(Moved::wrong).collect()
+    // In a narrow view, W of another camera may be that of other velocities of all objects.
+    let may_be_camera = moved.is_empty() || moved.len() > 1 && moved.len() == r.len();
+    let by_camera = may_be_camera.then(|| fitted_camera(case, &r, &c)).flatten();
+    match by_camera {
+        Some(found) => vec![found],
+        None => moved.iter().map(Moved::wrong).collect(),
+    }
 }
 
 /// Wavelength ratios of all objects that are those of a camera at rest, or that moves the opposite way.
@@ -236,15 +195,47 @@ fn another_camera(
     let explaining = hypotheses.into_iter();
     let explaining = explaining.filter(|(_, tally)| tally.explains(NOTABLE_RATIO));
     let (which, tally) = explaining.min_by(|a, b| a.1.rest().total_cmp(&b.1.rest()))?;
-    Some(Diagnosis {
+    Some(describe_camera(which, &tally, camera))
+}
+
+fn describe_camera(which: &str, tally: &Tally, camera: Velocity) -> Diagnosis {
+    Diagnosis {
         kind: Kind::RatioOfCamera,
         what: format!("wavelength ratios are those of a camera {which}").into(),
         evidence: vec![
             ("ln W differs by (rms)", tally.error()),
             ("and from the hypothesis by", tally.rest()),
-            ("beta of the camera", beta.length()),
+            ("beta of the camera", camera.beta().length()),
         ],
-    })
+    }
+}
+
+/// Wavelength ratios of all objects that are those of a camera of any other velocity: γc(1 + βc·d) = γ(1 + β·d)/W is linear in its four-velocity.
+fn fitted_camera(
+    case: &Case,
+    r: &BTreeMap<i64, ObjectRatios>,
+    c: &BTreeMap<i64, ObjectRatios>,
+) -> Option<Diagnosis> {
+    let camera = camera_velocity(case.pair[0])?;
+    let [mut right, mut is] = [ObjectRatios::default(), ObjectRatios::default()];
+    for (object, c) in c {
+        let Some(u) = r.get(object).and_then(ObjectRatios::velocity) else {
+            continue;
+        };
+        for (row, value) in &c.rows {
+            let along = camera.gamma() * (1.0 + camera.beta().dot(row.yzw()));
+            right.rows.push((*row, along));
+            is.rows.push((*row, row.dot(u) * along / value));
+        }
+    }
+    let moved = Moved::of(0, &right, &is)?;
+    let tally = Tally::of(is.rows.iter().map(|(row, value)| {
+        let off = |u: DVec4| libm::log(value / row.dot(u)).abs();
+        moved.velocities.map(off)
+    }));
+    let [was, is] = moved.velocities.map(|u| in_words(u.yzw() / u.x));
+    let which = format!("with β = {is}, and should be those of one with {was}");
+    (tally.explains(NOTABLE_RATIO)).then(|| describe_camera(&which, &tally, camera))
 }
 
 /// An object whose velocity differs between the pictures.
@@ -413,6 +404,7 @@ pub(super) fn of_all(case: &Case) -> Option<Diagnosis> {
         Change::Instant,
         Change::CameraReversed,
         Change::CameraAtRest,
+        Change::CameraWithoutGamma,
     ];
     best(case, case.known?, None, &changes)
 }
@@ -568,6 +560,7 @@ pub(super) fn describe_aberration_by_light(
             "where a camera sees it that moves the opposite way (−β for β)",
         ),
         Change::CameraAtRest
+        | Change::CameraWithoutGamma
         | Change::Instant
         | Change::AtRest(_)
         | Change::Standing(_)
@@ -612,6 +605,11 @@ fn describe_change(known: &KnownScene, change: Change, tally: &Tally) -> Diagnos
         Change::CameraAtRest => (
             Kind::AberrationMissing,
             "aberration is missing: points are shown where a camera at rest sees them".into(),
+            known.camera_velocity().beta().length(),
+        ),
+        Change::CameraWithoutGamma => (
+            Kind::AberrationWithoutGamma,
+            "aberration lacks γ: points are shown along d + β, and should be along the direction whose part along β is γ times as long".into(),
             known.camera_velocity().beta().length(),
         ),
         Change::AtRest(k) => (

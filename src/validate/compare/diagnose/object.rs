@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use super::super::options::Region;
 use super::super::picture::{Plane, is_auxiliary};
-use super::{Case, Diagnosis, FEWEST, Kind, MOST, channels, light, time};
+use super::{Case, Diagnosis, FEWEST, Kind, MOST, channels, light, ratios, time};
 use crate::error::Message;
 
 /// No more objects are asked, the largest first.
@@ -46,6 +46,7 @@ fn of_each(case: &Case, of: impl Fn(&Case) -> Vec<Diagnosis>) -> Vec<Diagnosis> 
     if objects.len() < 2 {
         return Vec::new();
     }
+    let count = objects.len();
     let found = objects.into_iter().flat_map(|(object, pixels)| {
         let mut mask = vec![false; size[0] * size[1]];
         pixels.iter().for_each(|i| mask[*i] = true);
@@ -57,20 +58,91 @@ fn of_each(case: &Case, of: impl Fn(&Case) -> Vec<Diagnosis>) -> Vec<Diagnosis> 
             region: &region,
             ..*case
         };
-        of(&case).into_iter().map(move |found| Diagnosis {
-            what: Message::from(format!("in object {object} alone, ")) + found.what,
-            ..found
-        })
+        of(&case).into_iter().map(move |found| (object, found))
     });
-    found.collect()
+    together(found.collect(), count)
 }
+
+/// What was found of objects, of which there are `count`, said once of all for which it is the same.
+fn together(found: Vec<(i64, Diagnosis)>, count: usize) -> Vec<Diagnosis> {
+    let mut same: Vec<(Vec<i64>, Diagnosis)> = Vec::new();
+    for (object, next) in found {
+        let is_same =
+            |(_, d): &&mut (Vec<i64>, Diagnosis)| d.kind == next.kind && d.what == next.what;
+        match same.iter_mut().find(is_same) {
+            Some((objects, found)) => {
+                objects.push(object);
+                add_pixels(found, &next);
+            }
+            None => same.push((vec![object], next)),
+        }
+    }
+    let say = |(objects, found): (Vec<i64>, Diagnosis)| {
+        let words: Vec<String> = objects.iter().map(i64::to_string).collect();
+        let of = match objects.len() {
+            n if n == count => String::new(),
+            1 => format!("in object {} alone, ", words[0]),
+            _ => format!("in objects {} alone, ", words.join(", ")),
+        };
+        let what = Message::from(of) + found.what;
+        Diagnosis { what, ..found }
+    };
+    // Numbers may differ from object to object.
+    let mut said = Vec::new();
+    while !same.is_empty() {
+        let kind = same[0].1.kind;
+        let (of_kind, others) = same.into_iter().partition(|(_, found)| found.kind == kind);
+        let of_kind: Vec<(Vec<i64>, Diagnosis)> = of_kind;
+        let objects: usize = of_kind.iter().map(|(objects, _)| objects.len()).sum();
+        match of_kind.len() > 1 && objects == count {
+            true => said.push(in_each(of_kind)),
+            false => said.extend(of_kind.into_iter().map(say)),
+        }
+        same = others;
+    }
+    said
+}
+
+/// No more objects are told apart.
+const MOST_TOLD: usize = 4;
+
+/// What is said of a mistake that all objects have, with other numbers each.
+fn in_each(found: Vec<(Vec<i64>, Diagnosis)>) -> Diagnosis {
+    let more = if found.len() > MOST_TOLD { "; …" } else { "" };
+    let mut what = Message::from("in each object by itself: ");
+    for (n, (objects, found)) in found.iter().take(MOST_TOLD).enumerate() {
+        let words: Vec<String> = objects.iter().map(i64::to_string).collect();
+        let separator = if n > 0 { "; " } else { "" };
+        what += Message::from(format!("{separator}in {}, ", words.join(", "))) + found.what.clone();
+    }
+    what += more;
+    let (kind, evidence) = (found[0].1.kind, found[0].1.evidence.clone());
+    Diagnosis {
+        kind,
+        what,
+        evidence,
+    }
+}
+
+/// Adds the number of pixels at which another object has the same mistake.
+fn add_pixels(found: &mut Diagnosis, more: &Diagnosis) {
+    for (name, value) in &mut found.evidence {
+        let added = more.evidence.iter().find(|(other, _)| other == name);
+        if let Some((_, more)) = added.filter(|_| *name == PIXELS) {
+            *value += more;
+        }
+    }
+}
+
+/// The number of pixels, in evidence.
+const PIXELS: &str = "pixels";
 
 /// What explains the errors of the pixels of one object.
 fn of_object(case: &Case, usual: f64) -> Vec<Diagnosis> {
     let mut found: Vec<Diagnosis> = not_numbers(case).into_iter().collect();
     if found.is_empty() {
         found.extend(channels::coordinates(case));
-        found.extend(channels::inverted(case));
+        found.extend(ratios::forms(case));
         found.extend(channels::texture(case));
         // What is elsewhere has other times.
         let is_there =
@@ -105,6 +177,6 @@ fn not_numbers(case: &Case) -> Option<Diagnosis> {
     (!names.is_empty()).then(|| Diagnosis {
         kind: Kind::NotANumber,
         what: format!("there are no numbers in {}", names.join(", ")).into(),
-        evidence: vec![("pixels", pixels.len() as f64)],
+        evidence: vec![(PIXELS, pixels.len() as f64)],
     })
 }

@@ -21,7 +21,7 @@ use crate::render::plan::{Plan, Request};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Silent;
 use crate::render::render;
-use crate::scene::model::{EmissionProfile, LightKind, Motion, Scene, SourceKind};
+use crate::scene::model::{EmissionProfile, LightKind, Motion, Scene, SourceKind, TimeFilter};
 use crate::spacetime::Velocity;
 
 /// No more moving objects are asked about.
@@ -126,6 +126,7 @@ fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Diagno
         mistakes.extend(camera_at_rest(scene));
     }
     mistakes.extend(without_shadows(scene));
+    mistakes.extend(by_whole_bins(scene));
     let asked = mistakes.into_iter().filter_map(|mistake| {
         let told = light_of(case, &mistake.scene, lit)?.told(lit);
         let explains = told.tally.explains(NOTABLE) && told.left <= LEFT_BY_MISTAKE;
@@ -518,6 +519,29 @@ fn without_shadows(scene: &Scene) -> Option<Mistake> {
     })
 }
 
+/// The scene whose cubes are looked up in the bin that a time is in, without those beside it.
+fn by_whole_bins(scene: &Scene) -> Option<Mistake> {
+    let mut whole = scene.clone();
+    let mut width = None;
+    for source in &mut whole.sources {
+        if let SourceKind::Cube(cube) = &mut source.kind
+            && cube.filter != TimeFilter::Nearest
+        {
+            cube.filter = TimeFilter::Nearest;
+            width = width.or(Some(cube.bins.width()));
+        }
+    }
+    let width = width?;
+    Some(Mistake {
+        kind: Kind::TimesRounded,
+        what: format!(
+            "times are rounded to whole bins in the lookup of light: it is that of the bin of {width:.4} m in which they are, and not between bins"
+        ),
+        size: ("width of a bin (m)", width),
+        scene: whole,
+    })
+}
+
 /// The scene with an object out of view, `far` metres away along each axis.
 fn absences(scene: &Scene, far: f64) -> Vec<Mistake> {
     let without = |k: usize| {
@@ -563,7 +587,7 @@ fn changed(scene: &Scene, change: Change) -> Option<Scene> {
             changed.objects[j].velocity = of_k;
             changed.objects[k].velocity = of_j;
         }
-        Change::Standing(_) => return None,
+        Change::Standing(_) | Change::CameraWithoutGamma => return None,
     }
     Some(changed)
 }

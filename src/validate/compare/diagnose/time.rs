@@ -1,7 +1,7 @@
-//! Emission times: shifts, and no retardation.
+//! Emission times: shifts, rounding, and no retardation.
 
 use super::super::picture::Plane;
-use super::{Case, Diagnosis, Kind, MOST, Tally, median};
+use super::{Case, Diagnosis, FEWEST, Kind, MOST, Tally, median};
 
 /// Shifts below this part of the times themselves are rounding of single precision.
 const TIME_ROUNDING: f64 = 1e-6;
@@ -93,4 +93,86 @@ pub(super) fn instant(case: &Case) -> Option<Diagnosis> {
             ("and from one another by (m, rms)", tally.rest()),
         ],
     })
+}
+
+/// There are at least so many pixels, and in the reference so many different times, to each of the candidate's, where these are rounded.
+const TIMES_FEWER: usize = 4;
+/// Times are whole steps apart to this part of one.
+const WHOLE: f64 = 0.01;
+/// Bins that are not wider than this part of the latest time are the rounding of half precision.
+const HALF_PRECISION: f64 = 1.0 / 512.0;
+
+/// Emission times that are rounded to whole bins, or to steps of another width.
+pub(super) fn rounded(case: &Case) -> Option<Diagnosis> {
+    let [r, c] = [case.points[0].time?, case.points[1].time?];
+    let pixels = case.pixels().into_iter();
+    let pairs: Vec<[f64; 2]> = pixels
+        .map(|i| [r.at(i), c.at(i)])
+        .filter(|pair| pair.iter().all(|t| t.is_finite()))
+        .collect();
+    let latest = pairs.iter().map(|[_, c]| c.abs()).fold(0.0, f64::max);
+    let different = |which: usize| {
+        let mut times: Vec<f64> = pairs.iter().map(|pair| pair[which]).collect();
+        times.sort_unstable_by(f64::total_cmp);
+        times.dedup_by(|b, a| *b - *a <= TIME_ROUNDING * latest);
+        times
+    };
+    let (in_reference, times) = (different(0), different(1));
+    let many = in_reference.len().min(pairs.len());
+    (pairs.len() >= FEWEST && times.len() > 1 && many >= TIMES_FEWER * times.len()).then_some(())?;
+    // All gaps are whole numbers of the least, which the way from the first to the last time tells best.
+    let gaps = || times.windows(2).map(|pair| pair[1] - pair[0]);
+    let least = gaps().fold(f64::INFINITY, f64::min);
+    let all = times[times.len() - 1] - times[0];
+    let step = all / (all / least).round();
+    let is_whole = |gap: f64| (gap / step - (gap / step).round()).abs() <= WHOLE;
+    let is_half = pairs.iter().all(|[_, c]| is_of_half_precision(*c));
+    let is_rounding = is_half && step <= HALF_PRECISION * latest;
+    (gaps().all(is_whole) && !is_rounding).then_some(())?;
+    // What is rounded is not off by more than a step.
+    let offs = || pairs.iter().map(|[r, c]| c - r);
+    let near = offs()
+        .filter(|off| off.abs() <= (1.0 + WHOLE) * step)
+        .count();
+    (near as f64 >= MOST * pairs.len() as f64)
+        .then(|| describe_rounding(case, step, offs(), times.len()))
+}
+
+/// Whether a number is one of half precision: its significand has 11 bits.
+fn is_of_half_precision(v: f64) -> bool {
+    v.to_bits().trailing_zeros() >= f64::MANTISSA_DIGITS - 11
+}
+
+fn describe_rounding(
+    case: &Case,
+    step: f64,
+    offs: impl Iterator<Item = f64>,
+    times: usize,
+) -> Diagnosis {
+    let offs: Vec<f64> = offs.collect();
+    let mean = offs.iter().sum::<f64>() / offs.len() as f64;
+    let (how, shift) = match mean / step {
+        part if part.abs() < 0.2 => ("to the nearest", 0.0),
+        part if (part + 0.5).abs() < 0.2 => ("down", -0.5),
+        part if (part - 0.5).abs() < 0.2 => ("up", 0.5),
+        part => ("and shifted", part),
+    };
+    let is_bin = case
+        .bin_width
+        .is_some_and(|width| (step / width - 1.0).abs() <= WHOLE);
+    let steps = if is_bin { "bins" } else { "steps" };
+    let square: f64 = offs.iter().map(|off| off * off).sum();
+    Diagnosis {
+        kind: Kind::TimesRounded,
+        what: format!(
+            "emission times are rounded to whole {steps} of {step:.6} m, {how}: {times} different times at {} pixels",
+            offs.len()
+        )
+        .into(),
+        evidence: vec![
+            ("width of a step (m)", step),
+            ("times differ by (m, rms)", (square / offs.len() as f64).sqrt()),
+            ("mean shift (steps)", shift),
+        ],
+    }
 }

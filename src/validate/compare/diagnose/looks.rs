@@ -1,0 +1,319 @@
+//! What look directions say of the camera: another aberration, another velocity, another orientation.
+//!
+//! A pixel looks along e in the frame of the right camera, which follows from the reference's direction and its camera's velocity. A
+//! camera of another velocity looks along the world's direction d to which its boost takes e. With the boost P = p₀ + p·σ of spinors,
+//!
+//! ```text
+//! (1 − d·σ) (p₀ + p·σ) (1 + e·σ) = 0,      p/p₀ = −n tanh(φ/2)
+//! ```
+//!
+//! A camera that is turned by the unit quaternion q looks along q e q* in its frame, which is c, the candidate's direction boosted back:
+//!
+//! ```text
+//! c q − q e = 0
+//! ```
+//!
+//! (Horn, JOSA A 4(4), 1987, which is Kabsch's rotation.) Both are linear in four numbers, and the ones that fit best to all pixels are the
+//! eigenvector of the least eigenvalue of a 4 × 4 matrix. Where a picture has no directions, its events are seen along them: those
+//! on the past light cone of the shot. Another film may look much alike: it goes first where it leaves less.
+
+use glam::{DMat4, DQuat, DVec3, DVec4};
+
+use super::super::known::{KnownScene, unaberrated_without_gamma};
+use super::super::picture::Plane;
+use super::super::points::place;
+use super::motion::{NOTABLE_DISPLACEMENT, camera_velocity, in_words, rounded};
+use super::{Case, Diagnosis, Kind, Tally, film, frames, median};
+use crate::render::aov::Aov;
+use crate::spacetime::{Boost, CameraFrame, Direction, Velocity, World};
+
+/// Errors of directions that storage in single precision makes, radians.
+const DIRECTION_ROUNDING: f64 = 1e-5;
+/// Turns and velocities whose directions differ by less, radians rms, are those of matrices in single precision: 0.006 degrees.
+const NOTABLE: f64 = 1e-4;
+/// Cameras are not turned by more, degrees: what is, has exchanged axes or mirrored pictures.
+const FARTHEST_TURN: f64 = 30.0;
+
+/// No more pixels are asked, and a few.
+const MOST_LOOKS: usize = 1 << 17;
+
+/// A pixel's look directions.
+#[derive(Debug, Clone, Copy)]
+struct Look {
+    pixel: usize,
+    /// In the frame of the right camera.
+    own: Direction<CameraFrame>,
+    /// In the world, in the reference and in the candidate.
+    right: DVec3,
+    is: DVec3,
+}
+
+/// What is wrong with the camera by the directions along which pixels look.
+pub(super) fn camera(case: &Case) -> Option<Diagnosis> {
+    let of_scene = case.known.map(KnownScene::velocity_of_looks);
+    let velocity = of_scene.or_else(|| camera_velocity(case.pair[0]))?;
+    let looks = looks(case, velocity);
+    let error = tally(&looks, |look| Some(look.right)).error();
+    (error > DIRECTION_ROUNDING).then_some(())?;
+    aberration(&looks, velocity).or_else(|| fitted(case, &looks, velocity))
+}
+
+/// The look directions of pixels; none where they are not known.
+fn looks(case: &Case, velocity: Velocity) -> Vec<Look> {
+    let [width, _] = case.points[0].size();
+    let camera_from_world = Boost::<CameraFrame, World>::new(-velocity);
+    let by_event = |which: usize| {
+        let time = Plane::aov(&case.pair[which].layers, Aov::EventCt)?;
+        let (world, known) = (case.points[which].world?, case.known?);
+        Some(move |i: usize| known.look_to(time.at(i), place(&world, i)))
+    };
+    let [of_reference, of_candidate] = [0, 1].map(by_event);
+    let look = |which: usize, i: usize| match case.points[which].direction {
+        Some(direction) => Direction::new(place(&direction, i)),
+        None => match which {
+            0 => of_reference.as_ref()?(i),
+            _ => of_candidate.as_ref()?(i),
+        },
+    };
+    // Of a reference without either the centres of pixels are known.
+    let centre = |i: usize| {
+        let [x, y] = [i % width, i / width].map(|n| n as f64 + 0.5);
+        case.known?.look_along(glam::DVec2::new(x, y))
+    };
+    // Pairs of pixels that are beside each other.
+    let pixels = || case.region.pixels(case.points[0].size());
+    let step = pixels().count() / MOST_LOOKS + 1;
+    let chosen = pixels().enumerate().filter(|(n, _)| n / 2 % step == 0);
+    let both = chosen.filter_map(|(_, i)| {
+        let is = look(1, i)?.unit();
+        let right = look(0, i).or_else(|| centre(i))?;
+        let (own, _) = camera_from_world.direction(right);
+        Some(Look {
+            pixel: i,
+            own,
+            right: right.unit(),
+            is,
+        })
+    });
+    both.collect()
+}
+
+/// How far the candidate looks from the right directions, and from those of a hypothesis, radians.
+fn tally(looks: &[Look], of: impl Fn(&Look) -> Option<DVec3>) -> Tally {
+    Tally::of(looks.iter().filter_map(|look| {
+        Some([
+            (look.is - look.right).length(),
+            (look.is - of(look)?).length(),
+        ])
+    }))
+}
+
+/// Look directions with the camera's velocity reversed, left out, or without its γ.
+fn aberration(looks: &[Look], velocity: Velocity) -> Option<Diagnosis> {
+    let backwards = Boost::<World, CameraFrame>::new(-velocity);
+    type Looks<'a> = Box<dyn Fn(&Look) -> Option<DVec3> + 'a>;
+    let hypotheses: [(Kind, &str, Looks); 4] = [
+        (
+            Kind::AberrationReversed,
+            "aberration is reversed: look directions are those of a camera that moves the opposite way (−β for β)",
+            Box::new(|look| Some(backwards.direction(look.own).0.unit())),
+        ),
+        (
+            Kind::AberrationMissing,
+            "aberration is missing: look directions are those of the camera's own frame",
+            Box::new(|look| Some(look.own.unit())),
+        ),
+        (
+            Kind::AberrationWithoutGamma,
+            "aberration lacks γ: the camera's own look directions are those along d + β, for d in the world, whose part along β should be γ times as long",
+            Box::new(|look| Some(unaberrated_without_gamma(look.own.unit(), velocity))),
+        ),
+        (
+            Kind::AberrationWithoutGamma,
+            "aberration lacks γ: the world's look directions are those along d′ − β, for d′ in the camera's frame, whose part along β should be γ times as long",
+            Box::new(|look| (look.own.unit() - velocity.beta()).try_normalize()),
+        ),
+    ];
+    let tallies = hypotheses.map(|(kind, what, of)| (kind, what, tally(looks, of)));
+    let explaining = tallies.into_iter();
+    let explaining = explaining.filter(|(.., tally)| tally.explains(DIRECTION_ROUNDING));
+    let (kind, what, tally) = explaining.min_by(|a, b| a.2.rest().total_cmp(&b.2.rest()))?;
+    Some(Diagnosis {
+        kind,
+        what: what.into(),
+        evidence: evidence(&tally, ("beta of the camera", velocity.beta().length())),
+    })
+}
+
+fn evidence(tally: &Tally, size: (&'static str, f64)) -> Vec<(&'static str, f64)> {
+    vec![
+        size,
+        (
+            "directions differ from the reference by (rad, rms)",
+            tally.error(),
+        ),
+        ("and from the hypothesis by (rad, rms)", tally.rest()),
+    ]
+}
+
+/// A camera of another velocity, or that is turned, where no other film explains directions better.
+fn fitted(case: &Case, looks: &[Look], velocity: Velocity) -> Option<Diagnosis> {
+    let moving = another_velocity(looks).map(|found| {
+        let boost = Boost::<World, CameraFrame>::new(found);
+        let tally = tally(looks, |look| Some(boost.direction(look.own).0.unit()));
+        (describe_velocity(velocity, found, &tally), tally)
+    });
+    let turned = turn(looks, velocity).map(|found| {
+        let boost = Boost::<World, CameraFrame>::new(velocity);
+        let tally = tally(looks, |look| {
+            let own = Direction::new(found * look.own.unit())?;
+            Some(boost.direction(own).0.unit())
+        });
+        (describe_turn(case, found, &tally), tally)
+    });
+    // Of channels along the camera's own axes places tell that it is not turned.
+    let turned = turned.filter(|_| !places_are_right(case) && frames::direction(case).is_none());
+    let both = [moving, turned].into_iter().flatten();
+    let explaining = both.filter(|(_, tally)| tally.explains(NOTABLE));
+    let (found, tally) = explaining.min_by(|a, b| a.1.rest().total_cmp(&b.1.rest()))?;
+    let by_film = film::scaled_and_rest(case);
+    let rest = tally.rest() / angle_of_pixel(case, looks)?;
+    by_film
+        .is_none_or(|(_, by_film)| rest < by_film)
+        .then_some(found)
+}
+
+/// Whether the candidate shows points where they are seen.
+fn places_are_right(case: &Case) -> bool {
+    let Some(field) = case.field else {
+        return false;
+    };
+    let off = case.pixels().into_iter();
+    let off = off.filter_map(|i| Some(field.displacement(i)?.length()));
+    let off = Tally::of(off.map(|off| [off, 0.0]));
+    off.distances.len() >= super::FEWEST && off.error() <= NOTABLE_DISPLACEMENT
+}
+
+/// The angle between directions of pixels that are beside each other, radians.
+fn angle_of_pixel(case: &Case, looks: &[Look]) -> Option<f64> {
+    let [width, _] = case.points[0].size();
+    let pairs = looks.windows(2).filter_map(|pair| {
+        let [a, b] = pair else { return None };
+        let are_beside = a.pixel + 1 == b.pixel && b.pixel % width > 0;
+        are_beside.then(|| (b.own.unit() - a.own.unit()).length())
+    });
+    median(pairs.collect()).filter(|angle| *angle > 0.0)
+}
+
+/// The velocity whose boost fits best.
+fn another_velocity(looks: &[Look]) -> Option<Velocity> {
+    // The real and the imaginary parts of the equation's scalar and vector, for p₀ = 1 and for p along each axis.
+    let equations = looks.iter().map(|look| {
+        let (d, e) = (look.is, look.own.unit());
+        let along = |a: DVec3| {
+            let real = a - a.dot(e) * d + a * d.dot(e) - e * d.dot(a);
+            let imaginary = a.cross(e + d);
+            [
+                real.extend(a.dot(e - d)),
+                imaginary.extend(-a.dot(e.cross(d))),
+            ]
+        };
+        let first = [(e - d).extend(1.0 - d.dot(e)), (-d.cross(e)).extend(0.0)];
+        [first, along(DVec3::X), along(DVec3::Y), along(DVec3::Z)]
+    });
+    let p = solution(equations)?;
+    let half = DVec3::new(p.y, p.z, p.w) / p.x;
+    let length = half.length();
+    (length < 1.0).then_some(())?;
+    match length == 0.0 {
+        true => Some(Velocity::REST),
+        false => Velocity::from_rapidity_along(-2.0 * libm::atanh(length), half).ok(),
+    }
+}
+
+/// The rotation of the camera that fits best, in its frame.
+fn turn(looks: &[Look], velocity: Velocity) -> Option<DQuat> {
+    let camera_from_world = Boost::<CameraFrame, World>::new(-velocity);
+    let equations = looks.iter().filter_map(|look| {
+        let e = look.own.unit();
+        let c = camera_from_world
+            .direction(Direction::new(look.is)?)
+            .0
+            .unit();
+        let along = |a: DVec3| [(c + e).cross(a).extend(a.dot(e - c)), DVec4::ZERO];
+        let first = [(c - e).extend(0.0), DVec4::ZERO];
+        Some([first, along(DVec3::X), along(DVec3::Y), along(DVec3::Z)])
+    });
+    let q = solution(equations)?;
+    let q = DQuat::from_xyzw(q.y, q.z, q.w, q.x).normalize();
+    let q = if q.w < 0.0 { -q } else { q };
+    (q.is_finite() && angle(q).to_degrees() <= FARTHEST_TURN).then_some(q)
+}
+
+/// The angle of a rotation, from 0 to π, without the cancellation of arccos.
+fn angle(q: DQuat) -> f64 {
+    2.0 * libm::atan2(q.xyz().length(), q.w)
+}
+
+/// So many steps of the inverse power method: the other eigenvalues are far larger where anything fits.
+const STEPS: usize = 32;
+/// What is added to the matrix, in parts of it, so that it has an inverse.
+const DAMPING: f64 = 1e-15;
+
+/// The unit vector that solves linear equations best, whose coefficients each pixel has for each of four numbers.
+fn solution(equations: impl Iterator<Item = [[DVec4; 2]; 4]>) -> Option<DVec4> {
+    let mut normal = [[0.0; 4]; 4];
+    for columns in equations {
+        for (row, a) in normal.iter_mut().zip(columns) {
+            for (sum, b) in row.iter_mut().zip(columns) {
+                *sum += a[0].dot(b[0]) + a[1].dot(b[1]);
+            }
+        }
+    }
+    let trace: f64 = (0..4).map(|k| normal[k][k]).sum();
+    let normal = DMat4::from_cols_array_2d(&normal) * (1.0 / trace);
+    let inverse = (normal + DMat4::from_diagonal(DVec4::splat(DAMPING))).inverse();
+    let mut v = DVec4::new(1.0, 0.1, 0.2, 0.3);
+    for _ in 0..STEPS {
+        v = (inverse * v).try_normalize()?;
+    }
+    v.is_finite().then_some(v)
+}
+
+fn describe_velocity(right: Velocity, is: Velocity, tally: &Tally) -> Diagnosis {
+    Diagnosis {
+        kind: Kind::CameraVelocity,
+        what: format!(
+            "the camera moves at another velocity: look directions are those of β = {}, and should be those of {}",
+            in_words(is.beta()),
+            in_words(right.beta())
+        )
+        .into(),
+        evidence: evidence(
+            tally,
+            ("beta differs by", (is.beta() - right.beta()).length()),
+        ),
+    }
+}
+
+fn describe_turn(case: &Case, turn: DQuat, tally: &Tally) -> Diagnosis {
+    let degrees = angle(turn).to_degrees();
+    Diagnosis {
+        kind: Kind::CameraTurned,
+        what: turned_in_words(case.known, turn.xyz().normalize_or_zero(), degrees).into(),
+        evidence: evidence(tally, ("degrees", degrees)),
+    }
+}
+
+/// What is said of a camera that is turned about an axis of its frame.
+pub(super) fn turned_in_words(known: Option<&KnownScene>, axis: DVec3, degrees: f64) -> String {
+    let parts = known.map(|known| {
+        let [up, left, over] = (degrees * known.view(axis)).to_array().map(rounded);
+        format!(": {left:+.4} to the left, {up:+.4} up and {over:+.4} over to the left")
+    });
+    format!(
+        "the camera is turned by {degrees:.4} degrees about {} (look_at or up){}",
+        in_words(axis),
+        parts.unwrap_or_default()
+    )
+}

@@ -22,7 +22,16 @@ pub(crate) enum Emission {
         period: f64,
         count: f64,
     },
-    Table(Vec<[f64; 2]>),
+    Table(Table),
+}
+
+/// Linear between knots, 0 outside.
+#[derive(Debug, Clone)]
+pub(crate) struct Table {
+    /// Times, ascending, and values.
+    knots: Vec<[f64; 2]>,
+    /// By knot, the integral up to it.
+    integrals: Vec<f64>,
 }
 
 impl From<&EmissionProfile> for Emission {
@@ -46,7 +55,7 @@ impl From<&EmissionProfile> for Emission {
                 period: *period,
                 count: count.map_or(f64::INFINITY, f64::from),
             },
-            EmissionProfile::Table(knots) => Emission::Table(knots.clone()),
+            EmissionProfile::Table(knots) => Emission::Table(Table::new(knots.clone())),
         }
     }
 }
@@ -73,7 +82,7 @@ impl Emission {
                 period,
                 count,
             } => train((proper_time - centre) / period, period / sigma, *count),
-            Emission::Table(knots) => table(knots, proper_time),
+            Emission::Table(table) => table.at(proper_time),
         }
     }
 }
@@ -116,7 +125,7 @@ impl Emission {
                 last.is_finite()
                     .then(|| [centre - CUT * sigma, last + CUT * sigma])
             }
-            Emission::Table(knots) => Some([knots.first()?[0], knots.last()?[0]]),
+            Emission::Table(Table { knots, .. }) => Some([knots.first()?[0], knots.last()?[0]]),
         }
     }
 
@@ -187,15 +196,7 @@ impl Emission {
                 let rest: f64 = rest.map(|k| normal((phase - k) * period / sigma)).sum();
                 (over + rest) * sigma * TAU.sqrt()
             }
-            Emission::Table(knots) => {
-                let parts = knots.windows(2).map(|pair| {
-                    let [[from, first], [to, last]] = [pair[0], pair[1]];
-                    let upto = proper_time.clamp(from, to);
-                    let there = first + (last - first) * ((upto - from) / (to - from));
-                    0.5 * (first + there) * (upto - from)
-                });
-                parts.sum()
-            }
+            Emission::Table(table) => table.until(proper_time),
         }
     }
 }
@@ -251,17 +252,58 @@ fn train(phase: f64, spacing: f64, count: f64) -> f64 {
     pulses.take_while(|k| *k <= end).map(value).sum()
 }
 
-/// Linear between knots, 0 outside.
-fn table(knots: &[[f64; 2]], time: f64) -> f64 {
-    let after = knots.partition_point(|[at, _]| *at <= time);
-    let Some(&[last, value]) = after.checked_sub(1).and_then(|before| knots.get(before)) else {
-        return 0.0;
-    };
-    match knots.get(after) {
-        Some(&[next, then]) => value + (then - value) * ((time - last) / (next - last)),
-        None if time == last => value,
-        None => 0.0,
+impl Table {
+    pub fn new(knots: Vec<[f64; 2]>) -> Table {
+        let mut integral = 0.0;
+        let all = knots.windows(2).map(|pair| {
+            let [a, b] = [pair[0], pair[1]];
+            // As a piece of which a part is asked for.
+            integral += trapezoid(a, [b[0], between(a, b, b[0])]);
+            integral
+        });
+        let integrals = std::iter::once(0.0).chain(all).collect();
+        Table { knots, integrals }
     }
+
+    /// How many knots are not after a time.
+    fn passed(&self, time: f64) -> usize {
+        self.knots.partition_point(|[at, _]| *at <= time)
+    }
+
+    fn at(&self, time: f64) -> f64 {
+        let after = self.passed(time);
+        let Some(&last) = after.checked_sub(1).and_then(|k| self.knots.get(k)) else {
+            return 0.0;
+        };
+        match self.knots.get(after) {
+            Some(next) => between(last, *next, time),
+            None if time == last[0] => last[1],
+            None => 0.0,
+        }
+    }
+
+    /// The integral up to a time: up to the last knot before it, and from there.
+    fn until(&self, time: f64) -> f64 {
+        let after = self.passed(time);
+        let Some(before) = after.checked_sub(1) else {
+            return 0.0;
+        };
+        let (last, integral) = (self.knots[before], self.integrals[before]);
+        match self.knots.get(after) {
+            Some(next) => integral + trapezoid(last, [time, between(last, *next, time)]),
+            None => integral,
+        }
+    }
+}
+
+/// The value at a time on the line through two knots.
+fn between([last, value]: [f64; 2], [next, then]: [f64; 2], time: f64) -> f64 {
+    value + (then - value) * ((time - last) / (next - last))
+}
+
+/// The integral of the line between two knots.
+fn trapezoid([from, first]: [f64; 2], [to, last]: [f64; 2]) -> f64 {
+    0.5 * (first + last) * (to - from)
 }
 
 /// The unit Gaussian is taken for 0 beyond this: below the smallest value that matters, 5·10⁻¹⁵.
@@ -414,7 +456,12 @@ mod tests {
                 period: 0.35,
                 count: 5.0,
             },
-            Emission::Table(vec![[-1.0, 0.5], [0.2, 2.0], [0.5, 0.0], [1.5, 1.0]]),
+            Emission::Table(Table::new(vec![
+                [-1.0, 0.5],
+                [0.2, 2.0],
+                [0.5, 0.0],
+                [1.5, 1.0],
+            ])),
         ];
         for emission in all {
             // By the midpoints of 4000 steps.
@@ -436,8 +483,34 @@ mod tests {
 
     #[test]
     fn a_table_is_linear_between_its_times_and_dark_outside() {
-        let knots = [[0.0, 1.0], [2.0, 3.0], [3.0, 0.5]];
-        let values = [-0.1, 0.0, 1.0, 2.0, 2.5, 3.0, 3.1].map(|t| table(&knots, t));
+        let table = Table::new(vec![[0.0, 1.0], [2.0, 3.0], [3.0, 0.5]]);
+        let values = [-0.1, 0.0, 1.0, 2.0, 2.5, 3.0, 3.1].map(|t| table.at(t));
         assert_eq!(values, [0.0, 1.0, 2.0, 3.0, 1.75, 0.5, 0.0]);
+    }
+
+    #[test]
+    fn the_integral_of_a_table_is_the_sum_over_its_pieces() {
+        // Pieces of lengths from 0.01 to 1, whose values also fall below 0; sums in the same order have the same bits.
+        let knot = |k: u32| {
+            let k = f64::from(k);
+            [0.5 * k + 0.49 * libm::sin(k), libm::cos(0.7 * k)]
+        };
+        let knots: Vec<_> = (0..400).map(knot).collect();
+        let table = Table::new(knots.clone());
+        let direct = |time: f64| -> f64 {
+            let pieces = knots.windows(2).map(|pair| {
+                let upto = time.clamp(pair[0][0], pair[1][0]);
+                trapezoid(pair[0], [upto, between(pair[0], pair[1], upto)])
+            });
+            pieces.sum()
+        };
+        let times = (-50..5000).map(|k| f64::from(k) * 0.041);
+        for time in times.chain(knots.iter().map(|knot| knot[0])) {
+            let (found, sum) = (table.until(time), direct(time));
+            assert_eq!(found, sum, "{time}");
+        }
+        assert!(table.until(0.9) > 0.5);
+        let none = Table::new(Vec::new());
+        assert_eq!([none.until(1.0), none.at(1.0)], [0.0; 2]);
     }
 }

@@ -275,6 +275,7 @@ mod tests {
 
     use super::super::{Cone, Emission, EventColumns, Path, PointsOnRays, Start};
     use super::*;
+    use crate::scene::model::EmissionProfile;
     use crate::spacetime::{Event, InertialFrame, NullRay, Quantity, Velocity};
 
     fn velocity(x: f64, y: f64, z: f64) -> Velocity {
@@ -419,7 +420,8 @@ mod tests {
     #[test]
     fn lamps_that_flicker_are_not_taken_in_one_loop() {
         let points = points();
-        let flickering = Emission::Table(vec![[-100.0, 1.0], [100.0, 2.0]]);
+        let table = EmissionProfile::Table(vec![[-100.0, 1.0], [100.0, 2.0]]);
+        let flickering = Emission::from(&table);
         for lamp in lamps(&flickering) {
             let to = &mut Incidence::default();
             let (on_rays, normals) = (points.on_rays(), &points.normals);

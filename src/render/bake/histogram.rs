@@ -468,6 +468,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
+    use crate::scene::model::EmissionProfile;
 
     fn pulse(sigma: f64) -> Emission {
         Emission::Gaussian {
@@ -555,7 +556,7 @@ mod tests {
             assert!(reached <= 128.0 && width <= 0.1, "{k}: {width}");
         }
         // Corners are no Gaussians.
-        let table = Emission::Table(vec![[0.0, 1.0], [20.0, 1.0]]);
+        let table = Emission::from(&EmissionProfile::Table(vec![[0.0, 1.0], [20.0, 1.0]]));
         assert_eq!(halvings(&BINS, &table), 0);
     }
 

@@ -95,11 +95,10 @@ fn integers_are_read_exactly() {
     let last = bytes.len() - 8;
     bytes[last..].copy_from_slice(&((1u64 << 53) + 1).to_le_bytes());
     let refused = cube::load_bytes(&bytes, "a.npy", Wanted::default()).unwrap_err();
-    assert!(
-        refused.to_string().contains("sample [1, 2, 3, 0]"),
-        "{refused}"
-    );
-    assert!(refused.help().contains("2^53"), "{}", refused.help());
+    for words in ["sample [1, 2, 3, 0]", "the integer is beyond 2^53"] {
+        assert!(refused.to_string().contains(words), "{refused}");
+    }
+    assert!(refused.help().contains("astype"), "{}", refused.help());
     let info = cube::inspect(&valid("counts-u2.npy"), Wanted::default()).unwrap();
     assert_eq!((info.bytes, info.assumed), (96, true));
 }

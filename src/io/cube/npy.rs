@@ -170,21 +170,14 @@ fn finite<const N: usize, T: Copy + Default + Into<f64>>(
         };
         let [i, j, k, l] = place_of(arrangement.place(first + bad), arrangement.shape);
         let numbers: Vec<f64> = piece.iter().map(|sample| (*sample).into()).collect();
+        let [what, help] = layout.number.refusal();
         let help = match ByteOrder::of(&numbers, N, 1).is_some() {
             true => {
                 "the samples make sense with their bytes in the other order: numpy.save(path, a.view(a.dtype.newbyteorder()))"
             }
-            // Of integers, what double precision does not hold.
-            false if matches!(layout.number, Number::U64 | Number::I64) => {
-                "integers are at most 2^53, which double precision holds: array.astype(numpy.float64) rounds them"
-            }
-            false => "radiance must be finite; numpy.nan_to_num replaces NaN and infinity",
+            false => help,
         };
-        Err(place.invalid(
-            &format!("sample [{i}, {j}, {k}, {l}]"),
-            "the sample is not a finite number",
-            help,
-        ))
+        Err(place.invalid(&format!("sample [{i}, {j}, {k}, {l}]"), what, help))
     };
     if arrangement.is_plain() {
         return stored.samples(count, sample, check);

@@ -38,6 +38,20 @@ pub(super) fn exact_i64(n: i64) -> f64 {
 }
 
 impl Number {
+    /// What a sample of this type is that was loaded as NaN or infinity, and what to do.
+    pub fn refusal(self) -> [&'static str; 2] {
+        match self {
+            Number::U64 | Number::I64 => [
+                "the integer is beyond 2^53, up to which double precision holds all integers",
+                "array.astype(numpy.float64) rounds integers",
+            ],
+            _ => [
+                "the sample is not a finite number",
+                "radiance must be finite; numpy.nan_to_num replaces NaN and infinity",
+            ],
+        }
+    }
+
     /// Bytes in the file.
     pub fn stored(self) -> u64 {
         match self {

@@ -286,7 +286,8 @@ impl Pages {
             let bytes = &bytes[((from - begin) * size) as usize..((to - begin) * size) as usize];
             let mut samples = self.layout.number.samples(bytes, self.layout.big_endian);
             if let Some(bad) = samples.first_not_finite() {
-                return Err(Store::not_finite(&self.path, from + bad as u64));
+                let number = self.layout.number;
+                return Err(Store::not_finite(&self.path, number, from + bad as u64));
             }
             // Before the file's first sample there is nothing.
             if brick == 0 {

@@ -261,12 +261,9 @@ impl Selection {
 
     /// A sample that is no number, by its place in the cube.
     pub fn not_finite(path: &Path, [i, j, k, l]: [usize; 4]) -> Error {
-        Error::invalid(
-            path,
-            format!("sample [{i}, {j}, {k}, {l}]"),
-            "the sample is not a finite number",
-            "radiance must be finite; numpy.nan_to_num replaces NaN and infinity",
-        )
+        // Integers that are none are refused where they are decoded.
+        let [what, help] = Number::F64.refusal();
+        Error::invalid(path, format!("sample [{i}, {j}, {k}, {l}]"), what, help)
     }
 
     pub fn arrangement(&self, path: &Path) -> Result<Arrangement> {

@@ -231,14 +231,10 @@ impl Store {
         }
     }
 
-    /// A sample that is no number.
-    pub fn not_finite(path: &Path, sample: u64) -> Error {
-        Error::invalid(
-            path,
-            format!("sample {sample} of the file"),
-            "the sample is not a finite number",
-            "radiance must be finite; numpy.nan_to_num replaces NaN and infinity",
-        )
+    /// A sample of this type that is no number.
+    pub fn not_finite(path: &Path, number: Number, sample: u64) -> Error {
+        let [what, help] = number.refusal();
+        Error::invalid(path, format!("sample {sample} of the file"), what, help)
     }
 }
 
@@ -296,7 +292,7 @@ impl Places {
         number.decode(&self.bytes, big_endian, &mut self.run);
         match self.run.iter().position(|sample| !sample.is_finite()) {
             None => Ok(()),
-            Some(bad) => Err(Store::not_finite(path, (first + bad) as u64)),
+            Some(bad) => Err(Store::not_finite(path, number, (first + bad) as u64)),
         }
     }
 }

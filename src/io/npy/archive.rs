@@ -103,19 +103,26 @@ impl Stored<'_> {
                 "the archive claims {} bytes, more than it can hold",
                 self.length
             )
-        } else if self.length < expected {
-            format!(
-                "it is {} bytes long and should be {expected}: it is truncated",
-                self.length
-            )
         } else if self.length > expected {
             format!(
                 "it has {} bytes after the last sample",
                 self.length - expected
             )
         } else {
-            return Ok(());
+            return self.check_whole(expected);
         };
+        Err(self.place.invalid("samples", what, WRITE_AGAIN))
+    }
+
+    /// Refuses an array that ends before it has `expected` bytes, its header included.
+    fn check_whole(&self, expected: u64) -> Result<()> {
+        if self.length >= expected {
+            return Ok(());
+        }
+        let what = format!(
+            "it is {} bytes long and should be {expected}: it is truncated",
+            self.length
+        );
         Err(self.place.invalid("samples", what, WRITE_AGAIN))
     }
 }
@@ -170,7 +177,12 @@ pub(super) fn headers(
     file: &Path,
     array: Option<&str>,
 ) -> Result<Vec<Header>> {
-    let one = |stored: &mut Stored| Ok(header::read(stored.reader, &stored.place)?.0);
+    let one = |stored: &mut Stored| {
+        let (header, start) = stored.header()?;
+        let samples = header.bytes().unwrap_or(0);
+        stored.check_whole(start.saturating_add(samples))?;
+        Ok(header)
+    };
     if array.is_some() || !is_zip(reader, file)? {
         return Ok(vec![with_array(reader, file, array, one)?]);
     }

@@ -38,6 +38,20 @@ impl Dtype {
         kinds.contains(&kind)
     }
 
+    /// Bytes of a number, where [it is one](Dtype::is_number).
+    fn bytes(&self) -> Option<u64> {
+        match self {
+            Dtype::F16 => Some(2),
+            Dtype::F32 => Some(4),
+            Dtype::F64 => Some(8),
+            // The last digit of a type like "<u4".
+            Dtype::Other(descr) if self.is_number() => {
+                descr.chars().last()?.to_digit(10).map(u64::from)
+            }
+            Dtype::Other(_) => None,
+        }
+    }
+
     /// The largest number of an unsigned type, as it is read: `u8` in the range of `u4`.
     pub(crate) fn largest_unsigned(&self) -> Option<f64> {
         let Dtype::Other(descr) = self else {
@@ -66,6 +80,14 @@ pub struct Header {
     pub fortran_order: bool,
     /// Whether samples lie with their most significant byte first.
     pub big_endian: bool,
+}
+
+impl Header {
+    /// Bytes of all samples, as far as they are numbers.
+    pub(super) fn bytes(&self) -> Option<u64> {
+        let mut sizes = self.shape.iter();
+        sizes.try_fold(self.dtype.bytes()?, |n, size| n.checked_mul(*size as u64))
+    }
 }
 
 /// Reads magic, version and header; gives the header and how many bytes it took.

@@ -109,7 +109,6 @@ fn of_arrays_that_cannot_be_used_and_why() {
         ("two-channels.npy", "phasor film"),
         ("structured.npy", "cannot hold radiance"),
         ("sample-nan.npy", "not a finite number"),
-        ("truncated.npy", "truncated"),
         ("trailing-bytes.npy", "after the last sample"),
     ];
     for (name, why) in cases {
@@ -120,6 +119,31 @@ fn of_arrays_that_cannot_be_used_and_why() {
             data["arrays"][0]["problem"].as_str().unwrap().contains(why),
             "{name}"
         );
+    }
+}
+
+#[test]
+fn of_arrays_that_are_truncated_only_what_is_missing() {
+    let folder = Folder::new();
+    archive(&folder.path("a.npz"), &["one".into(), "two".into()]);
+    // A header that promises more than the member has.
+    let mut bytes = fs::read(folder.path("a.npz")).unwrap();
+    let shape = bytes.windows(9).rposition(|w| w == b"(1, 1, 3)").unwrap();
+    bytes[shape + 1] = b'9';
+    folder.write("a.npz", &bytes);
+    let file = repository("tests/data/invalid/truncated.npy");
+    for (file, words) in [
+        (
+            file.as_str(),
+            "it is 168 bytes long and should be 169: it is truncated",
+        ),
+        ("a.npz", "\"two\""),
+    ] {
+        let run = folder.run(&["info", file]);
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{file}");
+        let said = run.message();
+        assert!(said.contains(words) && said.contains("truncated"), "{said}");
+        assert_eq!(said.matches("error:").count(), 1, "{said}");
     }
 }
 

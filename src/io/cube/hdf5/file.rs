@@ -420,9 +420,20 @@ impl Kind {
         self.number.stored() as usize
     }
 
-    /// The numbers that `bytes` are; those that double precision does not hold are NaN.
-    fn decode(self, bytes: &[u8], to: &mut Vec<f64>) {
+    /// The numbers that `bytes` are.
+    ///
+    /// # Errors
+    /// Integers that double precision does not hold.
+    fn decode(self, bytes: &[u8], to: &mut Vec<f64>) -> hdf5_reader::error::Result<()> {
         self.number.decode(bytes, self.big_endian, to);
+        let is_whole = matches!(self.number, Number::I64 | Number::U64);
+        match is_whole && to.iter().any(|x| x.is_nan()) {
+            true => {
+                let [what, _] = self.number.refusal();
+                Err(hdf5_reader::error::Error::InvalidData(what.into()))
+            }
+            false => Ok(()),
+        }
     }
 }
 
@@ -492,7 +503,7 @@ impl H5Type for Sample {
     fn from_bytes(bytes: &[u8], datatype: &Datatype) -> hdf5_reader::error::Result<Self> {
         let mut numbers = Vec::with_capacity(1);
         if let Some(kind) = kind(datatype) {
-            kind.decode(bytes, &mut numbers);
+            kind.decode(bytes, &mut numbers)?;
         }
         let missing = || hdf5_reader::error::Error::InvalidData("this is not a number".into());
         numbers.first().copied().map(Sample).ok_or_else(missing)
@@ -510,7 +521,7 @@ impl H5Type for Sample {
         let kind = kind(datatype)?;
         let bytes = raw.get(..count.checked_mul(kind.bytes())?)?;
         let mut numbers = Vec::with_capacity(count);
-        kind.decode(bytes, &mut numbers);
-        Some(Ok(numbers.into_iter().map(Sample).collect()))
+        let decoded = kind.decode(bytes, &mut numbers);
+        Some(decoded.map(|()| numbers.into_iter().map(Sample).collect()))
     }
 }

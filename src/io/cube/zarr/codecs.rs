@@ -149,7 +149,9 @@ fn numbers(bytes: &[u8], number: Number, is_big: bool) -> Result<Vec<f64>, Broke
     };
     let is_whole = matches!(number, Number::I64 | Number::U64);
     match is_whole && numbers.iter().any(|x| x.is_nan()) {
-        true => Err("an integer is beyond 2⁵³, which double precision does not hold".into()),
+        true => {
+            Err("an integer is beyond 2^53, up to which double precision holds all integers".into())
+        }
         false => Ok(numbers),
     }
 }

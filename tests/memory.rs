@@ -241,9 +241,11 @@ fn a_bake_takes_what_it_says_and_in_half_precision_little_more_than_half_of_it()
         count: 400,
     };
     let [whole, half] = [CubePrecision::Single, CubePrecision::Half].map(|precision| {
-        // Of both sides: the backs of a plane are seen.
-        let sides = [size[0], 2 * size[1]];
-        let said = bake::bytes(sides, &bins, precision, rayon::current_num_threads());
+        let needs = bake::check_surface(&scene, &prepared, &surface, &bins, precision).unwrap();
+        // The backs of a plane are seen, and no light comes to them.
+        assert!(!needs.backs);
+        let threads = rayon::current_num_threads();
+        let said = bake::bytes(size, &bins, precision, threads) + needs.lists;
         let mut baked = None;
         let peak = counting::peak_of(|| {
             let cube =

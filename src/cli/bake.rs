@@ -29,6 +29,9 @@ struct Job {
     path: PathBuf,
     /// An object's surface; none for what the camera sees.
     surface: Option<Surface>,
+    /// Whether light may come to its back, and bytes of lists beside the cube, as far as they are known yet.
+    has_backs: bool,
+    lists: u64,
 }
 
 pub fn run(arguments: &BakeArguments) -> Result<()> {
@@ -39,18 +42,6 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
     let bins = bins(arguments, &scene)?;
     let mut jobs = jobs(arguments, &scene, named)?;
     let limit = arguments.scene.changes.memory.bytes();
-    // Of surfaces whose backs are seen, both sides.
-    let plain = arguments
-        .scene
-        .changes
-        .request(arguments.work.threads.count);
-    let objects = Plan::new(&scene, &plain)?.objects;
-    let size = |job: &Job| {
-        job.surface.map_or(scene.camera.size, |surface| {
-            let sides = 1 + u32::from(objects[surface.object].shows_backs(&scene));
-            [surface.size[0], sides * surface.size[1]]
-        })
-    };
     // Memory: each thread has a texel or tile of its own beside the cube.
     let threads = arguments
         .work
@@ -61,9 +52,14 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
         true => CubePrecision::Half,
         false => CubePrecision::Single,
     };
-    let bytes = |job| bake::bytes(size(job), &bins, precision, threads);
     let pixels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
-    let largest = jobs.iter().map(bytes).max();
+    let pixels_of = |job: &Job| pixels(job.size(&scene));
+    let largest = |jobs: &[Job]| {
+        let bytes = |job: &Job| {
+            bake::bytes(job.size(&scene), &bins, precision, threads).saturating_add(job.lists)
+        };
+        jobs.iter().map(bytes).max().unwrap_or(0)
+    };
     let request = Request {
         // Texture coordinates are loaded where a channel shows them.
         aovs: match arguments.camera {
@@ -71,40 +67,44 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
             false => vec![Aov::UvU],
         },
         memory_limit: limit,
-        beside: largest.unwrap_or(0),
+        // Whether light comes to backs is not known before models are loaded.
+        beside: largest(&jobs),
         // As many paths as so many pictures have.
-        pictures: jobs.iter().map(|job| pixels(size(job))).sum::<u64>() / pixels(scene.camera.size)
-            + 1,
-        ..plain
+        pictures: jobs.iter().map(pixels_of).sum::<u64>() / pixels(scene.camera.size) + 1,
+        ..arguments
+            .scene
+            .changes
+            .request(arguments.work.threads.count)
     };
-    let plan = Plan::new(&scene, &request)?;
+    let mut plan = Plan::new(&scene, &request)?;
     choose_coordinates(arguments, &plan, &mut jobs)?;
     let read = inputs::of(&scene, &plan);
     check_names(arguments, &jobs, &read)?;
     // Charts that overlap are refused before anything is baked, and so is a texture without room.
-    let check = |prepared: &Prepared| {
-        jobs.iter().try_for_each(|job| match &job.surface {
-            Some(surface) => bake::check_surface(&scene, prepared, surface),
+    let check = |prepared: &Prepared, jobs: &mut [Job]| {
+        jobs.iter_mut().try_for_each(|job| match &job.surface {
+            Some(surface) => {
+                let needs = bake::check_surface(&scene, prepared, surface, &bins, precision)?;
+                (job.has_backs, job.lists) = (needs.backs, needs.lists);
+                Ok(())
+            }
             None => bake::check_camera(&scene, prepared),
         })
     };
     if arguments.plan {
-        check(&Prepared::new(&scene, &plan, &Silent)?)?;
-        return print(&planned((&scene, &plan), &jobs, &size, &bins, precision));
+        check(&Prepared::new(&scene, &plan, &Silent)?, &mut jobs)?;
+        plan.memory.beside = largest(&jobs);
+        return print(&planned((&scene, &plan), &jobs, &bins, precision));
     }
     // A journal is gone on with only where all that it depends on is the same.
     let inputs = Inputs::read(read.get(1..).unwrap_or_default());
     let identity = Identity::new(&scene, &request, &Outputs::default(), &inputs);
     let quiet = arguments.work.quiet.on;
     in_pool(arguments.work.threads.count, || {
-        let samples = u64::from(plan.film.samples);
-        let texels = |[w, h]: [u32; 2]| u64::from(w) * u64::from(h) * samples;
-        let bar = Bar::new(jobs.iter().map(|job| texels(size(job))).sum(), quiet);
-        let prepared = Prepared::new(&scene, &plan, &bar)?;
-        if jobs.len() > 1 {
-            check(&prepared)?;
-        }
-        bar.start();
+        let prepared = Prepared::new(&scene, &plan, &Bar::new(0, true))?;
+        check(&prepared, &mut jobs)?;
+        let texels: u64 = jobs.iter().map(pixels_of).sum();
+        let bar = Bar::new(texels.saturating_mul(plan.film.samples.into()), quiet);
         for job in &jobs {
             let what = format!("baked {:?} {bins:?} {}", job.surface, plan.film.samples);
             let journal = Journal::open(&job.unfinished(), &identity.of_sums(&what))?;
@@ -207,6 +207,8 @@ fn jobs(arguments: &BakeArguments, scene: &Scene, named: Vec<usize>) -> Result<V
         return Ok(vec![Job {
             path,
             surface: None,
+            has_backs: false,
+            lists: 0,
         }]);
     }
     let objects = match named.is_empty() {
@@ -230,6 +232,8 @@ fn jobs(arguments: &BakeArguments, scene: &Scene, named: Vec<usize>) -> Result<V
             },
             size: arguments.texels,
         }),
+        has_backs: false,
+        lists: 0,
     };
     Ok(objects.into_iter().map(job).collect())
 }
@@ -335,6 +339,14 @@ fn check_names(arguments: &BakeArguments, jobs: &[Job], inputs: &[PathBuf]) -> R
 }
 
 impl Job {
+    /// Columns and rows of its cube, those of a back too.
+    fn size(&self, scene: &Scene) -> [u32; 2] {
+        let [columns, rows] = self
+            .surface
+            .map_or(scene.camera.size, |surface| surface.size);
+        [columns, rows * (1 + u32::from(self.has_backs))]
+    }
+
     /// The file of finished parts.
     fn unfinished(&self) -> PathBuf {
         let mut name = self.path.as_os_str().to_owned();
@@ -347,7 +359,6 @@ impl Job {
 fn planned(
     (scene, plan): (&Scene, &Plan),
     jobs: &[Job],
-    size: &impl Fn(&Job) -> [u32; 2],
     bins: &Bins,
     precision: CubePrecision,
 ) -> String {
@@ -357,9 +368,8 @@ fn planned(
         false => plan.of_surfaces().to_string(),
     };
     for job in jobs {
-        let [w, h] = size(job);
-        let seen = |surface: Surface| plan.objects[surface.object].shows_backs(scene);
-        let (rows, backs) = match job.surface.is_some_and(seen) {
+        let [w, h] = job.size(scene);
+        let (rows, backs) = match job.has_backs {
             true => (h / 2, ", and as many rows of backs if light comes to any"),
             false => (h, ""),
         };

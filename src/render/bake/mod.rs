@@ -21,7 +21,8 @@
 //! A camera's times are those of arrival: of emission at the surface, by the world's clock (or the object's own where all moves), plus η
 //! times the *distance* to the pinhole, as in mitransient with `camera_unwarp = false`, whose arrays (H, W, T, C) these are. A surface's times
 //! are those of emission, and its radiance is the diffuse part, which is the same for all directions. Where backs are seen, they have as many rows of their
-//! own behind those of fronts, at the same texture coordinates, unless no light comes to any of them.
+//! own behind those of fronts, at the same texture coordinates, unless no light comes to any of them. Where nothing that shines or reflects
+//! lies behind any triangle, none can come, and these rows take no memory and no time.
 
 mod camera;
 mod histogram;
@@ -30,7 +31,7 @@ mod stored;
 mod surface;
 
 pub use camera::{camera_cube, check_camera, eye};
-pub use surface::{Coordinates, Surface, check_surface, surface_cube};
+pub use surface::{Coordinates, Surface, SurfaceNeeds, check_surface, surface_cube};
 
 use self::part::Summary;
 use self::stored::Stored;
@@ -161,17 +162,24 @@ impl Baked {
 /// Parts of the samples of a texel: few, as samples of one part are spread more evenly, and the error is a mean over many texels.
 const PARTS: u32 = 2;
 
-/// Bytes of a cube of `size` (columns and rows, of both sides of a surface) and `bins`, and of what is summed at a time
-/// on this many threads.
+/// Bytes of a cube of `size` (columns and rows, of both sides of a surface that has [light on its back](SurfaceNeeds::backs)) and `bins`, and of
+/// what is summed at a time on this many threads.
 pub fn bytes(size: [u32; 2], bins: &Bins, precision: CubePrecision, threads: usize) -> u64 {
-    let texels = u64::from(size[0]) * u64::from(size[1]);
+    let [columns, rows] = size.map(u64::from);
+    let texels = columns * rows;
     let bins = bins.count as u64;
     // A tile of sums: two of three channels, two for the error, and those of wide pulses in half as many bins or fewer and as many impulses, each f64;
-    // and what it becomes.
-    let tile = u64::from(TILE * TILE).min(texels) * bins * (8 * 8 + 12 + 36);
+    // and what it becomes, and that as bytes of a journal. Of a row of texels, the sums of one.
+    let (sums, becomes) = (8 * 8 + 36, 2 * 12);
+    let tile = u64::from(TILE * TILE).min(texels) * (sums + becomes);
+    let row = sums + columns * becomes;
+    let part = bins.saturating_mul(tile.max(row));
+    // Beside its numbers, errors by row and bin, and whether texels are covered, twice.
     let each = 3 * precision.bytes();
     let cube = texels.saturating_mul(bins).saturating_mul(each);
-    cube.saturating_add(tile.saturating_mul(threads as u64))
+    let beside = rows.saturating_mul(8 * bins).saturating_add(2 * texels);
+    cube.saturating_add(beside)
+        .saturating_add(part.saturating_mul(threads as u64))
 }
 
 /// Refuses scenes whose light cannot be baked.

@@ -3,12 +3,14 @@
 use half::f16;
 use half::vec::HalfBitsVecExt;
 
+use super::CubePrecision;
 use crate::error::{Error, Result, Setting};
 use crate::io::cube::CubeSamples;
 use crate::scene::model::Scene;
 
 /// A number of a cube. A vector of defaults, zeros, takes no memory before it is written to.
 pub(super) trait Stored: Copy + Default + Send + Sync {
+    const PRECISION: CubePrecision;
     fn of(number: f32) -> Self;
     fn number(self) -> f32;
     fn samples(values: Vec<Self>) -> CubeSamples;
@@ -20,6 +22,8 @@ pub(super) trait Stored: Copy + Default + Send + Sync {
 }
 
 impl Stored for f32 {
+    const PRECISION: CubePrecision = CubePrecision::Single;
+
     fn of(number: f32) -> Self {
         number
     }
@@ -34,6 +38,8 @@ impl Stored for f32 {
 }
 
 impl Stored for u16 {
+    const PRECISION: CubePrecision = CubePrecision::Half;
+
     fn of(number: f32) -> Self {
         f16::from_f32(number).to_bits()
     }

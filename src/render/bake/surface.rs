@@ -42,8 +42,8 @@ pub enum Coordinates {
 /// The cube of the surface of an object by its texture coordinates; rows are kept in `journal`, where there is one.
 ///
 /// # Errors
-/// What [`check`] refuses, surfaces that shine for ever, bins without width or number, energies beyond 65504 in half precision, no texture coordinates, some outside [0, 1], charts that overlap, a texture too small for an atlas, I/O errors of the journal, and
-/// [`Error::Cancelled`] when `progress` says so.
+/// What [`check`] refuses, an object that the scene does not have, a texture without texels, surfaces that shine for ever, bins without width or number, energies beyond 65504 in half precision, no texture coordinates, some outside [0, 1], charts that overlap, a texture too small for an atlas,
+/// lists of triangles or light of backs that take more than [`memory_left`](Prepared::memory_left), which fronts are taken off already, I/O errors of the journal, and [`Error::Cancelled`] when `progress` says so.
 pub fn surface_cube(
     scene: &Scene,
     prepared: &Prepared,
@@ -69,12 +69,14 @@ fn cube<T: Stored>(
     progress: &dyn Progress,
 ) -> Result<Baked> {
     check(scene)?;
+    check_size(scene, surface)?;
     let [width, height] = surface.size.map(|n| n as usize);
     bins.check::<T>(scene, width * height)?;
     let paths = paths(scene, prepared)?;
-    let charts = Charts::new(scene, paths.rest, surface, prepared.memory_left)?;
-    // Rows of fronts, and those of backs behind them, where backs are seen.
-    let sides = 1 + usize::from(charts.has_backs());
+    let charts = Charts::new(scene, &paths, surface, prepared.memory_left)?;
+    charts.check_backs(bins, T::PRECISION)?;
+    // Rows of fronts, and those of backs behind them, where light may come to any.
+    let sides = 1 + usize::from(charts.has_lit_backs);
     // A row of texels is the part that a journal keeps, and that threads share out.
     bins.check::<T>(scene, width * sides * height)?;
     let row = width * bins.count * 3;
@@ -132,14 +134,55 @@ fn cube<T: Stored>(
     })
 }
 
-/// Refuses surfaces that [`surface_cube`] would, before any light is followed: most that overlap are found.
+/// What the cube of a surface takes beside the numbers of its fronts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct SurfaceNeeds {
+    /// Whether light may come to its back, which has as many rows of its own then.
+    pub backs: bool,
+    /// Bytes of the lists of triangles by texel.
+    pub lists: u64,
+}
+
+/// Refuses surfaces that [`surface_cube`] would, before any light is followed, most that overlap among them; of others, what the cube takes.
 ///
 /// # Errors
 /// As there, but for those of the journal.
-pub fn check_surface(scene: &Scene, prepared: &Prepared, surface: &Surface) -> Result<()> {
+pub fn check_surface(
+    scene: &Scene,
+    prepared: &Prepared,
+    surface: &Surface,
+    bins: &Bins,
+    precision: CubePrecision,
+) -> Result<SurfaceNeeds> {
     check(scene)?;
+    check_size(scene, surface)?;
     let paths = paths(scene, prepared)?;
-    Charts::new(scene, paths.rest, surface, prepared.memory_left).map(|_| ())
+    let charts = Charts::new(scene, &paths, surface, prepared.memory_left)?;
+    charts.check_backs(bins, precision)?;
+    Ok(SurfaceNeeds {
+        backs: charts.has_lit_backs,
+        lists: charts.bytes(),
+    })
+}
+
+/// Refuses an object that the scene does not have, and textures without texels.
+fn check_size(scene: &Scene, surface: &Surface) -> Result<()> {
+    let refuse = |place, what, help: &str| Err(Error::invalid(&scene.name, place, what, help));
+    let count = scene.objects.len();
+    if surface.object >= count {
+        let what = format!(
+            "there is no object {}: the scene has {count}",
+            surface.object
+        );
+        return refuse("object", what, "objects count from 0");
+    }
+    let [columns, rows] = surface.size;
+    if columns == 0 || rows == 0 {
+        let what = format!("a texture of {columns} × {rows} texels holds no light");
+        return refuse("texels", what, "at least one column and one row");
+    }
+    Ok(())
 }
 
 /// The triangles of an object on its texture.
@@ -147,9 +190,14 @@ struct Charts<'a> {
     scene: &'a Scene,
     object: &'a str,
     triangles: Vec<ChartTriangle>,
-    /// By texel, the triangles that may lie in it.
-    texels: Vec<Vec<u32>>,
+    /// By texel, where the triangles that may lie in it begin in `listed`; at last, where all end.
+    begins: Vec<u32>,
+    listed: Vec<u32>,
     size: [usize; 2],
+    /// Whether light may come to a back that is seen.
+    has_lit_backs: bool,
+    /// Bytes that are left beside it.
+    left: u64,
     /// What was made for it, by triangle of its mesh.
     atlas: Option<Vec<Corners>>,
 }
@@ -166,15 +214,19 @@ struct ChartTriangle {
 
 impl<'a> Charts<'a> {
     /// The triangles of the object, laid into its texture, and for each texel those that touch it, within so many bytes.
-    fn new(scene: &'a Scene, rest: &RestFrame, surface: &Surface, memory: u64) -> Result<Self> {
+    fn new(scene: &'a Scene, paths: &TimedPaths, surface: &Surface, memory: u64) -> Result<Self> {
+        let rest = paths.rest;
         let object = scene.objects[surface.object].name.as_str();
         let size = surface.size.map(|n| n as usize);
         let mut charts = Charts {
             scene,
             object,
             triangles: Vec::new(),
-            texels: vec![Vec::new(); size[0] * size[1]],
+            begins: Vec::new(),
+            listed: Vec::new(),
             size,
+            has_lit_backs: false,
+            left: memory,
             atlas: None,
         };
         // The frame's tree holds other objects at rest with it, too.
@@ -186,10 +238,6 @@ impl<'a> Charts<'a> {
         if surface.coordinates == Coordinates::Atlas {
             charts.atlas = Some(charts.made(rest, &slots, surface.size)?);
         }
-        let mut added = Added {
-            centres: vec![false; size[0] * size[1]],
-            left: memory,
-        };
         for slot in slots {
             let (triangle, _) = rest.bvh.triangle(slot);
             let patch = rest.patch(triangle);
@@ -206,9 +254,18 @@ impl<'a> Charts<'a> {
             };
             let (_, facing) = rest.bvh.triangle(slot);
             let has_back = facing == Facing::TwoSided && !patch.black_back;
-            charts.add(corners, ([triangle, slot], has_back), &mut added)?;
+            let scale = DVec2::new(size[0] as f64, size[1] as f64);
+            charts.triangles.push(ChartTriangle {
+                triangle,
+                slot,
+                corners: corners.map(|uv| uv * scale),
+                has_back,
+            });
         }
+        charts.list()?;
         charts.check_areas(rest)?;
+        let backs = charts.triangles.iter().filter(|t| t.has_back);
+        charts.has_lit_backs = paths.may_light_backs(backs.map(|t| t.slot));
         Ok(charts)
     }
 
@@ -236,9 +293,31 @@ impl<'a> Charts<'a> {
         Err(self.refuse(what, help))
     }
 
-    /// Whether there are backs that are seen.
-    fn has_backs(&self) -> bool {
-        self.triangles.iter().any(|triangle| triangle.has_back)
+    /// Refuses light of backs that takes more memory than is left.
+    fn check_backs(&self, bins: &Bins, precision: CubePrecision) -> Result<()> {
+        let [width, height] = self.size.map(|n| n as u32);
+        let of_sides =
+            |sides: u32| super::bytes([width, height.saturating_mul(sides)], bins, precision, 0);
+        let more = of_sides(2) - of_sides(1);
+        if !self.has_lit_backs || more <= self.left {
+            return Ok(());
+        }
+        let gigabytes = |bytes: u64| bytes as f64 / 1e9;
+        let what = format!(
+            "light may come to its back, whose rows take {:.3} GB: the limit leaves {:.3} GB beside those of its front",
+            gigabytes(more),
+            gigabytes(self.left)
+        );
+        let help = Message::from(
+            "fewer texels or bins, backs that are not seen (display.back_faces = \"black\"), or a higher ",
+        ) + Setting::MemoryLimit;
+        Err(self.refuse(what, help))
+    }
+
+    /// Bytes of its lists.
+    fn bytes(&self) -> u64 {
+        let listed = size_of::<u32>() * (self.begins.len() + self.listed.len());
+        (size_of::<ChartTriangle>() * self.triangles.len() + listed) as u64
     }
 
     /// An atlas of the object, whose triangles are in these slots: by triangle of its mesh.
@@ -303,47 +382,72 @@ impl<'a> Charts<'a> {
         Ok(corners)
     }
 
-    /// Adds a triangle by the coordinates of its corners.
+    /// Lists the triangles by the texels that they reach.
     ///
     /// # Errors
-    /// One that lies on another at the centre of a texel: most overlaps are found here, before any light is followed. More memory
+    /// Triangles that lie on others at the centre of a texel: most overlaps are found here, before any light is followed. More memory
     /// than is left.
-    fn add(
-        &mut self,
-        corners: [DVec2; 3],
-        ([triangle, slot], has_back): ([u32; 2], bool),
-        added: &mut Added,
-    ) -> Result<()> {
-        let scale = DVec2::new(self.size[0] as f64, self.size[1] as f64);
-        let triangle = ChartTriangle {
-            triangle,
-            slot,
-            corners: corners.map(|uv| uv * scale),
-            has_back,
-        };
-        let index = self.triangles.len() as u32;
-        for (i, columns) in triangle.reaches(self.size) {
-            // Lists grow by doubling.
-            let bytes = 2 * size_of::<u32>() as u64 * columns.len() as u64;
-            let Some(left) = added.left.checked_sub(bytes) else {
-                let what = "its charts reach so many texels that lists of them take more memory than the limit leaves";
-                let help = Message::from("fewer texels, or a higher ") + Setting::MemoryLimit;
-                return Err(self.refuse(what.into(), help));
-            };
-            added.left = left;
-            for j in columns {
-                let texel = i * self.size[0] + j;
-                self.texels[texel].push(index);
-                let centre = DVec2::new(j as f64 + 0.5, i as f64 + 0.5);
-                if triangle.barycentric(centre).is_some_and(is_inside)
-                    && std::mem::replace(&mut added.centres[texel], true)
-                {
-                    return Err(self.overlap(2, centre));
+    fn list(&mut self) -> Result<()> {
+        let texels = self.size[0] * self.size[1];
+        self.take(size_of::<ChartTriangle>() * self.triangles.len())?;
+        self.take(size_of::<u32>() * (texels + 1))?;
+        // How many reach each texel, and whether its centre is inside one.
+        self.begins = vec![0; texels + 1];
+        let mut centres = vec![false; texels];
+        for k in 0..self.triangles.len() {
+            for (i, columns) in self.triangles[k].reaches(self.size) {
+                self.take(size_of::<u32>() * columns.len())?;
+                for j in columns {
+                    let texel = i * self.size[0] + j;
+                    self.begins[texel] += 1;
+                    let centre = DVec2::new(j as f64 + 0.5, i as f64 + 0.5);
+                    if self.triangles[k].barycentric(centre).is_some_and(is_inside)
+                        && std::mem::replace(&mut centres[texel], true)
+                    {
+                        return Err(self.overlap(2, centre));
+                    }
                 }
             }
         }
-        self.triangles.push(triangle);
+        // Where the list of each texel ends, from where it is filled backwards, from the last triangle on.
+        let mut sum = 0u32;
+        for begin in &mut self.begins {
+            sum = match sum.checked_add(*begin) {
+                Some(sum) => sum,
+                None => return Err(self.too_long()),
+            };
+            *begin = sum;
+        }
+        self.listed = vec![0; sum as usize];
+        for (k, triangle) in self.triangles.iter().enumerate().rev() {
+            for (i, columns) in triangle.reaches(self.size) {
+                for begin in &mut self.begins[i * self.size[0]..][columns] {
+                    *begin -= 1;
+                    self.listed[*begin as usize] = k as u32;
+                }
+            }
+        }
         Ok(())
+    }
+
+    /// Takes so many bytes of those that are left.
+    fn take(&mut self, bytes: usize) -> Result<()> {
+        match self.left.checked_sub(bytes as u64) {
+            Some(left) => self.left = left,
+            None => return Err(self.too_long()),
+        }
+        Ok(())
+    }
+
+    fn too_long(&self) -> Error {
+        let what = "its charts reach so many texels that lists of them take more memory than the limit leaves";
+        let help = Message::from("fewer texels, or a higher ") + Setting::MemoryLimit;
+        self.refuse(what.into(), help)
+    }
+
+    /// The triangles that may lie in a texel.
+    fn reaching(&self, texel: usize) -> &[u32] {
+        &self.listed[self.begins[texel] as usize..self.begins[texel + 1] as usize]
     }
 
     /// The refusal of charts of which so many triangles share a point, in texels.
@@ -361,7 +465,7 @@ impl<'a> Charts<'a> {
     fn locate(&self, [j, i]: [usize; 2], point: DVec2, front: bool) -> Result<Option<Hit>> {
         let mut found = None;
         let mut inside = 0;
-        for index in &self.texels[i * self.size[0] + j] {
+        for index in self.reaching(i * self.size[0] + j) {
             let triangle = &self.triangles[*index as usize];
             let Some([u, v]) = triangle.barycentric(point) else {
                 continue;
@@ -453,14 +557,6 @@ fn place(triangle: u32, slot: u32, [u, v]: [f64; 2]) -> Hit {
 /// overlap only where a point is inside two.
 fn is_inside([u, v]: [f64; 2]) -> bool {
     u.min(v).min(1.0 - u - v) > 1e-6
-}
-
-/// What was added to charts so far.
-struct Added {
-    /// By texel, whether its centre is inside a triangle.
-    centres: Vec<bool>,
-    /// Bytes that are left.
-    left: u64,
 }
 
 impl ChartTriangle {

@@ -483,6 +483,67 @@ impl TimedPaths<'_> {
         found.map(|patch| patch.object)
     }
 
+    /// Whether light may come to the back of any of these triangles, by their slots: where one shines itself, or a lamp or a corner of what
+    /// shines or reflects lies behind its plane. Light arrives from the side on which it falls, whatever is in the way.
+    pub fn may_light_backs(&self, slots: impl Iterator<Item = u32>) -> bool {
+        /// Corners that are looked at: some 0.1 s. After so many, light may come.
+        const MOST: usize = 30_000_000;
+        /// Of the size of all, what rounding makes of corners in one plane.
+        const NEAR: f64 = 1e-12;
+        let bvh = &self.rest.bvh;
+        let Some((low, high)) = bvh.bounds() else {
+            return false;
+        };
+        let near = NEAR * low.abs().max(high.abs()).max_element();
+        let surfaces_light = self.bounces > 0 || self.light.areas.is_some();
+        let mut looks = 0;
+        for slot in slots {
+            let patch = self.rest.patch(bvh.triangle(slot).0);
+            let [a, b, c] = bvh.corners(slot);
+            if self.shines(patch).is_some_and(|own| own.factor != [0.0; 3]) {
+                return true;
+            }
+            // Others reflect nothing, and triangles without an area have no light.
+            let (Emitter::Lit { lamps, .. }, Some(back)) = (
+                &self.light.emitters[patch.emitter as usize].0,
+                (c - a).cross(b - a).try_normalize(),
+            ) else {
+                continue;
+            };
+            if self.is_lit_along(back, a, lamps) {
+                return true;
+            }
+            // The corner of the box around all that lies farthest behind, and else all corners.
+            let lies_behind = |p: DVec3| (p - a).dot(back) > near;
+            let farthest = DVec3::select(back.cmpgt(DVec3::ZERO), high, low);
+            if !surfaces_light || !lies_behind(farthest) {
+                continue;
+            }
+            looks += 3 * bvh.len();
+            let mut all = 0..bvh.len() as u32;
+            if looks > MOST || all.any(|slot| bvh.corners(slot).into_iter().any(lies_behind)) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Whether light of any of these lamps arrives at `x` on the side to which `normal` points.
+    fn is_lit_along(&self, normal: DVec3, x: DVec3, lamps: &[usize]) -> bool {
+        let event = Event::<Rest>::new(0.0, x);
+        let event = self.rest.frame.event_to_world(event);
+        let at = NullRay::new(event, Direction::from_unit(DVec3::X), self.light.index);
+        let lamps = lamps.iter().filter_map(|k| self.light.lamps[*k].as_ref());
+        let mut arrivals = lamps.map(|lamp| lamp.arrival_at_peak(&at, 0.0, self.light.index));
+        // Where it cannot be told, as at the place of the lamp, it may.
+        arrivals.any(|arrival| {
+            arrival.is_none_or(|(arrival, _)| {
+                let (l, _) = self.rest.frame.frame_from_world().direction(arrival.d);
+                l.unit().dot(normal) > 0.0
+            })
+        })
+    }
+
     /// The same of one that begins on a surface.
     fn first_diffuse(&self, path: usize, hit: Hit) -> Option<Vertex<'_>> {
         let [a, b, c] = self.rest.bvh.corners(hit.slot);

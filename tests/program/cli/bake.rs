@@ -145,7 +145,7 @@ fn an_archive_says_what_it_is_of_and_a_plan_what_it_takes() {
     ];
     let said = folder.ok(&[&bake[..], &["--plan", "-o", "a.npz"]].concat());
     assert!(
-        said.contains("a.npz: 32 rows × 64 columns × 150 bins, and as many rows of backs if light comes to any, 7.4 MB"),
+        said.contains("a.npz: 32 rows × 64 columns × 150 bins, 3.7 MB"),
         "{said}"
     );
     assert!(said.contains("memory"), "{said}");
@@ -311,6 +311,61 @@ fn lamp(height: f64, intensity: f64) -> String {
     LIGHT
         .replace("1.5", &height.to_string())
         .replace("intensity = 5", &format!("intensity = {intensity}"))
+}
+
+#[test]
+fn backs_take_memory_where_light_may_come_to_them() {
+    let folder = Folder::empty();
+    let above = "[[object]]\nname = \"above\"\nshape = { box = { size = [1, 0.5, 1] } }\n\
+                 transform = { translate = [0, 1, 0] }\n";
+    let below = above.replace("[0, 1, 0]", "[0, -1, 0]");
+    let bounces = "render = { bounces = 1 }\n";
+    let [up, down] = [lamp(1.5, 5.0), lamp(-1.5, 5.0)];
+    for (bounces, more, backs) in [
+        ("", up.clone(), false),
+        ("", format!("{up}{down}"), true),
+        // Only light that bounces comes from bodies, and only from those behind.
+        ("", format!("{up}{below}"), false),
+        (bounces, up.clone(), false),
+        (bounces, format!("{up}{above}"), false),
+        (bounces, format!("{up}{below}"), true),
+    ] {
+        folder.write("lit.toml", format!("{bounces}{FLASH}{more}"));
+        let bake = |memory: &'static str| {
+            let options = [
+                "--object=floor",
+                "--bin-width=10 cm",
+                "--bins=1000",
+                "--texels=256x256",
+            ];
+            let more = ["--plan", "--threads=1", "--max-memory", memory];
+            folder.run(&[&["bake", "lit.toml"], &options[..], &more].concat())
+        };
+        // The numbers of one side take 786 MB.
+        let run = bake("10 GB");
+        let words = "and as many rows of backs if light comes to any, 1572.9 MB";
+        let plan = if backs { words } else { "1000 bins, 786.4 MB" };
+        assert!(
+            run.stdout.contains(plan),
+            "{more}: {}{}",
+            run.stdout,
+            run.stderr
+        );
+        let run = bake("1200 MB");
+        let said = run.message();
+        assert_eq!(run.code, if backs { 2 } else { 0 }, "{more}: {said}");
+        assert!(
+            !backs || said.contains("light may come to its back"),
+            "{said}"
+        );
+        let run = bake("700 MB");
+        assert_eq!(run.code, 2, "{more}");
+        assert!(
+            run.message().contains("more than the limit"),
+            "{}",
+            run.stderr
+        );
+    }
 }
 
 #[test]

@@ -35,6 +35,7 @@ struct Job {
 }
 
 pub fn run(arguments: &BakeArguments) -> Result<()> {
+    check_effects(arguments)?;
     let scene = arguments.scene.load()?;
     // A wrong name is told before what is wrong with objects, which may be others.
     let named = named(arguments, &scene)?;
@@ -119,7 +120,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
                     "{} held parts of another bake (other options or another scene); starting over",
                     name.display()
                 );
-                warn(quiet, &[text])?;
+                warn(quiet, &[text]);
             }
             let (kept, bar) = (Some(&journal), &Kept(&bar));
             let baked = match &job.surface {
@@ -139,10 +140,12 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
             metadata.push(("source_table".into(), table.clone()));
             write(job, &metadata, bins.count, &baked)?;
             journal.remove()?;
-            let text = report((&scene, &plan), job, (&baked, &bins), &table);
+            let (text, warnings) = report((&scene, &plan), job, (&baked, &bins), &table);
             say(quiet, &text)?;
+            warn(quiet, &warnings);
         }
-        warn(quiet, &prepared.warnings)
+        warn(quiet, &prepared.warnings);
+        Ok(())
     })
 }
 
@@ -164,6 +167,41 @@ impl Progress for Kept<'_> {
     }
 }
 
+/// Refuses options that other commands share and that change nothing of what is baked.
+fn check_effects(arguments: &BakeArguments) -> Result<()> {
+    let changes = &arguments.scene.changes;
+    let picture = "a bake has no picture, whose brightness it would set";
+    let camera = "light on surfaces does not depend on the camera";
+    let on_surfaces = !arguments.camera;
+    let without_effect = [
+        (changes.exposure.is_some(), "--exposure", picture),
+        (changes.white.is_some(), "--white", picture),
+        (on_surfaces && changes.size.is_some(), "--size", camera),
+        (
+            on_surfaces && changes.pixel_centers,
+            "--pixel-centers",
+            camera,
+        ),
+        (
+            on_surfaces && changes.edits.time.is_some(),
+            "--time",
+            camera,
+        ),
+    ];
+    match without_effect.into_iter().find(|(is_given, ..)| *is_given) {
+        Some((_, option, why)) => {
+            let help = match option {
+                "--size" => {
+                    "--texels is the size of a surface's texture, and --camera bakes what the camera sees"
+                }
+                _ => "leave it out",
+            };
+            Err(refused(option, why, help))
+        }
+        None => Ok(()),
+    }
+}
+
 fn bins(arguments: &BakeArguments, scene: &Scene) -> Result<Bins> {
     let metres = |time: &nullray::spacetime::units::Time| time.metres(scene.speed_of_light);
     let bins = Bins {
@@ -174,6 +212,16 @@ fn bins(arguments: &BakeArguments, scene: &Scene) -> Result<Bins> {
     if !(bins.width > 0.0 && bins.width.is_finite()) {
         let what = "bins need a width above 0";
         return Err(refused("--bin-width", what, "like \"5 cm\""));
+    }
+    // Radiance 1 has the energy of a bin's width, for which f32 has all its digits from here on.
+    let least = f64::from(f32::MIN_POSITIVE);
+    if bins.width < least {
+        let what = format!(
+            "bins of {} m hold less energy than numbers of the file can say: radiance 1 has as many metres of it as a bin is wide",
+            number(bins.width)
+        );
+        let help = format!("{} m or more", number(least));
+        return Err(refused("--bin-width", what, &help));
     }
     // Bins that f64 can tell apart.
     let end = bins.start + bins.width * bins.count as f64;
@@ -412,15 +460,16 @@ fn write(job: &Job, metadata: &[(String, String)], bins: usize, baked: &Baked) -
     npz::write_cube_with(&job.path, &baked.cube, &options)
 }
 
-/// What was written, what is not in it, and how a scene uses it.
+/// What was written, and how a scene uses it; warnings of what is not in it.
 fn report(
     (scene, plan): (&Scene, &Plan),
     job: &Job,
     (baked, bins): (&Baked, &Bins),
     table: &str,
-) -> String {
+) -> (String, Vec<String>) {
     let [h, w, t, _] = baked.cube.shape;
-    let (energy, gloss) = (&baked.energy, gloss(plan, job));
+    let energy = &baked.energy;
+    let mut warnings: Vec<String> = gloss(plan, job).into_iter().collect();
     let seen = |surface: Surface| plan.objects[surface.object].shows_backs(scene);
     let backs_are_seen = job.surface.is_some_and(seen);
     let sides = match baked.backs {
@@ -437,45 +486,44 @@ fn report(
         "wrote {}: {h} rows × {w} columns × {t} bins{sides}\n",
         job.path.display()
     );
-    if let Some(gloss) = &gloss {
-        text += &format!("warning: {gloss}\n");
-    }
     let Some([from, to]) = energy.span else {
         let why = match (job.surface, backs_are_seen) {
             (None, _) => "no light arrives",
             // What was said of gloss is the reason.
-            (Some(_), _) if gloss.is_some() => "no diffuse light leaves it",
+            (Some(_), _) if !warnings.is_empty() => "no diffuse light leaves it",
             (Some(_), true) => "no diffuse light leaves its fronts or its backs",
             (Some(_), false) => {
                 "no diffuse light leaves its fronts, and its backs are not seen (display.back_faces = \"two_sided\")"
             }
         };
-        return text + &format!("warning: {why}: it is black\n");
+        warnings.push(format!("{why}: it is black"));
+        return (text, warnings);
     };
     let part = |energy: f64| 100.0 * energy / all;
     text += &format!("light arrives between {from:.6} m and {to:.6} m");
     if baked.is_dark() && energy.held > 0.0 {
-        text += "\nwarning: what falls into the bins is too little for the numbers of the file: they are dark";
+        let what =
+            "what falls into the bins is too little for the numbers of the file: they are dark";
+        warnings.push(what.into());
     } else if baked.is_dark() {
         let end = bins.start + bins.width * bins.count as f64;
-        text += &format!(
-            "\nwarning: none of it falls into the bins, which are from {} m to {} m: they are dark",
+        warnings.push(format!(
+            "none of its light falls into the bins, which are from {} m to {} m: they are dark",
             number(bins.start),
             number(end)
-        );
+        ));
     } else if energy.before > 1e-4 * all || energy.after > 1e-4 * all {
-        text += &format!(
-            "\nwarning: the bins miss {:.2} % of its energy before them and {:.2} % after them",
+        warnings.push(format!(
+            "the bins miss {:.2} % of its energy before them and {:.2} % after them",
             part(energy.before),
             part(energy.after)
-        );
+        ));
     }
     let error = 100.0 * baked.relative_error();
     if error.is_finite() {
         text += &format!("\nstandard error of a bin: {error:.2} % of the root mean square of all");
     }
-    text += "\n\n";
-    text + table
+    (text + "\n\n" + table, warnings)
 }
 
 /// What of the light of an object a texture does not hold: what it does not reflect diffusely.

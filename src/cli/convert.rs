@@ -31,7 +31,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
     };
     let info = cube::inspect(&arguments.input, wanted)?;
     if !arguments.quiet.on {
-        warn(false, &info.remarks)?;
+        warn(false, &info.remarks);
     }
     // Refusals come before the first sample is read.
     let times = Times::of(arguments)?;
@@ -255,14 +255,14 @@ fn report(arguments: &ConvertArguments, converted: &Converted, times: &Times) ->
         let warning = format!(
             "times are those of arrival at the sensor, as in the input; --unwarp {input} subtracts the path from each point"
         );
-        warn(false, [&warning])?;
+        warn(false, [&warning]);
     }
     if converted.dropped != 0.0 {
         let warning = format!(
             "samples of pixels without a distance were left out; their sum is {}",
             converted.dropped
         );
-        warn(false, [&warning])?;
+        warn(false, [&warning]);
     }
     Ok(())
 }

@@ -74,5 +74,6 @@ fn report(arguments: &ExportArguments, exported: &Exported) -> Result<()> {
         bundle.files.len() + 1,
         plan::bytes(bytes),
     ))?;
-    warn(false, &exported.warnings)
+    warn(false, &exported.warnings);
+    Ok(())
 }

@@ -37,7 +37,7 @@ pub fn one(
     let mut rendered = film(scene, &plan, &outputs.method, quiet, account)?;
     let times = times(outputs, scene, &mut rendered.prepared, quiet)?;
     outputs.write(scene, &rendered.film, times.as_ref(), quiet)?;
-    warn(quiet, &outputs.beyond_precision(&rendered.film))?;
+    warn(quiet, &outputs.beyond_precision(&rendered.film));
     rendered.remark(scene, plan.rays.camera, quiet)?;
     let Rendered { film, prepared, .. } = &mut rendered;
     overlay::write(outputs, scene, film, prepared, quiet)
@@ -110,7 +110,8 @@ impl Rendered {
         say(quiet, &remarks::enclosed(scene, &self.prepared))?;
         say(quiet, &times)?;
         say(quiet, &shift)?;
-        warn(quiet, &self.warnings)
+        warn(quiet, &self.warnings);
+        Ok(())
     }
 }
 
@@ -128,7 +129,7 @@ pub fn film(
     let misfits = survey::misfits(scene, &mut prepared);
     prepared.warnings.extend(misfits);
     let prepared_in = start.elapsed().as_secs_f64();
-    warn(quiet, &std::mem::take(&mut prepared.warnings))?;
+    warn(quiet, &std::mem::take(&mut prepared.warnings));
     bar.start();
     if let Some(account) = account.as_deref_mut() {
         account.prepared(Preparation {

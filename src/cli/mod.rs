@@ -146,10 +146,11 @@ fn say(quiet: bool, text: &str) -> Result<()> {
     if quiet { Ok(()) } else { print(text) }
 }
 
-/// Prints warnings unless `quiet`.
-fn warn<'a>(quiet: bool, warnings: impl IntoIterator<Item = &'a String>) -> Result<()> {
-    let mut warnings = warnings.into_iter();
-    warnings.try_for_each(|text| say(quiet, &format!("warning: {}\n", info::escaped(text))))
+/// Writes warnings to standard error unless `quiet`.
+fn warn<'a>(quiet: bool, warnings: impl IntoIterator<Item = &'a String>) {
+    for text in warnings.into_iter().filter(|_| !quiet) {
+        complain(&format!("warning: {}\n", info::escaped(text)));
+    }
 }
 
 /// Prints `value` as JSON.

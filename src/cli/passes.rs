@@ -70,7 +70,7 @@ pub fn one(
     let prepared_in = began.elapsed().as_secs_f64();
     let misfits = survey::misfits(scene, &mut prepared);
     prepared.warnings.extend(misfits);
-    warn(quiet, &std::mem::take(&mut prepared.warnings))?;
+    warn(quiet, &std::mem::take(&mut prepared.warnings));
     let mut work = Work {
         passes: Passes::new(&prepared, wanted.error),
         scene,
@@ -128,7 +128,7 @@ impl Work<'_> {
                     "{} held passes of another picture (other options or another scene); starting over",
                     self.sums.display()
                 );
-                warn(self.quiet, &[text])?;
+                warn(self.quiet, &[text]);
             }
             // What was read of another's sums is forgotten.
             self.passes = Passes::new(prepared, self.wanted.error);
@@ -192,7 +192,7 @@ impl Work<'_> {
         }
         let times = times(outputs, scene, &mut rendered.prepared, quiet)?;
         outputs.write(scene, &rendered.film, times.as_ref(), quiet)?;
-        warn(quiet, &outputs.beyond_precision(&rendered.film))?;
+        warn(quiet, &outputs.beyond_precision(&rendered.film));
         let (passes, error) = (self.passes.done(), 100.0 * self.passes.error());
         let of_pixels = format!("{error:.3} % of the mean radiance (root mean square over pixels)");
         // Of an error that was asked for, what was asked: that of tiles, which is less than that of pixels.
@@ -206,7 +206,7 @@ impl Work<'_> {
         };
         say(quiet, &text)?;
         match is_left {
-            true => say(quiet, &self.missing())?,
+            true => warn(quiet, [&self.missing()]),
             false => remove(&self.sums)?,
         }
         rendered.remark(scene, self.rays, quiet)?;
@@ -218,8 +218,8 @@ impl Work<'_> {
     fn missing(&self) -> String {
         let error = 100.0 * self.wanted.error.unwrap_or_default();
         format!(
-            "warning: {} tiles have not reached an error of {error} % yet: run the same command again to continue from {}; light that only a few \
-             of many paths find, as through mirrors and glass from small lamps, may never converge\n",
+            "{} tiles have not reached an error of {error} % yet: run the same command again to continue from {}; light that only a few \
+             of many paths find, as through mirrors and glass from small lamps, may never converge",
             self.passes.unsettled(),
             self.sums.display()
         )

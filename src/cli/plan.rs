@@ -51,7 +51,7 @@ pub fn run(arguments: &PlanArguments) -> Result<()> {
     if (1..=LOOKED_INTO).contains(&bytes) && !arguments.json.on {
         let mut prepared = Prepared::new(&scene, &plan, &Silent)?;
         let misfits = survey::misfits(&scene, &mut prepared);
-        warn(false, prepared.warnings.iter().chain(&misfits))?;
+        warn(false, prepared.warnings.iter().chain(&misfits));
     }
     let is_timed = |light: &Light| match &light.kind {
         LightKind::Lamp(lamp) => lamp.emission != EmissionProfile::Steady,

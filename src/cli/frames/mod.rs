@@ -355,10 +355,11 @@ impl Sequence<'_> {
         ))?;
         let stamps = [&self.scene_file, &self.inputs.stamp];
         if let Some(path) = stamps.into_iter().find_map(Stamp::changed) {
-            self.say(&format!(
-                "warning: {} has changed since: all frames show it as it was when the sequence began\n",
+            let text = format!(
+                "{} has changed since: all frames show it as it was when the sequence began",
                 path.display()
-            ))?;
+            );
+            warn(self.job.quiet, [&text]);
         }
         if done.black > 1 {
             self.say(&format!(
@@ -373,9 +374,10 @@ impl Sequence<'_> {
             1 => format!("{text} (and the same of one more frame)"),
             more => format!("{text} (and the same of {} more frames)", counted(more)),
         });
-        warn(self.job.quiet, &limited.collect::<Vec<_>>())?;
+        warn(self.job.quiet, &limited.collect::<Vec<_>>());
         let warnings = self.prepared.iter().flat_map(|p| &p.warnings);
-        warn(self.job.quiet, warnings)
+        warn(self.job.quiet, warnings);
+        Ok(())
     }
 }
 

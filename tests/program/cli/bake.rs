@@ -217,11 +217,11 @@ fn bins_that_miss_light_say_how_much() {
         "--bins=14",
         "--texels=8x8",
     ]);
-    assert!(said.starts_with("wrote lit-light.npz"), "{said}");
     assert!(
-        said.contains("warning: the bins miss 0.00 % of its energy before them"),
+        said.starts_with("warning: the bins miss 0.00 % of its energy before them"),
         "{said}"
     );
+    assert!(said.contains("wrote lit-light.npz"), "{said}");
     // Of bins before all light there is no error, but a word on when it comes.
     let early = [
         "--start=-9 m",
@@ -231,8 +231,7 @@ fn bins_that_miss_light_say_how_much() {
         "--spp=4",
     ];
     let said = folder.ok(&[&["bake", "lit.toml", "-o", "early.npz"], &early[..]].concat());
-    let words =
-        "warning: none of it falls into the bins, which are from -9 m to -7.6 m: they are dark";
+    let words = "warning: none of its light falls into the bins, which are from -9 m to -7.6 m: they are dark";
     assert!(
         said.contains("light arrives between") && said.contains(words),
         "{said}"
@@ -247,23 +246,28 @@ fn bins_that_miss_light_say_how_much() {
     let said = folder.ok(&[
         "bake",
         "lit.toml",
-        "--bin-width=1e-300 m",
+        "--bin-width=1e-36 m",
         "--bins=256",
         "--texels=2x2",
         "--spp=1",
         "-o=small.npz",
     ]);
     for words in [
-        "from 0 m to 2.56e-298 m: they are dark",
-        "bin_width = \"1e-300 m\"",
+        "from 0 m to 2.56e-34 m: they are dark",
+        "bin_width = \"1e-36 m\"",
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }
     let said = folder.ok(&["info", "small.npz"]);
-    assert!(said.contains("256 of 1e-300 m from 0 m"), "{said}");
-    let run = folder.run(&["bake", "lit.toml", "--bin-width=0 m"]);
-    assert_eq!(run.code, 2);
-    assert!(run.message().contains("width above 0"), "{}", run.stderr);
+    assert!(said.contains("256 of 1e-36 m from 0 m"), "{said}");
+    for (width, words) in [
+        ("0 m", "width above 0"),
+        ("1e-300 m", "less energy than numbers of the file can say"),
+    ] {
+        let run = folder.run(&["bake", "lit.toml", "--bin-width", width]);
+        assert_eq!(run.code, 2);
+        assert!(run.message().contains(words), "{}", run.stderr);
+    }
     folder.write("dark.toml", FLASH);
     let run = folder.run(&["bake", "dark.toml", "--bin-width=1 cm"]);
     assert_eq!(run.code, 2);
@@ -364,6 +368,35 @@ fn backs_take_memory_where_light_may_come_to_them() {
             run.message().contains("more than the limit"),
             "{}",
             run.stderr
+        );
+    }
+}
+
+#[test]
+fn options_that_change_nothing_of_what_is_baked_are_refused() {
+    let folder = Folder::empty();
+    folder.write("lit.toml", FLASH.to_string() + LIGHT);
+    for (options, words) in [
+        (["--object=floor", "--size=8x8"], "--texels"),
+        (
+            ["--object=floor", "--pixel-centers"],
+            "does not depend on the camera",
+        ),
+        (
+            ["--object=floor", "--time=1 m"],
+            "does not depend on the camera",
+        ),
+        (["--object=floor", "--white=2"], "no picture"),
+        (["--camera", "--white=2"], "no picture"),
+        (["--camera", "--exposure=90 %"], "no picture"),
+        (["--camera", "--texels=8x8"], "cannot be used with"),
+    ] {
+        let run = folder.run(&[&["bake", "lit.toml", "--bin-width=1 m"], &options[..]].concat());
+        assert_eq!(run.code, 2, "{options:?}");
+        let said = run.message();
+        assert!(
+            said.contains(words) && said.contains(options[1].split('=').next().unwrap()),
+            "{said}"
         );
     }
 }

@@ -114,12 +114,22 @@ impl Folder {
         Run::of(self.command(arguments).output().unwrap())
     }
 
-    /// What a successful run prints.
+    /// What a successful run prints, and its warnings before that.
     fn ok(&self, arguments: &[&str]) -> String {
         let run = self.run(arguments);
         assert_eq!(run.code, 0, "{arguments:?}: {}", run.stderr);
-        assert_eq!(run.stderr, "", "{arguments:?}");
-        run.stdout
+        let is_warning = |line: &str| line.starts_with("warning: ");
+        assert!(
+            run.stderr.lines().all(is_warning),
+            "{arguments:?}: {}",
+            run.stderr
+        );
+        assert!(
+            !run.stdout.lines().any(is_warning),
+            "{arguments:?}: {}",
+            run.stdout
+        );
+        run.stderr + &run.stdout
     }
 }
 

@@ -552,6 +552,27 @@ fn what_is_not_read_is_named_once() {
 }
 
 #[test]
+fn extensions_that_a_file_uses_and_does_not_declare_are_named_too() {
+    let text = format!(
+        r#"{{"asset": {{"version": "2.0"}}, "extensionsUsed": ["ABC_declared"], "nodes": [{{"mesh": 0, "extensions": {{
+        "ABC_declared": {{}}, "XYZ_own": {{"extensions": {{"XYZ_inner": {{}}}}}}, "KHR_node_visibility": {{"visible": true}}}},
+        "extras": {{"extensions": {{"XYZ_extra": {{}}}}}}}}], {}}}"#,
+        point()
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.gltf");
+    std::fs::write(&path, text).unwrap();
+    let warnings = gltf::inspect(&path, None).unwrap().warnings;
+    let own = |name: &str| {
+        format!(
+            "extensions: the extension \"{name}\", which extensionsUsed lacks, is not supported"
+        )
+    };
+    let declared = "extensionsUsed: the extension \"ABC_declared\" is not supported".to_owned();
+    assert_eq!(warnings, [declared, own("XYZ_inner"), own("XYZ_own")]);
+}
+
+#[test]
 fn texture_coordinates_and_colours_without_data_are_zeros() {
     let text = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}}]}],

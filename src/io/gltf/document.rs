@@ -9,23 +9,9 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use super::container::{self, Storage};
+use super::extensions::{self, UNDERSTOOD};
 use crate::error::{Error, Message, Result};
 use crate::io::open::open_regular;
-
-/// The extensions that may be required: what this program reads is complete without the others,
-/// or with these.
-const UNDERSTOOD: [&str; 10] = [
-    "EXT_mesh_gpu_instancing",
-    "KHR_lights_punctual",
-    "KHR_node_visibility",
-    "KHR_texture_transform",
-    "KHR_mesh_quantization",
-    "KHR_materials_unlit",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_transmission",
-    "KHR_materials_ior",
-    "KHR_materials_volume",
-];
 
 /// A parsed glTF document.
 pub(super) struct Document<'a> {
@@ -36,8 +22,10 @@ pub(super) struct Document<'a> {
     pub root: Root,
     /// Animation and channel of each channel without a node, which are left out of `root`.
     pub without_node: Vec<[usize; 2]>,
-    /// The extensions that the file says anywhere that it uses.
+    /// The extensions that the file says that it uses.
     used: BTreeSet<String>,
+    /// Those that its parts name.
+    named: BTreeSet<String>,
     /// Where the binary chunk lies in `storage`: offset and length.
     pub bin: Option<(u64, u64)>,
     pub storage: Box<dyn Storage + 'a>,
@@ -68,6 +56,7 @@ impl<'a> Document<'a> {
             file: file.to_path_buf(),
             directory: None,
             used: used.cloned().collect(),
+            named: extensions::named(&container.json),
             root,
             without_node,
             bin: container.bin,
@@ -111,13 +100,19 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// The extensions that the file uses and that are not read, each once.
-    pub fn unread_extensions(&self) -> BTreeSet<&str> {
-        let used = self.root.extensions_used.iter().map(String::as_str);
-        used.filter(|name| !UNDERSTOOD.contains(name)).collect()
+    /// The extensions that the file uses and that are not read, each once, and whether it says that it uses them.
+    pub fn unread_extensions(&self) -> impl Iterator<Item = (&str, bool)> {
+        let declared = self.root.extensions_used.iter();
+        let declared: BTreeSet<&str> = declared.map(String::as_str).collect();
+        let unread = |name: &&str| !UNDERSTOOD.contains(name);
+        let others = self.named.iter().map(String::as_str);
+        let others = others.filter(|name| !self.uses(name));
+        let others: Vec<&str> = others.filter(unread).collect();
+        let declared = declared.into_iter().filter(unread);
+        (declared.map(|name| (name, true))).chain(others.into_iter().map(|name| (name, false)))
     }
 
-    /// Whether the file says anywhere that it uses this extension.
+    /// Whether the file says that it uses this extension.
     pub fn uses(&self, extension: &str) -> bool {
         self.used.contains(extension)
     }

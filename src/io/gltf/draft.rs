@@ -77,10 +77,20 @@ pub(crate) const ANIMATIONS_UNREAD: &str =
 
 /// Says what of the file is passed over as a whole.
 fn warn_of_unread(document: &Document, placed: &[Placed], warnings: &mut Warnings) {
-    let mut unread = document.unread_extensions().into_iter();
-    for name in unread.by_ref().take(MOST_NAMED) {
-        let what = format!("the extension {:?} is not supported", shortened(name));
-        warnings.add(what, "extensionsUsed");
+    let mut unread = document.unread_extensions();
+    for (name, is_declared) in unread.by_ref().take(MOST_NAMED) {
+        let name = shortened(name);
+        let (place, what) = match is_declared {
+            true => (
+                "extensionsUsed",
+                format!("the extension {name:?} is not supported"),
+            ),
+            false => (
+                "extensions",
+                format!("the extension {name:?}, which extensionsUsed lacks, is not supported"),
+            ),
+        };
+        warnings.add(what, place);
     }
     let more = unread.count();
     if more > 0 {

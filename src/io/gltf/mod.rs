@@ -23,6 +23,7 @@ mod camera;
 mod container;
 mod document;
 mod draft;
+mod extensions;
 pub(crate) mod glb;
 mod images;
 mod import;

@@ -86,11 +86,12 @@ pub fn parse(text: &str, path: &Path) -> Result<Vec<[f64; 2]>> {
         };
         // Bounds so far off that nobody means more, and so near that products stay finite.
         if !(nanometres > 0.0 && nanometres <= 1e30) {
-            let what = format!("a wavelength of {nanometres} nm is not above 0 and finite");
+            let what =
+                format!("a wavelength of {nanometres:?} nm is not above 0 and at most 1e30 nm");
             return refuse(what, FORM);
         }
         if !(0.0..=1e30).contains(&value) {
-            let what = format!("a value of {value} is not finite and at least 0");
+            let what = format!("a value of {value:?} is not from 0 to 1e30");
             return refuse(what, FORM);
         }
         if let Some([before, _]) = rows.last()

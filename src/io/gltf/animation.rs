@@ -269,14 +269,20 @@ fn read(
             values[at as usize] = [x, y, z, 0.0];
         })?,
     }
-    let ascending = times.windows(2).all(|pair| pair[0] < pair[1]);
-    let finite = times
-        .iter()
-        .chain(values.as_flattened())
-        .all(|v| v.is_finite());
-    if !ascending || !finite {
-        let what = "its times do not ascend, or a number is not finite";
-        return Err(document.invalid(place, what, "export the animation again"));
+    let refuse = |what: String| Err(document.invalid(place, what, "export the animation again"));
+    if let Some(key) = times.iter().position(|time| !time.is_finite()) {
+        return refuse(format!("the time of key {key} is {}", times[key]));
+    }
+    if let Some(key) = times.windows(2).position(|pair| pair[0] >= pair[1]) {
+        let (before, after) = (times[key], times[key + 1]);
+        let next = key + 1;
+        return refuse(format!(
+            "its times do not ascend: key {key} is at {before} s, and key {next} at {after} s"
+        ));
+    }
+    let is_finite = |value: &[f64; 4]| value.iter().all(|v| v.is_finite());
+    if let Some(number) = values.iter().position(|value| !is_finite(value)) {
+        return refuse(format!("its value {number} is not finite"));
     }
     Ok(Channel {
         node,

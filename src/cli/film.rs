@@ -99,11 +99,13 @@ impl Rendered {
         say(quiet, &remarks::coverage(&self.film))?;
         // These look at the scene again, which is worth its time only where nothing is seen.
         let is_black = remarks::is_black(&self.film);
-        let (mut times, mut shift) = (String::new(), String::new());
-        if is_black {
-            times = remarks::times(scene, &mut self.prepared);
-            shift = remarks::shift(scene, &self.prepared);
-        }
+        let (times, shift) = match is_black {
+            true => (
+                remarks::times(scene, &mut self.prepared),
+                remarks::shift(scene, &self.prepared),
+            ),
+            false => (String::new(), remarks::shifted(scene, &self.prepared)),
+        };
         let blackness = remarks::blackness(scene, &self.film, !shift.is_empty());
         say(quiet, &blackness)?;
         say(quiet, &remarks::only_sky(scene, &self.film))?;

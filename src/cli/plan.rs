@@ -12,7 +12,7 @@ use nullray::scene::model::{EmissionProfile, Light, LightKind, Source, SourceKin
 use super::args::PlanArguments;
 use super::flags::with_flags;
 use super::progress::Bar;
-use super::{builtin, print, print_json, warn, with_short_lines};
+use super::{builtin, print, print_json, remarks, warn, with_short_lines};
 
 /// The most bytes of cubes that a plan reads, to say where light in view misses their times; larger ones are looked into by `render`.
 const LOOKED_INTO: u64 = 256 << 20;
@@ -71,6 +71,7 @@ pub fn run(arguments: &PlanArguments) -> Result<()> {
             plan.notes.extend(moments.iter().map(with_flags));
         }
     }
+    plan.notes.extend(remarks::will_be_shifted(&scene)?);
     match arguments.json.on {
         true => print_json(&plan),
         false => print(&with_short_lines(&plan.to_string())),

@@ -1,6 +1,7 @@
 //! Remarks on a finished picture.
 
-use nullray::colour::Spectrum;
+use nullray::Result;
+use nullray::colour::{Continuation, Spectrum};
 use nullray::light::time_texture::Coverage;
 use nullray::render::film::Film;
 use nullray::render::plan;
@@ -77,20 +78,99 @@ pub fn times(scene: &Scene, prepared: &mut Prepared) -> String {
     moments.map(|text| with_flags(&text) + "\n").collect()
 }
 
+/// The W = λ′/λ at which some of the spectra of colours, from 360 to 830 nm, is seen.
+fn seen_ratios(scene: &Scene) -> [f64; 2] {
+    let seen = scene.false_colour.map_or(1.0, |shown| shown / GREEN);
+    let across = 830.0 / 360.0;
+    [seen / across, seen * across]
+}
+
+/// The wavelength of false colours, metres: that which is shown looks as this one.
+const GREEN: f64 = 555e-9;
+
+/// Whether colours stand for spectra that a Doppler shift can take out of sight.
+fn has_colours(scene: &Scene) -> bool {
+    let of_sky = |sky: &Sky| match sky.background {
+        SkyRadiance::Uniform(radiance) => radiance != [0.0; 3] || sky.sun.is_some(),
+        SkyRadiance::Spectrum(_) => sky.sun.is_some(),
+        SkyRadiance::Gradient { .. } | SkyRadiance::Image { .. } => true,
+    };
+    scene.quantity == Quantity::Rgb
+        && scene.effects.doppler
+        && (scene.objects.iter().any(|object| object.spectrum.is_none())
+            || scene.sky.as_ref().is_some_and(of_sky))
+}
+
+/// That all light in view left out of sight, where a picture shows something of it all the same; empty otherwise.
+pub fn shifted(scene: &Scene, prepared: &Prepared) -> String {
+    if !has_colours(scene) {
+        return String::new();
+    }
+    let range = survey::wavelength_ratios_outside(prepared, seen_ratios(scene));
+    range.map_or(String::new(), |range| {
+        out_of_sight(scene, range, false) + "\n"
+    })
+}
+
+/// That all light will come from out of sight, whatever is in view, where that is known.
+pub fn will_be_shifted(scene: &Scene) -> Result<Option<String>> {
+    if !has_colours(scene) {
+        return Ok(None);
+    }
+    let range = survey::camera_ratios_outside(scene, seen_ratios(scene))?;
+    Ok(range.map(|range| out_of_sight(scene, range, false)))
+}
+
+/// Where the light in view goes and comes from that is seen with these W, all of which take visible light out of sight.
+fn out_of_sight(scene: &Scene, [low, high]: [f64; 2], is_black: bool) -> String {
+    // What is visible, metres.
+    let (violet, red) = (380e-9, 780e-9);
+    let seen = scene.false_colour.map_or(1.0, |shown| shown / GREEN);
+    let middle = (low * high).sqrt();
+    let made_up = match scene.continuation {
+        Continuation::Dark => "dark",
+        Continuation::Edge => "made up as constant",
+        Continuation::Blackbody => "made up by Planck's law at 6504 K",
+        Continuation::Companions => "dark but for infrared and ultraviolet channels",
+    };
+    let shown = match is_black {
+        true => "what would be seen",
+        false => "what is seen, however bright it is shown,",
+    };
+    let ratios = match [short(low), short(high)] {
+        [low, high] if low == high => low,
+        [low, high] => format!("{low} to {high}"),
+    };
+    format!(
+        "W = {ratios} shifts visible light to {}, out of sight; {shown} left at {}, where colours are {made_up} \
+         (radiance.continuation): try display.false_colour = \"{} nm\", or radiance.quantity = \"luminance\", which keeps hues",
+        span([low * violet, high * red]),
+        span([violet * seen / high, red * seen / low]),
+        short(middle * GREEN * 1e9),
+    )
+}
+
+/// Two wavelengths, metres, in a unit in which they are good to read.
+fn span(wavelengths: [f64; 2]) -> String {
+    let (unit, name) = match wavelengths[1] {
+        most if most < 10e-6 => (1e-9, "nm"),
+        most if most < 10e-3 => (1e-6, "µm"),
+        _ => (1.0, "m"),
+    };
+    let [from, to] = wavelengths.map(|wavelength| short(wavelength / unit));
+    format!("{from} to {to} {name}")
+}
+
 /// That all light in view is shifted out of sight, if it is; empty otherwise.
 pub fn shift(scene: &Scene, prepared: &Prepared) -> String {
     if scene.quantity != Quantity::Rgb || !scene.effects.doppler {
         return String::new();
     }
-    // From one end of what is visible to the other.
-    let across = 830.0 / 360.0;
+    let [least, most] = seen_ratios(scene);
     let mut text = match survey::wavelength_ratios(prepared) {
-        Some([low, high]) if low > across || high < across.recip() => format!(
-            "all light in view has {} to {} times the wavelength that it left with, so that nothing visible stays visible: \
-             see display.false_colour, radiance.continuation and effects.doppler\n",
-            short(low),
-            short(high)
-        ),
+        Some([low, high]) if low > most || high < least => {
+            out_of_sight(scene, [low, high], true) + "\n"
+        }
         Some(range) => unseen_spectra(scene, range),
         None => String::new(),
     };

@@ -154,6 +154,9 @@ struct Done {
     black: u64,
     /// Of the first black frame.
     remark: String,
+    /// Frames of whose light nothing left in sight, and what is said of the first of them.
+    shifted: u64,
+    shift: String,
     /// Frames that the precision of a file does not hold, and what is said of the first of them.
     beyond_precision: u64,
     limited: Option<String>,
@@ -315,6 +318,13 @@ impl Sequence<'_> {
             let first = &mut self.done.limited;
             first.get_or_insert_with(|| format!("frame {number}: {text}"));
         }
+        if let (false, Some(prepared)) = (remarks::is_black(film), &self.prepared) {
+            let shift = remarks::shifted(scene, prepared);
+            self.done.shifted += u64::from(!shift.is_empty());
+            if self.done.shift.is_empty() && !shift.is_empty() {
+                self.done.shift = format!("frame {number}: {shift}");
+            }
+        }
         let remark = remarks::blackness(scene, film, false);
         if !remark.is_empty() {
             self.done.black += 1;
@@ -368,6 +378,13 @@ impl Sequence<'_> {
             ))?;
         }
         self.say(&done.remark)?;
+        if done.shifted > 1 {
+            self.say(&format!(
+                "nothing in view of {} frames left in sight, the first of them:\n",
+                counted(done.shifted)
+            ))?;
+        }
+        self.say(&done.shift)?;
         let more = done.beyond_precision.saturating_sub(1);
         let limited = done.limited.iter().map(|text| match more {
             0 => text.clone(),

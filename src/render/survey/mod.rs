@@ -17,7 +17,8 @@ pub use search::Shots;
 
 use rayon::prelude::*;
 
-use crate::error::{Message, Setting};
+use crate::camera::Camera;
+use crate::error::{Message, Result, Setting};
 use crate::light::lamp::Emission;
 use crate::light::time_texture::survey::{lit_span, rounded};
 use crate::render::film::Tile;
@@ -278,24 +279,79 @@ fn seen_times_by(scene: &Prepared, every: u64, pixel_samples: PixelSamples) -> V
 /// The least and the greatest W = λ′/λ of what rays through the centres of pixels meet, a sky too, or all samples where the former
 /// meet no surface; none where they meet nothing.
 pub fn wavelength_ratios(scene: &Prepared) -> Option<[f64; 2]> {
-    let (range, has_met) = ratios_by(scene, PixelSamples::centred());
+    let (range, has_met) = ratios_by(scene, 1, PixelSamples::centred());
     match has_met {
         true => range,
-        false => ratios_by(scene, PixelSamples::of_picture(scene)).0,
+        false => ratios_by(scene, 1, PixelSamples::of_picture(scene)).0,
     }
 }
 
-/// The same, and whether the rays meet a surface.
-fn ratios_by(scene: &Prepared, pixel_samples: PixelSamples) -> (Option<[f64; 2]>, bool) {
+/// The same where all of them are below `least` or all above `most`: of most pictures a few rays tell that they are not.
+pub fn wavelength_ratios_outside(scene: &Prepared, within: [f64; 2]) -> Option<[f64; 2]> {
+    let (few, _) = ratios_by(scene, one_in(scene.layout.size), PixelSamples::centred());
+    match few {
+        Some(range) if !is_outside(range, within) => None,
+        _ => wavelength_ratios(scene).filter(|range| is_outside(*range, within)),
+    }
+}
+
+/// The same of all directions in view of the camera where everything rests in the world, whatever is seen there; none where something moves.
+///
+/// # Errors
+/// A camera that sees nothing at its time.
+pub fn camera_ratios_outside(scene: &Scene, within: [f64; 2]) -> Result<Option<[f64; 2]>> {
+    if scene.objects.iter().any(|o| !o.velocity.is_rest()) {
+        return Ok(None);
+    }
+    let camera = Camera::new(scene)?;
+    let generator = generator(&camera.view);
+    let size = scene.camera.size;
+    let range = |every: u64| {
+        let of_tile = |index: u64| {
+            let mut rays = CameraRays::default();
+            let tile = Tile::of_image(size, index * every);
+            generator.generate(&mut rays, &Sampler::centred(), tile, 0..1);
+            rays.ratios
+                .iter()
+                .fold(NOTHING, |range, w| widened(range, *w))
+        };
+        let tiles = (0..Tile::count(size).div_ceil(every)).into_par_iter();
+        tiles
+            .map(of_tile)
+            .reduce(|| NOTHING, |a, [low, high]| widened(widened(a, low), high))
+    };
+    let is_outside = |range: &[f64; 2]| range[0] <= range[1] && is_outside(*range, within);
+    let few = Some(range(one_in(size))).filter(is_outside);
+    Ok(few.map(|_| range(1)).filter(is_outside))
+}
+
+const NOTHING: [f64; 2] = [f64::INFINITY, 0.0];
+
+fn widened([low, high]: [f64; 2], w: f64) -> [f64; 2] {
+    [low.min(w), high.max(w)]
+}
+
+fn is_outside([low, high]: [f64; 2], [least, most]: [f64; 2]) -> bool {
+    low > most || high < least
+}
+
+/// One tile in so many shows what most pictures are like: odd, so that they do not lie in columns.
+fn one_in(size: [u32; 2]) -> u64 {
+    (Tile::count(size) / LOOKED_AT) | 1
+}
+
+/// The same of one tile in `every`, and whether the rays meet a surface.
+fn ratios_by(
+    scene: &Prepared,
+    every: u64,
+    pixel_samples: PixelSamples,
+) -> (Option<[f64; 2]>, bool) {
     let surfaces = scene.surfaces();
     let range = |index| {
         let range = std::cell::Cell::new(None);
         let mut has_met = false;
-        let tile = Tile::of_image(scene.layout.size, index);
-        let note = |w: f64| {
-            let [low, high]: [f64; 2] = range.get().unwrap_or([w; 2]);
-            range.set(Some([low.min(w), high.max(w)]));
-        };
+        let tile = Tile::of_image(scene.layout.size, index * every);
+        let note = |w: f64| range.set(Some(widened(range.get().unwrap_or(NOTHING), w)));
         let sky = matches!(scene.background, Background::Sky { .. });
         each_point(
             scene,
@@ -313,7 +369,7 @@ fn ratios_by(scene: &Prepared, pixel_samples: PixelSamples) -> (Option<[f64; 2]>
         );
         (range.get(), has_met)
     };
-    let tiles = (0..Tile::count(scene.layout.size)).into_par_iter();
+    let tiles = (0..Tile::count(scene.layout.size).div_ceil(every)).into_par_iter();
     let both = |a: Option<[f64; 2]>, b: Option<[f64; 2]>| match (a, b) {
         (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].max(b[1])]),
         (a, b) => a.or(b),
@@ -349,9 +405,7 @@ pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
         return Vec::new();
     }
     // Most pictures show in a few tiles that their data are in view.
-    // Odd, so that they do not lie in columns.
-    let every = (Tile::count(scene.camera.size) / LOOKED_AT) | 1;
-    let few = seen_times_among(prepared, every);
+    let few = seen_times_among(prepared, one_in(scene.camera.size));
     if !few.is_empty() && !few.iter().any(|times| is_dark(prepared, times)) {
         return Vec::new();
     }

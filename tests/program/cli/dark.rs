@@ -62,10 +62,7 @@ fn light_that_is_shifted_out_of_sight_is_said_to_be() {
     folder.write("w.toml", scene);
     let said = folder.ok(&["render", "w.toml", "-o", "w.png"]);
     assert!(said.contains("the picture is black"), "{said}");
-    assert!(
-        said.contains("times the wavelength that it left with"),
-        "{said}"
-    );
+    assert!(said.contains("what would be seen left at"), "{said}");
     let said = folder.ok(&[
         "render",
         "w.toml",
@@ -74,7 +71,63 @@ fn light_that_is_shifted_out_of_sight_is_said_to_be() {
         "--set",
         "effects.doppler=false",
     ]);
-    assert!(!said.contains("wavelength that it left with"), "{said}");
+    assert!(!said.contains("out of sight"), "{said}");
+}
+
+#[test]
+fn light_out_of_sight_that_exposure_makes_bright_is_told_with_its_wavelengths() {
+    let folder = Folder::empty();
+    // A wall that fills a narrow picture: at 0.99 c away from it W = γ (1 + β) = √199 = 14.107 in the middle.
+    let scene = |beta: f64| {
+        format!(
+            "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nsize = [8, 6]\nhfov = \"2 deg\"\n\
+             velocity = {{ beta = {beta}, direction = [0, 0, 1] }}\n[radiance]\nquantity = \"rgb\"\n\
+             [[object]]\nshape = {{ box = {{ size = [100, 100, 1] }} }}\n"
+        )
+    };
+    // 380 nm · W and 780 nm · W, then these by W.
+    let numbers = [
+        "W = 14.11 shifts visible light to 5.36 to 11 µm, out of sight",
+        "left at 26.94 to 55.3 nm",
+        "Planck's law at 6504 K",
+        "display.false_colour = \"7829 nm\"",
+        "radiance.quantity = \"luminance\"",
+    ];
+    let count = |said: &str| said.matches("out of sight").count();
+    for (beta, is_out) in [(0.99, true), (0.6, false), (-0.99, true), (-0.6, false)] {
+        folder.write("w.toml", scene(beta));
+        let planned = folder.ok(&["plan", "w.toml"]);
+        let rendered = folder.ok(&["render", "w.toml", "-o", "w.png"]);
+        for said in [planned, rendered] {
+            assert_eq!(count(&said), usize::from(is_out), "{beta}: {said}");
+            let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
+            for number in numbers.iter().filter(|_| beta == 0.99) {
+                assert!(words.contains(number), "{number}: {said}");
+            }
+        }
+    }
+    // What is said to help does.
+    folder.write("w.toml", scene(0.99));
+    for remedy in [
+        "display.false_colour=\"7829 nm\"",
+        "radiance.quantity=\"luminance\"",
+    ] {
+        let said = folder.ok(&["render", "w.toml", "-o", "w.png", "--set", remedy]);
+        assert_eq!(count(&said), 0, "{remedy}: {said}");
+    }
+    // Of a sequence the first picture is told.
+    let frames = ["--from", "0 m", "--to", "1 m", "--interval", "0.5 m"];
+    let said = folder.ok(&[&["render", "w.toml", "-o", "w-#.png"], &frames[..]].concat());
+    assert!(said.contains("frame 0: W = 14.11 shifts"), "{said}");
+    assert_eq!(count(&said), 1, "{said}");
+    // In a world in motion, too: a camera at rest, from which the wall flies.
+    let moving = scene(0.0) + "velocity = { beta = [0, 0, -0.99] }\n";
+    folder.write(
+        "w.toml",
+        moving.replace("velocity = { beta = 0, direction = [0, 0, 1] }\n", ""),
+    );
+    let said = folder.ok(&["render", "w.toml", "-o", "w.png"]);
+    assert_eq!(count(&said), 1, "{said}");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use nullray::figures::diagram::model::Diagram;
 use nullray::io::budget::Budget;
 use nullray::io::files;
-use nullray::scene::{ModelView, Overrides, SceneFile};
+use nullray::scene::{ModelScene, ModelView, Overrides, SceneFile};
 use nullray::{Result, figures, scene};
 
 use super::failure::refused;
@@ -24,8 +24,8 @@ const STANDARD_INPUT: &str = "<stdin>";
 pub fn open(path: Option<&Path>, overrides: &Overrides, memory: u64) -> Result<SceneFile> {
     match path {
         Some(path) if is_model(path) => {
-            let text = model_text(path, &ModelView::default(), overrides, memory)?;
-            Ok(of_model(path, &text))
+            let made = model_scene(path, &ModelView::default(), overrides, memory)?;
+            Ok(of_model(path, &made.text()))
         }
         Some(path) => read(path),
         None => Ok(SceneFile::of_text(TEXT, NAME, Path::new(FOLDER))),
@@ -73,18 +73,18 @@ pub fn open_as(
     memory: u64,
 ) -> Result<SceneFile> {
     match model_as(path, model, overrides, memory)? {
-        Some((path, text)) => Ok(of_model(path, &text)),
+        Some((path, made)) => Ok(of_model(path, &made.text())),
         None => open(path, overrides, memory),
     }
 }
 
-/// Where `path` is that of a model, it and the text of the scene that it stands for, seen as `model` says, which scenes refuse.
+/// Where `path` is that of a model, it and the scene that it stands for, seen as `model` says, which scenes refuse.
 pub fn model_as<'a>(
     path: Option<&'a Path>,
     model: &ModelView,
     overrides: &Overrides,
     memory: u64,
-) -> Result<Option<(&'a Path, String)>> {
+) -> Result<Option<(&'a Path, ModelScene)>> {
     let moves = model.beta.is_some() || model.flyby;
     if model.direction.is_some() && !moves {
         let what = "it says where a moving camera goes, and this one is at rest";
@@ -92,8 +92,8 @@ pub fn model_as<'a>(
     }
     match path {
         Some(path) if is_model(path) => {
-            let text = model_text(path, model, overrides, memory)?;
-            Ok(Some((path, text)))
+            let made = model_scene(path, model, overrides, memory)?;
+            Ok(Some((path, made)))
         }
         _ if moves => {
             let option = match model.flyby {
@@ -117,13 +117,13 @@ pub fn is_model(path: &Path) -> bool {
         .any(|e| extension.eq_ignore_ascii_case(e))
 }
 
-/// The text of the scene that a model stands for, seen as `view` says; `memory` bytes may be taken to load it.
-pub fn model_text(
+/// The scene that a model stands for, seen as `view` says; `memory` bytes may be taken to load it.
+pub fn model_scene(
     path: &Path,
     view: &ModelView,
     overrides: &Overrides,
     memory: u64,
-) -> Result<String> {
+) -> Result<ModelScene> {
     let view = ModelView {
         size: overrides.size,
         allow_outside: overrides.allow_outside,

@@ -70,19 +70,23 @@ fn previews(scenes: &[Scene], request: &Request) -> Result<Vec<Vec<[f64; 3]>>> {
     scenes.iter().map(pixels).collect()
 }
 
-/// The radiance that is white where surfaces of `scene` are exposed for, whatever the sky is like: the 99th percentile of
-/// their brightest channel in a small picture, to three digits; none where nothing is seen of them.
+/// The radiance that is white where surfaces of `scenes` are exposed for, whatever the sky is like: the 99th percentile of
+/// their brightest channel in small pictures, to three digits; none where nothing is seen of them.
 ///
 /// Visibility is certified, whatever `request` says: fast pictures have the same exposure.
-pub fn of_surfaces(scene: &Scene, request: &Request) -> Result<Option<f64>> {
+pub fn of_surfaces(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
     let request = Request {
         memory_limit: request.memory_limit,
         ..Request::default()
     };
-    let film = preview(scene, &request, vec![Aov::Alpha])?;
-    let alpha = film.aov(Aov::Alpha).unwrap_or_default();
-    let pixels = film.radiance().iter().zip(alpha);
-    let seen: Vec<[f64; 3]> = pixels.filter(|(_, a)| **a > 0.0).map(|(p, _)| *p).collect();
+    let mut seen: Vec<[f64; 3]> = Vec::new();
+    for scene in scenes {
+        interrupt::check()?;
+        let film = preview(scene, &request, vec![Aov::Alpha])?;
+        let alpha = film.aov(Aov::Alpha).unwrap_or_default();
+        let pixels = film.radiance().iter().zip(alpha);
+        seen.extend(pixels.filter(|(_, a)| **a > 0.0).map(|(p, _)| *p));
+    }
     if seen.iter().all(|pixel| *pixel == [0.0; 3]) {
         return Ok(None);
     }

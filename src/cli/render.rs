@@ -8,10 +8,10 @@ use nullray::render::metadata;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::check_files;
 use nullray::scene::model::Scene;
-use nullray::scene::{Overrides, SceneFile};
+use nullray::scene::{ModelScene, ModelView, Overrides, SceneFile};
 use nullray::{Error, Result};
 
-use super::args::{Changes, FrameArguments, RenderArguments};
+use super::args::{FrameArguments, RenderArguments};
 use super::check::{check_all, check_statistics};
 use super::failure::refused;
 use super::film::{check_one, in_pool, one};
@@ -247,20 +247,25 @@ fn check_words(caption: Option<&str>) -> Result<()> {
 fn file(arguments: &RenderArguments, overrides: &Overrides) -> Result<SceneFile> {
     let (path, model) = (arguments.scene.path(), &arguments.model);
     let memory = arguments.changes.memory.bytes();
-    let Some((path, text)) = builtin::model_as(path, &model.view(), overrides, memory)? else {
+    let Some((path, made)) = builtin::model_as(path, &model.view(), overrides, memory)? else {
         return builtin::open(path, overrides, memory);
     };
-    let file = builtin::of_model(path, &text);
-    // A fly-by has one exposure for all of its frames.
-    match model.flyby {
-        true => Ok(file),
-        false => exposed(file, path, text, &arguments.changes),
-    }
+    let file = builtin::of_model(path, &made.text());
+    exposed(file, path, &made, arguments)
 }
 
-/// The same scene, exposed for the model rather than for the sky, which may be far brighter ahead.
-fn exposed(file: SceneFile, path: &Path, text: String, changes: &Changes) -> Result<SceneFile> {
-    let overrides = changes.overrides();
+/// How many pictures of a fly-by are looked at for its exposure.
+const MEASURED: u64 = 6;
+
+/// The same scene, exposed for the model rather than for the sky, which may be far brighter ahead: a fly-by for some of its pictures.
+fn exposed(
+    file: SceneFile,
+    path: &Path,
+    made: &ModelScene,
+    arguments: &RenderArguments,
+) -> Result<SceneFile> {
+    let changes = &arguments.changes;
+    let mut overrides = changes.overrides();
     let is_exposed = |(key, _): &(String, String)| key.starts_with("display");
     if overrides.white.is_some()
         || overrides.exposure.is_some()
@@ -268,13 +273,17 @@ fn exposed(file: SceneFile, path: &Path, text: String, changes: &Changes) -> Res
     {
         return Ok(file);
     }
-    match exposure::of_surfaces(&file.scene(&overrides)?, &changes.request(None))? {
-        None => Ok(file),
-        Some(white) => {
-            let text = text + &format!("\n[display]\nwhite = {white:?}\n");
-            Ok(builtin::of_model(path, &text))
+    let mut scenes = vec![file.scene(&overrides)?];
+    if let (true, Some(interval)) = (arguments.model.flyby, scenes[0].camera.frame_interval) {
+        let last = interval * (ModelView::FLYBY_FRAMES - 1) as f64;
+        for k in 1..MEASURED {
+            let time = last * k as f64 / (MEASURED - 1) as f64;
+            overrides.time = Some(format!("{time} m"));
+            scenes.push(file.scene(&overrides)?);
         }
     }
+    let white = exposure::of_surfaces(&scenes, &changes.request(None))?;
+    Ok(white.map_or(file, |white| builtin::of_model(path, &made.exposed(white))))
 }
 
 /// Refuses passes of what is not a picture of the ray tracer.

@@ -143,7 +143,7 @@ mod values;
 pub use builder::{Builder, Value};
 pub use load::{SceneFile, load, parse};
 pub(crate) use model_scene::MADE_FOR_MODEL;
-pub use model_scene::{Heading, ModelView, model_scene};
+pub use model_scene::{Heading, ModelScene, ModelView, model_scene};
 pub use overrides::Overrides;
 pub use schema::schema;
 

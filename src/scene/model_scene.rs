@@ -5,21 +5,29 @@
 //! ([`Boost::direction`]), wherever its shadow would fall for a camera at rest. Straight edges are seen bent, so that points of long ones count, too; of all points those
 //! that are farthest from C in their direction (an outline of a few thousand). The forward axis goes through the middle of what the outline covers of
 //! the film; a few steps find it, as every turn changes what the middle is. The distance is such that the outline fills the picture, by bisection: it
-//! covers the more the nearer the camera is. From a camera that flies towards the model so fast that it had to be inside of the sphere about the
-//! model, the picture is made narrower instead.
+//! covers the more the nearer the camera is. A fast camera sees what is ahead small: it would have to be so near that it sees the model from many sides at
+//! once, one part of it blue and another dark. So it comes no nearer than where the model is within a cone, and has wavelength ratios within a factor of 4; from there
+//! the picture is made narrower instead.
 //!
 //! What stands on a wide and level ground is framed without it: triangles at the very bottom are left out of the sphere where
 //! all others fit into a quarter of its radius.
 //!
-//! *Fly-by.* The camera passes C at the distance b, its forward axis across its motion. What it sees at the angle
-//! θ′ from its motion lies at θ, with sin θ = sin θ′/(γ(1 − β cos θ′)) and cos θ = (cos θ′ − β)/(1 − β cos θ′). C is
-//! at θ where the camera is b cot θ before it, which it is at
+//! *Fly-by.* The camera passes C at the distance b. What it sees at the angle θ′ from its motion lies at θ, with
+//! sin θ = sin θ′/W, cos θ = (cos θ′ − β)/(1 − β cos θ′), and has the wavelength ratio W = γ(1 − β cos θ′). C is at θ where the camera is
+//! b cot θ before it, which it is at
 //!
 //! ```text
 //! x = −b cot θ = b γ (β − cos θ′)/sin θ′.
 //! ```
 //!
-//! From one edge of the picture at θ′ = θ₀ to the other at π − θ₀ it takes (x₂ − x₁)/(γβ) = 2 b cot θ₀/β of its own time.
+//! The forward axis is where W = 1, at cos θ′ = γβ/(γ + 1), between blueshift and redshift: slow cameras look across their motion, and fast
+//! ones more and more ahead, where all that they can see is. The first picture has C at θ = 40°, the last one at the other edge
+//! of the picture, or at W = 2.5, beyond which daylight is darker than a three-hundredth. From the one to the other it takes (x₂ − x₁)/(γβ) of the camera's
+//! own time.
+//!
+//! *Display.* What is white at 6504 K is seen with W as a blackbody of 6504 K/W, and colours that keep their hue with W⁻⁴ of their radiance. Where that
+//! differs by more than a factor of 20 over the model, the display is logarithmic. Where the model is seen with W > 5, which shows what left below 170 nm, with a part in
+//! 10⁷ of its brightness, colours keep their hue.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -31,7 +39,7 @@ use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::gltf::{self, BadVertices, GltfLight, GltfLightKind, GltfSummary, Want};
 use crate::mesh::{Factors, Mesh};
-use crate::spacetime::{Boost, CameraFrame, Direction, Velocity, World};
+use crate::spacetime::{Boost, CameraFrame, Direction, Quantity, Velocity, World};
 
 /// The first line of such a scene.
 pub(crate) const MADE_FOR_MODEL: &str = "# Made by nullray for a model without a scene.";
@@ -65,8 +73,7 @@ pub enum Heading {
 impl ModelView {
     /// How many pictures a fly-by has.
     pub const FLYBY_FRAMES: u64 = 48;
-    /// The speed of a fly-by for which none is given: what passes is turned by 30° and changes its hue, and light from behind, a tenth as bright
-    /// as that from ahead, is in the range of a display. At 0.9 c five decades are between them.
+    /// The speed of a fly-by for which none is given: what passes is turned by 30° and changes its hue.
     const FLYBY_SPEED: f64 = 0.5;
 }
 
@@ -74,8 +81,6 @@ impl ModelView {
 const VIEWPOINT: DVec3 = DVec3::new(0.5, 0.35, 1.0);
 /// Horizontal field of view of a picture, degrees.
 const FOV: f64 = 50.0;
-/// That of a fly-by.
-const FLYBY_FOV: f64 = 90.0;
 /// How much of the picture, from its middle to its edges, the model fills in the direction in which it fills more.
 const FILLED: f64 = 0.88;
 /// Turns of the forward axis: each leaves about a fifth of how far the middle of the model is off, and all 1e-5 of it.
@@ -86,12 +91,26 @@ const SIDEWAYS: f64 = 0.02;
 const CELLS: usize = 12;
 /// Points of the outline on long edges, per radius: straight edges are seen bent, and 1/8 of a radius of a circle is 2·10⁻³ of it off its chord.
 const PARTS: f64 = 8.0;
-/// θ₀ of the fly-by, degrees: a little beyond the edges of the picture.
+/// Where the model is when a fly-by begins, degrees from the motion: a little beyond the edge of the picture of a slow camera.
 const FLYBY_EDGE: f64 = 40.0;
+/// How far beyond the edge that is, of half the picture.
+const BEYOND: f64 = 50.0 / 45.0;
 /// Distance of the fly-by, in radii.
-const FLYBY_DISTANCE: f64 = 2.5;
-/// The sphere about the model is seen within this angle: the camera is not nearer than 1.015 r.
-const WIDEST: f64 = 80.0;
+const FLYBY_DISTANCE: f64 = 2.0;
+/// W at which a fly-by ends.
+const FLYBY_REDDEST: f64 = 2.5;
+/// At rest the sphere about the model would be within this angle, degrees: the camera is not nearer than 1.74 r.
+const WIDEST: f64 = 35.0;
+/// The largest quotient of two wavelength ratios of the model.
+const SPREAD: f64 = 4.0;
+/// W from which on colours keep their hue.
+const REDDEST: f64 = 5.0;
+/// How many times as bright one part of the model may be as another on a linear display, by their wavelength ratios alone.
+const LINEAR: f64 = 20.0;
+/// How much darker than it is what is black on a logarithmic one: shadows.
+const SHADOWS: f64 = 100.0;
+/// Beyond nine decades neighbouring radiances have one code.
+const DECADES: f64 = 1e9;
 /// A ground is at the bottom, level to this part of the radius of all, and what stands on it has at most this part of it.
 const LEVEL: f64 = 0.01;
 const WIDE: f64 = 0.25;
@@ -100,14 +119,46 @@ const GLASS_BOUNCES: u32 = 8;
 /// The size of a scene that says nothing.
 const SIZE: [u32; 2] = [640, 480];
 
-/// The text of the scene that the glTF file at `path` stands for, seen as `view` says. Its path is in it as it is
+/// The scene that a model stands for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModelScene {
+    /// All but how bright it is shown.
+    text: String,
+    /// White over black, of a logarithmic display.
+    range: Option<f64>,
+    /// The radiance of white, where it is not measured.
+    white: f64,
+}
+
+impl ModelScene {
+    /// Its text; a logarithmic display is for a white model in daylight.
+    pub fn text(&self) -> String {
+        match self.range {
+            Some(_) => self.exposed(self.white),
+            None => self.text.clone(),
+        }
+    }
+
+    /// Its text, in which what of the model has the radiance `white` is white.
+    pub fn exposed(&self, white: f64) -> String {
+        let short = |radiance: f64| format!("{radiance:.2e}").parse().unwrap_or(radiance);
+        let white: f64 = short(white);
+        let display = match self.range {
+            Some(range) => format!("logarithmic = [{:?}, {white:?}]", short(white / range)),
+            None => format!("white = {white:?}"),
+        };
+        format!("{}\n[display]\n{display}\n", self.text)
+    }
+}
+
+/// The scene that the glTF file at `path` stands for, seen as `view` says. Its path is in it as it is
 /// given, so that the scene file belongs in the folder from which `path` starts. The model is loaded to be framed, and let go
 /// again.
 ///
 /// # Errors
 /// As [`gltf::load`]; a model that refers to files outside its folder, unless it may, or takes more than `budget` has; a path that is not UTF-8; a model without extent; a speed that is not below that of light;
 /// a direction of length 0.
-pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<String> {
+pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<ModelScene> {
     let name = path.to_str().ok_or_else(|| {
         let help = "rename the file, so that a scene file can name it";
         Error::unsupported(path, "path", "its name is not UTF-8 text", help)
@@ -128,15 +179,20 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Str
     let _ = camera.write(&mut text, size);
     let _ = write!(
         text,
-        "\n[[object]]\ngltf = {}\n\n[radiance]\nquantity = \"rgb\"\n",
+        "\n[[object]]\ngltf = {}\n\n[radiance]\n",
         Value::from(name).to_string().trim()
     );
+    let quantity = camera.quantity();
+    let _ = match quantity {
+        Quantity::Rgb => writeln!(text, "quantity = \"rgb\""),
+        _ => writeln!(
+            text,
+            "# Hues stay, as W up to {:.3} would shift all light out of sight.\nquantity = \"luminance\"",
+            camera.ratios[1]
+        ),
+    };
     if held.factors.iter().any(Factors::is_glass) {
         let _ = write!(text, "\n[render]\nbounces = {GLASS_BOUNCES}\n");
-    }
-    if let (true, Some(motion)) = (view.flyby, motion) {
-        let [black, white] = motion.shown();
-        let _ = writeln!(text, "\n[display]\nlogarithmic = [{black:e}, {white:e}]");
     }
     let lights = gltf::lights(path)?;
     let _ = writeln!(text, "\n[sky]\ngradient = {{}}");
@@ -146,7 +202,23 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Str
     for light in &lights {
         let _ = write_light(&mut text, light);
     }
-    Ok(text)
+    let [white, dark] = camera.ratios.map(|w| brightness(quantity, w));
+    let range = white / dark;
+    Ok(ModelScene {
+        text,
+        range: (range > LINEAR).then(|| (range * SHADOWS).min(DECADES)),
+        white,
+    })
+}
+
+/// How many times as bright what is white is seen with W as at rest.
+fn brightness(quantity: Quantity, w: f64) -> f64 {
+    // hc/(λkT) at 555 nm and 6504 K.
+    const X: f64 = 0.014_387_769 / (555e-9 * 6504.0);
+    match quantity {
+        Quantity::Rgb => libm::expm1(X) / libm::expm1(X * w),
+        _ => 1.0 / (w * w * w * w),
+    }
 }
 
 /// Towards the sun of a model that has no lights of its own: above the viewer's right shoulder.
@@ -343,19 +415,6 @@ impl Motion {
         Ok((beta > 0.0).then_some(Motion { beta, gamma, n }))
     }
 
-    /// Radiances of black and white on the logarithmic scale of a fly-by. Daylight of T = 6504 K is as bright, seen with the
-    /// wavelength ratio W, as that of T/W: at 555 nm by Wien's law exp (−x (W − 1)), x = hc/(λkT). Ahead in the picture it is
-    /// that of the horizon, 1; behind, a hundredth of it is grey yet.
-    fn shown(&self) -> [f64; 2] {
-        const X: f64 = 0.014_387_769 / (555e-9 * 6504.0);
-        let along = libm::sin((0.5 * FLYBY_FOV).to_radians());
-        let seen = |cos: f64| libm::exp(X * (1.0 - self.gamma * (1.0 - self.beta * cos)));
-        // Beyond nine decades neighbouring radiances have one code.
-        let white = seen(along).max(1.0);
-        let black = (1e-2 * seen(-along)).clamp(1e-9 * white, 1e-2 * white);
-        [black, white].map(|radiance| format!("{radiance:.1e}").parse().unwrap_or(radiance))
-    }
-
     /// To the camera's frame.
     fn boost(&self) -> Boost<CameraFrame, World> {
         let velocity = Velocity::from_beta(self.n * self.beta);
@@ -375,9 +434,19 @@ struct Framing {
     interval: Option<f64>,
     /// A length of the scene, to which `look_at` is.
     reach: f64,
+    /// The least and the greatest W of the model.
+    ratios: [f64; 2],
 }
 
 impl Framing {
+    /// What its light is seen by: the hues of a model stay where nothing would be seen of it.
+    fn quantity(&self) -> Quantity {
+        match self.ratios[1] > REDDEST {
+            true => Quantity::Integrated,
+            false => Quantity::Rgb,
+        }
+    }
+
     fn write(&self, text: &mut String, size: [u32; 2]) -> std::fmt::Result {
         writeln!(text, "[camera]")?;
         writeln!(text, "eye = {}", vector(self.eye))?;
@@ -418,15 +487,23 @@ fn framing(subject: &Subject, motion: Option<Motion>, [width, height]: [u32; 2])
         (eye, look)
     };
     let widest = WIDEST.to_radians();
-    let fits = |alpha: f64| look(alpha).1.is_some_and(|look| look.filled < FILLED);
+    let fits = |alpha: f64| {
+        let is_fit = |look: Look| look.filled < FILLED && look.ratios[1] < SPREAD * look.ratios[0];
+        look(alpha).1.is_some_and(is_fit)
+    };
     let alpha = bisect(widest, fits);
     // What is found is at most one last digit beyond the edge, where nothing may be in view at all.
     let (eye, look) = look(alpha * (1.0 - f64::EPSILON));
-    let Look { forward, filled } = look.unwrap_or(Look {
+    let Look {
+        forward,
+        filled,
+        ratios,
+    } = look.unwrap_or(Look {
         forward: -away,
         filled: FILLED,
+        ratios: [1.0; 2],
     });
-    // Narrower, where no place outside of the model fills the picture.
+    // Narrower, where the camera would have to be too near to fill the picture.
     let tangent = across * (filled / FILLED).min(1.0);
     Framing {
         eye,
@@ -435,6 +512,7 @@ fn framing(subject: &Subject, motion: Option<Motion>, [width, height]: [u32; 2])
         motion,
         interval: None,
         reach: eye.distance(centre),
+        ratios,
     }
 }
 
@@ -444,6 +522,8 @@ struct Look {
     forward: DVec3,
     /// How much of half the picture the model fills, across or upwards.
     filled: f64,
+    /// The least and the greatest W of the model.
+    ratios: [f64; 2],
 }
 
 impl Look {
@@ -457,19 +537,27 @@ impl Look {
         let seen = |point: DVec3| {
             let d = (point - eye).normalize();
             match boost {
-                None => d,
-                Some(boost) => boost.direction(Direction::from_unit(d)).0.unit(),
+                None => (d, 1.0),
+                // The boost to the world has W where the one back has 1/W.
+                Some(boost) => {
+                    let (seen, inverse) = boost.direction(Direction::from_unit(d));
+                    (seen.unit(), inverse.recip())
+                }
             }
         };
-        let outline: Vec<DVec3> = subject.outline.iter().map(|p| seen(*p)).collect();
-        let mut forward = seen(subject.ball.centre);
+        let outline: Vec<(DVec3, f64)> = subject.outline.iter().map(|p| seen(*p)).collect();
+        let ratios = outline.iter().map(|(_, w)| *w);
+        let ratios = ratios.fold([f64::INFINITY, 0.0], |[a, b]: [f64; 2], w| {
+            [a.min(w), b.max(w)]
+        });
+        let mut forward = seen(subject.ball.centre).0;
         let mut filled = f64::INFINITY;
         for turn in 1..=TURNS {
             let right = forward.cross(up_of(forward)).normalize();
             let up = right.cross(forward);
             let mut least = [f64::INFINITY; 2];
             let mut most = [f64::NEG_INFINITY; 2];
-            for l in &outline {
+            for (l, _) in &outline {
                 let ahead = l.dot(forward);
                 if ahead < SIDEWAYS {
                     return None;
@@ -489,7 +577,11 @@ impl Look {
             }
             forward = (forward + right * x + up * y).normalize();
         }
-        Some(Look { forward, filled })
+        Some(Look {
+            forward,
+            filled,
+            ratios,
+        })
     }
 }
 
@@ -528,17 +620,29 @@ fn passing(ball: &Ball, motion: Motion) -> Framing {
         true => front.normalize(),
         false => side(DVec3::new(1.0, 0.25, 0.0)).normalize(),
     };
-    let (sin, cos) = libm::sincos(FLYBY_EDGE.to_radians());
     let distance = FLYBY_DISTANCE * ball.radius;
-    let first = distance * gamma * (beta - cos) / sin;
-    let duration = 2.0 * distance * cos / (sin * beta);
+    // From θ = 40°, seen at tan θ′/2 = e^−φ tan θ/2.
+    let edge = FLYBY_EDGE.to_radians();
+    let shrinks = 1.0 / (gamma * (1.0 + beta));
+    let first = 2.0 * libm::atan(shrinks * libm::tan(0.5 * edge));
+    let middle = libm::acos(gamma * beta / (gamma + 1.0));
+    let reddest = libm::acos(((1.0 - FLYBY_REDDEST / gamma) / beta).max(-1.0));
+    let last = (2.0 * middle - first).min(reddest);
+    let place = |seen: f64| {
+        let (sin, cos) = libm::sincos(seen);
+        distance * gamma * (beta - cos) / sin
+    };
+    let [from, to] = [first, last].map(place);
+    let duration = (to - from) / (gamma * beta);
+    let (sin, cos) = libm::sincos(middle);
     Framing {
-        eye: ball.centre + across * distance + n * first,
-        forward: -across,
-        fov: FLYBY_FOV,
+        eye: ball.centre + across * distance + n * from,
+        forward: n * cos - across * sin,
+        fov: (2.0 * (middle - first) / BEYOND).to_degrees(),
         motion: Some(motion),
         interval: Some(duration / (ModelView::FLYBY_FRAMES - 1) as f64),
         reach: distance,
+        ratios: [first, last].map(|seen| gamma * (1.0 - beta * libm::cos(seen))),
     }
 }
 
@@ -661,25 +765,44 @@ mod tests {
     }
 
     #[test]
-    fn a_flyby_goes_from_one_edge_of_the_picture_to_the_other() {
+    fn a_flyby_crosses_the_picture_about_the_place_without_a_shift() {
         let ball = Ball {
             centre: DVec3::new(5.0, 0.0, 0.0),
             radius: 2.0,
         };
-        let motion = Motion {
-            beta: 0.6,
-            gamma: 1.25,
-            n: DVec3::X,
-        };
-        let camera = passing(&ball, motion);
-        let steps = (ModelView::FLYBY_FRAMES - 1) as f64;
-        for (time, edge) in [(0.0, 40.0_f64), (steps, 140.0)] {
-            // γβ of path per proper time.
-            let path = camera.interval.unwrap() * time * 0.75;
-            let to = ball.centre - (camera.eye + DVec3::X * path);
-            let cos = to.normalize().x;
-            let seen = (cos + 0.6) / (1.0 + 0.6 * cos);
-            assert!((seen - edge.to_radians().cos()).abs() < 1e-12, "{time}");
+        // β, γ, and where all but the fastest leave the picture, half of which is 45/50 of the way from the first place to the middle.
+        for (beta, gamma) in [
+            (0.02, 1.0002),
+            (0.6, 1.25),
+            (0.96, 1.0 / 0.28),
+            (0.9999, 70.71),
+        ] {
+            let n = DVec3::X;
+            let motion = Motion { beta, gamma, n };
+            let camera = passing(&ball, motion);
+            let seen = |time: f64| {
+                // γβ of path per proper time.
+                let path = camera.interval.unwrap() * time * gamma * beta;
+                let to = ball.centre - (camera.eye + DVec3::X * path);
+                let cos = to.normalize().x;
+                let w = 1.0 / (gamma * (1.0 + beta * cos));
+                (((cos + beta) / (1.0 + beta * cos)).acos(), w)
+            };
+            let ahead = camera.forward.x.acos();
+            assert!((gamma * (1.0 - beta * ahead.cos()) - 1.0).abs() < 1e-4);
+            let steps = (ModelView::FLYBY_FRAMES - 1) as f64;
+            let ([first, _], [last, w]) = (seen(0.0).into(), seen(steps).into());
+            let half = 0.5 * camera.fov.to_radians();
+            assert!(
+                ((ahead - first) / half - 50.0 / 45.0).abs() < 1e-4,
+                "{beta}"
+            );
+            let is_at_edge = ((last - ahead) / half - 50.0 / 45.0).abs() < 1e-4;
+            let is_reddest = (w / 2.5 - 1.0).abs() < 1e-3 && last - ahead < half * 50.0 / 45.0;
+            assert!(
+                is_at_edge == (beta < 0.9) && is_at_edge != is_reddest,
+                "{beta} {last} {w}"
+            );
         }
     }
 

@@ -184,6 +184,108 @@ fn the_model_is_seen_behind_a_camera_that_flies_by() {
     assert!(of_model.iter().all(|code| *code > 0.1), "{of_model:?}");
 }
 
+/// Writes a box as `model.gltf`, of this size about this middle.
+fn write_box(folder: &Folder, size: [f32; 3], middle: [f32; 3]) {
+    let corner = |k: usize| {
+        std::array::from_fn(|axis| middle[axis] + size[axis] * ((k >> axis & 1) as f32 - 0.5))
+    };
+    let corners: [[f32; 3]; 8] = std::array::from_fn(corner);
+    let sides = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let triangles = sides
+        .iter()
+        .flat_map(|[a, b, c, d]| [*a, *b, *c, *a, *c, *d]);
+    let triangles: Vec<u8> = triangles.collect();
+    let mut bytes: Vec<u8> = corners
+        .iter()
+        .flatten()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    bytes.extend(&triangles);
+    let document = json!({
+        "asset": { "version": "2.0" },
+        "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1, "material": 0 }] }],
+        "materials": [{ "pbrMetallicRoughness": { "metallicFactor": 0.0 }, "doubleSided": true }],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": corners[0], "max": corners[7] },
+            { "bufferView": 1, "componentType": 5121, "count": 36, "type": "SCALAR" },
+        ],
+        "bufferViews": [{ "buffer": 0, "byteLength": 96 }, { "buffer": 0, "byteOffset": 96, "byteLength": 36 }],
+        "buffers": [{ "byteLength": 132, "uri": "model.bin" }],
+    });
+    folder.write("model.gltf", document.to_string());
+    folder.write("model.bin", bytes);
+}
+
+/// What part of a picture shows the model, and the median and the 5th percentile of its brightness there, from 0 to 1 as codes are.
+fn shown(folder: &Folder, arguments: &[&str], name: &str) -> (f64, [f64; 2]) {
+    let [png, exr] = ["png", "exr"].map(|ending| format!("{name}.{ending}"));
+    render(folder, arguments);
+    let seen = seen(&picture(folder, &exr));
+    let display = png::read(&folder.path(&png), &Default::default()).unwrap();
+    let light = display.radiance().unwrap();
+    let of_model = seen.iter().flatten().zip(light).filter(|(seen, _)| **seen);
+    let mut codes: Vec<f64> = of_model
+        .map(|(_, rgb)| rgb.into_iter().fold(0.0, f64::max))
+        .collect();
+    codes.sort_by(f64::total_cmp);
+    let part = codes.len() as f64 / 2400.0;
+    let at = |part: f64| {
+        codes
+            .get((part * codes.len() as f64) as usize)
+            .copied()
+            .unwrap_or(0.0)
+    };
+    (part, [at(0.5), at(0.05)])
+}
+
+#[test]
+fn a_model_of_any_form_is_seen_well_at_any_speed_from_any_side() {
+    let folder = Folder::empty();
+    for (size, middle, least) in [
+        ([1.0, 1.0, 1.0], [0.0, 0.5, 0.0], 0.1),
+        // Tiny and flat, huge and long, and each far from the origin.
+        ([2e-4, 1e-7, 2e-4], [5e-3, 0.0, 1e-3], 0.04),
+        ([9e5, 4e4, 4e4], [-1e7, 3e6, 0.0], 0.01),
+    ] {
+        write_box(&folder, size, middle);
+        for beta in ["0.5", "0.99", "0.9999"] {
+            for direction in ["x", "-x", "y", "z", "away", "towards"] {
+                let direction = format!("--direction={direction}");
+                let mut arguments = vec!["model.gltf", "--beta", beta, &direction, "-o", "a.png"];
+                arguments.extend(["-o", "a.exr", "--aovs", "object"]);
+                let (part, [median, dark]) = shown(&folder, &arguments, "a");
+                let case = format!("{size:?} {beta} {direction}: {part} {median} {dark}");
+                assert!((least..0.85).contains(&part), "{case}");
+                assert!((0.25..0.99).contains(&median) && dark > 0.04, "{case}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_model_is_seen_well_from_a_camera_that_flies_by_at_any_speed() {
+    let folder = Folder::empty();
+    write_box(&folder, [1.0, 0.6, 1.0], [0.0; 3]);
+    for beta in ["0.1", "0.9", "0.99", "0.9999"] {
+        for (frames, name) in [("16..17", "a-16"), ("24..25", "a-24"), ("36..37", "a-36")] {
+            let mut arguments = vec!["model.gltf", "--flyby", "--beta", beta, "--frames", frames];
+            arguments.extend(["-o", "a-##.png", "-o", "a-##.exr", "--aovs", "object"]);
+            let (part, [median, _]) = shown(&folder, &arguments, name);
+            let case = format!("{beta} {frames}: {part} {median}");
+            assert!((0.008..0.5).contains(&part), "{case}");
+            assert!((0.2..0.99).contains(&median), "{case}");
+        }
+    }
+}
+
 #[test]
 fn what_cannot_be_framed_is_refused() {
     let folder = folder(1.0);

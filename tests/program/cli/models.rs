@@ -264,7 +264,8 @@ fn a_model_of_any_form_is_seen_well_at_any_speed_from_any_side() {
                 let (part, [median, dark]) = shown(&folder, &arguments, "a");
                 let case = format!("{size:?} {beta} {direction}: {part} {median} {dark}");
                 assert!((least..0.85).contains(&part), "{case}");
-                assert!((0.25..0.99).contains(&median) && dark > 0.04, "{case}");
+                // White is the 99th percentile: of one flat face all is nearly white, and not all is beyond it.
+                assert!(median > 0.25 && (0.04..0.999).contains(&dark), "{case}");
             }
         }
     }

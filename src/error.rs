@@ -13,8 +13,8 @@ use std::sync::Arc;
 
 pub use message::{Message, Setting};
 
-/// The result of what reads, plans, renders and writes. Velocities, world lines, units, meshes, atlases and cubes have errors of their own,
-/// without a file and a place; `?` makes them [`Error::Value`].
+/// The result of reading, planning, rendering and writing. Velocities, world lines, units, meshes, atlases and cubes have their own
+/// errors, without a file and a place; `?` turns these into [`Error::Value`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// An error of this crate.
@@ -31,13 +31,13 @@ pub enum Error {
         /// The operating system's reason.
         source: io::Error,
     },
-    /// The input says something that cannot be true or cannot be meant.
+    /// The input is impossible or meaningless.
     #[error("{0}")]
     Invalid(Box<Problem>),
-    /// The input is well-formed and asks for what this version does not do.
+    /// The input is well-formed, but asks for something this version cannot do.
     #[error("{0}")]
     Unsupported(Box<Problem>),
-    /// A velocity, world line, measure, mesh, atlas or cube that is none: their own errors, without a file and a place.
+    /// An invalid velocity, world line, quantity, mesh, atlas or cube: their own errors, without a file and a place.
     #[error(transparent)]
     Value(Box<dyn std::error::Error + Send + Sync>),
     /// The work was cancelled by its caller; nothing was written.
@@ -57,7 +57,7 @@ macro_rules! value_errors {
 }
 pub(crate) use value_errors;
 
-/// A number as messages show it: with an exponent where it has more zeros than people count.
+/// A number as messages show it: in scientific notation if it would have too many zeros to count.
 pub fn number(value: f64) -> impl fmt::Display {
     fmt::from_fn(move |f| match value.abs() {
         size if size == 0.0 || !size.is_finite() || (1e-5..1e16).contains(&size) => {
@@ -90,7 +90,7 @@ pub struct Problem {
 pub struct Snippet {
     /// The whole text.
     pub text: Arc<str>,
-    /// Bytes of the text, and what is said of them; the place of the problem comes first.
+    /// Byte ranges of the text with a label for each; the place of the problem comes first.
     pub labels: Vec<(Range<usize>, String)>,
 }
 
@@ -175,7 +175,7 @@ impl Error {
         }
     }
 
-    /// What would be right, or what to do; empty where that is not known.
+    /// What would be right, or what to do; empty if unknown.
     pub fn help(&self) -> &str {
         match self {
             Error::Io { source, .. } => remedy(source.kind()),
@@ -185,7 +185,7 @@ impl Error {
     }
 }
 
-/// What to do about an I/O error; empty where that cannot be said.
+/// What to do about an I/O error; empty if nothing can be said.
 fn remedy(kind: io::ErrorKind) -> &'static str {
     use io::ErrorKind as Kind;
     match kind {
@@ -200,16 +200,16 @@ fn remedy(kind: io::ErrorKind) -> &'static str {
 
 #[cfg(feature = "reports")]
 impl Error {
-    /// The error with the lines of the file that it is about, and what would be right: for people to read.
-    /// With ANSI colours where it is `styled`; nothing else in it steers a terminal. Long lines are cut around the place.
+    /// The error for people to read: with the lines of the file that it refers to, and what would be right. With ANSI colours if
+    /// `styled`; it contains no other terminal escapes. Long lines are cut around the place.
     pub fn report(&self, styled: bool) -> String {
         let draw = std::panic::AssertUnwindSafe(|| self.drawn(styled));
-        // Whatever a file does to the drawing, what is wrong is said.
+        // Whatever the file does to the drawing, the message itself is shown.
         let report = std::panic::catch_unwind(draw).unwrap_or_else(|_| self.plain());
         report.replace(|c| ('\u{80}'..='\u{9f}').contains(&c), "�")
     }
 
-    /// The error without lines of the file.
+    /// The error without lines from the file.
     fn plain(&self) -> String {
         match self.help() {
             "" => format!("error: {}\n", visible(&self.to_string())),
@@ -221,7 +221,7 @@ impl Error {
         }
     }
 
-    /// The message with the lines that it is about, as compilers show it. Control characters of files are made visible.
+    /// The message with the lines that it refers to, as compilers show it. Control characters from files are made visible.
     fn drawn(&self, styled: bool) -> String {
         use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
         let title = visible(&self.to_string());
@@ -264,14 +264,14 @@ impl Error {
 /// The longest message or path of a report, characters.
 #[cfg(feature = "reports")]
 const MOST_WORDS: usize = 2000;
-/// The longest line of a file that is shown as it stands, bytes.
+/// The longest line of a file that is shown in full, bytes.
 #[cfg(feature = "reports")]
 const LONGEST_LINE: usize = 400;
-/// How much of a longer one is shown before the place and from there on, bytes.
+/// How much of a longer line is shown before the place, and from it on, bytes.
 #[cfg(feature = "reports")]
 const AROUND: [usize; 2] = [80, 160];
 
-/// A text of bounded length in which nothing steers a terminal or turns the direction of what follows.
+/// A text of bounded length without terminal escapes or characters that change the writing direction.
 #[cfg(feature = "reports")]
 fn visible(text: &str) -> String {
     let is_harmful = |c: char| {
@@ -290,7 +290,7 @@ fn visible(text: &str) -> String {
 
 #[cfg(feature = "reports")]
 impl Snippet {
-    /// Where a labelled line is too long to be shown: the number of the first place's line, and what stands around the place.
+    /// If a labelled line is too long to show: the line number of the first place, and the text around the place.
     fn cut(&self) -> Option<(usize, Snippet)> {
         let text = &*self.text;
         let line_of = |place: usize| {

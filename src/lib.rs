@@ -16,7 +16,7 @@
 //!
 //! Each may use those above it in this table, and none below.
 //!
-//! | module | holds |
+//! | module | contents |
 //! |---|---|
 //! | [`error`] | what can go wrong: what, where, and what would be right |
 //! | [`spacetime`] | events, velocities, boosts, null rays, world lines, Doppler factors; quantities with units |
@@ -67,11 +67,11 @@
 //!
 //! # Features
 //!
-//! `cli` (by default) is the program, with `reports` (errors with the lines that they are about) and `pdf` (diagrams and overlays as PDF). `hdf5`,
-//! `zarr` and `tiff` read such captures. `schema` makes the JSON schemas of scene files, and `peers` is for a benchmark. A library needs none:
-//! `default-features = false`. Work goes over the threads of the rayon pool in which a function is called. In debug builds, dependencies should be
-//! optimized (`[profile.dev.package."*"]` with `opt-level = 3`): without, small pictures with light take many seconds.
-//!
+//! `cli` (default) is the program, with `reports` (errors that show the lines they refer to) and `pdf` (diagrams and overlays as PDF).
+//! `hdf5`, `zarr` and `tiff` read captures in these formats. `schema` makes the JSON schemas of scene files, and `peers` is for a
+//! benchmark. As a library it needs none of them: `default-features = false`. Work is spread over the threads of the rayon pool in which
+//! a function is called. In debug builds, optimize the dependencies (`[profile.dev.package."*"]` with `opt-level = 3`): otherwise even
+//! small pictures with light take many seconds.
 //! The library never prints, never exits and never reads the environment. Same input, same output, bit
 //! for bit, on any number of threads.
 
@@ -90,7 +90,7 @@ pub mod spacetime;
 pub mod validate;
 
 pub use error::{Error, Result};
-/// Vectors and matrices of the interface.
+/// Vectors and matrices of the public interface.
 pub use glam;
 /// Half precision of cubes and pictures.
 pub use half;

@@ -1,4 +1,4 @@
-//! Cameras on any world line that have a sensor, a shutter, or both.
+//! Cameras on any world line, with a sensor, a shutter, or both.
 //!
 //! At proper time t the pinhole is at X(t), with the comoving frame Λ(t). The sensor element of film
 //! vector D is exposed at the event E = X(t) + q, with the pinhole's four-velocity u(t):
@@ -8,12 +8,11 @@
 //! Bell's ships:  q = (0, −f D)            in the world: shifted copies of one world line
 //! ```
 //!
-//! A rigid camera is Born-rigid: the elements that are simultaneous with the pinhole in its comoving
-//! frame keep their distances and share its velocity. Such a body does not turn (Fermi–Walker); on a
-//! path that is not straight the axes of a camera, the world's boosted without rotation, do turn against
-//! it (Thomas). Each moment's picture is that of the rigid body whose axes lie like that then. The light passed the pinhole at the event P of
-//! X(·) on the past light cone of E; its look direction is that of P − E. For a pinhole without
-//! acceleration that is P = −f|D| u again.
+//! A rigid camera is Born-rigid: the elements that are simultaneous with the pinhole in its comoving frame keep their distances and share
+//! its velocity. Such a body does not rotate (Fermi–Walker transport); on a path that is not straight, the camera's axes, which are the
+//! world's axes boosted without rotation, do rotate relative to it (Thomas precession). Each moment's picture is that of the rigid body
+//! whose axes coincide with the camera's at that moment. The light passed the pinhole at the event P of X(·) on the past light cone of E;
+//! its look direction is that of P − E. For a pinhole without acceleration, P = −f|D| u again.
 
 use glam::DVec3;
 
@@ -36,9 +35,9 @@ pub struct Accelerated {
     /// Camera time and event of the shot.
     time: f64,
     event: Event<World>,
-    /// The camera at that time, where there is no exposure.
+    /// The camera at that time, if there is no exposure.
     instant: Option<Placed>,
-    /// The line during the exposure of a camera without a sensor, where its acceleration is constant then.
+    /// The world line during the exposure of a camera without a sensor, if its acceleration is constant then.
     stretch: Option<Stretch>,
     exposure: ExposureTime,
     aberration: bool,
@@ -49,9 +48,9 @@ pub struct Accelerated {
 struct Placed {
     state: State,
     world_from_camera: Boost<World, CameraFrame>,
-    /// What is around the state, where the acceleration is constant there.
+    /// The neighbourhood of the state, if the acceleration is constant there.
     vicinity: Option<Vicinity>,
-    /// By how much the focal length is longer in its own frame than the scene says, metres.
+    /// The focal length in its own frame less that in the scene, metres.
     stretch: f64,
     /// From the event of the shot to the pinhole's event.
     moved: Displacement<World>,
@@ -90,10 +89,9 @@ impl Accelerated {
         camera
     }
 
-    /// Whether light that every element gets passed the pinhole on its world line, during the whole
-    /// exposure.
+    /// Whether the light that reaches every element passed the pinhole on its world line, during the whole exposure.
     pub(super) fn sees_everywhere(&self) -> bool {
-        // The light of the corners is under way longest, and the exposure reaches from its first moment to its last.
+        // The light of the corners takes longest; check the first and the last moment of the exposure.
         let times = [0.0, self.exposure.duration];
         times.iter().all(|t| {
             let placed = self.placed(*t);
@@ -102,7 +100,7 @@ impl Accelerated {
         })
     }
 
-    /// The camera `t` after the shot, where its world line goes that far.
+    /// The camera at time `t` after the shot, if its world line extends that far.
     #[inline]
     fn placed(&self, t: f64) -> Option<Placed> {
         let state = self.line.state(self.time + t)?;
@@ -118,7 +116,7 @@ impl Accelerated {
         })
     }
 
-    /// What a camera without a sensor sees: its velocity and place at the moment are all that counts.
+    /// The ray of a camera without a sensor, which depends only on its velocity and position at the moment.
     fn ray_from_point<P: Projection>(
         &self,
         film: &P,
@@ -134,7 +132,7 @@ impl Accelerated {
         Some(self.point_ray(film, at, (seen, d, ratio, event - self.event)))
     }
 
-    /// The same, where the acceleration is constant during the exposure.
+    /// The same, if the acceleration is constant during the exposure.
     #[inline(always)]
     fn stretch_ray<P: Projection>(
         &self,
@@ -155,7 +153,7 @@ impl Accelerated {
         self.time + moment * self.exposure.duration
     }
 
-    /// The ray of a camera without a sensor that has `moved` since the shot, by its look direction there and in the world.
+    /// The ray of a camera without a sensor that has `moved` since the shot, from its look direction in the camera and in the world.
     #[inline(always)]
     fn point_ray<P: Projection>(
         &self,
@@ -199,7 +197,7 @@ impl Accelerated {
         }
     }
 
-    /// What the element at film point `(x, y)` sees.
+    /// The ray of the element at film point `(x, y)`.
     fn element_ray<P: Projection>(
         &self,
         camera: &Placed,
@@ -222,7 +220,7 @@ impl Accelerated {
         near.or_else(|| self.element_ray_anywhere(camera, film, sensor, at))
     }
 
-    /// The same where the acceleration is not constant, or changes while the light is under way.
+    /// The same if the acceleration is not constant, or changes while the light is on its way.
     #[inline(never)]
     fn element_ray_anywhere<P: Projection>(
         &self,
@@ -255,28 +253,28 @@ impl Accelerated {
     }
 }
 
-/// The element at film point `(x, y)`, from the pinhole: in the camera's frame, or, of ships, in the world.
+/// The element at film point `(x, y)` relative to the pinhole: in the camera's frame, or in the world for Bell's ships.
 #[inline(always)]
 fn element<P: Projection>(film: &P, sensor: &Sensor, [x, y]: [f64; 2]) -> DVec3 {
     film.vector(x, y) * -sensor.focal_length
 }
 
 impl Placed {
-    /// The element at film point `(x, y)` of a rigid sensor, from the pinhole, in the camera's frame.
+    /// The element at film point `(x, y)` of a rigid sensor relative to the pinhole, in the camera's frame.
     #[inline(always)]
     fn on_body<P: Projection>(&self, film: &P, sensor: &Sensor, at: [f64; 2]) -> DVec3 {
-        // The focal length is stretched, the sensor is not.
+        // The focal length is stretched, but the sensor is not.
         element(film, sensor, at) - film.forward() * self.stretch
     }
 
-    /// What `element` of a rigid sensor sees of light that passed the pinhole in `vicinity`, and whether there is any.
+    /// The ray of `element` of a rigid sensor for light that passed the pinhole in `vicinity`, and whether there is any.
     #[inline(always)]
     fn nearby_on_body(&self, vicinity: &Vicinity, element: DVec3) -> (ElementRay, bool) {
         let (seen, own, is_seen) = passage_on_body(vicinity, element);
         (self.element_ray(seen, vicinity.in_world(own)), is_seen)
     }
 
-    /// The same of an element that is a ship of its own.
+    /// The same for an element that is a ship of its own.
     #[inline(always)]
     fn nearby_ship(&self, vicinity: &Vicinity, element: DVec3) -> (ElementRay, bool) {
         let (own, crosses) =
@@ -286,7 +284,7 @@ impl Placed {
         (self.ray_of_ship(d, from), crosses & is_usual)
     }
 
-    /// What is seen along `seen` of the comoving frame by a ray that leaves at `from`.
+    /// The ray that leaves at `from` along the look direction `seen` of the comoving frame.
     #[inline(always)]
     fn element_ray(&self, seen: Direction<CameraFrame>, from: Displacement<World>) -> ElementRay {
         let (d, ratio) = self.world_from_camera.direction(seen);
@@ -298,21 +296,22 @@ impl Placed {
         }
     }
 
-    /// What is seen along `d` of the world by a ray that leaves at `from`.
+    /// The ray that leaves at `from` along the look direction `d` of the world.
     #[inline(always)]
     fn ray_of_ship(&self, d: Direction<World>, from: Displacement<World>) -> ElementRay {
         let (seen, ratio) = self.state.frame().frame_from_world().direction(d);
         ElementRay {
             d,
             seen,
-            // The boost's ratio is that of the camera to the world.
+            // The boost's ratio is that from the camera to the world.
             ratio: 1.0 / ratio,
             from,
         }
     }
 }
 
-/// The look direction of `element` of a rigid sensor, the event at which its light passed the pinhole in `vicinity`, and whether they are.
+/// The look direction of `element` of a rigid sensor, the event at which its light passed the pinhole in `vicinity`, and whether both
+/// exist.
 #[inline(always)]
 fn passage_on_body(
     vicinity: &Vicinity,
@@ -324,7 +323,7 @@ fn passage_on_body(
     (seen, own, crosses & is_usual)
 }
 
-/// The event at which light of `element`, a ship of its own, passed the pinhole, and whether it did.
+/// The event at which the light of `element`, a ship of its own, passed the pinhole, and whether it did.
 #[inline(always)]
 fn passage_of_ship(
     frame_from_world: &Boost<CameraFrame, World>,
@@ -343,18 +342,18 @@ fn along<F: Frame>(way: DVec3) -> Option<Direction<F>> {
     }
 }
 
-/// The direction of `way`, and whether its squares are in the range where that is right, as they are unless the camera's
-/// sizes are unusual.
+/// The direction of `way`, and whether its square is in the range where that is accurate, as it is unless the camera's dimensions are
+/// extreme.
 #[inline(always)]
 #[allow(clippy::manual_range_contains, reason = "without a branch")]
 fn along_usual<F: Frame>(way: DVec3) -> (Direction<F>, bool) {
-    // Within 1e±200 the square neither overflows nor loses digits, and neither does its root's inverse.
+    // Within 1e±200 neither the square nor the inverse of its root overflows or loses digits.
     let square = way.length_squared();
     let direction = Direction::from_unit(way * (1.0 / square.sqrt()));
     (direction, (square >= 1e-200) & (square < 1e200))
 }
 
-/// What an element sees whose light never passed the pinhole.
+/// The ray of an element whose light never passed the pinhole.
 fn nothing() -> CameraRay {
     CameraRay {
         d: Direction::from_unit(DVec3::NAN),
@@ -405,7 +404,7 @@ impl View for Accelerated {
 
     #[inline(always)]
     fn rays<P: Projection>(&self, film: &P, points: &FilmPoints, mut rays: RaySlices) {
-        // Under constant acceleration the pinhole's event is a closed form of the camera's time: a loop in vectors.
+        // Under constant acceleration the pinhole's event is a closed form in the camera's time: a vectorized loop.
         if let Some(anchor) = self.stretch.as_ref().and_then(Stretch::only) {
             let moments = Moments {
                 camera: self,
@@ -413,7 +412,7 @@ impl View for Accelerated {
             };
             return rays.fill_by(&moments, self, film, points);
         }
-        // Where the acceleration changes while light is under way, the crossing is solved for, ray by ray.
+        // Where the acceleration changes while light is on its way, solve for the crossing ray by ray.
         let placed = self.instant.as_ref();
         let vicinity = placed.and_then(|placed| placed.vicinity.as_ref());
         let (Some(sensor), Some(placed), Some(vicinity)) = (&self.sensor, placed, vicinity) else {
@@ -461,7 +460,7 @@ impl SimpleRays for Moments<'_> {
         let Accelerated { time, exposure, .. } = *self.camera;
         let anchor = self.anchor.clone();
         film.directions_and_lengths([x, y], to.d.axes_mut(), &mut [0.0; BLOCK]);
-        // Without aberration the look directions of the camera are those of the world.
+        // Without aberration, the camera's look directions are used as the world's.
         let seen = to.d;
         let mut ratios = [0.0; BLOCK];
         for k in 0..BLOCK {
@@ -483,7 +482,7 @@ impl SimpleRays for Moments<'_> {
     }
 }
 
-/// Elements of a rigid sensor, where the acceleration is constant.
+/// Elements of a rigid sensor, if the acceleration is constant.
 struct Body<'a> {
     camera: &'a Accelerated,
     placed: &'a Placed,
@@ -511,7 +510,7 @@ impl SimpleRays for Body<'_> {
     }
 }
 
-/// Elements of a sensor that are ships of their own, where the acceleration is constant.
+/// Elements of a sensor that are ships of their own, if the acceleration is constant.
 struct Ships<'a> {
     camera: &'a Accelerated,
     placed: &'a Placed,

@@ -1,4 +1,4 @@
-//! All projections that a scene can name: a further one is a file of its own and a row here.
+//! All projections that a scene can name. To add one, write a file for it and add a row here.
 
 use glam::{DMat3, DVec3};
 
@@ -19,7 +19,7 @@ pub enum AnyProjection {
 }
 
 impl AnyProjection {
-    /// That of a camera when nothing is turned.
+    /// The projection of an unrotated camera.
     pub fn new(model: &CameraModel) -> Self {
         let [width, height] = model.size.map(f64::from);
         let eyes = if model.stereo.is_some() { 2.0 } else { 1.0 };
@@ -44,13 +44,13 @@ impl AnyProjection {
         }
     }
 
-    /// That of the whole film of a capture camera whose cube has `size` columns and rows.
+    /// The projection of the whole film of a capture camera whose cube has `size` columns and rows.
     pub(crate) fn of_capture(camera: &CaptureCamera, size: [usize; 2]) -> Self {
         let (fov, film) = (camera.horizontal_fov(size), camera.film(size));
         AnyProjection::of_kind(camera.projection, camera.axes, fov, film)
     }
 
-    /// Whether some point of the film sees nothing: it is so in a corner, if anywhere.
+    /// Whether some film points see nothing; if any do, a corner does.
     pub(crate) fn has_blind_points(&self) -> bool {
         self.corners().into_iter().any(|[x, y]| !self.sees(x, y))
     }
@@ -67,7 +67,7 @@ impl AnyProjection {
         }
     }
 
-    /// The same with its axes turned.
+    /// The same with rotated axes.
     #[must_use]
     pub fn turned(&self, turn: DMat3) -> Self {
         match self {
@@ -78,7 +78,7 @@ impl AnyProjection {
     }
 }
 
-/// Hands each method to the projection at hand.
+/// Forwards each method to the current projection.
 macro_rules! each {
     ($($method:ident($($name:ident: $type:ty),*) -> $out:ty;)+) => {
         impl Projection for AnyProjection {

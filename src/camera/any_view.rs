@@ -1,4 +1,4 @@
-//! Which view a scene needs.
+//! The view that a scene needs.
 
 use super::shot::impossible;
 use super::{
@@ -23,7 +23,7 @@ pub enum ViewKind {
     Inertial,
     /// A sensor or a shutter on a world line.
     Accelerated,
-    /// A turning sensor.
+    /// A rotating sensor.
     Turning,
     /// Two pinholes side by side.
     Stereo,
@@ -58,7 +58,7 @@ impl Camera {
     /// The camera of `scene`.
     ///
     /// # Errors
-    /// A motion that is impossible, or an exposure before it begins or after it ends.
+    /// The motion is impossible, or the exposure starts before it begins or ends after it.
     pub fn new(scene: &Scene) -> Result<Self> {
         let shot = Shot::new(&scene.camera)?;
         let view = AnyView::new(scene, &shot)?;
@@ -67,14 +67,14 @@ impl Camera {
 }
 
 impl AnyView {
-    /// What the camera of `scene` needs at `shot`.
+    /// The view for the camera of `scene` at `shot`.
     fn new(scene: &Scene, shot: &Shot) -> Result<Self> {
         let model = &scene.camera;
         let aberration = scene.effects.aberration;
         let rests = shot.frame.velocity().is_rest();
         let moves = !rests || model.motion != Motion::Inertial;
         let instant_point = model.sensor.is_none() && model.shutter.is_none();
-        // Cameras whose rays no single boost of film directions gives.
+        // Cameras whose rays are not a single boost of film directions.
         if let Some(stereo) = model.stereo {
             let view = Stereo::new(model, stereo.interpupillary_distance, shot, aberration);
             return Ok(AnyView::Stereo(view));
@@ -91,7 +91,7 @@ impl AnyView {
         if instant_point && shot.projection.has_blind_points() {
             return Ok(AnyView::Inertial(Inertial::new(model, shot, aberration)));
         }
-        // The others, by what their rays need: nothing, one boost, an event of their own, a world line.
+        // The others, by what their rays need: nothing, a boost, an event of their own, or a world line.
         Ok(match (instant_point, rests, aberration) {
             (true, true, _) => AnyView::Still(Still(shot.projection.clone())),
             (true, false, true) => AnyView::Moving(Moving::new(shot)),
@@ -103,7 +103,7 @@ impl AnyView {
         })
     }
 
-    /// What is seen at film point `(x, y)`, pixels, at the moment `moment` of the exposure, 0 to 1.
+    /// The ray of film point `(x, y)`, pixels, at the moment `moment` of the exposure, 0 to 1.
     pub fn ray(&self, x: f64, y: f64, moment: f64) -> CameraRay {
         match self {
             AnyView::Still(view) => view.ray(x, y, moment),
@@ -117,7 +117,7 @@ impl AnyView {
         }
     }
 
-    /// The view of a camera all of whose rays leave one event; none of others.
+    /// The view of a camera whose rays all leave one event; `None` for others.
     pub fn point(&self) -> Option<Point<'_>> {
         match self {
             AnyView::Still(view) => Some(Point::Still(view)),
@@ -131,7 +131,7 @@ impl AnyView {
         }
     }
 
-    /// Its name.
+    /// The kind of view.
     pub fn kind(&self) -> ViewKind {
         match self {
             AnyView::Still(_) => ViewKind::Still,
@@ -146,12 +146,12 @@ impl AnyView {
     }
 }
 
-/// Whether sensor and pinhole are on world lines of their own, apart by what the world measures.
+/// Whether sensor and pinhole are on separate world lines with a separation that is fixed in the world.
 fn is_pair(model: &CameraModel, rests: bool) -> bool {
     !rests && model.sensor.is_some_and(|s| s.assembly == Assembly::Bell)
 }
 
-/// The view of an accelerated camera, every element of which sees something.
+/// The view of an accelerated camera, if all of its elements see something.
 fn accelerated(scene: &Scene, shot: &Shot) -> Result<Box<Accelerated>> {
     let model = &scene.camera;
     let line = model.world_line().map_err(impossible)?;

@@ -61,8 +61,7 @@ impl Radial {
         }
     }
 
-    /// The largest ρ² that sees anything, and as much again as rounding may take from the edge of a field of
-    /// view that is the widest that there is.
+    /// The largest ρ² that sees anything, plus an allowance for rounding at the edge of the widest possible field of view.
     fn limit(self) -> f64 {
         let most = match self {
             Radial::Equidistant => PI * PI,
@@ -87,7 +86,7 @@ impl Radial {
         }
     }
 
-    /// The same of a block, with the same bits.
+    /// The same for a block, with the same bits.
     #[inline(always)]
     fn along_and_across_each(self, squares: &Block, along: &mut Block, across: &mut Block) {
         match self {
@@ -116,7 +115,7 @@ fn sine_part(sine: f64, rho: f64) -> f64 {
     if rho > 0.0 { sine / rho } else { 1.0 }
 }
 
-/// A film whose points stand for angles.
+/// A film whose points represent angles.
 #[derive(Debug, Clone, PartialEq)]
 struct AngularFilm {
     /// Right, up and forward.
@@ -152,7 +151,7 @@ impl AngularFilm {
         ]
     }
 
-    /// Takes the components of vectors along the axes to look directions, and notes the lengths that they had.
+    /// Turns the components of vectors along the axes into look directions, and records the original lengths.
     #[inline(always)]
     fn directions_and_lengths(&self, to: &mut [Block; 3], lengths: &mut Block) {
         let [right, up, forward] = self.axes;
@@ -165,7 +164,7 @@ impl AngularFilm {
         }
     }
 
-    /// The film point so many pixels right and up of the middle.
+    /// The film point that is `right` and `up` pixels from the middle.
     fn point(&self, right: f64, up: f64) -> [f64; 2] {
         let [width, height] = self.size;
         [0.5 * width + right, 0.5 * height - up]
@@ -188,7 +187,7 @@ impl Fisheye {
         Fisheye { radial, film }
     }
 
-    /// The place of a film point, or of one that sees nothing that of the middle, which looks forward.
+    /// The position of a film point; for one that sees nothing, that of the middle, which looks forward.
     #[inline(always)]
     fn seen_place(&self, x: f64, y: f64) -> [f64; 2] {
         let [a, b] = self.film.place(x, y);
@@ -262,7 +261,7 @@ impl Projection for Fisheye {
         let theta = libm::atan2(across, v.z);
         // An orthographic lens sees the half space before it.
         let beyond = self.radial == Radial::Orthographic && v.z < 0.0;
-        // What lies straight behind is seen all around.
+        // What is straight behind is seen all around the edge.
         if beyond || !(across > 0.0 || v.z > 0.0) {
             return None;
         }
@@ -272,7 +271,7 @@ impl Projection for Fisheye {
     }
 
     fn footprint(&self, v: DVec3) -> f64 {
-        // The wider of the two: along the radius dθ/dr, around it sin θ/r.
+        // The larger of two magnifications: dθ/dr along the radius, sin θ/r around the axis.
         let theta = libm::atan2(libm::hypot(v.x, v.y), v.z);
         let along = match self.radial {
             Radial::Equidistant => 1.0,
@@ -282,7 +281,7 @@ impl Projection for Fisheye {
         v.length() / (self.film.focal * along)
     }
 
-    // Around the axis r/sin θ: without end behind.
+    // Around the axis r/sin θ, which diverges behind the camera.
     fn density(&self) -> f64 {
         f64::INFINITY
     }
@@ -292,10 +291,10 @@ impl Projection for Fisheye {
     }
 }
 
-/// Whether a longitude and a latitude are those of directions; without a branch, as loops in vectors ask it.
+/// Whether a longitude and a latitude belong to a direction; branch-free, for vectorized loops.
 #[inline(always)]
 fn is_seen(longitude: f64, latitude: f64) -> bool {
-    // Rounding may take a little from an edge that is at 180 or 90 degrees.
+    // Allows for rounding at an edge that is at 180 or 90 degrees.
     const EDGE: f64 = 1.0 + 4.0 * f64::EPSILON;
     (longitude.abs() <= PI * EDGE) & (latitude.abs() <= FRAC_PI_2 * EDGE)
 }
@@ -315,7 +314,7 @@ impl Equirectangular {
         Equirectangular { film }
     }
 
-    /// The longitude and the latitude of a film point, or of one that sees nothing those of the middle, which looks forward.
+    /// The longitude and latitude of a film point; for one that sees nothing, those of the middle, which looks forward.
     #[inline(always)]
     fn seen_place(&self, x: f64, y: f64) -> [f64; 2] {
         let [longitude, latitude] = self.film.place(x, y);
@@ -398,7 +397,7 @@ impl Projection for Equirectangular {
         v.length() / self.film.focal
     }
 
-    // Along circles of latitude 1/cos φ: without end at the poles.
+    // Along circles of latitude 1/cos φ, which diverges at the poles.
     fn density(&self) -> f64 {
         f64::INFINITY
     }
@@ -443,7 +442,7 @@ mod tests {
         ];
         for (kind, degrees) in kinds {
             let of = |size| AnyProjection::of_kind(kind, axes, f64::to_radians(degrees), size);
-            // The middle, the edges, and film points that see nothing among them, which are the most of a high film.
+            // The middle, the edges, and film points that see nothing, which are the majority on a tall film.
             let (mut seen, mut next) = (0, numbers(3));
             for size in [[401.0, 200.0], [401.0, 4000.0]] {
                 let film = of(size);

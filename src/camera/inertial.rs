@@ -14,8 +14,8 @@
 //! f′ = f / √(1 − β² cos²α) = γ f / √(1 + γ²β² sin²α),     α the angle between forward axis and motion
 //! ```
 //!
-//! since of a rod f′ along the forward axis the part along the motion is contracted. It is γf along
-//! the motion (Jarabo et al. 2015, before Eq. 4) and f across it. Without a sensor f is 0.
+//! because the component along the motion of a rod f′ on the forward axis is contracted. It is γf along the motion (Jarabo et al. 2015,
+//! before Eq. 4) and f across it. Without a sensor f is 0.
 
 use glam::DVec3;
 
@@ -48,7 +48,7 @@ pub(super) struct ExposureTime {
 }
 
 impl ExposureTime {
-    /// That of `model`.
+    /// The exposure of `model`.
     pub fn of(model: &CameraModel) -> Self {
         let Some(shutter) = model.shutter else {
             return ExposureTime {
@@ -67,7 +67,7 @@ impl ExposureTime {
 }
 
 impl ExposureTime {
-    /// The weight of a sample at film point `(x, y)` of `film`: 0 where that sees nothing.
+    /// The weight of a sample at film point `(x, y)` of `film`: 0 if that sees nothing.
     #[inline(always)]
     pub fn weight_at<P: Projection>(&self, film: &P, x: f64, y: f64) -> f64 {
         if film.sees(x, y) { self.weight } else { 0.0 }
@@ -82,7 +82,7 @@ impl Inertial {
             Some(sensor) => {
                 let velocity = shot.frame.velocity();
                 let own = sensor.own_focal_length(shot.projection.forward(), velocity);
-                // The sensor keeps its size, so that a longer focal length narrows the view.
+                // The sensor keeps its size, so a longer focal length narrows the view.
                 (shot.projection.stretched(own / sensor.focal_length), own)
             }
         };

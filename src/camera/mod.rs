@@ -10,20 +10,20 @@
 //!
 //! for a source at rest in the world. Light in the camera travels in vacuum, whatever the medium.
 //!
-//! | view | of what camera | rays leave |
+//! | view | camera | rays leave |
 //! |---|---|---|
-//! | [`Still`], [`Moving`], [`Unaberrated`] | a point (no sensor), at one moment of its time | one event |
+//! | [`Still`], [`Moving`], [`Unaberrated`] | a point (no sensor), at one camera time | one event |
 //! | [`Inertial`] | without acceleration, with a sensor or a shutter | the pinhole's world line |
 //! | [`Accelerated`] | on any world line, with a sensor or a shutter | the pinhole's world line |
-//! | [`Turning`] | without acceleration, with a sensor that rotates | the pinhole's world line |
-//! | [`Stereo`] | the same, two of them side by side | either of two events |
+//! | [`Turning`] | without acceleration, with a rotating sensor | the pinhole's world line |
+//! | [`Stereo`] | two of these side by side | either of two events |
 //! | [`Paper`] | by the equations of Jarabo et al. 2015 | one event, with their times |
 //!
-//! [`Projection`]s say how film points look: through a pinhole onto a plane, fisheyes, panoramas. Film points
-//! beyond a fisheye's picture see nothing, so that such cameras are [`Inertial`] ones, whose rays have weights.
+//! [`Projection`]s map film points to look directions: perspective, fisheyes, panoramas. Film points outside a fisheye's image circle see
+//! nothing, so such cameras are [`Inertial`], whose rays have weights.
 //!
-//! What a camera does not need is not in its type: a camera at rest has no boost, and one whose rays all
-//! leave the event of the shot stores no origins ([`View::SHARED_ORIGIN`]).
+//! A view's type contains only what the camera needs: a camera at rest has no boost, and one whose rays all leave the event of the shot
+//! stores no origins ([`View::SHARED_ORIGIN`]).
 
 #[doc = include_str!("guide.md")]
 pub mod guide {}
@@ -75,17 +75,17 @@ pub trait View: Sync {
     /// Whether all rays leave the event of the shot, and none has an origin of its own.
     const SHARED_ORIGIN: bool;
 
-    /// Whether rays depend on the moment of the exposure: not where it is an instant.
+    /// Whether rays depend on the moment of the exposure; not if the exposure is an instant.
     fn uses_time(&self) -> bool;
 
-    /// How its film points look.
+    /// The projection of its film points.
     fn film(&self) -> &AnyProjection;
 
-    /// The ray of film point `(x, y)`, pixels, at the moment `moment` of the exposure, 0 to 1, for the
-    /// projection `film`, which is [`View::film`]'s: loops over many rays match it once.
+    /// The ray of film point `(x, y)`, pixels, at the moment `moment` of the exposure, 0 to 1. `film` must be [`View::film`]'s
+    /// projection; loops over many rays match on it once.
     fn ray_through<P: Projection>(&self, film: &P, x: f64, y: f64, moment: f64) -> CameraRay;
 
-    /// The rays of many film points: a plain loop, to be compiled for wide vectors.
+    /// The rays of many film points: a plain loop, compiled for wide vectors.
     #[inline(always)]
     fn rays<P: Projection>(&self, film: &P, points: &FilmPoints, mut rays: RaySlices)
     where

@@ -7,9 +7,9 @@ use crate::spacetime::{Displacement, World};
 pub struct RayOrigin {
     /// From the event of the shot to the event at which the ray leaves.
     pub displacement: Displacement<World>,
-    /// Factor on the delay of the light along the ray; 1 but for approximations.
+    /// Factor on the delay of the light along the ray; 1 except in approximations.
     pub delay: f64,
-    /// Factor on the radiance that is recorded; 0 where the element sees nothing.
+    /// Factor on the recorded radiance; 0 if the element sees nothing.
     pub weight: f64,
 }
 

@@ -1,17 +1,16 @@
 //! A camera by the equations of Jarabo et al. 2015, approximations included.
 //!
-//! It lets all light pass the pinhole when the picture is taken, at camera time t′. Directions are
-//! those of special relativity, W is its Doppler factor D, and
+//! All light passes the pinhole at the camera time t′ of the picture. Directions are those of special relativity, W is its Doppler factor
+//! D, and
 //!
 //! ```text
 //! emission time  t = t′/γ − η z′,     z′ = z √(sin²θ + cos²θ/γ²)                    (Eqs. 3, 11)
 //! ```
 //!
-//! for a point at world distance z, θ the angle of the light to the motion: a ray with its clock set
-//! to t′/γ when it leaves, and its delay shortened. For a camera that accelerates, Eq. 15 gives the
-//! world time in place of t′/γ. Field of view: Eq. 4 for a focal length that is fixed in the world; for sensor
-//! and pinhole that accelerate alike, d′ of Eq. 16. An exposure T′ lasts T′/D for each direction
-//! (Eqs. 10, 11) but sums over camera time. Lines scale with D⁻⁵.
+//! for a point at world distance z, where θ is the angle between the light and the motion: a ray whose clock is set to t′/γ when it
+//! leaves, with a shortened delay. For an accelerating camera, Eq. 15 gives the world time in place of t′/γ. Field of view: Eq. 4 for a
+//! focal length that is fixed in the world; d′ of Eq. 16 for a sensor and a pinhole that accelerate alike. An exposure T′ lasts T′/D in
+//! each direction (Eqs. 10, 11) but sums over camera time. Lines scale with D⁻⁵.
 
 use super::any_projection::AnyProjection;
 use super::inertial::ExposureTime;
@@ -28,7 +27,7 @@ pub struct Paper {
     world_from_camera: Boost<World, CameraFrame>,
     beta: DVec3,
     gamma: f64,
-    /// World time by Eq. 11 less that of the shot.
+    /// World time by Eq. 11 minus that of the shot.
     early: f64,
     exposure: ExposureTime,
     aberration: bool,
@@ -45,7 +44,7 @@ impl Paper {
             world_from_camera: *shot.frame.world_from_frame(),
             beta,
             gamma,
-            // Eq. 11 starts the clock at t′/γ; where the camera accelerates Eq. 15 gives the world time of the shot itself.
+            // Eq. 11 starts the clock at t′/γ; for an accelerating camera, Eq. 15 gives the world time of the shot itself.
             early: match inertial {
                 true => model.origin.ct + model.time / gamma - shot.event.ct,
                 false => 0.0,
@@ -56,7 +55,7 @@ impl Paper {
     }
 }
 
-/// How many times longer the focal length is in the camera's frame than in the world's.
+/// The focal length in the camera's frame over that in the world's.
 fn stretch(model: &CameraModel, shot: &Shot) -> f64 {
     let Some(sensor) = model.sensor else {
         return 1.0;
@@ -66,13 +65,13 @@ fn stretch(model: &CameraModel, shot: &Shot) -> f64 {
     let d = sensor.focal_length;
     match (sensor.assembly, acceleration(model)) {
         (Assembly::Rigid, _) => 1.0,
-        // Eq. 16, and γd as in Eq. 4 where nothing accelerates.
+        // Eq. 16, and γd as in Eq. 4 without acceleration.
         (Assembly::Bell, g) if g != 0.0 => paper2015::comoving_separation(g, d, speed) / d,
         (Assembly::WorldLength | Assembly::Bell, _) => gamma,
     }
 }
 
-/// The proper acceleration at the model's time, 1/m: for ever, or from time 0 on.
+/// The proper acceleration at the model's time, 1/m: constant at all times, or from time 0 on.
 fn acceleration(model: &CameraModel) -> f64 {
     match &model.motion {
         Motion::Accelerated(a) => a.length(),

@@ -16,8 +16,7 @@ pub struct Moving {
     world_from_camera: Boost<World, CameraFrame>,
 }
 
-/// A moving camera with aberration turned off: directions of the camera frame are taken as the
-/// world's; W is that of the true direction.
+/// A moving camera without aberration: directions of the camera frame are used as the world's; W is that of the true direction.
 #[derive(Debug)]
 pub struct Unaberrated(pub Moving);
 
@@ -114,7 +113,7 @@ impl View for Unaberrated {
     }
 }
 
-/// Any of them, matched at each ray: for work that is not worth compiling three times.
+/// Any point view, matched at each ray: for code that is not worth compiling three times.
 #[derive(Debug, Clone, Copy)]
 #[allow(missing_docs)]
 pub enum Point<'a> {

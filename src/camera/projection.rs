@@ -1,8 +1,7 @@
 //! Projections: from film points, in pixels from the top left corner, to directions, and back.
 //!
-//! [`Projection`] is what the rest of the program knows of one; cameras, capture cameras and overlays share
-//! it. [`AnyProjection`](super::AnyProjection) lists them all.
-//! Vectors are in the frame of the camera, or along the projection's [axes](Projection::axes).
+//! Cameras, capture cameras and overlays use projections only through [`Projection`]. [`AnyProjection`](super::AnyProjection) lists them
+//! all. Vectors are in the frame of the camera, or given by components along the projection's [axes](Projection::axes).
 
 use glam::{DMat3, DVec3};
 
@@ -17,13 +16,13 @@ pub trait Projection {
     /// Unit vectors right, up and forward.
     fn axes(&self) -> [DVec3; 3];
 
-    /// The same as the film's vectors have them, which rounding tells from the axes: by these, overlays draw.
+    /// The same axes as the film's vectors give them, which differ from the axes by rounding; overlays draw with these.
     fn film_axes(&self) -> [DVec3; 3] {
         self.axes()
     }
 
-    /// The vector D of film point `(x, y)`: it looks along D, and a sensor at focal length f behind the
-    /// pinhole has that element at −f D. The picture on it stands upside down, and is shown upright.
+    /// The vector D of film point `(x, y)`: it looks along D, and its element of a sensor at focal length f behind the pinhole is at −f
+    /// D. The picture on the sensor is upside down, and is shown upright.
     #[inline(always)]
     fn vector(&self, x: f64, y: f64) -> DVec3 {
         let [right, up, forward] = self.axes();
@@ -31,27 +30,27 @@ pub trait Projection {
         right * v.x + up * v.y + forward * v.z
     }
 
-    /// Whether film point `(x, y)` sees anything: a fisheye's picture may be smaller than its film. Of a film
-    /// point that does not, D is the forward axis.
+    /// Whether film point `(x, y)` sees anything: a fisheye's picture may be smaller than its film. For a film point that sees nothing, D
+    /// is the forward axis.
     #[inline(always)]
     fn sees(&self, _x: f64, _y: f64) -> bool {
         true
     }
 
-    /// D by its components along the axes.
+    /// The components of D along the axes.
     fn components(&self, x: f64, y: f64) -> DVec3;
 
-    /// Where what lies along `v`, by its components along the axes, is seen; it may be beyond the film's
-    /// edges. None where no film point looks that way, however large the film.
+    /// The film point that sees the direction `v`, given by components along the axes; it may lie beyond the film's edges. `None` if no
+    /// film point looks that way, however large the film.
     fn film_point(&self, v: DVec3) -> Option<[f64; 2]>;
 
-    /// The width of a pixel at the point `v`, by its components along the axes.
+    /// The width of a pixel at the point `v`, given by components along the axes.
     fn footprint(&self, v: DVec3) -> f64;
 
     /// Pixels per radian where they are densest.
     fn density(&self) -> f64;
 
-    /// What rasterizers need, where straight lines are seen straight.
+    /// What rasterizers need, if straight lines are seen straight.
     fn linear(&self) -> Option<Linear>;
 
     /// The unit vector forward.
@@ -78,12 +77,12 @@ pub trait Projection {
     fn direction_and_length(&self, x: f64, y: f64) -> (Direction<CameraFrame>, f64) {
         let d = self.vector(x, y);
         let length = d.length();
-        // Divisions are what this costs: one does for three components.
+        // Divisions dominate the cost: one serves all three components.
         (Direction::from_unit(d * (1.0 / length)), length)
     }
 
-    /// The same at a block of film points, given by x and y, with the same bits: components of the look
-    /// directions, and |D| of each. To be compiled for wide vectors.
+    /// The same for a block of film points, given by x and y, with the same bits: components of the look directions, and |D| of each. To
+    /// be compiled for wide vectors.
     #[inline(always)]
     fn directions_and_lengths(
         &self,
@@ -191,11 +190,11 @@ impl Projection for Perspective {
         [step(width, 0.0), -step(0.0, height), self.forward]
     }
 
-    // Cameras take millions of vectors: no division, axes scaled beforehand.
+    // Cameras compute millions of vectors: no division, axes scaled beforehand.
     #[inline(always)]
     fn vector(&self, x: f64, y: f64) -> DVec3 {
         let ([width, height], [right, up]) = (self.size, self.edges);
-        // 2x − w is exact at the edges and centres of pixels, and opposite on opposite sides.
+        // 2x − w is exact at the edges and centres of pixels, and antisymmetric about the middle.
         self.forward
             + right * ((2.0 * x - width) * self.pixel[0])
             + up * ((height - 2.0 * y) * self.pixel[1])
@@ -210,7 +209,7 @@ impl Projection for Perspective {
     #[inline(always)]
     fn film_point(&self, v: DVec3) -> Option<[f64; 2]> {
         let [width, height] = self.size;
-        // Divided in any case, and then selected: loops over this go in vectors.
+        // Always divide, then select: loops over this vectorize.
         let scale = self.focal / v.z;
         let place = [0.5 * width + scale * v.x, 0.5 * height - scale * v.y];
         if v.z > 0.0 { Some(place) } else { None }
@@ -221,7 +220,7 @@ impl Projection for Perspective {
         v.z / self.focal
     }
 
-    // In the corners: |D|² dense against the centre.
+    // In the corners: |D|² times as dense as in the centre.
     fn density(&self) -> f64 {
         let [right, up] = self.edges.map(|edge| edge.length_squared());
         0.5 * self.size[0] / right.sqrt() * (1.0 + right + up)
@@ -245,7 +244,7 @@ impl Projection for Perspective {
 pub(crate) fn rotation_matrix(axis: DVec3, angle: f64) -> DMat3 {
     let (sin, cos) = libm::sincos(angle);
     let half = libm::sin(0.5 * angle);
-    // 1 − cos, without the difference.
+    // 1 − cos without cancellation.
     let versine = 2.0 * half * half;
     let column = |e: DVec3| e * cos + axis.cross(e) * sin + axis * (axis.dot(e) * versine);
     DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))

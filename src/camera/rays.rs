@@ -6,7 +6,7 @@ use super::{Projection, RayOrigin, View};
 use crate::accel::vectors::{BLOCK, Block, Vectors, load, store};
 use crate::spacetime::{Boost, CameraFrame, Direction, Displacement, Frame, World};
 
-/// Film points, pixels, and moments of the exposure, 0 to 1; no moments where a view does not use them, for which they are 0.
+/// Film points, pixels, and moments of the exposure, 0 to 1; no moments if a view does not use them, which then count as 0.
 #[derive(Debug, Clone, Copy)]
 pub struct FilmPoints<'a> {
     /// From the left edge.
@@ -17,7 +17,7 @@ pub struct FilmPoints<'a> {
     pub moments: &'a [f64],
 }
 
-/// Where their rays are written: look directions in the world, W, and origins where they have their own.
+/// Where their rays are written: look directions in the world, W, and origins if rays have their own.
 #[derive(Debug)]
 pub struct RaySlices<'a> {
     /// Look directions, unit vectors.
@@ -28,11 +28,11 @@ pub struct RaySlices<'a> {
     pub origins: &'a mut [RayOrigin],
 }
 
-/// What a view does at almost all film points, without branches.
+/// Branch-free rays for almost all film points of a view.
 pub(super) trait SimpleRays {
-    /// The rays of a block of film points at their moments, with the same bits as by [`View::ray_through`], which finds those that are
-    /// marked as not simple. In short loops, one step after the other, with copies of what is the same for all: of a long loop, or one that
-    /// reads behind references, compilers make no vector code for AVX2.
+    /// The rays of a block of film points at their moments, with the same bits as [`View::ray_through`], which computes those that are
+    /// marked as not simple. Implementations use short loops, one step after the other, with copies of shared values: compilers do not
+    /// vectorize a long loop, or one that reads through references, for AVX2.
     fn rays<P: Projection>(&self, film: &P, at: [&Block; 2], moments: &Block, to: &mut RayBlock);
 }
 
@@ -47,7 +47,7 @@ impl RaySlices<'_> {
     /// The rays of `view`, one after the other.
     #[inline(always)]
     pub(super) fn fill<V: View, P: Projection>(&mut self, view: &V, film: &P, points: &FilmPoints) {
-        // Slices of known length leave no bounds checks in the loop.
+        // Slices of known length avoid bounds checks in the loop.
         let count = points.x.len();
         let (x, y) = (points.x, &points.y[..count]);
         let directions = &mut self.directions[..count];
@@ -70,13 +70,13 @@ impl RaySlices<'_> {
         points: &FilmPoints,
         boost: Option<&Boost<World, CameraFrame>>,
     ) {
-        // Asked once: with a branch at each direction the loop would not go in vectors.
+        // Test once: a branch at each direction would keep the loop from vectorizing.
         let boost = boost.filter(|boost| !boost.is_identity());
         let (mut d, mut lengths, mut ratios) = (Vectors::ZERO, [0.0; BLOCK], [1.0; BLOCK]);
         for (block, directions) in self.directions.chunks_mut(BLOCK).enumerate() {
             let begin = block * BLOCK;
             let (x, y) = (load(points.x, begin), load(points.y, begin));
-            // Two loops: roots and quotients wait for each other, and more rays of a short loop are under way at once.
+            // Two loops: roots and quotients depend on each other, and in short loops more rays are in flight at once.
             film.directions_and_lengths([&x, &y], d.axes_mut(), &mut lengths);
             if let Some(boost) = boost {
                 for (k, ratio) in ratios.iter_mut().enumerate() {
@@ -93,7 +93,7 @@ impl RaySlices<'_> {
         }
     }
 
-    /// The rays of `view`, block by block: those that `simple` finds, then the others.
+    /// The rays of `view`, block by block: first those that `simple` computes, then the others.
     #[inline(always)]
     pub(super) fn fill_by<S: SimpleRays, V: View, P: Projection>(
         &mut self,
@@ -119,7 +119,7 @@ impl RaySlices<'_> {
                 self.origins[k] = rays.origin(k - begin);
             }
             for k in begin..end {
-                // What the closed form does not cover.
+                // The rays that the closed form does not cover.
                 if rays.is_simple[k - begin] == 0.0 {
                     let ray =
                         view.ray_through(film, x[k - begin], y[k - begin], moments[k - begin]);
@@ -135,19 +135,19 @@ impl RaySlices<'_> {
 
 /// Rays by component.
 pub(super) struct RayBlock {
-    /// Look directions: while they are worked out of the camera, then in the world.
+    /// Look directions, first in the camera's frame, then in the world's.
     pub d: Vectors,
     pub ratio: Block,
     /// Where the rays leave: [`RayOrigin`].
     pub ct: Block,
     pub x: Vectors,
     pub weight: Block,
-    /// 1 for those that are, 0 for others, which come out as anything.
+    /// 1 for simple rays, 0 for others, whose values are arbitrary.
     pub is_simple: Block,
 }
 
 impl RayBlock {
-    /// To be written, but that all are simple.
+    /// All simple, to be filled in.
     const SIMPLE: RayBlock = RayBlock {
         d: Vectors::ZERO,
         ratio: [0.0; BLOCK],
@@ -157,7 +157,7 @@ impl RayBlock {
         is_simple: [1.0; BLOCK],
     };
 
-    /// Takes look directions to the world by `boost`, and sets their ratios; without `aberration` the directions stay what they are.
+    /// Takes look directions to the world by `boost`, and sets their ratios; without `aberration` the directions are unchanged.
     #[inline(always)]
     pub fn look(&mut self, boost: &Boost<World, CameraFrame>, aberration: bool) {
         let boost = *boost;
@@ -181,14 +181,14 @@ impl RayBlock {
         Displacement::new(self.ct[k], self.x.get(k))
     }
 
-    /// Has ray `k` leave there.
+    /// Sets where ray `k` leaves.
     #[inline(always)]
     pub fn set_place<F: Frame>(&mut self, k: usize, place: Displacement<F>) {
         self.ct[k] = place.ct;
         self.x.set(k, place.x);
     }
 
-    /// Notes whether ray `k` is simple.
+    /// Sets whether ray `k` is simple.
     #[inline(always)]
     pub fn set_simple(&mut self, k: usize, is_simple: bool) {
         self.is_simple[k] = if is_simple { 1.0 } else { 0.0 };

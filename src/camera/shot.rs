@@ -9,12 +9,12 @@ use crate::scene::model::{CameraModel, Motion};
 use crate::spacetime::worldline::{State, WorldLine};
 use crate::spacetime::{self, Event, InertialFrame, World};
 
-/// A camera at the moment of its shot, or at which its shutter opens.
+/// A camera at the moment of its shot, or when its shutter opens.
 #[derive(Debug, Clone)]
 pub struct Shot {
-    /// How film points look, then.
+    /// Its projection at that moment.
     pub projection: AnyProjection,
-    /// The inertial frame in which the camera is then at rest.
+    /// The inertial frame in which the camera is at rest at that moment.
     pub frame: InertialFrame<spacetime::CameraFrame>,
     /// The pinhole's event then.
     pub event: Event<World>,
@@ -24,7 +24,7 @@ impl Shot {
     /// The shot that `model` takes at its proper time `model.time`.
     ///
     /// # Errors
-    /// A motion that is impossible, or that has not begun or is over by then.
+    /// The motion is impossible, or it has not begun or is over by then.
     pub fn new(model: &CameraModel) -> Result<Self> {
         let state = state(&model.world_line().map_err(impossible)?, model.time)?;
         let turn = model
@@ -38,7 +38,7 @@ impl Shot {
         let inertial = model.motion == Motion::Inertial;
         Ok(Shot {
             projection: turn.map_or(film.clone(), |turn| film.turned(turn)),
-            // Without acceleration that is the event of the scene, which needs no rounding.
+            // Without acceleration that is the event of the scene, without rounding.
             frame: InertialFrame::new(state.velocity, if inertial { model.origin } else { origin }),
             event: state.event,
         })
@@ -66,7 +66,7 @@ fn state(line: &WorldLine, time: f64) -> Result<State> {
     })
 }
 
-/// A world line that cannot be.
+/// The error of an impossible world line.
 pub(super) fn impossible(error: spacetime::worldline::WorldLineError) -> Error {
     Error::invalid(
         "camera",

@@ -1,15 +1,14 @@
 //! Stereo pairs: two pinholes side by side, one picture beside the other.
 //!
-//! The two pinholes rest in the camera frame at ±(d/2) right from the middle between them, d the distance of the
-//! pupils, and take their pictures at the same camera time. With Λ the boost from the camera frame, their
-//! events are relative to the shot
+//! The two pinholes rest in the camera frame at ±(d/2) to the right of the middle between them, where d is the interpupillary distance,
+//! and take their pictures at the same camera time. With Λ the boost from the camera frame, their events relative to the shot are
 //!
 //! ```text
 //! P = Λ (0, ±(d/2) right),
 //! ```
 //!
-//! simultaneous for the camera and, where it moves along `right`, not for the world. Both look alike:
-//! their axes are parallel. The left half of the film is what the left eye sees.
+//! simultaneous for the camera but, if it moves along `right`, not for the world. Both have the same, parallel axes. The left half of the
+//! film is what the left eye sees.
 
 use glam::DVec3;
 
@@ -24,7 +23,7 @@ use crate::spacetime::{Displacement, World};
 /// A pair of cameras without acceleration, or at a moment at which they do not accelerate apart.
 #[derive(Debug)]
 pub struct Stereo {
-    /// What either sees, from the middle between them; its film is half the picture.
+    /// The view of either eye, from the middle between them; its film is half the picture.
     eye: Inertial,
     /// Columns of half the picture.
     half: f64,
@@ -36,7 +35,7 @@ impl Stereo {
     /// The view of `model`, whose pupils are `distance` metres apart; its shutter opens at `shot`.
     pub fn new(model: &CameraModel, distance: f64, shot: &Shot, aberration: bool) -> Self {
         let right = shot.projection.axes()[0];
-        // To the right pupil; the left one is as far to the other side.
+        // To the right pupil; the left one is at the opposite offset.
         let offset = Displacement::new(0.0, right * (0.5 * distance));
         let world_from_camera = shot.frame.world_from_frame();
         Stereo {
@@ -51,7 +50,8 @@ impl Stereo {
 }
 
 impl Stereo {
-    /// Where column `x` of the picture is on an eye's film, which either half of the picture is all of, and that eye's side.
+    /// The column of an eye's film that is column `x` of the picture (either half of the picture is an eye's whole film), and the side of
+    /// that eye.
     #[inline(always)]
     fn of_eye(&self, x: f64) -> (f64, f64) {
         let is_left = x < self.half;

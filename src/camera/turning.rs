@@ -1,40 +1,35 @@
-//! A sensor that turns about an axis, in a camera without acceleration whose pinhole rests in its frame.
+//! A sensor that rotates about an axis, in a camera without acceleration whose pinhole rests in its frame.
 //!
-//! All in the camera frame, with the pinhole at the origin. The element that lies at q = −f D when
-//! nothing is turned is at camera time t at
+//! All in the camera frame, with the pinhole at the origin. The element that is at q = −f D before the rotation is, at camera time t, at
 //!
 //! ```text
 //! r = c + R(Ωt)(q − c),     v = Ω × (r − c),     c: where the axis passes (pinhole or sensor's centre).
 //! ```
 //!
-//! *Exact.* Light that reaches it at t passed the pinhole at t − |r| and came along l = −r/|r|. The
-//! element's own four-velocity decides the frequency: W = W_camera(l) / (γ_v (1 + v·l)).
+//! *Exact.* Light that reaches it at t passed the pinhole at t − |r| and came along l = −r/|r|. The element's own four-velocity
+//! determines the frequency: W = W_camera(l) / (γ_v (1 + v·l)).
 //!
-//! *Comoving* (Jarabo et al. 2015, Figure 10). Each element is an inertial camera with a pinhole of its
-//! own that moves along with it: in the element's frame the look direction is c′ = R D/|D|, and the
-//! light passed that pinhole |q| before. With the boost Λ_v from the element's frame,
+//! *Comoving* (Jarabo et al. 2015, Figure 10). Each element is an inertial camera with its own comoving pinhole: in the element's frame
+//! the look direction is c′ = R D/|D|, and the light passed that pinhole |q| earlier. With the boost Λ_v from the element's frame,
 //!
 //! ```text
 //! (−ω, ω l) = Λ_v (−1, c′),     P = E + |q| ω (−1, l),     W = ω W_camera(l).
 //! ```
 //!
-//! *Aberrated* (there, Figure 11). The element sees the pinhole, which does not turn, where aberration
-//! shows it: that is the exact direction again, since aberration there and back is none. But it
-//! sees the other elements i of the sensor out of their plane by aberration too. With n the normal
-//! towards the pinhole, s = n·l, and V the speed along n of element j relative to element i, what is at
+//! *Aberrated* (there, Figure 11). The element sees the pinhole, which does not rotate, in its aberrated direction: that is the exact
+//! direction again, since aberration there and back cancels. But aberration also lifts the other elements i of the sensor out of their
+//! plane. With n the normal towards the pinhole, s = n·l, and V the speed along n of element j relative to element i, what is at
 //! elevation 0 (elements) and arcsin s (pinhole) appears at the arcsines of
 //!
 //! ```text
 //! V   and   (s + v_j)/(1 + v_j s),     V = (v_j − v_i)/(1 − v_j v_i)
 //! ```
 //!
-//! and where an element between j and the foot of the pinhole's perpendicular appears higher, the film
-//! point sees nothing. v_i is linear along the sensor, so the highest is at one of the two ends: V = 0 next
-//! to j, V = v_j at the foot, which rests. The latter is never higher than the pinhole. What is left is
-//! v_j ≤ −s: the element flees from the pinhole faster than its light follows, and turns its back on it.
-//! Eq. 17 has V = (v_i + v_j)/(1 + v_i v_j) instead, which the paper's equations follow: then it is v_j ≥ s, on
-//! the other side of the axis. Light's delay within the camera is left out of this question, as it is
-//! there.
+//! and where an element between j and the foot of the pinhole's perpendicular appears higher, the film point sees nothing. v_i is linear
+//! along the sensor, so the highest is at one of the two ends: V = 0 next to j, V = v_j at the foot, which rests. The latter is never
+//! higher than the pinhole. What remains is v_j ≤ −s: the element recedes from the pinhole so fast that it sees it from behind. Eq. 17
+//! has V = (v_i + v_j)/(1 + v_i v_j) instead, which the paper's equations follow: the condition is then v_j ≥ s, on the other side of the
+//! axis. As in the paper, the delay of light within the camera is ignored here.
 
 use glam::{DMat3, DVec3};
 
@@ -61,26 +56,26 @@ pub struct Turning {
     equations: Equations,
     /// Camera time of the shot.
     time: f64,
-    /// The turn at that time, where there is no exposure.
+    /// The rotation at that time, if there is no exposure.
     instant: Option<DMat3>,
     exposure: ExposureTime,
     aberration: bool,
 }
 
-/// A sensor element at a moment, and how it sees.
+/// A sensor element at a moment, and what it sees.
 struct Element {
     /// Velocity in the camera frame.
     v: DVec3,
     /// The look direction in the camera frame.
     l: DVec3,
-    /// ω_camera/ω_element of light from there.
+    /// ω_camera/ω_element of light from that direction.
     ratio: f64,
     /// From the pinhole's event to the event at which the ray leaves, in the camera frame.
     from: Displacement<CameraFrame>,
 }
 
 impl Turning {
-    /// The view of `model`, which turns by `rotation`; its shutter opens at `shot`.
+    /// The view of `model` with the rotation `rotation`; its shutter opens at `shot`.
     pub fn new(
         model: &CameraModel,
         rotation: Rotation,
@@ -89,7 +84,7 @@ impl Turning {
         aberration: bool,
     ) -> Self {
         let (velocity, forward) = (shot.frame.velocity(), model.axes[2]);
-        // Where the scene gives the focal length in the world, it is longer in the camera's own frame, and the film with it.
+        // If the scene gives the focal length in the world, it is longer in the camera's own frame, and so is the film's.
         let (focal_length, stretch) = model.sensor.map_or((0.0, 1.0), |sensor| {
             let own = sensor.own_focal_length(forward, velocity);
             (own, own / sensor.focal_length)
@@ -115,7 +110,7 @@ impl Turning {
         }
     }
 
-    /// Where the element of film vector `film` is on the turned sensor, and its velocity.
+    /// The position of the element of film vector `film` on the rotated sensor, and its velocity.
     #[inline(always)]
     fn place(&self, film: DVec3, turn: &DMat3) -> (DVec3, DVec3) {
         // r = c + R (q − c) and v = Ω × (r − c).
@@ -130,7 +125,7 @@ impl Turning {
         match self.elements {
             Elements::Comoving => comoving(r, v, (*turn * film).normalize(), film, self, t),
             Elements::Exact | Elements::Aberrated => {
-                // A point camera has no |r| to divide by.
+                // A point camera has |r| = 0, by which one cannot divide.
                 let towards = if self.focal_length > 0.0 {
                     -r
                 } else {
@@ -145,7 +140,7 @@ impl Turning {
     fn covered(&self, element: &Element, turn: &DMat3) -> bool {
         let n = *turn * self.film.forward();
         let foot = self.centre + *turn * (self.film.forward() * -self.focal_length - self.centre);
-        // V of an element next to this one, and of that at the foot of the perpendicular: the highest of them.
+        // V of an adjacent element, and of the one at the foot of the perpendicular: one of these is the highest.
         let speed = |r: DVec3| (self.axis * self.rate).cross(r - self.centre).dot(n);
         let own = element.v.dot(n);
         let highest = self.relative(own, own).max(self.relative(speed(foot), own));
@@ -153,7 +148,7 @@ impl Turning {
         highest >= (s + own) / (1.0 + own * s)
     }
 
-    /// Speed along the normal of an element that moves with `own` relative to one with `other`.
+    /// The speed along the normal of an element that moves with `own` relative to one that moves with `other`.
     fn relative(&self, other: f64, own: f64) -> f64 {
         match self.equations {
             Equations::Exact => (own - other) / (1.0 - own * other),
@@ -161,7 +156,7 @@ impl Turning {
         }
     }
 
-    /// Where the ray of `element` leaves, relative to the shot, and what it weighs.
+    /// Where the ray of `element` leaves relative to the shot, and its weight.
     #[inline]
     fn origin(&self, element: &Element, turn: &DMat3, t: f64) -> RayOrigin {
         let covered = self.elements == Elements::Aberrated && self.covered(element, turn);
@@ -173,7 +168,7 @@ impl Turning {
                 delay: 1.0,
                 weight,
             },
-            // Eq. 11 with the element's own γ, from the camera's place: t′/γ in place of t.
+            // Eq. 11 with the element's own γ, from the camera's position: t′/γ in place of t.
             Equations::Paper2015 => {
                 let camera_time = self.time + t;
                 RayOrigin {
@@ -201,7 +196,7 @@ fn exact(r: DVec3, v: DVec3, towards: DVec3, t: f64) -> Element {
     }
 }
 
-/// An element with a pinhole of its own, which moves along.
+/// An element with its own comoving pinhole.
 #[inline]
 fn comoving(r: DVec3, v: DVec3, seen: DVec3, film: DVec3, camera: &Turning, t: f64) -> Element {
     let gamma = gamma(v);
@@ -225,7 +220,7 @@ fn gamma(v: DVec3) -> f64 {
 }
 
 impl Turning {
-    /// What [`View::ray_through`] says, of a turn that is known.
+    /// [`View::ray_through`] for a known rotation.
     fn ray_of<P: Projection>(&self, film: &P, [x, y]: [f64; 2], turn: &DMat3, t: f64) -> CameraRay {
         let element = self.element(film.vector(x, y), turn, t);
         let mut origin = self.origin(&element, turn, t);
@@ -235,7 +230,7 @@ impl Turning {
         self.camera_ray(&element, origin)
     }
 
-    /// What `element` sees in the world, by a ray that leaves at `origin`.
+    /// The ray of `element` in the world, leaving at `origin`.
     #[inline(always)]
     fn camera_ray(&self, element: &Element, origin: RayOrigin) -> CameraRay {
         let l = Direction::from_unit(element.l);

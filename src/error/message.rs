@@ -1,15 +1,15 @@
-//! The texts of errors, which know where they speak of a setting.
+//! The texts of errors, which mark where they mention a setting.
 
 use std::fmt;
 use std::ops::{Add, AddAssign, Deref, Range};
 
 use serde::{Serialize, Serializer};
 
-/// Makes the settings of a table: of each what it is, and what the library calls it.
+/// Defines the settings from a table: the meaning of each, and its name in the library.
 macro_rules! settings {
     ($($(#[$doc:meta])* $setting:ident = $name:literal,)+) => {
-        /// A setting of the library that a message speaks of. The library calls it as it is called there, which is how it is
-        /// [displayed](fmt::Display); a program that sets it in another way can name that, see [`Message::with_names`].
+        /// A setting of the library that a message mentions. It is [displayed](fmt::Display) by its name in the library; a program that
+        /// sets it in another way can substitute its own name, see [`Message::with_names`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[non_exhaustive]
         pub enum Setting {
@@ -17,10 +17,10 @@ macro_rules! settings {
         }
 
         impl Setting {
-            /// All.
+            /// All settings.
             pub const ALL: &[Setting] = &[$(Setting::$setting),+];
 
-            /// What the library calls it.
+            /// Its name in the library.
             fn name(self) -> &'static str {
                 match self {
                     $(Setting::$setting => $name,)+
@@ -31,65 +31,65 @@ macro_rules! settings {
 }
 
 settings! {
-    /// How much memory may be taken.
+    /// The memory limit.
     MemoryLimit = "`memory_limit`",
-    /// Whether files may refer to others outside their folders.
+    /// Whether files may refer to files outside their folders.
     AllowOutside = "`allow_outside`",
-    /// Whether a comparison takes its pictures in an order that looks swapped.
+    /// Whether a comparison accepts its pictures in an order that looks swapped.
     AllowSwapped = "`allow_swapped`",
-    /// Whether an export replaces another.
+    /// Whether an export replaces an existing one.
     Overwrite = "`overwrite`",
-    /// Whether an export has test vectors.
+    /// Whether an export includes test vectors.
     Vectors = "`vectors`",
-    /// The method by which a picture is made.
+    /// The rendering method.
     Method = "`method`",
-    /// The ray tracer as that method, as an advice: "trace it with …".
+    /// The ray tracer as the method, as advice: "trace it with …".
     TraceIt = "trace it with `render::render`",
-    /// That a comparison leaves out pixels whose light is not finite.
+    /// Leaving out pixels with non-finite radiance from a comparison.
     IgnoreNotFinite = "`NotFinite::Ignore`",
-    /// That a comparison counts light that is not finite as a value.
+    /// Counting non-finite radiance as a given value in a comparison.
     CountNotFinite = "`NotFinite::CountAs(0.0)`",
-    /// How a .png that holds linear values is read: "as …".
+    /// Reading a .png that holds linear values: "as …".
     AsLinear = "as `Encoding::Linear`",
-    /// Which channels are compared.
+    /// The channels to compare.
     Channels = "`channels`",
-    /// That nothing but radiance is compared.
+    /// Comparing radiance alone.
     RadianceAlone = "`channels` of \"radiance\"",
-    /// The limit of a metric, whose name follows: "tolerance of …".
+    /// The limit of a metric, followed by its name: "tolerance of …".
     ToleranceOf = "tolerance of",
-    /// Texture coordinates that are made for what is baked.
+    /// Texture coordinates made for a bake.
     Atlas = "`Coordinates::Atlas`",
-    /// Light that is baked by what the camera sees.
+    /// Baking what the camera sees.
     CameraCube = "`camera_cube`",
-    /// How many texels are baked, which follow: "a size of …".
+    /// The number of texels to bake, which follows: "a size of …".
     TexelsOf = "a `size` of",
-    /// Which bins of a cube are kept, which follow.
+    /// The bins of a cube to keep, which follow.
     Bins = "`bins`",
-    /// That what is baked is kept in single precision: "a cube in …".
+    /// Keeping baked light in single precision: "a cube in …".
     SinglePrecision = "a cube in single precision",
-    /// The overrides of a scene, as what an edit is in: "on the …".
+    /// The overrides of a scene, as the place of an edit: "on the …".
     Overrides = "list of overrides",
     /// An override of any key: "… KEY=VALUE".
     Set = "set",
-    /// The override of the size of pictures, which follows.
+    /// The override of the picture size, which follows.
     Size = "camera.size",
-    /// The override of the number of samples of a pixel, which follows.
+    /// The override of the number of samples per pixel, which follows.
     SamplesPerPixel = "display.samples_per_pixel",
     /// The override of the camera's time, which follows.
     Time = "camera.time",
-    /// The override of how bright pictures are shown, which follows.
+    /// The override of the exposure, which follows.
     Exposure = "display.exposure",
-    /// The override of the radiance that is white, which follows.
+    /// The override of the radiance shown as white, which follows.
     White = "display.white",
-    /// That rays go through the centres of pixels.
+    /// Sending rays through pixel centres.
     PixelCenters = "`pixel_centers`",
-    /// The scene that compared pictures show.
+    /// The scene that the compared pictures show.
     Scene = "`scene`",
-    /// What stands for no object in a picture, which follows.
+    /// The value that means "no object" in a picture, which follows.
     NoHit = "`set_no_hit`",
-    /// How wide bins are in which a comparison counts time.
+    /// The width of time bins in a comparison.
     BinWidth = "`bin_width`",
-    /// That a comparison leaves ꟻLIP out.
+    /// Leaving ꟻLIP out of a comparison.
     NoFlip = "no `pixels_per_degree`",
 }
 
@@ -99,21 +99,21 @@ impl fmt::Display for Setting {
     }
 }
 
-/// A text that knows which of its words name settings. Made from texts and [`Setting`]s, by `+`.
+/// A text that knows which of its words name settings. Built from texts and [`Setting`]s with `+`.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Message {
-    /// With the library's names.
+    /// The text with the library's names.
     text: String,
-    /// Where they stand in it, in order.
+    /// Where they are in it, in order.
     settings: Vec<(Range<usize>, Setting)>,
 }
 
 impl Message {
-    /// The text with `name` for each setting that it speaks of.
+    /// The text with `name` substituted for each setting that it mentions.
     pub fn with_names(&self, name: impl Fn(Setting) -> String) -> String {
         let mut named = String::with_capacity(self.text.len());
         let mut end = 0;
-        // Messages grow at their end alone, so that spans are in order and do not overlap.
+        // Messages are only appended to, so the spans are in order and do not overlap.
         for (span, setting) in &self.settings {
             named += &self.text[end..span.start];
             named += &name(*setting);
@@ -182,7 +182,7 @@ impl From<Setting> for Message {
 impl<T: Into<Message>> AddAssign<T> for Message {
     fn add_assign(&mut self, more: T) {
         let Message { text, settings } = more.into();
-        // Spans count from the start of the whole text, or another name would be put in the wrong place.
+        // Spans count from the start of the whole text; otherwise another name would be put in the wrong place.
         let offset = self.text.len();
         let moved = |(span, setting): (Range<usize>, Setting)| {
             (span.start + offset..span.end + offset, setting)

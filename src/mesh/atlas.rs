@@ -1,14 +1,14 @@
-//! Texture coordinates for surfaces that have none of their own for every place: an atlas of flat charts.
+//! Texture coordinates for surfaces that do not have their own everywhere: an atlas of flat charts.
 //!
-//! A chart is a connected part of the surface whose normals are within 45° of one axis, seen along it: texels are stretched by
-//! 1/cos 45° at most. It grows from the first triangle that no chart has yet, over edges that triangles share, in the order of the triangles.
-//! Such a part may still cover itself (a spiral ramp does): of two triangles that cover one place, the later is
-//! given back, and becomes part of another chart; whether it does is looked at each time that the chart has doubled. Charts are turned to lie in the smallest rectangle, and stand on shelves, the highest
-//! first, at the largest scale, the same for all, at which they fit (bisection). Between two charts there are two columns or rows of
-//! texels, so that bilinear lookups at the border of a chart, which reach one texel beyond, never read another one's.
+//! A chart is a connected part of the surface whose normals are within 45° of one axis, projected along it: texels are stretched by at
+//! most 1/cos 45°. It grows from the first triangle that has no chart yet, over shared edges, in the order of the triangles. Such a part
+//! may still overlap itself (a spiral ramp does): of two overlapping triangles, the later is given back and becomes part of another
+//! chart; this is checked each time the chart has doubled. Charts are rotated to lie in the smallest rectangle, and packed on shelves,
+//! tallest first, at the largest common scale at which they fit (bisection). Two columns or rows of texels separate charts, so that
+//! bilinear lookups at the border of a chart, which reach one texel beyond, never read another one's.
 //!
-//! The same triangles give the same coordinates, bit for bit. Files keep them beside what is baked with them; nothing that is
-//! read later depends on this code.
+//! The same triangles give the same coordinates, bit for bit. Files store them beside what is baked with them; nothing that is read later
+//! depends on this code.
 
 use std::collections::{HashMap, VecDeque};
 use std::ops::RangeInclusive;
@@ -21,13 +21,13 @@ pub type Corners = [[f32; 2]; 3];
 /// Cosine of the largest angle between a chart's axis and its normals.
 const STEEPEST: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Texels beside a chart on each side that are its own.
+/// Texels of margin on each side of a chart.
 const MARGIN: usize = 1;
 
-/// Bisections of the scale: to 2⁻⁴⁰ of it.
+/// Bisections of the scale: to a relative precision of 2⁻⁴⁰.
 const BISECTIONS: u32 = 40;
 
-/// Triangles overlap by more than this part of their size; those that share an edge do so by rounding.
+/// Triangles overlap if by more than this part of their size; those that share an edge overlap by rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// A texture too small for its charts.
@@ -35,19 +35,19 @@ const ROUNDING: f64 = 1e-9;
 #[error("its {charts} charts need a texture of at least {least}x{least} texels")]
 #[non_exhaustive]
 pub struct TooSmall {
-    /// How many charts there are.
+    /// The number of charts.
     pub charts: usize,
-    /// Columns, and rows, of a square texture on which they find room.
+    /// Columns (and rows) of a square texture that has room for them.
     pub least: u32,
 }
 
 crate::error::value_errors!(TooSmall);
 
-/// The coordinates of the corners of all `triangles` (places in metres) on a texture of `size` columns and rows. Triangles without
-/// an area get the corner (0, 0).
+/// The coordinates of the corners of all `triangles` (positions in metres) on a texture of `size` columns and rows. Triangles without
+/// area get the corner (0, 0).
 ///
 /// # Errors
-/// A texture on which not every chart has a texel.
+/// The texture has less than one texel per chart.
 pub fn atlas(triangles: &[[DVec3; 3]], size: [u32; 2]) -> Result<Vec<Corners>, TooSmall> {
     let charts = charts(triangles);
     let mut corners = vec![[[0.0; 2]; 3]; triangles.len()];
@@ -69,7 +69,7 @@ pub fn atlas(triangles: &[[DVec3; 3]], size: [u32; 2]) -> Result<Vec<Corners>, T
 /// Part of a surface on a plane.
 struct Chart {
     triangles: Vec<u32>,
-    /// Their corners, metres from the lower left corner of the chart.
+    /// The corners of its triangles, metres from the lower left corner of the chart.
     flat: Vec<[DVec2; 3]>,
     size: DVec2,
 }
@@ -84,14 +84,14 @@ fn charts(triangles: &[[DVec3; 3]]) -> Vec<Chart> {
     counted_charts(triangles).0
 }
 
-/// The same, and how many times a triangle was looked at from one beside it.
+/// The same, and how often a triangle was visited from a neighbour.
 fn counted_charts(triangles: &[[DVec3; 3]]) -> (Vec<Chart>, usize) {
     let mut looks = 0;
     let normals: Vec<_> = triangles.iter().map(|t| normal(*t)).collect();
     let neighbours = Neighbours::of(triangles);
     let mut taken: Vec<bool> = normals.iter().map(Option::is_none).collect();
     let mut charts = Vec::new();
-    // Those that a chart gives back come again, as first of their own.
+    // Triangles that a chart gives back come up again, as the first of their own charts.
     let mut seeds: VecDeque<u32> = (0..triangles.len() as u32).collect();
     while let Some(seed) = seeds.pop_front() {
         let Some(axis) = normals[seed as usize].filter(|_| !taken[seed as usize]) else {
@@ -115,7 +115,8 @@ fn counted_charts(triangles: &[[DVec3; 3]]) -> (Vec<Chart>, usize) {
                 }
             }
             next += 1;
-            // Whenever it has doubled, so that it does not grow over all that lies on it: of many copies of a mesh each chart would try all.
+            // Checked at each doubling, so that a chart does not grow over everything that lies on it: among many copies of a mesh each
+            // chart would try all.
             let is_last = next == members.len() && checked < members.len();
             if members.len() >= 2 * checked || is_last {
                 let covering = covering(&flat);
@@ -138,9 +139,9 @@ fn counted_charts(triangles: &[[DVec3; 3]]) -> (Vec<Chart>, usize) {
     (charts, looks)
 }
 
-/// Which triangles share an edge, whose ends are the same places.
+/// Which triangles share an edge, that is, edges with the same end points.
 struct Neighbours {
-    /// By triangle, where its neighbours begin.
+    /// By triangle, the index of its first neighbour.
     first: Vec<usize>,
     all: Vec<u32>,
 }
@@ -149,7 +150,7 @@ impl Neighbours {
     fn of(triangles: &[[DVec3; 3]]) -> Self {
         let mut places: HashMap<[u64; 3], u32> = HashMap::new();
         let mut place = |p: DVec3| {
-            // Adding 0 makes −0 the same as 0.
+            // Adding 0 turns −0 into 0.
             let key = (p + DVec3::ZERO).to_array().map(f64::to_bits);
             let new = places.len() as u32;
             *places.entry(key).or_insert(new)
@@ -164,7 +165,7 @@ impl Neighbours {
         edges.sort_unstable();
         let mut pairs = Vec::new();
         for shared in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-            // Of very many triangles at one edge each one has the ones before and after it.
+            // If very many triangles share an edge, each is linked to its predecessor and its successor.
             for pair in shared.windows(2) {
                 pairs.extend([(pair[0].2, pair[1].2), (pair[1].2, pair[0].2)]);
             }
@@ -190,11 +191,11 @@ impl Neighbours {
     }
 }
 
-/// By triangle, whether it covers a place that one before it covers and that keeps its place.
+/// By triangle, whether it overlaps an earlier one that stays.
 fn covering(flat: &[[DVec2; 3]]) -> Vec<bool> {
     let mut covers = vec![false; flat.len()];
-    // A grid of about as many cells as there are triangles, whose rows and columns hold equally many corners, so that cells are small where
-    // triangles are; each is noted in the cells that it may touch, row by row.
+    // A grid of about as many cells as triangles, whose rows and columns hold equally many corners, so that cells are small where
+    // triangles are; each triangle is entered in the cells that it may touch, row by row.
     let (rows, columns) = (Lines::of(flat, |p| p.y), Lines::of(flat, |p| p.x));
     let mut grid: HashMap<(usize, usize), Vec<u32>> = HashMap::new();
     for (triangle, corners) in flat.iter().enumerate() {
@@ -222,12 +223,12 @@ fn covering(flat: &[[DVec2; 3]]) -> Vec<bool> {
 /// The lines between rows, or columns, of a grid, ascending.
 struct Lines {
     lines: Vec<f64>,
-    /// More than rounding makes of a place between the ends of an edge.
+    /// A bound on the rounding error of a point between the ends of an edge.
     rounding: f64,
 }
 
 impl Lines {
-    /// As many as the root of the number of triangles, with equally many of their corners between them.
+    /// About as many lines as the root of the number of triangles, with equally many of their corners between them.
     fn of(flat: &[[DVec2; 3]], coordinate: impl Fn(&DVec2) -> f64) -> Lines {
         let mut all: Vec<f64> = flat.iter().flatten().map(coordinate).collect();
         all.sort_unstable_by(f64::total_cmp);
@@ -241,13 +242,13 @@ impl Lines {
         }
     }
 
-    /// The rows that what reaches from one place to another may touch.
+    /// The rows that an interval may touch.
     fn reached(&self, [from, to]: [f64; 2]) -> RangeInclusive<usize> {
         let row = |x: f64| self.lines.partition_point(|line| *line <= x);
         row(from - self.rounding)..=row(to + self.rounding)
     }
 
-    /// Where a row begins and ends.
+    /// The limits of a row.
     fn ends(&self, row: usize) -> [f64; 2] {
         let line = |k: usize| self.lines.get(k).copied();
         let begin = row.checked_sub(1).and_then(line);
@@ -264,7 +265,7 @@ fn bounds(flat: &[[DVec2; 3]]) -> (DVec2, DVec2) {
     (low, all().fold(DVec2::NEG_INFINITY, DVec2::max))
 }
 
-/// From where to where a triangle reaches between two heights.
+/// The horizontal extent of a triangle between two heights.
 fn extent(corners: &[DVec2; 3], [from, to]: [f64; 2]) -> [f64; 2] {
     let mut reach = [f64::INFINITY, f64::NEG_INFINITY];
     let mut add = |x: f64| reach = [reach[0].min(x), reach[1].max(x)];
@@ -281,7 +282,7 @@ fn extent(corners: &[DVec2; 3], [from, to]: [f64; 2]) -> [f64; 2] {
     }
     match reach[0] <= reach[1] {
         true => reach,
-        // Rounding took it out of the row.
+        // Rounding put it outside the row.
         false => {
             let x = corners.map(|p| p.x);
             [x[0].min(x[1]).min(x[2]), x[0].max(x[1]).max(x[2])]
@@ -289,7 +290,7 @@ fn extent(corners: &[DVec2; 3], [from, to]: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// Whether two triangles cover a common area: no line along an edge of one has them on two sides.
+/// Whether two triangles overlap: no line along an edge of one separates them.
 fn overlap(a: &[DVec2; 3], b: &[DVec2; 3]) -> bool {
     let reach = |corners: &[DVec2; 3], axis: DVec2| {
         let x = corners.map(|p| p.dot(axis));
@@ -305,8 +306,8 @@ fn overlap(a: &[DVec2; 3], b: &[DVec2; 3]) -> bool {
 }
 
 impl Chart {
-    /// The chart of these triangles, turned so that its rectangle is smallest of those along edges of its first triangle and at
-    /// multiples of 10°, and lies.
+    /// The chart of these triangles, rotated to the smallest bounding rectangle among those along edges of its first triangle and at
+    /// multiples of 10°, with its longer side horizontal.
     fn laid(triangles: Vec<u32>, flat: Vec<[DVec2; 3]>) -> Self {
         let [a, b, c] = flat[0];
         let edges = [b - a, c - b, a - c].map(|edge| edge.normalize_or(DVec2::X));
@@ -320,7 +321,7 @@ impl Chart {
         let mut best = turned(edges[0]);
         for turn in edges.into_iter().skip(1).chain(turns) {
             let other = turned(turn);
-            // By more than rounding: the first that is as good stays.
+            // By more than rounding: of equally good ones, the first wins.
             if other.2.x * other.2.y < (1.0 - 1e-6) * best.2.x * best.2.y {
                 best = other;
             }
@@ -330,7 +331,7 @@ impl Chart {
         for p in flat.iter_mut().flatten() {
             *p -= low;
             if !lies {
-                // A quarter turn, which keeps front sides front.
+                // A quarter turn, which keeps front sides in front.
                 *p = DVec2::new(size.y - p.y, p.x);
             }
         }
@@ -344,14 +345,14 @@ impl Chart {
         }
     }
 
-    /// Columns and rows at this scale, with its margins.
+    /// Columns and rows at this scale, including margins.
     fn texels(&self, scale: f64) -> [usize; 2] {
         [self.size.x, self.size.y]
             .map(|length| (length * scale).ceil().max(1.0) as usize + 2 * MARGIN)
     }
 }
 
-/// The largest scale, texels per metre, at which the charts fit, and the texels where each begins.
+/// The largest scale, texels per metre, at which the charts fit, and the first texel of each.
 fn packed(charts: &[Chart], size: [usize; 2]) -> Result<(f64, Vec<DVec2>), TooSmall> {
     let area: f64 = charts.iter().map(|c| c.size.x * c.size.y).sum();
     let mut order: Vec<usize> = (0..charts.len()).collect();
@@ -360,7 +361,7 @@ fn packed(charts: &[Chart], size: [usize; 2]) -> Result<(f64, Vec<DVec2>), TooSm
         0.0,
         shelved(charts, &order, 0.0, size).ok_or_else(|| too_small(charts))?,
     );
-    // More than all texels is no scale.
+    // A scale at which charts need more than all texels does not fit.
     let (mut low, mut high) = (0.0, (size[0] as f64 * size[1] as f64 / area).sqrt());
     for _ in 0..BISECTIONS {
         let scale = 0.5 * (low + high);
@@ -381,7 +382,7 @@ fn too_small(charts: &[Chart]) -> TooSmall {
     }
 }
 
-/// Where each chart begins, in `order` on shelves; none where there is no room.
+/// The first texel of each chart, packed on shelves in `order`; `None` if there is not enough room.
 fn shelved(
     charts: &[Chart],
     order: &[usize],
@@ -449,9 +450,9 @@ mod tests {
         corners.iter().map(|t| t.map(place)).collect()
     }
 
-    /// No two triangles of `flat` cover one place: by all pairs.
+    /// Whether no two triangles of `flat` overlap: tests all pairs.
     fn is_apart(flat: &[[DVec2; 3]]) -> bool {
-        // What f32 rounds, and more.
+        // More than the rounding of f32.
         let shrunk = |t: &[DVec2; 3]| {
             let middle = (t[0] + t[1] + t[2]) / 3.0;
             t.map(|p| middle + (p - middle) * (1.0 - 1e-3))
@@ -496,7 +497,7 @@ mod tests {
         for surface in [doubled, vec![square[0]; copies]] {
             let (charts, looks) = counted_charts(&surface);
             assert_eq!(charts.len(), copies);
-            // From the few that are beside it at that time; if each chart tried all, it would be as many as there are copies.
+            // From the few that are its neighbours at that time; if each chart tried all, it would be as many as there are copies.
             assert!(looks < 10 * surface.len(), "{looks}");
         }
     }
@@ -510,7 +511,7 @@ mod tests {
                 .wrapping_add(1);
             (state >> 11) as f64 / (1u64 << 53) as f64
         };
-        // Of all sizes, many of them near one place, with slivers.
+        // Triangles of all sizes, many of them near one point, with slivers.
         let mut flat = Vec::new();
         for k in 0..600 {
             let size = 10f64.powf(-4.0 * random());
@@ -532,7 +533,7 @@ mod tests {
         assert_eq!(covering(&flat), all_pairs);
     }
 
-    /// Rings whose radii go with a high power: most of the triangles are in a hundredth of the disc.
+    /// Rings whose radii grow with a high power: most of the triangles are in a hundredth of the disc.
     #[test]
     fn a_disc_that_is_fine_in_its_middle_becomes_one_chart() {
         let (sides, rings) = (700, 50);
@@ -551,7 +552,7 @@ mod tests {
         assert_eq!(charts(&disc).len(), 1);
     }
 
-    /// Lengths on the texture over lengths on the surface are those of the scale, or cos 45° of it where it is steepest.
+    /// Lengths on the texture over lengths on the surface equal the scale, or cos 45° of it where the chart is steepest.
     #[test]
     fn texels_are_of_one_size_but_for_the_slope_of_their_chart() {
         let size = [128, 128];
@@ -566,16 +567,16 @@ mod tests {
         let ratios: Vec<f64> = ratios.collect();
         let most = ratios.iter().fold(0f64, |most, r| most.max(*r));
         let least = ratios.iter().fold(f64::INFINITY, |least, r| least.min(*r));
-        // An edge of a triangle within 45° is within 45° of the plane; f32 rounds.
+        // An edge of a triangle within 45° is within 45° of the plane; allow for f32 rounding.
         assert!(least >= most * STEEPEST * 0.999, "{least} to {most}");
-        // All of a sphere of radius 1 at this scale fills a good part of the texture.
+        // A sphere of radius 1 at this scale fills a good part of the texture.
         assert!(
             4.0 * std::f64::consts::PI * most * most > 0.4 * 128.0 * 128.0,
             "{most}"
         );
     }
 
-    /// Two columns or rows lie between charts: texels within one of a chart are nobody else's.
+    /// Two columns or rows separate charts: the texels within one of a chart belong to no other.
     #[test]
     fn bilinear_lookups_in_one_chart_never_read_another() {
         let size = [96, 96];

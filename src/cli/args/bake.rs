@@ -12,14 +12,14 @@ use crate::cli::values;
 pub struct BakeArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
-    /// Where to write: .npz with the array radiance (H, W, T, 3) of energies per bin, f32, its standard_error by bin
-    /// and metadata, or .npy with the energies alone; with several objects, one file for each, by their names. Finished
-    /// parts are kept in FILE.parts until the bake is complete: run the same command again to resume. Default: the
-    /// scene's name with -light.npz, in the current directory.
+    /// Where to write: .npz with the array radiance (H, W, T, 3) of energies per bin, f32, its standard_error by bin and metadata, or
+    /// .npy with the energies alone; with several objects, one file per object, named after it. Finished parts are kept in FILE.parts
+    /// until the bake is complete: run the same command again to resume. Default: the scene's name with -light.npz, in the current
+    /// directory.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Bake what the scene's camera sees, by times of arrival, instead of the objects' surfaces. The camera has to be
-    /// at rest relative to the objects.
+    /// Bake what the scene's camera sees, by time of arrival, instead of the objects' surfaces. The camera must be at rest relative to
+    /// the objects.
     #[arg(long, conflicts_with_all = ["object", "texels", "uv", "atlas"])]
     pub camera: bool,
     /// Bake the surface of this object. Default: all objects that reflect light. Repeatable.
@@ -28,11 +28,11 @@ pub struct BakeArguments {
     /// Columns and rows of texels of a surface.
     #[arg(long, value_name = "WxH", value_parser = values::size, default_value = "64x64", allow_hyphen_values = true)]
     pub texels: [u32; 2],
-    /// The set of texture coordinates; no two places of an object may overlap in it. Default: 0, or an atlas for objects
-    /// without any.
+    /// The set of texture coordinates; no two parts of an object's surface may overlap in it. Default: 0, or an atlas for objects without
+    /// any.
     #[arg(long, value_name = "SET")]
     pub uv: Option<u8>,
-    /// Make texture coordinates that do not overlap: an atlas of flat charts. They are written with the light, as array
+    /// Make texture coordinates that do not overlap: an atlas of flat charts. They are written with the light, as the array
     /// texture_coordinates of an .npz file.
     #[arg(long, conflicts_with = "uv")]
     pub atlas: bool,
@@ -42,13 +42,13 @@ pub struct BakeArguments {
     /// Width of a bin, with its unit: "5 cm" or "100 ps".
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub bin_width: Time,
-    /// How many bins.
+    /// The number of bins.
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub bins: u32,
     /// Energies in half precision.
     #[arg(long)]
     pub half: bool,
-    /// Print what it would load and how much memory it would take, and bake nothing.
+    /// Print what would be loaded and how much memory it would take, and bake nothing.
     #[arg(long)]
     pub plan: bool,
     #[command(flatten)]

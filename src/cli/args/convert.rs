@@ -12,11 +12,10 @@ use crate::cli::values;
 
 #[derive(Debug, Args)]
 pub struct ConvertArguments {
-    /// A .npy, .npz, .ti or HDF5 file, a folder of Zarr or of numbered pictures, or a pattern for their names.
+    /// A .npy, .npz, .ti or HDF5 file, a Zarr folder, a folder of numbered pictures, or a pattern for their names.
     #[arg(value_name = "FILE")]
     pub input: PathBuf,
-    /// A .npy, .npz or .h5 file to write, a new folder of Zarr (.zarr), or, for a name without an extension, a new folder of EXR
-    /// frames.
+    /// A .npy, .npz or .h5 file to write, a new Zarr folder (.zarr), or, for a name without an extension, a new folder of EXR frames.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// The array of an .npz or HDF5 file that holds several; with the number of an entry for axes named L, like "H[3]".
@@ -25,13 +24,13 @@ pub struct ConvertArguments {
     /// The order of the input's axes, like "T H W". Default: "H W T [C]"; for pictures "T H W".
     #[arg(long, value_name = "AXES")]
     pub axes: Option<Axes>,
-    /// What the input's channels are, in its order, like "R,G,B,IR,UV". Default: one is grey, three are red, green and blue.
+    /// What the input's channels are, in order, like "R,G,B,IR,UV". Default: one is grey, three are red, green and blue.
     #[arg(long, value_name = "NAMES")]
     pub channels: Option<Channels>,
     /// How the codes of PNG and TIFF pictures encode radiance.
     #[arg(long, value_name = "HOW")]
     pub transfer: Option<TransferArgument>,
-    /// Bins in which the sensor counted nothing, counted from 0: they are filled from their neighbours in time.
+    /// Bins in which the sensor counted nothing, counted from 0: they are interpolated from their neighbours in time.
     #[arg(long, value_name = "BINS", value_delimiter = ',')]
     pub dead_bins: Vec<usize>,
     /// What to do with samples below 0. Default: keep.
@@ -66,8 +65,8 @@ pub struct ConvertArguments {
     /// The reverse of --unwarp.
     #[arg(long, value_name = "FILE", group = "way")]
     pub warp: Option<PathBuf>,
-    /// Also write the surface through the points of the pixels, where the file gives them, as a .glb file with texture
-    /// coordinates into the output.
+    /// Also write the surface through the points that the pixels see, if the file gives them, as a .glb file with texture coordinates
+    /// into the output.
     #[arg(long, value_name = "FILE")]
     pub surface: Option<PathBuf>,
     /// Refractive index of the medium, for --unwarp and --warp. Default: 1.
@@ -96,7 +95,7 @@ pub enum SampleType {
     F64,
 }
 
-/// What becomes of samples below 0.
+/// What to do with samples below 0.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum NegativeArgument {
     /// They stay.

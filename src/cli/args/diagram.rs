@@ -40,7 +40,7 @@ pub struct DiagramArguments {
     /// Light on dark.
     #[arg(long)]
     pub dark: bool,
-    /// Pixels of a point (1/72 inch) in a .png.
+    /// Pixels per point (1/72 inch) in a .png.
     #[arg(long, value_name = "N", default_value_t = 3.0, value_parser = values::scale)]
     pub scale: f64,
     /// Width and height of the page, points.
@@ -56,7 +56,7 @@ pub struct DiagramArguments {
     pub pixel: PixelArguments,
 }
 
-/// From a picture to its diagram.
+/// The diagram of a pixel of the picture.
 #[derive(Debug, Args)]
 #[command(
     next_help_heading = "From a pixel",
@@ -68,11 +68,11 @@ pub struct PixelArguments {
     /// light was emitted, and where its source is now. Loads the scene's geometry, but no cubes and textures.
     #[arg(long, value_name = "J,I", value_parser = values::pixel, allow_hyphen_values = true)]
     pub pixel: Option<[u32; 2]>,
-    /// Width and height of the picture that --pixel counts in. Default: the scene's.
+    /// Width and height of the picture whose pixels --pixel counts. Default: the scene's.
     #[arg(long, value_name = "WxH", requires = "pixel", value_parser = values::size, allow_hyphen_values = true)]
     pub image_size: Option<[u32; 2]>,
-    /// Where the coordinates of the diagram are 0: where the camera sees the light, or where it was emitted. Default: where
-    /// the frame has its origin.
+    /// Where the coordinates of the diagram are 0: where the camera sees the light, or where it was emitted. Default: at the origin of
+    /// the frame.
     #[arg(long, value_name = "WHERE", requires = "pixel")]
     pub origin: Option<Origin>,
     /// Print the numbers of the pixel as JSON, and nothing else.
@@ -84,7 +84,7 @@ pub struct PixelArguments {
     pub files: FileAccess,
 }
 
-/// An end of the light of a pixel.
+/// An end of the light ray to a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Origin {
     /// Where the camera sees it.

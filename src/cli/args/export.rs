@@ -19,8 +19,8 @@ pub struct ExportArguments {
     /// Copy stored cubes, or only refer to them by path and SHA-256.
     #[arg(long, value_name = "WHAT", default_value = "copy")]
     pub cubes: CubesArgument,
-    /// Write test vectors too, as JSON for unit tests in any language: vertices, the events at which they are seen, where
-    /// on the film, and with which wavelength ratio.
+    /// Also write test vectors, as JSON for unit tests in any language: vertices, the events at which they are seen, their film points
+    /// and their wavelength ratios.
     #[arg(long)]
     pub vectors: bool,
     /// Replace an export of this name.
@@ -30,7 +30,7 @@ pub struct ExportArguments {
     pub work: WorkArguments,
 }
 
-/// What becomes of stored cubes.
+/// What to do with stored cubes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum CubesArgument {
     /// Copied into the bundle.

@@ -40,12 +40,12 @@ pub struct FilmArguments {
     pub changes: Changes,
     #[command(flatten)]
     pub work: WorkArguments,
-    // Last: what follows would stand under its heading.
+    // Last, because options that follow would appear under its heading.
     #[command(flatten)]
     pub motion: MotionArguments,
 }
 
-/// How the camera of a film moves.
+/// The motion of a film's camera.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Motions")]
 pub struct MotionArguments {
@@ -98,7 +98,7 @@ pub struct MotionArguments {
     pub to: Option<Time>,
 }
 
-/// Refuses the option by which pictures of a sequence are chosen elsewhere.
+/// Refuses the option that chooses the pictures of a sequence in other commands.
 fn frames_of_film(said: &str) -> Result<u32, String> {
     Err(match said.parse::<u32>() {
         Ok(count) => format!("the number of a film's pictures is --pictures: --pictures {count}"),
@@ -106,7 +106,7 @@ fn frames_of_film(said: &str) -> Result<u32, String> {
     })
 }
 
-/// What stands beside the pictures of a film.
+/// What is shown beside the pictures of a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Beside {
     /// What a camera at rest sees.
@@ -116,7 +116,7 @@ pub enum Beside {
 }
 
 impl Beside {
-    /// As the command line has it.
+    /// The name on the command line.
     pub fn word(self) -> &'static str {
         match self {
             Beside::Rest => "rest",

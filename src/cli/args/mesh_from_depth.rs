@@ -67,7 +67,7 @@ pub struct MeshFromDepthArguments {
     /// Leave out pixels below this part of the brightest: they are in shadow, where only indirect light arrives. Default: 0.02.
     #[arg(long, value_name = "PART", value_parser = values::positive)]
     pub least: Option<f64>,
-    /// Do not join neighbours whose distances differ by more than this many pixel widths, and by more than on a plane.
+    /// Do not join neighbours whose distances differ by more than this many pixel widths and by more than they would on a plane.
     #[arg(long, value_name = "PIXELS", default_value_t = 4.0, value_parser = values::positive)]
     pub tear: f64,
     #[command(flatten)]
@@ -76,7 +76,7 @@ pub struct MeshFromDepthArguments {
     pub quiet: Quiet,
 }
 
-/// What tells how far surfaces are.
+/// Where the distances come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum DepthKind {
     /// When light first came back: a cube by times of arrival, lit by a pulse.

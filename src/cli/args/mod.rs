@@ -1,5 +1,5 @@
-//! The arguments: a file for each command, and one for what several take. One definition makes the parser, the help, the man
-//! pages and the completions.
+//! The arguments: one file per command, and one for options that several commands share. One definition yields the parser, the help, the
+//! man pages and the completions.
 
 mod bake;
 mod compare;
@@ -65,8 +65,8 @@ pub enum Command {
     /// Render the panels of scenes to contact sheets: one labelled page for each scene.
     #[command(after_help = help::SHEET)]
     Sheet(SheetArguments),
-    /// Bake the light of pulsed lamps, with its delays and bounces, into cubes for [[source]]; lamps and objects have
-    /// to rest relative to each other.
+    /// Bake the light of pulsed lamps, with its delays and bounces, into cubes for [[source]]; lamps and objects must be at rest relative
+    /// to each other.
     #[command(after_help = help::BAKE)]
     Bake(BakeArguments),
     /// Draw the space-time diagram of a scene's world lines, or of a file's own [diagram].
@@ -90,10 +90,10 @@ pub enum Command {
     /// Predict how finely a rasterizer has to tessellate the objects of a scene.
     #[command(after_help = help::TESSELLATION)]
     Tessellation(TessellationArguments),
-    /// Show what a glTF, npy, npz, ti, HDF5, exr, png or scene file or a folder of pictures or of Zarr holds.
+    /// Show what a file holds: glTF, npy, npz, ti, HDF5, exr, png, a scene, or a folder of pictures or a Zarr array.
     #[command(after_help = help::INFO)]
     Info(InfoArguments),
-    /// Test this build on this machine: numbers against arbitrary precision, rays against gaps.
+    /// Test this build on this machine: numbers against arbitrary precision, meshes for gaps that rays slip through.
     #[command(after_help = help::SELFTEST)]
     Selftest(SelftestArguments),
     /// Measure run time against error: ray tracer, rasterizers, warped pictures.

@@ -13,14 +13,14 @@ pub struct PlanArguments {
     pub channels: ChannelArguments,
     #[command(flatten)]
     pub method: MethodArgument,
-    /// Plan pictures with lines over them, too.
+    /// Plan pictures with overlays, too.
     #[arg(long)]
     pub overlay: bool,
     #[command(flatten)]
     pub lines: LineArguments,
     #[command(flatten)]
     pub json: Json,
-    // Last: what follows would stand under its heading.
+    // Last, because options that follow would appear under its heading.
     #[command(flatten)]
     pub model: ModelArguments,
 }

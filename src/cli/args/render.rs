@@ -80,7 +80,7 @@ pub struct RenderArguments {
     pub frames: FrameArguments,
 }
 
-/// When a picture is good enough.
+/// When to stop rendering passes.
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Progressive rendering")]
 pub struct PassArguments {
@@ -99,7 +99,7 @@ pub struct PassArguments {
 }
 
 impl PassArguments {
-    /// The first option that is given.
+    /// The name of the first option that is given.
     pub fn given(&self) -> Option<&'static str> {
         let options = [
             (self.error.is_some(), "--error"),
@@ -111,7 +111,7 @@ impl PassArguments {
     }
 }
 
-/// How a model is looked at that is given in place of a scene.
+/// The camera for a model that is given in place of a scene.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Models without a scene (.glb, .gltf)")]
 pub struct ModelArguments {
@@ -127,7 +127,7 @@ pub struct ModelArguments {
 }
 
 impl ModelArguments {
-    /// How the model is looked at.
+    /// The view of the model.
     pub fn view(&self) -> ModelView {
         ModelView {
             beta: self.beta,
@@ -138,7 +138,7 @@ impl ModelArguments {
     }
 }
 
-/// Which moments are rendered, where they are many.
+/// The moments of a sequence.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Sequences")]
 pub struct FrameArguments {
@@ -185,7 +185,7 @@ pub struct FrameArguments {
 }
 
 impl FrameArguments {
-    /// Those of a fly-by for which none are given.
+    /// The frames of a fly-by for which the command line gives none.
     pub fn all_of_flyby() -> Self {
         FrameArguments {
             frames: Some(0..ModelView::FLYBY_FRAMES),

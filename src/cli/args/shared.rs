@@ -1,4 +1,4 @@
-//! What several commands take: each option stands here once.
+//! Options that several commands share; each is defined once.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ use nullray::scene::{Overrides, SceneFile};
 use crate::cli::values::AovList;
 use crate::cli::{memory, panels, values};
 
-/// Which scene.
+/// The scene to use.
 #[derive(Debug, Args)]
 pub struct ScenePath {
     /// The scene file (TOML; - for standard input), or a model without a scene (.glb, .gltf). Default: the built-in scene.
@@ -24,13 +24,13 @@ pub struct ScenePath {
 }
 
 impl ScenePath {
-    /// The file; none stands for the built-in scene.
+    /// The file; `None` is the built-in scene.
     pub fn path(&self) -> Option<&Path> {
         self.scene.as_deref()
     }
 }
 
-/// Which panel of it.
+/// The panel of the scene to use.
 #[derive(Debug, Args)]
 pub struct PanelArgument {
     /// Take this panel of the scene. Default: the scene without its panels.
@@ -45,7 +45,7 @@ impl PanelArgument {
     }
 }
 
-/// A scene, or a panel of it, and what is changed of it.
+/// A scene or one of its panels, and the changes to it.
 #[derive(Debug, Args)]
 pub struct SceneArguments {
     #[command(flatten)]
@@ -64,18 +64,18 @@ impl SceneArguments {
         panels::scene(self.path(), self.panel.name(), &overrides, memory)
     }
 
-    /// The scene of `file`, which is that at the path, or the panel.
+    /// The scene of `file`, or the panel; `file` has been read from the path.
     pub fn of(&self, file: &SceneFile) -> Result<Scene> {
         panels::of_file(file, self.panel.name(), &self.changes.overrides())
     }
 
-    /// The file; none stands for the built-in scene.
+    /// The file; `None` is the built-in scene.
     pub fn path(&self) -> Option<&Path> {
         self.path.path()
     }
 }
 
-/// What is changed of a scene.
+/// Changes to a scene.
 #[derive(Debug, Args)]
 pub struct Changes {
     /// Image size in pixels.
@@ -119,7 +119,7 @@ impl Changes {
         }
     }
 
-    /// Whether the command line says what becomes white.
+    /// Whether the command line sets the white point.
     pub fn says_exposure(&self) -> bool {
         let keys = [
             "display",
@@ -132,7 +132,7 @@ impl Changes {
         self.white.is_some() || self.exposure.is_some() || self.edits.set.iter().any(is_set)
     }
 
-    /// What is asked of a scene beyond its file, of so many threads.
+    /// The options of a render that are not in the scene file, with the given number of threads.
     pub fn request(&self, threads: Option<u16>) -> Request {
         Request {
             aovs: Vec::new(),
@@ -145,7 +145,7 @@ impl Changes {
     }
 }
 
-/// What is changed of any file.
+/// Changes that apply to any file.
 #[derive(Debug, Args)]
 pub struct Edits {
     /// Change a key of the file: --set "camera.velocity={beta=[0.5,0,0]}". Repeatable.
@@ -156,7 +156,7 @@ pub struct Edits {
     pub time: Option<String>,
 }
 
-/// How much memory may be taken.
+/// The memory limit.
 #[derive(Debug, Args)]
 pub struct MemoryLimit {
     /// Memory limit, also --memory; cubes that do not fit are read from disk in parts. Default: three quarters of what
@@ -172,7 +172,7 @@ impl MemoryLimit {
     }
 }
 
-/// Which files may be read.
+/// Access to files outside a scene's folder.
 #[derive(Debug, Args)]
 pub struct FileAccess {
     /// Let glTF files refer to files outside their own folder and the scene's.
@@ -180,7 +180,7 @@ pub struct FileAccess {
     pub allow_outside: bool,
 }
 
-/// How the work is done.
+/// Threads and memory.
 #[derive(Debug, Args)]
 pub struct WorkArguments {
     #[command(flatten)]
@@ -189,7 +189,7 @@ pub struct WorkArguments {
     pub quiet: Quiet,
 }
 
-/// How many threads work.
+/// The number of threads.
 #[derive(Debug, Args)]
 pub struct Threads {
     /// Worker threads. Default: one per core. The results do not depend on it.
@@ -197,7 +197,7 @@ pub struct Threads {
     pub count: Option<u16>,
 }
 
-/// Whether little is printed.
+/// How much is printed.
 #[derive(Debug, Args)]
 pub struct Quiet {
     /// Print only errors, and results that options request.
@@ -205,7 +205,7 @@ pub struct Quiet {
     pub on: bool,
 }
 
-/// How a report is printed.
+/// The format of a report.
 #[derive(Debug, Args)]
 pub struct Json {
     /// As JSON.
@@ -252,7 +252,7 @@ impl LineArguments {
     }
 }
 
-/// How several pictures are exposed.
+/// The exposure of several pictures.
 #[derive(Debug, Args)]
 pub struct ExposureArgument {
     /// Use one exposure for all pictures, so that they can be compared and do not flicker: the scene's percentile over small
@@ -260,13 +260,13 @@ pub struct ExposureArgument {
     /// that are rendered apart need --white.
     #[arg(long)]
     same_exposure: bool,
-    /// Give each picture an exposure of its own. The default for panels, and for films of --speeds.
+    /// Give each picture its own exposure. The default for panels, and for films of --speeds.
     #[arg(long, conflicts_with = "same_exposure")]
     own_exposure: bool,
 }
 
 impl ExposureArgument {
-    /// The scenes of all panels of `file`, in their order, with one exposure where that is chosen.
+    /// The scenes of all panels of `file`, in order, with one exposure if requested.
     pub fn panels(
         &self,
         file: &SceneFile,
@@ -281,12 +281,12 @@ impl ExposureArgument {
         Ok(scenes)
     }
 
-    /// Whether one exposure for all is asked for.
+    /// Whether one exposure for all is requested.
     pub fn says_same(&self) -> bool {
         self.same_exposure
     }
 
-    /// Whether all have one exposure; `default` where neither is asked for.
+    /// Whether all share one exposure; `default` if neither flag is given.
     pub fn is_same(&self, default: bool) -> bool {
         // The two flags exclude each other.
         self.same_exposure || default && !self.own_exposure

@@ -1,4 +1,4 @@
-//! Angles of points of the upper half-plane, in a form that goes in vectors.
+//! Angles of points of the upper half-plane, in a form that vectorizes.
 //!
 //! The angle from the x-axis is reduced to arctan t with |t| ≤ tan(π/8) by reflections and a turn by π/4, which need one division in all:
 //! arctan(y/x) = π/4 + arctan((y − x)/(y + x)). The polynomial is that of FreeBSD's msun (s_atan.c) for |t| < 7/16.
@@ -22,7 +22,7 @@ const A: [f64; 11] = [
 /// tan(π/8).
 const EIGHTH: f64 = 0.414_213_562_373_095_03;
 
-/// The angle of (x, y) from the x-axis, from 0 to π, for y ≥ 0: right to 4 eps. At the origin it is 0.
+/// The angle of (x, y) from the x-axis, from 0 to π, for y ≥ 0, accurate to 4 eps. At the origin it is 0.
 #[inline(always)]
 pub(crate) fn upper_angle(y: f64, x: f64) -> f64 {
     let across = x.abs();
@@ -33,7 +33,7 @@ pub(crate) fn upper_angle(y: f64, x: f64) -> f64 {
     } else {
         (low, high)
     };
-    // One of the two numbers that are 0 at the origin is made 1.
+    // Of the two numbers that are 0 at the origin, one is replaced by 1.
     let down = if down > 0.0 { down } else { 1.0 };
     let t = up / down;
     let (z, start) = (t * t, if turns { FRAC_PI_4 } else { 0.0 });

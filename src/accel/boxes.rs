@@ -1,4 +1,4 @@
-//! Boxes in f32, and the binary tree over them while it is built.
+//! Boxes in f32, and the binary tree over them during the build.
 
 use glam::{Vec3, Vec3A};
 
@@ -6,29 +6,29 @@ use super::node::NodeRef;
 
 /// A box in tree space.
 ///
-/// Its vectors have a fourth lane, which holds a coordinate again: an index there would be a denormal number, by which every product of
-/// such a vector takes over a hundred cycles.
+/// Its vectors have a fourth lane, which repeats a coordinate: an index there would be a denormal number, which makes every product of
+/// such a vector take over a hundred cycles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Aabb {
     pub lo: Vec3A,
     pub hi: Vec3A,
 }
 
-/// A box, and what is in it, in half a cache line.
+/// A box and its content, in half a cache line.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(32))]
 pub(super) struct BoxNode {
     lo: Vec3,
-    /// A leaf's box, or the first of two children, which stand side by side.
+    /// A leaf's box, or the first of two children, which are adjacent.
     pub content: NodeRef,
     hi: Vec3,
 }
 
-/// A binary tree whose leaves hold one box each. The root is first; where it has children, they are in pairs from place 1 on.
+/// A binary tree whose leaves hold one box each. The root is first; children are stored in pairs from index 1 on.
 #[derive(Debug, Clone)]
 pub(super) struct BoxTree {
     pub nodes: Vec<BoxNode>,
-    /// Whether all children stand behind their parents.
+    /// Whether all children come after their parents.
     pub parents_first: bool,
 }
 
@@ -50,7 +50,7 @@ impl Aabb {
 }
 
 impl BoxNode {
-    /// What fills a list before its nodes are set.
+    /// A placeholder for nodes that are not set yet.
     pub const EMPTY: BoxNode = BoxNode {
         lo: Vec3::ZERO,
         content: NodeRef::ROOT,
@@ -83,7 +83,7 @@ impl BoxNode {
 }
 
 impl BoxTree {
-    /// By node its parent; the root's is the root.
+    /// The parent of each node; the root's is the root.
     pub fn parents(&self) -> Vec<u32> {
         let mut parents = vec![0; self.nodes.len()];
         for (parent, node) in self.nodes.iter().enumerate() {
@@ -97,7 +97,7 @@ impl BoxTree {
 
 #[cfg(test)]
 impl BoxTree {
-    /// Panics unless each of the boxes is in one leaf, each node below one parent, and each box the least that holds its children's.
+    /// Panics unless each box is in exactly one leaf, each node has one parent, and each box is the smallest that holds its children's.
     pub(super) fn check(&self, boxes: &[Aabb]) {
         let mut found = vec![0; boxes.len()];
         let mut linked = vec![0; self.nodes.len()];
@@ -119,7 +119,7 @@ impl BoxTree {
             }
         }
         assert!(found.iter().chain(&linked).all(|&times| times == 1));
-        // No circle that the root does not reach: from it as many nodes are met as there are.
+        // No cycle detached from the root: the root reaches as many nodes as there are.
         let (mut met, mut pending) = (0, vec![0]);
         while let Some(index) = pending.pop() {
             met += 1;

@@ -1,4 +1,4 @@
-//! From triangles to a tree over f32 boxes: clustered, bettered by moves of nodes, and its nodes laid out anew.
+//! From triangles to a tree over f32 boxes: clustering, reinsertion of nodes, and a new node layout.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -17,34 +17,34 @@ use super::reinsert::reinsert;
 use super::tree_space::TreeSpace;
 use super::wide::{BinaryTree, WideTree};
 
-/// How much work goes into a tree. Hits do not depend on it, only how fast they are found.
+/// How much work goes into a tree. This affects only how fast hits are found, not which.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Preset {
-    /// Built fastest: for a still of a large mesh.
+    /// Fastest to build: for a still of a large mesh.
     Quick,
-    /// Built in up to twice the time, and some per cent faster to trace: for many samples or pictures.
+    /// Up to twice the build time, and a few per cent faster to trace: for many samples or pictures.
     #[default]
     Balanced,
-    /// Built in four to six times the time, and faster still to trace for rays that go all ways.
+    /// Four to six times the build time, and faster still to trace for incoherent rays.
     Thorough,
 }
 
-/// How many rays a tree is built for.
+/// The number of rays that a tree is built for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ExpectedRays {
-    /// From the camera: neighbours go the same way.
+    /// From the camera: neighbours go in similar directions.
     pub camera: u64,
     /// To lamps.
     pub shadow: u64,
-    /// From surfaces all ways.
+    /// From surfaces in all directions.
     pub bounced: u64,
 }
 
 /// A more careful tree saves this many times as much per shadow ray, or per bounced one, as per camera ray.
 const SHADOW_RAYS_WORTH: f64 = 5.0;
 const BOUNCED_RAYS_WORTH: f64 = 30.0;
-/// From so many camera rays per triangle on, a tree of the next preset pays.
+/// From this many camera rays per triangle on, a tree of the next preset pays.
 const BALANCED_FROM: f64 = 1000.0;
 const THOROUGH_FROM: f64 = 2000.0;
 
@@ -52,17 +52,16 @@ impl Preset {
     /// All of them, quickest first.
     pub const ALL: [Preset; 3] = [Preset::Quick, Preset::Balanced, Preset::Thorough];
 
-    /// The preset for which `rays` and the trees of so many triangles together take least time.
+    /// The preset that minimizes the total time for `rays` and the trees of this many triangles.
     ///
-    /// Break-even as measured with `benches/build.rs` on meshes of 57,000 to 124,000 triangles, one thread: the balanced tree
-    /// takes 250 to 410 ns per triangle more to build than the quick one, the thorough one 1200 to 1950 ns. In a room of
-    /// furniture they save 20 and 45 ns of 290 per ray that goes any way, around statues none to 15 and 40 ns, and at most 0.4
-    /// ns per camera ray.
+    /// Break-even as measured with `benches/build.rs` on meshes of 57,000 to 124,000 triangles, one thread: the balanced tree takes 250
+    /// to 410 ns per triangle more to build than the quick one, the thorough one 1200 to 1950 ns. In a room of furniture they save 20 and
+    /// 45 ns of 290 per incoherent ray, around statues 0 to 15 and 40 ns, and at most 0.4 ns per camera ray.
     pub fn for_rays(triangles: u64, rays: ExpectedRays) -> Preset {
         let worth = rays.camera as f64
             + SHADOW_RAYS_WORTH * rays.shadow as f64
             + BOUNCED_RAYS_WORTH * rays.bounced as f64;
-        // No triangles and no rays make NaN, which is in neither range.
+        // No triangles and no rays give NaN, which is in neither range.
         match worth / triangles as f64 {
             per_triangle if per_triangle >= THOROUGH_FROM => Preset::Thorough,
             per_triangle if per_triangle >= BALANCED_FROM => Preset::Balanced,
@@ -70,11 +69,10 @@ impl Preset {
         }
     }
 
-    /// Measured with `benches/visibility.rs` and `benches/build.rs`. Without any reinsertion rays that go all ways through
-    /// a room of furniture take a third longer; most of that is gained with the topmost nodes. Splitting triangles would
-    /// break the memory budget. Leaves of up to
-    /// four triangles save 16 to 20 bytes per triangle, of 182 to 188, and cost single rays up to a tenth of
-    /// their speed; packets have the leaves of the wide tree.
+    /// Measured with `benches/visibility.rs` and `benches/build.rs`. Without any reinsertion, incoherent rays through a room of furniture
+    /// take a third longer; most of that is gained with the topmost nodes. Splitting triangles would break the memory budget. Leaves of
+    /// up to four triangles save 16 to 20 bytes per triangle, of 182 to 188, and cost single rays up to a tenth of their speed; packets
+    /// use the leaves of the wide tree.
     fn effort(self) -> Effort {
         let (radius, narrow, reinserted, pages) = match self {
             Preset::Quick => (2, 2, 0.02, PageSize::Usual),
@@ -90,32 +88,34 @@ impl Preset {
     }
 }
 
-/// What a [`Preset`] means.
+/// The parameters of a [`Preset`].
 struct Effort {
-    /// How many places away clusters look for each other, and in how many first passes only one place.
+    /// How many positions away clusters search for partners, and in how many first passes only one.
     radius: usize,
     narrow: usize,
-    /// The part of the nodes, from the root on, for which a better place is looked for.
+    /// The fraction of the nodes, from the root on, that are reinserted at a better place.
     reinserted: f32,
-    /// Large pages cost up to 250 ns per triangle where the system has to fetch them, and save up to 140 ns per ray that goes any way.
+    /// Large pages cost up to 250 ns per triangle if the system has to fetch them, and save up to 140 ns per incoherent ray.
     pages: PageSize,
 }
 
-/// Better places for nodes are looked for where a ray that meets the root meets one node in so many at most: where boxes are much the same
-/// no place is better. (Random small triangles: one in 50 of 5,000 and one in 1,200 of 10⁶; boxes one in the other: one in 2.)
+/// Nodes are reinserted if a ray that hits the root hits at most one node in this many: among nearly equal boxes no place is better.
+/// (Random small triangles: one in 50 of 5,000 and one in 1,200 of 10⁶; nested boxes: one in 2.)
 const OVERLAPPING: f64 = 16.0;
-/// Beside a floor such boxes are a small part of the whole, and are told by their shape: a node is one of them where the smaller of its children
-/// has at least this part of its area, and the same holds of its parent and the parent of that. (Copies of a mesh make pairs, no more.)
+/// Beside a floor such boxes are a small part of the whole, and are recognised by their shape: a node counts as one if the smaller of its
+/// children has at least this fraction of its area, and the same holds for its parent and grandparent. (Copies of a mesh make pairs
+/// only.)
 const MUCH_THE_SAME: f32 = 0.75;
-/// Searches among N of them take up to 0.08 ns N², and all else 0.5 µs per triangle (2 threads of a Zen 4): N² is at most so many times the number of
-/// triangles, so that they take no longer than that. (Of 57,000 triangles of a kitchen 1,200 nodes are nested, of statues none.)
+/// Searches among N of them take up to 0.08 ns N², and everything else 0.5 µs per triangle (2 threads of a Zen 4): N² is limited to this
+/// many times the number of triangles, so that searches take no longer than the rest. (Of 57,000 triangles of a kitchen 1,200 nodes are
+/// nested, of statues none.)
 const MOST_PAIRS: usize = 1 << 12;
-/// Of so few triangles they are looked for in any case.
+/// With so few triangles, nodes are always reinserted.
 const FEW: usize = 256;
 
 impl Bvh {
-    /// Builds the tree over `triangles`: their corners in metres, relative to the rest frame's origin.
-    /// A triangle's id is its index; `facing` says which of its sides are there.
+    /// Builds the tree over `triangles`: their corners in metres, relative to the rest frame's origin. A triangle's id is its index;
+    /// `facing` says which of its sides exist.
     ///
     /// Triangles without area, and those with a coordinate that isn't finite or is beyond 2³⁰⁰ m,
     /// are never hit. Triangles beyond [`Bvh::MAX_TRIANGLES`] are ignored.
@@ -123,7 +123,7 @@ impl Bvh {
         Bvh::build_with(triangles, facing, Preset::default())
     }
 
-    /// [`Bvh::build`] with more or less care for the tree.
+    /// [`Bvh::build`] with a choice of effort.
     pub fn build_with(
         triangles: Vec<[DVec3; 3]>,
         facing: impl Fn(u32) -> Facing + Sync,
@@ -134,7 +134,7 @@ impl Bvh {
         let Some(whole) = Bounds::of_all(&triangles, &solid) else {
             return Bvh::empty();
         };
-        // Each list is dropped once the next one is made from it: meshes of 10⁸ triangles have to fit.
+        // Each list is dropped once the next one is made from it, so that meshes of 10⁸ triangles fit.
         let pages = preset.effort().pages;
         let mut order = Vec::new();
         let mut layouts = Vec::new();
@@ -143,7 +143,7 @@ impl Bvh {
             let tree = build_tree(&triangles, &ids, &space, preset);
             let layout = Layout::of(&tree, order.len(), pages);
             drop(tree);
-            // The layout counts within its island; ids count in all triangles. The mark of a leaf's last triangle stays as it is.
+            // The layout counts within its island; ids count in all triangles. The mark of a leaf's last triangle is kept.
             let id = |place: &u32| ids[(place & !LAST) as usize] | place & LAST;
             order.par_extend(layout.order.par_iter().map(id));
             layouts.push((layout.nodes, layout.depth, space));
@@ -176,7 +176,7 @@ impl Bvh {
                 space,
             }
         });
-        // The set that is largest in space comes first: it is the main tree.
+        // The spatially largest set comes first: it is the main tree.
         let Some(tree) = trees.next() else {
             return Bvh::empty();
         };
@@ -207,7 +207,7 @@ fn is_in_range(corners: &[DVec3; 3]) -> bool {
     corners.iter().all(|c| c.abs().cmple(limit).all())
 }
 
-/// Whether the corners are not on one line: exactly so, by the three projections.
+/// Whether the corners are not collinear: exact, by the three projections.
 fn has_area(corners: &[DVec3; 3]) -> bool {
     let projected = |x: usize, y: usize| {
         let [a, b, c] = corners.map(|c| Coord { x: c[x], y: c[y] });
@@ -228,7 +228,7 @@ fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], space: &TreeSpace, preset: 
         reinserted,
         ..
     } = preset.effort();
-    // Reinsertion searches most of a tree whose boxes are much the same, for each of its nodes, and gains nothing there.
+    // Among nearly equal boxes, reinsertion searches most of the tree for each node and gains nothing.
     let mut tree = cluster(leaves, radius, narrow);
     let parents = tree.parents();
     if is_searchable(&tree, &parents, ids.len()) {
@@ -237,28 +237,28 @@ fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], space: &TreeSpace, preset: 
     tree
 }
 
-/// The leaf of a triangle with these corners, which is number `index`.
+/// The leaf of triangle `index` with these corners.
 fn leaf(space: &TreeSpace, corners: &[DVec3; 3], index: usize) -> BoxNode {
     let (lo, hi) = space.bounds(corners);
     let (lo, hi) = (lo.into(), hi.into());
     BoxNode::new(Aabb { lo, hi }, NodeRef::leaf(index))
 }
 
-/// Whether better places are looked for.
+/// Whether nodes are reinserted.
 fn is_searchable(tree: &BoxTree, parents: &[u32], triangles: usize) -> bool {
     triangles <= FEW
         || nodes_met(tree) * OVERLAPPING <= triangles as f64
             && nested(tree, parents).pow(2) <= MOST_PAIRS * triangles
 }
 
-/// How many nodes a random line meets that meets the root: the sum of their areas over the root's.
+/// The expected number of nodes that a random line through the root hits: the sum of their areas over the root's.
 fn nodes_met(tree: &BoxTree) -> f64 {
     let area = |node: &BoxNode| f64::from(node.aabb().half_area());
     let all: f64 = tree.nodes.iter().map(area).sum();
     all / tree.nodes.first().map_or(1.0, area)
 }
 
-/// How many nodes have boxes that are [`MUCH_THE_SAME`].
+/// The number of nodes whose boxes are [`MUCH_THE_SAME`].
 fn nested(tree: &BoxTree, parents: &[u32]) -> usize {
     let area = |node: usize| tree.nodes[node].aabb().half_area();
     let is_like_children = |node: usize| {
@@ -278,7 +278,7 @@ fn nested(tree: &BoxTree, parents: &[u32]) -> usize {
 mod tests {
     use super::*;
 
-    /// Whether better places are looked for among so many triangles.
+    /// Whether nodes are reinserted for this many triangles.
     fn is_searched(count: usize, triangle: impl Fn(usize) -> [DVec3; 3]) -> bool {
         let triangles: Vec<_> = (0..count).map(triangle).collect();
         let ids: Vec<u32> = (0..count as u32).collect();
@@ -306,7 +306,7 @@ mod tests {
             0 => floor.map(|p| p * 60_000.0),
             _ => nested(i),
         }));
-        // Nor do copies count that come in pairs.
+        // Copies that come in pairs do not count.
         assert!(is_searched(20_000, |i| small(place(i / 2))));
     }
 }

@@ -22,12 +22,12 @@ pub struct Bvh {
     pub(super) tags: Pages<Tag>,
     /// The tree over all of them, or over those that are in none of the islands.
     pub(super) tree: Tree,
-    /// Trees over geometry that is too fine for that one: see [`islands`](super::islands).
+    /// Trees over geometry that is too fine for the main tree: see [`islands`](super::islands).
     pub(super) islands: Vec<Tree>,
     pub(super) bounds: (DVec3, DVec3),
-    /// In which its arrays lie.
+    /// The size of the memory pages that hold its arrays.
     pub(super) pages: PageSize,
-    /// Where triangles have holes; none where all are whole.
+    /// Where triangles have holes; `None` if there are none.
     pub(super) alpha: Option<Arc<dyn AlphaTest>>,
 }
 
@@ -37,12 +37,12 @@ pub(super) struct Tree {
     pub nodes: Pages<Node>,
     /// Levels of nodes.
     pub depth: usize,
-    /// The same tree for packets.
+    /// The same tree, for packets.
     pub wide: WideTree,
     pub space: TreeSpace,
 }
 
-/// One of the trees, with the triangles of all.
+/// One of the trees, with the triangles of all of them.
 #[derive(Clone, Copy)]
 pub(super) struct View<'a> {
     pub bvh: &'a Bvh,
@@ -59,16 +59,16 @@ impl Deref for View<'_> {
 }
 
 impl Tree {
-    /// Whether the line from `origin` comes near what is in the tree; it may not, where that is uncertain.
+    /// Whether the line from `origin` comes near the tree's content; also true if that is uncertain.
     #[inline(always)]
     pub fn comes_near(&self, origin: DVec3, direction: DVec3) -> bool {
-        // The sphere around the tree's box, with more than the roundings of the offset and of the moment add to its distance.
+        // The sphere around the tree's box, enlarged by more than the rounding of the offset and the moment.
         let offset = self.space.centre - origin;
         let reach = self.space.radius()
             + power_of_two(-40) * (self.space.centre.length() + origin.length());
         let moment = offset.cross(direction).length_squared();
         let reached = reach * reach * direction.length_squared() * (1.0 + power_of_two(-40));
-        // Not so for NaN, and for squares beyond f64: such lines may come near.
+        // False for NaN and for squares beyond f64: such lines may come near.
         let misses = moment > reached;
         !misses
     }
@@ -84,7 +84,7 @@ impl Bvh {
     /// Triangles with a coordinate beyond this, 2³⁰⁰ m, are never hit.
     pub const MAX_COORDINATE: f64 = power_of_two(300);
 
-    /// A tree holds no more triangles than this.
+    /// The largest number of triangles in a tree.
     pub const MAX_TRIANGLES: usize = 1 << 30;
 
     pub(super) fn empty() -> Bvh {
@@ -104,7 +104,7 @@ impl Bvh {
         }
     }
 
-    /// The tree that most triangles are in.
+    /// The tree that holds most triangles.
     #[inline(always)]
     pub(super) fn main(&self) -> View<'_> {
         View {
@@ -124,7 +124,7 @@ impl Bvh {
         std::iter::once(self.main()).chain(self.islands())
     }
 
-    /// How many triangles can be hit: those that were given, without the degenerate ones.
+    /// The number of triangles that can be hit: those given, without degenerate ones.
     pub fn len(&self) -> usize {
         self.corners.len()
     }
@@ -134,7 +134,7 @@ impl Bvh {
         self.corners.is_empty()
     }
 
-    /// Bytes that the tree holds.
+    /// The memory of the tree, bytes.
     pub fn bytes(&self) -> usize {
         size_of::<Bvh>()
             + size_of_val::<[_]>(&self.corners)
@@ -142,9 +142,9 @@ impl Bvh {
             + self.trees().map(|view| view.tree.bytes()).sum::<usize>()
     }
 
-    /// An upper estimate of [`Bvh::bytes`] for so many triangles.
+    /// An upper estimate of [`Bvh::bytes`] for this many triangles.
     ///
-    /// Wide leaves of meshes hold five triangles or so, and wide nodes seven leaves; three and six are allowed for, and a
+    /// Wide leaves of meshes hold about five triangles, and wide nodes about seven leaves; the estimate assumes three and six, and a
     /// binary node for every second triangle.
     pub fn estimate_bytes(triangles: usize) -> usize {
         let binary = size_of::<[DVec3; 3]>() + size_of::<Tag>() + size_of::<Node>() / 2;
@@ -164,13 +164,13 @@ impl Bvh {
     /// The corners of the triangle in `slot`, metres.
     ///
     /// # Panics
-    /// Where the tree has no such slot: [`Hit::slot`] of its own hits always is one, [`NO_SLOT`](super::NO_SLOT) never.
+    /// If the tree has no such slot: [`Hit::slot`] of its own hits is always valid, [`NO_SLOT`](super::NO_SLOT) never.
     #[inline]
     pub fn corners(&self, slot: u32) -> [DVec3; 3] {
         self.corners[slot as usize]
     }
 
-    /// The id of the triangle in `slot`, and which of its sides are there.
+    /// The id of the triangle in `slot`, and which of its sides exist.
     ///
     /// # Panics
     /// As [`corners`](Bvh::corners).
@@ -184,7 +184,7 @@ impl Bvh {
         (tag.id(), facing)
     }
 
-    /// The same tree, whose triangles are there only where `test` says so.
+    /// The same tree, with triangles present only where `test` says so.
     pub fn with_alpha_test(self, test: Arc<dyn AlphaTest>) -> Bvh {
         Bvh {
             alpha: Some(test),
@@ -198,7 +198,7 @@ impl Bvh {
         self.alpha.is_some()
     }
 
-    /// Whether triangle `id` is there at the point with these barycentric weights of its second and third corner.
+    /// Whether triangle `id` is opaque at the point with these barycentric weights of its second and third corner.
     #[inline]
     pub fn is_opaque(&self, id: u32, [u, v]: [f64; 2]) -> bool {
         match &self.alpha {
@@ -207,7 +207,7 @@ impl Bvh {
         }
     }
 
-    /// The same where a ray meets the triangle in `slot`.
+    /// The same for a hit with the triangle in `slot`.
     #[inline(always)]
     pub(super) fn is_met(&self, slot: u32, barycentric: [f64; 2]) -> bool {
         !self.has_holes() || self.is_opaque_in(slot, barycentric)
@@ -226,7 +226,7 @@ impl Bvh {
         unit_normal(b - a, c - a)
     }
 
-    /// The same of all triangles, by slot.
+    /// The same for all triangles, by slot.
     pub(crate) fn normals(&self) -> Pages<DVec3> {
         let corners = &self.corners;
         Pages::build(self.pages, corners.len(), |slot| {
@@ -236,13 +236,12 @@ impl Bvh {
     }
 }
 
-/// The unit normal of a triangle by two of its edges, on the side from which its corners run counter-clockwise; 0 where it
-/// has no area.
+/// The unit normal of a triangle with these two edges, on the side from which its corners run counter-clockwise; 0 if it has no area.
 #[inline(always)]
 fn unit_normal(e1: DVec3, e2: DVec3) -> DVec3 {
-    // Equal powers of two leave the direction as it is and the squares within range.
+    // Scaling by a power of two keeps the direction, and the squares in range.
     let size = e1.abs().max(e2.abs()).max_element();
-    // Clamped, so that the factor is a normal number where the edges are 0 or next to the limits of f64.
+    // Clamped, so that the factor is a normal number even if the edges are 0 or near the limits of f64.
     let scale = power_of_two(-exponent(size).clamp(-900, 900));
     (e1 * scale).cross(e2 * scale).normalize_or_zero()
 }

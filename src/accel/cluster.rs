@@ -1,15 +1,14 @@
 //! From boxes to a binary tree, by locally ordered clustering (PLOC): Meister and Bittner, "Parallel Locally-Ordered
 //! Clustering for Bounding Volume Hierarchy Construction", TVCG 24(3), 2018.
 //!
-//! Boxes stand in the order of their centres along the Morton curve. In each pass every cluster finds, among the r
-//! before and after it, the one with which its common box has the least area; two that find each other become one.
+//! Boxes are sorted along the Morton curve by their centres. In each pass every cluster finds, among the r clusters before and after it,
+//! the one whose union with it has the smallest area; two clusters that choose each other are merged.
 //!
-//! Each pass takes n (2r + 1) steps, and of n clusters that lie anyhow it merges a fixed part. It need not: of boxes
-//! that are all the same, or that lie one in the other by size, every cluster prefers one that prefers a third, and a pass
-//! merges a single pair, so that n boxes take n²(2r + 1)/2 steps. Hence the bound here: a pass that merges less than
-//! n/[`SLOWEST`] pairs instead merges neighbours along the curve two by two, which leaves ⌈n/2⌉. With m(n) ≤ n (1 − 1/SLOWEST)
-//! all passes together take at most SLOWEST · n (2r + 1) steps, and the tree is at most
-//! log(n)/−log(1 − 1/SLOWEST) + [`FEW`] levels deep before it is optimised.
+//! Each pass takes n (2r + 1) steps, and among randomly placed clusters it merges a fixed fraction. This is not guaranteed: among
+//! identical boxes, or boxes nested by size, every cluster prefers one that prefers a third, and a pass merges a single pair, so that n
+//! boxes take n²(2r + 1)/2 steps. Hence the bound here: a pass that merges fewer than n/[`SLOWEST`] pairs instead merges neighbours along
+//! the curve pairwise, which leaves ⌈n/2⌉. With m(n) ≤ n (1 − 1/SLOWEST) all passes together take at most SLOWEST · n (2r + 1) steps, and
+//! the tree is at most log(n)/−log(1 − 1/SLOWEST) + [`FEW`] levels deep before it is optimised.
 
 use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
@@ -17,42 +16,42 @@ use rayon::prelude::*;
 use super::boxes::{Aabb, BoxNode, BoxTree};
 use super::node::NodeRef;
 
-/// A pass has to merge one cluster in so many. Of meshes it merges one in three or four.
+/// A pass must merge at least one cluster in this many. With meshes it merges one in three or four.
 const SLOWEST: usize = 20;
-/// So few clusters need no bound: at most n²(2r + 1)/2 steps.
+/// This few clusters need no bound: at most n²(2r + 1)/2 steps.
 const FEW: usize = 64;
 /// Clusters that one task looks at.
 const CHUNK: usize = 4096;
-/// Fewer boxes are sorted and searched by one thread.
+/// Fewer boxes are sorted and searched on one thread.
 const MANY: usize = 2 * CHUNK;
 
-/// The tree over `leaves`, at least one and none with NaN, of one box each, whose index is theirs. Clusters look for each
-/// other `radius` (of 2, 14 or 32) places away, in the first `narrow` passes only 1.
+/// The tree over `leaves`, at least one and without NaN, each with one box and its index. Clusters search for partners `radius` (2, 14 or
+/// 32) positions away, in the first `narrow` passes only 1.
 pub(super) fn cluster(leaves: Vec<BoxNode>, radius: usize, narrow: usize) -> BoxTree {
     let mut clusters = sorted(&leaves);
     let mut next = leaves;
     let mut partners = vec![0i8; clusters.len()];
-    // Pairs fill the list from its end, so that children come after their parents and the first place is left for the root.
+    // Pairs fill the list from its end, so that children come after their parents and the first position stays free for the root.
     let mut nodes = vec![BoxNode::EMPTY; 2 * clusters.len() - 1];
     let mut free = nodes.len();
     let mut passes = 0;
     while clusters.len() > 1 {
         let partners = &mut partners[..clusters.len()];
-        // Each radius is compiled by itself, with a search of fixed length.
+        // Each radius is compiled separately, with a search of fixed length.
         match radius {
             _ if passes < narrow => find_partners::<1>(&clusters, partners),
             2 => find_partners::<2>(&clusters, partners),
             14 => find_partners::<14>(&clusters, partners),
             _ => find_partners::<32>(&clusters, partners),
         }
-        // A pass that merges too little would make the whole quadratic: see the module's head.
+        // A pass that merges too few would make the whole quadratic: see the module documentation.
         if clusters.len() > FEW && pairs(partners) < clusters.len() / SLOWEST {
             pair_neighbours(partners);
         }
         let merged = merge(&clusters, partners, &mut next, &mut nodes[..free]);
         free -= 2 * merged;
         next.truncate(clusters.len() - merged);
-        // The two lists change places, so that no pass allocates.
+        // Swap the two lists, so that no pass allocates.
         std::mem::swap(&mut clusters, &mut next);
         passes += 1;
     }
@@ -63,8 +62,8 @@ pub(super) fn cluster(leaves: Vec<BoxNode>, radius: usize, narrow: usize) -> Box
     }
 }
 
-/// Partners that agree go into the tree, from the end of `free` on, and one node above the two follows in `next`; all others
-/// follow as they are. Returns how many pairs there were.
+/// Mutual partners go into the tree, from the end of `free` on, and a parent of the two is appended to `next`; all others are appended
+/// unchanged. Returns the number of pairs.
 fn merge(
     clusters: &[BoxNode],
     partners: &[i8],
@@ -74,7 +73,7 @@ fn merge(
     let range = |chunk: usize| chunk * CHUNK..((chunk + 1) * CHUNK).min(clusters.len());
     let partner = |index: usize| index.wrapping_add_signed(partners[index].into());
     let agreed = |index: usize| partners[index] != 0 && partner(partner(index)) == index;
-    // How many of a chunk's clusters are the first of two that agree, and how many the second, which brings both into the tree.
+    // How many of a chunk's clusters are the first of a mutual pair, and how many the second, which puts both into the tree.
     let count = |chunk: usize| {
         range(chunk)
             .filter(|&i| agreed(i))
@@ -105,7 +104,7 @@ fn merge(
             let (mut at, mut end) = (0, pairs.len());
             for index in range(chunk) {
                 let partner = partner(index);
-                // The first of two has no follower: the second, maybe in a later chunk, stands for both.
+                // The first of two leaves no entry: the second, maybe in a later chunk, represents both.
                 if agreed(index) && partner > index {
                     continue;
                 }
@@ -116,7 +115,7 @@ fn merge(
                     pairs[end] = clusters[index];
                     pairs[end + 1] = clusters[partner];
                     let both = clusters[index].aabb().union(clusters[partner].aabb());
-                    // Indices count in the whole tree, of which `begin` nodes lie before this chunk's.
+                    // Indices count in the whole tree, which has `begin` nodes before this chunk's.
                     followers[at] = BoxNode::new(both, NodeRef::inner(begin + end));
                 }
                 at += 1;
@@ -129,18 +128,18 @@ fn merge(
     counts.iter().map(|[_, second]| second).sum()
 }
 
-/// `leaves` in the order of the centres along the Morton curve; those with one code by index.
+/// `leaves` sorted by their centres along the Morton curve; ties by index.
 fn sorted(leaves: &[BoxNode]) -> Vec<BoxNode> {
     let (lo, hi) = (leaves.iter())
         .fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(lo, hi), leaf| {
             (lo.min(leaf.aabb().lo), hi.max(leaf.aabb().hi))
         });
-    // An axis without extent gets a finite scale, by which all its centres are 0.
+    // An axis without extent gets a finite scale, which maps all centres to 0.
     let scale = 1.0 / (hi - lo).as_dvec3().max(DVec3::splat(f64::MIN_POSITIVE));
     let code = |(index, leaf): (usize, &BoxNode)| {
         let Aabb { lo: from, hi: to } = leaf.aabb();
         let centre = ((from + to) * 0.5 - lo).as_dvec3() * scale;
-        // Boxes with one code go by their index, so that the order does not depend on the sort.
+        // Ties are broken by index, so that the order does not depend on the sorting algorithm.
         (morton_code(centre), index as u32)
     };
     let mut order: Vec<(u64, u32)>;
@@ -155,9 +154,9 @@ fn sorted(leaves: &[BoxNode]) -> Vec<BoxNode> {
     order.par_iter().with_min_len(CHUNK).map(leaf).collect()
 }
 
-/// The place along the Morton curve of a point with coordinates from 0 to 1: the bits of x, y and z in turn, 21 of each.
+/// The position along the Morton curve of a point with coordinates from 0 to 1: the bits of x, y and z interleaved, 21 of each.
 fn morton_code(point: DVec3) -> u64 {
-    // Two zeros after each bit, by halves of halves (the "Part1By2" of J. Baert and F. Giesen, "Decoding Morton codes", 2009).
+    // Inserts two zeros after each bit, in halving steps (the "Part1By2" of J. Baert and F. Giesen, "Decoding Morton codes", 2009).
     let spread = |x: f64| {
         let mut bits = ((x * (1 << 21) as f64) as u64).min((1 << 21) - 1);
         for (shift, kept) in [
@@ -174,7 +173,7 @@ fn morton_code(point: DVec3) -> u64 {
     spread(point.x) | spread(point.y) << 1 | spread(point.z) << 2
 }
 
-/// For each cluster, how many places away its best partner is; of equals the last.
+/// For each cluster, how many positions away its best partner is; ties go to the last.
 fn find_partners<const RADIUS: usize>(clusters: &[BoxNode], partners: &mut [i8]) {
     if clusters.len() < MANY {
         return find_partners_from::<RADIUS>(clusters, 0, partners);
@@ -185,7 +184,7 @@ fn find_partners<const RADIUS: usize>(clusters: &[BoxNode], partners: &mut [i8])
     });
 }
 
-/// [`find_partners`] for the clusters from `first` on, of which there are as many as `partners`.
+/// [`find_partners`] for the `partners.len()` clusters from `first` on.
 fn find_partners_from<const RADIUS: usize>(
     clusters: &[BoxNode],
     first: usize,
@@ -203,11 +202,11 @@ fn find_partners_from<const RADIUS: usize>(
         }
     };
     partners.fill(0);
-    // Each pair once: all partners before a cluster come before those after it.
+    // Each pair is evaluated once: all partners before a cluster come before those after it.
     for i in first.saturating_sub(RADIUS)..end {
         let ours = clusters[i].aabb();
         let last = (i + RADIUS).min(clusters.len() - 1);
-        // Those before `first` belong to another chunk: here they are only partners of those that follow.
+        // Those before `first` belong to another chunk: here they only serve as partners of those that follow.
         let (mut best, mut partner) = match i >= first {
             true => (areas[i - first], partners[i - first]),
             false => (f32::INFINITY, 0),
@@ -228,7 +227,7 @@ fn find_partners_from<const RADIUS: usize>(
     }
 }
 
-/// How many clusters agree with one after them.
+/// The number of clusters whose mutual partner comes after them.
 fn pairs(partners: &[i8]) -> usize {
     let agreed = |(index, &away): (usize, &i8)| {
         away > 0 && partners.get(index + away as usize) == Some(&-away)
@@ -236,7 +235,7 @@ fn pairs(partners: &[i8]) -> usize {
     partners.iter().enumerate().filter(|p| agreed(*p)).count()
 }
 
-/// Makes partners of neighbours, two by two; a last one stays alone.
+/// Pairs neighbours, two by two; a last one stays alone.
 fn pair_neighbours(partners: &mut [i8]) {
     for pair in partners.chunks_mut(2) {
         match pair {
@@ -250,7 +249,7 @@ fn pair_neighbours(partners: &mut [i8]) {
 mod tests {
     use super::*;
 
-    /// Levels of a tree, and how many leaves it has.
+    /// The levels of a tree, and the number of its leaves.
     fn levels(tree: &BoxTree) -> (usize, usize) {
         let (mut deepest, mut leaves) = (0, 0);
         let mut pending = vec![(0, 1)];
@@ -313,7 +312,7 @@ mod tests {
         }
     }
 
-    /// Boxes in no order, of which some are the same.
+    /// Randomly placed boxes, some of them equal.
     fn scattered(count: usize) -> Vec<Aabb> {
         let mut state = 1u32;
         let mut random = || {
@@ -360,7 +359,7 @@ mod tests {
             });
             assert_eq!(code, expected);
         }
-        // The last point of an axis lies in its last part.
+        // The last point of an axis is in its last interval.
         assert_eq!(morton_code(DVec3::ONE), (1 << 63) - 1);
     }
 }

@@ -19,7 +19,7 @@ const CAPACITY: usize = 96;
 /// d · ((p − o) × (q − o)), correct in sign and to an ulp or two.
 #[cold]
 pub(super) fn edge(o: DVec3, d: DVec3, p: DVec3, q: DVec3) -> f64 {
-    // det(d, p − o, q − o), multilinear in its rows: of the terms with o twice nothing is left.
+    // det(d, p − o, q − o) is multilinear in its rows; the terms with o twice vanish.
     let mut sum = Expansion::ZERO;
     sum.add_determinant(d, p, q);
     sum.add_determinant(-d, o, q);
@@ -62,7 +62,7 @@ impl Expansion {
 
     fn add_product(&mut self, x: f64, y: f64, z: f64) {
         let (high, low) = two_product(x, y);
-        // (x y) z is four terms: both parts of x y, and what is rounded away of their products with z.
+        // (x y) z is four terms: both parts of x y, and the rounding errors of their products with z.
         for part in [low, high] {
             let (high, low) = two_product(part, z);
             self.add(low);
@@ -72,7 +72,7 @@ impl Expansion {
 
     /// Grow-Expansion, without zeros.
     fn add(&mut self, term: f64) {
-        // The sum goes up through the parts, and leaves at each what was rounded away.
+        // The sum moves up through the parts, and leaves the rounding error at each.
         let (mut carry, mut kept) = (term, 0);
         for i in 0..self.len {
             let (sum, rest) = two_sum(carry, self.parts[i]);
@@ -90,7 +90,7 @@ impl Expansion {
     }
 
     fn value(&self) -> f64 {
-        // From the small end: the large parts would swallow the small ones.
+        // From the small end: the large parts would absorb the small ones.
         self.parts[..self.len]
             .iter()
             .fold(0.0, |sum, part| sum + part)
@@ -99,7 +99,7 @@ impl Expansion {
 
 /// x + y as the rounded sum and what was rounded away.
 pub(super) fn two_sum(x: f64, y: f64) -> (f64, f64) {
-    // Knuth's form, which does not ask which of the two is larger.
+    // Knuth's form, which needs no comparison of magnitudes.
     let sum = x + y;
     let y_part = sum - x;
     let x_part = sum - y_part;
@@ -110,7 +110,7 @@ pub(super) fn two_sum(x: f64, y: f64) -> (f64, f64) {
 pub(super) fn two_product(x: f64, y: f64) -> (f64, f64) {
     let product = x * y;
     let ((xh, xl), (yh, yl)) = (split(x), split(y));
-    // Exact in this order (Dekker): each difference cancels what the rounded product holds already.
+    // Exact in this order (Dekker): each difference cancels what the rounded product already holds.
     let rest = ((xh * yh - product) + xh * yl + xl * yh) + xl * yl;
     (product, rest)
 }

@@ -1,4 +1,4 @@
-//! Powers of two, and comparisons without the care for NaN of [`f64::min`], which costs three instructions more.
+//! Powers of two, and comparisons without the NaN handling of [`f64::min`], which costs three more instructions.
 
 use glam::DVec3;
 
@@ -14,13 +14,13 @@ pub(super) fn exponent(x: f64) -> i64 {
     ((x.to_bits() >> 52) & 0x7ff) as i64 - 1023
 }
 
-/// x if it is smaller, else y: also where x is NaN.
+/// x if it is smaller, else y; y also if x is NaN.
 #[inline(always)]
 pub(super) fn lesser(x: f64, y: f64) -> f64 {
     if x < y { x } else { y }
 }
 
-/// x if it is greater, else y: also where x is NaN.
+/// x if it is greater, else y; y also if x is NaN.
 #[inline(always)]
 pub(super) fn greater(x: f64, y: f64) -> f64 {
     if x > y { x } else { y }

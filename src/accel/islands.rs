@@ -1,13 +1,14 @@
-//! Islands: fine geometry in a scene that is far larger gets trees of its own.
+//! Islands: fine geometry in a much larger scene gets trees of its own.
 //!
-//! In tree space boxes are f32, and rays know where they are to 2⁻²² of half the geometry's size ((S3) and (S4) of [`slab`](super::slab)).
-//! Triangles that are not larger than that share one place: a ray that comes near has to test them all. A picture of 480 × 300 of two
-//! balls of 328,000 triangles each on a planet takes 75 s so. In trees over the balls alone they are large again: it takes 0.9 s.
+//! In tree space boxes are f32, and rays know their position to 2⁻²² of half the geometry's size ((S3) and (S4) of
+//! [`slab`](super::slab)). Triangles no larger than that are indistinguishable: a ray that comes near must test them all. A picture of
+//! 480 × 300 of two balls of 328,000 triangles each on a planet takes 75 s that way. In trees over the balls alone their triangles are
+//! large again: it takes 0.9 s.
 //!
-//! A set of triangles is *fine* where more than a few of them have an extent below 2⁻¹⁸ of its half size, 16 times what rays know. What
-//! is larger stays. If all that is fine lies within an eighth of the set, it is a set of its own, and the question is asked again; otherwise it
-//! is cut at its widest gap along an axis, and both parts are asked. Where there is no gap, it stays: triangles that cover a whole set without gaps
-//! are not so small, for there are at most 2³⁰.
+//! A set of triangles is *fine* if more than a few of them have an extent below 2⁻¹⁸ of its half size, 16 times the position error of
+//! rays. Larger triangles stay. If all fine ones lie within an eighth of the set, they become a set of their own, which is examined
+//! again; otherwise the set is cut at its widest gap along an axis, and both parts are examined. If there is no gap, it stays whole:
+//! triangles that cover a whole set without gaps are not that small, because there are at most 2³⁰.
 
 use std::ops::Range;
 
@@ -18,14 +19,14 @@ use super::float::power_of_two;
 
 /// Below this part of a set's half size a triangle is fine.
 const FINE: f64 = power_of_two(-18);
-/// Fewer fine triangles are tested in less time than a tree of their own takes.
+/// Fewer fine triangles are tested faster than through a tree of their own.
 const FEW: usize = 256;
-/// A set with a tree of its own is smaller by this factor at least.
+/// A set with a tree of its own is smaller by at least this factor.
 const SMALLER: f64 = 8.0;
-/// Gaps are looked for among so many intervals of each axis, and are as many of them wide at least: 1/512 of the axis.
+/// Gaps are searched among this many intervals of each axis, and span at least two of them: 1/512 of the axis.
 const INTERVALS: usize = 1024;
 const GAP: usize = 2;
-/// Trees that rays ask one after the other, at most. What is fine beyond stays where it is.
+/// The most trees that a ray visits one after the other. Further fine geometry stays where it is.
 const MOST: usize = 64;
 
 /// Least and greatest coordinates, metres.
@@ -35,10 +36,10 @@ pub(super) struct Bounds {
     pub hi: DVec3,
 }
 
-/// Triangles that have a tree for themselves.
+/// Triangles that have their own tree.
 #[derive(Debug)]
 pub(super) struct Island {
-    /// Their indices; there is one at least.
+    /// Their indices, at least one.
     pub ids: Vec<u32>,
     pub bounds: Bounds,
 }
@@ -52,7 +53,7 @@ impl Bounds {
         }
     }
 
-    /// Those of the triangles `ids`; none of none.
+    /// The bounds of the triangles `ids`; `None` if there are none.
     pub fn of_all(triangles: &[[DVec3; 3]], ids: &[u32]) -> Option<Bounds> {
         let one = |&id: &u32| Bounds::of(&triangles[id as usize]);
         ids.par_iter().map(one).reduce_with(|x, y| Bounds {
@@ -61,13 +62,13 @@ impl Bounds {
         })
     }
 
-    /// Half of its longest side. Halves first: coordinates may be as far apart as f64 goes.
+    /// Half of its longest side. Halved first: coordinates may be as far apart as the range of f64.
     fn half(&self) -> f64 {
         (self.hi * 0.5 - self.lo * 0.5).max_element()
     }
 }
 
-/// The sets of `ids` that have a tree each; that which is largest in space comes first.
+/// The sets of `ids` that have a tree each; the spatially largest comes first.
 pub(super) fn islands(triangles: &[[DVec3; 3]], ids: Vec<u32>) -> Vec<Island> {
     let island = |ids: Vec<u32>| {
         let bounds = Bounds::of_all(triangles, &ids)?;
@@ -78,13 +79,13 @@ pub(super) fn islands(triangles: &[[DVec3; 3]], ids: Vec<u32>) -> Vec<Island> {
     while let Some(set) = pending.pop() {
         let half = set.bounds.half();
         let is_fine = |id: &u32| Bounds::of(&triangles[*id as usize]).half() < FINE * half;
-        // Each pending set ends as one tree at least, and so does this one.
+        // Each pending set ends as at least one tree, and so does this one.
         let is_full = islands.len() + pending.len() + 1 >= MOST;
         if is_full || set.ids.par_iter().filter(|id| is_fine(id)).count() < FEW {
             islands.push(set);
             continue;
         }
-        // What is not fine, or has no place of its own, stays.
+        // Triangles that are not fine, or have no place of their own, stay.
         let (fine, mut rest): (Vec<u32>, Vec<u32>) = set.ids.into_iter().partition(is_fine);
         let mut parts = Vec::from_iter(island(fine));
         while let Some(part) = parts.pop() {
@@ -92,7 +93,7 @@ pub(super) fn islands(triangles: &[[DVec3; 3]], ids: Vec<u32>) -> Vec<Island> {
             if part.ids.len() < FEW || is_full {
                 rest.extend(part.ids);
             } else if part.bounds.half() * SMALLER <= half {
-                // Small enough that its triangles are large in a tree of its own, where the question is asked again.
+                // Small enough for its triangles to be large in its own tree; examine it again.
                 pending.push(part);
             } else if let Some(plane) = widest_gap(triangles, &part) {
                 let is_below = |id: &u32| plane.is_above(&triangles[*id as usize]);
@@ -102,7 +103,7 @@ pub(super) fn islands(triangles: &[[DVec3; 3]], ids: Vec<u32>) -> Vec<Island> {
                 rest.extend(part.ids);
             }
         }
-        // In their order, as if there were no islands.
+        // In the original order, as if there were no islands.
         rest.sort_unstable();
         islands.extend(island(rest));
     }
@@ -117,14 +118,14 @@ struct Plane {
 
 impl Plane {
     fn is_above(&self, corners: &[DVec3; 3]) -> bool {
-        // No triangle reaches into the gap, so that any of its corners tells the side.
+        // No triangle reaches into the gap, so any of its corners tells the side.
         corners[0][self.axis] < self.at
     }
 }
 
-/// The middle of the widest interval along an axis that none of these triangles reaches into; none where they lie close together.
+/// The middle of the widest interval along an axis that is free of these triangles; `None` if they are close together.
 fn widest_gap(triangles: &[[DVec3; 3]], island: &Island) -> Option<Plane> {
-    // All axes are cut by the longest one, so that gaps compare by their width.
+    // All axes are divided on the scale of the longest, so that gaps compare by width.
     let length = 2.0 * island.bounds.half();
     let mut widest: Option<(Range<usize>, usize)> = None;
     for axis in 0..3 {
@@ -134,14 +135,14 @@ fn widest_gap(triangles: &[[DVec3; 3]], island: &Island) -> Option<Plane> {
         for &id in &island.ids {
             let one = Bounds::of(&triangles[id as usize]);
             let place = |x: f64| ((x - lo) / length * INTERVALS as f64) as usize;
-            // The greatest coordinate is where the last interval ends, and counts as within it.
+            // The greatest coordinate is at the end of the last interval, and counts as inside it.
             let last = place(one.hi[axis]).min(INTERVALS - 1);
             is_taken[place(one.lo[axis]).min(last)..=last].fill(true);
         }
-        // Runs of empty ones, but for that after the last.
+        // Runs of empty intervals, except after the last triangle.
         let mut first = 0;
         for (at, _) in is_taken.iter().enumerate().filter(|(_, taken)| **taken) {
-            // Wider than the widest so far, or as wide as a gap has to be.
+            // Wider than the widest so far, or as wide as a gap must be.
             let known = widest.as_ref().map_or(GAP - 1, |(gap, _)| gap.len());
             if at - first > known {
                 widest = Some((first..at, axis));
@@ -178,7 +179,7 @@ mod tests {
             .collect()
     }
 
-    /// A planet with two statues and a moon with one, which is far off.
+    /// A planet with two statues, and a distant moon with one.
     fn planets() -> Vec<[DVec3; 3]> {
         let mut all = ball(DVec3::ZERO, 6.4e6, 40);
         all.extend(ball(DVec3::new(0.0, 0.0, 6.4e6 + 1.0), 1.0, 60));
@@ -197,7 +198,7 @@ mod tests {
     fn statues_on_planets_have_trees_of_their_own() {
         let triangles = planets();
         let sets = islands(&triangles, all(&triangles));
-        // Beside the distance of the moon both bodies are fine, too.
+        // Compared with the distance of the moon, both bodies are fine, too.
         let sizes: Vec<f64> = sets.iter().map(|set| set.bounds.half()).collect();
         assert_eq!(sets.len(), 5, "{sizes:?}");
         for (set, half) in sets.iter().zip(&sizes) {
@@ -249,7 +250,7 @@ mod tests {
         assert_eq!(bvh.trees().count(), 5);
         let mut next = numbers(6);
         let mut vector = || DVec3::new(next(), next(), next());
-        // From near each statue to places on it, beside it, and to the other bodies.
+        // From near each statue to points on it, beside it, and to the other bodies.
         let places = [
             DVec3::new(0.0, 0.0, 6.4e6 + 1.0),
             DVec3::new(6.4e6 + 2.0, 0.0, 0.0),
@@ -283,7 +284,7 @@ mod tests {
                     let hit = tree.closest(&ray, f64::INFINITY)?;
                     Some((id, hit.s))
                 });
-                // The first of equals has the smallest id.
+                // Of equal hits, the first has the smallest id.
                 hits.min_by(|x, y| x.1.total_cmp(&y.1))
             })
             .collect();
@@ -309,7 +310,7 @@ mod tests {
                     s_min: 0.0,
                 };
                 assert_eq!(bvh.closest(&one, f64::INFINITY), *hit);
-                // What was hit is what its slot holds.
+                // The slot holds the triangle that was hit.
                 if let Some(hit) = hit {
                     assert_eq!(bvh.corners(hit.slot), triangles[hit.triangle as usize]);
                 }

@@ -1,22 +1,22 @@
-//! Nodes and slots of triangles in the order of a depth-first walk.
+//! Nodes and triangle slots in depth-first order.
 //!
-//! How many nodes and triangles lie below a node is known, so the places of both its sides are known before either is laid
-//! out: large ones are laid out side by side on all threads, in the same places as one by one.
+//! The number of nodes and triangles below each node is known, so the positions of both its sides are known before either is laid out:
+//! large ones are laid out in parallel, at the same positions as serially.
 
 use super::boxes::{BoxNode, BoxTree};
 use super::leaves::{Extent, extents};
 use super::node::{Child, Node, NodeRef};
 use super::pages::{PageSize, Pages};
 
-/// Fewer triangles are laid out by one thread.
+/// Fewer triangles are laid out on one thread.
 const MANY: u32 = 4096;
-/// Down to so many levels threads share the work: 2³² parts of one triangle, and no deep recursion.
+/// Threads share the work down to this level: 2³² parts of one triangle, and no deep recursion.
 const SHARED_LEVELS: usize = 32;
 
-/// A tree as rays traverse it, without its triangles.
+/// A tree ready for traversal, without its triangles.
 pub(super) struct Layout {
     pub nodes: Pages<Node>,
-    /// By slot the index of a box, with [`LAST`] where it is the last of its leaf.
+    /// The box index of each slot, with [`LAST`] if it is the last of its leaf.
     pub order: Vec<u32>,
     /// Levels of nodes.
     pub depth: usize,
@@ -25,13 +25,13 @@ pub(super) struct Layout {
 /// Marks the last of a leaf.
 pub(super) const LAST: u32 = 1 << 31;
 
-/// What is laid out, and what each of its nodes holds.
+/// The tree to lay out, and the extent of each of its nodes.
 struct Source<'a> {
     tree: &'a BoxTree,
     extents: Vec<Extent>,
 }
 
-/// Places for all that is below a node: the nodes but for itself, and the slots.
+/// Space for everything below a node: the nodes except itself, and the slots.
 struct Places<'a> {
     nodes: &'a mut [Node],
     first_node: usize,
@@ -40,8 +40,8 @@ struct Places<'a> {
 }
 
 impl Layout {
-    /// That of `tree`, whose leaves hold one box each: leaves of several are made here. Its slots
-    /// begin at `first_slot`, its nodes lie in these `pages`.
+    /// The layout of `tree`, whose leaves hold one box each: leaves of several are made here. Its slots begin at `first_slot`, and its
+    /// nodes are in these `pages`.
     pub fn of(tree: &BoxTree, first_slot: usize, pages: PageSize) -> Layout {
         let source = Source {
             tree,
@@ -63,7 +63,7 @@ impl Layout {
             order: &mut layout.order,
             first_slot,
         };
-        // A tree of a single leaf has a root all the same, with that as its only child.
+        // A tree of a single leaf still has a root, with that leaf as its only child.
         if whole.inner == 0 {
             let leaf = places.leaf(&source, 0, &mut 0);
             node[0].set_child(0, child(root, leaf));
@@ -75,16 +75,16 @@ impl Layout {
 }
 
 impl Places<'_> {
-    /// Lays out all that is below the pair of children `pair` of a node on `level`. Returns that node, and the deepest level.
+    /// Lays out everything below the pair of children `pair` of a node on `level`. Returns that node, and the deepest level.
     fn fill(self, source: &Source, pair: usize, level: usize) -> (Node, usize) {
         let [left, right] = [pair, pair + 1].map(|child| source.extents[child]);
         let is_shared = left.inner.min(right.inner) > 0 && left.boxes + right.boxes >= MANY;
         if !is_shared || level > SHARED_LEVELS {
             return self.walk(source, pair, level);
         }
-        // Both children stand side by side, and after them what is below either.
+        // Both children are adjacent, followed by what is below either.
         let (heads, below) = self.nodes.split_at_mut(2);
-        // The head of the left side is one of its inner nodes, and stands in `heads`.
+        // The head of the left side is one of its inner nodes, and is in `heads`.
         let (left_nodes, right_nodes) = below.split_at_mut(left.inner as usize - 1);
         let (left_order, right_order) = self.order.split_at_mut(left.boxes as usize);
         let first = self.first_node + 2;
@@ -114,11 +114,11 @@ impl Places<'_> {
         (node, left_depth.max(right_depth))
     }
 
-    /// [`Places::fill`] by one thread, without recursion.
+    /// [`Places::fill`] on one thread, without recursion.
     fn walk(mut self, source: &Source, pair: usize, level: usize) -> (Node, usize) {
         let (mut used_nodes, mut used_slots) = (0, 0);
         let (mut top, mut depth) = (Node::EMPTY, level);
-        // Pairs of children that are still to be laid out, where their node stands, and its level.
+        // Pairs of children still to be laid out, with the position of their node and its level.
         let mut pending = vec![(pair, None, level)];
         while let Some((pair, place, level)) = pending.pop() {
             depth = depth.max(level);
@@ -132,7 +132,7 @@ impl Places<'_> {
                 };
                 node.set_child(side, child(&source.tree.nodes[pair + side], target));
             }
-            // The left side is pushed last, and so laid out next: the order is that of a depth-first walk.
+            // The left side is pushed last, and so laid out next, which gives depth-first order.
             for side in [1, 0] {
                 if source.extents[pair + side].inner > 0 {
                     let below = source.tree.nodes[pair + side].content.index();
@@ -148,7 +148,7 @@ impl Places<'_> {
         (top, depth)
     }
 
-    /// A leaf of all that is below `index`, from slot `used` on.
+    /// A leaf of all triangles below `index`, from slot `used` on.
     fn leaf(&mut self, source: &Source, index: usize, used: &mut usize) -> NodeRef {
         let leaf = NodeRef::leaf(self.first_slot + *used);
         self.gather(source.tree, &source.tree.nodes[index], used);
@@ -156,7 +156,7 @@ impl Places<'_> {
         leaf
     }
 
-    /// Puts all that is below `node` into slots; a leaf's worth, so that the recursion is no deeper than a leaf is large.
+    /// Puts everything below `node` into slots; only a leaf's worth, which bounds the recursion.
     fn gather(&mut self, tree: &BoxTree, node: &BoxNode, used: &mut usize) {
         match node.children() {
             None => {
@@ -172,7 +172,7 @@ impl Places<'_> {
     }
 }
 
-/// `node`, as its parent holds it.
+/// `node` as stored in its parent.
 fn child(node: &BoxNode, target: NodeRef) -> Child {
     Child {
         node: target,
@@ -188,7 +188,7 @@ mod tests {
     use super::*;
     use glam::Vec3A;
 
-    /// A tree over boxes along a bent line, some of them the same.
+    /// A tree over boxes along a bent line, some of them equal.
     fn tree(count: usize) -> BoxTree {
         let leaf = |index: usize| {
             let x = (index / 3) as f32;
@@ -230,7 +230,7 @@ mod tests {
             let mut boxes: Vec<u32> = layout.order.iter().map(|place| place & !LAST).collect();
             boxes.sort_unstable();
             assert!(boxes.into_iter().eq(0..count as u32), "{count}");
-            // Each leaf that a node names begins where the one before it ends.
+            // Each leaf begins where the previous one ends.
             let children = layout.nodes.iter().flat_map(|node| node.children());
             let leaves = children.filter(|child| child.node.is_leaf());
             let mut begins: Vec<usize> = leaves.map(|leaf| leaf.node.index()).collect();

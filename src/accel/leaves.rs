@@ -1,26 +1,26 @@
-//! Leaves of several triangles, where they cost a ray less than the nodes above them (surface area heuristic: MacDonald and
-//! Booth, "Heuristics for ray tracing using space subdivision", The Visual Computer 6(3), 1990).
+//! Merges triangles into leaves where this costs a ray less than the nodes above them (surface area heuristic: MacDonald and Booth,
+//! "Heuristics for ray tracing using space subdivision", The Visual Computer 6(3), 1990).
 //!
-//! A ray that meets a node of area A meets a child of area A' with probability A'/A. So n triangles in one leaf cost A n;
-//! below a node that keeps its children they cost A c + A₁ n₁ + A₂ n₂, with c the cost of a node in those of a triangle.
+//! A ray that hits a node of area A hits a child of area A' with probability A'/A. So n triangles in one leaf cost A n; a node that keeps
+//! its children costs A c + A₁ n₁ + A₂ n₂, where c is the cost of a node relative to a triangle.
 
 use super::boxes::{BoxNode, BoxTree};
 
-/// The most triangles that a leaf is made of.
+/// The largest number of triangles in a leaf.
 const LARGEST_LEAF: u32 = 4;
-/// c above: the cost of a node in those of a triangle.
+/// c above: the cost of a node relative to a triangle.
 const NODE_COST: f32 = 4.0;
 
 /// What a node holds.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Extent {
-    /// Nodes that have children, with itself; 0 for a leaf.
+    /// Nodes with children, including itself; 0 for a leaf.
     pub inner: u32,
     /// Boxes of triangles.
     pub boxes: u32,
 }
 
-/// Per node of `tree`, whose leaves hold one box each, what it holds where small nodes are leaves.
+/// The extent of each node of `tree`, whose leaves hold one box each, once small nodes are leaves.
 pub(super) fn extents(tree: &BoxTree) -> Vec<Extent> {
     let mut extents = vec![Extent::default(); tree.nodes.len()];
     let mut measure = |index: usize| extents[index] = extent(tree, &extents, index);
@@ -40,7 +40,7 @@ pub(super) fn extents(tree: &BoxTree) -> Vec<Extent> {
     extents
 }
 
-/// What a node holds, by what its children hold.
+/// The extent of a node, from those of its children.
 fn extent(tree: &BoxTree, extents: &[Extent], index: usize) -> Extent {
     let node = &tree.nodes[index];
     let Some(pair) = node.children() else {
@@ -52,7 +52,7 @@ fn extent(tree: &BoxTree, extents: &[Extent], index: usize) -> Extent {
         inner: 1 + left.inner + right.inner,
         boxes,
     };
-    // A leaf is made of leaves only: a node below that is worth its cost stays.
+    // A leaf is made of leaves only: a node below it that is worth its cost stays.
     if left.inner + right.inner > 0 || boxes > LARGEST_LEAF {
         return kept;
     }

@@ -1,27 +1,23 @@
 //! Closest and any hits of rays with triangles at rest.
 //!
-//! Triangles and rays are f64, in metres relative to the origin of the rest frame. A tree of f32 boxes
-//! passes over what a ray certainly misses (`slab` derives "certainly"); what remains is decided in f64, and exactly
-//! where f64 is in doubt (`triangle`). Hence
+//! Triangles and rays are f64, in metres relative to the origin of the rest frame. A tree of f32 boxes skips what a ray certainly misses
+//! (`slab` derives "certainly"); the rest is decided in f64, and exactly where f64 is in doubt (`triangle`). Hence
 //!
-//! - a ray hits a triangle iff exact arithmetic on the given numbers says so; edges and corners belong
-//!   to all triangles that share them, so closed meshes have no gaps;
-//! - of equal parameters the smaller id wins, and every parameter is a function of ray and triangle
-//!   alone: a hit depends neither on the tree nor on the order in which it is traversed;
-//! - rays that go nearly the same way, from one point or from points near one another, are traced in packets of as
-//!   many as the processor has lanes ([`Kernel`]), with the hits of single rays, bit for bit; so are
-//!   segments, of which only whether something blocks them is asked;
-//! - nothing depends on the scale or the place of the scene, or on the length of a direction.
+//! - a ray hits a triangle iff exact arithmetic on the given numbers says so; edges and corners belong to all triangles that share them,
+//!   so closed meshes have no gaps;
+//! - among equal parameters the smaller id wins, and every parameter is a function of ray and triangle alone: a hit depends neither on
+//!   the tree nor on the order in which it is traversed;
+//! - coherent rays, which start at or near one point and go in similar directions, are traced in packets of as many as the processor has
+//!   lanes ([`Kernel`]), with the hits of single rays, bit for bit; so are segments, for which only occlusion is tested;
+//! - nothing depends on the scale or the position of the scene, or on the length of a direction.
 //!
-//! Limits: coordinates up to 2³⁰⁰ m; directions of length 2⁻⁵⁰⁰ to 2⁵⁰⁰; origins up to 2¹⁰⁰ scene
-//! sizes away. What is outside, or NaN, hits nothing. This is the only module
-//! that takes rays from f64 to f32.
+//! Limits: coordinates up to 2³⁰⁰ m; directions of length 2⁻⁵⁰⁰ to 2⁵⁰⁰; origins up to 2¹⁰⁰ scene sizes away. Anything outside these
+//! limits, or NaN, hits nothing. This is the only module that converts rays from f64 to f32.
 //!
 //! From bottom to top: `float` and `exact` are arithmetic, `pages` long arrays; `triangle` intersects a ray with a triangle; `node` and
-//! `wide` are the two trees, in the coordinates of `tree_space`; `bvh` holds them, `islands` says how many there are,
-//! `boxes`, `cluster`, `reinsert`, `leaves`, `layout` and `build` make them, `alpha` makes holes;
-//! `slab`, `traverse` and `single` trace single rays; `packet` traces batches. `vectors`, `texels`, `sincos` and `arctan` are
-//! vector loops that all higher modules share.
+//! `wide` are the two trees, in the coordinates of `tree_space`; `bvh` holds them, `islands` decides how many there are, `boxes`,
+//! `cluster`, `reinsert`, `leaves`, `layout` and `build` make them, `alpha` makes holes; `slab`, `traverse` and `single` trace single
+//! rays; `packet` traces batches. `vectors`, `texels`, `sincos` and `arctan` are vector loops that all higher modules share.
 
 #[doc = include_str!("guide.md")]
 pub mod guide {}
@@ -39,7 +35,7 @@ mod layout;
 mod leaves;
 mod node;
 mod packet;
-// A memory map, and nothing else.
+// For a memory map only.
 #[allow(unsafe_code)]
 pub(crate) mod pages;
 mod rays;
@@ -62,7 +58,7 @@ pub use packet::{Kernel, Precision, Traversal};
 pub use rays::{Converging, Facing, Hit, NO_SLOT, Origins, Ray, Segment};
 pub use tally::{Counts, NoTally, Tally, Work};
 
-/// Numbers from −1 to 1 that look random, for tests: a linear congruential generator.
+/// Pseudo-random numbers from −1 to 1, for tests: a linear congruential generator.
 #[cfg(test)]
 pub(crate) fn numbers(mut state: u64) -> impl FnMut() -> f64 {
     move || {

@@ -15,7 +15,7 @@ pub(super) struct Node {
     _pad: [u32; 2],
 }
 
-/// The index of a node, or of what a leaf begins with.
+/// The index of a node, or of the first element of a leaf.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[repr(transparent)]
 pub(super) struct NodeRef(u32);
@@ -40,7 +40,7 @@ impl NodeRef {
         NodeRef(node as u32)
     }
 
-    /// The leaf that begins with triangle slot `first`; in the wide tree leaf number `first`.
+    /// The leaf that begins with triangle slot `first`; in the wide tree, leaf number `first`.
     pub fn leaf(first: usize) -> NodeRef {
         NodeRef(first as u32 | Self::LEAF)
     }
@@ -74,7 +74,7 @@ impl Node {
         self.children[side] = child.node;
     }
 
-    /// The children that there are.
+    /// The children that exist.
     pub fn children(&self) -> impl Iterator<Item = Child> + use<> {
         let node = *self;
         [0, 1].into_iter().filter_map(move |side| {
@@ -83,7 +83,7 @@ impl Node {
                 lo: node.planes.map(|p| p[side]),
                 hi: node.planes.map(|p| -p[side + 2]),
             };
-            // A place without a child has lo = ∞ and hi = −∞.
+            // A missing child has lo = ∞ and hi = −∞.
             (child.lo[0] <= child.hi[0]).then_some(child)
         })
     }
@@ -123,7 +123,7 @@ impl Tag {
         self.0 & Self::LAST != 0
     }
 
-    /// Whether a ray that hits this side sees the triangle.
+    /// Whether a ray sees the triangle from this side.
     #[inline(always)]
     pub fn shows(self, front: bool) -> bool {
         front || self.0 & Self::FRONT_ONLY == 0

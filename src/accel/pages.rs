@@ -1,11 +1,11 @@
-//! Long arrays in large pages, where the system has them.
+//! Long arrays in large memory pages, if the system has them.
 //!
-//! Rays read trees at places far apart. With pages of 4 KiB the processor then waits as long for where a page is as for what is in it; pages of
-//! 2 MiB are so few that it knows them all. Through 1.6 million triangles rays that go any way take three quarters of the time.
+//! Rays read trees at scattered addresses. With pages of 4 KiB, address translation then takes as long as the access itself; pages of 2
+//! MiB are few enough for the TLB. Through 1.6 million triangles, incoherent rays take three quarters of the time.
 //!
-//! But large pages can take longer to come: a virtual machine that gives free memory back to its host has first to fetch each of them again
-//! (25 MB in 3 ms where they were kept, in 95 ms where they were not; in small pages in 20 ms). So arrays say whether so many rays read them
-//! that this pays. Where the system has no such pages, or does not give them, it is memory like any other.
+//! But large pages can take longer to allocate: a virtual machine that returns free memory to its host must first fetch each of them
+//! again (25 MB in 3 ms if they were kept, in 95 ms if not; in small pages in 20 ms). So arrays state whether enough rays read them for
+//! this to pay. If the system has no such pages, or does not grant them, it is ordinary memory.
 
 use std::fmt;
 use std::mem::MaybeUninit;
@@ -22,17 +22,17 @@ const LARGE: usize = 2 * PAGE;
 /// Number of elements that one thread makes at a time.
 const CHUNK: usize = 1 << 12;
 
-/// In which pages an array should lie.
+/// The kind of memory pages for an array.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) enum PageSize {
-    /// Those of all memory.
+    /// Ordinary pages.
     #[default]
     Usual,
-    /// Large ones, if the array is long: where many rays read it.
+    /// Large pages, if the array is long: for arrays that many rays read.
     Large,
 }
 
-/// An array of plain values, which keeps its length.
+/// An array of plain values, of fixed length.
 pub(crate) struct Pages<T> {
     /// Its first value in `_memory`, aligned for `T`; `len` follow one another from there on.
     start: NonNull<T>,
@@ -85,21 +85,21 @@ impl<T: Copy + Send + Sync> Pages<T> {
     }
 }
 
-/// A map with room for `len` values from an offset on, where a large page begins; none where they are not worth one, or the system has none.
+/// A map with room for `len` values from an offset on, where a large page begins; `None` if they are too few, or the system has no maps.
 fn map<T>(len: usize) -> Option<(MmapMut, usize)> {
     let bytes = len.checked_mul(size_of::<T>()).filter(|&b| b >= LARGE)?;
-    // A page more than is needed: the map itself need not begin with a large page.
+    // One page more than needed, because the map itself need not begin at a large page.
     let map = MmapMut::map_anon(bytes.checked_add(PAGE)?).ok()?;
-    // Memory is the same without large pages.
+    // Without large pages it is ordinary memory.
     #[cfg(all(target_os = "linux", not(miri)))]
     let _ = map.advise(memmap2::Advice::HugePage);
     let offset = map.as_ptr().align_offset(PAGE.max(align_of::<T>()));
-    // `align_offset` may have no answer, which is a number far beyond.
+    // `align_offset` may have no answer, and then returns `usize::MAX`.
     (offset <= PAGE).then_some((map, offset))
 }
 
 impl<T> From<Vec<T>> for Pages<T> {
-    /// The same values where they are.
+    /// The same values, without copying.
     fn from(mut values: Vec<T>) -> Self {
         Pages {
             start: NonNull::from(values.as_mut_slice()).cast(),

@@ -7,57 +7,57 @@ use glam::DVec3;
 pub struct Ray {
     /// Metres, rest frame.
     pub origin: DVec3,
-    /// Metres per unit of s; any length. s is measured in it as it is.
+    /// Metres per unit of s; any length. s is measured in units of this vector.
     pub direction: DVec3,
-    /// Hits at this parameter or before don't count.
+    /// Hits at or before this parameter do not count.
     pub s_min: f64,
 }
 
 /// Where the rays of a batch start, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Origins<'a> {
-    /// All in one point.
+    /// All at one point.
     Shared(DVec3),
-    /// Each in its own.
+    /// Each at its own point.
     Each(&'a [DVec3]),
-    /// Each on a triangle of the tree, or off it by what rounding asks for, which it leaves and so doesn't meet again.
+    /// Each on a triangle of the tree, or offset from it against rounding; the ray leaves that triangle and cannot hit it again.
     Leaving {
-        /// Where.
+        /// The starts.
         origins: &'a [DVec3],
-        /// The triangle's place in the tree, as [`Hit::slot`]; [`NO_SLOT`] for none of this tree.
+        /// The triangle's position in the tree, as [`Hit::slot`]; [`NO_SLOT`] if it is not in this tree.
         slots: &'a [u32],
     },
 }
 
-/// The place of no triangle.
+/// The slot of no triangle.
 pub const NO_SLOT: u32 = u32::MAX;
 
-/// What may stand between two points: a ray up to `s_max`, without one triangle.
+/// A ray up to `s_max` that may be blocked, ignoring one triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
-    /// From `ray.s_min` on, which doesn't count.
+    /// From `ray.s_min` on, exclusive.
     pub ray: Ray,
-    /// Hits at this parameter or beyond don't count.
+    /// Hits at or beyond this parameter do not count.
     pub s_max: f64,
-    /// The id of a triangle that doesn't count: the one it leaves.
+    /// The id of a triangle that does not count: the one it leaves.
     pub skip: Option<u32>,
-    /// The id of another that doesn't: the one it ends at.
+    /// The id of another that does not count: the one it ends at.
     pub end: Option<u32>,
 }
 
-/// What may stand between points and one place: segments that all end there, at s = 1. The triangle that each leaves and the one at which all end are
-/// not in the way.
+/// Segments from many points that all end at one point, at s = 1. The triangle that each leaves and the one at which all end do not
+/// block.
 #[derive(Debug, Clone, Copy)]
 pub struct Converging<'a> {
     /// Where they end, metres.
     pub end: DVec3,
     /// Where they start, metres: x, y and z of all. There are as many segments as the shortest of the slices has entries.
     pub from: [&'a [f64]; 3],
-    /// Hits at these parameters or before don't count.
+    /// Hits at or before these parameters do not count.
     pub s_min: &'a [f64],
     /// Ids of the triangles that they leave; `u32::MAX` for none.
     pub skip: &'a [u32],
-    /// Id of the triangle that all end at, which is not in the way either.
+    /// Id of the triangle that all end at, which does not block either.
     pub at: Option<u32>,
 }
 
@@ -72,13 +72,13 @@ pub struct Hit {
     pub v: f64,
     /// The triangle's id: its index when the tree was built.
     pub triangle: u32,
-    /// Its place in the tree, for `Bvh::corners`.
+    /// Its position in the tree, for `Bvh::corners`.
     pub slot: u32,
     /// Whether the ray hits the front: the side from which the corners run counter-clockwise.
     pub front: bool,
 }
 
-/// Which sides of a triangle are there.
+/// Which sides of a triangle exist.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Facing {
     /// Both.
@@ -88,7 +88,7 @@ pub enum Facing {
 }
 
 impl Hit {
-    /// The same, a little farther: what is nearer than that is as near as this, or nearer.
+    /// The same, slightly farther: anything nearer than that is at least as near as this.
     pub(super) fn up_to(self) -> Hit {
         Hit {
             s: self.s.next_up(),
@@ -96,7 +96,7 @@ impl Hit {
         }
     }
 
-    /// The nearer of two hits, of equal ones that with the smaller id.
+    /// The nearer of two hits; among equal ones, the one with the smaller id.
     pub(super) fn first(one: Option<Hit>, other: Option<Hit>) -> Option<Hit> {
         let (Some(a), Some(b)) = (one, other) else {
             return one.or(other);
@@ -107,7 +107,7 @@ impl Hit {
 }
 
 impl Converging<'_> {
-    /// How many there are.
+    /// The number of segments.
     pub fn count(&self) -> usize {
         let [x, y, z] = self.from;
         let starts = x.len().min(y.len()).min(z.len());
@@ -139,7 +139,7 @@ impl Converging<'_> {
 }
 
 impl Origins<'_> {
-    /// Of `count` rays those that have an origin.
+    /// `count`, limited to the rays that have an origin.
     pub(super) fn limit(&self, count: usize) -> usize {
         match self {
             Origins::Shared(_) => count,

@@ -1,32 +1,32 @@
-//! Better places for nodes of a tree: Meister and Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", Computer
-//! Graphics Forum 37(2), 2018.
+//! Reinsertion of nodes at better places: Meister and Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization",
+//! Computer Graphics Forum 37(2), 2018.
 //!
-//! What a tree costs is, by the surface area heuristic, in proportion to the sum of its nodes' areas. Node A with parent P and sibling B moves
-//! beside node C: P is removed, so that B stands where P stood, and a node that holds A and C stands where C stood. The sum then shrinks by
+//! By the surface area heuristic, a tree's cost is proportional to the sum of its nodes' areas. Node A with parent P and sibling B moves
+//! beside node C: P is removed and replaced by B, and C is replaced by a node that holds A and C. The sum then shrinks by
 //!
 //! ```text
 //! gain = area(P) + Σ (area(Q) − area(Q without A)) − Σ (area(R ∪ A) − area(R)) − area(C ∪ A)
 //! ```
 //!
-//! with Q all nodes above P up to the last that holds C as well, and R all nodes below that one which hold C. Seen from A, C lies below the sibling
-//! of a node above it: for each of these siblings from below to above, all below it is searched as long as the gain can still become larger
-//! than the best so far. It cannot where it is at most area(A) larger, which is the least area of C ∪ A.
+//! where Q runs over all nodes above P up to the first that also holds C, and R over all nodes below that one which hold C. Seen from A,
+//! C lies below the sibling of a node above it: for each of these siblings, from bottom to top, everything below it is searched as long
+//! as the gain can still exceed the best so far. It cannot if the bound is at most area(A) larger, which is the least area of C ∪ A.
 //!
-//! All moves of a pass are found side by side in the tree as it is, and made from the largest gain on, each unless one before changed a node next
-//! to it, or brought the place to which it moves below itself.
+//! All moves of a pass are found in parallel in the unchanged tree, and made from the largest gain on, each unless an earlier one changed
+//! an adjacent node or put the target below the node itself.
 //!
-//! obvhs has the same search, and is not used for it: it keeps indices in the fourth lanes of boxes, which are denormal numbers, and Intel's
-//! processors take over a hundred cycles for a product of such vectors. Trees with many moves took two to three times as long.
+//! obvhs has the same search, and is not used for it: it stores indices in the fourth lanes of boxes, which are denormal numbers, and
+//! Intel's processors take over a hundred cycles for a product of such vectors. Trees with many moves took two to three times as long.
 
 use rayon::prelude::*;
 
 use super::boxes::{BoxNode, BoxTree};
 use super::node::NodeRef;
 
-/// How many passes there are, of parts of the nodes that fall: 1, 1/3, 1/5 … of what is asked for.
+/// The number of passes, over decreasing fractions of the nodes: 1, 1/3, 1/5 … of the given one.
 const PASSES: usize = 16;
 
-/// Looks for better places for the `part` of the nodes of `tree` with the largest boxes, and for less in later passes.
+/// Searches better places for the fraction `part` of the nodes of `tree` with the largest boxes, and for fewer in later passes.
 pub(super) fn reinsert(tree: &mut BoxTree, parents: Vec<u32>, part: f32) {
     if tree.nodes.len() < 4 || part <= 0.0 {
         return;
@@ -44,15 +44,15 @@ pub(super) fn reinsert(tree: &mut BoxTree, parents: Vec<u32>, part: f32) {
     }
 }
 
-/// A tree whose nodes move.
+/// A tree whose nodes are being moved.
 struct Moving<'a> {
     tree: &'a mut BoxTree,
     parents: Vec<u32>,
-    /// Whether a move of this pass has changed what is next to a node.
+    /// Whether a move of this pass has changed a node's surroundings.
     is_touched: Vec<bool>,
 }
 
-/// A node, the one that it will stand beside, and by how much the areas shrink.
+/// A node, its new sibling, and the reduction of the areas.
 #[derive(Debug, Clone, Copy)]
 struct Move {
     node: u32,
@@ -62,14 +62,14 @@ struct Move {
 
 /// The other one of a pair.
 fn sibling(node: usize) -> usize {
-    // Pairs begin at odd places.
+    // Pairs begin at odd indices.
     ((node - 1) ^ 1) + 1
 }
 
 impl Moving<'_> {
-    /// Finds the moves of so many nodes and makes them.
+    /// Finds the moves of `count` nodes and makes them.
     fn pass(&mut self, count: usize) {
-        // Large nodes stand at the list's start, but not by size: of twice as many the largest.
+        // Large nodes are near the start of the list, but not sorted: take the largest of the first twice as many.
         let listed = (2 * count + 2).min(self.tree.nodes.len());
         let mut largest: Vec<(f32, u32)> = (1..listed)
             .map(|node| (self.area(node), node as u32))
@@ -99,7 +99,7 @@ impl Moving<'_> {
         self.parents[node] as usize
     }
 
-    /// The place for `node` with the largest gain, if one is above 0: see the module's head. `pending` is a list to work with.
+    /// The place for `node` with the largest gain, if one is above 0: see the module documentation. `pending` is a scratch list.
     fn best_move(&self, node: usize, pending: &mut Vec<(f32, u32)>) -> Option<Move> {
         let nodes = &self.tree.nodes[..];
         let moved = nodes[node].aabb();
@@ -110,7 +110,7 @@ impl Moving<'_> {
             beside: 0,
             gain: 0.0,
         };
-        // What removing the node saves above the place that is searched, and that place's parent as it is without the node.
+        // What removing the node saves above the place being searched, and that place's parent as it is without the node.
         let mut saved = self.area(parent);
         let mut above = parent;
         let mut searched = sibling(node);
@@ -119,7 +119,7 @@ impl Moving<'_> {
             pending.clear();
             pending.push((saved, searched as u32));
             while let Some((saved, place)) = pending.pop() {
-                // No box that holds the node is smaller than its own.
+                // No box that holds the node is smaller than the node's own.
                 if saved - own <= best.gain {
                     continue;
                 }
@@ -128,7 +128,7 @@ impl Moving<'_> {
                 if gain > best.gain {
                     (best.beside, best.gain) = (place, gain);
                 }
-                // Below this place the node here only grows.
+                // Below this place the node only makes boxes grow.
                 if let Some(children) = there.children() {
                     let below = gain + there.aabb().half_area();
                     pending.extend(children.map(|child| (below, child as u32)));
@@ -144,12 +144,12 @@ impl Moving<'_> {
             searched = sibling(above);
             above = self.parent(above);
         }
-        // Beside its sibling it stands already, and its parent is gone.
+        // It is already beside its sibling, and its parent is removed.
         let stays = [sibling(node), parent].contains(&(best.beside as usize));
         (best.gain > 0.0 && !stays).then_some(best)
     }
 
-    /// Makes a move that was found in the tree before others were made, if it still can be.
+    /// Makes a move that was found before other moves were made, if it is still possible.
     fn make(&mut self, Move { node, beside, .. }: Move) {
         let (node, beside) = (node as usize, beside as usize);
         let (other, parent) = (sibling(node), self.parent(node));
@@ -160,7 +160,7 @@ impl Moving<'_> {
         for near in next_to {
             self.is_touched[near] = true;
         }
-        // The pair of the node is kept for it and for what it moves beside.
+        // The node's pair of slots is reused for it and its new sibling.
         let pair = NodeRef::inner(node.min(other));
         let [moved_other, there] = [other, beside].map(|index| self.tree.nodes[index]);
         let both = there.aabb().union(self.tree.nodes[node].aabb());
@@ -188,7 +188,7 @@ impl Moving<'_> {
         }
     }
 
-    /// Sets the boxes of all above `node` to what they hold, up to the first that stays as it is.
+    /// Updates the boxes of all nodes above `node`, up to the first that does not change.
     fn refit_above(&mut self, mut node: usize) {
         while node != 0 {
             node = self.parent(node);
@@ -214,7 +214,7 @@ mod tests {
     use super::super::numbers;
     use super::*;
 
-    /// So many boxes of all sizes up to `size` in a room of size 2, and a tree over them.
+    /// `count` boxes of all sizes up to `size` in a room of size 2, and a tree over them.
     fn tree(count: usize, size: f32) -> (Vec<Aabb>, BoxTree) {
         let mut random = numbers(count as u64);
         let mut point = || Vec3A::from_array(std::array::from_fn(|_| random() as f32));

@@ -1,8 +1,8 @@
 //! Sines and cosines of many angles, with the bits of [`libm::sincos`].
 //!
-//! The reduction by multiples of π/2 in two parts (Cody and Waite, "Software Manual for the Elementary Functions", 1980) and the polynomials on ±π/4
-//! are those of FreeBSD's msun, which libm has, in the order in which it works them out, but without branches. Blocks with an angle beyond 9π/4, or so
-//! near a multiple of π/2 that libm takes more parts, are left to it.
+//! The reduction by multiples of π/2 in two parts (Cody and Waite, "Software Manual for the Elementary Functions", 1980) and the
+//! polynomials on ±π/4 are those of FreeBSD's msun, which libm uses, in libm's order of operations but without branches. Blocks with an
+//! angle beyond 9π/4, or so close to a multiple of π/2 that libm takes more parts, are left to libm.
 
 use super::vectors::{BLOCK, Block};
 
@@ -26,7 +26,7 @@ const C: [f64; 6] = bits([
     0x3e21_ee9e_bdb4_b1c4,
     0xbda8_fae9_be88_38d4,
 ]);
-/// The least angles from which on 1, 2, 3 and 4 times π/2 are taken off, and more: π/4, 3π/4, … 9π/4 as libm has them, in 32 bits.
+/// The thresholds from which on 1, 2, 3 and 4 times π/2 are subtracted, and more: π/4, 3π/4, … 9π/4 as libm has them, in 32 bits.
 const FROM: [f64; 5] = bits([
     0x3fe9_21fc << 32,
     0x4002_d97d << 32,
@@ -34,9 +34,9 @@ const FROM: [f64; 5] = bits([
     0x4015_fdbd << 32,
     0x401c_463c << 32,
 ]);
-/// The least part of an angle that may be left of it, 2⁻¹⁵: where libm takes more parts of π/2, less than half of that is.
+/// The smallest ratio of the reduced angle to the angle, 2⁻¹⁵: when libm takes more parts of π/2, the ratio is less than half of that.
 const LEFT: f64 = 1.0 / 32768.0;
-/// A sum with 1.5·2⁵² has a whole number in its last bits.
+/// Adding 1.5·2⁵² leaves a whole number in the last bits.
 const WHOLE: f64 = 6_755_399_441_055_744.0;
 
 const fn bits<const N: usize>(bits: [u64; N]) -> [f64; N] {
@@ -71,10 +71,10 @@ fn singly(angles: &Block, sines: &mut Block, cosines: &mut Block) {
     }
 }
 
-/// The sine and cosine of `x`, and whether they are.
+/// The sine and cosine of `x`, and whether they are valid.
 #[inline(always)]
 fn sincos_usual(x: f64) -> (f64, f64, bool) {
-    // How many quarter turns are taken off, and what is left: r, and what its rounding lost.
+    // How many quarter turns are subtracted, and the remainder: r, and its rounding error.
     let size = x.abs();
     let mut quarters = 0.0;
     for from in &FROM[..4] {
@@ -87,7 +87,7 @@ fn sincos_usual(x: f64) -> (f64, f64, bool) {
     let lost = (before - r) - off;
     let is_usual = (size < FROM[4]) & (r.abs() >= size * LEFT);
 
-    // Polynomials, that of the sine in libm's two ways: with and without what was lost.
+    // Polynomials; that of the sine in libm's two ways: with and without the rounding error.
     let z = r * r;
     let (w, v) = (z * z, z * r);
     let sum = S[1] + z * (S[2] + z * S[3]) + z * w * (S[4] + z * S[5]);
@@ -101,7 +101,7 @@ fn sincos_usual(x: f64) -> (f64, f64, bool) {
     let most = 1.0 - half;
     let cosine = most + (((1.0 - most) - half) + (z * sum - r * lost));
 
-    // In odd quarters they change places, and signs by halves.
+    // In odd quarters they are swapped; signs change by halves.
     let turns = (quarters + WHOLE).to_bits();
     let is_odd = turns & 1 == 1;
     let (a, b) = if is_odd {

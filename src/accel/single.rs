@@ -1,4 +1,4 @@
-//! Single rays: the reference for packets, and what is left to them.
+//! Single rays: the reference for packets, and the fallback for what packets leave.
 
 use glam::DVec3;
 
@@ -17,7 +17,7 @@ impl Bvh {
         let ray = ScaledRay::new(ray)?;
         let mut nearest: Option<Hit> = None;
         for tree in self.trees() {
-            // Also what is exactly as near: of equals the smaller id wins, whichever tree it is in.
+            // Including hits exactly as near: among equals the smaller id wins, whichever tree it is in.
             let s_max = nearest.map_or(s_max, |hit| hit.up_to().s);
             let hit =
                 tree.with_stack(|stack| tree.closest_of(&ray, s_max, NO_SLOT, stack, &mut NoTally));
@@ -59,7 +59,7 @@ impl View<'_> {
                     s_min: 0.0,
                 };
                 let entry = &mut hits[i];
-                // A hit that is known already, in another tree, ends the ray: only nearer ones replace it.
+                // A known hit, in another tree, ends the ray: only nearer ones replace it.
                 let s_max = entry.as_ref().map_or(f64::INFINITY, |hit| hit.s);
                 let ray = ScaledRay::new(&ray);
                 let left = from.left(i);
@@ -130,7 +130,7 @@ impl View<'_> {
         }
     }
 
-    /// A stack as deep as the tree; on the heap only if the tree is deeper than trees are.
+    /// A stack as deep as the tree; on the heap only for unusually deep trees.
     #[inline(always)]
     fn with_stack<T>(self, run: impl FnOnce(&mut [StackEntry]) -> T) -> T {
         const NONE: StackEntry = (NodeRef::ROOT, 0.0);
@@ -152,19 +152,19 @@ pub(super) struct ScaledRay {
 }
 
 impl ScaledRay {
-    /// None for NaN, for a direction without length and for numbers beyond the module's limits.
+    /// `None` for NaN, for a direction of length 0 and for values beyond the module's limits.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Option<ScaledRay> {
         let size = ray.direction.abs().max_element();
         let far = ray.origin.abs().max_element();
         // 0 times a number is 0, times NaN or ∞ it is NaN.
         let finite = (ray.direction * 0.0 + ray.origin * 0.0) == DVec3::ZERO;
-        // The limits that the head of `accel` names.
+        // The limits in the documentation of `accel`.
         let usual = power_of_two(-500)..power_of_two(500);
         if !finite || !usual.contains(&size) || far > Bvh::MAX_COORDINATE {
             return None;
         }
-        // Powers of two: s, u, v and all decisions are as for the direction given.
+        // Powers of two: s, u, v and all decisions are the same as for the given direction.
         let unit = power_of_two(-exponent(size));
         let per_unit = power_of_two(exponent(size));
         let line = Line {
@@ -179,7 +179,7 @@ impl ScaledRay {
         })
     }
 
-    /// The hit of the ray as it was given.
+    /// The hit of the ray as given.
     #[inline(always)]
     pub fn hit(&self, bvh: &Bvh, crossing: &Crossing, slot: u32) -> Hit {
         Hit {
@@ -201,7 +201,7 @@ impl ScaledRay {
         left: u32,
         tally: &mut impl Tally,
     ) -> Option<(Crossing, u32)> {
-        // Its own query, so that the two are compared by the rule of the whole tree.
+        // A separate query, so that the two are compared by the rule of the whole tree.
         let mut query = ClosestHit {
             bvh,
             line: &self.line,
@@ -228,7 +228,7 @@ pub(super) struct ClosestHit<'a> {
 }
 
 impl<'a> ClosestHit<'a> {
-    /// For hits of `ray` before `s_max` of the ray as it was given, with any triangle but that in slot `left`.
+    /// For hits of `ray` before `s_max` of the ray as given, with any triangle except the one in slot `left`.
     #[inline(always)]
     pub fn new(bvh: &'a Bvh, ray: &'a ScaledRay, s_max: f64, left: u32) -> Self {
         ClosestHit {
@@ -241,14 +241,14 @@ impl<'a> ClosestHit<'a> {
         }
     }
 
-    /// What was found, of the ray as it was given.
+    /// The hit found, for the ray as given.
     #[inline(always)]
     pub fn into_hit(self, ray: &ScaledRay) -> Option<Hit> {
         let (crossing, slot) = self.found?;
         Some(ray.hit(self.bvh, &crossing, slot))
     }
 
-    /// Takes over the triangle in `slot` if it comes first: nearer, or as near with a smaller id.
+    /// Accepts the triangle in `slot` if it comes first: nearer, or as near with a smaller id.
     #[inline(always)]
     fn consider(
         &mut self,
@@ -257,7 +257,7 @@ impl<'a> ClosestHit<'a> {
         tag: Tag,
         tally: &mut impl Tally,
     ) -> bool {
-        // Ties go to the smaller id, so that the order of the tree does not show.
+        // Ties go to the smaller id, so that the result does not depend on the tree's order.
         if slot != self.left
             && let Some(crossing) = self.line.intersect(corners, tally)
             && crossing.s > self.s_min
@@ -313,7 +313,7 @@ pub(super) struct AnyHit<'a> {
     line: &'a Line,
     s_min: f64,
     s_max: f64,
-    /// What doesn't count.
+    /// Triangles that do not count.
     own: [Option<u32>; 2],
     found: bool,
 }
@@ -332,13 +332,13 @@ impl<'a> AnyHit<'a> {
         }
     }
 
-    /// Whether anything does, of what was tested.
+    /// Whether a tested triangle blocks it.
     #[inline(always)]
     pub fn is_found(&self) -> bool {
         self.found
     }
 
-    /// Whether the triangle in `slot` does.
+    /// Whether the triangle in `slot` blocks it.
     #[inline(always)]
     pub fn test(&mut self, slot: usize, tally: &mut impl Tally) -> bool {
         let tag = self.bvh.tags[slot];

@@ -9,9 +9,8 @@
 //! Both stay within ρ = 2⁻⁴⁰ + 2⁻⁹⁸|o'|∞ for |r| < 2¹². Where τ₀ itself is coarse, because the
 //! origin is 2⁴⁰ scene sizes away or farther, |r| may be large; then 2⁻⁵²|r| is within the next term.
 //!
-//! **(S3) Origin.** r lies within [r₋, r₊], r∓ = f32(r ∓ (|r| 2⁻²⁴(1 + 2⁻²⁰) + ρ)): rounding to nearest
-//! moves by at most 2⁻²⁴ of the value. Planes below (`lo`) take r₊, planes above (`hi`) take r₋:
-//! that widens the box by exactly what is unknown about the origin.
+//! **(S3) Origin.** r lies within [r₋, r₊], r∓ = f32(r ∓ (|r| 2⁻²⁴(1 + 2⁻²⁰) + ρ)): rounding to nearest moves by at most 2⁻²⁴ of the
+//! value. Lower planes (`lo`) use r₊, upper planes (`hi`) use r₋: that widens the box by exactly the uncertainty of the origin.
 //!
 //! **(S4) Slope.** t = (plane − r)/d has one rounding in the difference, one in 1/d as f32, one in the
 //! product: a relative error below 3.01·2⁻²⁴. 1/|d| is stored twice, times 1 − 2⁻²² for the planes
@@ -19,7 +18,7 @@
 //! An axis along which |d| < 2⁻⁶⁰ is traversed as if |d| = 2⁻⁶⁰: within the root box, where
 //! |τ − τ₀| < 3 + 2⁻⁵⁰|o'|∞, that displaces by less than ρ.
 //!
-//! **(S5)** That holds for t ≥ 0. Exits at t < 0 would come early, hence τ₀ lies before all that is of interest.
+//! **(S5)** That holds for t ≥ 0. Exits at t < 0 would come early, hence τ₀ lies before everything that matters.
 //!
 //! **(S6) Parameter.** s of a hit has an error below 2⁻⁴⁰ of the corners' distance where it isn't moved
 //! into the box (see [`triangle`](super::triangle)), so a hit with s > s_min may truly lie a little before
@@ -37,7 +36,7 @@ use super::node::Node;
 use super::tree_space::TreeSpace;
 use super::triangle::Line;
 
-/// A ray as the box test sees it.
+/// A ray as the box test uses it.
 pub(super) struct SlabRay {
     /// Per axis r₊, r₊, −r₋, −r₋: (S3).
     origin: [Vec4; 3],
@@ -49,17 +48,17 @@ pub(super) struct SlabRay {
     scale: f64,
     /// τ₀.
     start: f64,
-    /// What is unknown about k s − τ₀: (S7).
+    /// The uncertainty of k s − τ₀: (S7).
     blur: f64,
 }
 
-/// Where a ray starts, as the box test sees it: without branches, for loops over many.
+/// The start of a ray as the box test uses it: branch-free, for loops over many.
 pub(super) struct SlabStart {
     /// Per axis 1/|d|.
     pub inverse: [f64; 3],
     /// τ₀.
     pub start: f64,
-    /// What is unknown about k s − τ₀: (S7).
+    /// The uncertainty of k s − τ₀: (S7).
     pub blur: f64,
     /// r, if the start is near.
     pub base: DVec3,
@@ -104,7 +103,7 @@ impl SlabStart {
             base: origin + d * start,
             unsure: power_of_two(-40) + power_of_two(-98) * distance,
             misses: leave < start - blur,
-            // In this form also for NaN.
+            // Written so that NaN takes this branch, too.
             is_valid: (distance <= FAR) & (blur < f64::INFINITY),
             is_near: (distance <= NEAR) & (start <= NEAR),
         }
@@ -112,7 +111,7 @@ impl SlabStart {
 }
 
 impl SlabRay {
-    /// The ray from parameter `s_min` on, or none where it misses everything.
+    /// The ray from parameter `s_min` on, or `None` if it misses everything.
     #[inline(always)]
     pub fn new(space: &TreeSpace, line: &Line, s_min: f64) -> Option<SlabRay> {
         let d = line.direction;
@@ -136,11 +135,11 @@ impl SlabRay {
         })
     }
 
-    /// The range to clip to while hits up to parameter `s` are of interest: (S7), and (S4) for t itself.
+    /// The range to clip to while hits up to parameter `s` matter: (S7), and (S4) for t itself.
     #[inline(always)]
     pub fn range(&self, s: f64) -> Vec4 {
         let far = far_of(s * self.scale - self.start, self.blur);
-        // Boxes are entered at t ≥ 0 and left at `far` at most; exits have a minus.
+        // Boxes are entered at t ≥ 0 and left at `far` at most; exits are negated.
         Vec4::new(0.0, 0.0, -far, -far)
     }
 
@@ -160,7 +159,7 @@ impl SlabRay {
     }
 }
 
-/// Which children are hit, as bits: those of which [`SlabRay::clip`] leaves an interval.
+/// Which children are hit, as bits: those for which [`SlabRay::clip`] leaves an interval.
 #[inline(always)]
 pub(super) fn hit_children(clip: Vec4) -> u32 {
     // Entry ≤ exit, as the sum of the one and minus the other.
@@ -173,7 +172,7 @@ pub(super) fn hit_children(clip: Vec4) -> u32 {
 fn distances<const DESCENDS: bool>(planes: Vec4, origin: Vec4, inverse: Vec4) -> Vec4 {
     let distance = planes - origin;
     if DESCENDS {
-        // A ray that descends meets the upper planes first. Their difference has its minus already.
+        // A descending ray hits the upper planes first. Their difference is already negated.
         distance.zwxy() * inverse
     } else {
         distance * inverse
@@ -218,7 +217,7 @@ fn rebase(line: &Line, space: &TreeSpace, start: f64) -> DVec3 {
     DVec3::new(coordinate(0), coordinate(1), coordinate(2))
 }
 
-/// Beyond this t no box is of interest while hits up to t as k s − τ₀ are: (S7), and (S4) for t itself.
+/// The t beyond which no box matters while hits up to t as k s − τ₀ do: (S7), and (S4) for t itself.
 #[inline(always)]
 pub(super) fn far_of(t: f64, blur: f64) -> f32 {
     (t + t.abs() * power_of_two(-22) + blur) as f32

@@ -1,4 +1,4 @@
-//! How much work it is to trace rays: counted where the caller asks, compiled away where not.
+//! The cost of tracing rays: counted if the caller asks for it, compiled away otherwise.
 
 use std::ops::AddAssign;
 
@@ -6,7 +6,7 @@ use std::ops::AddAssign;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Work {
-    /// Rays that were asked for.
+    /// Rays requested.
     Rays,
     /// Nodes visited, once per block of rays or single ray.
     Nodes,

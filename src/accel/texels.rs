@@ -1,7 +1,7 @@
-//! Places between texels of pictures, many at a time.
+//! Texture lookups between texel centres, many at a time.
 //!
-//! Bilinear between four texels of three channels, in one size of a picture or mixed of two. [`mixed_each`] loads two texels at a time where
-//! the processor has AVX2, and gives the same bits as [`mixed`].
+//! Bilinear between four texels of three channels, in one level of a picture or blended between two. [`mixed_each`] loads two texels at a
+//! time on processors with AVX2, and gives the same bits as [`mixed`].
 
 #![allow(unsafe_code)]
 
@@ -9,10 +9,10 @@ use super::vectors::BLOCK;
 #[cfg(target_arch = "x86_64")]
 use super::vectors::x86::has_avx2;
 
-/// Four texels of three channels around a place, and the weights of those to the right and below.
+/// Four texels of three channels around a point, and the weights of those to the right and below.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Taps {
-    /// The numbers of the left ones; the right ones follow.
+    /// The indices of the left ones; the right ones follow.
     pub upper: u32,
     pub lower: u32,
     pub right: f32,
@@ -28,7 +28,7 @@ pub(crate) struct TapsBlock {
 }
 
 impl TapsBlock {
-    /// To be written.
+    /// To be filled in.
     pub const ZERO: TapsBlock = TapsBlock {
         upper: [0; BLOCK],
         lower: [0; BLOCK],
@@ -46,7 +46,7 @@ impl TapsBlock {
         }
     }
 
-    /// The last one's number.
+    /// The index of the last one.
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     fn last(&self) -> u32 {
@@ -58,8 +58,8 @@ impl TapsBlock {
     }
 }
 
-/// Bilinear between the texels at each of two places, of which the second counts with `weight`, times a factor by channel. Texels without two
-/// more numbers after them are zeros.
+/// Bilinear between the texels at each of two points, the second with weight `weight`, times a factor per channel. Texels without two
+/// more numbers after them count as zeros.
 #[inline(always)]
 pub(crate) fn mixed(
     texels: &[f32],
@@ -75,7 +75,7 @@ pub(crate) fn mixed(
     [r * scale[0], g * scale[1], b * scale[2]]
 }
 
-/// Between rows, for both columns at once, then between columns; and a fourth number that does not count.
+/// First between rows, for both columns at once, then between columns; the fourth number has no meaning.
 #[inline(always)]
 fn bilinear(texels: &[f32], taps: Taps) -> [f32; 4] {
     let mut columns = pair(texels, taps.upper);
@@ -93,7 +93,7 @@ fn pair(texels: &[f32], at: u32) -> [f32; 8] {
     pair.copied().unwrap_or_default()
 }
 
-/// Takes `a` to `b` as far as `weight` says.
+/// Moves `a` towards `b` by `weight`.
 #[inline(always)]
 fn mix<const N: usize>(a: &mut [f32; N], b: &[f32; N], weight: f32) {
     for c in 0..N {
@@ -101,7 +101,7 @@ fn mix<const N: usize>(a: &mut [f32; N], b: &[f32; N], weight: f32) {
     }
 }
 
-/// [`mixed`] for as many places of a block as `to` has room for.
+/// [`mixed`] for as many points of a block as `to` has room for.
 #[inline]
 pub(crate) fn mixed_each(
     texels: &[f32],
@@ -148,8 +148,8 @@ mod x86 {
 
     use super::{BLOCK, TapsBlock, mixed};
 
-    /// Eight places go together: the channels of each are brought between its rows in a vector, and those of all eight are then
-    /// in vectors by channel.
+    /// Eight points at a time: for each, the channels are interpolated between rows in a vector; those of all eight are then in vectors
+    /// by channel.
     ///
     /// # Safety
     ///
@@ -175,7 +175,7 @@ mod x86 {
                 // SAFETY: as above.
                 let other = unsafe { bilinear(texels, second, 8 * group) };
                 for (mean, other) in mean.iter_mut().zip(other) {
-                    // Where the second place does not count the first stays as it is, bit for bit, as in `mixed`.
+                    // Where the second point does not count, the first is kept bit for bit, as in `mixed`.
                     *mean = _mm256_blendv_ps(*mean, mix(*mean, other, weight), counts);
                 }
             }
@@ -183,7 +183,7 @@ mod x86 {
             put(mean.map(|c| _mm256_castps256_ps128(c)), scale, left);
             put(mean.map(|c| _mm256_extractf128_ps::<1>(c)), scale, right);
         }
-        // What is left is less than eight: one by one.
+        // The remainder, fewer than eight: one by one.
         let begin = 8 * whole;
         for (k, to) in (begin..).zip(eights.into_remainder()) {
             *to = mixed(texels, [first.get(k), second.get(k)], weights[k], scale);

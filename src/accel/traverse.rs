@@ -6,7 +6,7 @@ use super::node::{Node, NodeRef};
 use super::slab::{SlabRay, hit_children};
 use super::tally::{Tally, Work};
 
-/// What a ray asks of the tree.
+/// A query of the tree by a ray.
 pub(super) trait Query {
     /// Tests the triangles of the leaf that starts at `slot`; true ends the traversal.
     fn leaf(&mut self, slot: usize, tally: &mut impl Tally) -> bool;
@@ -14,18 +14,17 @@ pub(super) trait Query {
     /// Tests the triangle in `slot`; true ends the traversal.
     fn triangle(&mut self, slot: usize, tally: &mut impl Tally) -> bool;
 
-    /// The ray's parameter up to which boxes are of interest.
+    /// The ray's parameter beyond which boxes do not matter.
     fn limit(&self) -> f64;
 }
 
 /// A child to visit later, and where the ray enters its box.
 pub(super) type StackEntry = (NodeRef, f32);
 
-/// Stack entries that are kept without allocation.
+/// Stack entries that need no allocation.
 pub(super) const USUAL_DEPTH: usize = 64;
 
-/// Puts `query` to the tree of `nodes`, which is not empty, along `ray`. `stack` holds at least as many
-/// entries as the tree is deep.
+/// Runs `query` on the tree of `nodes`, which is not empty, along `ray`. `stack` holds at least as many entries as the tree is deep.
 #[inline(always)]
 pub(super) fn traverse(
     nodes: &[Node],
@@ -34,7 +33,7 @@ pub(super) fn traverse(
     query: &mut impl Query,
     tally: &mut impl Tally,
 ) {
-    // A copy of the loop per octant of directions: no node asks for signs.
+    // A copy of the loop per octant of directions: no node tests signs.
     match ray.descends {
         [false, false, false] => walk::<false, false, false>(nodes, ray, stack, query, tally),
         [true, false, false] => walk::<true, false, false>(nodes, ray, stack, query, tally),
@@ -73,7 +72,7 @@ fn walk<const X: bool, const Y: bool, const Z: bool>(
             let node = &nodes[at.index()];
             let clip = ray.clip::<X, Y, Z>(node, range);
             let [first, second] = node.children;
-            // Branches, not selections: a branch that is guessed right lets the next node load early.
+            // Branches, not selects: a correctly predicted branch lets the next node load early.
             match hit_children(clip) {
                 0 => {}
                 1 => {

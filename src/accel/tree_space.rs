@@ -1,7 +1,7 @@
 //! Tree space: the coordinates in which the tree holds its boxes.
 //!
-//! y = (x − c)·k with c the centre of the geometry and k a power of two for which |y| ≤ 1. What is computed in it
-//! depends neither on the scale of the scene nor on its place.
+//! y = (x − c)·k with c the centre of the geometry and k a power of two for which |y| ≤ 1. Results computed in it depend neither on the
+//! scale of the scene nor on its position.
 
 use glam::DVec3;
 

@@ -50,7 +50,7 @@ pub(super) struct Crossing {
 }
 
 impl Line {
-    /// Where the line hits the triangle; edges and corners belong to it.
+    /// The intersection of the line with the triangle; edges and corners belong to it.
     #[inline(always)]
     pub fn intersect(&self, corners: &[DVec3; 3], tally: &mut impl Tally) -> Option<Crossing> {
         let d = self.direction;
@@ -120,16 +120,15 @@ impl Line {
 
     /// `s`, moved into the interval in which the line is in the triangle's bounding box.
     ///
-    /// The true s lies in it. A computed one of a grazing ray may not, and then a box that was
-    /// skipped for lying beyond the nearest hit might have held a nearer one: which triangle wins
-    /// would depend on the order of traversal.
+    /// The true s is in it. A computed one of a grazing ray may not be, and then a box that was skipped for lying beyond the nearest hit
+    /// could have held a nearer one: which triangle wins would depend on the order of traversal.
     #[inline(never)]
     fn clamped_to_box(&self, s: f64, corners: &[DVec3; 3]) -> f64 {
         let [a, b, c] = *corners;
         let inverse = self.direction.recip();
         let near = (a.min(b).min(c) - self.origin) * inverse;
         let far = (a.max(b).max(c) - self.origin) * inverse;
-        // 0·∞ is NaN, which min and max of f64 pass over: a flat axis that says nothing.
+        // 0·∞ is NaN, which min and max of f64 ignore: a flat axis gives no bound.
         let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
             if self.direction[axis] != 0.0 {

@@ -1,11 +1,11 @@
 //! Plain loops over arrays, compiled for the widest vectors that the processor has.
 //!
-//! A [`VectorLoop`] is ordinary Rust. [`dispatch`] holds a copy of it for each instruction set and picks one at run
-//! time. IEEE 754 rounds sums, products, quotients and roots the same at every width, and the compiler fuses nothing
-//! that is written apart: results are the same bit for bit.
+//! A [`VectorLoop`] is ordinary Rust. [`dispatch`] holds a copy of it for each instruction set and picks one at run time. IEEE 754 rounds
+//! sums, products, quotients and roots the same at every width, and the compiler does not fuse operations: results are the same bit for
+//! bit.
 //!
-//! A loop gets the wide instructions only where all of it is inlined: whatever it calls per element is
-//! `#[inline(always)]`, and it contains no closures.
+//! A loop gets the wide instructions only if all of it is inlined: everything that it calls per element is `#[inline(always)]`, and it
+//! contains no closures.
 
 #![allow(unsafe_code)]
 
@@ -36,24 +36,24 @@ pub(crate) fn dispatch(work: impl VectorLoop) {
     work.run();
 }
 
-/// Number of elements that a loop takes together. In arrays of this size on the stack the compiler knows that none is part of
-/// another, and that no index is beyond their ends: it asks neither.
+/// Number of elements that a loop processes together. For arrays of this size on the stack, the compiler knows that they do not overlap
+/// and that no index is out of bounds.
 pub(crate) const BLOCK: usize = 64;
 
-/// Numbers of as many elements, by element.
+/// A number for each element of a block.
 pub(crate) type Block = [f64; BLOCK];
 
 /// The numbers of `from` from `begin` on, and zeros after the last.
 #[inline(always)]
 pub(crate) fn load(from: &[f64], begin: usize) -> Block {
-    // Whole blocks, which are almost all, are copied in registers, without a call.
+    // Whole blocks, which are the vast majority, are copied in registers, without a call.
     match from.get(begin..).and_then(<[f64]>::first_chunk) {
         Some(block) => *block,
         None => load_last(from, begin),
     }
 }
 
-/// The same where they lie, or the last ones in `last`.
+/// The same without a copy, except for a partial block, which goes to `last`.
 #[inline(always)]
 pub(crate) fn block_of<'a>(from: &'a [f64], begin: usize, last: &'a mut Block) -> &'a Block {
     match from.get(begin..).and_then(<[f64]>::first_chunk) {
@@ -74,7 +74,7 @@ fn load_last(from: &[f64], begin: usize) -> Block {
     to
 }
 
-/// Puts `from` into the numbers of `to` from `begin` on, as many as there are.
+/// Copies `from` into `to` from `begin` on, as far as `to` reaches.
 #[inline(always)]
 pub(crate) fn store(from: &Block, to: &mut [f64], begin: usize) {
     match to.get_mut(begin..).and_then(<[f64]>::first_chunk_mut) {
@@ -94,18 +94,18 @@ fn store_last(from: &Block, to: &mut [f64], begin: usize) {
 #[derive(Debug, Default, Clone)]
 pub(crate) struct Columns {
     count: usize,
-    /// Whole blocks: after the last vector come numbers without meaning.
+    /// In whole blocks: values after the last vector have no meaning.
     columns: [Vec<f64>; 3],
 }
 
 impl Columns {
-    /// How many vectors.
+    /// The number of vectors.
     #[inline(always)]
     pub fn len(&self) -> usize {
         self.count
     }
 
-    /// Makes room for `count` vectors; what they are is to be written.
+    /// Resizes to `count` vectors, whose values are to be overwritten.
     pub fn resize(&mut self, count: usize) {
         self.count = count;
         let room = count.next_multiple_of(BLOCK);
@@ -116,7 +116,7 @@ impl Columns {
         }
     }
 
-    /// Makes them `count` times the same.
+    /// Sets `count` copies of `v`.
     pub fn fill(&mut self, count: usize, v: DVec3) {
         self.resize(count);
         for (column, x) in self.columns.iter_mut().zip(v.to_array()) {
@@ -124,12 +124,12 @@ impl Columns {
         }
     }
 
-    /// Forgets all vectors.
+    /// Removes all vectors.
     pub fn clear(&mut self) {
         self.count = 0;
     }
 
-    /// Adds one more.
+    /// Appends a vector.
     #[inline(always)]
     pub fn push(&mut self, v: DVec3) {
         let at = self.count;
@@ -161,7 +161,7 @@ impl Columns {
         [&x[..self.count], &y[..self.count], &z[..self.count]]
     }
 
-    /// Makes them those of `from` with these numbers.
+    /// Replaces them with those of `from` at these indices.
     pub fn gather(&mut self, from: &Columns, numbers: &[u32]) {
         self.resize(numbers.len());
         for (to, from) in self.columns.iter_mut().zip(&from.columns) {
@@ -171,20 +171,20 @@ impl Columns {
         }
     }
 
-    /// Makes them these vectors.
+    /// Replaces them with these vectors.
     pub fn take(&mut self, from: &[DVec3]) {
         self.resize(from.len());
         dispatch(Apart { from, to: self });
     }
 
-    /// Adds all to the end of `to`.
+    /// Appends all to `to`.
     pub fn add_to(&self, to: &mut Vec<[f64; 3]>) {
         let [x, y, z] = self.axes();
         let all = x.iter().zip(y).zip(z);
         to.extend(all.map(|((x, y), z)| [*x, *y, *z]));
     }
 
-    /// The vectors from `begin` on, which is where a block begins.
+    /// The vectors from `begin` on, which must be the start of a block.
     #[inline(always)]
     pub fn block(&self, begin: usize) -> VectorsRef<'_> {
         const NONE: &Block = &[0.0; BLOCK];
@@ -194,7 +194,7 @@ impl Columns {
         }))
     }
 
-    /// The same, to be written; none after the last.
+    /// The same, mutable; `None` after the last.
     #[inline(always)]
     pub fn block_mut(&mut self, begin: usize) -> Option<[&mut Block; 3]> {
         let [x, y, z] = &mut self.columns;
@@ -221,7 +221,7 @@ impl Columns {
     }
 }
 
-/// Vectors that lie one after another, to be taken apart by component.
+/// Consecutive vectors, to be split by component.
 struct Apart<'a> {
     from: &'a [DVec3],
     to: &'a mut Columns,
@@ -246,7 +246,7 @@ impl VectorLoop for Apart<'_> {
     }
 }
 
-/// A block of vectors by component, where they lie.
+/// A block of vectors by component, by reference.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct VectorsRef<'a>([&'a Block; 3]);
 
@@ -270,7 +270,7 @@ impl<'a> VectorsRef<'a> {
 pub(crate) struct Vectors([Block; 3]);
 
 impl Vectors {
-    /// To be written.
+    /// To be filled in.
     pub const ZERO: Vectors = Vectors([[0.0; BLOCK]; 3]);
 
     /// The same vector everywhere.
@@ -306,10 +306,10 @@ impl Vectors {
     }
 }
 
-/// The number of no row.
+/// The index of no row.
 pub(crate) const NO_ROW: u32 = u32::MAX;
 
-/// Fills `to`, word by word, with the rows of these numbers; with zeros for those that are not there, as [`NO_ROW`] is not.
+/// Fills `to`, word by word, with the rows at these indices; with zeros for indices out of range, such as [`NO_ROW`].
 pub(crate) fn gather_rows(rows: &[[u32; 8]], numbers: &[u32; BLOCK], to: &mut [[u32; BLOCK]; 8]) {
     #[cfg(target_arch = "x86_64")]
     if x86::has_avx2() {
@@ -335,7 +335,7 @@ fn row(rows: &[[u32; 8]], number: u32) -> &[u32; 8] {
     rows.get(number as usize).unwrap_or(NOTHING)
 }
 
-/// Fills `to`, axis by axis, with the vectors of these numbers times their factors; with zeros for those that are not there.
+/// Fills `to`, axis by axis, with the vectors at these indices times their factors; with zeros for indices out of range.
 pub(crate) fn gather_vectors(
     from: &[DVec3],
     numbers: &[u32; BLOCK],
@@ -363,8 +363,8 @@ fn gather_vectors_singly(
     }
 }
 
-/// Takes each of `rgb` to the matrix at its place times it, times its factor and the gain of all. Places are numbers of matrices and parts of the
-/// way to the next; where there is no matrix of a number, `rgb` stays as it is.
+/// Multiplies each of `rgb` by the matrix interpolated at its place, its factor and the common gain. Places are matrix indices and
+/// fractions of the step to the next; if there is no matrix of an index, `rgb` stays as it is.
 pub(crate) fn shift_each(
     matrices: &[ShiftMatrix],
     places: (&[u64; BLOCK], &Block),
@@ -408,7 +408,8 @@ pub(crate) fn prefetch<T>(slice: &[T], at: usize) {
     let _ = (slice, at);
 }
 
-/// Loads all of an element of `first` into the cache, or of `second`, without a branch; elements are at most as large as those of `first`.
+/// Loads all of an element of `first` or of `second` into the cache, without a branch; elements of `second` must not be larger than those
+/// of `first`.
 #[inline(always)]
 pub(crate) fn prefetch_either<T, U>(is_first: bool, first: &[T], second: &[U], at: usize) {
     const { assert!(size_of::<U>() <= size_of::<T>()) };

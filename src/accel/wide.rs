@@ -1,12 +1,11 @@
 //! The wide tree, which packets traverse: nodes of up to eight children, leaves of up to eight triangles.
 //!
-//! It is collapsed from the binary tree, and its boxes are those of the binary tree, bit for bit. What holds no more than
-//! eight triangles becomes a leaf. Of a node's other children the one with the largest surface is replaced by its own
-//! two until there are eight: rays that hit the node hit that one most probably (Wald, Benthin, Boulos, RT 2008).
+//! It is collapsed from the binary tree, and its boxes are those of the binary tree, bit for bit. Subtrees of at most eight triangles
+//! become leaves. Of a node's other children, the one with the largest surface is replaced by its own two until there are eight: rays
+//! that hit the node are most likely to hit that one (Wald, Benthin, Boulos, RT 2008).
 //!
-//! **Corners.** A leaf holds them in f32, relative to a centre of its own in tree space, so that they are as exact as the
-//! leaf is small. How far they are off is known: the error of the conversion is measured, and f64 adds less than 2⁻⁵⁰
-//! before (differences and products with |y| ≤ 1).
+//! **Corners.** A leaf holds them in f32, relative to its own centre in tree space, so that their precision scales with the leaf. Their
+//! error is known: the error of the conversion is measured, and f64 adds less than 2⁻⁵⁰ before (differences and products with |y| ≤ 1).
 
 use glam::DVec3;
 
@@ -32,19 +31,19 @@ pub(super) struct WideNode {
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct WideLeaf {
-    /// Per corner and axis; 0 where there is no triangle.
+    /// Per corner and axis; 0 if there is no triangle.
     pub corners: [[[f32; WIDTH]; 3]; 3],
-    /// What corners are relative to.
+    /// The point that corners are relative to.
     pub centre: [f32; 3],
-    /// No coordinate is farther off than this.
+    /// The largest error of a coordinate.
     pub error: f32,
     /// The slot of the first triangle.
     pub first: u32,
-    /// Triangles that there are, as bits.
+    /// Which triangles exist, as bits.
     pub present: u32,
-    /// Those that show their front only.
+    /// Those that are visible from the front only.
     pub front_only: u32,
-    /// No coordinate of `corners` is greater.
+    /// The largest absolute value of `corners`.
     pub size: f32,
 }
 
@@ -56,7 +55,7 @@ pub(super) struct WideTree {
     pub depth: usize,
 }
 
-/// The tree that is collapsed.
+/// The tree to collapse.
 #[derive(Clone, Copy)]
 pub(super) struct BinaryTree<'a> {
     pub nodes: &'a [Node],
@@ -164,11 +163,11 @@ impl WideTree {
     }
 }
 
-/// Up to eight boxes, of which the largest can give way to those below it.
+/// Up to eight boxes, the largest of which can be replaced by its children.
 #[derive(Default)]
 struct Descendants {
     children: [Child; WIDTH],
-    /// A quarter of each box's surface; less than 0 where it does not give way.
+    /// A quarter of each box's surface; negative if it cannot be replaced.
     areas: [f32; WIDTH],
     count: usize,
 }
@@ -180,7 +179,7 @@ impl Descendants {
         self.count += 1;
     }
 
-    /// Removes the one with the largest area of those that give way, the last of equals; the last box takes its place.
+    /// Removes the largest replaceable box, the last among equals; the last box takes its place.
     fn take_largest(&mut self) -> Option<Child> {
         let mut largest = None;
         let mut area = 0.0;

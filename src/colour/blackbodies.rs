@@ -12,28 +12,28 @@ use super::table::{MadeOnce, Table};
 pub(super) struct Blackbodies {
     /// By temperature in kelvin, divided by `reference` of [`SHORT`].
     table: Table<3>,
-    /// Of those that are colder, divided by `reference` of [`LONG`]: exact ones, the first just below [`Blackbodies::COLDEST`].
+    /// Colours of lower temperatures, divided by `reference` of [`LONG`]: exact ones, the first just below [`Blackbodies::COLDEST`].
     cold: Vec<[f64; 3]>,
 }
 
-/// A wavelength at which Planck's law varies as the colours of blackbodies do, metres.
+/// A wavelength at which Planck's law varies like the colours of blackbodies, metres.
 const SHORT: f64 = 600e-9;
 
-/// The same of cold ones: the end of the observer's functions, where nearly all that is seen of these is.
+/// The same for low temperatures: the end of the observer's functions, which dominates their colours.
 const LONG: f64 = LAST * 1e-9;
 
 pub(super) static BLACKBODIES: MadeOnce<Blackbodies> = MadeOnce::new(Blackbodies::new);
 
 impl Blackbodies {
-    /// Below, colours are those of the table of cold ones.
+    /// Below this, colours come from the table of low temperatures.
     const COLD: f64 = 1024.0;
 
-    /// Below, they are taken as 0: colours, with the luminance that the eye's functions and Planck's law give them, are 1e-301 at 25 K, and
-    /// from 24 K on less than f64 has. What f32 has, in which pictures are written, ends at 163 K. The eye, which needs some 1e-6 cd/m²,
-    /// sees nothing glow below 600 K.
+    /// Below this, colours are taken as 0: with the luminance that the eye's functions and Planck's law give them, they are 1e-301 at 25
+    /// K, and below 24 K they underflow f64. The range of f32, in which pictures are written, ends at 163 K. The eye, which needs some
+    /// 1e-6 cd/m², sees nothing glow below 600 K.
     const COLDEST: f64 = 16.0;
 
-    /// Above, all grows with the temperature plus a constant (Rayleigh and Jeans, to 1e-8).
+    /// Above this, all colours grow with the temperature plus a constant (Rayleigh and Jeans, to 1e-8).
     const HOTTEST: f64 = 16_777_216.0;
 
     /// Exact colours per factor of 2; between them, cubic in the logarithm of the temperature. The ratio varies as T⁻ᵏ with k up to 3 for
@@ -45,7 +45,7 @@ impl Blackbodies {
         let range = [Self::COLD, Self::HOTTEST];
         let ratios = exact(range, Self::EXACT, SHORT);
         Blackbodies {
-            // Short of the end, above which the table would ask for one entry more.
+            // Just below the end, at which the table would need one entry more.
             table: Table::new([Self::COLD, Self::HOTTEST * 0.999], |t| {
                 between(&ratios, libm::log2(t / Self::COLD) * f64::from(Self::EXACT))
             }),
@@ -78,8 +78,8 @@ impl Blackbodies {
     }
 }
 
-/// The ratios to `reference` at `wavelength` of temperatures from the first to the last, which is some power of 2 times it: `count` per factor of
-/// 2, from one before the first on.
+/// The ratios to `reference` at `wavelength` for temperatures from the first to the last, which is some power of 2 times it: `count` per
+/// factor of 2, starting one step before the first.
 fn exact([coldest, hottest]: [f64; 2], count: u32, wavelength: f64) -> Vec<[f64; 3]> {
     let octaves = libm::log2(hottest / coldest).round() as u32;
     let exact = |k: u32| {
@@ -113,12 +113,12 @@ pub fn blackbody_colour(t: f64) -> [f64; 3] {
     BLACKBODIES.get().colour(t)
 }
 
-/// What varies most about the colours of blackbodies: Planck's law at a wavelength.
+/// The factor with the strongest variation in the colours of blackbodies: Planck's law at a wavelength.
 fn reference(t: f64, wavelength: f64) -> f64 {
     super::planck(wavelength, t)
 }
 
-/// The colour of a blackbody, divided by [`reference`]; where that is below what f64 has, it is not asked for.
+/// The colour of a blackbody, divided by [`reference`]; must not be called where that underflows.
 fn ratio(t: f64, wavelength: f64) -> [f64; 3] {
     let colour = Spectrum::unscaled(SpectrumShape::Blackbody(t)).colour_at(1.0);
     let reference = reference(t, wavelength);

@@ -1,4 +1,4 @@
-//! Two channels beside red, green and blue: what a surface shines beyond what the eye sees at rest.
+//! Two channels beside red, green and blue: the emission of a surface outside the visible range at rest.
 //!
 //! RGB says nothing of wavelengths above 830 and below 360 nm ([`rgb_basis`](super::rgb_basis)). Two more channels do, each the
 //! radiance of a band in units of that of the white at the end that it joins:
@@ -9,19 +9,19 @@
 //!      + u white(360 nm)                              100 to 360 nm, ultraviolet
 //! ```
 //!
-//! and nothing beyond. The bands are flat per wavelength: a channel is the mean radiance of its band over that of the white at
-//! its end, which is how a measured band is scaled. Where all five are equal the spectrum goes on without a step, and is that of
+//! and nothing beyond. The bands are flat per wavelength: a channel is the mean radiance of its band over that of the white at its end,
+//! which is how a measured band is scaled. If all five are equal, the spectrum continues without a step, and is that of
 //! [`Continuation::Edge`] as far as the bands reach.
 //!
-//! What is seen of it at W is the 3 × 5 matrix M(W) times the channels. Its first three columns are those of a dark continuation
+//! The colour seen at W is the 3 × 5 matrix M(W) times the channels. Its first three columns are those of a dark continuation
 //! ([`RgbShift`]); the others are
 //!
 //! ```text
 //! ∫ W⁻⁵ white(end) m(λ) dλ,      from 830 W to 3500 W nm, or from 100 W to 360 W nm.
 //! ```
 //!
-//! As the eye ends at 360 and 830 nm too, the infrared is seen where W < 1 alone, and the ultraviolet where W > 1: one column, of
-//! which one look-up in a table says all. It is tabulated as M(W) of RGB is, to 1e-4 of W⁻⁵. All of the infrared has shifted into view and
+//! As the eye's range is 360 to 830 nm too, the infrared is seen only where W < 1, and the ultraviolet only where W > 1: one column,
+//! obtained by one look-up in a table. It is tabulated like M(W) of RGB, to 1e-4 of W⁻⁵. All of the infrared has shifted into view and
 //! beyond at W = 360/3500, and all of the ultraviolet at W = 830/100.
 
 use super::observer::{FIRST, LAST};
@@ -32,23 +32,23 @@ use super::spectrum::integrate;
 use super::table::{MadeOnce, Table};
 use super::{colour_matching, rgb_from_xyz};
 
-/// Between which wavelengths the infrared channel shines, metres.
+/// The wavelengths of the infrared channel, metres.
 pub const INFRARED: [f64; 2] = [LAST * 1e-9, 3500e-9];
 
-/// Between which wavelengths the ultraviolet channel shines, metres.
+/// The wavelengths of the ultraviolet channel, metres.
 pub const ULTRAVIOLET: [f64; 2] = [100e-9, FIRST * 1e-9];
 
-/// Of RGB with infrared and ultraviolet: M(W), by which the five channels are multiplied.
+/// M(W) for RGB with infrared and ultraviolet, by which the five channels are multiplied.
 #[derive(Debug)]
 pub struct CompanionShift {
     /// The first three columns.
     rgb: &'static RgbShift,
-    /// That of the infrared below 1 and of the ultraviolet above, with a fourth number of 0.
+    /// The column of the infrared below 1 and of the ultraviolet above, with a fourth number of 0.
     table: Table<4>,
 }
 
 impl CompanionShift {
-    /// The only one, made when it is first asked for.
+    /// The only instance, made on first use.
     pub fn get() -> &'static CompanionShift {
         static MADE: MadeOnce<CompanionShift> = MadeOnce::new(CompanionShift::new);
         MADE.get()
@@ -66,7 +66,7 @@ impl CompanionShift {
         }
     }
 
-    /// M(W) · (r, g, b, infrared, ultraviolet): the linear RGB that an observer sees of what has these at rest.
+    /// M(W) · (r, g, b, infrared, ultraviolet): the linear RGB that an observer sees of a surface with these channels at rest.
     #[inline(always)]
     pub fn apply(&self, w: f64, rgb: [f64; 3], [infrared, ultraviolet]: [f64; 2]) -> [f64; 3] {
         let seen = self.rgb.apply(w, rgb);

@@ -1,6 +1,6 @@
-//! Colours: sRGB, spectra, and what an observer in motion sees of them.
+//! Colours: sRGB, spectra, and how a moving observer sees them.
 //!
-//! RGB is linear, with the primaries and the white point (D65) of sRGB, unless "8-bit" is said.
+//! RGB is linear, with the primaries and the white point (D65) of sRGB, unless stated to be 8-bit.
 
 mod blackbodies;
 mod companions;

@@ -7,11 +7,11 @@
 //! ∫ white(λ) b_i(λ) m_j(λ) dλ = 1 if i = j, else 0,      m = linear sRGB of (x̄, ȳ, z̄).
 //! ```
 //!
-//! Of all such weights they are the smoothest: Mallett, Yuksel, "Spectral Primary Decomposition for Rendering with
-//! sRGB Reflectance", EGSR 2019. The table, from 360 to 830 nm, is made by `rgb_basis.py` beside it. It covers all
-//! that the observer sees, so that how a spectrum goes on beyond ([`Continuation`]) changes nothing at rest.
+//! Of all such weights they are the smoothest: Mallett, Yuksel, "Spectral Primary Decomposition for Rendering with sRGB Reflectance",
+//! EGSR 2019. The table, from 360 to 830 nm, is made by `rgb_basis.py` beside it. It covers the observer's whole range, so the
+//! [`Continuation`] of a spectrum outside it changes nothing at rest.
 //!
-//! Beyond, the weights stay what they are at 360 or 830 nm.
+//! Outside this range, the weights keep their values at 360 or 830 nm.
 
 use std::sync::LazyLock;
 
@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 use super::observer::{FIRST, LAST};
 use super::planck::planck;
 
-/// What an RGB spectrum is where no observer at rest sees it, below 360 and above 830 nm.
+/// An RGB spectrum outside the range that an observer at rest sees, below 360 and above 830 nm.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -32,12 +32,12 @@ pub enum Continuation {
     /// Falling off as Planck's law at 6504 K, from its value at 360 or 830 nm: like things in daylight.
     #[default]
     Blackbody,
-    /// What infrared and ultraviolet channels say ([`CompanionShift`](super::CompanionShift)), where there are any; otherwise nothing.
+    /// The infrared and ultraviolet channels ([`CompanionShift`](super::CompanionShift)), if there are any; otherwise nothing.
     Companions,
 }
 
 impl Continuation {
-    /// As the scene file says it.
+    /// Its name in scene files.
     pub fn name(self) -> &'static str {
         match self {
             Continuation::Dark => "dark",
@@ -60,7 +60,7 @@ pub(super) const WHITE_TEMPERATURE: f64 = 6504.0;
 static ROWS: LazyLock<Vec<[f64; 4]>> =
     LazyLock::new(|| TABLE.lines().skip(1).filter_map(row).collect());
 
-/// That of [`thermal`], which tables of colours ask for some million times.
+/// The result of [`thermal`], which tables of colours need about a million times.
 static THERMAL: LazyLock<[[f64; 3]; 2]> = LazyLock::new(|| {
     [FIRST, LAST].map(|nm| {
         let [white, r, g, b] = row_at(nm * 1e-9);
@@ -103,8 +103,8 @@ pub(super) fn weights(wavelength: f64) -> [f64; 3] {
     [r, g, b]
 }
 
-/// What Planck's law at [`WHITE_TEMPERATURE`] is multiplied by to be the radiances of red, green and blue below
-/// 360 nm (the first) and above 830 nm.
+/// The factors on Planck's law at [`WHITE_TEMPERATURE`] that give the radiances of red, green and blue below 360 nm (the first) and above
+/// 830 nm.
 pub(super) fn thermal() -> [[f64; 3]; 2] {
     *THERMAL
 }

@@ -1,9 +1,9 @@
-//! What an observer sees of linear red, green and blue at a ratio W: c_jk(W) = W⁻⁵ ∫ white(λ/W) b_k(λ/W) m_j(λ) dλ, as [`integrate`] would have it,
-//! some times as fast. Tables of M(W) ask for thousands of such sums.
+//! The colours in which an observer sees linear red, green and blue at a ratio W: c_jk(W) = W⁻⁵ ∫ white(λ/W) b_k(λ/W) m_j(λ) dλ, as
+//! computed by [`integrate`], but several times as fast. Tables of M(W) need thousands of such sums.
 //!
-//! Within the range of the basis, white, b_k and the observer's functions are linear between their own knots, and so products of three, cubic in λ,
-//! between all knots: two points of Gauss are exact there. Both tables are walked through side by side, so that nothing is looked up.
-//! Beyond the range of the basis, radiances are those of one function for all three.
+//! Within the range of the basis, white, b_k and the observer's functions are linear between their own knots, so that products of three
+//! are cubic in λ between all knots: two-point Gauss quadrature is exact there. Both tables are traversed in parallel, without look-ups.
+//! Beyond the range of the basis, all three radiances are multiples of one function.
 //!
 //! [`integrate`]: super::spectrum::integrate
 
@@ -78,7 +78,7 @@ fn within(w: f64) -> [[f64; 3]; 3] {
     sums
 }
 
-/// The part beyond the range of the basis; none where that is dark, or not seen.
+/// The part beyond the range of the basis; `None` if that is dark, or not visible.
 fn beyond(w: f64, continuation: Continuation) -> Option<[[f64; 3]; 3]> {
     let (first, last) = (w * FIRST * 1e-9, w * LAST * 1e-9);
     if first <= FIRST * 1e-9 && last >= LAST * 1e-9 {

@@ -1,24 +1,23 @@
-//! Spectra at three wavelengths of each sample: where light is reflected, products of spectra are not those of colours.
+//! Spectra at three wavelengths per sample: when light is reflected, products of spectra differ from products of colours.
 //!
-//! A surface of reflectance R(λ) makes R(λ) L(λ) of light, which an observer in motion sees at other wavelengths. Red, green and blue know
-//! nothing of L between; so each sample of a pixel follows the radiance at three wavelengths λ_k of its observer instead (Wilkie, Nawaz, Droske,
-//! Weidlich, Hanika, "Hero wavelength spectral sampling", EGSR 2014). With a number x in [0, 1) of the sample
-//!
+//! A surface of reflectance R(λ) turns light L(λ) into R(λ) L(λ), which a moving observer sees at other wavelengths. Red, green and blue
+//! do not determine L in between; so each sample of a pixel instead follows the radiance at three wavelengths λ_k of its observer
+//! (Wilkie, Nawaz, Droske, Weidlich, Hanika, "Hero wavelength spectral sampling", EGSR 2014). With a number x in [0, 1) of the sample
 //! ```text
 //! λ_k = Λ((x + k)/3),   k = 0, 1, 2,      ∫ L′(λ) m(λ) dλ = mean of Σ_k ⅓ Λ′((x + k)/3) L′(λ_k) m(λ_k),
 //! ```
 //!
-//! Λ being the inverse of a distribution of wavelengths from 360 to 830 nm: n numbers x, one in each n-th part of [0, 1), make 3n
-//! wavelengths, one in each 3n-th part of the distribution. Its density is as 1/cosh²(0.0072 (λ − 538)), λ in nm, which is near to what the
-//! eye sees (Radziszewski, Boryczko, Alda, "An improved technique for full spectral rendering", Journal of WSCG 17, 2009), in steps of equal
-//! probability between which Λ is linear, so that Λ′ is exact.
+//! where Λ is the inverse of a distribution of wavelengths from 360 to 830 nm: n numbers x, one in each n-th part of [0, 1), give 3n
+//! wavelengths, one in each 3n-th part of the distribution. Its density is proportional to 1/cosh²(0.0072 (λ − 538)), λ in nm, which is
+//! close to the eye's sensitivity (Radziszewski, Boryczko, Alda, "An improved technique for full spectral rendering", Journal of WSCG 17,
+//! 2009), in steps of equal probability between which Λ is linear, so that Λ′ is exact.
 //!
-//! In the rest frame of what the ray meets at W these are λ_k/W, and so on along a path: each frame has its own, and W⁻⁵ goes with each
-//! step (derived in the module on paths). There a linear RGB reflectance is Σ c_j b_j(λ) with the weights of [`rgb_basis`](super::rgb_basis),
-//! which stay what they are beyond 360 and 830 nm, and linear RGB light is the white times that, which goes on as its continuation says.
-//! White light at rest is so reflected as colours are: ∫ white Σ c_j b_j m dλ = c.
+//! In the rest frame of a surface that the ray hits at W these are λ_k/W, and so on along a path: each frame has its own, and W⁻⁵ applies
+//! to each step (derived in the module on paths). There a linear RGB reflectance is Σ c_j b_j(λ) with the weights of
+//! [`rgb_basis`](super::rgb_basis), which stay constant beyond 360 and 830 nm, and linear RGB light is the white times that, continued as
+//! its continuation says. White light at rest is reflected exactly as by colours: ∫ white Σ c_j b_j m dλ = c.
 //!
-//! Lines are at no wavelength that is drawn: each is followed from where it shines with its own, as a [`Line`].
+//! Lines have no density at a sampled wavelength: each is followed from its source with its own wavelength, as a [`Line`].
 
 use std::sync::LazyLock;
 
@@ -51,7 +50,7 @@ static EDGES: LazyLock<Vec<f64>> = LazyLock::new(|| {
     (0..=STEPS).map(edge).collect()
 });
 
-/// λ_k and ⅓ Λ′ there, metres, by a number in [0, 1).
+/// λ_k and ⅓ Λ′ there, metres, for a number in [0, 1).
 #[inline]
 fn drawn(x: f64) -> [[f64; 2]; 3] {
     const THIRD: usize = STEPS / 3;
@@ -66,7 +65,7 @@ fn drawn(x: f64) -> [[f64; 2]; 3] {
     })
 }
 
-/// The wavelengths at which an observer at rest looks, by a number in [0, 1).
+/// The wavelengths sampled by an observer at rest, for a number in [0, 1).
 #[inline]
 pub(crate) fn wavelengths_of(x: f64) -> Wavelengths {
     drawn(x).map(|[wavelength, _]| wavelength)
@@ -91,7 +90,7 @@ pub(crate) fn basis_at(wavelengths: Wavelengths) -> [[f64; 3]; 3] {
     wavelengths.map(rgb_basis::weights)
 }
 
-/// The reflectance Σ c_j b_j by the weights of some wavelengths.
+/// The reflectance Σ c_j b_j with the basis at some wavelengths.
 #[inline]
 pub(crate) fn reflectances(basis: &[[f64; 3]; 3], [r, g, b]: [f64; 3]) -> [f64; 3] {
     basis.map(|of| of[0] * r + of[1] * g + of[2] * b)
@@ -112,7 +111,7 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    /// The same radiance for one who finds wavelengths times `w`.
+    /// The same radiance for an observer with wavelengths times `w`.
     #[inline]
     pub fn received(self, w: f64) -> Line {
         let square = w * w;
@@ -131,7 +130,7 @@ impl Line {
         }
     }
 
-    /// What a surface makes of it whose values for red, green and blue are these.
+    /// The line reflected by a surface with these values for red, green and blue.
     #[inline]
     pub fn reflected(self, [r, g, b]: [f64; 3]) -> Line {
         let of = rgb_basis::weights(self.wavelength);

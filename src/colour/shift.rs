@@ -1,15 +1,14 @@
 //! Colours as functions of W = λ′/λ, tabulated for rendering.
 //!
-//! [`Spectrum::colour_at`] and [`Spectrum::reflected_at`] integrate over the observer's range. Here their values lie
-//! ready in [tables](super::table) with 1024 steps per factor of 2 of W, and are linear between: off by at most 1e-4 of
-//! the colour's largest component, or of W⁻⁵ where that is more. The step is h = 1/1024 at most, and linear
-//! interpolation is off by h²/8 of the second derivative, which is below 400 times the value for the observer's
-//! functions and the basis of RGB, and for Gaussians of σ/λ above 0.01 or so; what is narrower gets worse. Lines are
-//! not tabulated.
+//! [`Spectrum::colour_at`] and [`Spectrum::reflected_at`] integrate over the observer's range. Here their values are stored in
+//! [tables](super::table) with 1024 steps per factor of 2 of W, with linear interpolation: the error is at most 1e-4 of the colour's
+//! largest component, or of W⁻⁵ if that is larger. The step is h = 1/1024 at most, and the error of linear interpolation is h²/8 of the
+//! second derivative, which is below 400 times the value for the observer's functions and the basis of RGB, and for Gaussians of σ/λ
+//! above 0.01 or so; narrower ones get worse. Lines are not tabulated.
 //!
-//! Beyond the table: what has an end (lines, Gaussians, tables, dark continuations) has no colour; a constant
-//! continuation goes on as W⁻⁵, exactly; a thermal one as the blackbody that it is, whose colours are in the same table from W = 1/4096 to 6 (h²/8
-//! of the second derivative is 7e-5 of the value at W = 6, x² of Planck's x = 24, and less below), which is all that a camera at 0.94 c sees.
+//! Beyond the table: spectra with an end (lines, Gaussians, tables, dark continuations) have no colour; a constant continuation continues
+//! as W⁻⁵, exactly; a thermal one as a blackbody, whose colours are in the same table from W = 1/4096 to 6 (h²/8 of the second derivative
+//! is 7e-5 of the value at W = 6, x² of Planck's x = 24, and less below), which is all that a camera at 0.94 c sees.
 
 use std::array::from_fn;
 use std::sync::LazyLock;
@@ -24,7 +23,7 @@ use super::spectrum::{Spectrum, SpectrumShape, integrate};
 use super::table::{MOST_OCTAVES, MadeOnce, Table, place};
 use super::{colour_matching, rgb_from_xyz};
 
-/// Of RGB: M(W), by which linear RGB at rest is multiplied.
+/// M(W) for RGB, by which linear RGB at rest is multiplied.
 #[derive(Debug)]
 pub struct RgbShift {
     /// The shifted bits of the argument of the first matrix.
@@ -35,14 +34,14 @@ pub struct RgbShift {
 }
 
 impl RgbShift {
-    /// That of a continuation, made when it is first asked for.
+    /// The shift of a continuation, made on first use.
     pub fn of(continuation: Continuation) -> &'static RgbShift {
         static ALL: [MadeOnce<RgbShift>; 3] = [
             MadeOnce::new(|| RgbShift::new(Continuation::Dark)),
             MadeOnce::new(|| RgbShift::new(Continuation::Edge)),
             MadeOnce::new(|| RgbShift::new(Continuation::Blackbody)),
         ];
-        // Companions are channels of their own.
+        // Companions are separate channels.
         let own = match continuation {
             Continuation::Dark | Continuation::Companions => 0,
             Continuation::Edge => 1,
@@ -52,7 +51,7 @@ impl RgbShift {
     }
 
     fn new(continuation: Continuation) -> RgbShift {
-        // Beyond these ratios, all that the observer sees is of the continuation alone: of a thermal one a blackbody.
+        // Beyond these ratios, the observer sees only the continuation: of a thermal one, a blackbody.
         let ends = [FIRST / LAST, LAST / FIRST];
         let is_thermal = continuation == Continuation::Blackbody;
         let kept = if is_thermal {
@@ -77,7 +76,7 @@ impl RgbShift {
         }
     }
 
-    /// M(W) · rgb: the linear RGB that an observer sees of what has the linear RGB `rgb` at rest.
+    /// M(W) · rgb: the linear RGB that an observer sees of a surface with the linear RGB `rgb` at rest.
     #[inline]
     pub fn apply(&self, w: f64, rgb: [f64; 3]) -> [f64; 3] {
         let (at, rest) = self.place(w);
@@ -87,7 +86,7 @@ impl RgbShift {
         }
     }
 
-    /// The number of the matrix at or below `w`, larger than there are where the table has none, and how far `w` is on the way to the next.
+    /// The index of the matrix at or below `w`, out of range if the table has none, and the fraction of the step to the next.
     #[inline(always)]
     pub(crate) fn place(&self, w: f64) -> (u64, f64) {
         place(self.first, w)
@@ -105,7 +104,7 @@ impl RgbShift {
         from_fn(|j| from_fn(|k| columns[k][j]))
     }
 
-    /// The radiance W⁻⁵ L(λ/W) at each of `wavelengths` of the observer, of what has the linear RGB `rgb` at rest.
+    /// The radiance W⁻⁵ L(λ/W) at each of the observer's `wavelengths`, of a surface with the linear RGB `rgb` at rest.
     #[inline]
     pub(crate) fn at(&self, w: f64, rgb: [f64; 3], wavelengths: Wavelengths) -> [f64; 3] {
         let power = per_wavelength_power(w);
@@ -115,7 +114,7 @@ impl RgbShift {
         })
     }
 
-    /// Where all that the observer sees is of the continuation, and no table has it.
+    /// For ratios beyond the table, where the observer sees only the continuation.
     #[inline(never)]
     pub(crate) fn beyond(&self, w: f64, rgb: [f64; 3]) -> [f64; 3] {
         // Blueshift shows what is above 830 nm.
@@ -138,8 +137,8 @@ impl RgbShift {
     }
 }
 
-/// M(W) of a thermal continuation where all that the observer sees is of it, rows of linear RGB: the colour of the white's blackbody,
-/// times the factors of red, green and blue on it.
+/// M(W) of a thermal continuation where the observer sees nothing else, rows of linear RGB: the colour of the white's blackbody, times
+/// the factors of red, green and blue on it.
 fn thermal_shift(w: f64) -> [[f64; 3]; 3] {
     let factors = rgb_basis::thermal()[usize::from(w < 1.0)];
     let colour = BLACKBODIES.get().colour(WHITE_TEMPERATURE / w);
@@ -154,13 +153,13 @@ fn rgb_shift(w: f64, continuation: Continuation) -> [[f64; 3]; 3] {
     let columns = xyz_of_primaries(w, continuation).map(rgb_from_xyz);
     let m = from_fn(|j| from_fn(|k| columns[k][j]));
     match w == 1.0 {
-        // It is the unit matrix by the making of the basis; without the rounding of it.
+        // It is the unit matrix by construction of the basis, here without rounding.
         true => m.map(|row: [f64; 3]| row.map(f64::round)),
         false => m,
     }
 }
 
-/// The colour of a spectrum by W.
+/// The colour of a spectrum as a function of W.
 #[derive(Debug, Clone)]
 pub struct ColourTable {
     kind: Kind,
@@ -173,12 +172,12 @@ enum Kind {
     Rgb([f64; 3], &'static RgbShift),
     /// A temperature in kelvin, and a factor.
     Blackbody(f64, f64),
-    /// Of any other shape.
+    /// Any other shape.
     Own(Reach<4>),
 }
 
 impl ColourTable {
-    /// That of `spectrum`.
+    /// The table of `spectrum`.
     pub fn new(spectrum: &Spectrum) -> ColourTable {
         let factor = spectrum.factor();
         let kind = match spectrum.shape() {
@@ -197,7 +196,7 @@ impl ColourTable {
         }
     }
 
-    /// The spectrum whose colours they are.
+    /// The spectrum of these colours.
     pub fn spectrum(&self) -> &Spectrum {
         &self.spectrum
     }
@@ -216,12 +215,12 @@ impl ColourTable {
     }
 }
 
-/// What surfaces make of the light of a spectrum, by W: R(W) of [`Spectrum::reflected_at`].
+/// The reflected light of a spectrum as a function of W: R(W) of [`Spectrum::reflected_at`].
 #[derive(Debug, Clone)]
 pub struct ReflectionTable(Reach<12>);
 
 impl ReflectionTable {
-    /// That of the light of `spectrum`.
+    /// The table for the light of `spectrum`.
     pub fn new(spectrum: &Spectrum) -> ReflectionTable {
         ReflectionTable(Reach::new(spectrum, |spectrum, w| {
             let matrix = spectrum.reflected_at(w);
@@ -232,8 +231,8 @@ impl ReflectionTable {
         }))
     }
 
-    /// R(W) · albedo: linear sRGB of what has the reflectance of the linear RGB `albedo`, in its rest frame, under the
-    /// light with wavelengths times `w`.
+    /// R(W) · albedo: linear sRGB of a surface with the reflectance of the linear RGB `albedo`, in its rest frame, under the light with
+    /// wavelengths times `w`.
     #[inline]
     pub fn reflected(&self, w: f64, [r, g, b]: [f64; 3]) -> [f64; 3] {
         let m = self.0.at(w);
@@ -241,17 +240,17 @@ impl ReflectionTable {
     }
 }
 
-/// What an observer makes of a spectrum, over the ratios at which there is something to be seen.
+/// The table over the ratios at which something is visible.
 #[derive(Debug, Clone)]
 struct Reach<const N: usize> {
     table: Table<N>,
-    /// By which all entries are divided, so that they fit f32.
+    /// The divisor of all entries, by which they fit f32.
     scale: f64,
-    /// For ratios beyond the table, where there is more to be seen there.
+    /// For ratios beyond the table, if something is visible there.
     beyond: Option<Box<Exact<N>>>,
 }
 
-/// A spectrum, and what an observer makes of it.
+/// A spectrum, and the function of it that is tabulated.
 type Exact<const N: usize> = (Spectrum, fn(&Spectrum, f64) -> [f64; N]);
 
 impl<const N: usize> Reach<N> {
@@ -265,7 +264,7 @@ impl<const N: usize> Reach<N> {
             };
         }
         let ratios = reach(spectrum);
-        // Of spectra without an end what W from 1/8 to 8 (0.97 c) shows; beyond, each W is integrated anew.
+        // Spectra without an end are tabulated for W from 1/8 to 8 (0.97 c); beyond, each W is integrated anew.
         let kept = ratios.unwrap_or([1.0 / 8.0, 8.0]);
         let is_whole = ratios.is_some() && kept[1] <= kept[0] * f64::from(1 << (MOST_OCTAVES - 2));
         let scale = peak(spectrum, kept);
@@ -293,7 +292,7 @@ impl<const N: usize> Reach<N> {
     }
 }
 
-/// The ratios at which an observer sees something of a spectrum; none where that is without an end.
+/// The ratios at which an observer sees something of a spectrum; `None` if it has no end.
 fn reach(spectrum: &Spectrum) -> Option<[f64; 2]> {
     let (from, to) = match spectrum.shape() {
         // At 8 σ e⁻³² = 1e-14 of the peak is left; 9 keeps the shorter end above 0.

@@ -1,8 +1,9 @@
-//! M(W) of [`shift`](super::RgbShift) as rays look it up: tabulated, and linear between two steps.
+//! M(W) of [`shift`](super::RgbShift) as rays look it up: tabulated, with linear interpolation.
 
 use std::array::from_fn;
 
-/// M(W) at a step: by column, its three numbers and a fourth of 0, and how much they grow up to the next step. All that a ray needs lies together.
+/// M(W) at a step: by column, its three numbers and a fourth of 0, and their increments to the next step. Everything that a ray needs is
+/// contiguous.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ShiftMatrix {
     pub columns: [[f32; 8]; 3],
@@ -21,13 +22,13 @@ impl ShiftMatrix {
         }
     }
 
-    /// The one of this number, if there is one.
+    /// The matrix of this index, if there is one.
     #[inline(always)]
     pub fn of(matrices: &[ShiftMatrix], at: u64) -> Option<&ShiftMatrix> {
         matrices.get(usize::try_from(at).unwrap_or(usize::MAX))
     }
 
-    /// The matrix that is `rest` of the way to the next step, times `v`.
+    /// The matrix at the fraction `rest` of the step to the next, times `v`.
     #[inline(always)]
     pub fn times(&self, rest: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
         let [a, b, c] = &self.columns;

@@ -1,7 +1,7 @@
-//! Spectra of what shines, and the colours that an observer in motion sees of them.
+//! Spectra of light sources, and the colours in which a moving observer sees them.
 //!
-//! A spectrum is a radiance (or intensity, or irradiance) per wavelength L(λ) in the rest frame of its source. An
-//! observer who finds all its wavelengths multiplied by W sees
+//! A spectrum is a radiance (or intensity, or irradiance) per wavelength L(λ) in the rest frame of its source. An observer for whom all
+//! its wavelengths are multiplied by W sees
 //!
 //! ```text
 //! L′(λ) = W⁻⁵ L(λ/W),      c_j(W) = ∫ L′(λ) m_j(λ) dλ,      m = linear sRGB of (x̄, ȳ, z̄).
@@ -10,15 +10,15 @@
 //! (L_ν/ν³ is invariant, and L_λ = L_ν |dν/dλ|; Weiskopf, Kraus, Ruder, ACM TOG 18(3), 1999.) So
 //!
 //! - a line of energy E at λ₀ has c = W⁻⁴ E m(W λ₀), since δ(λ/W − λ₀) = W δ(λ − W λ₀);
-//! - a blackbody of temperature T is one of temperature T/W: W⁻⁵ B(λ/W; T) = B(λ; T/W), as λT is all that
-//!   Planck's exponential knows;
+//! - a blackbody of temperature T is seen as one of temperature T/W: W⁻⁵ B(λ/W; T) = B(λ; T/W), as Planck's exponential depends on λT
+//!   alone;
 //! - RGB is `white · Σ b_i`, with three weights b_i that add up to 1 ([`rgb_basis`](super::rgb_basis)).
 //!
-//! What reflects the light of a spectrum with the reflectance Σ r_k b_k has the colour Σ_k R_jk(W) r_k,
-//! R_jk(W) = ∫ L′(λ) b_k(λ) m_j(λ) dλ: [`Spectrum::reflected_at`]. Under the white at rest R is the unit matrix.
+//! A surface with the reflectance Σ r_k b_k under the light of a spectrum has the colour Σ_k R_jk(W) r_k, R_jk(W) = ∫ L′(λ) b_k(λ) m_j(λ)
+//! dλ: [`Spectrum::reflected_at`]. Under the white at rest, R is the unit matrix.
 //!
-//! Integrals are by three points of Gauss between all knots of observer and spectrum: exact for what is linear
-//! between knots (products of three such are cubic), and to 1e-12 for Planck's law over 1 nm.
+//! Integrals use three-point Gauss quadrature between all knots of observer and spectrum: exact for functions that are linear between
+//! knots (products of three are cubic), and to 1e-12 for Planck's law over 1 nm.
 //!
 //! Luminance is in units of that of linear RGB (1, 1, 1): ∫ L ȳ dλ with L per metre.
 
@@ -40,10 +40,10 @@ const GAUSS: [(f64, f64); 3] = [
 /// Where a Gaussian ends, in standard deviations: below 1e-14 of its peak.
 const GAUSSIAN_REACH: f64 = 8.0;
 
-/// How many knots a Gaussian has per standard deviation: three points between two of them integrate it to 1e-10.
+/// Knots of a Gaussian per standard deviation: three points between two of them integrate it to 1e-10.
 const GAUSSIAN_KNOTS: u32 = 4;
 
-/// How the energy of a spectrum is spread over wavelengths (metres, in the rest frame of the source).
+/// The distribution of a spectrum's energy over wavelengths (metres, in the rest frame of the source).
 #[derive(Debug, Clone, PartialEq)]
 pub enum SpectrumShape {
     /// Spectral lines: wavelength and energy of each.
@@ -52,29 +52,29 @@ pub enum SpectrumShape {
     Blackbody(f64),
     /// A Gaussian of energy 1.
     Gaussian {
-        /// Where its peak is.
+        /// The wavelength of its peak.
         centre: f64,
         /// Standard deviation.
         sigma: f64,
     },
     /// Wavelengths, ascending, and the values per metre there; linear between, 0 beyond.
     Table(Vec<[f64; 2]>),
-    /// Linear sRGB, and how it goes on beyond 360 to 830 nm.
+    /// Linear sRGB, and its continuation outside 360 to 830 nm.
     Rgb([f64; 3], Continuation),
 }
 
-/// What the values of a shape are multiplied by.
+/// The scale of a shape's values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scale {
     /// This factor.
     Factor(f64),
-    /// What makes this the luminance at rest.
+    /// The factor that gives this luminance at rest.
     Luminance(f64),
-    /// What makes this the sum over all wavelengths.
+    /// The factor that gives this sum over all wavelengths.
     Total(f64),
 }
 
-/// A spectrum, in the rest frame of what shines.
+/// A spectrum, in the rest frame of its source.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
     shape: SpectrumShape,
@@ -82,8 +82,8 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// A spectrum of this shape, scaled; none where the scale cannot be had: a luminance where nothing is visible at
-    /// rest, the sum of what has no end.
+    /// A spectrum of this shape, scaled; `None` if the scale is impossible: a luminance if nothing is visible at rest, or the sum of a
+    /// spectrum without an end.
     pub fn new(shape: SpectrumShape, scale: Scale) -> Option<Spectrum> {
         let unscaled = Spectrum::unscaled(shape);
         let factor = match scale {
@@ -91,11 +91,11 @@ impl Spectrum {
             Scale::Luminance(wanted) => wanted / unscaled.xyz_at(1.0)[1],
             Scale::Total(wanted) => wanted / unscaled.total()?,
         };
-        // A luminance of 0 at rest gives a factor that is infinite, or NaN.
+        // A luminance of 0 at rest gives an infinite or NaN factor.
         (factor.is_finite() && factor >= 0.0).then_some(Spectrum { factor, ..unscaled })
     }
 
-    /// A shape whose values are the spectrum's.
+    /// A spectrum with the shape's own values.
     pub(super) fn unscaled(shape: SpectrumShape) -> Spectrum {
         Spectrum { shape, factor: 1.0 }
     }
@@ -105,12 +105,12 @@ impl Spectrum {
         Spectrum::unscaled(SpectrumShape::Rgb(rgb, continuation))
     }
 
-    /// How the energy is spread.
+    /// The distribution of the energy.
     pub fn shape(&self) -> &SpectrumShape {
         &self.shape
     }
 
-    /// What the shape's values are multiplied by.
+    /// The factor on the shape's values.
     pub fn factor(&self) -> f64 {
         self.factor
     }
@@ -123,19 +123,19 @@ impl Spectrum {
         }
     }
 
-    /// L(λ), per metre, at a wavelength in metres; of lines, which have none, 0.
+    /// L(λ), per metre, at a wavelength in metres; 0 for lines, which have none.
     pub fn per_wavelength(&self, wavelength: f64) -> f64 {
         self.factor * self.shape.per_wavelength(wavelength)
     }
 
-    /// W⁻⁵ L(λ/W) at each of `wavelengths` of one who finds them times `w`; of lines 0.
+    /// W⁻⁵ L(λ/W) at each of `wavelengths` of an observer for whom they are multiplied by `w`; 0 for lines.
     #[inline]
     pub(crate) fn at(&self, w: f64, wavelengths: Wavelengths) -> [f64; 3] {
         let scale = self.factor * per_wavelength_power(w);
         wavelengths.map(|l| scale * self.shape.per_wavelength(l / w))
     }
 
-    /// Its lines, where it is of lines.
+    /// Its lines, if it consists of lines.
     #[inline]
     pub(crate) fn lines(&self) -> impl Iterator<Item = Line> {
         let lines = match &self.shape {
@@ -151,13 +151,13 @@ impl Spectrum {
         })
     }
 
-    /// Whether it is of lines, which have no width.
+    /// Whether it consists of lines, which have no width.
     #[inline]
     pub(crate) fn is_of_lines(&self) -> bool {
         matches!(self.shape, SpectrumShape::Lines(_))
     }
 
-    /// The sum over all wavelengths: ∫ L dλ. None for RGB, whose continuation need not have one.
+    /// The sum over all wavelengths: ∫ L dλ. `None` for RGB, whose continuation need not have one.
     pub fn total(&self) -> Option<f64> {
         let total = match &self.shape {
             SpectrumShape::Lines(lines) => lines.iter().map(|[_, energy]| energy).sum(),
@@ -186,8 +186,8 @@ impl Spectrum {
         rgb_from_xyz(self.xyz_at(w))
     }
 
-    /// R(W): linear sRGB (rows) of what reflects the spectrum, which falls on it with wavelengths times `w`, with
-    /// the reflectances of linear red, green and blue (columns).
+    /// R(W): linear sRGB (rows) of surfaces with the reflectances of linear red, green and blue (columns), under this spectrum with
+    /// wavelengths times `w`.
     pub fn reflected_at(&self, w: f64) -> [[f64; 3]; 3] {
         let products = match self.thermal_at(w) {
             Some(temperature) => self.thermal_sums(temperature, |node| node.reflected),
@@ -198,7 +198,7 @@ impl Spectrum {
         std::array::from_fn(|j| std::array::from_fn(|k| columns[k][j]))
     }
 
-    /// The temperature of the blackbody that one is seen as, T/W: no factor that could overflow.
+    /// The temperature of the blackbody as seen, T/W: no factor that could overflow.
     fn thermal_at(&self, w: f64) -> Option<f64> {
         match &self.shape {
             SpectrumShape::Blackbody(t) if w > 0.0 && w.is_finite() => Some(t / w),
@@ -206,7 +206,8 @@ impl Spectrum {
         }
     }
 
-    /// ∫ L′(λ) f(λ) dλ for a blackbody that is seen as one of `temperature`, and an f that is known at the nodes of all such integrals.
+    /// ∫ L′(λ) f(λ) dλ for a blackbody that is seen with `temperature`, and an f whose values at the nodes of all such integrals are
+    /// known.
     fn thermal_sums<const N: usize>(
         &self,
         temperature: f64,
@@ -216,7 +217,7 @@ impl Spectrum {
         for node in NODES.iter() {
             let radiance = self.factor * planck(node.wavelength, temperature);
             for (sum, f) in sums.iter_mut().zip(f(node)) {
-                // The products in the order of `add_panel`, so that both ways round alike.
+                // Products in the order of `add_panel`, so that both round alike.
                 *sum += node.weight * (f * radiance);
             }
         }

@@ -1,9 +1,8 @@
-//! What blocks segments: each is decided as a single ray would be, and all end when all are blocked.
+//! Occlusion of segments: each is decided as a single ray would be, and traversal ends when all are blocked.
 //!
-//! Segments that converge, as those to a lamp do, are traced from where they end: d turns round and s counts
-//! from `s_max` back. The line is the same, and so are U, V, W and Δ but for the sign of all. A hit that is
-//! certainly between the ends and certainly inside the triangle blocks; one that f32 can neither confirm nor
-//! rule out is decided in f64.
+//! Segments that converge, as those to a lamp do, are traced from their ends: d is reversed and s counts back from `s_max`. The line is
+//! the same, and so are U, V, W and Δ except for the common sign. A hit that is certainly between the ends and certainly inside the
+//! triangle blocks; one that f32 can neither confirm nor rule out is decided in f64.
 //!
 //! **(A1) Ends.** τ of a segment's ends is rounded to f32, and τ of a hit as single rays compute it is off by
 //! 2⁻³⁶(1 + τ) ((K4) of [`block`](super::block)): both far below r τ + a with r = 2⁻²⁰ and a = 2⁻²⁴. The ends in the block
@@ -39,18 +38,18 @@ const RELATIVE: f64 = power_of_two(-20);
 const ABSOLUTE: f64 = power_of_two(-24);
 const MOST: f64 = f32::MAX as f64;
 
-/// Finds which of the segments in a block's order are blocked.
+/// Finds which of the segments in a block are blocked.
 pub(super) struct AnyHits<'a, S, T> {
     pub bvh: View<'a>,
     pub segments: S,
     pub blocked: &'a mut [bool],
     pub block: &'a mut Block,
-    /// As many entries as can wait.
+    /// Space for all entries that can be pending.
     pub stack: &'a mut [StackEntry],
     pub tally: &'a mut T,
 }
 
-/// Segments, however they are kept.
+/// Segments, in any storage.
 pub(super) trait SegmentSet: Copy {
     /// Segment `at`.
     fn segment(self, at: usize) -> Segment;
@@ -138,7 +137,7 @@ impl<S, T: Tally> AnyHits<'_, S, T> {
 }
 
 impl<'a> ColumnsToPoint<'a> {
-    /// Segments whose ends are known to be one; none where they are too far to be traced from there.
+    /// Segments with a known common end; `None` if they are too far away to be traced from there.
     pub fn new(segments: Converging<'a>, space: &TreeSpace) -> Option<Self> {
         let mut starts = Extent::NONE;
         dispatch(Extents {
@@ -149,7 +148,7 @@ impl<'a> ColumnsToPoint<'a> {
         let end = segments.end;
         let error = power_of_two(-51) * (starts.greatest() + end.abs().max_element());
         let size = 1.0 + space.map(end).abs().max_element();
-        // In this form also for NaN.
+        // Written so that NaN takes this branch, too.
         (error * space.scale <= power_of_two(-48) * size).then(|| ColumnsToPoint {
             segments,
             error,
@@ -158,7 +157,7 @@ impl<'a> ColumnsToPoint<'a> {
     }
 }
 
-/// The box of many points.
+/// The bounding box of many points.
 struct Extents<'a> {
     from: [&'a [f64]; 3],
     extent: &'a mut Extent,
@@ -172,7 +171,7 @@ impl VectorLoop for Extents<'_> {
         while axis < 3 {
             let (mut lo, mut hi) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
             let eights = self.from[axis].chunks_exact(LANES);
-            // The numbers beyond the last eight begin the extents, each in a lane of its own.
+            // The numbers beyond the last multiple of eight start the extents, each in its own lane.
             for (lane, x) in eights.remainder().iter().enumerate() {
                 (lo[lane], hi[lane]) = (*x, *x);
             }
@@ -203,11 +202,11 @@ enum Way<'a> {
 }
 
 impl<'a> Way<'a> {
-    /// From where the segments in `order` are nearer to one another: their starts, or their ends.
+    /// From where the segments in `order` are closer together: their starts, or their ends.
     #[inline(always)]
     fn of(segments: &'a [Segment], order: &[u32; RAYS], space: &TreeSpace) -> Way<'a> {
         let (mut starts, mut ends) = (Extent::NONE, Extent::NONE);
-        // NaN, if any end is infinite or not a number: ∞·0 and NaN·0.
+        // NaN if any end is infinite or NaN: ∞·0 and NaN·0.
         let mut broken = DVec3::ZERO;
         for &ray in order {
             let Segment { ray, s_max, .. } = &segments[ray as usize];
@@ -217,7 +216,7 @@ impl<'a> Way<'a> {
             broken += end * 0.0;
         }
         let (apart, extent) = (starts.size(), ends.size());
-        // In this form also for NaN: then from their starts.
+        // Written so that NaN takes this branch, too: then from their starts.
         if !(extent < apart && broken == DVec3::ZERO) {
             return Way::FromStart;
         }
@@ -239,7 +238,7 @@ impl<'a> Way<'a> {
     }
 }
 
-/// A box of points.
+/// The bounding box of points.
 struct Extent {
     lo: DVec3,
     hi: DVec3,
@@ -262,21 +261,21 @@ impl Extent {
         (self.hi - self.lo).max_element()
     }
 
-    /// |x|∞ of its points at most.
+    /// The largest |x|∞ of its points.
     #[inline(always)]
     fn greatest(&self) -> f64 {
         self.lo.abs().max(self.hi.abs()).max_element()
     }
 
-    /// How far any of its points is from `point` at most, in sum over the axes.
+    /// An upper bound on the distance of its points from `point`, summed over the axes.
     #[inline(always)]
     fn farthest_from(&self, point: DVec3) -> f64 {
         norm1((self.lo - point).abs().max((self.hi - point).abs()))
     }
 }
 
-/// Sets between which τ each ray of the block is of interest, a little more than between its ends (A1), and
-/// returns the greatest; none where ends are not numbers or before the start.
+/// Sets the range of τ that matters for each ray of the block, slightly wider than between its ends (A1), and returns the largest; `None`
+/// if ends are NaN or before the start.
 #[inline(always)]
 fn set_limits<K: Simd, R: Blockable>(k: K, block: &mut Block, rays: R) -> Option<f32> {
     let [s_min, s_max] = rays.ends(&block.order, block.in_fours);
@@ -289,10 +288,10 @@ fn set_limits<K: Simd, R: Blockable>(k: K, block: &mut Block, rays: R) -> Option
         } else {
             (s_min, s_max)
         };
-        // In this form also for NaN.
+        // Written so that NaN takes this branch, too.
         let is_usual = (0.0..f64::INFINITY).contains(&s_min) & (s_max > f64::NEG_INFINITY);
         broken |= !is_usual;
-        // Within what f32 holds: nothing is met as far away as that (K2).
+        // Within the range of f32: nothing is hit that far away (K2).
         let from = lesser(from * tau_from_s, MOST);
         let to = greater(lesser(to * tau_from_s, MOST), -MOST);
         block.near[lane] = (from * (1.0 - RELATIVE) - ABSOLUTE) as f32;
@@ -310,7 +309,7 @@ struct AnyQuery<'a, R, T> {
     bvh: View<'a>,
     rays: R,
     blocked: &'a mut [bool],
-    /// Rays that nothing blocks so far, as bits.
+    /// Rays that are not blocked so far, as bits.
     open: u64,
     limit: f32,
     block: &'a mut Block,
@@ -333,7 +332,7 @@ impl<K: Simd, R: Blockable, T: Tally> BlockQuery<K> for AnyQuery<'_, R, T> {
 
     #[inline(always)]
     fn limit(&self, _: K) -> f32 {
-        // Boxes are entered at 0 or later, so that a negative limit ends the traversal.
+        // Boxes are entered at 0 or later, so a negative limit ends the traversal.
         if self.open == 0 { -1.0 } else { self.limit }
     }
 
@@ -361,7 +360,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
                 let d = load_vectors(k, &self.block.directions, first);
                 let edge_functions = triangle.edge_functions::<R>(&d, self.block, first);
                 let [u, v, w] = edge_functions;
-                // Inside, or too near an edge for f32 to tell: none of U + B, V + B and W + B is negative.
+                // Inside, or too close to an edge for f32 to tell: none of U + B, V + B and W + B is negative.
                 let inside = k.not_negative(u, v, w) & open;
                 if inside != 0 {
                     let volume = triangle.volume::<R>(self.block, first);
@@ -373,7 +372,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
         }
     }
 
-    /// Tests triangle `at` with a σ of each ray, as its n·a − n·δ says; f64 decides where that is within its bound.
+    /// Tests triangle `at` with a separate σ for each ray, from the sign of n·a − n·δ; f64 decides if that is within its bound.
     #[inline(always)]
     fn intersect_either_side<K: Simd>(
         &mut self,
@@ -384,7 +383,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
     ) {
         let triangle = PacketTriangle::new::<R>(k, triangles, at);
         let (tag, front) = (self.bvh.tags[slot as usize], triangles.front >> at & 1 != 0);
-        // For all rays or for none: whether the side that they see is there, if σ is right and if it is not.
+        // For all rays or for none: whether the visible side exists, for σ and for its opposite.
         let shown = if tag.shows(front) { u32::MAX } else { 0 };
         let other_shown = if tag.shows(!front) { u32::MAX } else { 0 };
         let mut first = 0;
@@ -411,12 +410,12 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
                             k.select(behind, other[1], v),
                             k.select(behind, other[2], w),
                         ];
-                        // Where n·a − n·δ is negative Δ turns its sign, too, as their quotient does not.
+                        // Where n·a − n·δ is negative, Δ changes sign too, since their quotient does not.
                         let delta = k.flip(triangle.determinant(&d), volume);
                         let numbers = (edge_functions, delta, k.abs(volume));
                         self.block_rays(k, &triangle, slot, (first, inside_of_own), numbers);
                     }
-                    // Those that may start in its plane, but for those that leave it.
+                    // Rays that may start in its plane, except those that leave it.
                     let mut doubtful = (inside | other_inside) & !(ahead | behind);
                     if doubtful != 0 {
                         doubtful &= !self.block.leaving::<K>(first, tag.id());
@@ -432,13 +431,13 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
         }
     }
 
-    /// Rays from `first` on that nothing blocks so far, as bits.
+    /// Rays from `first` on that are not blocked so far, as bits.
     #[inline(always)]
     fn open_from<K: Simd>(&self, first: usize) -> u32 {
         (self.open >> first) as u32 & (u32::MAX >> (32 - K::LANES))
     }
 
-    /// Closes the rays of `candidates` that the triangle blocks, which may be inside it and certainly start on the side of their σ.
+    /// Closes the rays of `candidates` that the triangle blocks; these may be inside it and certainly start on the side of their σ.
     #[inline(always)]
     fn block_rays<K: Simd>(
         &mut self,
@@ -474,8 +473,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
         }
     }
 
-    /// Whether the triangle in `slot` blocks ray `lane`, which it does where that is `certain` unless the
-    /// ray leaves it.
+    /// Whether the triangle in `slot` blocks ray `lane`; if `certain`, it does unless the ray leaves it.
     #[inline(always)]
     fn decide(&mut self, lane: usize, slot: u32, certain: bool) {
         let tag = self.bvh.tags[slot as usize];
@@ -489,7 +487,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
         }
     }
 
-    /// As single rays decide it.
+    /// The decision of single rays.
     #[cold]
     #[inline(never)]
     fn is_blocked_by(&mut self, segment: &Segment, slot: u32) -> bool {
@@ -513,7 +511,7 @@ mod tests {
     fn segments_to_one_point_are_blocked_as_single_ones_are() {
         let mut next = numbers(11);
         let mut vector = || DVec3::new(next(), next(), next());
-        // A tree of the usual size, and one in which rays may go all ways.
+        // A tree of the usual size, and one for incoherent rays.
         for triangles in [3000, 40] {
             let corners: Vec<[DVec3; 3]> = (0..triangles)
                 .map(|_| {

@@ -1,4 +1,4 @@
-//! Batches: cut into blocks, which are traced as a whole where their rays are coherent, and otherwise ray by ray.
+//! Batches are cut into blocks, which are traced together if their rays are coherent, and otherwise ray by ray.
 
 use glam::DVec3;
 
@@ -20,17 +20,17 @@ use crate::accel::tally::{Tally, Work};
 use crate::accel::vectors::prefetch_all;
 use crate::accel::wide::WIDTH;
 
-/// Stack entries that are kept without allocation.
+/// Stack entries that need no allocation.
 const USUAL_STACK: usize = 256;
-/// A block with fewer rays is traced ray by ray. They do not take turns either: to set them up for that costs more than they gain by it (measured in
-/// batches of 1 to 32).
+/// A block with fewer rays is traced ray by ray. Nor are they interleaved: setting that up costs more than it gains (measured in batches
+/// of 1 to 32).
 const FEW: usize = 8;
 
-/// In a tree of no more leaves than these they may differ as they like: all triangles of such a tree, tested for 64 rays together, cost
-/// less than 64 ways through it (measured on boxes in a room).
+/// In a tree with at most this many leaves, directions are unrestricted: testing all its triangles for 64 rays together costs less than
+/// 64 traversals (measured on boxes in a room).
 const SMALL: usize = 48;
 
-/// What is reused from block to block.
+/// Buffers reused from block to block.
 struct Workspace {
     block: Block,
     refined: RefinedHits,
@@ -38,11 +38,11 @@ struct Workspace {
 }
 
 impl Bvh {
-    /// For each direction the first hit with s > 0 that is nearer than the entry of `hits`, which it
-    /// replaces; `replaced` receives the indices of those entries, and `tally` counts the work.
+    /// For each direction, finds the first hit with s > 0 that is nearer than the entry of `hits`, and replaces that entry; `replaced`
+    /// receives the indices of replaced entries, and `tally` counts the work.
     ///
-    /// Fastest where the directions are those of a tile of pixels, row by row, and the origins one or
-    /// near one another. There are as many rays as the shortest of the slices has entries.
+    /// Fastest if the directions are those of a tile of pixels, row by row, and the origins are equal or close together. There are as
+    /// many rays as the shortest of the slices has entries.
     pub fn closest_by(
         &self,
         method: Traversal,
@@ -62,10 +62,10 @@ impl Bvh {
         }
     }
 
-    /// For each segment whether something blocks it. `tally` counts the work.
+    /// Whether each segment is blocked. `tally` counts the work.
     ///
-    /// Fastest where the segments leave the points that a tile of pixels shows, row by row, for one
-    /// point in common or nearly so. Results are certified, whatever `method` says.
+    /// Fastest if the segments run from the points that a tile of pixels shows, row by row, to one common point or nearly so. Results are
+    /// certified, whatever `method` says.
     pub fn any_by(
         &self,
         method: Traversal,
@@ -82,8 +82,8 @@ impl Bvh {
         }
     }
 
-    /// For each of these segments, which all end in one point as those to a lamp or a pinhole do, whether something blocks it. They are traced
-    /// from there, which is faster than [`Bvh::any_by`]; the answers are the same. `tally` counts the work.
+    /// Whether each of these segments is blocked; they all end in one point, like those to a lamp or a pinhole. They are traced from
+    /// there, which is faster than [`Bvh::any_by`]; the answers are the same. `tally` counts the work.
     pub fn any_to_point(
         &self,
         method: Traversal,
@@ -93,7 +93,7 @@ impl Bvh {
     ) {
         let count = segments.count().min(blocked.len());
         let main = self.main();
-        // Holes are asked about one by one, and single rays need no columns.
+        // Holes are tested one by one, and single rays need no columns.
         let is_usual = method.kernel != Kernel::Scalar && main.suits_packets() && !self.has_holes();
         let rays = ColumnsToPoint::new(segments, &main.tree.space).filter(|_| is_usual);
         let Some(rays) = rays else {
@@ -110,7 +110,7 @@ impl Bvh {
 }
 
 impl View<'_> {
-    /// [`Bvh::closest_by`] of this tree.
+    /// [`Bvh::closest_by`] for this tree.
     fn closest_of_batch(
         self,
         method: Traversal,
@@ -123,7 +123,7 @@ impl View<'_> {
         if !self.has_holes() {
             return self.closest_of_whole(method, from, directions, hits, tally, replaced);
         }
-        // Transparent hits are taken back, and their rays traced again with the test of all that they meet.
+        // Transparent hits are discarded, and their rays traced again with the test of everything they hit.
         let before = hits.to_vec();
         let mut nearer = Vec::new();
         self.closest_of_whole(method, from, directions, hits, tally, |ray| {
@@ -140,7 +140,7 @@ impl View<'_> {
         self.closest_singly(again, from, directions, hits, tally, replaced);
     }
 
-    /// The same where few of the rays come near the tree: the others are left out.
+    /// The same if few of the rays come near the tree: the others are left out.
     fn closest_of_some(
         self,
         method: Traversal,
@@ -168,7 +168,7 @@ impl View<'_> {
             },
         };
         let directions: Vec<_> = near.iter().map(|&ray| directions[ray]).collect();
-        // What is as near as a known hit is asked for, too: of two the smaller id wins.
+        // Hits as near as a known one count, too: of two, the smaller id wins.
         let known = |&ray: &usize| hits[ray].map(|hit| hit.up_to());
         let mut found: Vec<_> = near.iter().map(known).collect();
         let mut nearer = Vec::new();
@@ -185,7 +185,7 @@ impl View<'_> {
         }
     }
 
-    /// [`Bvh::closest_by`] but for holes, on which some of the hits may be.
+    /// [`Bvh::closest_by`] without holes; some of the hits may be on holes.
     fn closest_of_whole(
         self,
         method: Traversal,
@@ -196,12 +196,12 @@ impl View<'_> {
         replaced: impl FnMut(usize),
     ) {
         let all = 0..directions.len();
-        // Setting a block up costs more than a few single rays; where the bounds of packets do not hold, single rays do.
+        // Setting a block up costs more than a few single rays; and single rays are used where the bounds of packets do not hold.
         if method.kernel == Kernel::Scalar || !self.suits_packets() {
             return self.closest_singly(all, from, directions, hits, tally, replaced);
         }
         match from {
-            // Seen from so far away boxes are one point in f32: single rays go to the tree before they are rounded.
+            // From so far away, boxes are one point in f32: single rays move to the tree before they are rounded.
             Origins::Shared(origin) if is_far(self.tree.space.map(origin)) => {
                 self.closest_singly(all, from, directions, hits, tally, replaced);
             }
@@ -228,7 +228,7 @@ impl View<'_> {
         }
     }
 
-    /// [`Bvh::any_by`] of this tree.
+    /// [`Bvh::any_by`] for this tree.
     fn any_of_batch(
         self,
         method: Traversal,
@@ -240,14 +240,14 @@ impl View<'_> {
             return self.any_singly(segments.iter().zip(blocked), tally);
         }
         self.any_of_whole(method, segments, blocked, tally);
-        // What may be blocked by a hole is asked again, with the test of all that it meets.
+        // Segments that may be blocked by a hole are tested again, with the test of everything they hit.
         if self.has_holes() {
             let all = segments.iter().zip(blocked);
             self.any_singly(all.filter(|(_, blocked)| **blocked), tally);
         }
     }
 
-    /// What blocks those of the segments that nothing has blocked yet, where few of them come near the tree.
+    /// Occlusion of the segments that are not blocked yet, if few of them come near the tree.
     fn any_of_some(
         self,
         method: Traversal,
@@ -277,7 +277,7 @@ impl View<'_> {
         }
     }
 
-    /// [`Bvh::any_by`] but for holes, which may be all that blocks some of the segments.
+    /// [`Bvh::any_by`] without holes; some of the segments may be blocked by holes only.
     fn any_of_whole(
         self,
         method: Traversal,
@@ -289,7 +289,7 @@ impl View<'_> {
         blocked.fill(false);
         let mut block = Block::EMPTY;
         let mut room = None;
-        // Where one block was incoherent the next is asked beforehand: of others that would only be one more wait for their directions.
+        // If one block was incoherent, the next is checked beforehand; otherwise the check would only add a wait for their directions.
         let mut was_incoherent = false;
         // One block needs no order.
         let tile = match self.is_small() && count > RAYS {
@@ -299,7 +299,7 @@ impl View<'_> {
         self.with_wide_stack(|stack| {
             for at in 0..tile.blocks() {
                 tile.select(at, &mut block);
-                // Blocks that are too small, or go all ways, are traced ray by ray.
+                // Blocks that are too small or incoherent are traced ray by ray.
                 let mut outcome = Outcome::Incoherent;
                 let direction = |at| segments.segment(at).ray.direction;
                 let is_packet = block.count >= FEW
@@ -369,16 +369,16 @@ impl View<'_> {
         tally: &mut impl Tally,
         mut replaced: impl FnMut(usize),
     ) {
-        // Blocks take rays from several rows of the batch, which the processor does not foresee.
+        // Blocks take rays from several rows of the batch, which the hardware does not prefetch.
         prefetch_all(directions);
         let mut space = Workspace {
             block: Block::EMPTY,
             refined: RefinedHits::NONE,
             singles: None,
         };
-        // As in `any_of_whole`; of rays with origins of their own the first block is asked, too.
+        // As in `any_of_whole`; with own origins, the first block is checked, too.
         let mut was_incoherent = R::OWN_ORIGINS;
-        // Rays that leave surfaces go all ways: in the order of their signs, those of a block still miss boxes together.
+        // Rays that leave surfaces are incoherent: sorted by the signs of their directions, those of a block still miss boxes together.
         let tile = match rays.leaves() && self.is_small() {
             true => Tile::by_signs(directions.len(), |ray| directions[ray]),
             false => Tile::of(directions),
@@ -439,12 +439,12 @@ impl View<'_> {
         !self.tree.wide.nodes.is_empty() && usual.contains(&self.tree.space.scale)
     }
 
-    /// Whether packets may go all ways.
+    /// Whether packets may be incoherent.
     pub(super) fn is_small(self) -> bool {
         self.tree.wide.leaves.len() <= SMALL
     }
 
-    /// Leads the block's rays through the tree.
+    /// Traces the block through the tree.
     fn closest_of_block(
         self,
         method: Traversal,
@@ -479,7 +479,7 @@ impl View<'_> {
 
     fn with_wide_stack(self, run: impl FnOnce(&mut [StackEntry])) {
         const NONE: StackEntry = (0.0, NodeRef::ROOT);
-        // A node leaves all its children on the stack but the one that is taken next.
+        // A node leaves all its children on the stack except the next one.
         let most = self.tree.wide.depth * WIDTH + 1;
         if most <= USUAL_STACK {
             run(&mut [NONE; USUAL_STACK])
@@ -490,7 +490,7 @@ impl View<'_> {
 }
 
 impl Workspace {
-    /// Puts what the block has hit into `hits`.
+    /// Writes the block's hits to `hits`.
     #[inline]
     fn replace(
         &self,
@@ -505,12 +505,12 @@ impl Workspace {
         let certified = precision == Precision::Certified;
         let mut left = block.hit;
         while left != 0 {
-            // The remainder changes nothing, but shows the compiler that the lane exists.
+            // The remainder changes nothing, but lets the compiler drop the bounds check.
             let lane = left.trailing_zeros() as usize % RAYS;
             left &= left - 1;
             let ray = block.order[lane] as usize;
             let entry = &mut hits[ray];
-            // In f64 as worked out together, one by one where that was left open; or as f32 has them.
+            // From the refined f64 values, or one by one where those were left open; or as f32 has them.
             let is_replaced = if certified && !self.refined.has(lane) {
                 replace_singly(bvh, rays, ray, block.slots[lane], entry, tally)
             } else {
@@ -527,7 +527,7 @@ impl Workspace {
     }
 }
 
-/// Those of `order` that have their bit in `places`.
+/// The entries of `order` whose bit is set in `places`.
 fn chosen(order: &[u32], places: u64) -> impl Iterator<Item = usize> {
     let rays = order.iter().enumerate();
     rays.filter(move |(place, _)| places >> place & 1 != 0)
@@ -556,7 +556,7 @@ fn replace(
     let nearer = comes_before(s, entry);
     if nearer {
         let triangle = bvh.tags[slot as usize].id();
-        // In place: a copy of what was just written would wait for it.
+        // In place: a copy of what was just written would stall.
         *entry = Some(Hit {
             s,
             u,

@@ -1,12 +1,11 @@
 //! The interval test: which children of a wide node a block may hit.
 //!
-//! **(B1) Interval.** Where all directions of a block have one sign along an axis, 1/d lies in an interval, and
-//! with it for every plane the τ at which rays cross: between (plane − o)/d at its two ends. A box can be
-//! hit only if the latest of the earliest entries over the axes isn't after the earliest of the
-//! latest exits (Reshetov, Soupikov, Hurley, SIGGRAPH 2005). Along an axis with both signs a box ahead of
-//! or behind the origin has an earliest entry, but no exit.
+//! **(B1) Interval.** If all directions of a block have the same sign along an axis, 1/d lies in an interval, and hence, for every plane,
+//! the τ at which rays cross it: between (plane − o)/d at its two ends. A box can be hit only if the latest of the earliest entries over
+//! the axes is not after the earliest of the latest exits (Reshetov, Soupikov, Hurley, SIGGRAPH 2005). Along an axis with both signs a
+//! box ahead of or behind the origin has an earliest entry, but no exit.
 //!
-//! **(B2) Origins.** Rays with origins of their own have them in a box: planes below are taken relative to its upper end, planes above
+//! **(B2) Origins.** Rays with their own origins have them in a box: lower planes are taken relative to its upper end, upper planes
 //! relative to its lower end, so that entries are the earliest and exits the latest over the box.
 //!
 //! **(B3) Roundings.** (plane − o)/d is computed as plane·i − o·i: the product o·i, o itself and, without fused
@@ -23,7 +22,7 @@ use super::simd::Simd;
 use crate::accel::float::power_of_two;
 use crate::accel::wide::{WIDTH, WideNode};
 
-/// The rays of a block as boxes see them.
+/// The rays of a block as used for box tests.
 pub(super) struct Beam<K: Simd> {
     kernel: K,
     axes: [Axis<K::F>; 3],
@@ -31,7 +30,7 @@ pub(super) struct Beam<K: Simd> {
 
 /// What a block's rays have in common along an axis, in all lanes.
 struct Axis<F> {
-    /// Which plane is hit first: 1 for that above.
+    /// Which plane is hit first: 1 for the upper one.
     near: usize,
     /// Whether there are directions of both signs.
     straddles: bool,
@@ -72,11 +71,11 @@ impl<K: Simd> Beam<K> {
             let far = k.load(&planes[1 - slab.near]);
             // The latest of the earliest entries and the earliest of the latest exits: (B1).
             if slab.straddles {
-                // Rays that go up may enter through the lower plane, those that go down through the upper one. One of the two lies behind.
+                // Ascending rays may enter through the lower plane, descending ones through the upper. One of the two is behind.
                 enter = k.max(enter, k.max(k.mul_add(near, i, a), k.mul_add(far, j, b)));
             } else {
                 let [c, d] = slab.far_offset;
-                // Either end of the interval of 1/d may be the extreme one: it depends on which side of the origin the plane is.
+                // Either end of the interval of 1/d may be the extreme one, depending on the side of the origin that the plane is on.
                 enter = k.max(enter, k.min(k.mul_add(near, i, a), k.mul_add(near, j, b)));
                 leave = k.min(leave, k.max(k.mul_add(far, i, c), k.mul_add(far, j, d)));
             }
@@ -95,11 +94,11 @@ impl<F> Axis<F> {
         let (origin, [least, greatest]) = (bounds.point[axis], bounds.directions[axis]);
         let offset = f64::from(bounds.offsets[axis]);
         let margin = offset + (1.0 + origin.abs() + offset) * power_of_two(-22);
-        // For planes below and above.
+        // For lower and upper planes.
         let offsets = [-(origin + margin) as f32, -(origin - margin) as f32];
         let straddles = least < 0.0 && greatest > 0.0;
         let descends = !straddles && least < 0.0;
-        // The end nearer to 0 is made smaller, the other one larger: (B3).
+        // The end nearer to 0 is decreased, the other increased: (B3).
         let [i, j] = if straddles {
             [steep(greatest) * NARROWER, -steep(-least) * NARROWER]
         } else if descends {
@@ -109,7 +108,7 @@ impl<F> Axis<F> {
         };
         let near = usize::from(descends);
         let (near_offset, far_offset) = (offsets[near], offsets[1 - near]);
-        // Of directions with both signs, the second product is that of the planes above.
+        // With directions of both signs, the second product is for the upper planes.
         let second_offset = if straddles { offsets[1] } else { near_offset };
         Axis {
             near,

@@ -1,4 +1,4 @@
-//! Blocks: up to 64 rays from one point, or from points near one another, that go nearly the same way.
+//! Blocks: up to 64 coherent rays, which start at or near one point and go in similar directions.
 //!
 //! **(K1) Parameter.** Directions of a block are scaled by one power of two, that of its first ray, so that
 //! |d|∞ is about 1; τ is measured in them and in tree space.
@@ -17,11 +17,11 @@
 //! τ. Rounding to f32 adds 2⁻²⁴ τ. Known hits are bounded by factors 1 ± 2⁻²², and boxes are kept up to
 //! (1 + 2⁻²¹) τ + 2⁻²⁶.
 //!
-//! **(K5) Starts near one another.** Rays that start within ωᵢ of a point along each axis may be taken from that point, as if all started there:
-//! without offsets and moments, which halves the work per triangle. What δ would add is then unknown: to U, V and W e·m, m = δ × d,
-//! |m|∞ ≤ M' = max (ωⱼ|dₖ| + ωₖ|dⱼ|), and to n·a n·δ, at most ω l₁l₂. They are added to the bounds of [`setup`](super::setup). s stays what
-//! it is along the ray itself, and boxes are tested for the box of starts, as with own origins. Where that is a small part of a pixel, few rays
-//! pass an edge so closely that it matters.
+//! **(K5) Nearby starts.** Rays that start within ωᵢ of a point along each axis may be treated as if all started at that point: without
+//! offsets and moments, which halves the work per triangle. The contributions of δ are then unknown: e·m to U, V and W, where m = δ × d,
+//! |m|∞ ≤ M' = max (ωⱼ|dₖ| + ωₖ|dⱼ|), and n·δ, at most ω l₁l₂, to n·a. They are added to the bounds of [`setup`](super::setup). s is
+//! still measured along the ray itself, and boxes are tested for the box of starts, as with own origins. If that is a small part of a
+//! pixel, few rays pass an edge so closely that it matters.
 
 use glam::DVec3;
 
@@ -45,7 +45,7 @@ const COHERENT: f32 = 0.75;
 /// (K3).
 const ABOVE: f32 = 1.001;
 
-/// Rays, and the nearest hits so far.
+/// The rays, and their nearest hits so far.
 #[repr(C, align(64))]
 pub(super) struct Block {
     /// Directions, axis by axis.
@@ -57,19 +57,19 @@ pub(super) struct Block {
     /// Bounds of τ of the nearest hit.
     pub near: [f32; RAYS],
     pub far: [f32; RAYS],
-    /// Barycentrics of the nearest hit, if it is not to be certified.
+    /// Barycentrics of the nearest hit, if it need not be certified.
     pub barycentrics: [[f32; RAYS]; 2],
     /// The slot of the nearest hit.
     pub slots: [u32; RAYS],
-    /// Which lanes have one, as bits.
+    /// Which lanes have a hit, as bits.
     pub hit: u64,
     /// The ray's index in the batch.
     pub order: [u32; RAYS],
-    /// The triangle that the ray leaves, if rays leave any.
+    /// The triangle that each ray leaves, if rays leave any.
     left: Option<[u32; RAYS]>,
-    /// How many rays there are; the rest repeat the first, and don't count.
+    /// The number of rays; the remaining lanes repeat the first, and do not count.
     pub count: usize,
-    /// Whether every four rays in `order` follow one another in the batch.
+    /// Whether every four rays in `order` are consecutive in the batch.
     pub in_fours: bool,
     /// τ per unit of s.
     pub tau_from_s: f64,
@@ -81,17 +81,17 @@ pub(super) struct BlockBounds {
     pub point: DVec3,
     /// Per axis least and greatest direction.
     pub directions: [[f32; 2]; 3],
-    /// The same of moments about the point.
+    /// The same for moments about the point.
     pub moments: [[f32; 2]; 3],
-    /// How far from the point rays start, per axis: ωᵢ.
+    /// The maximal distance of starts from the point, per axis: ωᵢ.
     pub offsets: [f32; 3],
-    /// |d|∞ at most: D.
+    /// The maximum of |d|∞: D.
     pub max_direction: f32,
-    /// |moment|∞ at most: M.
+    /// The maximum of |moment|∞: M.
     pub max_moment: f32,
-    /// No ray's origin is farther from the point, in sum over the axes: F.
+    /// The maximal distance of origins from the point, summed over the axes: F.
     pub max_distance: f32,
-    /// |δ × d|∞ of rays that are taken from the point, at most: (K5).
+    /// The maximum of |δ × d|∞ for rays treated as starting at the point: (K5).
     pub shift_moment: f32,
     /// Whether rays are traced from their ends.
     pub reversed: bool,
@@ -121,7 +121,7 @@ impl Block {
         tau_from_s: 1.0,
     };
 
-    /// Loads the rays in `order`; none if they are incoherent.
+    /// Loads the rays in `order`; `None` if they are incoherent.
     #[inline(always)]
     pub fn load<K: Simd, R: RaySet>(&mut self, k: K, bvh: View, rays: R) -> Option<BlockBounds> {
         let space = &bvh.tree.space;
@@ -133,7 +133,7 @@ impl Block {
         let unit = power_of_two(-exponent(first));
         self.tau_from_s = space.scale * power_of_two(exponent(first));
         self.load_directions(k, rays, unit);
-        // In a small tree rays may go all ways: (K2).
+        // In a small tree rays may be incoherent: (K2).
         let apart = if bvh.is_small() {
             f32::INFINITY
         } else {
@@ -159,11 +159,11 @@ impl Block {
         Some(bounds)
     }
 
-    /// Whether some of the rays in `order` differ so much that [`Block::load`] has none of it in a large tree. A few are looked at, in
-    /// plain numbers: blocks of incoherent rays end here, before wide vectors, for which some processors slow their clock.
+    /// Whether some of the rays in `order` differ so much that [`Block::load`] rejects them in a large tree. Checks a few in scalar code:
+    /// blocks of incoherent rays end here, before wide vectors, for which some processors lower their clock.
     #[inline(always)]
     pub fn is_certainly_incoherent(&self, bvh: View, direction: impl Fn(usize) -> DVec3) -> bool {
-        // Two lanes of each quarter of the block, the first and the last lane among them.
+        // Two lanes of each quarter of the block, including the first and the last lane.
         const STRIDE: usize = 9;
         // A little more than in `load`, where directions are rounded to f32.
         const APART: f64 = COHERENT as f64 * (1.0 + power_of_two(-20));
@@ -172,7 +172,7 @@ impl Block {
         if bvh.is_small() || !(power_of_two(-500)..power_of_two(500)).contains(&size) {
             return false;
         }
-        // In the unit of (K1).
+        // In the units of (K1).
         let apart = APART * power_of_two(exponent(size));
         let mut differs = false;
         for lane in (STRIDE..RAYS).step_by(STRIDE) {
@@ -182,7 +182,7 @@ impl Block {
         differs
     }
 
-    /// Notes which triangles rays leave.
+    /// Stores which triangles rays leave.
     #[inline(always)]
     fn load_left<R: RaySet>(&mut self, rays: R) {
         self.left = None;
@@ -212,7 +212,7 @@ impl Block {
         if let (Some(targets), Some(origin), true) =
             (rays.targets(), rays.shared_origin(), self.in_fours)
         {
-            // From the shared start to where they go.
+            // From the shared start to their targets.
             let mut axis = 0;
             while axis < 3 {
                 let (targets, to) = (targets[axis], &mut self.directions[axis]);
@@ -249,7 +249,7 @@ impl Block {
         }
     }
 
-    /// Loads where rays start, relative to the middle of the box of all starts; none if that is too far.
+    /// Loads where rays start, relative to the middle of the box of all starts; `None` if that is too far.
     #[inline(always)]
     fn load_origins<K: Simd, R: RaySet>(
         &mut self,
@@ -299,7 +299,7 @@ impl Block {
         bounds.moments = interval(k, &self.moments);
         bounds.max_moment = greatest(&bounds.moments) * ABOVE;
         bounds.max_distance = bounds.offsets[0] + bounds.offsets[1] + bounds.offsets[2];
-        // F is about where rays start as given: (E5) of `setup` bounds what f64 does from there.
+        // F refers to the given starts: (E5) of `setup` bounds the f64 errors from there.
         if rays.is_reversed() {
             bounds.max_distance = self.max_distance(space, rays, point);
         }
@@ -342,7 +342,7 @@ impl Block {
         }
     }
 
-    /// How far from `point` rays start as given.
+    /// The maximal distance of the given starts from `point`.
     #[inline(always)]
     fn max_distance<R: RaySet>(&self, space: &TreeSpace, rays: R, point: DVec3) -> f32 {
         let mut farthest = 0.0;
@@ -358,7 +358,7 @@ impl Block {
         farthest as f32 * ABOVE
     }
 
-    /// Least and greatest direction along each axis; none if these are farther `apart`, or incoherent.
+    /// Least and greatest direction along each axis; `None` if they differ by more than `apart`, or are incoherent.
     #[inline(always)]
     fn direction_intervals<K: Simd>(&self, k: K, apart: f32) -> Option<[[f32; 2]; 3]> {
         let zero = k.splat(0.0);
@@ -373,7 +373,7 @@ impl Block {
                 let d = k.load(&self.directions[axis][first..]);
                 least[axis] = k.min(least[axis], d);
                 greatest[axis] = k.max(greatest[axis], d);
-                // NaN, if there is one: ∞·0 and NaN·0.
+                // NaN if any is: ∞·0 and NaN·0.
                 broken = k.mul_add(d, zero, broken);
                 length = k.max(length, k.max(d, k.sub(zero, d)));
                 axis += 1;
@@ -395,14 +395,14 @@ impl Block {
         if coherent { Some(extent) } else { None }
     }
 
-    /// Forgets all hits; of interest is what is nearer than those in `hits`, which are of the batch.
+    /// Clears all hits; only what is nearer than those in `hits`, indexed by the batch, counts.
     #[inline(always)]
     pub fn reset(&mut self, hits: &[Option<Hit>]) {
         self.near = [f32::INFINITY; RAYS];
         self.far = [f32::INFINITY; RAYS];
         self.slots = [NONE; RAYS];
         self.hit = 0;
-        // Mostly nothing is hit before: then no lane is looked at by itself.
+        // Usually there are no earlier hits, and no lane needs individual treatment.
         let mut known = false;
         for &ray in &self.order {
             known |= hits[ray as usize].is_some();
@@ -447,7 +447,7 @@ impl Block {
     }
 }
 
-/// Notes where all rays start; none if that, or where they start as given, is too far.
+/// Stores the common start; `None` if it, or the given starts, are too far away.
 #[inline(always)]
 fn share_origin<R: RaySet>(
     origin: DVec3,
@@ -463,14 +463,14 @@ fn share_origin<R: RaySet>(
     bounds.offsets = extent.to_array();
     let most = |[lo, hi]: [f32; 2]| greater32(-lo, hi);
     let [x, y, z] = bounds.directions.map(most);
-    // |δ × d| at most, axis by axis.
+    // The maximum of |δ × d|, axis by axis.
     let moment = [
         extent.y * z + extent.z * y,
         extent.z * x + extent.x * z,
         extent.x * y + extent.y * x,
     ];
     bounds.shift_moment = greater32(greater32(moment[0], moment[1]), moment[2]) * ABOVE;
-    // As the origins of (K2); also for NaN.
+    // As for the origins of (K2); also for NaN.
     (!is_far(bounds.point) && farthest <= 4.0 * FAR).then_some(())
 }
 
@@ -486,7 +486,7 @@ fn centre(points: &[[f64; RAYS]; 3]) -> DVec3 {
     let mut centre = DVec3::ZERO;
     let mut axis = 0;
     while axis < 3 {
-        // Eight at a time, in vectors, and those of the eight at last.
+        // Eight at a time, in vectors, then the remaining ones.
         let (mut lo, mut hi) = ([points[axis][0]; 8], [points[axis][0]; 8]);
         let mut first = 0;
         while first < RAYS {
@@ -499,7 +499,7 @@ fn centre(points: &[[f64; RAYS]; 3]) -> DVec3 {
         for i in 1..8 {
             (lo[0], hi[0]) = (lesser(lo[0], lo[i]), greater(hi[0], hi[i]));
         }
-        // Halves first: the sum of the two might be infinite.
+        // Halved first: the sum of the two could be infinite.
         centre[axis] = lo[0] * 0.5 + hi[0] * 0.5;
         axis += 1;
     }

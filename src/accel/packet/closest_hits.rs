@@ -15,18 +15,18 @@ use crate::accel::tally::{Tally, Work};
 use crate::accel::vectors::prefetch_all;
 use crate::accel::wide::WIDTH;
 
-/// Candidates in a leaf from which on it pays to ask for quarters (measured with 2 to 5, on meshes of pixel-sized and larger triangles).
+/// The number of candidates in a leaf from which on quarters pay (measured with 2 to 5, on meshes of pixel-sized and larger triangles).
 const SEVERAL: u32 = 2;
 
-/// Finds the closest hits of the rays in a block's order; the block and `refined` receive them.
+/// Finds the closest hits of the rays in a block; results go to the block and to `refined`.
 pub(super) struct ClosestHits<'a, T, R, const CERTIFIED: bool> {
     pub bvh: View<'a>,
     pub rays: R,
-    /// What was hit before, by rays of the batch.
+    /// Earlier hits, for all rays of the batch.
     pub hits: &'a [Option<Hit>],
     pub block: &'a mut Block,
     pub refined: &'a mut RefinedHits,
-    /// As many entries as can wait.
+    /// Space for all entries that can be pending.
     pub stack: &'a mut [StackEntry],
     pub tally: &'a mut T,
 }
@@ -66,7 +66,7 @@ struct ClosestQuery<'a, T, R, const CERTIFIED: bool> {
     bvh: View<'a>,
     rays: R,
     block: &'a mut Block,
-    /// Directions of each quarter of the block, where triangles have asked for them.
+    /// Directions of each quarter of the block, once triangles need them.
     quarters: Option<Quarters>,
     tally: &'a mut T,
 }
@@ -89,7 +89,7 @@ impl<K: Simd, T: Tally, R: RaySet, const CERTIFIED: bool> BlockQuery<K>
             triangles.quarters = [ALL; WIDTH];
             return;
         }
-        // Not by a closure, which would not have the kernel's instructions.
+        // Not a closure, which would not be compiled for the kernel's instructions.
         if self.quarters.is_none() {
             self.quarters = Some(Quarters::of(k.children(), &self.block.directions));
         }
@@ -129,7 +129,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         slot: u32,
     ) -> bool {
         let triangle = PacketTriangle::new::<R>(k, triangles, at);
-        // Only f32 hits carry their side; f64 finds it again.
+        // Only f32 hits store their side; f64 recomputes it.
         let front = triangles.front >> at & 1 != 0;
         let slot = if front && !CERTIFIED {
             slot | FRONT
@@ -149,7 +149,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
                 let d = load_vectors(k, &self.block.directions, first);
                 let edge_functions = triangle.edge_functions::<R>(&d, self.block, first);
                 let [u, v, w] = edge_functions;
-                // Inside, or so nearly that f32 cannot tell: none of U + B, V + B and W + B is negative.
+                // Inside, or so close that f32 cannot tell: none of U + B, V + B and W + B is negative.
                 let inside = k.not_negative(u, v, w);
                 if inside != 0 {
                     changed |= match CERTIFIED {
@@ -169,8 +169,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         changed
     }
 
-    /// Of the rays that may be inside: takes over certain hits that are certainly the nearest, and lets f64 decide the
-    /// rest.
+    /// Among the rays that may be inside: accepts certain hits that are certainly the nearest, and lets f64 decide the rest.
     #[inline(always)]
     fn certify<K: Simd>(
         &mut self,
@@ -187,14 +186,14 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         let least = k.sub(delta, slack);
         let near = k.quotient(k.sub(volume, unsure), k.add(delta, slack));
         let known_far = k.load(&block.far[first..]);
-        // Both bounds are strict; of NaN f64 decides.
+        // Both bounds are strict; NaN goes to f64.
         let candidates = inside & !k.le(known_far, near);
         if candidates == 0 {
             return false;
         }
         let far = k.quotient(k.add(volume, unsure), least);
         let steep = k.le(k.splat(f32::MIN_POSITIVE), least);
-        // Certain are hits inside, not along the plane, and before the nearest so far.
+        // Certain hits are inside, not along the plane, and before the nearest so far.
         let known_near = k.load(&block.near[first..]);
         let before = k.le(known_near, far);
         let certain = candidates & steep & !before & triangle.is_certainly_inside(&edge_functions);
@@ -210,7 +209,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
             k.store_index(&mut block.slots[first..], certain, slot);
             block.hit |= u64::from(certain) << first;
         }
-        // What is left: near an edge, along the plane, or at about the distance of the nearest hit.
+        // The rest: near an edge, along the plane, or at about the distance of the nearest hit.
         let mut doubtful = candidates & !certain;
         let mut changed = certain != 0;
         while doubtful != 0 {
@@ -221,7 +220,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         changed
     }
 
-    /// Of the rays that are inside: takes over what f32 finds nearer.
+    /// Among the rays that are inside: accepts nearer hits by f32.
     #[inline(always)]
     fn accept<K: Simd>(
         &mut self,
@@ -234,7 +233,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
     ) -> bool {
         let block = &mut *self.block;
         let volume = triangle.volume::<R>(block, first);
-        // τ = (n·a − n·δ)/Δ, which has to be above 0 and nearer.
+        // τ = (n·a − n·δ)/Δ must be above 0 and nearer.
         let delta = triangle.determinant(&d);
         let zero = k.splat(0.0);
         let inverse = k.div(k.splat(1.0), delta);
@@ -267,9 +266,9 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         true
     }
 
-    /// A triangle in whose plane rays may start, or on whose other side: each ray has a σ of its own, as its n·a − n·δ says. Where
-    /// that is within its bound, f64 decides wherever the triangle may be hit from either side. Inlined, because a function of its own
-    /// would not have the kernel's instructions.
+    /// A triangle with rays that may start in its plane or on either side: each ray has its own σ, the sign of n·a − n·δ. If that is
+    /// within its bound, f64 decides wherever the triangle may be hit from either side. Inlined, because a separate function would not be
+    /// compiled for the kernel's instructions.
     #[inline(always)]
     fn intersect_either_side<K: Simd>(
         &mut self,
@@ -284,7 +283,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
             return self.intersect_certain(k, &other, at, slot) | before;
         }
         let triangle = PacketTriangle::new::<R>(k, triangles, at);
-        // The sides that are there, of those that σ and its opposite say.
+        // The sides that exist, for σ and for its opposite.
         let (tag, front) = (self.bvh.tags[slot as usize], triangles.front >> at & 1 != 0);
         let shown = if tag.shows(front) { u32::MAX } else { 0 };
         let other_shown = if tag.shows(!front) { u32::MAX } else { 0 };
@@ -300,7 +299,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
             if inside | other_inside != 0 {
                 let volume = triangle.volume::<R>(self.block, first);
                 let unsure = triangle.volume_slack(volume);
-                // An origin that all share is within the bound.
+                // A shared origin is within the bound.
                 let (mut ahead, mut behind) = (0, 0);
                 if R::OWN_ORIGINS {
                     ahead = k.le(unsure, volume);
@@ -318,7 +317,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
                     let numbers = (edge_functions, delta, k.abs(volume));
                     changed |= self.certify(k, &triangle, slot, (first, inside_of_own), numbers);
                 }
-                // Those that may start in its plane, but for those that leave it.
+                // Rays that may start in its plane, except those that leave it.
                 let mut doubtful = (inside | other_inside) & !(ahead | behind);
                 if doubtful != 0 {
                     doubtful &= !self.block.leaving::<K>(first, slot);
@@ -334,7 +333,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         changed
     }
 
-    /// Whether the triangle in `slot` is what ray `lane` hits first, as single rays decide it.
+    /// Whether ray `lane` hits the triangle in `slot` first, as single rays decide it.
     #[cold]
     #[inline(never)]
     fn decide(&mut self, lane: usize, slot: u32) -> bool {
@@ -350,7 +349,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         let Some(ray) = ScaledRay::new(&self.rays.ray(ray)) else {
             return false;
         };
-        // The nearest so far, as exactly as the challenger is found.
+        // The nearest so far, computed as exactly as the challenger.
         let rival = match self.block.slots[lane] {
             NONE => None,
             rival => {

@@ -1,6 +1,6 @@
-//! Single rays by lane, as they are walked through the wide tree: as they are given, in f64, and in f32 for the tests of boxes and leaves.
+//! Single rays by lane, as traced through the wide tree: as given, in f64, and in f32 for the tests of boxes and leaves.
 //!
-//! Marks (S1) to (S7) are those of [`slab`](crate::accel::slab), and (W1) and (W2) those of [`walk`](super::walk).
+//! Labels (S1) to (S7) refer to [`slab`](crate::accel::slab), and (W1) and (W2) to [`walk`](super::walk).
 
 use glam::DVec3;
 
@@ -22,7 +22,7 @@ pub(super) fn next_lane(lanes: &mut u64) -> usize {
     lane
 }
 
-/// Rays as they are given, by lane.
+/// Rays as given, by lane.
 #[repr(C, align(64))]
 pub(super) struct Given {
     pub origins: [[f64; RAYS]; 3],
@@ -63,11 +63,11 @@ impl Given {
 /// Rays in f64, by lane, for the tests of boxes and leaves.
 #[repr(C, align(64))]
 pub(super) struct Lines {
-    /// The factor that takes |d|∞ to [1, 2).
+    /// The factor that scales |d|∞ to [1, 2).
     pub unit: [f64; RAYS],
     /// [`MISSES`], [`ENTERS`] or [`LEFT`].
     pub fate: [f64; RAYS],
-    /// τ₀, and what is unknown about k s − τ₀.
+    /// τ₀, and the uncertainty of k s − τ₀.
     pub start: [f64; RAYS],
     pub blur: [f64; RAYS],
     /// r, ρ, and 1/|d| with the sign of d.
@@ -83,9 +83,9 @@ pub(super) struct Lines {
 
 /// A ray that certainly misses everything.
 pub(super) const MISSES: f64 = 0.0;
-/// One that goes through the tree.
+/// A ray that is traced through the tree.
 pub(super) const ENTERS: f64 = 1.0;
-/// One that is left to the binary tree.
+/// A ray that is left to the binary tree.
 pub(super) const LEFT: f64 = 2.0;
 
 impl Lines {
@@ -110,7 +110,7 @@ impl Lines {
             // As `ScaledRay::new` does it.
             let (origin, direction) = (given.origin(lane), given.direction(lane));
             let size = greatest(direction);
-            // 0 times NaN or ∞ is NaN, which is not equal to anything.
+            // 0 times NaN or ∞ is NaN, which compares unequal to everything.
             let finite = (direction.x + direction.y + direction.z) * 0.0
                 + (origin.x + origin.y + origin.z) * 0.0
                 == 0.0;
@@ -142,7 +142,7 @@ impl Lines {
             self.inverse[0][lane] = inverse[0];
             self.inverse[1][lane] = inverse[1];
             self.inverse[2][lane] = inverse[2];
-            // (W1): z, and x and y as they follow it.
+            // (W1): z, and x and y, which follow it cyclically.
             let (ax, ay, az) = (d.x.abs(), d.y.abs(), d.z.abs());
             let by_x = (ax >= ay) & (ax >= az);
             let by_y = !by_x & (ay >= az);
@@ -165,7 +165,7 @@ impl Lines {
         }
     }
 
-    /// Which of the first `count` rays go through the tree, and which are left to the binary one, as bits.
+    /// Which of the first `count` rays are traced through the tree, and which are left to the binary one, as bits.
     #[inline(always)]
     pub fn fates(&self, count: usize) -> [u64; 2] {
         let (mut entering, mut left) = (0, 0);
@@ -183,7 +183,7 @@ impl Lines {
         while lanes != 0 {
             let lane = next_lane(&mut lanes);
             let unit = self.unit[lane];
-            // The other power of two.
+            // The inverse power of two.
             let per_unit = f64::from_bits((2046 << 52) - unit.to_bits());
             rays.push(ScaledRay {
                 line: Line {
@@ -199,7 +199,7 @@ impl Lines {
     }
 }
 
-/// As many lanes as loops over vectors go through for `count` rays.
+/// The number of lanes that vector loops process for `count` rays.
 #[inline(always)]
 pub(super) fn whole_eights(count: usize) -> usize {
     (count.div_ceil(8) * 8).min(RAYS)
@@ -224,7 +224,7 @@ pub(super) struct Boxes {
     pub slopes: [[f32; RAYS]; 2],
     /// 2ρ + 2⁻⁴⁶(2 + |r|).
     pub off: [f32; RAYS],
-    /// Beyond this t no box is of interest.
+    /// No box beyond this t matters.
     pub far: [f32; RAYS],
 }
 
@@ -265,7 +265,7 @@ impl Boxes {
                 lines.base[1][lane],
                 lines.base[2][lane],
             );
-            // The part of e of (W1) that is the ray's, rounded upward.
+            // The ray's part of e of (W1), rounded upward.
             let off = 2.0 * lines.unsure[lane] + power_of_two(-46) * (2.0 + greatest(base));
             self.off[lane] = off as f32 * (1.0 + f32::EPSILON);
             self.slopes[0][lane] = -lines.slopes[0][lane] as f32;

@@ -1,4 +1,4 @@
-//! How packets are traced: instructions and precision.
+//! Options of packet tracing: instructions and precision.
 
 use std::sync::OnceLock;
 
@@ -11,32 +11,32 @@ use super::simd::{Portable, Simd, Task};
 /// How batches of rays are traced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Traversal {
-    /// The instructions to use.
+    /// The instruction set to use.
     pub kernel: Kernel,
-    /// How results are worked out.
+    /// The precision of results.
     pub precision: Precision,
 }
 
-/// A set of instructions. Certified results are the same with each.
+/// An instruction set. Certified results are the same with each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kernel {
     /// AVX-512: packets of 16.
     Avx512,
     /// AVX2 and FMA: packets of 8.
     Avx2,
-    /// Any processor: packets of 8, in whatever vectors there are.
+    /// Any processor: packets of 8, in whatever vectors it has.
     Portable,
     /// Single rays: the reference for the others.
     Scalar,
 }
 
-/// How results are worked out.
+/// The precision of results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
-    /// The triangle is the one that exact arithmetic finds, and its numbers are f64.
+    /// The triangle that exact arithmetic finds, with its numbers in f64.
     Certified,
-    /// All in f32, for previews: rays along an edge may miss both its triangles, and of triangles at nearly
-    /// one depth the wrong one may be hit. [`Kernel::Scalar`] and incoherent rays are certified all the same.
+    /// All in f32, for previews: rays along an edge may miss both its triangles, and among triangles at nearly the same depth the wrong
+    /// one may be hit. [`Kernel::Scalar`] and incoherent rays are certified anyway.
     Fast,
 }
 
@@ -92,8 +92,8 @@ impl Kernel {
         }
     }
 
-    /// The fastest on this processor, by measurements of certified primary rays (the benchmark `visibility`), and of shadow rays where those
-    /// decide nothing.
+    /// The fastest kernel on this processor, by measurements of certified primary rays (the benchmark `visibility`), and of shadow rays
+    /// where primary rays make no difference.
     ///
     /// | processors | packets of 16 over packets of 8 |
     /// |---|---|
@@ -102,15 +102,15 @@ impl Kernel {
     /// | Intel Ice Lake server | 0.88 to 0.95 |
     /// | Intel with AMX (Sapphire Rapids) | 0.98 to 1.08; shadow rays 1.05 to 1.21 |
     ///
-    /// Where nothing is known, packets of 8: most processors take two steps for 16 lanes, or slow their clock for them.
+    /// Unmeasured processors use packets of 8: most take two steps for 16 lanes, or lower their clock for them.
     pub fn best() -> Kernel {
         let is_fast = |kernel: &Kernel| *kernel != Kernel::Avx512 || has_fast_avx512();
         let mut supported = Kernel::ALL.into_iter().filter(|k| k.is_supported());
         supported.find(is_fast).unwrap_or(Kernel::Portable)
     }
 
-    /// The kernel for single rays: all of them go through the tree eight boxes at a time, and AVX-512 gains nothing by its
-    /// other instructions (on Intel with AMX it takes 1.06 times as long).
+    /// The kernel for single rays: all of them test eight boxes at a time, and AVX-512 gains nothing by its other instructions (on Intel
+    /// with AMX it takes 1.06 times as long).
     pub(super) fn of_singles(self) -> Kernel {
         match self {
             Kernel::Avx512 => Kernel::Avx2,
@@ -130,15 +130,15 @@ impl Kernel {
     }
 }
 
-/// Whether this processor is of a kind on which packets of 16 are faster than packets of 8.
+/// Whether packets of 16 are faster than packets of 8 on this processor.
 ///
-/// It is asked once: in virtual machines the question takes microseconds.
+/// Evaluated once: in virtual machines the CPUID query takes microseconds.
 fn has_fast_avx512() -> bool {
     static ANSWER: OnceLock<bool> = OnceLock::new();
     *ANSWER.get_or_init(|| is_zen_4_or_later() || has_amx())
 }
 
-/// Whether this is an AMD processor of family 19h or a later one, as all of AMD's with AVX-512 are.
+/// Whether this is an AMD processor of family 19h or later; all of AMD's with AVX-512 are.
 fn is_zen_4_or_later() -> bool {
     #[cfg(target_arch = "x86_64")]
     {
@@ -147,7 +147,7 @@ fn is_zen_4_or_later() -> bool {
         // The letters of "AuthenticAMD", four to a register.
         let is_amd =
             [vendor.ebx, vendor.edx, vendor.ecx] == [0x6874_7541, 0x6974_6e65, 0x444d_4163];
-        // The base family, 15 here, and the extended one that is added to it.
+        // The base family, which is 15 here, plus the extended family.
         let signature = __cpuid(1).eax;
         let family = ((signature >> 8) & 0xf) + ((signature >> 20) & 0xff);
         is_amd && family >= 0x19
@@ -156,7 +156,7 @@ fn is_zen_4_or_later() -> bool {
     false
 }
 
-/// Whether the processor has AMX, as Intel's have from Sapphire Rapids on.
+/// Whether the processor has AMX, as Intel's do from Sapphire Rapids on.
 fn has_amx() -> bool {
     #[cfg(target_arch = "x86_64")]
     {

@@ -1,7 +1,7 @@
-//! Which quarters of a block a triangle may concern: of 8 × 8 pixels 4 × 4 each.
+//! Which quarters of a block a triangle may affect: of 8 × 8 pixels, 4 × 4 each.
 //!
-//! Where triangles are small a leaf holds several that some ray of the block may hit, and each concerns few of the rays. So all
-//! triangles of such a leaf are held against the directions of each quarter at once.
+//! If triangles are small, a leaf holds several that some ray of the block may hit, and each affects few of the rays. So all triangles of
+//! such a leaf are tested against the directions of each quarter at once.
 //!
 //! **(Q1)** Let directions of a quarter be within hᵢ of their middle cᵢ along each axis. U of [`setup`](super::setup), for rays that share their
 //! origin, is d·p ≤ c·p + h·|p|. Where that and B are below zero, U + B is negative for all rays of the quarter, and none of them hits; likewise
@@ -14,14 +14,14 @@ use super::simd::{Eight, Simd, load_vectors};
 use crate::accel::float::power_of_two;
 use crate::accel::wide::WIDTH;
 
-/// How many.
+/// The number of quarters.
 pub(super) const QUARTERS: usize = 4;
 /// Rays of each: two vectors of eight.
 pub(super) const PER_QUARTER: usize = RAYS / QUARTERS;
 /// All, as bits.
 pub(super) const ALL: u8 = (1 << QUARTERS) - 1;
 
-/// Directions of each quarter: per axis their middle, and how far they are off it.
+/// Directions of each quarter: their middle and half-width per axis.
 #[derive(Clone, Copy)]
 pub(super) struct Quarters {
     middle: [[f32; QUARTERS]; 3],
@@ -29,7 +29,7 @@ pub(super) struct Quarters {
 }
 
 impl Quarters {
-    /// Those of a block with these directions.
+    /// The quarters of a block with these directions.
     #[inline(always)]
     pub fn of<K: Eight>(k: K, directions: &[[f32; RAYS]; 3]) -> Quarters {
         let mut quarters = Quarters {
@@ -54,7 +54,7 @@ impl Quarters {
             while at < QUARTERS {
                 let (lo, hi) = (least[at] * 0.5, greatest[at] * -0.5);
                 quarters.middle[axis][at] = lo + hi;
-                // No |d|∞ of a block is greater than `SPREAD`: (Q1).
+                // |d|∞ in a block is at most `SPREAD`: (Q1).
                 quarters.half[axis][at] = (hi - lo) + power_of_two(-20) as f32 * SPREAD;
                 at += 1;
             }
@@ -63,7 +63,7 @@ impl Quarters {
         quarters
     }
 
-    /// Notes for each of `triangles` in which quarters rays may hit it; those that no ray may hit are no candidates any more.
+    /// Stores for each of `triangles` in which quarters rays may hit it; those that no ray may hit are dropped as candidates.
     #[inline(always)]
     pub fn narrow<K: Simd>(&self, k: K, triangles: &mut LeafTriangles) {
         // A bit per triangle, in a byte per quarter.
@@ -91,7 +91,7 @@ impl Quarters {
             at += 1;
         }
         triangles.quarters = transposed(bytes).to_le_bytes();
-        // (Q1) is for one σ: triangles whose σ is uncertain stay.
+        // (Q1) assumes one σ: triangles whose σ is uncertain stay.
         triangles.candidates &= any | !triangles.certain;
     }
 }
@@ -99,7 +99,7 @@ impl Quarters {
 /// Bit j of byte i becomes bit i of byte j (Warren, Hacker's Delight, 7-3).
 #[inline(always)]
 fn transposed(x: u64) -> u64 {
-    // Single bits, pairs and fours change places across the diagonal.
+    // Swaps single bits, pairs and fours across the diagonal.
     let moved = (x ^ (x >> 7)) & 0x00aa_00aa_00aa_00aa;
     let x = x ^ moved ^ (moved << 7);
     let moved = (x ^ (x >> 14)) & 0x0000_cccc_0000_cccc;
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn triangles_as_small_as_pixels_are_hit_in_every_quarter() {
-        // Triangles in a curved sheet, about as wide as two of the 16 × 16 pixels that look at it.
+        // Triangles in a curved sheet, about as wide as two of the 16 × 16 pixels.
         const SIDE: usize = 24;
         let corner = |i: usize, j: usize| {
             let [x, y] = [i, j].map(|k| k as f64 / SIDE as f64 * 2.4 - 1.2);

@@ -1,4 +1,4 @@
-//! The rays of a batch, as they are given and as they are traced.
+//! The rays of a batch, as given and as traced.
 
 use glam::DVec3;
 
@@ -6,30 +6,29 @@ use crate::accel::float::{greater, lesser, power_of_two};
 use crate::accel::rays::{Converging, NO_SLOT, Ray, Segment};
 use crate::accel::tree_space::TreeSpace;
 
-/// Rays of a block.
+/// Number of rays in a block.
 pub(super) const RAYS: usize = 64;
 
-/// Rays are traced as from one point if none starts farther from it than this part of a pixel: a few in a hundred pass so near an edge
-/// that f64 decides.
+/// Rays are treated as starting at one point if none starts farther from it than this fraction of a pixel: a few in a hundred then pass
+/// so close to an edge that f64 decides.
 const SHARED: f64 = 1.0 / 64.0;
 
-/// Rays to trace, by their index in the batch. `start` and `direction` are those of the ray as it is traced, which
-/// may be from its end.
+/// Rays to trace, by their index in the batch. `start` and `direction` are those of the ray as traced, which may be from its end.
 pub(super) trait RaySet: Copy {
     /// Whether each ray has an origin of its own.
     const OWN_ORIGINS: bool;
 
-    /// Where all start, if they start together.
+    /// The common start, if there is one.
     #[inline(always)]
     fn shared_origin(self) -> Option<DVec3> {
         None
     }
-    /// How far from the shared start rays start, or pass, at most along each axis, metres: (K5) of [`block`](super::block).
+    /// The maximal distance from the shared start at which rays start, or pass, along each axis, metres: (K5) of [`block`](super::block).
     #[inline(always)]
     fn origin_extent(self) -> DVec3 {
         DVec3::ZERO
     }
-    /// How far from the shared start rays start as given, metres, in sum over the axes.
+    /// The maximal distance of the given starts from the shared start, metres, summed over the axes.
     #[inline(always)]
     fn farthest_origin(self) -> f64 {
         0.0
@@ -44,8 +43,7 @@ pub(super) trait RaySet: Copy {
     fn origins(&self) -> Option<&[DVec3]> {
         None
     }
-    /// The rays in `order` as rays from one point, if their starts are so near one another that it pays: (K5) of
-    /// [`block`](super::block).
+    /// The rays in `order` as rays from one point, if their starts are close enough for that to pay: (K5) of [`block`](super::block).
     #[inline(always)]
     fn as_shared(&self, _space: &TreeSpace, _order: &[u32; RAYS]) -> Option<SharedOrigin<'_>> {
         None
@@ -55,26 +53,26 @@ pub(super) trait RaySet: Copy {
     fn directions(&self) -> Option<&[DVec3]> {
         None
     }
-    /// Where rays go that are traced from a shared start, axis by axis, if they are kept so.
+    /// The targets of rays traced from a shared start, axis by axis, if they are stored that way.
     #[inline(always)]
     fn targets(&self) -> Option<[&[f64]; 3]> {
         None
     }
     /// Metres per unit of s.
     fn direction(self, ray: usize) -> DVec3;
-    /// Where the ray starts as it is traced, metres.
+    /// Where the ray starts as traced, metres.
     #[inline(always)]
     fn start(self, ray: usize) -> DVec3 {
         self.origin(ray)
     }
-    /// Where the ray starts as it was given, metres.
+    /// Where the ray starts as given, metres.
     fn origin(self, ray: usize) -> DVec3;
-    /// Whether any leaves a triangle.
+    /// Whether any ray leaves a triangle.
     #[inline(always)]
     fn leaves(self) -> bool {
         false
     }
-    /// The slot of the triangle that the ray leaves, which it doesn't meet.
+    /// The slot of the triangle that the ray leaves, and therefore cannot hit.
     #[inline(always)]
     fn left(self, _: usize) -> u32 {
         NO_SLOT
@@ -90,35 +88,35 @@ pub(super) trait RaySet: Copy {
     }
 }
 
-/// Rays that end, of which only whether something blocks them is asked.
+/// Rays with an end, for which only occlusion is tested.
 pub(super) trait Blockable: RaySet {
-    /// The segment as it was given.
+    /// The segment as given.
     fn segment(self, ray: usize) -> Segment;
-    /// Whether the triangle of this id doesn't count for a ray.
+    /// Whether a ray ignores the triangle of this id.
     fn passes(self, ray: usize, triangle: u32) -> bool;
-    /// Between which s of each of the rays in `order` hits count. `in_fours` is as in [`Block`](super::block::Block).
+    /// The range of s in which hits count, for each of the rays in `order`. `in_fours` is as in [`Block`](super::block::Block).
     fn ends(self, order: &[u32; RAYS], in_fours: bool) -> [[f64; RAYS]; 2];
 }
 
-/// Rays from one point, or from so near it that they are traced as if they were.
+/// Rays from one point, or from so close to it that they are traced as if they were.
 #[derive(Clone, Copy)]
 pub(super) struct SharedOrigin<'a> {
     /// Metres.
     pub origin: DVec3,
-    /// Where each of them starts; empty where all start at `origin`.
+    /// Where each of them starts; empty if all start at `origin`.
     pub origins: &'a [DVec3],
-    /// How far from `origin` that is at most along each axis, metres.
+    /// The maximal distance of starts from `origin` along each axis, metres.
     pub extent: DVec3,
     pub directions: &'a [DVec3],
 }
 
-/// Rays from a point each.
+/// Rays with their own origins.
 #[derive(Clone, Copy)]
 pub(super) struct OwnOrigins<'a> {
     /// Metres.
     pub origins: &'a [DVec3],
     pub directions: &'a [DVec3],
-    /// Slots of the triangles that rays leave; empty where they leave none.
+    /// Slots of the triangles that rays leave; empty if they leave none.
     pub left: &'a [u32],
 }
 
@@ -129,18 +127,18 @@ pub(super) struct Segments<'a> {
     pub reversed: bool,
 }
 
-/// Segments that end in one point, from there.
+/// Segments that end in one point, traced from there.
 #[derive(Clone, Copy)]
 pub(super) struct SegmentsToPoint<'a> {
     pub segments: &'a [Segment],
-    /// The point, and how far from it they pass at most, metres.
+    /// The point, and the maximal distance at which they pass it, metres.
     pub end: DVec3,
     pub error: f64,
-    /// How far from it they start at most, metres, in sum over the axes.
+    /// The maximal distance of their starts from it, metres, summed over the axes.
     pub farthest: f64,
 }
 
-/// The same where that point is known, and their starts are in columns.
+/// The same if that point is known, with starts in columns.
 #[derive(Clone, Copy)]
 pub(super) struct ColumnsToPoint<'a> {
     pub segments: Converging<'a>,
@@ -218,11 +216,11 @@ impl RaySet for OwnOrigins<'_> {
 
     #[inline(always)]
     fn as_shared(&self, space: &TreeSpace, order: &[u32; RAYS]) -> Option<SharedOrigin<'_>> {
-        // Rays that leave triangles start in their planes, where f64 would have to decide.
+        // Rays that leave triangles start in their planes, so f64 would have to decide.
         if self.leaves() {
             return None;
         }
-        // Four at a time, so that it goes in vectors.
+        // Four at a time, so that it vectorizes.
         let first = self.origins[order[0] as usize].to_array();
         let (mut lo, mut hi, mut sum) = ([first; 4], [first; 4], [[0.0; 3]; 4]);
         for four in order.chunks_exact(4) {
@@ -238,10 +236,10 @@ impl RaySet for OwnOrigins<'_> {
         let lo = lo.map(DVec3::from).into_iter().fold(first.into(), lesser3);
         let hi = hi.map(DVec3::from).into_iter().fold(first.into(), greater3);
         let (origin, half) = (lo * 0.5 + hi * 0.5, hi * 0.5 - lo * 0.5);
-        // (K5): with the roundings of the middle and of the halves.
+        // (K5), including the rounding of the middle and the halves.
         let rounding = power_of_two(-51) * (lo.abs().max_element() + hi.abs().max_element());
         let extent = half + rounding;
-        // What a pixel covers where the tree begins, or at a quarter of its size within it.
+        // The size of a pixel where the tree begins, or, within it, at a quarter of its size.
         let [one, other] = [order[0], order[1]].map(|ray| self.directions[ray as usize]);
         let distance = greater(space.map(origin).abs().max_element() - 1.0, 0.25);
         let pixel = (one - other).abs().max_element() / one.abs().max_element() * distance;
@@ -295,7 +293,7 @@ impl RaySet for Segments<'_> {
         true
     }
 
-    /// Its id, in place of the slot.
+    /// The id in place of the slot.
     #[inline(always)]
     fn left(self, ray: usize) -> u32 {
         self.segments[ray].skip.unwrap_or(NO_SLOT)
@@ -351,7 +349,7 @@ impl RaySet for SegmentsToPoint<'_> {
         true
     }
 
-    /// Its id, in place of the slot.
+    /// The id in place of the slot.
     #[inline(always)]
     fn left(self, ray: usize) -> u32 {
         self.segments[ray].skip.unwrap_or(NO_SLOT)
@@ -406,7 +404,7 @@ impl RaySet for ColumnsToPoint<'_> {
         true
     }
 
-    /// Its id, in place of the slot.
+    /// The id in place of the slot.
     #[inline(always)]
     fn left(self, ray: usize) -> u32 {
         self.segments.skip[ray]
@@ -441,7 +439,7 @@ impl Blockable for ColumnsToPoint<'_> {
 
     #[inline(always)]
     fn ends(self, order: &[u32; RAYS], in_fours: bool) -> [[f64; RAYS]; 2] {
-        // They end at 1: directions are whole ways.
+        // They end at 1: directions reach to the end.
         let mut ends = [[1.0; RAYS]; 2];
         let s_min = self.segments.s_min;
         if in_fours {
@@ -460,7 +458,7 @@ impl Blockable for ColumnsToPoint<'_> {
     }
 }
 
-/// The lesser coordinates of two points, and the greater ones.
+/// The componentwise minimum and maximum of two points.
 #[inline(always)]
 fn lesser3(x: DVec3, y: DVec3) -> DVec3 {
     DVec3::new(lesser(x.x, y.x), lesser(x.y, y.y), lesser(x.z, y.z))
@@ -471,7 +469,7 @@ fn greater3(x: DVec3, y: DVec3) -> DVec3 {
     DVec3::new(greater(x.x, y.x), greater(x.y, y.y), greater(x.z, y.z))
 }
 
-/// The same of segments that are kept one by one.
+/// The same for segments stored one by one.
 #[inline(always)]
 fn ends_of(segments: &[Segment], order: &[u32; RAYS]) -> [[f64; RAYS]; 2] {
     let mut ends = [[0.0; RAYS]; 2];

@@ -1,8 +1,8 @@
 //! s, u and v of the hits, in f64 and eight at a time.
 //!
-//! The arithmetic is that of [`Line::intersect`], operation by operation, so that each
-//! number is the same bit for bit; no sum is fused with a product. Where that test would turn to exact
-//! arithmetic or move s into the triangle's box, nothing is stored, and the hit is left to single rays.
+//! The arithmetic is that of [`Line::intersect`], operation by operation, so that each number is the same bit for bit; sums and products
+//! are never fused. If that test would switch to exact arithmetic or move s into the triangle's box, nothing is stored, and the hit is
+//! left to single rays.
 
 use glam::DVec3;
 
@@ -13,7 +13,7 @@ use crate::accel::bvh::Bvh;
 use crate::accel::float::{greater, lesser, norm1};
 use crate::accel::triangle::{GRAZING, Line};
 
-/// Hits worked out together.
+/// Hits computed together.
 const GROUP: usize = 8;
 
 /// Hits of a block, lane by lane.
@@ -22,7 +22,7 @@ pub(super) struct RefinedHits {
     s: [f64; RAYS],
     u: [f64; RAYS],
     v: [f64; RAYS],
-    /// n·d, or 0 where the hit is left to single rays.
+    /// n·d, or 0 if the hit is left to single rays.
     delta: [f64; RAYS],
 }
 
@@ -34,7 +34,7 @@ impl RefinedHits {
         delta: [0.0; RAYS],
     };
 
-    /// Works out all hits of `block`.
+    /// Computes all hits of `block`.
     #[inline(always)]
     pub fn fill<K: Simd, R: RaySet>(&mut self, k: K, bvh: &Bvh, rays: R, block: &Block) {
         if R::OWN_ORIGINS || rays.origins().is_some() {
@@ -44,7 +44,7 @@ impl RefinedHits {
         }
     }
 
-    /// The same of rays that start at a point each, or all at one.
+    /// The same for rays with their own starts, or with a common one.
     #[inline(always)]
     fn fill_from<K: Simd, R: RaySet, const EACH: bool>(
         &mut self,
@@ -60,7 +60,7 @@ impl RefinedHits {
                 continue;
             }
             let slots = &block.slots[first..first + GROUP];
-            // Whether all lanes that hit something hit the same triangle: then it is loaded once.
+            // Whether all lanes hit the same triangle: then it is loaded once.
             let (mut hit, mut same) = (NONE, true);
             for &slot in slots {
                 if slot != NONE {
@@ -80,7 +80,7 @@ impl RefinedHits {
         }
     }
 
-    /// Whether the hit of a lane is worked out.
+    /// Whether the hit of a lane is computed.
     #[inline(always)]
     pub fn has(&self, lane: usize) -> bool {
         self.delta[lane] != 0.0
@@ -128,7 +128,7 @@ impl RefinedHits {
     }
 }
 
-/// s, u, v and n·d, which is 0 where the hit is left to single rays.
+/// s, u, v and n·d, which is 0 if the hit is left to single rays.
 #[inline(always)]
 fn intersect(origin: DVec3, d: DVec3, [c0, c1, c2]: [DVec3; 3]) -> [f64; 4] {
     // U, V and W of `triangle`, by r = a × d.
@@ -144,7 +144,7 @@ fn intersect(origin: DVec3, d: DVec3, [c0, c1, c2]: [DVec3; 3]) -> [f64; 4] {
     let length = norm1(e1) + norm1(e2);
     let bound = Line::bound(norm1(a), length);
     let (low, high) = (lesser(lesser(ru, rv), rw), greater(greater(ru, rv), rw));
-    // Neither exact arithmetic nor the box: as (T2) and `GRAZING` of `triangle` say.
+    // Needs neither exact arithmetic nor the box: as (T2) and `GRAZING` of `triangle` say.
     let plain = ((low > bound) | (high < -bound)) & (delta.abs() >= GRAZING * (length * length));
     let inverse = 1.0 / delta;
     let s = n.dot(a) / delta;
@@ -161,7 +161,7 @@ fn intersect(origin: DVec3, d: DVec3, [c0, c1, c2]: [DVec3; 3]) -> [f64; 4] {
 struct Pairs {
     directions: [[f64; GROUP]; 3],
     origins: [[f64; GROUP]; 3],
-    /// s of the ray is so many times s of the line.
+    /// The factor from s of the line to s of the ray.
     unit: [f64; GROUP],
     /// Coordinates of the first corner, of the second and of the third.
     corners: [[f64; GROUP]; 9],
@@ -201,7 +201,7 @@ impl Pairs {
                 }
             }
         }
-        // A shared origin is kept once.
+        // A shared origin is stored once.
         let places = if EACH { GROUP } else { 1 };
         for (i, &ray) in order.iter().enumerate().take(places) {
             let origin = rays.origin(ray as usize);
@@ -211,7 +211,7 @@ impl Pairs {
         }
         let [x, y, z] = &mut pairs.directions;
         for i in 0..GROUP {
-            // The power of two that takes the greatest coordinate to [1, 2).
+            // The power of two that scales the greatest coordinate to [1, 2).
             let size = greater(greater(x[i].abs(), y[i].abs()), z[i].abs());
             let exponent = size.to_bits() >> 52;
             let unit = f64::from_bits((2046u64.wrapping_sub(exponent)) << 52);
@@ -223,11 +223,11 @@ impl Pairs {
         pairs
     }
 
-    /// The triangle of each lane, or that in slot `instead`.
+    /// The triangle of each lane, or the one in slot `instead`.
     #[inline(always)]
     fn collect(&mut self, bvh: &Bvh, slots: &[u32], instead: u32) {
         for (i, &slot) in slots.iter().enumerate().take(GROUP) {
-            // Lanes without a hit work with the triangle of another one, and what they find is not read.
+            // Lanes without a hit compute with another lane's triangle, and their results are not read.
             let slot = if slot == NONE { instead } else { slot };
             self.set_corners(i, &bvh.corners[slot as usize]);
         }

@@ -1,22 +1,21 @@
 //! Triangle setup: eight triangles of a leaf as the rays of a block see them, in f32 with bounds.
 //!
-//! With the corners a, b, c relative to a point near the rays, e₁ = b − a, e₂ = c − a, e₃ = c − b,
-//! n = e₁ × e₂, and for each ray δ from that point to where it starts and its moment m = δ × d, the edge functions
-//! and the determinant of single rays are products of what is the ray's and what is the triangle's:
+//! With the corners a, b, c relative to a point near the rays, e₁ = b − a, e₂ = c − a, e₃ = c − b, n = e₁ × e₂, and for each ray the
+//! offset δ from that point to its start and its moment m = δ × d, the edge functions and the determinant of single rays are products of
+//! ray terms and triangle terms:
 //!
 //! ```text
 //! U = d·p − m·e₂,  p = e₂ × a;   V = d·q + m·e₁,  q = a × e₁;   W = d·r + m·e₃,  r = b × e₃;
 //! Δ = d·n;   s = (n·a − n·δ) / Δ.
 //! ```
 //!
-//! (det(d, a − δ, e) = det(d, a, e) − det(d, δ, e), and d·(e × δ) = e·m.) Rays that share their origin have
-//! δ = m = 0, and those terms are absent. Where the origin is off the triangle's plane, on the side that σ, the sign
-//! of n·a − n·δ, says, a hit with s > 0 has the sign σ in Δ, hence in U, V and W: with all multiplied by σ it is a
-//! hit iff none is negative. Lengths are in tree space.
+//! (det(d, a − δ, e) = det(d, a, e) − det(d, δ, e), and d·(e × δ) = e·m.) Rays that share their origin have δ = m = 0, and those terms
+//! vanish. If the origin is off the triangle's plane, on the side given by σ, the sign of n·a − n·δ, then a hit with s > 0 has the sign σ
+//! in Δ, hence in U, V and W: with all multiplied by σ it is a hit iff none is negative. Lengths are in tree space.
 //!
-//! Rays of a block may start on both sides of a triangle's plane. Then each has a σ of its own, the sign of its n·a − n·δ where that is beyond
-//! its bound δᵥ; where σ is the opposite of the block's, U, V, W, Δ and n·a − n·δ turn their signs, and their bounds stay. Where it is within
-//! the bound the ray may start in the plane, and f64 decides; a ray that leaves a triangle does not meet it again, and is not asked.
+//! Rays of a block may start on both sides of a triangle's plane. Then each has its own σ, the sign of its n·a − n·δ, if that is beyond
+//! its bound δᵥ; where σ is the opposite of the block's, U, V, W, Δ and n·a − n·δ change sign, and their bounds stay. If it is within the
+//! bound, the ray may start in the plane, and f64 decides; a ray that leaves a triangle cannot hit it again, and is not tested.
 //!
 //! **Bounds.** Let v = 2⁻²⁴, |d|∞ ≤ D, |m|∞ ≤ M, |δᵢ| ≤ ωᵢ, ω = |ω|₁, η what is unknown about a corner's place relative to the
 //! point, Aₒ the leaf's centre relative to it (rounded: v|Aₒ|), lᵢ = |eᵢ|₁, L = l₁ + l₂ ≥ l₃ and
@@ -60,7 +59,7 @@ use crate::accel::wide::{WIDTH, WideLeaf};
 /// A number per triangle.
 type Lane = [f32; WIDTH];
 
-/// The triangles of a leaf, set up for a block. All but sizes are multiplied by σ.
+/// The triangles of a leaf, set up for a block. Everything except sizes is multiplied by σ.
 #[repr(C, align(64))]
 pub(super) struct LeafTriangles {
     /// p, q and r.
@@ -87,13 +86,13 @@ pub(super) struct LeafTriangles {
     pub quarters: [u8; WIDTH],
 }
 
-/// What the setup needs to know of a block, in all lanes.
+/// What the setup needs of a block, in all lanes.
 pub(super) struct TriangleSetup<K: Simd> {
     kernel: K,
     origin: DVec3,
-    /// The middle of directions, and how far they are off it.
+    /// The middle and half-width of directions.
     direction: [[K::F; 3]; 2],
-    /// The same of moments.
+    /// The same for moments.
     moment: [[K::F; 3]; 2],
     /// ωᵢ.
     offset: [K::F; 3],
@@ -103,13 +102,13 @@ pub(super) struct TriangleSetup<K: Simd> {
     max_direction: f32,
     /// M.
     max_moment: f32,
-    /// M', of rays that share an origin.
+    /// M', for rays that share an origin.
     shift_moment: f32,
-    /// What f64 leaves unknown about places.
+    /// The position uncertainty of f64.
     blur: f32,
     /// F.
     max_distance: f32,
-    /// All bits, if rays are traced from their ends: they come from the other side.
+    /// All bits if rays are traced from their ends, and so come from the other side.
     back: u32,
 }
 
@@ -138,7 +137,7 @@ impl<K: Simd> TriangleSetup<K> {
         }
     }
 
-    /// Sets up the triangles of `leaf`, as far as rays may hit them before `limit`.
+    /// Sets up the triangles of `leaf` that rays may hit before `limit`.
     #[inline(always)]
     pub fn set_up<R: RaySet, const CERTIFIED: bool>(
         &self,
@@ -176,7 +175,7 @@ impl<K: Simd> TriangleSetup<K> {
         let lengths = [norm1(k, &e2), norm1(k, &e1), norm1(k, &e3)];
         let size = greatest(&centre);
         let slacks = if CERTIFIED {
-            // T; and η: what the leaf's corners have lost, with what f64 leaves unknown.
+            // T; and η: the rounding of the leaf's corners, plus the uncertainty of f64.
             let far = k.add(k.add(norm1(k, &a), lengths[1]), k.splat(size));
             self.slacks::<R>(&lengths, far, leaf.error + self.blur)
         } else {
@@ -194,16 +193,16 @@ impl<K: Simd> TriangleSetup<K> {
         };
         let distance = k.abs(volume);
         triangles.certain = k.le(ambiguous, distance);
-        // Without bounds, one origin has the σ that is computed.
+        // Without bounds, a single origin has the computed σ.
         if !CERTIFIED && !R::OWN_ORIGINS {
             triangles.certain = u32::MAX;
         }
-        // By the sign's bit, as σ is, also where n·a is zero.
+        // By the sign bit, like σ, even if n·a is zero.
         triangles.front = k.signs(volume) ^ self.back;
         k.store(&mut triangles.volume, distance);
         k.store(&mut triangles.volume_slack, slacks.volume);
         k.store(&mut triangles.normal_slack, slacks.normal);
-        // Of interest is what some ray may be inside of: the greatest d·p + m·e + B over the block is not negative.
+        // Triangles that some ray may be inside: the greatest d·p + m·e + B over the block is not negative.
         let mut candidates = leaf.present;
         let mut edge = 0;
         while edge < 3 {
@@ -221,15 +220,15 @@ impl<K: Simd> TriangleSetup<K> {
             candidates &= k.le(zero, most);
             edge += 1;
         }
-        // And what some ray may reach before the limit: s ≤ limit in (E6).
+        // And that some ray may reach before the limit: s ≤ limit in (E6).
         let normal = flipped(k, &n, volume);
         store3(k, &mut triangles.normal, &normal);
         let mut most = k.dot(&self.direction[0], &normal, slacks.normal);
         most = k.dot(&self.direction[1], &absolute(k, &normal), most);
-        // 4 v for the roundings of the two products and of what is subtracted.
+        // 4 v for the rounding of the two products and of the subtrahend.
         let least = k.sub(k.mul(distance, k.splat(1.0 - 4.0 * V)), ambiguous);
         candidates &= k.le(least, k.mul(most, k.splat(limit)));
-        // Triangles whose σ is uncertain are always of interest.
+        // Triangles whose σ is uncertain are always candidates.
         let hidden = leaf.front_only & !triangles.front;
         triangles.candidates =
             (candidates & !hidden & triangles.certain) | (leaf.present & !triangles.certain);
@@ -287,7 +286,7 @@ struct Slacks<F> {
     volume: F,
 }
 
-/// The middle of intervals, and half their lengths with 2⁻²⁰ of `greatest` for the roundings of products with them.
+/// The middle of intervals, and half their lengths plus 2⁻²⁰ of `greatest` for the rounding of products with them.
 #[inline(always)]
 fn middle<K: Simd>(k: K, intervals: &[[f32; 2]; 3], greatest: f32) -> [[K::F; 3]; 2] {
     let (mut middle, mut half) = ([0.0; 3], [0.0; 3]);
@@ -320,7 +319,7 @@ fn norm1<K: Simd>(k: K, x: &[K::F; 3]) -> K::F {
     k.add(k.add(k.abs(x[0]), k.abs(x[1])), k.abs(x[2]))
 }
 
-/// `x`, with the other sign where `by` is negative.
+/// `x` with its sign flipped where `by` is negative.
 #[inline(always)]
 fn flipped<K: Simd>(k: K, x: &[K::F; 3], by: K::F) -> [K::F; 3] {
     [k.flip(x[0], by), k.flip(x[1], by), k.flip(x[2], by)]
@@ -393,7 +392,7 @@ pub(super) struct PacketTriangle<'a, K: Simd> {
 }
 
 impl<'a, K: Simd> PacketTriangle<'a, K> {
-    /// That in lane `at`.
+    /// The triangle in lane `at`.
     #[inline(always)]
     pub fn new<R: RaySet>(k: K, triangles: &'a LeafTriangles, at: usize) -> PacketTriangle<'a, K> {
         let at = at % WIDTH;
@@ -443,7 +442,7 @@ impl<'a, K: Simd> PacketTriangle<'a, K> {
         sums
     }
 
-    /// The same for rays that start on the other side, for which σ is the opposite: B − U, B − V and B − W.
+    /// The same for rays that start on the other side, whose σ is the opposite: B − U, B − V and B − W.
     #[inline(always)]
     pub fn of_other_side(&self, edge_functions: &[K::F; 3]) -> [K::F; 3] {
         let (k, [b, c, e]) = (self.kernel, &self.slack);

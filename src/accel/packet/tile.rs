@@ -1,6 +1,6 @@
-//! How a batch of rays is cut into blocks: 8 × 8 pixels of a tile that comes row by row.
+//! How a batch of rays is cut into blocks: 8 × 8 pixels of a tile that is given row by row.
 //!
-//! Where rows can't be told, blocks are 64 rays in a row. A cut that doesn't suit costs time only.
+//! If rows cannot be recognised, blocks are 64 consecutive rays. An unsuitable cut only costs time.
 
 use glam::DVec3;
 
@@ -12,16 +12,16 @@ pub(super) struct Tile {
     /// Rays per row; 0 if there are no rows.
     width: usize,
     count: usize,
-    /// Of a block's rays, from its first one on.
+    /// Positions of a block's rays relative to its first.
     places: [u32; RAYS],
-    /// The rays in another order; empty where they are taken as they come.
+    /// The rays in another order; empty if they are taken as given.
     order: Vec<u32>,
 }
 
 /// Pixels of a block's side.
 const SIDE: usize = 8;
 
-/// Column and row of a lane: 4 × 4 pixels after each other.
+/// Column and row of a lane: one 4 × 4 square of pixels after another.
 const fn pixel(lane: usize) -> (usize, usize) {
     let (x, y) = (lane >> 4 & 1, lane >> 5);
     (x * 4 + (lane & 3), y * 4 + (lane >> 2 & 3))
@@ -45,7 +45,7 @@ const SIDES: usize = 16;
 const USUAL_PLACES: [u32; RAYS] = places(SIDES);
 
 impl Tile {
-    /// Rows are where directions jump back.
+    /// Rows end where directions jump back.
     pub fn of(directions: &[DVec3]) -> Tile {
         match directions.len() {
             count if count.is_multiple_of(FULL) => Tile::of_count(count),
@@ -71,8 +71,8 @@ impl Tile {
         }
     }
 
-    /// Rays that go all ways, by the signs of their directions: next to one another those that differ in one sign (Gray's code), so that
-    /// blocks of rays have signs in common, by which they miss boxes.
+    /// Incoherent rays sorted by the signs of their directions: adjacent groups differ in one sign (Gray code), so that blocks share
+    /// signs, by which they miss boxes.
     pub fn by_signs(count: usize, direction: impl Fn(usize) -> DVec3) -> Tile {
         // By the bits of the signs: the place of that pattern in Gray's order.
         const GRAY: [u8; 8] = [0, 1, 3, 2, 7, 6, 4, 5];
@@ -81,7 +81,7 @@ impl Tile {
             let bits = usize::from(d.x < 0.0) | usize::from(d.y < 0.0) << 1;
             usize::from(GRAY[bits | usize::from(d.z < 0.0) << 2])
         };
-        // As many as there are before those of each key, and then each to its place.
+        // Counting sort by key.
         let mut ends = [0; 9];
         for ray in 0..count {
             ends[key(ray) + 1] += 1;
@@ -101,7 +101,7 @@ impl Tile {
         }
     }
 
-    /// How many blocks there are.
+    /// The number of blocks.
     pub fn blocks(&self) -> usize {
         match self.width {
             0 => self.count.div_ceil(RAYS),
@@ -112,7 +112,7 @@ impl Tile {
     /// Fills the block's order with the rays of its part `at`.
     pub fn select(&self, at: usize, block: &mut Block) {
         if !self.order.is_empty() {
-            // A block that is not full repeats its first ray, so that no lane holds nonsense.
+            // A partial block repeats its first ray, so that all lanes are valid.
             let rays = &self.order[at * RAYS..];
             block.in_fours = false;
             block.count = rays.len().min(RAYS);
@@ -120,7 +120,7 @@ impl Tile {
             block.order[block.count..].fill(rays[0]);
             return;
         }
-        // The first ray of the block: by its corner in the tile, or in a row where rows are unknown.
+        // The first ray of the block: at its corner in the tile, or in sequence if rows are unknown.
         let columns = self.width.div_ceil(SIDE).max(1);
         let (x, y) = (at % columns * SIDE, at / columns * SIDE);
         let first = if self.width == 0 {
@@ -129,7 +129,7 @@ impl Tile {
             y * self.width + x
         };
         let last = first + self.places[RAYS - 1] as usize;
-        // Of a whole block the places are known beforehand, and fours of them are next to one another in memory.
+        // The positions of a whole block are known in advance, and groups of four are adjacent in memory.
         block.in_fours = last < self.count && (self.width == 0 || x + SIDE <= self.width);
         if block.in_fours {
             block.count = RAYS;
@@ -141,7 +141,7 @@ impl Tile {
         }
     }
 
-    /// The same where not all lanes have a ray.
+    /// The same if not all lanes have a ray.
     #[cold]
     fn select_some(&self, first: usize, columns: usize, block: &mut Block) {
         block.count = 0;

@@ -1,4 +1,4 @@
-//! A block's way through the wide tree, nearer children first.
+//! Traversal of the wide tree by a block, nearer children first.
 
 use super::beam::Beam;
 use super::block::BlockBounds;
@@ -10,10 +10,10 @@ use crate::accel::tally::{Tally, Work};
 use crate::accel::vectors::prefetch_all;
 use crate::accel::wide::{WIDTH, WideLeaf, WideTree};
 
-/// A child to visit later, and where the block enters its box at the earliest.
+/// A child to visit later, and the earliest parameter at which the block enters its box.
 pub(super) type StackEntry = (f32, NodeRef);
 
-/// What became of a block.
+/// The outcome for a block.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Outcome {
     /// Its rays are incoherent, and nothing was done.
@@ -24,24 +24,24 @@ pub(super) enum Outcome {
     Traced,
 }
 
-/// What a block asks of the tree.
+/// A query of the tree by a block.
 pub(super) trait BlockQuery<K: Simd> {
     type Rays: RaySet;
     type Tally: Tally;
-    /// Whether bounds are asked for.
+    /// Whether error bounds are needed.
     const CERTIFIED: bool;
 
-    /// Leaves out quarters of the block for triangles that were just set up, where that pays.
+    /// Leaves out quarters of the block for triangles that were just set up, if that pays.
     fn narrow(&mut self, _: K, _: &mut LeafTriangles) {}
-    /// Tests triangle `at` of `triangles`, which is in `slot`; whether [`BlockQuery::limit`] may have changed.
+    /// Tests triangle `at` of `triangles`, which is in `slot`; returns whether [`BlockQuery::limit`] may have changed.
     fn intersect(&mut self, k: K, triangles: &LeafTriangles, at: usize, slot: u32) -> bool;
-    /// The τ beyond which nothing is of interest; negative if nothing is at all.
+    /// The τ beyond which nothing matters; negative if nothing does.
     fn limit(&self, k: K) -> f32;
     /// Counts the work.
     fn tally(&mut self) -> &mut Self::Tally;
 }
 
-/// Puts `query` to `tree`, which is not empty, for a block with these `bounds`. `stack` has as many entries as can wait.
+/// Runs `query` on `tree`, which is not empty, for a block with these `bounds`. `stack` has room for all entries that can be pending.
 #[inline(always)]
 pub(super) fn traverse<K: Simd, Q: BlockQuery<K>>(
     k: K,
@@ -59,7 +59,7 @@ pub(super) fn traverse<K: Simd, Q: BlockQuery<K>>(
     while waiting > 0 {
         waiting -= 1;
         let (entry, at) = stack[waiting];
-        // A nearer hit was found since.
+        // A nearer hit has been found since.
         if entry > limit {
             continue;
         }
@@ -96,7 +96,7 @@ pub(super) fn traverse<K: Simd, Q: BlockQuery<K>>(
     }
 }
 
-/// Tests the triangles of `leaf`; whether the limit may have changed.
+/// Tests the triangles of `leaf`; returns whether the limit may have changed.
 #[inline(always)]
 fn intersect_leaf<K: Simd, Q: BlockQuery<K>>(
     k: K,
@@ -106,7 +106,7 @@ fn intersect_leaf<K: Simd, Q: BlockQuery<K>>(
     triangles: &mut LeafTriangles,
     query: &mut Q,
 ) -> bool {
-    // A trait's constant can't be an argument: two ways, of which one is not compiled.
+    // An associated constant cannot be an argument: two branches, one of which is compiled out.
     match Q::CERTIFIED {
         true => setup.set_up::<Q::Rays, true>(leaf, limit, triangles),
         false => setup.set_up::<Q::Rays, false>(leaf, limit, triangles),

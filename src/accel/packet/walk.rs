@@ -1,12 +1,12 @@
-//! Single rays through the wide tree: up to 32 at the same time, each on its own way.
+//! Single rays through the wide tree: up to 32 interleaved, each on its own path.
 //!
-//! A ray alone waits for most of its time: for a node from the memory, or for what was decided on the node before. So rays of
-//! a block take turns, and where one has arrived the next one starts. In each round every ray makes one step, through a node or a leaf, and asks for what it needs in the next
-//! round; meanwhile the others step. A round goes through all rays at leaves, and then through all at nodes, so that the processor
-//! does not have to guess which of them a ray has come to.
+//! A single ray spends most of its time waiting: for a node from memory, or for a decision at the previous node. So the rays of a block
+//! are interleaved, and when one finishes the next one starts. In each round every ray makes one step, through a node or a leaf, and
+//! prefetches what it needs in the next round; meanwhile the others step. A round handles first all rays at leaves, then all at nodes,
+//! which avoids an unpredictable branch.
 //!
-//! Boxes are tested with the start and the bounds of [`slab`](crate::accel::slab), but for (W3). Of a leaf's triangles those that a ray certainly
-//! misses are found in f32; the others are decided in f64 as everywhere, so that results are those of the binary tree.
+//! Boxes are tested with the start and the bounds of [`slab`](crate::accel::slab), except for (W3). Triangles of a leaf that a ray
+//! certainly misses are found in f32; the others are decided in f64 as everywhere, so that results are those of the binary tree.
 //!
 //! **(W1) Shear.** Let z be the axis along which |d| is greatest, x and y the others, and Sx = dx/dz, Sy = dy/dz, of which none is
 //! greater than 1 (Woop, Benthin, Wald, JCGT 2(1), 2013). The leaf's corners A are relative to its centre, and so is the point p in
@@ -40,7 +40,7 @@ use crate::accel::traverse::Query;
 use crate::accel::vectors::{prefetch, prefetch_either};
 use crate::accel::wide::{WIDTH, WideLeaf};
 
-/// The nearest hits of rays, each by itself.
+/// The nearest hits of rays, each traced individually.
 pub(super) struct ClosestSingles<'a, R, T> {
     pub bvh: View<'a>,
     pub rays: R,
@@ -51,7 +51,7 @@ pub(super) struct ClosestSingles<'a, R, T> {
     pub tally: &'a mut T,
 }
 
-/// What blocks segments, each by itself.
+/// Occlusion of segments, each traced individually.
 pub(super) struct AnySingles<'a, S, T> {
     pub bvh: View<'a>,
     pub segments: S,
@@ -62,11 +62,11 @@ pub(super) struct AnySingles<'a, S, T> {
     pub tally: &'a mut T,
 }
 
-/// What became of rays, as bits by their place in the order.
+/// The outcome for rays, as bits by their position in the order.
 pub(super) struct Walked {
     /// Those whose hits were replaced.
     pub replaced: u64,
-    /// Those that are not traced here: their numbers are not within the limits, or they start too far away.
+    /// Those that are not traced here: their values are outside the limits, or they start too far away.
     pub left: u64,
 }
 
@@ -89,7 +89,7 @@ impl<R: RaySet, T: Tally> Task for ClosestSingles<'_, R, T> {
         let mut lanes = entering;
         for scaled in &scaled {
             let ray = self.order[next_lane(&mut lanes)] as usize;
-            // A hit that is known already, in another tree, ends the ray: only nearer ones replace it.
+            // A known hit, in another tree, ends the ray: only nearer ones replace it.
             let s_max = match &self.hits[ray] {
                 Some(hit) => hit.s,
                 None => f64::INFINITY,
@@ -144,17 +144,17 @@ impl<S: SegmentSet, T: Tally> Task for AnySingles<'_, S, T> {
     }
 }
 
-/// Rays in flight: enough to hide the latency of memory, and few enough that what was fetched for one is still in the nearest cache at its
+/// Rays in flight: enough to hide the latency of memory, and few enough that what was prefetched for one is still in the L1 cache at its
 /// turn (measured with 8 to 64).
 const SLOTS: usize = 32;
 
-/// Number of children that may wait for each ray. A node leaves all its children but the one that is taken next; eight are written, however many
-/// there are, and eight are read, though fewer wait.
+/// Number of pending children per ray. A node leaves all its children except the next one; eight are always written, and eight are always
+/// read.
 const STACK: usize = 256;
-/// Levels of nodes for which that is enough. Rays through deeper trees, which are rare, are left.
+/// Levels of nodes for which that is enough. Rays through deeper trees, which are rare, go to the binary tree.
 const DEPTH: usize = STACK / WIDTH - 2;
 
-/// What is reused from block to block.
+/// Buffers reused from block to block.
 #[repr(align(64))]
 pub(super) struct Room {
     given: Given,
@@ -166,7 +166,7 @@ pub(super) struct Room {
 /// Children that a ray visits later.
 #[derive(Clone, Copy)]
 struct Stack {
-    /// Where they are entered, or a little before, and which they are. The first eight are none.
+    /// Their entry parameters, or slightly less, and their indices. The first eight are sentinels.
     entries: [u32; STACK + WIDTH],
     nodes: [NodeRef; STACK + WIDTH],
 }
@@ -184,7 +184,7 @@ impl Room {
         })
     }
 
-    /// The first `count` rays as given: which of them go through the tree, and which are left to the binary one, as bits.
+    /// Sets up the first `count` rays as given: which of them are traced through the tree, and which are left to the binary one, as bits.
     #[inline(always)]
     fn set_up(&mut self, bvh: View, count: usize) -> [u64; 2] {
         let count = count.min(RAYS);
@@ -227,18 +227,18 @@ impl Lanes {
     }
 }
 
-/// Rays on their ways through a tree.
+/// Rays on their paths through a tree.
 struct Walk<'a, K: Simd> {
     kernel: K,
     bvh: View<'a>,
     lines: &'a Lines,
     boxes: &'a mut Boxes,
     stacks: &'a mut [Stack; SLOTS],
-    /// By lane which stack is the ray's, how many children wait there, and what is visited next.
+    /// For each lane: its stack, its number of pending children, and its next node.
     slots: [u8; RAYS],
     counts: [u32; RAYS],
     next: [NodeRef; RAYS],
-    /// Rays that go through the tree, and those of them that have still to start, as bits.
+    /// Rays that are traced through the tree, and those of them that have yet to start, as bits.
     entering: u64,
     coming: u64,
     /// Rays that are at nodes and at leaves.
@@ -265,7 +265,7 @@ impl<'a, K: Eight> Walk<'a, K> {
         }
     }
 
-    /// Puts `queries` to the tree, one for each ray that goes through it.
+    /// Runs `queries` on the tree, one for each ray that is traced through it.
     #[inline(always)]
     fn run<Q: Query>(mut self, queries: &mut [Q], tally: &mut impl Tally) {
         let mut query_of = [0; RAYS];
@@ -275,13 +275,13 @@ impl<'a, K: Eight> Walk<'a, K> {
             query_of[lane] = at as u8;
             self.narrow(lane, query.limit());
         }
-        // As many start as there are stacks; the others follow as stacks become free.
+        // Start as many as there are stacks; the others follow as stacks become free.
         for slot in 0..queries.len().min(SLOTS) {
             let lane = next_lane(&mut self.coming);
             self.slots[lane] = slot as u8;
             self.at_nodes.push(lane);
         }
-        // Triangles that rays may hit: of which ray, and in which slot.
+        // Candidate triangles: ray and slot.
         let mut pairs = [(0, 0); SLOTS * WIDTH];
         while self.at_nodes.count + self.at_leaves.count > 0 {
             let leaves = std::mem::replace(&mut self.at_leaves, Lanes::NONE);
@@ -290,7 +290,7 @@ impl<'a, K: Eight> Walk<'a, K> {
                 let lane = lane as usize % RAYS;
                 let leaf = &self.bvh.tree.wide.leaves[self.next[lane].index()];
                 let mut candidates = self.candidates(lane, leaf);
-                // There is none or one, mostly: the first is noted without a branch.
+                // Usually there is none or one: the first is stored without a branch.
                 loop {
                     let slot = leaf.first + candidates.trailing_zeros() % WIDTH as u32;
                     prefetch(&self.bvh.corners, slot as usize);
@@ -305,7 +305,7 @@ impl<'a, K: Eight> Walk<'a, K> {
             for &(lane, slot) in &pairs[..found] {
                 let lane = lane as usize % RAYS;
                 if queries[query_of[lane] as usize].triangle(slot as usize, tally) {
-                    // The query has its answer: no box that waits is of interest.
+                    // The query has its answer: no pending box matters.
                     self.counts[lane] = 0;
                 }
             }
@@ -320,21 +320,21 @@ impl<'a, K: Eight> Walk<'a, K> {
                 self.narrow(lane, queries[query_of[lane] as usize].limit());
                 self.go_on(lane);
             }
-            // After all of them: what has just been stored is not there to be loaded.
+            // After all of them, because values just stored cannot be loaded yet.
             for &lane in nodes.all() {
                 self.go_on(lane as usize % RAYS);
             }
         }
     }
 
-    /// Leaves out what is farther along a ray than hits up to `s`.
+    /// Drops what is farther along a ray than hits up to `s`.
     #[inline(always)]
     fn narrow(&mut self, lane: usize, s: f64) {
         let t = s * self.bvh.tree.space.scale - self.lines.start[lane];
         self.boxes.far[lane] = far_of(t, self.lines.blur[lane]);
     }
 
-    /// Lets the children of the next node wait that the ray hits.
+    /// Pushes the children of the next node that the ray hits.
     #[inline(always)]
     fn enter(&mut self, lane: usize) {
         let (k, boxes) = (self.kernel, &*self.boxes);
@@ -344,7 +344,7 @@ impl<'a, K: Eight> Walk<'a, K> {
         let mut axis = 0;
         while axis < 3 {
             let planes = node.planes[axis].as_flattened();
-            // 0 or 8 already; the mask spares a check of bounds.
+            // 0 or 8 already; the mask avoids a bounds check.
             let near = boxes.near[axis][lane] as usize & WIDTH;
             let inverse = k.splat(boxes.inverses[axis][lane]);
             let [offset, beyond] = &boxes.offsets[axis];
@@ -357,7 +357,7 @@ impl<'a, K: Eight> Walk<'a, K> {
         }
         let count = self.counts[lane];
         let stack = &mut self.stacks[self.slots[lane] as usize % SLOTS];
-        // Trees deep enough to fill the stack are left out ([`DEPTH`]); the remainder spares a check of bounds.
+        // Trees deep enough to fill the stack are excluded ([`DEPTH`]); the remainder avoids a bounds check.
         let first = WIDTH + count as usize % (STACK - WIDTH);
         let entries = &mut stack.entries[first..first + WIDTH];
         let nodes = &mut stack.nodes[first..first + WIDTH];
@@ -365,16 +365,16 @@ impl<'a, K: Eight> Walk<'a, K> {
         self.counts[lane] = count + hit as u32;
     }
 
-    /// Takes the nearest child that waits and is not too far; where there is none, the ray has arrived, and another starts.
+    /// Pops the nearest pending child that is not too far; if there is none, the ray is finished, and another starts.
     #[inline(always)]
     fn go_on(&mut self, lane: usize) {
         let (k, far) = (self.kernel, self.boxes.far[lane]);
         let stack = &self.stacks[self.slots[lane] as usize % SLOTS];
         let mut count = self.counts[lane] as usize % STACK;
-        // Eight at a time, of which the last that is not too far; the first eight are below those of the ray.
+        // Eight at a time; of these, the last that is not too far. The first eight are below those of the ray.
         loop {
             let near = k.within(&stack.entries[count..count + WIDTH], far);
-            // The nearest of the eight is the last: the zeros that lead are those that are too far.
+            // The nearest of the eight is the last: the leading zeros are those that are too far.
             let skipped = (near << 24).leading_zeros() as usize;
             if skipped < WIDTH.min(count) {
                 count -= skipped + 1;
@@ -504,7 +504,7 @@ mod tests {
             let mut vector = || DVec3::new(next(), next(), next());
             let triangles: Vec<_> = (0..3000)
                 .map(|k| {
-                    // Some in one plane, and some as thin as a hair.
+                    // Some in one plane, and some very thin.
                     let centre = vector()
                         * if k % 3 == 0 {
                             DVec3::new(1.0, 1.0, 0.0)
@@ -605,7 +605,7 @@ mod tests {
     #[test]
     fn of_triangles_in_one_plane_the_first_is_hit_and_rays_beyond_the_limits_are_traced() {
         let mut next = numbers(8);
-        // Many lie over one another, in a few planes along the axes.
+        // Many overlap, in a few planes along the axes.
         let triangles: Vec<[DVec3; 3]> = (0..400)
             .map(|k| {
                 let height = 0.1 + f64::from(k as u8 % 5) * 0.17;

@@ -3,8 +3,8 @@
 //! A value of a kernel's type proves that the processor has its instructions: only `detect` makes one. The kernels
 //! may round differently (some fuse products and sums); their users make sure that decisions don't depend on it.
 //!
-//! What a kernel runs is compiled with its instructions only where it is certain to be inlined. Closures, and with them
-//! `array::map` and the like, are not: the loops of packets are written out.
+//! What a kernel runs is compiled for its instructions only if it is certain to be inlined. Closures, and with them `array::map` and the
+//! like, are not: the loops of packets are written out.
 
 use glam::DVec3;
 
@@ -18,8 +18,7 @@ pub(super) use portable::Portable;
 #[cfg(target_arch = "x86_64")]
 pub(super) use x86::{Avx2, Avx512};
 
-/// What is run with the instructions of a kernel. `run` must be `#[inline(always)]`, and all that it
-/// calls where speed matters.
+/// What is run with the instructions of a kernel. `run` must be `#[inline(always)]`, and so must everything it calls where speed matters.
 pub(super) trait Task {
     type Output;
 
@@ -32,7 +31,7 @@ pub(super) trait Simd: Copy {
     type F: Copy;
     /// Eight lanes: one per child of a node.
     type Children: Eight;
-    /// How many numbers.
+    /// The number of lanes.
     const LANES: usize;
 
     /// The kernel for the children of a node.
@@ -68,8 +67,8 @@ pub(super) trait Simd: Copy {
     fn store_vectors(self, vectors: &[DVec3], scale: f64, to: [&mut [f32]; 3]);
     /// Stores four of `vectors` in the first places of x, y and z.
     fn split_vectors(self, vectors: &[DVec3], to: [&mut [f64]; 3]);
-    /// x in the lanes of `mask`, else y. If all lanes are then stored, loading them again doesn't stall, as it does
-    /// after [`Simd::store_some`].
+    /// x in the lanes of `mask`, else y. If all lanes are then stored, loading them again does not stall, as it does after
+    /// [`Simd::store_some`].
     fn select(self, mask: u32, x: Self::F, y: Self::F) -> Self::F;
 
     /// x + y.
@@ -91,7 +90,7 @@ pub(super) trait Simd: Copy {
     fn mul_sub(self, x: Self::F, y: Self::F, z: Self::F) -> Self::F;
     /// |x|.
     fn abs(self, x: Self::F) -> Self::F;
-    /// x, with the other sign where `by` has a minus.
+    /// x with its sign flipped where `by` has a minus.
     fn flip(self, x: Self::F, by: Self::F) -> Self::F;
     /// The smaller, or y where one is NaN.
     fn min(self, x: Self::F, y: Self::F) -> Self::F;
@@ -101,7 +100,7 @@ pub(super) trait Simd: Copy {
     fn le(self, x: Self::F, y: Self::F) -> u32;
     /// Where x, y and z are ≥ 0.
     fn not_negative(self, x: Self::F, y: Self::F, z: Self::F) -> u32;
-    /// Where the sign's bit is set, also of zeros, as bits.
+    /// Where the sign bit is set, also for zeros, as bits.
     fn signs(self, x: Self::F) -> u32;
     /// The greatest lane.
     fn greatest(self, x: Self::F) -> f32;
@@ -114,9 +113,9 @@ pub(super) const LOWEST: u32 = 7;
 
 /// Kernels of eight lanes.
 pub(super) trait Eight: Simd {
-    /// Puts those of `nodes` for which enter ≤ leave into the first places of `to`, the nearest last, and into `entries` the bits of
-    /// where they are entered, of which the lowest three ([`LOWEST`]) say instead which of the eight it is, so that no two are equal. The
-    /// other places up to the eighth are filled with what has no meaning. Returns how many there are. None is entered before 0.
+    /// Puts those of `nodes` for which enter ≤ leave into the first elements of `to`, the nearest last, and into `entries` the bits of
+    /// their entry parameters, whose lowest three bits ([`LOWEST`]) are replaced by the index of the child, so that no two are equal. The
+    /// other elements up to the eighth are filled with arbitrary values. Returns the number of children. None is entered before 0.
     fn push_hits(
         self,
         enter: Self::F,
@@ -129,11 +128,11 @@ pub(super) trait Eight: Simd {
     /// The smallest lane of each of four.
     fn smallest_of_each(self, x: [Self::F; 4]) -> [f32; 4];
 
-    /// Which of the first eight of `entries`, as [`Eight::push_hits`] makes them, are entered at `limit` or before, as bits.
+    /// Which of the first eight of `entries`, as made by [`Eight::push_hits`], are entered at or before `limit`, as bits.
     fn within(self, entries: &[u32], limit: f32) -> u32;
 }
 
-/// The vectors of a packet: those in `LANES` places from `first` on.
+/// The vectors of a packet: `LANES` of them from `first` on.
 #[inline(always)]
 pub(super) fn load_vectors<K: Simd, const N: usize>(
     k: K,
@@ -222,7 +221,7 @@ mod tests {
         }
     }
 
-    /// Checks what only kernels of eight lanes do, against the portable one.
+    /// Checks the operations of kernels of eight lanes against the portable one.
     struct CheckEight;
 
     impl Task for CheckEight {
@@ -254,7 +253,7 @@ mod tests {
                 assert_eq!(to[..count], expected_to[..count]);
                 let rows = [leaves, enters, k.sub(enters, leaves), k.add(leaves, leaves)];
                 assert_eq!(k.smallest_of_each(rows), rows.map(|row| k.smallest(row)));
-                // The farthest first, and none later than it is entered.
+                // The farthest first, none later than its entry.
                 for pair in entries[..count].windows(2) {
                     assert!(pair[0] > pair[1]);
                 }

@@ -1,7 +1,7 @@
-//! A value and where it stands in the file.
+//! A value and its place in the file.
 //!
-//! Places are lost inside tagged, untagged and flattened enums of serde, which buffer what they read; the structs
-//! of the file format are plain for that reason, and alternatives are told apart when they are resolved.
+//! Tagged, untagged and flattened enums of serde lose places, because they buffer what they read; so the structs of the file format are
+//! plain, and alternatives are distinguished when they are resolved.
 
 #[cfg(feature = "schema")]
 use std::borrow::Cow;
@@ -16,7 +16,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::tree::PLACED;
 
-/// A value and the byte range of the text where it stands; of a table with a header, the header.
+/// A value and its byte range in the text; for a table with a header, the range of the header.
 #[derive(Debug, Clone)]
 pub(crate) struct At<T> {
     pub value: T,
@@ -24,17 +24,17 @@ pub(crate) struct At<T> {
 }
 
 impl<T> At<T> {
-    /// A default, which stands nowhere in the text.
+    /// A default, which has no place in the text.
     pub fn nowhere(value: T) -> Self {
         At { value, span: 0..0 }
     }
 
-    /// Where it stands in the text, if it does.
+    /// Its place in the text, if it has one.
     pub fn span_of(at: &Option<Self>) -> Option<&Range<usize>> {
         at.as_ref().map(|at| &at.span)
     }
 
-    /// Whether it stands in the text.
+    /// Whether it is in the text.
     pub fn is_given(&self) -> bool {
         !self.span.is_empty()
     }
@@ -46,7 +46,7 @@ impl<T: Default> Default for At<T> {
     }
 }
 
-/// Asks [`tree`](super::tree) for start, end and value.
+/// Requests start, end and value from [`tree`](super::tree).
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for At<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_tuple_struct(PLACED, 3, AtVisitor(PhantomData))
@@ -71,7 +71,7 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for AtVisitor<T> {
     }
 }
 
-/// Start and end; apart from the value, so that it is compiled once.
+/// Start and end; separate from the value, so that it is compiled only once.
 fn span<'de, A: SeqAccess<'de>>(seq: &mut A) -> Result<Range<usize>, A::Error> {
     match (seq.next_element()?, seq.next_element()?) {
         (Some(start), Some(end)) => Ok(start..end),

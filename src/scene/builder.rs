@@ -1,4 +1,4 @@
-//! Scenes made by a program: the keys of a scene file, with meshes and cubes in memory.
+//! Scenes built by a program: the keys of a scene file, with meshes and cubes in memory.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -18,12 +18,11 @@ use crate::mesh::Mesh;
 use crate::spacetime::Velocity;
 use crate::spacetime::units::{Dimension, Measure};
 
-/// Makes a [`Scene`] from values in place of a file.
+/// Builds a [`Scene`] from values instead of a file.
 ///
-/// Every key of a scene file can be [set](Builder::set), by the same name and with the same meaning; what a
-/// file must not contain is refused here with the same messages, with the key that is wrong. The first error is
-/// reported by [`build`](Builder::build). [`Scene::text`] is a scene file that says the same, except that it
-/// names meshes and cubes in memory by their SHA-256.
+/// Every key of a scene file can be [set](Builder::set), by the same name and with the same meaning; anything that a file must not
+/// contain is refused here with the same messages, naming the key. The first error is reported by [`build`](Builder::build).
+/// [`Scene::text`] is an equivalent scene file, except that it names meshes and cubes in memory by their SHA-256.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -54,7 +53,7 @@ pub struct Builder {
     error: Option<Refused>,
 }
 
-/// What was wrong: file, place, what, help.
+/// The problem: file, place, what, help.
 type Refused = [String; 4];
 
 impl Builder {
@@ -69,7 +68,7 @@ impl Builder {
         }
     }
 
-    /// A scene called `name` that begins as the scene file with this `text`.
+    /// A scene called `name` that starts from the scene file with this `text`.
     pub fn from_toml(name: impl Into<String>, text: &str) -> Self {
         let mut builder = Builder::new(name);
         match DocumentMut::from_str(text) {
@@ -85,12 +84,12 @@ impl Builder {
         self
     }
 
-    /// Sets a dotted key of the scene, like `camera.velocity.beta`; objects, sources and lights that are there are named by name or
-    /// number, as in `object.ship.origin.time`. A name with a dot in it stands in quotes: `object."a.b".colour`.
+    /// Sets a dotted key of the scene, like `camera.velocity.beta`; existing objects, sources and lights are addressed by name or number,
+    /// as in `object.ship.origin.time`. A name that contains a dot is quoted: `object."a.b".colour`.
     pub fn set(mut self, key: &str, value: impl Into<Value>) -> Self {
         let file = self.name.clone();
         let refuse = |what, help| Error::invalid(&file, key, what, help);
-        // As overrides do it, so that both take the same keys.
+        // As for overrides, so that both take the same keys.
         let set = overrides::set(&mut self.document, key, value.into().0, &refuse);
         if let Err(Error::Invalid(problem)) = set {
             self.refuse(&problem.place, &problem.what, &problem.help);
@@ -98,11 +97,11 @@ impl Builder {
         self
     }
 
-    /// Adds the object `name` with a mesh in memory, which is shared. The base colours of its materials
-    /// hold, but not their textures: those are images in files.
+    /// Adds the object `name` with a mesh in memory, which is shared. The base colours of its materials are used, but not their textures,
+    /// which would be images in files.
     ///
-    /// It rests at the world's origin until `object.NAME.velocity`, `object.NAME.origin` and `object.NAME.transform` are set. Objects move
-    /// uniformly: accelerated world lines (`motion`) are for the camera and for lamps.
+    /// It rests at the world's origin unless `object.NAME.velocity`, `object.NAME.origin` and `object.NAME.transform` are set. Objects
+    /// move uniformly: accelerated world lines (`motion`) are for the camera and for lamps.
     pub fn mesh(mut self, name: &str, mesh: Arc<Mesh>) -> Self {
         if let Err(error) = mesh.check() {
             let place = format!("object \"{name}\", {}", error.field);
@@ -155,8 +154,7 @@ impl Builder {
         self.add("source", name, "cube", keys)
     }
 
-    /// Adds the source `name`, a spherical pulse of light from `position`, whose standard deviation in time
-    /// is `sigma` metres (ct).
+    /// Adds the source `name`, a spherical pulse of light from `position`, with a standard deviation of `sigma` metres (ct) in time.
     pub fn pulse(self, name: &str, position: DVec3, sigma: f64) -> Self {
         let sigma = format!("{sigma} m").into();
         let keys = Value::table([("position", position.into()), ("sigma", sigma)]);
@@ -181,10 +179,10 @@ impl Builder {
         self.add_keys("light", name, keys)
     }
 
-    /// The scene.
+    /// Builds the scene.
     ///
     /// # Errors
-    /// As [`load`](super::load()) has them, and what was wrong before.
+    /// As [`load`](super::load()), and the first error of earlier calls.
     pub fn build(self) -> Result<Scene> {
         if let Some([file, place, what, help]) = self.error {
             return Err(Error::invalid(file, place, what, help));
@@ -200,10 +198,10 @@ impl Builder {
         load::scene(report, &file, false)
     }
 
-    /// The scene that the panel `name` shows, like [`SceneFile::panel`].
+    /// Builds the scene of the panel `name`, like [`SceneFile::panel`].
     ///
     /// # Errors
-    /// As [`build`](Builder::build); a name that no panel has.
+    /// As [`build`](Builder::build), or if there is no panel of this name.
     pub fn build_panel(self, name: &str) -> Result<Scene> {
         let whole = self.clone().build()?;
         let Some(panel) = whole.panels.iter().find(|panel| panel.name == name) else {
@@ -238,7 +236,7 @@ impl Builder {
             entry.insert(key, Item::Value(value.0));
         }
         let item = self.document.entry(list).or_insert_with(new_list);
-        // What a key has set under this name, and is no list of tables, is replaced.
+        // Replaces a value set under this name that is not a list of tables.
         let mut tables = std::mem::take(item)
             .into_array_of_tables()
             .unwrap_or_default();
@@ -258,7 +256,7 @@ fn new_list() -> Item {
     Item::ArrayOfTables(ArrayOfTables::new())
 }
 
-/// The value of a key: a number, a text, a truth value, or a list or table of such.
+/// The value of a key: a number, a text, a Boolean, or a list or table of these.
 #[derive(Debug, Clone)]
 pub struct Value(toml_edit::Value);
 
@@ -270,7 +268,7 @@ impl Value {
     }
 }
 
-/// What TOML has, by way of its own types.
+/// The value types of TOML, through its own types.
 macro_rules! from {
     ($($own:ty => $toml:ty),*) => {
         $(impl From<$own> for Value {

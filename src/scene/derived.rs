@@ -1,4 +1,4 @@
-//! What follows from a scene: conversions, frames, world lines.
+//! Quantities derived from a scene: conversions, frames, world lines.
 
 use glam::DVec3;
 
@@ -9,36 +9,36 @@ use crate::spacetime::worldline::{WorldLine, WorldLineError};
 use crate::spacetime::{CameraFrame, Event, InertialFrame, Quantity, Rest, Velocity, World};
 
 impl CameraModel {
-    /// The frame in which the camera rests when its clock shows 0, at all times where it does not
-    /// accelerate. Its origin is the pinhole then.
+    /// The frame in which the camera rests when its clock shows 0; for a camera without acceleration, at all times. Its origin is the
+    /// pinhole at that moment.
     pub fn frame(&self) -> InertialFrame<CameraFrame> {
         InertialFrame::new(self.velocity, self.origin)
     }
 
-    /// The world line of the pinhole, whose proper time the camera's clock shows.
+    /// The world line of the pinhole, whose proper time is the camera's clock.
     ///
     /// # Errors
-    /// Where nothing slower than light moves like that; never of a camera that a scene file gave.
+    /// The motion would need the speed of light or more; this cannot happen to a camera from a scene file.
     pub fn world_line(&self) -> Result<WorldLine, WorldLineError> {
         self.motion.world_line(self.velocity, self.origin)
     }
 
-    /// The world event of the shot of a camera without acceleration: the pinhole when its clock shows
-    /// [`CameraModel::time`]. Of any camera, [`CameraModel::world_line`] knows it.
+    /// The world event of the shot of a camera without acceleration: the pinhole when its clock shows [`CameraModel::time`]. For any
+    /// camera, use [`CameraModel::world_line`].
     pub fn shot(&self) -> Event<World> {
         let pinhole = Event::new(self.time, DVec3::ZERO);
         self.frame().event_to_world(pinhole)
     }
 
-    /// Half the width and half the height of the sensor, metres; none for a point camera.
+    /// Half the width and half the height of the sensor, metres; `None` for a point camera.
     pub fn sensor_half_size(&self) -> Option<[f64; 2]> {
         let width = self.sensor?.focal_length * libm::tan(0.5 * self.horizontal_fov);
         let [columns, rows] = self.size.map(f64::from);
         Some([width, width * rows / columns])
     }
 
-    /// The corners of the sensor relative to the pinhole in the camera frame, metres, where the camera
-    /// has [`CameraModel::velocity`]; none for a point camera.
+    /// The corners of the sensor relative to the pinhole in the camera frame, metres, when the camera has [`CameraModel::velocity`];
+    /// `None` for a point camera.
     pub fn sensor_corners(&self) -> Option<[DVec3; 4]> {
         let [right, up, forward] = self.axes;
         let [width, height] = self.sensor_half_size()?;
@@ -54,8 +54,8 @@ impl CameraModel {
 }
 
 impl Scene {
-    /// Whether colours follow from wavelengths anywhere in it: those of lines, of spectra, and of RGB that stands for spectra, which the
-    /// Doppler shift takes apart.
+    /// Whether any colours depend on wavelengths: those of lines, of spectra, and of RGB that represents a spectrum, which the Doppler
+    /// shift changes.
     pub fn sees_wavelengths(&self) -> bool {
         let sources = self.sources.iter().map(|source| source.quantity);
         let is_seen = |quantity: Quantity| match quantity {
@@ -77,18 +77,18 @@ impl Scene {
             || self.sky.as_ref().is_some_and(has_spectra)
     }
 
-    /// Whether lights or a sky light its surfaces: base colours then are no radiance, but what is reflected.
+    /// Whether lights or a sky illuminate its surfaces: base colours are then reflectances, not radiances.
     pub fn is_lit(&self) -> bool {
         !self.lights.is_empty() || self.sky.as_ref().is_some_and(|sky| sky.lights)
     }
 }
 
 impl Motion {
-    /// The world line with this motion that has `velocity` at `zero`, where its clock shows 0. Paths in
-    /// the world (keyframes, animations, circles) have their own velocity, and keyframes their own beginning.
+    /// The world line with this motion that has `velocity` at `zero`, where its clock shows 0. Paths in the world (keyframes, animations,
+    /// circles) define their own velocity, and keyframes their own beginning.
     ///
     /// # Errors
-    /// Where nothing slower than light moves like that.
+    /// The motion would need the speed of light or more.
     pub fn world_line(
         &self,
         velocity: Velocity,

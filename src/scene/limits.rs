@@ -1,4 +1,5 @@
-//! The ranges of numbers in scenes, whether a file or a program gives them. Each check says what is wrong, and what would be right.
+//! The ranges of numbers in scenes, whether they come from a file or from a program. Each check returns what is wrong, and what would be
+//! right.
 
 use super::model::{EmissionProfile, MOST_BOUNCES, MOST_SAMPLES, ProjectionKind, Scene, Spectra};
 use crate::error::number;
@@ -51,7 +52,7 @@ pub(crate) fn bounces(bounces: u32) -> Result<(), Wrong> {
     Err((what, format!("give 0 to {MOST_BOUNCES}, like 4")))
 }
 
-/// What of light surfaces reflect, in a scene that is resolved: only light whose spectra are known can be sampled at wavelengths.
+/// What surfaces reflect, in a resolved scene: only light with known spectra can be sampled at wavelengths.
 pub(crate) fn spectra(scene: &Scene) -> Result<(), Wrong> {
     if scene.spectra == Spectra::Rgb {
         return Ok(());
@@ -121,7 +122,7 @@ pub(crate) fn cells(cells: [u32; 3]) -> Result<(), Wrong> {
     Err((what, "give numbers like [4, 4, 4]".into()))
 }
 
-/// That an emission shines at some time.
+/// Checks that an emission is not always 0.
 pub(crate) fn emission(profile: &EmissionProfile) -> Result<(), Wrong> {
     match profile {
         EmissionProfile::Train { count: Some(0), .. } => {
@@ -137,8 +138,8 @@ pub(crate) fn emission(profile: &EmissionProfile) -> Result<(), Wrong> {
     }
 }
 
-/// Whether a picture of this projection can be so wide, radians: up to what it shows, and so that the tangent of half the angle has digits
-/// left, to within a billionth of 0 and, for a pinhole's, of π.
+/// Whether a picture of this projection can have this field of view, radians: within the projection's range, and not within a billionth
+/// of 0 or, for a perspective camera, of π, so that the tangent of half the angle keeps its digits.
 pub(crate) fn is_field_of_view(radians: f64, projection: ProjectionKind) -> bool {
     radians > 1e-9
         && match projection {

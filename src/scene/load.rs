@@ -21,11 +21,11 @@ use crate::io::{colmap, files, gltf, npy, spectrum};
 /// The longest scene file, bytes. Scenes name their data; they do not hold them.
 const LONGEST: usize = 4 << 20;
 
-/// The most memory that a table of numbers may take, bytes.
+/// The memory limit for a table of numbers, bytes.
 const LONGEST_TABLE: u64 = 16 << 20;
 
-/// A scene file that was read once: whatever becomes of the file, all scenes and panels that are made of this see the
-/// same text, the same poses of glTF cameras, and look for the same files once.
+/// A scene file that was read once: even if the file changes, all scenes and panels made from this use the same text and the same poses
+/// of glTF cameras, and look for the same files once.
 #[derive(Debug)]
 pub struct SceneFile {
     pub(super) name: String,
@@ -33,7 +33,7 @@ pub struct SceneFile {
     pub(super) base: PathBuf,
     /// The folder within which glTF files may refer to others, besides their own.
     pub(super) reach: PathBuf,
-    /// Meshes and cubes of a program.
+    /// Meshes and cubes from a program.
     pub(super) memory: Memory,
     pub(super) cache: FileCache,
 }
@@ -42,13 +42,13 @@ impl SceneFile {
     /// Reads the file at `path`; relative paths in it resolve against its folder.
     ///
     /// # Errors
-    /// [`Error::Io`] where the file cannot be read; [`Error::Invalid`] where it is longer than scenes are, or not UTF-8.
+    /// [`Error::Io`] if the file cannot be read; [`Error::Invalid`] if it is too long for a scene, or not UTF-8.
     pub fn read(path: &Path) -> Result<SceneFile> {
         let name = path.display().to_string();
         Ok(SceneFile::of_text(&text_of(path)?, &name, base(path)))
     }
 
-    /// Reads a scene called `name` from what is no file, like a pipe; relative paths in it resolve against `base`.
+    /// Reads a scene called `name` from a stream, like a pipe; relative paths in it resolve against `base`.
     ///
     /// # Errors
     /// As [`SceneFile::read`].
@@ -62,7 +62,7 @@ impl SceneFile {
         &self.text
     }
 
-    /// What the scene is called in messages.
+    /// The name of the scene in messages.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -72,7 +72,7 @@ impl SceneFile {
         &self.base
     }
 
-    /// The text of a scene called `name`; relative paths in it resolve against `base`.
+    /// A scene called `name` from its text; relative paths in it resolve against `base`.
     pub fn of_text(text: &str, name: &str, base: &Path) -> SceneFile {
         SceneFile {
             name: name.to_string(),
@@ -84,14 +84,14 @@ impl SceneFile {
         }
     }
 
-    /// The same scene, whose glTF files may refer to other files within `folder` and their own folders, and not within the one against
-    /// which paths resolve: a model without a scene must not read what lies beside it by chance.
+    /// The same scene, restricted so that its glTF files may refer only to files within `folder` and their own folders, not within the
+    /// folder against which paths resolve: a model without a scene must not read files that happen to be beside it.
     pub fn reaching(mut self, folder: &Path) -> SceneFile {
         self.reach = folder.to_path_buf();
         self
     }
 
-    /// The scene, with what `overrides` change of it.
+    /// The scene with the changes of `overrides`.
     ///
     /// # Errors
     /// As [`load`].
@@ -104,9 +104,8 @@ impl SceneFile {
 /// Reads the scene file at `path`; relative paths in it resolve against its folder.
 ///
 /// # Errors
-/// [`Error::Io`] where the file cannot be read; [`Error::Invalid`] where it is not a scene, with the
-/// place in it and what would be right. Files that it names are looked for, not read (except for the
-/// pose of a glTF camera).
+/// [`Error::Io`] if the file cannot be read; [`Error::Invalid`] if it is not a valid scene, with the place in it and what would be right.
+/// Files that it names are checked for existence, not read (except for the pose of a glTF camera).
 pub fn load(path: &Path, overrides: &Overrides) -> Result<Scene> {
     SceneFile::read(path)?.scene(overrides)
 }
@@ -137,7 +136,7 @@ pub fn parse(text: &str, name: &str, base: &Path, overrides: &Overrides) -> Resu
     SceneFile::of_text(text, name, base).scene(overrides)
 }
 
-/// The scene that the report's text means; what it names is looked for as the file saw it.
+/// The scene of the report's text; files that it names are looked up in the cache.
 pub(super) fn scene(
     report: Report,
     SceneFile {
@@ -150,7 +149,7 @@ pub(super) fn scene(
     allow_outside: bool,
 ) -> Result<Scene> {
     let file: file::Scene = report.read()?;
-    // Every file that the scene names is looked for here: what resolves it is told, and opens nothing.
+    // Every file that the scene names is looked for here: the resolver gets the results, and opens nothing.
     let mut inputs = Inputs::new(base.clone(), memory.clone());
     inputs.reach = (!allow_outside).then(|| reach.clone());
     let meshes = file.object.iter().filter_map(|at| at.value.gltf.as_ref());
@@ -191,7 +190,7 @@ pub(super) fn scene(
     resolve::scene(report, inputs, &file)
 }
 
-/// Reads the table of a spectrum, where it has one.
+/// Reads the table of a spectrum, if it has one.
 fn read_spectrum(inputs: &mut Inputs, cache: &FileCache, spectrum: &Option<At<file::Spectrum>>) {
     let Some(name) = spectrum.as_ref().and_then(|at| at.value.table.as_ref()) else {
         return;
@@ -203,8 +202,7 @@ fn read_spectrum(inputs: &mut Inputs, cache: &FileCache, spectrum: &Option<At<fi
     }
 }
 
-/// Looks for the file of a cube or for the pictures of a sequence, and reads what the file says of its time axis where the
-/// scene does not.
+/// Looks for the file of a cube or for the pictures of a sequence, and reads what the file says of its time axis if the scene does not.
 fn look_for_cube(inputs: &mut Inputs, cache: &FileCache, cube: &file::Cube) {
     let name = &cube.file;
     if name.value.starts_with(memory::PREFIX) {
@@ -215,7 +213,7 @@ fn look_for_cube(inputs: &mut Inputs, cache: &FileCache, cube: &file::Cube) {
     let format = cube::format_called(&path);
     match format.and_then(CubeFormat::by_path) {
         None => look_for(inputs, cache, name),
-        // All of what it consists of, or some.
+        // All of its files, or some.
         Some(_) => {
             if let Err(error) = cube::files(&path) {
                 inputs.add_missing(name, error.to_string());
@@ -243,8 +241,7 @@ fn read_numbers(inputs: &mut Inputs, cache: &FileCache, table: &file::EdgesFile)
     inputs.add_numbers(name, numbers);
 }
 
-/// What the text of a scene called `name` says of where things are and how they are seen. No mesh and no cube is
-/// looked for.
+/// The kinematics in the text of a scene called `name`: positions, motions, and effects. No mesh and no cube is looked for.
 ///
 /// # Errors
 /// As [`load`].
@@ -269,7 +266,7 @@ fn camera<D>(inputs: &mut Inputs, cache: &FileCache, file: &file::Scene<D>) {
     }
 }
 
-/// Reads the way of an animated node, where a motion follows one.
+/// Reads the path of an animated node, if a motion follows one.
 fn read_track(inputs: &mut Inputs, cache: &FileCache, motion: &Option<At<file::Motion>>) {
     let animation = motion.as_ref().and_then(|at| at.value.animation.as_ref());
     let Some(file::Animation { gltf, node, name }) = animation.map(|at| &at.value) else {
@@ -288,7 +285,7 @@ fn read_track(inputs: &mut Inputs, cache: &FileCache, motion: &Option<At<file::M
     inputs.add_track(gltf, track);
 }
 
-/// Notes what is wrong with the file that `name` names. None is opened.
+/// Records what is wrong with the file that `name` names. None is opened.
 fn look_for(inputs: &mut Inputs, cache: &FileCache, name: &At<String>) {
     if name.value.starts_with(memory::PREFIX) {
         return;
@@ -296,7 +293,7 @@ fn look_for(inputs: &mut Inputs, cache: &FileCache, name: &At<String>) {
     let path = inputs.base.join(&name.value);
     match cache.look_for(&path, || files::length(&path)) {
         Ok(_) => {}
-        // There, but a directory or a device.
+        // It exists, but is a directory or a device.
         Err(error) if error.kind() == ErrorKind::InvalidInput && path.exists() => {
             inputs.add_problem(name, error.to_string());
         }
@@ -310,7 +307,7 @@ fn look_for(inputs: &mut Inputs, cache: &FileCache, name: &At<String>) {
     }
 }
 
-/// Reads the pose of the camera at `node` of the glTF file `name`, where there is one.
+/// Reads the pose of the camera at `node` of the glTF file `name`, if there is one.
 fn read_pose(
     inputs: &mut Inputs,
     cache: &FileCache,
@@ -335,7 +332,7 @@ fn read_pose(
     inputs.add_pose(name, pose);
 }
 
-/// Reads the pose of an image of a reconstruction, where one is named.
+/// Reads the pose of an image of a COLMAP reconstruction, if one is named.
 fn read_colmap(inputs: &mut Inputs, cache: &FileCache, pose: &Option<At<file::GivenPose>>) {
     let pose = pose.as_ref().map(|at| (&at.value.colmap, &at.value.image));
     let Some((Some(name), Some(image))) = pose else {
@@ -354,8 +351,8 @@ fn read_colmap(inputs: &mut Inputs, cache: &FileCache, pose: &Option<At<file::Gi
     inputs.add_pose(name, pose);
 }
 
-/// Reads the text of a file whose `[diagram]` is a `D`; what it means is resolved by `resolve`, from what the
-/// scene has of world lines. No mesh and no cube is looked for.
+/// Reads the text of a file whose `[diagram]` is a `D`; `resolve` resolves it, from the scene's world lines. No mesh and no cube is
+/// looked for.
 pub(crate) fn parse_diagram<D: DeserializeOwned, T>(
     text: &str,
     name: &str,
@@ -387,7 +384,7 @@ const OTHER_MODELS: [&str; 12] = [
     "3ds", "abc", "blend", "dae", "fbx", "obj", "ply", "stl", "usd", "usda", "usdc", "usdz",
 ];
 
-/// Refuses what is a model by its name, as none but glTF is read, and that not as a scene.
+/// Refuses files that are models by their names: only glTF can be read, and not as a scene.
 fn refuse_model(path: &Path) -> Result<()> {
     let extension = path.extension().unwrap_or_default();
     let mut all = OTHER_MODELS.iter();
@@ -402,7 +399,7 @@ fn refuse_model(path: &Path) -> Result<()> {
 fn read(path: &Path) -> Result<Vec<u8>> {
     let file = match files::open(path) {
         Ok((file, _)) => file,
-        // There, but a directory, a pipe, which may never end, or a device.
+        // It exists, but is a directory, a device, or a pipe, which may never end.
         Err(error) if error.kind() == ErrorKind::InvalidInput => {
             return Err(Error::invalid(
                 path,
@@ -417,7 +414,7 @@ fn read(path: &Path) -> Result<Vec<u8>> {
     start_of(file, path)
 }
 
-/// All of what is no longer than scenes are.
+/// The whole content, if it is not too long for a scene.
 fn start_of(reader: impl Read, path: &Path) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     reader

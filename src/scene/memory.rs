@@ -1,7 +1,7 @@
 //! Meshes and cubes that a program gives in memory, in place of files.
 //!
-//! The text of a scene names them by their content, as `memory:` and the SHA-256 of the arrays, so that the
-//! text alone tells one scene from another.
+//! The text of a scene names them by their content, as `memory:` and the SHA-256 of the arrays, so that different scenes have different
+//! texts.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 use crate::io::cube::{Cube, CubeSamples};
 use crate::mesh::{AlphaMode, Material, Mesh};
 
-/// What the names of things in memory begin with, where a path would stand.
+/// The prefix of names of objects in memory, in place of a path.
 pub(super) const PREFIX: &str = "memory:";
 
 /// Meshes and cubes by name; they are shared, not copied.
@@ -22,14 +22,14 @@ pub(super) struct Memory {
 }
 
 impl Memory {
-    /// Keeps `mesh`; the name by which the text of a scene refers to it.
+    /// Stores `mesh`; returns the name by which the text of a scene refers to it.
     pub fn add_mesh(&mut self, mesh: Arc<Mesh>) -> String {
         let name = name(|hash| hash_mesh(hash, &mesh));
         self.meshes.insert(name.clone(), mesh);
         name
     }
 
-    /// Keeps `cube`; the name by which the text of a scene refers to it.
+    /// Stores `cube`; returns the name by which the text of a scene refers to it.
     pub fn add_cube(&mut self, cube: Arc<Cube>) -> String {
         let name = name(|hash| hash_cube(hash, &cube));
         self.cubes.insert(name.clone(), cube);
@@ -58,7 +58,7 @@ fn name(add: impl FnOnce(&mut Sha256)) -> String {
     format!("{PREFIX}{digits}")
 }
 
-/// Adds numbers, in blocks, after how many they are.
+/// Adds numbers, in blocks, after their count.
 fn add<T, const N: usize>(hash: &mut Sha256, numbers: &[T], bytes: impl Fn(&T) -> [u8; N]) {
     hash.update((numbers.len() as u64).to_le_bytes());
     for block in numbers.chunks(4096) {
@@ -80,7 +80,7 @@ fn hash_cube(hash: &mut Sha256, cube: &Cube) {
 }
 
 fn hash_mesh(hash: &mut Sha256, mesh: &Mesh) {
-    // Taken apart by name, as what is forgotten here would make two meshes one.
+    // Destructured by name, because a forgotten field would make different meshes equal.
     let Mesh {
         positions,
         uvs,
@@ -94,7 +94,7 @@ fn hash_mesh(hash: &mut Sha256, mesh: &Mesh) {
         add(hash, positions, |p| p[axis].to_le_bytes());
         add(hash, triangles, |t| t[axis].to_le_bytes());
     }
-    // How many sets there are, as they stand one behind the other.
+    // The number of sets, because they are concatenated.
     hash.update((uvs.len() as u64).to_le_bytes());
     for set in uvs {
         add(hash, set, |uv| uv[0].to_le_bytes());

@@ -32,10 +32,10 @@ pub use sky::{Catalogue, Sky, SkyRadiance, Stars, Sun};
 /// The speed of light in vacuum, metres per second (exact).
 pub const SPEED_OF_LIGHT: f64 = 299_792_458.0;
 
-/// The most bounces.
+/// The largest number of bounces.
 pub const MOST_BOUNCES: u32 = 64;
 
-/// The most samples per pixel.
+/// The largest number of samples per pixel.
 pub const MOST_SAMPLES: u32 = 65_536;
 
 /// A scene, ready to be planned. All lengths and times are in metres (time is ct).
@@ -46,9 +46,9 @@ pub struct Scene {
     pub name: String,
     /// The text that was parsed, after overrides; goes into the metadata of outputs.
     pub text: String,
-    /// The folder within which glTF files may refer to other files, besides their own; none where they may anywhere.
+    /// The folder within which glTF files may refer to other files, besides their own; `None` for no restriction.
     pub folder: Option<PathBuf>,
-    /// Files, and folders of COLMAP, that were read beside the text: spectra, edges of bins, poses and keyframes.
+    /// Files, and COLMAP folders, that were read in addition to the text: spectra, edges of bins, poses and keyframes.
     pub read: Vec<PathBuf>,
     /// Speed of light of this scene, metres per second: only for converting seconds at the edges.
     pub speed_of_light: f64,
@@ -62,55 +62,55 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Time-resolved sources, in the order of the file.
     pub sources: Vec<Source>,
-    /// What the radiance of base colours measures, and of sources that give none of their own.
+    /// What the radiance of base colours measures, and that of sources without their own quantity.
     pub quantity: Quantity,
-    /// How RGB spectra go on where nobody at rest sees them.
+    /// How RGB spectra continue outside the range visible at rest.
     pub continuation: Continuation,
-    /// Exact special relativity, or the equations of a paper.
+    /// Exact special relativity, or the equations of the paper.
     pub equations: Equations,
     /// The four effects, each on unless turned off.
     pub effects: Effects,
-    /// How many more times light is reflected after the first surface that it falls on.
+    /// How many further times light is reflected after the first surface that it hits.
     pub bounces: u32,
     /// Whether surfaces reflect colours or spectra.
     pub spectra: Spectra,
     /// Seed of the random numbers.
     pub seed: u32,
-    /// Which of several captures of one surface gives it its radiance.
+    /// Which of several captures of a surface gives its radiance.
     pub captures: CaptureChoice,
-    /// What stands in for data that a source does not have.
+    /// What replaces data that a source does not have.
     pub outside: Outside,
-    /// Back faces, where the scene overrides the files.
+    /// Back faces, if the scene overrides the files.
     pub back_faces: BackFaces,
-    /// What shines from afar.
+    /// Light from infinity.
     pub sky: Option<Sky>,
-    /// Linear RGB radiance of rays that hit nothing, as observed, where there is no sky.
+    /// Linear RGB radiance of rays that hit nothing, as observed, if there is no sky.
     pub background: [f64; 3],
     /// Bits per sample of the PNG: 8 or 16.
     pub bits: u8,
-    /// The observed wavelength that is shown as 555 nm, metres, all others in proportion; none: as they are seen.
+    /// The observed wavelength that is shown as 555 nm, metres, with all others in proportion; `None` for true colours.
     pub false_colour: Option<f64>,
-    /// What the colours of isochrones span, metres of ct; none for what each picture has.
+    /// The range that the colours of isochrones span, metres of ct; `None` for the range in each picture.
     pub times: Option<[f64; 2]>,
-    /// What the colours of luminance span; none for what each picture has.
+    /// The range that the colours of luminance span; `None` for the range in each picture.
     pub luminances: Option<[f64; 2]>,
-    /// The light whose isochrones are drawn, where it is not that of the picture.
+    /// The light whose isochrones are drawn, if it is not that of the picture.
     pub flash_times: Option<FlashTimes>,
-    /// Words beneath pictures, with the camera's time and speed; none for nothing.
+    /// Text below pictures, with the camera's time and speed; `None` for no text.
     pub caption: Option<String>,
     /// Display of the PNG: exposure.
     pub exposure: Exposure,
-    /// Samples per pixel (powers of 4 are spread most evenly: their strata are squares, and their Sobol' points fill all intervals).
+    /// Samples per pixel (powers of 4 are distributed most evenly: their strata are squares, and their Sobol' points fill all intervals).
     pub samples_per_pixel: u32,
-    /// What of its files is not followed, in sentences.
+    /// Parts of its files that are not followed, in sentences.
     pub passed_over: Vec<String>,
     /// Variants of the scene, in the order of the file.
     pub panels: Vec<Panel>,
-    /// How they are put on one page.
+    /// How they are arranged on one page.
     pub sheet: Sheet,
 }
 
-/// Whose equations a picture follows.
+/// The equations that a picture follows.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -122,20 +122,20 @@ pub enum Equations {
     Paper2015,
 }
 
-/// What of light surfaces reflect.
+/// What surfaces reflect.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Spectra {
-    /// Red, green and blue, as they come to the surface in its rest frame.
+    /// Red, green and blue as they reach the surface in its rest frame.
     #[default]
     Rgb,
-    /// Its spectrum, at three wavelengths of each sample.
+    /// The spectrum, at three wavelengths per sample.
     Sampled,
 }
 
 impl Spectra {
-    /// As the scene file says it.
+    /// Its name in the scene file.
     pub fn name(self) -> &'static str {
         match self {
             Spectra::Rgb => "rgb",
@@ -144,7 +144,7 @@ impl Spectra {
     }
 }
 
-/// A thing with geometry, at rest in its own frame.
+/// A body with geometry, at rest in its own frame.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Object {
@@ -152,17 +152,17 @@ pub struct Object {
     pub name: String,
     /// Where its triangles come from.
     pub geometry: Geometry,
-    /// What it shines with in place of base colours and sources.
+    /// The spectrum that it emits, in place of base colours and sources.
     pub spectrum: Option<Spectrum>,
-    /// Further texture coordinates, as the set after those that the mesh has.
+    /// Further texture coordinates, as the set after those of the mesh.
     pub texture_coordinates: Option<CoordinateFile>,
     /// Object coordinates from the file's (or shape's) coordinates.
     pub transform: DAffine3,
-    /// What is done about vertices that no ray can hit.
+    /// What to do about vertices that no ray can hit.
     pub bad_vertices: BadVertices,
     /// Velocity in the world.
     pub velocity: Velocity,
-    /// The world event at which the object's origin is when its clock shows 0.
+    /// The world event of the object's origin when its clock shows 0.
     pub origin: Event<World>,
     /// A byte range of the scene text to point at in messages.
     pub span: std::ops::Range<usize>,
@@ -180,7 +180,7 @@ pub struct CoordinateFile {
 /// Where an object's triangles come from.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Geometry {
-    /// A glTF or GLB file, and a node of it by name (with all below it), or its default scene.
+    /// A glTF or GLB file, and a node of it by name (with everything below it), or its default scene.
     Gltf {
         /// Path, relative paths already resolved against the scene file.
         path: PathBuf,
@@ -189,7 +189,7 @@ pub enum Geometry {
     },
     /// A built-in shape.
     Shape {
-        /// Which.
+        /// The shape.
         shape: Shape,
         /// Linear RGB base colour.
         colour: [f32; 3],
@@ -197,12 +197,12 @@ pub enum Geometry {
         metallic: f32,
         /// Perceptual roughness, 0 to 1.
         roughness: f32,
-        /// The part of the light not reflected that goes through, 0 to 1.
+        /// The fraction of the light not reflected that passes through, 0 to 1.
         transmission: f32,
         /// Refractive index of the body.
         ior: f32,
     },
-    /// A mesh in memory, in its own coordinates. Textures of its materials are not there.
+    /// A mesh in memory, in its own coordinates. Its materials' textures are not available.
     Mesh(Arc<Mesh>),
 }
 
@@ -212,7 +212,7 @@ pub enum Geometry {
 pub struct Source {
     /// Unique name.
     pub name: String,
-    /// The surfaces that it gives radiance to.
+    /// The surfaces that it applies to.
     pub binding: Binding,
     /// The radiance.
     pub kind: SourceKind,
@@ -227,8 +227,7 @@ pub struct Source {
 pub enum Binding {
     /// All objects of the scene.
     All,
-    /// Objects (indices into [`Scene::objects`]) and, where not empty, only these materials of them
-    /// (names in the glTF file).
+    /// Objects (indices into [`Scene::objects`]) and, if not empty, only these materials of them (names in the glTF file).
     Only {
         /// Object indices, ascending.
         objects: Vec<usize>,
@@ -246,19 +245,19 @@ pub enum SourceKind {
     Pulse(Pulse),
 }
 
-/// A stored cube (H, W, T[, C]) and how it lies on surface and time.
+/// A stored cube (H, W, T[, C]) and its mapping to surface and time.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct CubeSource {
     /// The samples.
     pub data: CubeData,
-    /// What the channels are; grey, or red, green and blue, where nothing is said.
+    /// What the channels are; grey, or red, green and blue, if `None`.
     pub channels: Option<Channels>,
     /// How surface points address it.
     pub mapping: Mapping,
     /// Which clock its time axis shows.
     pub clock: Clock,
-    /// Where its bins lie in time.
+    /// Its bins in time.
     pub bins: TimeBins,
     /// Whether values are per bin or per metre.
     pub values: BinValues,
@@ -268,15 +267,15 @@ pub struct CubeSource {
     pub reconstruction: Reconstruction,
     /// Factor on all values.
     pub scale: f64,
-    /// The keys that the scene leaves out and its file says, with what it says.
+    /// The keys that the scene omits and its file gives, with their values.
     pub read: Vec<String>,
-    /// The keys that the scene leaves out, with what is assumed in their place.
+    /// The keys that the scene omits, with the values assumed.
     pub assumed: Vec<String>,
 }
 
 impl Scene {
-    /// The companions of `cube` that are seen: the channels beside red, green and blue, where the scene's spectra go on by them and wavelengths
-    /// are shifted.
+    /// The companions of `cube` that are visible: the channels beside red, green and blue, if they continue the scene's spectra and
+    /// wavelengths are shifted.
     pub fn companions_of(&self, cube: &CubeSource) -> Vec<CubeChannel> {
         match self.effects.doppler && self.continuation == Continuation::Companions {
             true => cube.companions(),
@@ -286,24 +285,23 @@ impl Scene {
 }
 
 impl CubeSource {
-    /// The channels beside red, green and blue that its scene says it has.
+    /// The channels beside red, green and blue that the scene declares.
     pub fn companions(&self) -> Vec<CubeChannel> {
         self.channels
             .as_ref()
             .map_or_else(Vec::new, Channels::companions)
     }
 
-    /// Whether lookups may be means over spans of time, through `camera`: over parts of an exposure, or over what samples
-    /// stand for.
+    /// Whether lookups may be means over time spans, through `camera`: over parts of an exposure, or over sample footprints.
     pub(crate) fn is_read_over_spans(&self, camera: &CameraModel) -> bool {
         camera.integrated_exposure().is_some() || self.reconstruction == Reconstruction::Footprint
     }
 }
 
-/// Where the bins of a time axis lie, metres of ct.
+/// The bins of a time axis, metres of ct.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TimeBins {
-    /// All of one width.
+    /// All of the same width.
     Uniform {
         /// Time at the *start* of bin 0.
         start: f64,
@@ -315,7 +313,7 @@ pub enum TimeBins {
 }
 
 impl TimeBins {
-    /// Where bin `bin` begins, and the one before it ends.
+    /// The start of bin `bin`, and the end of the one before it.
     pub fn edge(&self, bin: usize) -> f64 {
         match self {
             TimeBins::Uniform { start, width } => start + bin as f64 * width,
@@ -323,7 +321,7 @@ impl TimeBins {
         }
     }
 
-    /// The width of a bin, which is the mean one where they differ.
+    /// The width of a bin; the mean width if they differ.
     pub fn width(&self) -> f64 {
         match self {
             TimeBins::Uniform { width, .. } => *width,
@@ -363,20 +361,20 @@ pub enum CubeData {
 pub struct CubeFile {
     /// Relative paths are already resolved against the scene file.
     pub path: PathBuf,
-    /// The array of an `.npz`; needed where it holds several.
+    /// The array of an `.npz`; needed if it holds several.
     pub array: Option<String>,
-    /// The order of its axes, where the scene says it.
+    /// The order of its axes, if the scene gives it.
     pub axes: Option<Axes>,
-    /// How codes of PNG pictures stand for radiance.
+    /// How the codes of PNG pictures encode radiance.
     pub transfer: Option<Transfer>,
     /// Bins in which the sensor counted nothing.
     pub dead_bins: Vec<usize>,
-    /// What becomes of samples below 0, where the scene says it.
+    /// What to do with samples below 0, if the scene says so.
     pub negative: Option<Negative>,
 }
 
 impl CubeFile {
-    /// What is wanted of the file, whose channels are these.
+    /// What to read from the file, with these channels.
     pub fn wanted<'a>(&'a self, channels: Option<&'a Channels>) -> Wanted<'a> {
         Wanted {
             array: self.array.as_deref(),
@@ -391,7 +389,7 @@ impl CubeFile {
 }
 
 impl CubeData {
-    /// The file that holds them, if one does.
+    /// The file that holds them, if any.
     pub fn path(&self) -> Option<&Path> {
         match self {
             CubeData::File(file) => Some(&file.path),
@@ -410,7 +408,7 @@ pub enum Mapping {
         /// What backs show.
         backs: CubeBacks,
     },
-    /// By projection into a capture camera, as far as it saw the point.
+    /// By projection into a capture camera, if it saw the point.
     Capture(CaptureCamera),
 }
 
@@ -421,20 +419,20 @@ pub struct CaptureCamera {
     pub eye: DVec3,
     /// Orthonormal axes: right, up, forward.
     pub axes: [DVec3; 3],
-    /// How its pixels look.
+    /// The projection of its pixels.
     pub projection: ProjectionKind,
     /// Field of view of the whole film, radians. The aspect follows from the film's shape.
     pub fov: f64,
-    /// The axis along which `fov` is.
+    /// The axis along which `fov` is measured.
     pub fov_axis: FovAxis,
-    /// Where the cube lies on the film; none where it is all of it.
+    /// The position of the cube on the film; `None` if it covers all of it.
     pub crop: Option<Crop>,
     /// Depth of the plane on which the capture's rays began, metres, at least 0.
     pub near_clip: f64,
 }
 
 impl CaptureCamera {
-    /// A perspective camera whose film is the cube, with a horizontal field of view, without a near plane.
+    /// A perspective camera whose film is the cube, with this horizontal field of view and without a near plane.
     pub fn new(eye: DVec3, axes: [DVec3; 3], horizontal_fov: f64) -> Self {
         CaptureCamera {
             eye,
@@ -457,8 +455,8 @@ impl CaptureCamera {
 
     /// The horizontal field of view, radians, of the whole film, for a cube of `size` columns and rows.
     ///
-    /// On a plane at depth 1, half the film's width, height and diagonal are the tangents of half their fields of
-    /// view, and they are to each other as w, h and √(w² + h²).
+    /// On a plane at depth 1, half the film's width, height and diagonal are the tangents of half their fields of view, and are in the
+    /// ratio w : h : √(w² + h²).
     pub fn horizontal_fov(&self, size: [usize; 2]) -> f64 {
         let [w, h] = self.film(size);
         let along = match self.fov_axis {
@@ -468,7 +466,7 @@ impl CaptureCamera {
             FovAxis::Smaller => w.min(h),
             FovAxis::Larger => w.max(h),
         };
-        // What is the horizontal one already keeps its digits.
+        // A horizontal field of view is returned as it is, to keep its digits.
         if along == w {
             return self.fov;
         }
@@ -494,12 +492,12 @@ pub enum FovAxis {
     Larger,
 }
 
-/// Where a cube lies on the film of its camera, in columns and rows.
+/// The position of a cube on the film of its camera, in columns and rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Crop {
-    /// Of the whole film.
+    /// The size of the whole film.
     pub film: [u32; 2],
-    /// Of the film, left of the cube and above it.
+    /// The offset of the cube from the left and the top of the film.
     pub offset: [u32; 2],
 }
 
@@ -520,7 +518,7 @@ pub enum Clock {
 }
 
 impl Clock {
-    /// As scene files say it.
+    /// Its name in scene files.
     pub fn name(self) -> &'static str {
         match self {
             Clock::World => "world",
@@ -530,7 +528,7 @@ impl Clock {
     }
 }
 
-/// What a stored value is along time.
+/// The meaning of a stored value along time.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -553,14 +551,13 @@ pub enum TimeFilter {
     Linear,
     /// Cubic (Catmull–Rom) through bin centres.
     Cubic,
-    /// Cubic, with each bin's value taken as the mean that it is rather than as the value at its centre:
-    /// sharper on smooth data, and six bins wide. Of the four it has the least error on all frames of an independent
-    /// renderer, by factors of 1.07 to 3.4 over linear.
+    /// Cubic, with each bin's value taken as its mean, not as the value at its centre: sharper on smooth data, and six bins wide. Of the
+    /// four it has the smallest error on all frames of an independent renderer, by factors of 1.07 to 3.4 over linear.
     #[default]
     CubicMeans,
 }
 
-/// What the backs of surfaces show of a cube on texture coordinates, where they are seen.
+/// What the backs of surfaces show of a cube on texture coordinates, if they are visible.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -570,16 +567,16 @@ pub enum CubeBacks {
     AsFront,
     /// Nothing: they are black, and hide what is behind them.
     Black,
-    /// Light of their own: the first half of the cube's rows is that of fronts, the second half that of backs, both at the same
-    /// texture coordinates.
+    /// Their own light: the first half of the cube's rows belongs to fronts, the second half to backs, both at the same texture
+    /// coordinates.
     SecondHalf,
 }
 
 impl CubeBacks {
-    /// What files of baked light call it.
+    /// The key in files of baked light.
     pub(crate) const KEY: &str = "backs";
 
-    /// As scene files say it.
+    /// Its name in scene files.
     pub fn name(self) -> &'static str {
         match self {
             CubeBacks::AsFront => "as_front",
@@ -597,37 +594,36 @@ pub enum Reconstruction {
     /// Linear between the centres of pixels, along both axes.
     #[default]
     Bilinear,
-    /// Cubic, with each pixel's value taken as the mean over its square that it is: on smooth surfaces 1.1 to 2.7 times
-    /// less error on all frames of an independent renderer, more of the data's noise, and up to 80 samples in time where
-    /// bilinear reads 4.
+    /// Cubic, with each pixel's value taken as the mean over its square: on smooth surfaces 1.1 to 2.7 times less error on all frames of
+    /// an independent renderer, more of the data's noise, and up to 80 samples in time where bilinear reads 4.
     Sharp,
-    /// Bilinear, as the mean over what each sample of the picture stands for on the surface, where that is wider than a
-    /// texel or takes longer than a bin: up to 64 × 64 lookups, each at its own place and time, or over its own span of it.
+    /// Bilinear, averaged over the area of the surface that each sample of the picture covers, if that is wider than a texel or takes
+    /// longer than a bin: up to 64 × 64 lookups, each at its own point and time, or over its own part of the time span.
     Footprint,
 }
 
-/// A spherical pulse from a point at rest in the world, falling on diffuse surfaces.
+/// A spherical pulse from a point at rest in the world that illuminates diffuse surfaces.
 ///
-/// Irradiance at distance r: I(t − ηr) cos θ / r², with I(t) = intensity · g((t − t₀)/σ)/σ per metre
-/// of time, g the unit Gaussian; reflected as albedo/π of it. The albedo is the surface's base colour.
+/// Irradiance at distance r: I(t − ηr) cos θ / r², with I(t) = intensity · g((t − t₀)/σ)/σ per metre of time, g the unit Gaussian;
+/// albedo/π of it is reflected. The albedo is the surface's base colour.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Pulse {
-    /// Where and when the centre of the pulse is emitted.
+    /// The event of emission of the pulse's centre.
     pub origin: Event<World>,
     /// Standard deviation of the Gaussian in time, metres, above 0.
     pub sigma: f64,
     /// Energy per solid angle, by channel.
     pub intensity: [f64; 3],
-    /// Whether other surfaces shadow it.
+    /// Whether other surfaces cast shadows in its light.
     pub shadows: bool,
 }
 
-/// The effects of relativity and of light's delay; each can be turned off alone.
+/// The effects of relativity and of the delay of light; each can be turned off separately.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Effects {
-    /// Off: a look direction of the camera frame is taken as the same direction of the world.
+    /// Off: a look direction of the camera frame is used as the same direction in the world.
     pub aberration: bool,
     /// Off: colours are those of the emitted wavelength.
     pub doppler: bool,
@@ -638,19 +634,19 @@ pub struct Effects {
     pub retardation: bool,
 }
 
-/// Which of several captures of one surface gives it its radiance.
+/// Which of several captures of a surface gives its radiance.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum CaptureChoice {
-    /// All that hold the point, weighted by how well they see it.
+    /// All that contain the point, weighted by how well they see it.
     #[default]
     Blend,
-    /// The first in the scene that holds it.
+    /// The first in the scene that contains it.
     First,
 }
 
-/// What stands in for data that a source does not have; coverage says where.
+/// What replaces data that a source does not have; the coverage channel says where.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Outside {
@@ -671,43 +667,43 @@ pub struct Outside {
 pub enum Fill {
     /// Radiance 0.
     Black,
-    /// A linear RGB radiance to stand out; not multiplied by any factor.
+    /// A conspicuous linear RGB radiance; not multiplied by any factor.
     Mark([f64; 3]),
-    /// The nearest data there are (time or place clamped).
+    /// The nearest available data (time or position clamped).
     Hold,
 }
 
-/// Which faces of a triangle are seen.
+/// Which faces of a triangle are visible.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum BackFaces {
-    /// By each file's materials: double-sided, or else culled.
+    /// By each file's materials: double-sided or culled.
     #[default]
     AsFile,
     /// Both faces alike.
     TwoSided,
     /// Back faces are black, and hide what is behind them.
     Black,
-    /// Back faces are not there: rays from behind pass, those of shadows too.
+    /// Back faces are absent: rays from behind pass, including shadow rays.
     Culled,
 }
 
-/// Light of one flash, whose isochrones are drawn, on bodies at rest in the world.
+/// The light of one flash whose isochrones are drawn, on bodies at rest in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlashTimes {
     /// The flash.
     pub flash: Event<World>,
-    /// On whose clock its light comes.
+    /// The clock for the arrival of its light.
     pub clock: FlashClock,
 }
 
-/// Where the light of a flash is received, after it has come to a surface.
+/// Where the light of a flash is received, after reaching a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FlashClock {
     /// At the surface: world time.
     World,
-    /// At the scene's camera, at rest: time 0 of its clock is at this event.
+    /// At the scene's camera, at rest: its clock shows 0 at this event.
     Camera(Event<World>),
     /// At a capture camera at rest here, whose clock shows world time.
     Capture(DVec3),
@@ -716,7 +712,7 @@ pub enum FlashClock {
 /// The factor between linear radiance and the display.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Exposure {
-    /// This percentile of the brightest channel (of lit pixels, as the display shows it) becomes white, in (0, 100].
+    /// This percentile of the brightest channel (of lit pixels, as displayed) becomes white, in (0, 100].
     Percentile(f64),
     /// Radiance of white, above 0.
     White(f64),

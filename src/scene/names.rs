@@ -1,4 +1,4 @@
-//! What objects and sources are called where the file does not say.
+//! The default names of objects and sources.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -17,8 +17,7 @@ pub(super) fn source(cube_file: Option<&str>) -> String {
     cube_file.map_or_else(|| "pulse".into(), file_stem)
 }
 
-/// The names of all: what each is called in the file, or else its default, numbered "-2", "-3", …
-/// where that is taken.
+/// The names of all: each entry's name in the file, or else its default, numbered "-2", "-3", … if that is taken.
 pub(super) fn unique(entries: Vec<(Option<String>, String)>) -> Vec<String> {
     let explicit = entries.iter().filter_map(|(name, _)| name.clone());
     let mut taken: HashSet<String> = explicit.collect();
@@ -29,7 +28,7 @@ pub(super) fn unique(entries: Vec<(Option<String>, String)>) -> Vec<String> {
     entries.into_iter().map(name).collect()
 }
 
-/// The first of "x", "x-2", "x-3", … that is not taken; takes it.
+/// The first of "x", "x-2", "x-3", … that is free; marks it as taken.
 fn free(
     default: String,
     taken: &mut HashSet<String>,

@@ -1,8 +1,8 @@
-//! What callers change in a scene: edits of the document, made before it is read.
+//! Changes to a scene by its caller: edits of the document, made before it is read.
 //!
-//! A dotted key names what is set: `camera.velocity.beta`, `object.cube.velocity` (by name) or
-//! `object.0.velocity` (by number, from 0). Tables that are missing are made. The value is a TOML value;
-//! bare words are taken as a text. Spans and refusals then refer to the text after the edits.
+//! A dotted key names what is set: `camera.velocity.beta`, `object.cube.velocity` (by name) or `object.0.velocity` (by number, from 0).
+//! Missing tables are created. The value is a TOML value; bare words are taken as text. Spans and error messages then refer to the text
+//! after the edits.
 
 use std::str::FromStr;
 
@@ -14,10 +14,10 @@ use super::suggest::did_you_mean;
 use crate::error::{Error, Message, Problem, Result, Setting};
 use crate::spacetime::units::quoted;
 
-/// What is set in place of what the scene file says.
+/// Values that replace those of the scene file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Overrides {
-    /// Dotted keys and the TOML text of their values; bare words are taken as a text.
+    /// Dotted keys and the TOML text of their values; bare words are taken as text.
     pub set: Vec<(String, String)>,
     /// Width and height of the picture, in place of `camera.size`.
     pub size: Option<[u32; 2]>,
@@ -27,24 +27,24 @@ pub struct Overrides {
     pub white: Option<f64>,
     /// In place of `display.samples_per_pixel`.
     pub samples_per_pixel: Option<u32>,
-    /// The camera's proper time of the shot, with its unit, in place of `camera.time`.
+    /// The camera's proper time at the shot, with its unit, in place of `camera.time`.
     pub time: Option<String>,
-    /// Whether glTF files may refer to files outside their own folder and the scene's. Not a change of the text.
+    /// Whether glTF files may refer to files outside their own folder and the scene's. Does not change the text.
     pub allow_outside: bool,
 }
 
 /// An edit that was made.
 pub(crate) struct Edit {
-    /// What set it, to which value.
+    /// The override and its value.
     pub by: Message,
-    /// What it set.
+    /// The place that it changed.
     pub place: Place,
 }
 
-/// The keys of a path, at most: more than any that exists.
+/// The maximal number of keys in a path: more than any that exists.
 const LONGEST_PATH: usize = 16;
 
-/// Makes the edits in `text`. A text that is not TOML stays as it is: reading it, by the same parser, says why.
+/// Makes the edits in `text`. A text that is not TOML is returned unchanged: reading it, with the same parser, reports why.
 pub(super) fn apply(text: &str, overrides: &Overrides) -> Result<(String, Vec<Edit>)> {
     let changes = changes(overrides)?;
     if changes.is_empty() {
@@ -59,7 +59,7 @@ pub(super) fn apply(text: &str, overrides: &Overrides) -> Result<(String, Vec<Ed
         let by = change.by();
         let refuse = |what, help| refuse(change.setting, &change.text, what, help);
         let place = set(&mut document, &change.key, change.value, &refuse)?;
-        // The ways to say how bright white is take each other's place.
+        // The ways to set the white point replace each other.
         let rivals: &[&str] = match change.setting {
             Setting::Exposure => &["white", "logarithmic"],
             Setting::White => &["exposure", "logarithmic"],
@@ -78,11 +78,11 @@ pub(super) fn apply(text: &str, overrides: &Overrides) -> Result<(String, Vec<Ed
     Ok((document.to_string(), edits))
 }
 
-/// Refuses an override of how bright white is beside a set key for the same, which it would take the place of.
+/// Refuses an override of the white point together with a set key for the same, which it would replace.
 fn refuse_rivals(changes: &[Change]) -> Result<()> {
     let is_own = |c: &&Change| matches!(c.setting, Setting::Exposure | Setting::White);
     let is_rival = |c: &&Change| {
-        // A logarithmic scale is a way to show, of which an override takes the place.
+        // A logarithmic scale is a way of display, which an override replaces.
         let ways = ["exposure", "white"];
         let says_white = match c.key.strip_prefix("display.") {
             Some(key) => ways.contains(&key),
@@ -105,9 +105,9 @@ fn refuse_rivals(changes: &[Change]) -> Result<()> {
 
 /// A key that is set.
 struct Change {
-    /// By which override.
+    /// The override.
     setting: Setting,
-    /// The value as it stands there, after the key where it is given, too.
+    /// The value as written there, with its key if it is given.
     text: String,
     key: String,
     value: Value,
@@ -166,7 +166,7 @@ fn changes(overrides: &Overrides) -> Result<Vec<Change>> {
     Ok(all)
 }
 
-/// What is said of an override's value at most, characters.
+/// The maximal length of an override's value in messages, characters.
 const LONGEST_TEXT: usize = 194;
 
 fn refuse(setting: Setting, text: &str, what: impl Into<Message>, help: String) -> Error {
@@ -198,8 +198,8 @@ fn parse_value(text: &str, said: &str) -> Result<Value> {
     }
 }
 
-/// Sets the dotted `key` of `document`, making tables that are missing; the place that was set. `refuse`
-/// makes the error, of what is wrong and what would be right.
+/// Sets the dotted `key` of `document`, creating missing tables; returns the place. `refuse` makes the error, from what is wrong and what
+/// would be right.
 pub(super) fn set(
     document: &mut DocumentMut,
     key: &str,
@@ -221,15 +221,15 @@ pub(super) fn set(
     Ok(walk.place)
 }
 
-/// A walk down the document to where a value is to be set.
+/// A walk down the document to the place of a value.
 struct Walk<'a> {
     refuse: &'a dyn Fn(String, String) -> Error,
-    /// Where it has come to.
+    /// The current place.
     place: Place,
 }
 
 impl Walk<'_> {
-    /// Sets the key at the end of `path`, in tables that are made where there are none.
+    /// Sets the key at the end of `path`, creating missing tables.
     fn set_in_table(
         &mut self,
         table: &mut dyn TableLike,
@@ -258,7 +258,7 @@ impl Walk<'_> {
         }
     }
 
-    /// `object.x` and `source.x` pick an entry; they cannot make one.
+    /// `object.x` and `source.x` select an existing entry; they cannot create one.
     fn refuse_new_entry(&self, key: &str) -> Result<()> {
         if self.place.0.len() == 1 && matches!(key, "object" | "source" | "light") {
             let help = format!("add a [[{key}]] table to the scene file");
@@ -324,7 +324,7 @@ impl Walk<'_> {
     }
 }
 
-/// The name that an object, a source or, as `is_lights` says, a light has in the file, and the one that it has otherwise.
+/// The name of an object, a source or, if `is_lights`, a light in the file, and its default name.
 fn entry_names(table: &dyn TableLike, is_lights: bool) -> (Option<String>, String) {
     let text = |key: &str| table.get(key).and_then(Item::as_str);
     let first_key = |item: &Item| {
@@ -343,7 +343,7 @@ fn entry_names(table: &dyn TableLike, is_lights: bool) -> (Option<String>, Strin
     (text("name").map(str::to_string), default)
 }
 
-/// A new table: under a header of its own at the root, inline further down.
+/// A new table: with its own header at the root, inline further down.
 fn empty_table(at_root: bool) -> Item {
     if at_root {
         Item::Table(Table::new())
@@ -352,7 +352,7 @@ fn empty_table(at_root: bool) -> Item {
     }
 }
 
-/// Sets a key; a value that it replaces leaves its place on the line, and the comment after it.
+/// Sets a key; a replaced value passes on its position on the line, and the comment after it.
 fn replace(table: &mut dyn TableLike, key: &str, mut value: Value) {
     if let Some(Item::Value(old)) = table.get(key) {
         *value.decor_mut() = old.decor().clone();

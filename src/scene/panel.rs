@@ -1,4 +1,4 @@
-//! The scene that a panel shows: the file's, with the panel's changes and then the overrides.
+//! The scene of a panel: the file's, with the panel's changes and then the overrides.
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -12,13 +12,12 @@ use super::report::Report;
 use crate::error::{Error, Message, Result};
 
 impl SceneFile {
-    /// The scene of `panel`, one of those of `scene`, which was made of this file.
+    /// The scene of `panel`, one of the panels of `scene`, which was made from this file.
     ///
-    /// Changes are made in the order panel, `overrides`. The scene's text is one without panels that shows
-    /// the same.
+    /// Changes are made in the order panel, `overrides`. The scene's text is an equivalent one without panels.
     ///
     /// # Errors
-    /// As [`load`](super::load()); where the panel's own changes are wrong, with the place of the panel.
+    /// As [`load`](super::load()); if the panel's own changes are wrong, with the place of the panel.
     pub fn panel(&self, scene: &Scene, panel: &Panel, overrides: &Overrides) -> Result<Scene> {
         let of_panel = Overrides {
             allow_outside: overrides.allow_outside,
@@ -26,7 +25,7 @@ impl SceneFile {
         };
         self.changed(panel, overrides)
             .map_err(|error| match self.changed(panel, &of_panel) {
-                // Without the overrides all is well.
+                // Without the overrides there is no error.
                 Ok(_) => error,
                 Err(error) => blame(scene, panel, error),
             })
@@ -48,7 +47,7 @@ impl SceneFile {
     }
 }
 
-/// The text without its panels and their sheet. One that is not TOML stays as it is.
+/// The text without its panels and their sheet. A text that is not TOML is returned unchanged.
 fn without_panels(text: &str) -> Arc<str> {
     let Ok(mut document) = DocumentMut::from_str(text) else {
         return text.into();
@@ -58,7 +57,7 @@ fn without_panels(text: &str) -> Arc<str> {
     document.to_string().into()
 }
 
-/// The refusal of what `panel` sets, at its place in the file.
+/// The error for what `panel` sets, at its place in the file.
 fn blame(scene: &Scene, panel: &Panel, error: Error) -> Error {
     let problem = match error {
         Error::Invalid(problem) => problem,

@@ -49,8 +49,7 @@ fn printable(key: &str) -> String {
     short.escape_debug().to_string()
 }
 
-/// The innermost key or value of `text` that holds `span`; the root where none does, or where the text
-/// is not TOML.
+/// The innermost key or value of `text` that contains `span`; the root if none does, or if the text is not TOML.
 pub(super) fn place_of(text: &str, span: &Range<usize>) -> Place {
     let Ok(document) = Document::parse(text) else {
         return Place::default();
@@ -67,12 +66,12 @@ pub(super) fn place_of(text: &str, span: &Range<usize>) -> Place {
 struct Search<'a> {
     target: &'a Range<usize>,
     path: Vec<Step>,
-    /// The smallest span so far that holds the target, and its place.
+    /// The smallest span so far that contains the target, and its place.
     best: Option<(usize, Place)>,
 }
 
 impl Search<'_> {
-    /// Takes the current path if `span` holds the target more closely than any before it.
+    /// Takes the current path if `span` contains the target more closely than any before it.
     fn offer(&mut self, span: Option<Range<usize>>) {
         let Some(span) = span else { return };
         if span.start > self.target.start || span.end < self.target.end {

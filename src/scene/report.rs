@@ -1,4 +1,4 @@
-//! Refusals: what is wrong, labelled in the text, named by its key, with what would be right.
+//! Error messages: what is wrong, labelled in the text, named by its key, with what would be right.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ impl Report {
         tree::read(&self.text).map_err(|error| {
             let span = error.span.unwrap_or(0..0);
             let place = place_of(&self.text, &span);
-            // An error of syntax has no key, as there is no tree yet.
+            // A syntax error has no key, because there is no tree yet.
             if place == Place::default() && toml_edit::Document::parse(&*self.text).is_err() {
                 return self.not_toml(span, &error.message);
             }
@@ -39,7 +39,7 @@ impl Report {
         })
     }
 
-    /// The refusal of what stands at `span`.
+    /// The error for the text at `span`.
     pub fn refuse(
         &self,
         span: &Range<usize>,
@@ -49,7 +49,7 @@ impl Report {
         self.refuse_at(&place_of(&self.text, span), span, what, help)
     }
 
-    /// The refusal of what stands at `span`, which disagrees with what stands at `other`.
+    /// The error for the text at `span`, which conflicts with that at `other`.
     pub fn refuse_two(
         &self,
         span: &Range<usize>,
@@ -68,7 +68,7 @@ impl Report {
         error
     }
 
-    /// The refusal of a text without the key `key` at its root.
+    /// The error for a text without the key `key` at its root.
     pub fn missing(&self, key: &str) -> Error {
         let (what, help) = explain(
             &schema::schema(),
@@ -92,7 +92,7 @@ impl Report {
             .invalid()
     }
 
-    /// The edit that set what stands at `place`.
+    /// The edit that set the value at `place`.
     fn edit_within(&self, place: &Place) -> Option<&Edit> {
         self.edits.iter().find(|edit| place.is_within(&edit.place))
     }
@@ -109,7 +109,7 @@ impl Report {
             .invalid()
     }
 
-    /// The span, or the last character of the text where the span lies behind that.
+    /// The span, or the last character of the text if the span is beyond it.
     fn visible(&self, span: Range<usize>) -> Range<usize> {
         let text = self.text.trim_end();
         match text.char_indices().next_back() {
@@ -131,7 +131,7 @@ fn cite(help: &mut Message, edit: Option<&Edit>) {
     }
 }
 
-/// What a message of serde means at `place`, and what would be right.
+/// The meaning of a message of serde at `place`, and what would be right.
 fn explain(schema: &Value, message: &str, place: &Place) -> (String, String) {
     let described = |place: &[Step]| {
         let node = schema::at(schema, place)?;
@@ -141,7 +141,7 @@ fn explain(schema: &Value, message: &str, place: &Place) -> (String, String) {
             schema::description(node)?
         ))
     };
-    // serde gives no kinds of errors, only messages: these are told apart by how they begin.
+    // serde has no kinds of errors, only messages: they are distinguished by how they begin.
     if message.starts_with("unknown field") {
         return unknown_key(schema, place);
     }
@@ -161,7 +161,7 @@ fn explain(schema: &Value, message: &str, place: &Place) -> (String, String) {
         let help = meant + &described(&place.0).unwrap_or_default();
         return (what, help);
     }
-    // Of the key itself, or of the nearest table around it that is described.
+    // The description of the key itself, or of the nearest enclosing table that has one.
     let help = (0..place.0.len())
         .rev()
         .find_map(|n| described(place.0.get(..=n)?));
@@ -192,7 +192,7 @@ fn unknown_key(schema: &Value, place: &Place) -> (String, String) {
     }
 }
 
-/// Keys by which cameras and lamps move on, and what is said where an object has one of them.
+/// Keys for the motion of cameras and lamps, and the message for an object that has one of them.
 const MOTIONS: [&str; 4] = ["motion", "world_line", "keyframes", "acceleration"];
 const UNIFORM: &str = "objects move uniformly (`velocity`, and `origin` for where they are and when), so that they are intersected in a \
                        frame in which they rest for ever; world lines of any kind are for [camera] and [[light]]";

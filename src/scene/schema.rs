@@ -11,7 +11,7 @@ use serde_json::Value;
 use super::file;
 use super::place::Step;
 
-/// The schema of scene files as it ships. It is derived from the types that parse them; a test compares the two.
+/// The schema of scene files as shipped. It is derived from the types that parse them; a test compares the two.
 const SCHEMA: &str = include_str!("schema.json");
 
 /// The JSON schema (draft 2020-12) of a scene file with its `[diagram]`, for editors: descriptions, defaults, and what is
@@ -20,7 +20,7 @@ pub fn schema() -> Value {
     serde_json::from_str(SCHEMA).unwrap_or_default()
 }
 
-/// The same made from the types, where `[diagram]` is a `D`.
+/// The schema derived from the types, where `[diagram]` is a `D`.
 #[cfg(feature = "schema")]
 pub(crate) fn derived<D: schemars::JsonSchema>() -> Value {
     let mut schema = schemars::schema_for!(file::Scene<D>).to_value();
@@ -30,7 +30,7 @@ pub(crate) fn derived<D: schemars::JsonSchema>() -> Value {
 }
 
 #[cfg(feature = "schema")]
-/// Lists the words of enumerations where they may stand; what they mean is in the description of the key.
+/// Lists the words of enumerations where they may appear; their meaning is in the description of the key.
 fn inline_words(schema: &mut Value) {
     let Some(Value::Object(definitions)) = schema.get_mut("$defs") else {
         return;
@@ -65,7 +65,7 @@ fn put_words(value: &mut Value, lists: &HashMap<String, Vec<Value>>) {
 }
 
 #[cfg(feature = "schema")]
-/// Takes out `null`, which TOML does not have, and the repeated defaults of whole tables.
+/// Removes `null`, which TOML does not have, and the repeated defaults of whole tables.
 fn tidy(value: &mut Value) {
     match value {
         Value::Array(items) => items.iter_mut().for_each(tidy),
@@ -130,13 +130,13 @@ pub(super) fn keys<'s>(schema: &'s Value, node: &'s Value) -> Vec<&'s str> {
         .collect()
 }
 
-/// What `node` says about itself, on one line.
+/// The description of `node`, on one line.
 pub(super) fn description(node: &Value) -> Option<String> {
     let text = node.get("description")?.as_str()?;
     Some(text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// `node`, the definition that it refers to, and its alternatives, and theirs.
+/// `node`, the definition that it refers to, its alternatives, and theirs.
 fn alternatives<'s>(schema: &'s Value, node: &'s Value) -> Vec<&'s Value> {
     let definition = |node: &'s Value| {
         let pointer = node.get("$ref")?.as_str()?.strip_prefix('#')?;
@@ -148,7 +148,7 @@ fn alternatives<'s>(schema: &'s Value, node: &'s Value) -> Vec<&'s Value> {
     };
     let mut found = vec![node];
     let mut next = 0;
-    // The definitions do not refer to themselves, so that this ends.
+    // The definitions are not recursive, so this ends.
     while let Some(&node) = found.get(next) {
         found.extend(definition(node));
         found.extend(listed(node));

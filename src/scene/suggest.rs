@@ -1,11 +1,11 @@
 //! The name that was probably meant.
 
-/// The candidate nearest to `word` by edit distance (letter case ignored), if any is near; the first of equals.
+/// The candidate nearest to `word` by edit distance (ignoring case), if any is near; the first among equals.
 pub(crate) fn nearest<'c>(
     word: &str,
     candidates: impl IntoIterator<Item = &'c str>,
 ) -> Option<&'c str> {
-    // Bounded, so that a hostile file cannot make a long job of its own refusal.
+    // Bounded, so that a hostile file cannot make its own refusal take long.
     const LONGEST: usize = 64;
     const MOST: usize = 1000;
     let letters = word.chars().count();
@@ -28,7 +28,7 @@ pub(crate) fn nearest<'c>(
         .map(|(_, candidate)| candidate)
 }
 
-/// "did you mean NAME? ", with the nearest candidate as `show` shows it; or nothing.
+/// "did you mean NAME? ", with the nearest candidate formatted by `show`; or nothing.
 pub(super) fn did_you_mean<'c>(
     word: &str,
     candidates: impl IntoIterator<Item = &'c str>,

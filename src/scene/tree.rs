@@ -1,8 +1,8 @@
 //! From a parsed TOML document to the structures of the file, each value with its place.
 //!
-//! A serde deserializer over toml_edit's document, which keeps the byte range of every key and value. The
-//! file has some two hundred types that are read through it, so it has one concrete type and does nothing generic
-//! beyond calling their visitors: that is a quarter of what compiling them through `toml` takes.
+//! A serde deserializer over toml_edit's document, which keeps the byte range of every key and value. The file has some two hundred types
+//! that are read through it, so it is one concrete type and does nothing generic beyond calling their visitors: that takes a quarter of
+//! the time to compile them through `toml`.
 
 use std::fmt::Display;
 use std::ops::Range;
@@ -15,10 +15,10 @@ use serde::de::{
 use serde::{Deserialize, forward_to_deserialize_any};
 use toml_edit::{ArrayOfTables, Document, Item, TableLike, Value};
 
-/// The name by which [`At`](super::at::At) asks for a value with its place: start, end, value.
+/// The name by which [`At`](super::at::At) requests a value with its place: start, end, value.
 pub(super) const PLACED: &str = "nullray::At";
 
-/// Why a text is not what was asked for, and where.
+/// Why a text does not match the requested type, and where.
 #[derive(Debug)]
 pub(super) struct Mismatch {
     pub message: String,
@@ -54,7 +54,7 @@ enum Content<'a> {
 }
 
 impl<'a> Node<'a> {
-    /// The node of `item`; what the text implies without saying it stands where its key does, at `key`.
+    /// The node of `item`; values that are only implied by the text get the place of their key, `key`.
     fn of(item: &'a Item, key: Range<usize>) -> Option<Self> {
         let content = match item {
             Item::None => return None,
@@ -67,7 +67,7 @@ impl<'a> Node<'a> {
         Some(Node { content, span })
     }
 
-    /// What there is, for messages that it is not what is asked for.
+    /// The value found, for messages about a type mismatch.
     fn unexpected(&self) -> Unexpected<'a> {
         match self.content {
             Content::Bound(bound) => Unexpected::Unsigned(bound as u64),
@@ -109,7 +109,7 @@ impl Display for Mismatch {
 impl std::error::Error for Mismatch {}
 
 impl Mismatch {
-    /// The same, at `span` unless its place is known more closely.
+    /// The same, at `span` unless its place is known more precisely.
     fn within(mut self, span: &Range<usize>) -> Self {
         self.span.get_or_insert_with(|| span.clone());
         self
@@ -136,8 +136,8 @@ impl<'de> Deserializer<'de> for Node<'de> {
         read.map_err(|error| error.within(&self.span))
     }
 
-    // Structures and lists go ways of their own: with `deserialize_any` each of the file's types would be compiled
-    // with code to be read from values of every kind.
+    // Structures and lists have their own methods: with `deserialize_any` each of the file's types would be compiled with code to be read
+    // from values of every kind.
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Mismatch> {
         let read = match self.content {
             Content::Table(table) => visitor.visit_map(Entries::of(table)),

@@ -1,5 +1,5 @@
-//! The leaves of a scene file: finite numbers, vectors, measures. Each refuses at the place in the file
-//! what it cannot hold, so that no NaN, infinity or unitless quantity gets any further.
+//! The leaves of a scene file: finite numbers, vectors, quantities. Each refuses invalid values at their place in the file, so that no
+//! NaN, infinity or number without unit gets any further.
 
 #[cfg(feature = "schema")]
 use std::borrow::Cow;
@@ -37,7 +37,7 @@ impl Vector {
     }
 }
 
-/// `value`, where it is finite and within range.
+/// `value`, if it is finite and within range.
 fn checked<E: Error>(value: f64) -> Result<f64, E> {
     if value.is_finite() && value.abs() <= LARGEST {
         Ok(value)
@@ -62,7 +62,7 @@ impl Visitor<'_> for NumberVisitor {
     }
 
     fn visit_i64<E: Error>(self, value: i64) -> Result<f64, E> {
-        // Above 2⁵³ this rounds, as a text with a decimal point would.
+        // Above 2⁵³ this rounds, as a number with a decimal point would.
         checked(value as f64)
     }
 
@@ -89,7 +89,7 @@ fn array<'de, const N: usize, A: SeqAccess<'de>>(
             .ok_or_else(|| A::Error::invalid_length(i, expected))?
             .0;
     }
-    // Reads to the end to count: the message says how many there are.
+    // Reads to the end to count: the message gives the number of elements.
     let mut found = N;
     while seq.next_element::<Number>()?.is_some() {
         found += 1;

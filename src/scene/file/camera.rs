@@ -11,8 +11,8 @@ use crate::scene::model::ProjectionKind;
 use crate::scene::values::{Number, NumberOrVector, Numbers, Vector};
 use crate::spacetime::units::{Angle, Time};
 
-/// The camera: a pinhole on a world line, and what sees through it. With nothing but a pose, a velocity and
-/// a time it is a point camera without acceleration: all rays of a picture leave one event.
+/// The camera: a pinhole on a world line, and a sensor. With only a pose, a velocity and a time it is a point camera without
+/// acceleration: all rays of a picture leave one event.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -23,31 +23,27 @@ use crate::spacetime::units::{Angle, Time};
 pub(in crate::scene) struct Camera {
     /// World position of the pinhole when the camera's clock shows 0, metres, like [0, 1, 5].
     pub eye: Option<At<Vector>>,
-    /// look_at − eye is the forward axis in the *camera* frame, whose axes are the world's, boosted
-    /// without rotation, at any time. For a moving camera it is a direction, not a point that is seen in the middle: aberration
-    /// moves what is seen there.
+    /// look_at − eye is the forward axis in the *camera* frame, whose axes are always the world's axes boosted without rotation. For a
+    /// moving camera it is a direction, not a point that is seen in the middle, because aberration shifts where that point is seen.
     pub look_at: Option<At<Vector>>,
-    /// The forward axis itself, of any length, in place of `look_at`: far from the origin, look_at − eye loses the
-    /// digits that the two have in common.
+    /// The forward axis itself, of any length, in place of `look_at`: far from the origin, look_at − eye loses digits by cancellation.
     pub forward: Option<At<Vector>>,
-    /// A direction of the camera frame that is up in the picture; only its part across the forward axis
-    /// counts. Default: [0, 1, 0].
+    /// The up direction of the picture, in the camera frame; only its component perpendicular to the forward axis counts. Default: [0, 1,
+    /// 0].
     pub up: Option<At<Vector>>,
     /// Takes the pose (and the field of view, unless `hfov` is given) from a camera of this glTF file,
     /// in place of `eye`, `look_at` (or `forward`) and `up`. The path is relative to the scene file.
     pub gltf: Option<At<String>>,
     /// The node of the glTF file that holds the camera. Default: the file's only camera.
     pub node: Option<At<String>>,
-    /// How film points look: "perspective" (through a pinhole onto a plane), "fisheye_equidistant" (distances
-    /// from the middle are angles), "fisheye_equisolid" (areas are solid angles), "fisheye_orthographic" (half
-    /// the sky as a globe seen from far outside) or "equirectangular" (a panorama: longitude across, latitude
-    /// down; of the whole sky where the picture is twice as wide as high). Film points beyond a fisheye's
-    /// picture or a panorama's poles see nothing. Default: "perspective".
+    /// How film points map to look directions: "perspective" (through a pinhole onto a plane), "fisheye_equidistant" (distances from the
+    /// middle are angles), "fisheye_equisolid" (areas are solid angles), "fisheye_orthographic" (half the sky as a globe seen from far
+    /// outside) or "equirectangular" (a panorama: longitude across, latitude down; the whole sky if the picture is twice as wide as
+    /// high). Film points outside a fisheye's image circle or beyond a panorama's poles see nothing. Default: "perspective".
     pub projection: At<ProjectionKind>,
-    /// Horizontal field of view in the camera frame, above 0: below 180 deg for a perspective camera, and up to
-    /// 180 deg for "fisheye_orthographic" and 360 deg for the others; with a sensor, at its
-    /// focal length as given; of a stereo pair, that of either eye. Default: for a perspective camera the glTF
-    /// camera's, or else "60 deg"; "180 deg" for fisheyes, "360 deg" for a panorama.
+    /// Horizontal field of view in the camera frame, above 0: below 180 deg for a perspective camera, up to 180 deg for
+    /// "fisheye_orthographic" and 360 deg for the others. With a sensor, that at its given focal length; for a stereo pair, that of each
+    /// eye. Default: for a perspective camera the glTF camera's, or else "60 deg"; "180 deg" for fisheyes, "360 deg" for a panorama.
     pub hfov: Option<At<Angle>>,
     /// Width and height in pixels, each 1 to 65536, together at most 2^28. Default: [640, 480].
     pub size: At<[u32; 2]>,
@@ -55,16 +51,15 @@ pub(in crate::scene) struct Camera {
     pub velocity: Option<At<Velocity>>,
     /// World time (ct) at which the camera's clock shows 0 and the pinhole is at `eye`. Default: "0 m".
     pub clock_zero: At<Time>,
-    /// The camera's proper time of the shot, or at which the shutter opens, like "3.2 m" or "2 ns".
-    /// Default: "0 m".
+    /// The camera's proper time at the shot, or when the shutter opens, like "3.2 m" or "2 ns". Default: "0 m".
     pub time: At<Time>,
     /// Camera time between the frames of a sequence, above 0.
     pub frame_interval: Option<At<Time>>,
-    /// How the pinhole moves on from there. Default: without acceleration.
+    /// The motion of the pinhole from there. Default: without acceleration.
     pub motion: Option<At<Motion>>,
     /// A sensor behind the pinhole. Default: none; all rays of a picture leave one event.
     pub sensor: Option<At<Sensor>>,
-    /// How the sensor turns. Default: not at all.
+    /// The rotation of the sensor. Default: none.
     pub rotation: Option<At<SensorRotation>>,
     /// Two pinholes in place of one, and their two pictures side by side. Default: one.
     pub stereo: Option<At<Stereo>>,
@@ -98,10 +93,10 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// What `up` is unless the file says otherwise.
+    /// The default of `up`.
     pub const UP: Vector = Numbers([0.0, 1.0, 0.0]);
 
-    /// What `hfov` is unless the file or its glTF camera says otherwise.
+    /// The default of `hfov` without a glTF camera.
     pub const fn hfov(projection: ProjectionKind) -> Angle {
         Angle::customary(match projection {
             ProjectionKind::Perspective => 60.0,
@@ -113,8 +108,8 @@ impl Camera {
     }
 }
 
-/// A velocity in the world, given in exactly one way: `beta`, `gamma`, `rapidity` or `one_minus_beta`;
-/// a plain number goes with a `direction`.
+/// A velocity in the world, given in exactly one way: `beta`, `gamma`, `rapidity` or `one_minus_beta`; a single number needs a
+/// `direction`.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(

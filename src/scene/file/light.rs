@@ -11,8 +11,8 @@ use crate::scene::at::At;
 use crate::scene::values::{Number, NumberOrVector, Vector};
 use crate::spacetime::units::{Angle, Time};
 
-/// A light: a lamp on a world line of its own, or an object that shines. Where a scene has any, or a sky that
-/// lights, the base colours of surfaces are no radiance but what they reflect.
+/// A light: a lamp on its own world line, or an object that shines. In a scene with lights, or with a sky that lights, the base colours
+/// of surfaces are reflectances, not radiances.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -20,49 +20,49 @@ use crate::spacetime::units::{Angle, Time};
     expecting = "a table like { position = [0, 3, 0], intensity = 10 }"
 )]
 pub(in crate::scene) struct Light {
-    /// A name of its own, for messages and `--set`. Default: its type, numbered where it is taken.
+    /// A unique name, for messages and `--set`. Default: its type, with a number if that name is taken.
     pub name: Option<At<String>>,
-    /// "point" (alike in all directions), "spot" (a cone), "directional" (parallel light, as of a sun) or
-    /// "area" (the surface of an object). Default: "point".
+    /// "point" (the same in all directions), "spot" (a cone), "directional" (parallel light, as from a sun) or "area" (the surface of an
+    /// object). Default: "point".
     #[serde(default, rename = "type")]
     pub kind: At<LightType>,
     /// World position of a point or spot light when its clock shows 0, metres.
     pub position: Option<At<Vector>>,
-    /// Where a spot or directional light shines to, in its own frame, whose axes are the world's, boosted
-    /// without rotation; of any length but 0.
+    /// The direction in which a spot or directional light shines, in its own frame, whose axes are the world's axes boosted without
+    /// rotation; of any length but 0.
     pub direction: Option<At<Vector>>,
-    /// A spot light has its full intensity within this angle of its direction. Default: "0 deg".
+    /// A spot light has its full intensity up to this angle from its direction. Default: "0 deg".
     pub inner: Option<At<Angle>>,
-    /// A spot light has none beyond this angle, above `inner` and at most 90 deg. Default: "45 deg".
+    /// A spot light is dark beyond this angle, which is above `inner` and at most 90 deg. Default: "45 deg".
     pub outer: Option<At<Angle>>,
     /// Radiant intensity of a point or spot light, power per solid angle in its own frame, at least 0: one
     /// number, or linear RGB. Excludes `power`. Default: 1.
     pub intensity: Option<At<NumberOrVector>>,
-    /// All power of a point, spot or area light in its own frame, at least 0: one number, or linear RGB. Excludes
-    /// `intensity` and `radiance`.
+    /// Total power of a point, spot or area light in its own frame, at least 0: one number, or linear RGB. Excludes `intensity` and
+    /// `radiance`.
     pub power: Option<At<NumberOrVector>>,
-    /// What a directional light sends through a surface across it, power per area in its own frame, at
-    /// least 0: one number, or linear RGB. Default: 1.
+    /// Irradiance of a directional light on a perpendicular surface, power per area in its own frame, at least 0: one number, or linear
+    /// RGB. Default: 1.
     pub irradiance: Option<At<NumberOrVector>>,
-    /// Radiance of an area light's surface in its own frame, alike in all directions, at least 0: one
-    /// number, or linear RGB. Default: 1.
+    /// Radiance of an area light's surface in its own frame, the same in all directions, at least 0: one number, or linear RGB. Default:
+    /// 1.
     pub radiance: Option<At<NumberOrVector>>,
-    /// Its spectrum at rest with it; what says how bright it is, is a factor on it, one number for an area light, which
-    /// then reflects nothing. Needs quantity = "rgb" in `radiance`. Default: that of the RGB of `intensity` and the like,
-    /// or of an area light's object.
+    /// Its spectrum in its rest frame; the key for its brightness is a factor on it, a single number for an area light, which then
+    /// reflects nothing. Needs quantity = "rgb" in `radiance`. Default: the spectrum of the RGB of `intensity` and the like, or of an
+    /// area light's object.
     pub spectrum: Option<At<Spectrum>>,
-    /// The object whose surface an area light is.
+    /// The object whose surface is the area light.
     pub object: Option<At<String>>,
     /// World time (ct) at which the light's clock shows 0 and it is at `position`. Default: "0 m".
     #[serde(default = "Light::clock_zero")]
     pub clock_zero: At<Time>,
     /// Velocity in the world when the light's clock shows 0. Default: at rest.
     pub velocity: Option<At<Velocity>>,
-    /// How a point or spot light moves on from there. Default: without acceleration.
+    /// The motion of a point or spot light from there. Default: without acceleration.
     pub motion: Option<At<Motion>>,
-    /// How bright it is at its own times; an area light's are those of its object. Default: steady.
+    /// Its brightness as a function of its own proper time; for an area light, that of its object. Default: steady.
     pub emission: Option<At<Emission>>,
-    /// Whether surfaces shadow it. Default: true.
+    /// Whether surfaces cast shadows in its light. Default: true.
     #[serde(default = "Light::shadows")]
     pub shadows: bool,
 }
@@ -77,7 +77,7 @@ impl Light {
     }
 }
 
-/// What kind of light.
+/// The kind of light.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -91,7 +91,7 @@ pub(in crate::scene) enum LightType {
 }
 
 impl LightType {
-    /// As it stands in a file.
+    /// Its name in a file.
     pub fn name(self) -> &'static str {
         match self {
             LightType::Point => "point",
@@ -102,7 +102,7 @@ impl LightType {
     }
 }
 
-/// A factor on a light's intensity at each of its own (proper) times, given in exactly one way.
+/// A factor on a light's intensity as a function of its own (proper) time, given in exactly one way.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -112,7 +112,7 @@ impl LightType {
 pub(in crate::scene) struct Emission {
     /// A Gaussian pulse, 1 at its centre.
     pub gaussian: Option<At<GaussianPulse>>,
-    /// Gaussian pulses one after the other.
+    /// A train of Gaussian pulses.
     pub train: Option<At<PulseTrain>>,
     /// Factors at ascending times, linear between them and 0 before and after; 2 to 100000 entries.
     pub table: Option<At<Vec<At<EmissionKnot>>>>,
@@ -130,7 +130,7 @@ pub(in crate::scene) struct GaussianPulse {
     pub sigma: At<Time>,
 }
 
-/// Gaussian pulses at equal times after each other.
+/// Gaussian pulses at equal intervals.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -143,9 +143,9 @@ pub(in crate::scene) struct PulseTrain {
     pub time: At<Time>,
     /// Standard deviation of each, above 0.
     pub sigma: At<Time>,
-    /// From one to the next, at least `sigma`.
+    /// The interval between pulses, at least `sigma`.
     pub period: At<Time>,
-    /// How many, at least 1. Default: without end, before the first too.
+    /// Number of pulses, at least 1. Default: infinitely many, also before the first.
     pub count: Option<At<u32>>,
 }
 
@@ -157,7 +157,7 @@ pub(in crate::scene) struct PulseTrain {
     expecting = "a table like { time = \"2 m\", factor = 0.5 }"
 )]
 pub(in crate::scene) struct EmissionKnot {
-    /// The light's own time, above that of the entry before.
+    /// The light's own time, above that of the previous entry.
     pub time: At<Time>,
     /// At least 0.
     pub factor: At<Number>,

@@ -1,7 +1,7 @@
-//! The scene file as it is written: its tables and keys, with their places kept.
+//! The scene file as written: its tables and keys, with their places.
 //!
-//! The doc comments here are the descriptions in the JSON schema and the help of refusals. Tables are
-//! plain structs; which keys exclude each other is told apart in `resolve`.
+//! The doc comments here are the descriptions in the JSON schema and the help of error messages. Tables are plain structs; `resolve`
+//! decides which keys exclude each other.
 
 mod camera;
 mod light;
@@ -39,30 +39,28 @@ pub(super) use sky::{Sky, Stars, Sun};
 pub(super) use source::{Capture, Crop, Cube, EdgesFile, GivenPose, PoseConvention, Pulse, Source};
 pub(super) use spectrum::{Gaussian, SpectralLine, Spectrum};
 
-/// A scene of nullray. Positions are plain numbers in metres; times, angles, wavelengths and speeds are
-/// texts with a unit, like "2 ps", "0.6 m", "60 deg".
+/// A scene of nullray. Positions are plain numbers in metres; times, angles, wavelengths and speeds are texts with a unit, like "2 ps",
+/// "0.6 m", "60 deg".
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, expecting = "a scene")]
 #[cfg_attr(feature = "schema", schemars(title = "nullray scene"))]
 pub(in crate::scene) struct Scene<D = AnyTable> {
-    /// The speed of light, with which times in seconds become metres. Any positive speed, for teaching.
-    /// Default: "299792458 m/s".
+    /// The speed of light that converts times in seconds to metres. Any positive speed, for teaching. Default: "299792458 m/s".
     #[serde(default = "Scene::speed_of_light")]
     pub speed_of_light: At<Speed>,
-    /// Whose equations the picture follows: "exact" (special relativity) or "paper2015" (those of Jarabo
-    /// et al. 2015, with their approximations: for comparison with implementations that follow them).
-    /// Default: "exact".
+    /// The equations that the picture follows: "exact" (special relativity) or "paper2015" (those of Jarabo et al. 2015, with their
+    /// approximations: for comparison with implementations that follow them). Default: "exact".
     #[serde(default)]
     pub model: At<Equations>,
-    /// What to do if a file that the scene names is missing, like the command that makes it: the error quotes it.
+    /// What to do if a file that the scene names is missing, like the command that makes it: error messages quote it.
     pub if_missing: Option<At<String>>,
-    /// What light travels through.
+    /// The medium through which light travels.
     #[serde(default)]
     pub medium: Medium,
-    /// Where the picture is taken from, how and when. Only a file that is a diagram alone has none.
+    /// The camera: position, view and time. Only a file that contains nothing but a diagram has none.
     pub camera: Option<At<Camera>>,
-    /// The things of the scene: at least one.
+    /// The objects of the scene: at least one.
     #[serde(default)]
     pub object: Vec<At<Object>>,
     /// Lights, which surfaces reflect.
@@ -71,35 +69,35 @@ pub(in crate::scene) struct Scene<D = AnyTable> {
     /// Time-resolved radiance on the surfaces of objects.
     #[serde(default)]
     pub source: Vec<At<Source>>,
-    /// What shines from afar, in place of `display.background`.
+    /// Light from infinity, in place of `display.background`.
     pub sky: Option<At<Sky>>,
-    /// What the radiance of base colours measures, and of sources that give none of their own.
+    /// What the radiance of base colours measures, and that of sources without their own `radiance`.
     #[serde(default)]
     pub radiance: At<Radiance>,
-    /// The effects of relativity and of light's delay, each of which can be turned off alone.
+    /// The effects of relativity and of the delay of light, each of which can be turned off separately.
     #[serde(default)]
     pub effects: Effects,
-    /// What stands in for time-resolved data that a source does not have: "black", "hold", or a table
-    /// that gives it case by case. Default: "black".
+    /// What replaces time-resolved data that a source does not have: "black", "hold", or a table with an entry for each case. Default:
+    /// "black".
     #[serde(default)]
     pub outside: Outside,
-    /// How light is followed.
+    /// How light is traced.
     #[serde(default)]
     pub render: Render,
-    /// How radiance becomes a picture to look at.
+    /// How radiance becomes a display picture.
     #[serde(default)]
     pub display: At<Display>,
     /// Variants of the scene, each a picture of its own.
     #[serde(default)]
     pub panel: Vec<At<Panel>>,
-    /// How the panels are put on one page.
+    /// How the panels are arranged on one page.
     #[serde(default)]
     pub sheet: Sheet,
-    /// A space-time diagram of the scene, or of its own.
+    /// A space-time diagram, of the scene or independent of it.
     pub diagram: Option<At<D>>,
 }
 
-/// A table that rooms above read.
+/// A table that higher modules read.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(expecting = "a table")]
@@ -111,7 +109,7 @@ impl Scene {
     }
 }
 
-/// What light travels through.
+/// The medium through which light travels.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -120,8 +118,8 @@ impl Scene {
     expecting = "a table like { index = 1.33 }"
 )]
 pub(in crate::scene) struct Medium {
-    /// Refractive index η ≥ 1 of the medium, which rests in the world. It lengthens the delay of light
-    /// (η metres per metre) and does nothing else: no refraction. Default: 1.
+    /// Refractive index η ≥ 1 of the medium, which rests in the world. It lengthens the delay of light (η metres per metre) and has no
+    /// other effect: no refraction. Default: 1.
     pub index: At<Number>,
 }
 
@@ -133,7 +131,7 @@ impl Default for Medium {
     }
 }
 
-/// The effects of relativity and of light's delay.
+/// The effects of relativity and of the delay of light.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -142,14 +140,13 @@ impl Default for Medium {
     expecting = "a table like { doppler = false }"
 )]
 pub(in crate::scene) struct Effects {
-    /// Off: a look direction of the camera is taken as the same direction of the world. Default: true.
+    /// Off: a look direction of the camera is used as the same direction in the world. Default: true.
     pub aberration: bool,
     /// Off: colours are those of the emitted wavelength. Default: true.
     pub doppler: bool,
     /// Off: the observed radiance is the emitted one. Default: true.
     pub searchlight: bool,
-    /// Off: light takes no time; everything is seen where, and as bright as, it is at the world time of
-    /// the shot. Default: true.
+    /// Off: light takes no time; everything is seen where it is, and as bright as it is, at the world time of the shot. Default: true.
     pub retardation: bool,
 }
 
@@ -164,7 +161,7 @@ impl Default for Effects {
     }
 }
 
-/// How light is followed.
+/// How light is traced.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -173,18 +170,17 @@ impl Default for Effects {
     expecting = "a table like { bounces = 4 }"
 )]
 pub(in crate::scene) struct Render {
-    /// How many more times light is reflected after the first surface that it falls on, 0 to 64: 0 is direct light
-    /// alone, 1 has light from one surface to the next, and so on. Default: 0.
+    /// How many further times light is reflected after the first surface that it hits, 0 to 64: 0 is direct light only, 1 includes light
+    /// from one surface to the next, and so on. Default: 0.
     pub bounces: At<u32>,
-    /// What of light surfaces reflect: "rgb" (red, green and blue, as they come to a surface in its rest frame) or "sampled" (the
-    /// spectrum, at three wavelengths of each sample, with noise in colours): for lamps, skies and shining surfaces whose light is no smooth spectrum,
-    /// or coloured, on surfaces that move. Needs quantity = "rgb". Default: "rgb".
+    /// What surfaces reflect: "rgb" (red, green and blue as they reach a surface in its rest frame) or "sampled" (the spectrum, at three
+    /// wavelengths per sample, with colour noise), for lamps, skies and shining surfaces with coloured light or light without a smooth
+    /// spectrum, on moving surfaces. Needs quantity = "rgb". Default: "rgb".
     pub spectra: At<Spectra>,
-    /// Which random numbers are drawn, 0 to 4294967295: pictures of different seeds have the same light and independent noise.
-    /// Default: 0.
+    /// Seed of the random numbers, 0 to 4294967295: pictures with different seeds have the same light and independent noise. Default: 0.
     pub seed: u32,
-    /// Which of several captures of one surface gives it its radiance: "blend" (all that saw the point at that time,
-    /// those that saw it finest most) or "first" (the first of them in the scene file). Default: "blend".
+    /// Which of several captures of a surface gives its radiance: "blend" (all that saw the point at that time, weighted towards those
+    /// that saw it most finely) or "first" (the first of them in the scene file). Default: "blend".
     pub captures: CaptureChoice,
 }
 
@@ -199,7 +195,7 @@ impl Default for Render {
     }
 }
 
-/// What stands in for data that a source does not have, by case.
+/// What replaces data that a source does not have, by case.
 #[derive(Debug, Default, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -217,14 +213,14 @@ pub(in crate::scene) struct OutsideTable {
     /// Beyond the texture's edge: "black", "hold" (the edge) or { mark = [r, g, b] }. Default: `mark`,
     /// or else "black".
     pub off_texture: Option<Fill>,
-    /// Not seen by the capture camera: "black", "hold" (what the capture camera saw in that direction)
-    /// or { mark = [r, g, b] }. Default: `mark`, or else "black".
+    /// Not seen by the capture camera: "black", "hold" (what the capture camera saw in that direction) or { mark = [r, g, b] }. Default:
+    /// `mark`, or else "black".
     pub occluded: Option<Fill>,
-    /// Linear RGB that marks every case for which no other key is given.
+    /// Linear RGB that marks every case without a key of its own.
     pub mark: Option<Vector>,
 }
 
-/// What stands in for data that a source does not have: one answer for all, or by case.
+/// What replaces data that a source does not have: one answer for all cases, or one for each.
 #[derive(Debug)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[cfg_attr(feature = "schema", schemars(untagged))]
@@ -250,7 +246,7 @@ impl Serialize for Outside {
 
 struct OutsideVisitor;
 
-// A visitor rather than serde's `untagged`, which loses where in the table an error is.
+// A visitor rather than serde's `untagged`, which loses the place of an error in the table.
 impl<'de> Visitor<'de> for OutsideVisitor {
     type Value = Outside;
 
@@ -259,12 +255,12 @@ impl<'de> Visitor<'de> for OutsideVisitor {
     }
 
     fn visit_str<E: Error>(self, text: &str) -> Result<Outside, E> {
-        // By serde, so that a word that is none of them is refused with all that there are.
+        // Through serde, so that an unknown word is refused with a list of the known ones.
         Fill::deserialize(StrDeserializer::new(text)).map(Outside::All)
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Outside, A::Error> {
-        // From the map as it is, which knows where in the text its keys stand.
+        // From the map itself, which knows the places of its keys.
         let table = OutsideTable::deserialize(MapAccessDeserializer::new(map))?;
         Ok(Outside::ByCase(Box::new(table)))
     }
@@ -285,12 +281,12 @@ pub(in crate::scene) enum Fill {
     #[default]
     Black,
     Hold,
-    /// A linear RGB radiance to stand out.
+    /// A conspicuous linear RGB radiance.
     Mark(Vector),
 }
 
-/// Isochrones of the light of one flash, of bodies at rest in the world: when it lights them, or when that is seen. Nothing is in
-/// its way.
+/// Isochrones of the light of one flash, for bodies at rest in the world: when it reaches them, or when that is seen. Obstacles are
+/// ignored.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, expecting = "a table like { flash = [0, 3, 0] }")]
@@ -299,13 +295,13 @@ pub(in crate::scene) struct Isochrones {
     pub flash: At<Vector>,
     /// World time (ct) of the flash. Default: "0 m".
     pub time: Option<At<Time>>,
-    /// On whose clock: "world", when the light comes to the surface; "camera", when it comes from there to this camera, which rests;
-    /// or [x, y, z], when it comes from there to a capture camera that rests at this place, on a clock that shows the world's time.
-    /// Default: "world".
+    /// The clock: "world", when the light reaches the surface; "camera", when it arrives from there at this camera, which must be at
+    /// rest; or [x, y, z], when it arrives from there at a capture camera at rest at this position, on a clock that shows the world's
+    /// time. Default: "world".
     pub clock: Option<At<Receiver>>,
 }
 
-/// Where light is received, in one of two ways.
+/// Where light is received, given in one of two ways.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
@@ -314,7 +310,7 @@ pub(in crate::scene) enum Receiver {
     At(Vector),
 }
 
-/// Where light is received, by a word.
+/// Where light is received, as a word.
 #[derive(Debug, Clone, Copy, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -349,7 +345,7 @@ impl<'de> Deserialize<'de> for Receiver {
     }
 }
 
-/// How radiance becomes a picture to look at.
+/// How radiance becomes a display picture.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -358,38 +354,37 @@ impl<'de> Deserialize<'de> for Receiver {
     expecting = "a table like { exposure = \"99 %\" }"
 )]
 pub(in crate::scene) struct Display {
-    /// The percentile of the lit pixels' brightest channel, as the display shows it, that becomes white, in (0, 100] %. Excludes
-    /// `white` and `logarithmic`. Default: "99 %".
+    /// The percentile of the lit pixels' brightest channel, as displayed, that becomes white, in (0, 100] %. Excludes `white` and
+    /// `logarithmic`. Default: "99 %".
     pub exposure: Option<At<Percentage>>,
     /// The radiance that becomes white, above 0. Excludes `exposure` and `logarithmic`.
     pub white: Option<At<Number>>,
-    /// The radiances that become black and white, both above 0, the lower first, like [1e-8, 1e4]: between them brightness goes by
-    /// the logarithm of the brightest channel, and colours keep their hue. One scale for all pictures of a series, however
-    /// far apart they are. Excludes `exposure` and `white`.
+    /// The radiances that become black and white, both above 0, the lower first, like [1e-8, 1e4]: between them brightness follows the
+    /// logarithm of the brightest channel, and colours keep their hue. One scale for all pictures of a series, whatever their range.
+    /// Excludes `exposure` and `white`.
     pub logarithmic: Option<At<Numbers<2>>>,
-    /// Words beneath pictures (.png), with the camera's time and, where it moves, its speed (β and γ); "" for these alone.
-    /// Default: nothing stands beneath them.
+    /// Text below pictures (.png), with the camera's time and, if it moves, its speed (β and γ); "" for time and speed alone. Default: no
+    /// text.
     pub caption: Option<At<String>>,
-    /// Which light isochrones show. Default: the light that makes the picture, by the time at which it left.
+    /// The light whose isochrones are shown. Default: the light that makes the picture, by its time of emission.
     pub isochrones: Option<At<Isochrones>>,
-    /// The observed wavelength that is shown as the eye sees 555 nm, like "10 um", with all others in proportion: false
-    /// colours of what is invisible. Of lines, spectra and quantity = "rgb". Default: colours as they are seen.
+    /// The observed wavelength that is shown as the eye sees 555 nm, like "10 um", with all others in proportion: false colours for
+    /// invisible light. For lines, spectra and quantity = "rgb". Default: true colours.
     pub false_colour: Option<At<Wavelength>>,
-    /// What the colours of isochrones span, earliest time first, like ["0 m", "12 m"]: one scale for all pictures of a
-    /// series. Default: what each picture has.
+    /// The range of times that the colours of isochrones span, earliest first, like ["0 m", "12 m"]: one scale for all pictures of a
+    /// series. Default: the range in each picture.
     pub times: Option<At<[At<Time>; 2]>>,
-    /// What the colours of a picture of luminance span, both above 0, the lower first, like [1e-4, 1e2]: one scale for all
-    /// pictures of a series. Default: what each picture has.
+    /// The range of luminances that the colours of a luminance picture span, both above 0, the lower first, like [1e-4, 1e2]: one scale
+    /// for all pictures of a series. Default: the range in each picture.
     pub luminances: Option<At<Numbers<2>>>,
     /// Bits per sample of a .png file: 8 or 16. Default: 8.
     pub bits: At<u32>,
     /// Linear RGB radiance of rays that hit nothing, as observed. Excludes `sky`. Default: [0, 0, 0].
     pub background: At<Vector>,
-    /// Which faces of a triangle are seen: "as_file" (glTF's doubleSided, or else culled),
-    /// "two_sided", "black" (back faces are black and hide what is behind them) or "culled".
-    /// Default: "as_file".
+    /// Which faces of a triangle are visible: "as_file" (by glTF's doubleSided, otherwise culled), "two_sided", "black" (back faces are
+    /// black and hide what is behind them) or "culled". Default: "as_file".
     pub back_faces: BackFaces,
-    /// Samples per pixel, 1 to 65536; powers of 4 are spread most evenly. Default: 4.
+    /// Samples per pixel, 1 to 65536; powers of 4 are distributed most evenly. Default: 4.
     pub samples_per_pixel: At<u32>,
 }
 

@@ -9,9 +9,8 @@ use crate::scene::values::Vector;
 use crate::spacetime::units::{Acceleration, AngularRate, Time};
 use crate::spacetime::worldline::Axes;
 
-/// How a pinhole, or a light, moves on from `eye` (`position`), `velocity` and `clock_zero`, given in exactly
-/// one way. For a light read "light" for "camera" and "pinhole". Without
-/// this table: without acceleration.
+/// How a pinhole, or a light, moves from `eye` (`position`), `velocity` and `clock_zero` on, given in exactly one way. For a light read
+/// "light" for "camera" and "pinhole". Without this table: no acceleration.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -19,35 +18,32 @@ use crate::spacetime::worldline::Axes;
     expecting = "a table like { acceleration = { proper = \"0.1 /m\", direction = [0, 0, -1] } }"
 )]
 pub(in crate::scene) struct Motion {
-    /// Constant proper acceleration, for ever: hyperbolic motion.
+    /// Constant proper acceleration at all times: hyperbolic motion.
     pub acceleration: Option<At<ProperAcceleration>>,
-    /// Segments of constant proper acceleration, one after the other from the camera's time 0 on; before
-    /// and after them the camera coasts. At most 100000.
+    /// Consecutive segments of constant proper acceleration, from the camera's time 0 on; before and after them the camera coasts. At
+    /// most 100000.
     pub segments: Option<At<Vec<At<MotionSegment>>>>,
-    /// Proper acceleration at ascending proper times, linear between them. The world line goes from the
-    /// first time to the last, and has no more; 0 is one of the times, or lies between them. 2 to 100000
-    /// entries.
+    /// Proper acceleration at ascending proper times, linear between them. The world line extends only from the first time to the last; 0
+    /// must be one of the times or between them. 2 to 100000 entries.
     pub profile: Option<At<Vec<At<ProfileKnot>>>>,
-    /// The axes in which the directions of accelerations are given. "gyroscope": carried along without rotation from the
-    /// camera's time 0 on, when they are the world's, boosted, so that splitting a segment changes nothing. "world": the
-    /// world's, boosted, at each moment; `profile` alone can be computed in these where an acceleration is oblique to
-    /// the velocity. Default: "gyroscope".
+    /// The axes for the directions of accelerations. "gyroscope": carried along without rotation from the camera's time 0 on, when they
+    /// are the world's boosted axes, so that splitting a segment changes nothing. "world": the world's axes, boosted at each moment; if
+    /// an acceleration is oblique to the velocity, only `profile` can use these. Default: "gyroscope".
     pub axes: Option<At<Axes>>,
-    /// World events through which the pinhole goes, smoothly, in place of `eye`, `velocity` and
-    /// `clock_zero`: times ascend, and everything between is slower than light. The world line goes from
-    /// the first event, where the camera's clock shows 0, to the last, and has no more. The forward axis
-    /// is look_at − the first position. 2 to 100000 entries.
+    /// World events that the pinhole passes through smoothly, in place of `eye`, `velocity` and `clock_zero`: times ascend, and
+    /// everything in between is slower than light. The world line extends only from the first event, where the camera's clock shows 0, to
+    /// the last. The forward axis is look_at − the first position. 2 to 100000 entries.
     pub keyframes: Option<At<Vec<At<Keyframe>>>>,
-    /// The way of a node of a glTF file by one of its animations, in place of `eye`, `velocity` and `clock_zero`: seconds of
-    /// the animation are those of the world, by `speed_of_light`. The world line goes smoothly through the positions at the
-    /// animation's times (and seven more between two of them where the way bends there), as it does through `keyframes`,
-    /// and rests at the first of them before it and at the last one after it. The clock shows 0 at the first.
+    /// The path of a node of a glTF file by one of its animations, in place of `eye`, `velocity` and `clock_zero`: seconds of the
+    /// animation are world seconds, converted by `speed_of_light`. The world line passes smoothly through the positions at the
+    /// animation's times (and seven more between two of them where the path is curved), as for `keyframes`, and rests at the first before
+    /// it and at the last after it. The clock shows 0 at the first.
     pub animation: Option<At<Animation>>,
     /// A circle through `eye` at constant speed, in place of `velocity`, which follows from it.
     pub circle: Option<At<Circle>>,
 }
 
-/// A proper acceleration: what an accelerometer that moves along shows.
+/// A proper acceleration: the reading of an accelerometer on board.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -55,8 +51,7 @@ pub(in crate::scene) struct Motion {
     expecting = "a table like { proper = \"0.1 /m\", direction = [0, 0, -1] }"
 )]
 pub(in crate::scene) struct ProperAcceleration {
-    /// Its magnitude, like "0.1 /m" (a/c²), "9.81 m/s2" or "0.03 c/ns"; a negative one is against
-    /// `direction`. 0 is no acceleration.
+    /// Its magnitude, like "0.1 /m" (a/c²), "9.81 m/s2" or "0.03 c/ns"; a negative one is opposite to `direction`. 0 is no acceleration.
     pub proper: At<Acceleration>,
     /// Its direction in the `axes` of the motion; of any length but 0. Needed unless `proper` is 0.
     pub direction: Option<At<Vector>>,
@@ -70,8 +65,7 @@ pub(in crate::scene) struct ProperAcceleration {
     expecting = "a table like { duration = \"2 m\", acceleration = { proper = \"0.5 /m\", direction = [0, 0, -1] } }"
 )]
 pub(in crate::scene) struct MotionSegment {
-    /// The camera's time that it takes, above 0. Only the last segment may leave it out: it then goes on
-    /// for ever.
+    /// The proper time that it lasts, above 0. Only the last segment may omit it: it then lasts for ever.
     pub duration: Option<At<Time>>,
     /// The proper acceleration. Default: none; the camera coasts.
     pub acceleration: Option<At<ProperAcceleration>>,
@@ -85,7 +79,7 @@ pub(in crate::scene) struct MotionSegment {
     expecting = "a table like { time = \"2 m\", acceleration = { proper = \"0.5 /m\", direction = [0, 0, -1] } }"
 )]
 pub(in crate::scene) struct ProfileKnot {
-    /// The camera's time, above that of the entry before.
+    /// The camera's time, above that of the previous entry.
     pub time: At<Time>,
     /// The proper acceleration then. Default: none.
     pub acceleration: Option<At<ProperAcceleration>>,
@@ -99,7 +93,7 @@ pub(in crate::scene) struct ProfileKnot {
     expecting = "a table like { time = \"3 m\", position = [1, 1, 4] }"
 )]
 pub(in crate::scene) struct Keyframe {
-    /// World time (ct), above that of the entry before.
+    /// World time (ct), above that of the previous entry.
     pub time: At<Time>,
     /// World position, metres.
     pub position: At<Vector>,
@@ -113,9 +107,9 @@ pub(in crate::scene) struct Keyframe {
     expecting = "a table like { gltf = \"model.glb\", node = \"Camera\" }"
 )]
 pub(in crate::scene) struct Animation {
-    /// The glTF file, relative to the scene file. Its data are in it, or in its folder.
+    /// The glTF file, relative to the scene file. Its data are embedded, or in its folder.
     pub gltf: At<String>,
-    /// The node that is followed; nodes above it may be animated too.
+    /// The node to follow; nodes above it may be animated too.
     pub node: At<String>,
     /// The animation, by name. Default: the file's only one.
     pub name: Option<At<String>>,
@@ -131,11 +125,10 @@ pub(in crate::scene) struct Animation {
 pub(in crate::scene) struct Circle {
     /// A point of the axis, world metres; `eye` is not on the axis.
     pub centre: At<Vector>,
-    /// The axis in the world, of any length but 0; the camera goes round it right-handed.
+    /// The axis in the world, of any length but 0; the camera circles it right-handed.
     pub axis: At<Vector>,
     /// World time of a revolution, above 0. Excludes `rate`.
     pub period: Option<At<Time>>,
-    /// Angle per world time, like "1 rad/m"; a negative one is the other way round, 0 is rest. Excludes
-    /// `period`.
+    /// Angle per world time, like "1 rad/m"; negative for the opposite sense, 0 for rest. Excludes `period`.
     pub rate: Option<At<AngularRate>>,
 }

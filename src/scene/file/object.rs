@@ -11,7 +11,7 @@ use crate::scene::model::BadVertices;
 use crate::scene::values::{Number, NumberOrVector, Numbers, Vector};
 use crate::spacetime::units::{Angle, Time};
 
-/// A thing with geometry, at rest in its own frame.
+/// A body with geometry, at rest in its own frame.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -19,50 +19,48 @@ use crate::spacetime::units::{Angle, Time};
     expecting = "a table like { gltf = \"thing.glb\" } or { shape = { sphere = { radius = 1 } } }"
 )]
 pub(in crate::scene) struct Object {
-    /// A name of its own, for sources, messages and `--set`. Default: the node, or the file's name
-    /// without its extension, or the shape, numbered where it is taken.
+    /// A unique name, for sources, messages and `--set`. Default: the node, or the file's name without its extension, or the shape, with
+    /// a number if that name is taken.
     pub name: Option<At<String>>,
     /// A .gltf or .glb file, relative to the scene file. Excludes `shape`.
     pub gltf: Option<At<String>>,
-    /// Only this node of the glTF file, with all below it. Default: the file's default scene.
+    /// Only this node of the glTF file, with everything below it. Default: the file's default scene.
     pub node: Option<At<String>>,
-    /// What to do about a glTF file's vertices that are NaN or infinite, or lie beyond 2e90 m: "refuse" the
-    /// file, or "drop" the triangles that use them, with a warning that counts them. The others keep their
-    /// numbers. Excludes `shape`. Default: "refuse".
+    /// What to do about vertices of a glTF file that are NaN, infinite or beyond 2e90 m: "refuse" the file, or "drop" the triangles that
+    /// use them, with a warning that counts them. The other triangles keep their numbers. Excludes `shape`. Default: "refuse".
     pub bad_vertices: Option<At<BadVertices>>,
     /// A built-in shape, like { box = { size = [1, 1, 1] } }. Excludes `gltf`.
     pub shape: Option<At<Shape>>,
     /// Linear RGB base colour of the shape, each at least 0. Default: [0.8, 0.8, 0.8].
     pub colour: Option<At<Vector>>,
-    /// What it shines with, alike all over, in place of base colours and whatever [[source]] would give it.
-    /// Excludes `colour`. Needs quantity = "rgb" in `radiance`.
+    /// The spectrum that it emits uniformly, in place of base colours and of any [[source]]. Excludes `colour`. Needs quantity = "rgb" in
+    /// `radiance`.
     pub spectrum: Option<At<Spectrum>>,
     /// Metalness of the shape under lights and sky, 0 (dielectric) to 1 (metal). Default: 0.
     pub metallic: Option<At<Number>>,
-    /// Perceptual roughness of the shape under lights and sky, 0 (mirror) to 1; glTF's model. With 1 and no
-    /// metalness it is diffuse. Default: 1.
+    /// Perceptual roughness of the shape under lights and sky, 0 (mirror) to 1; glTF's model. At 1 without metalness it is diffuse.
+    /// Default: 1.
     pub roughness: Option<At<Number>>,
-    /// The part of the light not reflected that goes through the shape, 0 (opaque) to 1 (glass), where `render.bounces` follows
-    /// it: a smooth body of index `ior`, whatever its roughness. Default: 0.
+    /// The fraction of the light not reflected that passes through the shape, 0 (opaque) to 1 (glass), if `render.bounces` traces it: a
+    /// smooth body of index `ior`, whatever its roughness. Default: 0.
     pub transmission: Option<At<Number>>,
-    /// Refractive index of the shape where it is no metal, 1 to 10: how much of the light it mirrors, and, of glass, how it bends what goes through.
-    /// Surfaces of roughness 1 without metalness are diffuse, whatever their index. Default: 1.5.
+    /// Refractive index of the shape unless it is a metal, 1 to 10: it determines how much light the surface mirrors and, for glass, how
+    /// it refracts. Surfaces of roughness 1 without metalness are diffuse, whatever their index. Default: 1.5.
     pub ior: Option<At<Number>>,
-    /// Further texture coordinates, as the set after those that the mesh has: what `nullray bake --atlas` makes for models that have none
-    /// of their own for every place.
+    /// Further texture coordinates, as the set after those of the mesh: made by `nullray bake --atlas` for models whose own do not cover
+    /// every point uniquely.
     pub texture_coordinates: Option<At<TextureCoordinates>>,
     /// Object coordinates from the file's (or shape's) coordinates. Default: the identity.
     pub transform: Option<At<Transform>>,
     /// Velocity in the world. Default: at rest.
     pub velocity: Option<At<Velocity>>,
-    /// The world event at which the object's own origin is when the object's clock shows 0. Default:
-    /// the world's origin at time 0.
+    /// The world event of the object's own origin when the object's clock shows 0. Default: the world's origin at time 0.
     #[serde(default)]
     pub origin: Origin,
 }
 
 impl Object {
-    /// What `colour` is unless the file says otherwise.
+    /// The default of `colour`.
     pub const COLOUR: Vector = Numbers([0.8; 3]);
 }
 
@@ -152,7 +150,7 @@ pub(in crate::scene) struct Lattice {
     pub bar: At<Number>,
 }
 
-/// Object coordinates from the file's coordinates: scaled, then rotated, then moved; or one matrix.
+/// Object coordinates from the file's coordinates: scaled, then rotated, then translated; or one matrix.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -166,8 +164,7 @@ pub(in crate::scene) struct Transform {
     pub rotate: Option<At<Rotation>>,
     /// One factor, or one per axis; none 0. A negative factor mirrors. Default: 1.
     pub scale: Option<At<NumberOrVector>>,
-    /// A 4×4 matrix by rows, 16 numbers, for column vectors: its last row is 0, 0, 0, 1. Excludes the
-    /// other keys.
+    /// A 4×4 matrix in row order, 16 numbers, for column vectors: its last row is 0, 0, 0, 1. Excludes the other keys.
     pub matrix: Option<At<Numbers<16>>>,
 }
 

@@ -9,7 +9,7 @@ use crate::scene::model::{Assembly, Elements, Integration, Pivot, Records};
 use crate::scene::values::Vector;
 use crate::spacetime::units::{AngularRate, Length, Time};
 
-/// A sensor behind the pinhole, in place of a point camera, all rays of which leave one event.
+/// A sensor behind the pinhole, in place of a point camera, whose rays all leave one event.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -17,22 +17,20 @@ use crate::spacetime::units::{AngularRate, Length, Time};
     expecting = "a table like { focal_length = \"36 mm\", width = \"24 mm\" }"
 )]
 pub(in crate::scene) struct Sensor {
-    /// From the sensor to the pinhole, along the forward axis, above 0. `eye` is the pinhole.
+    /// Distance from the sensor to the pinhole along the forward axis, above 0. `eye` is the pinhole.
     pub focal_length: At<Length>,
-    /// Width of the sensor, above 0; its height follows from `size`. Excludes `hfov`. Default: what
-    /// gives the horizontal field of view at this focal length.
+    /// Width of the sensor, above 0; its height follows from `size`. Excludes `hfov`. Default: the width that gives the horizontal field
+    /// of view at this focal length.
     pub width: Option<At<Length>>,
-    /// What keeps sensor and pinhole apart: "rigid" (the focal length is that of the camera's frame; it
-    /// accelerates as a rigid body), "world_length" (the focal length is that measured in the world:
-    /// along the motion the camera's own is γ times longer) or "bell" (both accelerate alike, so that
-    /// their distance in the world stays; without acceleration the same as "world_length").
-    /// Default: "rigid".
+    /// What fixes the distance of sensor and pinhole: "rigid" (the focal length is measured in the camera's frame; the camera accelerates
+    /// as a rigid body), "world_length" (the focal length is measured in the world: along the motion the camera's own is γ times longer)
+    /// or "bell" (both accelerate alike, so that their distance in the world is constant; without acceleration the same as
+    /// "world_length"). Default: "rigid".
     #[serde(default)]
     pub assembly: At<Assembly>,
 }
 
-/// A sensor that turns at a constant rate about an axis that is fixed in the frame of a camera without
-/// acceleration.
+/// A sensor that rotates at a constant rate about an axis fixed in the frame of a camera without acceleration.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -40,25 +38,23 @@ pub(in crate::scene) struct Sensor {
     expecting = "a table like { axis = [0, 1, 0], rate = \"0.5 rad/m\" }"
 )]
 pub(in crate::scene) struct SensorRotation {
-    /// The axis in the camera's frame, whose axes are the world's, boosted without rotation; of any
-    /// length but 0.
+    /// The axis in the camera's frame, whose axes are the world's axes boosted without rotation; of any length but 0.
     pub axis: At<Vector>,
-    /// Angle per camera time, like "0.5 rad/m" or "10 deg/ns", right-handed about the axis; at camera
-    /// time 0 nothing is turned. Every part of the sensor is slower than light.
+    /// Angle per camera time, like "0.5 rad/m" or "10 deg/ns", right-handed about the axis; at camera time 0 the angle is 0. Every part
+    /// of the sensor must be slower than light.
     pub rate: At<AngularRate>,
     /// What the axis passes through: "pinhole", or "sensor" (its centre). Default: "pinhole".
     #[serde(default)]
     pub through: At<Pivot>,
-    /// How the sensor's elements see: "exact" (by the light that comes to them through the pinhole,
-    /// which does not turn), "comoving" (each like an inertial camera with a pinhole that moves along
-    /// with it) or "aberrated" (the same, with the pinhole seen aberrated, so that the sensor can cover
-    /// it). The latter two need [camera.sensor]. Default: "exact".
+    /// What the sensor's elements see: "exact" (light that reaches them through the pinhole, which does not rotate), "comoving" (each is
+    /// an inertial camera with its own comoving pinhole) or "aberrated" (the same, with the pinhole in its aberrated direction, so that
+    /// the sensor can hide it). The latter two need [camera.sensor]. Default: "exact".
     #[serde(default)]
     pub elements: At<Elements>,
 }
 
-/// Two pinholes in place of one: a point camera at either side of `eye`, both at the same camera time. The
-/// picture is twice as wide as what either sees; the left eye's is on the left.
+/// Two pinholes in place of one: a point camera on either side of `eye`, both at the same camera time. The picture is twice as wide as
+/// that of each eye; the left eye's is on the left.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -66,11 +62,11 @@ pub(in crate::scene) struct SensorRotation {
     expecting = "a table like { interpupillary_distance = \"64 mm\" }"
 )]
 pub(in crate::scene) struct Stereo {
-    /// The distance of the two pinholes in the camera's own frame, along its axis to the right, at least 0.
+    /// The distance of the two pinholes in the camera's own frame, along its right axis, at least 0.
     pub interpupillary_distance: At<Length>,
 }
 
-/// A shutter that is open for a while. Without this table the picture is of an instant.
+/// A shutter that is open for some time. Without this table the picture shows an instant.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -78,15 +74,15 @@ pub(in crate::scene) struct Stereo {
     expecting = "a table like { duration = \"0.5 m\" }"
 )]
 pub(in crate::scene) struct Shutter {
-    /// Camera time for which it is open, above 0; it opens at `camera.time`.
+    /// Camera time during which it is open, above 0; it opens at `camera.time`.
     pub duration: At<Time>,
     /// What the picture holds: "mean" (over the exposure) or "energy" (the integral over the exposure:
     /// mean × duration in metres). Default: "mean".
     #[serde(default)]
     pub records: At<Records>,
-    /// What samples take of cubes: "moments" (what there is at a moment of the exposure) or "means" (the mean over the part of
-    /// the exposure that the sample stands for, of the point that it meets: without noise, and exact at any number of samples
-    /// where camera and object rest relative to each other). Default: "moments".
+    /// What samples take from cubes: "moments" (the value at a moment of the exposure) or "means" (the mean over the sample's part of the
+    /// exposure, at the point that it hits: without noise, and exact for any number of samples if camera and object rest relative to each
+    /// other). Default: "moments".
     #[serde(default)]
     pub integration: Integration,
 }

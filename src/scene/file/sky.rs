@@ -9,8 +9,8 @@ use crate::scene::at::At;
 use crate::scene::values::{Number, NumberOrVector, Vector};
 use crate::spacetime::units::Angle;
 
-/// What shines from afar, at rest in the world: a background in at most one way, and a sun and stars upon it.
-/// Cameras see it aberrated, shifted and beamed, and it lights surfaces.
+/// Light from infinity, at rest in the world: a background of at most one kind, with a sun and stars added to it. Cameras see it
+/// aberrated, shifted and beamed, and it lights surfaces.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -20,10 +20,10 @@ use crate::spacetime::units::Angle;
 pub(in crate::scene) struct Sky {
     /// The same radiance in all directions, at least 0: one number, or linear RGB. Default: 0.
     pub radiance: Option<At<NumberOrVector>>,
-    /// The same spectrum in all directions, like the cosmic background's { blackbody = "2.725 K", total = 1 }.
-    /// Needs quantity = "rgb" in `radiance`.
+    /// The same spectrum in all directions, like the cosmic background's { blackbody = "2.725 K", total = 1 }. Needs quantity = "rgb" in
+    /// `radiance`.
     pub spectrum: Option<At<Spectrum>>,
-    /// A sky that goes from a horizon to a zenith.
+    /// A sky with a gradient from the horizon to the zenith.
     pub gradient: Option<At<Gradient>>,
     /// An equirectangular picture of all directions.
     pub image: Option<At<SkyImage>>,
@@ -31,10 +31,10 @@ pub(in crate::scene) struct Sky {
     pub sun: Option<At<Sun>>,
     /// Stars.
     pub stars: Option<At<Stars>>,
-    /// Whether it lights surfaces, which then reflect it; otherwise it is seen alone. Default: true.
+    /// Whether it lights surfaces, which then reflect it; otherwise it is only visible. Default: true.
     #[serde(default = "Sky::on")]
     pub lights: bool,
-    /// Whether surfaces shadow it. Default: true.
+    /// Whether surfaces cast shadows in its light. Default: true.
     #[serde(default = "Sky::on")]
     pub shadows: bool,
 }
@@ -45,8 +45,8 @@ impl Sky {
     }
 }
 
-/// Radiance by elevation: horizon + (zenith − horizon) (1 − (1 − h)⁴) at the sine h of the elevation above +Y's
-/// horizon, and the ground below.
+/// Radiance by elevation: horizon + (zenith − horizon) (1 − (1 − h)⁴) for the sine h of the elevation above the horizon of +Y, and the
+/// ground below it.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -71,7 +71,7 @@ pub(in crate::scene) struct SkyImage {
     pub file: At<String>,
     /// Factor on its radiance, at least 0: one number, or linear RGB. Default: 1.
     pub scale: Option<At<NumberOrVector>>,
-    /// By how much it is turned about +Y, right-handed. Default: "0 deg".
+    /// The angle of rotation about +Y, right-handed. Default: "0 deg".
     pub rotation: Option<At<Angle>>,
 }
 
@@ -83,16 +83,15 @@ pub(in crate::scene) struct SkyImage {
     expecting = "a table like { direction = [1, 2, 1], irradiance = 3 }"
 )]
 pub(in crate::scene) struct Sun {
-    /// Towards it, of any length but 0.
+    /// The direction towards it, of any length but 0.
     pub direction: At<Vector>,
-    /// What it sends through a surface across, at rest in the world, at least 0: one number, or linear RGB.
-    /// Default: [3.2, 3.0, 2.6].
+    /// Its irradiance on a perpendicular surface at rest in the world, at least 0: one number, or linear RGB. Default: [3.2, 3.0, 2.6].
     pub irradiance: Option<At<NumberOrVector>>,
     /// Angular diameter, above 0 and at most 90 deg. Default: "0.533 deg".
     pub diameter: Option<At<Angle>>,
 }
 
-/// Stars: discs of uniform radiance, of the colours of blackbodies; where `radiance` has quantity = "rgb", their spectra.
+/// Stars: discs of uniform radiance with the colours of blackbodies; with quantity = "rgb" in `radiance`, with their spectra.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, expecting = "a table like { count = 5000 }")]
@@ -100,14 +99,14 @@ pub(in crate::scene) struct Stars {
     /// A CSV table of lines x,y,z,magnitude,temperature (direction of any length but 0, kelvins), relative to
     /// the scene file. Excludes `count`, `seed` and `faintest`.
     pub file: Option<At<String>>,
-    /// How many random stars, at most 1000000: alike in all directions, N(<m) ∝ 10^(0.6 m) (a space that is
-    /// evenly filled), temperatures of 3000 to 12000 K. Default: 5000.
+    /// Number of random stars, at most 1000000: isotropic, with N(<m) ∝ 10^(0.6 m) (a uniformly filled space) and temperatures of 3000 to
+    /// 12000 K. Default: 5000.
     pub count: Option<At<u32>>,
-    /// Of the random numbers. Default: 1.
+    /// Seed of the random numbers. Default: 1.
     pub seed: Option<At<u32>>,
     /// Magnitude of the faintest random star. Default: 6.5.
     pub faintest: Option<At<Number>>,
-    /// Irradiance of a star of magnitude 0; each magnitude more is 10^0.4 times fainter. Default: 2e-5.
+    /// Irradiance of a star of magnitude 0; each further magnitude is 10^0.4 times fainter. Default: 2e-5.
     pub scale: Option<At<Number>>,
     /// Angular diameter of the discs, above 0 and at most 10 deg: about a pixel. Default: "0.08 deg".
     pub diameter: Option<At<Angle>>,

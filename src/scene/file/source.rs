@@ -13,8 +13,8 @@ use crate::scene::model::{
 use crate::scene::values::{Number, NumberOrVector, Vector};
 use crate::spacetime::units::{Angle, Time};
 
-/// Time-resolved radiance on the surfaces of objects, from a `cube` of data or from a `pulse`. It takes
-/// the place of the base colour as the surface's radiance; a surface has one cube, or any number of pulses.
+/// Time-resolved radiance on the surfaces of objects, from a `cube` of data or from a `pulse`. It replaces the base colour as the
+/// surface's radiance; a surface has one cube (or several captures), or any number of pulses.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -22,12 +22,12 @@ use crate::spacetime::units::{Angle, Time};
     expecting = "a table like { pulse = { position = [0, 2, 0], sigma = \"5 cm\" } }"
 )]
 pub(in crate::scene) struct Source {
-    /// A name of its own, for messages and `--set`. Default: the cube file's name without its
-    /// extension, or "pulse", numbered where it is taken.
+    /// A unique name, for messages and `--set`. Default: the cube file's name without its extension, or "pulse", with a number if that
+    /// name is taken.
     pub name: Option<At<String>>,
-    /// Names of the objects that it gives radiance to. Default: all objects.
+    /// Names of the objects that it applies to. Default: all objects.
     pub objects: Option<At<Vec<At<String>>>>,
-    /// Names of the glTF materials that it gives radiance to. Default: all materials of those objects.
+    /// Names of the glTF materials that it applies to. Default: all materials of those objects.
     pub materials: Option<At<Vec<At<String>>>>,
     /// A stored x-y-t cube. Excludes `pulse`.
     pub cube: Option<At<Cube>>,
@@ -37,7 +37,7 @@ pub(in crate::scene) struct Source {
     pub radiance: Option<At<Radiance>>,
 }
 
-/// A stored cube (rows, columns, time bins[, channels]) and how it lies on surface and time.
+/// A stored cube (rows, columns, time bins[, channels]) and its mapping to surface and time.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -50,33 +50,33 @@ pub(in crate::scene) struct Cube {
     pub file: At<String>,
     /// The array of an .npz file. Default: its only array.
     pub array: Option<At<String>>,
-    /// How codes of .png pictures stand for radiance, "linear" or "srgb"; required for them.
+    /// How the codes of .png pictures encode radiance, "linear" or "srgb"; required for them.
     pub transfer: Option<At<Transfer>>,
-    /// The order of the array's axes, the slowest first as numpy has it, like "T H W": H rows, W columns, T time
-    /// bins, C channels, 1 an axis of one entry. Without T it is a steady picture: radiance that does not change
-    /// with time. Default: "H W T", or "H W T C" for four axes. Of pictures, it names files, rows and columns,
-    /// and colours need no name: "T H W", the default, are frames, "H W T" streaks with time along x.
+    /// The order of the array's axes, slowest first as in numpy, like "T H W": H rows, W columns, T time bins, C channels, 1 an axis of
+    /// one entry. Without T it is a steady picture: radiance that does not change with time. Default: "H W T", or "H W T C" for four
+    /// axes. For pictures, it names files, rows and columns, without the colours: "T H W", the default, for frames, "H W T" for streaks
+    /// with time along x.
     pub axes: Option<At<String>>,
-    /// What the channels of the array are, in its order, each once: "R", "G", "B", and companions beside them, "IR" (infrared, 830 to
-    /// 3500 nm) and "UV" (ultraviolet, 100 to 360 nm), which shift into view; these need quantity = "rgb". Of .exr pictures
-    /// the names are theirs. Default: one channel is grey, three are ["R", "G", "B"].
+    /// What the channels of the array are, in order, each at most once: "R", "G", "B", and companions, "IR" (infrared, 830 to 3500 nm)
+    /// and "UV" (ultraviolet, 100 to 360 nm), which shift into view; these need quantity = "rgb". For .exr pictures the names are those
+    /// in the file. Default: one channel is grey, three are ["R", "G", "B"].
     pub channels: Option<At<Vec<String>>>,
     /// Time at the start of bin 0, on the clock of `clock`. Default: "0 m".
     pub start: Option<At<Time>>,
     /// Time at the centre of bin 0, in place of `start`.
     pub first_center: Option<At<Time>>,
-    /// Width of a bin, above 0, like "0.05 m" or "4 ps". Required, but for steady pictures and where the file says it (.ti).
+    /// Width of a bin, above 0, like "0.05 m" or "4 ps". Required, except for steady pictures and if the file gives it (.ti).
     pub bin_width: Option<At<Time>>,
     /// Bins of different widths, in place of `start` and `bin_width`: the start of each bin, and the end of the last,
     /// like ["0 m", "0.1 m", "0.3 m"]; `edges_file` reads them from a file.
     pub edges: Option<At<Vec<At<Time>>>>,
     /// The same from a file.
     pub edges_file: Option<At<EdgesFile>>,
-    /// Bins in which the sensor counted nothing, counted from 0: each takes what a straight line between its nearest live
-    /// neighbours in time has there.
+    /// Bins in which the sensor counted nothing, counted from 0: each is interpolated linearly between its nearest live neighbours in
+    /// time.
     pub dead_bins: Option<Vec<usize>>,
-    /// What becomes of samples below 0, as data have from which a background was subtracted: "keep" (they are read as they are,
-    /// so that means over many are right), "zero", or "refuse". Default: they are kept, and a warning counts them.
+    /// What to do with samples below 0, which occur in data with a background subtracted: "keep" (they are read as they are, so that
+    /// means over many samples are correct), "zero", or "refuse". Default: keep, with a warning that counts them.
     pub negative: Option<At<Negative>>,
     /// The clock of the time axis: "world" (time of emission), "object" (the emitting object's own time
     /// of emission) or "capture" (arrival at the capture camera: time of emission + η × distance to its
@@ -88,22 +88,20 @@ pub(in crate::scene) struct Cube {
     /// Reconstruction along time: "nearest", "linear", "cubic", or "cubic_means"
     /// (cubic, with each value taken as its bin's mean and not as the value at its centre). Default: "cubic_means".
     pub filter: Option<At<TimeFilter>>,
-    /// Reconstruction across the picture of the cube: "bilinear"; "sharp" (of a `capture`: cubic, with each pixel taken as the
-    /// mean over its square: less error, more of the data's noise); or "footprint" (bilinear, as the mean over what each sample
-    /// stands for on the surface: no aliasing where the picture shows several texels in a pixel). Default: "bilinear".
+    /// Reconstruction across the picture of the cube: "bilinear"; "sharp" (for a `capture`: cubic, with each pixel taken as the mean over
+    /// its square: less error, more of the data's noise); or "footprint" (bilinear, averaged over the area of the surface that each
+    /// sample covers: no aliasing where a pixel of the picture covers several texels). Default: "bilinear".
     pub reconstruction: Option<At<Reconstruction>>,
     /// Factor on all values. Default: 1.
     #[serde(default = "Cube::scale")]
     pub scale: Number,
-    /// Surface points address the cube by their texture coordinates TEXCOORD_n of this number n; row 0
-    /// of the cube is v = 0. Excludes `capture`. Default: 0.
+    /// Surface points address the cube by their texture coordinates TEXCOORD_n with this number n; row 0 of the cube is v = 0. Excludes
+    /// `capture`. Default: 0.
     pub uv: Option<At<u32>>,
-    /// What the backs of surfaces show, where they are seen: "as_front" (the same light), "black", or "second_half" (light of
-    /// their own: rows from H/2 on are those of backs, at the same texture coordinates), as `bake` writes it. Excludes
-    /// `capture`. Default: "as_front".
+    /// What the backs of surfaces show, if they are visible: "as_front" (the same light), "black", or "second_half" (their own light:
+    /// rows from H/2 on belong to backs, at the same texture coordinates), as written by `bake`. Excludes `capture`. Default: "as_front".
     pub backs: Option<At<CubeBacks>>,
-    /// Surface points address the cube by projection into the camera that captured it, as far as that
-    /// saw them. Excludes `uv`.
+    /// Surface points address the cube by projection into the camera that captured it, if it saw them. Excludes `uv`.
     pub capture: Option<At<Capture>>,
 }
 
@@ -125,12 +123,12 @@ pub(in crate::scene) struct EdgesFile {
     pub file: At<String>,
     /// The array of an .npz file. Default: its only array.
     pub array: Option<At<String>>,
-    /// What the numbers count, like "1 m" or "1 ps".
+    /// The unit of the numbers, like "1 m" or "1 ps".
     pub unit: At<Time>,
 }
 
-/// The pinhole camera that captured a cube, at rest in the frame of the objects that it captured; its
-/// coordinates are the world's where those rest in the world, and the objects' own otherwise.
+/// The pinhole camera that captured a cube, at rest in the frame of the objects that it captured; its coordinates are the world's if
+/// those rest in the world, and the objects' own otherwise.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -142,29 +140,29 @@ pub(in crate::scene) struct Capture {
     pub eye: Option<At<Vector>>,
     /// A point on the forward axis.
     pub look_at: Option<At<Vector>>,
-    /// A direction that is up in the data. Default: [0, 1, 0].
+    /// The up direction of the data. Default: [0, 1, 0].
     pub up: Option<At<Vector>>,
     /// Takes the pose (and the field of view, unless `hfov` is given) from a camera of this glTF file,
     /// in place of `eye`, `look_at` and `up`.
     pub gltf: Option<At<String>>,
     /// The node of the glTF file that holds the camera. Default: the file's only camera.
     pub node: Option<At<String>>,
-    /// The pose as a matrix, or as COLMAP has it, in place of `eye`, `look_at` and `up`.
+    /// The pose as a matrix, or in COLMAP's form, in place of `eye`, `look_at` and `up`.
     pub pose: Option<At<GivenPose>>,
-    /// How its pixels look: as `camera.projection`. Default: "perspective".
+    /// The projection of its pixels: as `camera.projection`. Default: "perspective".
     #[serde(default)]
     pub projection: At<ProjectionKind>,
-    /// Horizontal field of view, above 0, up to what the projection can show; the vertical one follows from the cube's
-    /// shape (square pixels). Required unless the glTF camera gives it, or `fov` does.
+    /// Horizontal field of view, above 0, up to the projection's limit; the vertical one follows from the cube's shape (square pixels).
+    /// Required unless the glTF camera or `fov` gives it.
     pub hfov: Option<At<Angle>>,
-    /// The field of view along another axis of the film, that of `fov_axis`, in place of `hfov`.
+    /// The field of view along another axis of the film, given by `fov_axis`, in place of `hfov`.
     pub fov: Option<At<Angle>>,
     /// The axis of `fov`: "x" (as `hfov`), "y", "diagonal", "smaller" or "larger".
     pub fov_axis: Option<At<FovAxis>>,
     /// The whole film, of which the cube is a crop. The field of view is that of the whole film.
     pub crop: Option<At<Crop>>,
-    /// The depth of a near plane on which the capture's rays began, metres, at least 0: what is before it is not
-    /// seen, and the times of `clock = "capture"` lack the way from the pinhole to it, near_clip / cos θ. Default: 0.
+    /// The depth of a near plane on which the capture's rays began, metres, at least 0: anything in front of it is not seen, and the
+    /// times of `clock = "capture"` lack the path from the pinhole to it, near_clip / cos θ. Default: 0.
     pub near_clip: Option<At<Number>>,
 }
 
@@ -182,16 +180,16 @@ pub(in crate::scene) struct GivenPose {
     pub quaternion: Option<[f64; 4]>,
     /// The translation of `quaternion`, metres.
     pub translation: Option<[f64; 3]>,
-    /// What the matrix, or quaternion and translation, mean.
+    /// The meaning of the matrix, or of the quaternion and translation.
     pub convention: Option<PoseConvention>,
-    /// The folder of a reconstruction by COLMAP (images.bin and cameras.bin, or .txt), relative to the scene file, in place of
-    /// the other keys; with `image`. It gives the field of view too, unless `hfov` or `fov` is there.
+    /// The folder of a COLMAP reconstruction (images.bin and cameras.bin, or .txt), relative to the scene file, in place of the other
+    /// keys; with `image`. It also gives the field of view, unless `hfov` or `fov` is given.
     pub colmap: Option<At<String>>,
-    /// The name of the image of that reconstruction whose camera it is.
+    /// The name of the camera's image in that reconstruction.
     pub image: Option<At<String>>,
 }
 
-/// Between which coordinates a pose goes, and where the axes of a camera point.
+/// The direction of a pose's transformation, and the axes of a camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]
@@ -206,7 +204,7 @@ pub(in crate::scene) enum PoseConvention {
     Colmap,
 }
 
-/// Where a cube lies on the film of the camera that captured it.
+/// The position of a cube on the film of the camera that captured it.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -221,8 +219,8 @@ pub(in crate::scene) struct Crop {
     pub offset: [u32; 2],
 }
 
-/// A spherical pulse of light from a point at rest in the world, Gaussian in time, that falls on
-/// diffuse surfaces: irradiance ∝ cos θ / r² at the time that light needs to get there.
+/// A spherical pulse of light from a point at rest in the world, Gaussian in time, that illuminates diffuse surfaces: irradiance ∝ cos θ
+/// / r², delayed by the travel time of light.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -240,7 +238,7 @@ pub(in crate::scene) struct Pulse {
     /// Energy per solid angle, at least 0: one number, or linear RGB. Default: 1.
     #[serde(default = "Pulse::intensity")]
     pub intensity: At<NumberOrVector>,
-    /// Whether other surfaces shadow it. Default: true.
+    /// Whether other surfaces cast shadows in its light. Default: true.
     #[serde(default = "Pulse::shadows")]
     pub shadows: bool,
 }

@@ -1,4 +1,4 @@
-//! Spectra of what shines.
+//! Spectra of light sources.
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -9,8 +9,8 @@ use crate::scene::at::At;
 use crate::scene::values::{Number, Vector};
 use crate::spacetime::units::{Temperature, Wavelength};
 
-/// How light is spread over wavelengths, in the rest frame of what shines: one of `line`, `lines`, `blackbody`,
-/// `gaussian`, `table`, `flat` and `rgb`; and how much of it there is: one of `luminance`, `total` and `factor`.
+/// The distribution of light over wavelengths, in the rest frame of the source: one of `line`, `lines`, `blackbody`, `gaussian`, `table`,
+/// `flat` and `rgb`; and its amount: one of `luminance`, `total` and `factor`.
 #[derive(Debug, Clone, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -29,15 +29,14 @@ pub(in crate::scene) struct Spectrum {
     /// A text file of two columns, wavelength in nm and value per wavelength, relative to the scene file; linear
     /// between its rows, 0 beyond them.
     pub table: Option<At<String>>,
-    /// The same for all wavelengths from the first to the second, like ["300 nm", "2 um"].
+    /// A constant value for all wavelengths from the first to the second, like ["300 nm", "2 um"].
     pub flat: Option<At<[At<Wavelength>; 2]>>,
     /// The smooth spectrum of a linear RGB colour.
     pub rgb: Option<At<Vector>>,
-    /// How a spectrum by `rgb` goes on below 360 and above 830 nm: "blackbody" (as Planck's law at 6504 K),
-    /// "edge" (constant) or "dark". Default: the scene's, in `radiance`.
+    /// How a spectrum by `rgb` continues below 360 and above 830 nm: "blackbody" (as Planck's law at 6504 K), "edge" (constant) or
+    /// "dark". Default: the scene's, in `radiance`.
     pub continuation: Option<At<Continuation>>,
-    /// Its luminance as it is seen at rest, where that of rgb = [1, 1, 1] is 1. Default: 1, unless `rgb`,
-    /// `total` or `factor` is given.
+    /// Its luminance at rest, where that of rgb = [1, 1, 1] is 1. Default: 1, unless `rgb`, `total` or `factor` is given.
     pub luminance: Option<At<Number>>,
     /// Its sum over all wavelengths.
     pub total: Option<At<Number>>,
@@ -53,9 +52,9 @@ pub(in crate::scene) struct Spectrum {
     expecting = "a table like { wavelength = \"589 nm\", energy = 1 }"
 )]
 pub(in crate::scene) struct SpectralLine {
-    /// Where it is, like "589 nm".
+    /// Its wavelength, like "589 nm".
     pub wavelength: At<Wavelength>,
-    /// Its energy, in proportion to that of the other lines. Default: 1.
+    /// Its energy relative to the other lines. Default: 1.
     #[serde(default = "SpectralLine::energy")]
     pub energy: At<Number>,
 }
@@ -74,7 +73,7 @@ impl SpectralLine {
     expecting = "a table like { centre = \"550 nm\", sigma = \"20 nm\" }"
 )]
 pub(in crate::scene) struct Gaussian {
-    /// Where its peak is.
+    /// The wavelength of its peak.
     pub centre: At<Wavelength>,
     /// Its standard deviation, above 0.
     pub sigma: At<Wavelength>,

@@ -12,37 +12,36 @@ use crate::spacetime::{Event, Velocity, World};
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct CameraModel {
-    /// Where the pinhole is in the world when the camera's clock shows 0, and the world time then.
+    /// The position of the pinhole in the world when the camera's clock shows 0, and the world time at that moment.
     pub origin: Event<World>,
-    /// Orthonormal axes in the camera frame (whose axes are the world's, boosted without rotation):
-    /// right, up, forward.
+    /// Orthonormal axes in the camera frame (whose axes are the world's, boosted without rotation): right, up, forward.
     pub axes: [DVec3; 3],
-    /// How film points look.
+    /// The projection.
     pub projection: ProjectionKind,
-    /// Horizontal field of view in the camera frame, radians, up to that of the projection; with a sensor, that
-    /// at [`Sensor::focal_length`], which gives the sensor's width. Of a stereo pair, that of either eye.
+    /// Horizontal field of view in the camera frame, radians, up to the projection's limit; with a sensor, the one at
+    /// [`Sensor::focal_length`], which gives the sensor's width. For a stereo pair, that of each eye.
     pub horizontal_fov: f64,
     /// Image size in pixels, width and height.
     pub size: [u32; 2],
     /// Velocity in the world, when the camera's clock shows 0.
     pub velocity: Velocity,
-    /// How it moves on from there.
+    /// Its motion from there.
     pub motion: Motion,
-    /// The sensor; none for a point camera, whose rays all leave one event.
+    /// The sensor; `None` for a point camera, whose rays all leave one event.
     pub sensor: Option<Sensor>,
-    /// How the sensor turns.
+    /// The rotation of the sensor.
     pub rotation: Option<Rotation>,
     /// Two pinholes in place of one; their pictures are side by side.
     pub stereo: Option<Stereo>,
-    /// The camera's proper time of the shot, or at which the shutter opens, metres.
+    /// The camera's proper time at the shot, or when the shutter opens, metres.
     pub time: f64,
-    /// How long the shutter is open; none for an instant.
+    /// How long the shutter is open; `None` for an instant.
     pub shutter: Option<Shutter>,
     /// Camera time between the frames of a sequence, metres.
     pub frame_interval: Option<f64>,
 }
 
-/// How film points look: the projections of [`crate::camera`].
+/// The projections of [`crate::camera`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -61,7 +60,7 @@ pub enum ProjectionKind {
 }
 
 impl ProjectionKind {
-    /// As the scene file says it.
+    /// Its name in the scene file.
     pub fn name(self) -> &'static str {
         match self {
             ProjectionKind::Perspective => "perspective",
@@ -90,14 +89,14 @@ pub struct Stereo {
     pub interpupillary_distance: f64,
 }
 
-/// The world line of the pinhole, from the state at its proper time 0 on (and before).
+/// The world line of the pinhole, given its state at proper time 0.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Motion {
     /// Without acceleration.
     Inertial,
-    /// Constant proper acceleration, 1/m, in the camera's axes when its clock shows 0; for ever.
+    /// Constant proper acceleration, 1/m, in the camera's axes when its clock shows 0; at all times.
     Accelerated(DVec3),
-    /// One segment after the other from proper time 0 on; without acceleration before and after.
+    /// Consecutive segments from proper time 0 on; without acceleration before and after.
     Segments(Vec<Segment>),
     /// Proper acceleration at proper times, linear between; from the first time to the last.
     Profile {
@@ -108,12 +107,11 @@ pub enum Motion {
     },
     /// A smooth curve through world events, from the first to the last; the clock shows 0 at the first.
     Keyframes(Vec<Event<World>>),
-    /// As an animation goes through world events, at rest at the first and the last of them before and after; the clock shows 0 at
-    /// the first.
+    /// The path of an animation through world events, at rest before the first and after the last; the clock shows 0 at the first.
     Animation {
         /// The events, ascending in time.
         events: Vec<Event<World>>,
-        /// Whether the way between them is straight, with short turns, or a smooth curve.
+        /// Whether the path between them is straight, with short turns, or a smooth curve.
         is_straight: bool,
     },
     /// At constant speed around an axis.
@@ -127,41 +125,41 @@ pub enum Motion {
     },
 }
 
-/// A sensor behind the pinhole, across the forward axis.
+/// A sensor behind the pinhole, perpendicular to the forward axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensor {
-    /// From the sensor to the pinhole, metres, above 0, in the frame that `assembly` names. The sensor's
-    /// width is 2 d tan(fov/2) at this length d, whatever its length in the camera's own frame.
+    /// The distance from the sensor to the pinhole, metres, above 0, in the frame that `assembly` names. The sensor's width is 2 d
+    /// tan(fov/2) at this length d, whatever its length in the camera's own frame.
     pub focal_length: f64,
-    /// What holds the two together.
+    /// What fixes the distance of the two.
     pub assembly: Assembly,
 }
 
-/// What keeps sensor and pinhole apart.
+/// What fixes the distance of sensor and pinhole.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Assembly {
-    /// A rigid body: the focal length is that of the camera's own frame. When it accelerates, Born-rigid.
+    /// A rigid body: the focal length is measured in the camera's own frame. Under acceleration it is Born-rigid.
     #[default]
     Rigid,
-    /// The focal length is that measured in the world: along the motion the camera's own is γ times longer.
+    /// The focal length is measured in the world: along the motion the camera's own is γ times longer.
     WorldLength,
-    /// Sensor and pinhole accelerate alike, like the two ships of Bell: their distance in the world stays.
-    /// Without acceleration the same as [`Assembly::WorldLength`].
+    /// Sensor and pinhole accelerate alike, like Bell's two spaceships: their distance in the world is constant. Without acceleration the
+    /// same as [`Assembly::WorldLength`].
     Bell,
 }
 
-/// A sensor that turns about an axis fixed in the camera's frame.
+/// A sensor that rotates about an axis fixed in the camera's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rotation {
     /// Unit vector along the axis, in the camera frame.
     pub axis: DVec3,
-    /// Radians per metre of camera time, right-handed about the axis; at camera time 0 nothing is turned.
+    /// Radians per metre of camera time, right-handed about the axis; at camera time 0 the angle is 0.
     pub rate: f64,
     /// What the axis passes through.
     pub through: Pivot,
-    /// How the sensor's elements see.
+    /// What the sensor's elements see.
     pub elements: Elements,
 }
 
@@ -177,22 +175,22 @@ pub enum Pivot {
     Sensor,
 }
 
-/// How the elements of a turning sensor see.
+/// What the elements of a rotating sensor see.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Elements {
-    /// By the light that comes to them through the pinhole, which does not turn.
+    /// Light that reaches them through the pinhole, which does not rotate.
     #[default]
     Exact,
-    /// Each like an inertial camera with a pinhole of its own that moves along with it.
+    /// Each is an inertial camera with its own comoving pinhole.
     Comoving,
-    /// The same, with pinhole and sensor seen aberrated, so that the sensor can cover the pinhole.
+    /// The same, with pinhole and sensor in their aberrated directions, so that the sensor can hide the pinhole.
     Aberrated,
 }
 
 impl CameraModel {
-    /// How long the shutter is open, where samples take means over parts of that.
+    /// How long the shutter is open, if samples take means over parts of the exposure.
     pub(crate) fn integrated_exposure(&self) -> Option<f64> {
         // Moments need no duration: each sample has its own time.
         let shutter = self.shutter?;
@@ -200,26 +198,26 @@ impl CameraModel {
     }
 }
 
-/// A shutter that is open for a while.
+/// A shutter that is open for some time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shutter {
-    /// Camera time for which it is open, metres, above 0.
+    /// Camera time during which it is open, metres, above 0.
     pub duration: f64,
     /// What the picture holds.
     pub records: Records,
-    /// What samples take of time-resolved data.
+    /// What samples take from time-resolved data.
     pub integration: Integration,
 }
 
-/// What the samples of an exposure take of time-resolved data.
+/// What the samples of an exposure take from time-resolved data.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Integration {
-    /// What there is at the moment of the sample.
+    /// The value at the moment of the sample.
     #[default]
     Moments,
-    /// The mean over the part of the exposure that the sample stands for, of the point that it meets.
+    /// The mean over the sample's part of the exposure, at the point that it hits.
     Means,
 }
 

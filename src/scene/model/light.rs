@@ -1,4 +1,4 @@
-//! Lights: lamps on world lines of their own, and objects that shine.
+//! Lights: lamps on their own world lines, and objects that shine.
 
 use glam::DVec3;
 
@@ -13,36 +13,36 @@ use crate::spacetime::{Event, Velocity, World};
 pub struct Light {
     /// Unique name.
     pub name: String,
-    /// What shines.
+    /// The kind of light.
     pub kind: LightKind,
-    /// Whether surfaces shadow it.
+    /// Whether surfaces cast shadows in its light.
     pub shadows: bool,
     /// A byte range of the scene text to point at in messages.
     pub span: std::ops::Range<usize>,
 }
 
-/// What shines.
+/// The kind of light.
 #[derive(Debug, Clone)]
 pub enum LightKind {
-    /// A point, or something far away.
+    /// A point, or a light at infinity.
     Lamp(Box<Lamp>),
-    /// The surface of an object, with the object's spectrum where it has one.
+    /// The surface of an object, with the object's spectrum if it has one.
     Area {
         /// Index of the object.
         object: usize,
-        /// How bright it is, by channel; a factor on the spectrum.
+        /// Its brightness, by channel; a factor on the spectrum.
         brightness: Brightness,
         /// Factor on the brightness by proper time of the object.
         emission: EmissionProfile,
     },
 }
 
-/// How bright a surface is in its rest frame, alike in all directions, by channel.
+/// The brightness of a surface in its rest frame, the same in all directions, by channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Brightness {
     /// Radiance.
     Radiance([f64; 3]),
-    /// All power Φ that it sends: the radiance is Φ/(π A), A the area of all sides that shine.
+    /// The total emitted power Φ: the radiance is Φ/(π A), where A is the area of all sides that shine.
     Power([f64; 3]),
 }
 
@@ -50,32 +50,32 @@ pub enum Brightness {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Lamp {
-    /// Where it shines to, in its own frame.
+    /// The directions in which it shines, in its own frame.
     pub beam: Beam,
-    /// By channel, in its own frame: radiant intensity on the axis, power per solid angle; of parallel light
-    /// the irradiance across it, power per area.
+    /// By channel, in its own frame: radiant intensity on the axis, power per solid angle; for parallel light the irradiance on a
+    /// perpendicular surface, power per area.
     pub intensity: [f64; 3],
-    /// The spectrum that the intensity is a factor on; none where it is what the scene's quantity says.
+    /// The spectrum that the intensity multiplies; `None` if the scene's quantity determines it.
     pub spectrum: Option<Spectrum>,
     /// Factor on the intensity by proper time.
     pub emission: EmissionProfile,
-    /// Where it is when its clock shows 0.
+    /// Its position when its clock shows 0.
     pub origin: Event<World>,
     /// Its velocity then.
     pub velocity: Velocity,
-    /// How it moves on.
+    /// Its motion from there.
     pub motion: Motion,
-    /// The world line that these give.
+    /// The resulting world line.
     pub line: WorldLine,
 }
 
-/// Where a lamp shines to, in its own frame, whose axes are the world's, boosted without rotation.
+/// The directions in which a lamp shines, in its own frame, whose axes are the world's, boosted without rotation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Beam {
-    /// All directions alike.
+    /// The same in all directions.
     Point,
-    /// A cone: all of the intensity within `inner`, none beyond `outer`, in between the square of what
-    /// is linear in the cosine, as glTF has it (KHR_lights_punctual).
+    /// A cone: full intensity within `inner`, none beyond `outer`, and in between the square of a linear function of the cosine, as in
+    /// glTF (KHR_lights_punctual).
     Spot {
         /// Unit vector.
         axis: DVec3,
@@ -88,7 +88,7 @@ pub enum Beam {
     Parallel(DVec3),
 }
 
-/// A factor on the light of a lamp or of a surface at each of its proper times τ, metres.
+/// A factor on the light of a lamp or of a surface as a function of its proper time τ, metres.
 #[derive(Debug, Clone, PartialEq)]
 pub enum EmissionProfile {
     /// 1.
@@ -108,7 +108,7 @@ pub enum EmissionProfile {
         sigma: f64,
         /// At least σ.
         period: f64,
-        /// How many; none for all integers k.
+        /// Number of pulses; `None` for all integers k.
         count: Option<u32>,
     },
     /// Linear between these proper times and factors, 0 outside; times ascend.

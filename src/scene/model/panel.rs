@@ -1,4 +1,4 @@
-//! Variants of one scene side by side: the panels of a figure, and the sheet that they are on.
+//! Variants of one scene side by side: the panels of a figure, and their sheet.
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -9,14 +9,13 @@ use serde::{Deserialize, Serialize};
 pub struct Panel {
     /// Unique, of letters, digits, dots, underscores and hyphens: part of file names.
     pub name: String,
-    /// What stands beneath it on a sheet.
+    /// The text below it on a sheet.
     pub label: String,
     /// What its picture shows.
     pub show: Show,
-    /// Whether it begins a row of the sheet.
+    /// Whether it starts a new row of the sheet.
     pub new_row: bool,
-    /// Dotted keys and the TOML text of their values, as [`Overrides::set`](crate::scene::Overrides::set)
-    /// takes them.
+    /// Dotted keys and the TOML text of their values, as [`Overrides::set`](crate::scene::Overrides::set) takes them.
     pub set: Vec<(String, String)>,
     /// A byte range of the scene text to point at in messages.
     pub span: std::ops::Range<usize>,
@@ -36,11 +35,11 @@ pub enum Show {
     Luminance,
 }
 
-/// How panels are put on one page.
+/// How panels are arranged on one page.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Sheet {
     /// Above the panels.
     pub title: Option<String>,
-    /// Panels side by side; none for as many as there are rows, or one more.
+    /// Panels per row; `None` for as many as there are rows, or one more.
     pub columns: Option<u32>,
 }

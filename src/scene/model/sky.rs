@@ -1,4 +1,4 @@
-//! The sky: light from all directions, from afar, at rest in the world.
+//! The sky: light from all directions, from infinity, at rest in the world.
 
 use std::path::PathBuf;
 
@@ -6,11 +6,11 @@ use glam::DVec3;
 
 use crate::colour::Spectrum;
 
-/// What shines from afar; its parts add.
+/// Light from infinity; its parts add.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Sky {
-    /// Radiance of all directions.
+    /// Radiance from all directions.
     pub background: SkyRadiance,
     /// A sun.
     pub sun: Option<Sun>,
@@ -18,13 +18,13 @@ pub struct Sky {
     pub stars: Option<Stars>,
     /// Whether it lights surfaces.
     pub lights: bool,
-    /// Whether surfaces shadow it.
+    /// Whether surfaces cast shadows in its light.
     pub shadows: bool,
     /// A byte range of the scene text to point at in messages.
     pub span: std::ops::Range<usize>,
 }
 
-/// Radiance of all directions, by channel or by wavelength.
+/// Radiance from all directions, by channel or by wavelength.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SkyRadiance {
     /// The same everywhere.
@@ -44,7 +44,7 @@ pub enum SkyRadiance {
         path: PathBuf,
         /// Factor on its radiance, by channel.
         scale: [f64; 3],
-        /// Radians by which it is turned about +Y, right-handed.
+        /// The angle of rotation about +Y, radians, right-handed.
         rotation: f64,
     },
     /// The same everywhere, with this spectrum.
@@ -56,7 +56,7 @@ pub enum SkyRadiance {
 pub struct Sun {
     /// Unit vector towards its middle.
     pub direction: DVec3,
-    /// What it sends through a surface across, at rest in the world, by channel.
+    /// Its irradiance on a perpendicular surface at rest in the world, by channel.
     pub irradiance: [f64; 3],
     /// Angular radius, radians.
     pub radius: f64,
@@ -65,7 +65,7 @@ pub struct Sun {
 /// Stars: discs of uniform radiance, of the colours of blackbodies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stars {
-    /// Which.
+    /// The catalogue.
     pub catalogue: Catalogue,
     /// Irradiance (luminance of the linear RGB) of a star of magnitude 0.
     pub scale: f64,
@@ -73,17 +73,17 @@ pub struct Stars {
     pub radius: f64,
 }
 
-/// Where stars come from.
+/// The origin of the stars.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Catalogue {
     /// A table `x,y,z,magnitude,temperature` (CSV), relative paths already resolved against the scene file.
     File(PathBuf),
-    /// Random ones: alike in all directions, as many to each magnitude m as in a space that is evenly
-    /// filled, N(<m) ∝ 10^(0.6 m), and temperatures 3000 K · 4^(u²) with u uniform in [0, 1).
+    /// Random stars: isotropic, with magnitudes m distributed as in a uniformly filled space, N(<m) ∝ 10^(0.6 m), and temperatures 3000 K
+    /// · 4^(u²) with u uniform in [0, 1).
     Random {
-        /// How many.
+        /// Number of stars.
         count: u32,
-        /// Of the random numbers.
+        /// Seed of the random numbers.
         seed: u32,
         /// The magnitude of the faintest.
         faintest: f64,
@@ -91,7 +91,7 @@ pub enum Catalogue {
 }
 
 impl Sky {
-    /// The file of its picture, where it has one.
+    /// The file of its picture, if it has one.
     pub fn picture(&self) -> Option<&PathBuf> {
         match &self.background {
             SkyRadiance::Image { path, .. } => Some(path),

@@ -1,5 +1,5 @@
-//! Which surfaces a source is bound to. A surface takes its radiance from one cube by texture coordinates, or from any
-//! number of captures, or reflects any number of pulses, or else has its base colour.
+//! The surfaces that a source is bound to. A surface has its radiance from one cube by texture coordinates, from any number of captures
+//! or pulses, or else its base colour.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -15,22 +15,23 @@ use crate::spacetime::units::quoted;
 /// Surfaces (objects × materials) that sources may be bound to, in total.
 const MOST_SURFACES: usize = 1 << 20;
 
-/// The surfaces that sources have been bound to so far.
+/// The surfaces bound so far.
 pub(super) struct Bindings<'a> {
     cx: &'a Context,
     objects: &'a [Object],
     index: HashMap<&'a str, usize>,
-    /// By object, claims of all its surfaces. Those of one object share them, so they are of one kind: the latest stands for all.
+    /// By object, claims of all its surfaces. The claims on one object share its surfaces, so they are of one kind: the latest represents
+    /// all.
     whole: HashMap<usize, Claim>,
     /// By object and kind, claims of some of its surfaces: different surfaces may have different kinds.
     partly: HashMap<(usize, Kind), Claim>,
     /// By object and material.
     surfaces: HashMap<(usize, &'a str), Claim>,
-    /// How many surfaces all sources have named.
+    /// The number of surfaces that all sources have named.
     claimed: usize,
 }
 
-/// What messages point at: the name, or what stands in for it.
+/// The place for messages: the name, or its substitute.
 pub(super) fn span(at: &At<file::Source>) -> Range<usize> {
     let source = &at.value;
     let name = source.name.as_ref();
@@ -40,14 +41,14 @@ pub(super) fn span(at: &At<file::Source>) -> Range<usize> {
     span.unwrap_or_else(|| at.span.clone())
 }
 
-/// A source that has a surface.
+/// A source that claims a surface.
 #[derive(Debug, Clone)]
 struct Claim {
     span: Range<usize>,
     kind: Kind,
 }
 
-/// With what else a source shares a surface.
+/// With which other sources a source may share a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Kind {
     /// With nothing.
@@ -86,7 +87,7 @@ impl<'a> Bindings<'a> {
         }
     }
 
-    /// The binding of a source; refused where it names what is not there, or shares a surface that it must not share.
+    /// The binding of a source; refused if it names something that does not exist, or shares a surface that it must not share.
     pub fn bind(&mut self, at: &'a At<file::Source>) -> Result<Binding> {
         let objects = self.objects_of(at)?;
         let materials = self.materials_of(at)?;
@@ -103,7 +104,7 @@ impl<'a> Bindings<'a> {
         })
     }
 
-    /// The named objects, ascending; none for all.
+    /// The named objects, ascending; `None` for all.
     fn objects_of(&self, at: &At<file::Source>) -> Result<Option<Vec<usize>>> {
         let Some(names) = &at.value.objects else {
             return Ok(None);
@@ -128,7 +129,7 @@ impl<'a> Bindings<'a> {
             .refuse(name, what, format!("{meant}the objects are: {known}"))
     }
 
-    /// The named materials; empty for all. Whether the files have them is known once those are read.
+    /// The named materials; empty for all. Whether the files contain them is checked once those are read.
     fn materials_of(&self, at: &'a At<file::Source>) -> Result<Vec<&'a str>> {
         let Some(names) = &at.value.materials else {
             return Ok(Vec::new());
@@ -155,7 +156,7 @@ impl<'a> Bindings<'a> {
         }
     }
 
-    /// A capture camera rests in the frame of what it captured, in whose coordinates it is placed.
+    /// A capture camera must rest in the frame of what it captured, and is positioned in its coordinates.
     fn refuse_two_frames(&self, at: &At<file::Source>, bound: &[usize]) -> Result<()> {
         let cube = at.value.cube.as_ref();
         let capture = cube.and_then(|cube| cube.value.capture.as_ref());
@@ -180,7 +181,7 @@ impl<'a> Bindings<'a> {
         Err(self.cx.refuse(capture, what, help))
     }
 
-    /// Takes the surfaces for this source.
+    /// Claims the surfaces for this source.
     fn claim(
         &mut self,
         at: &At<file::Source>,
@@ -210,7 +211,7 @@ impl<'a> Bindings<'a> {
         Ok(())
     }
 
-    /// The source that has some of the object already, if any.
+    /// The source that already has part of the object, if any.
     fn claim_whole(&mut self, object: usize, here: &Claim) -> Option<Claim> {
         let kinds = [Kind::Texture, Kind::Capture, Kind::Pulse].into_iter();
         let partly = kinds.filter_map(|kind| self.partly.get(&(object, kind)));

@@ -11,7 +11,7 @@ use crate::scene::inputs::Pose;
 use crate::scene::limits;
 use crate::scene::model::{CameraModel, ProjectionKind};
 
-/// The camera, whose parts are resolved on their own and then held against each other.
+/// The camera: its parts are resolved separately and then checked against each other.
 pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
     let camera = &at.value;
     let size = camera.size.value;
@@ -60,7 +60,7 @@ fn pose(cx: &Context, at: &At<Camera>) -> Result<Pose> {
     pose::resolve(cx, at, &keys)
 }
 
-/// That of the sensor's width, or the file's, or that of the glTF camera, or the default.
+/// From the sensor's width, or the file, or the glTF camera, or the default.
 fn horizontal_fov(
     cx: &Context,
     camera: &Camera,

@@ -1,4 +1,4 @@
-//! What every part of resolution asks: times in metres, positive numbers, colours, paths.
+//! Helpers for all parts of the resolution: times in metres, positive numbers, colours, paths.
 
 use std::fmt::Display;
 use std::ops::Range;
@@ -17,13 +17,13 @@ use crate::scene::values::{Number, Vector};
 use crate::spacetime::units::{Acceleration, AngularRate, LARGEST, Length, Speed, Time, quoted};
 use crate::spacetime::{Direction, World};
 
-/// The smallest positive number accepted: powers of smaller ones leave f64's range.
+/// The smallest accepted positive number: powers of smaller ones leave f64's range.
 const SMALLEST: f64 = 1e-30;
 
-/// The most segments, times of a profile, or keyframes.
+/// The largest number of segments, times of a profile, or keyframes.
 const LONGEST_LIST: usize = 100_000;
 
-/// Factors on a bound, for naming in a message four digits that are safely on the right side of it.
+/// Factors on a bound, so that messages name a value of four digits that is safely on the right side of it.
 pub(super) const BELOW: f64 = 0.999;
 pub(super) const ABOVE: f64 = 1.001;
 
@@ -42,11 +42,11 @@ pub(in crate::scene) fn has_extension(path: &Path, extensions: &[&str]) -> bool 
     own.is_some_and(|own| extensions.iter().any(|e| e.eq_ignore_ascii_case(own)))
 }
 
-/// The surroundings of a scene that is being resolved.
+/// The context of a scene that is being resolved.
 pub(crate) struct Context {
-    /// The text, for refusals.
+    /// The text, for error messages.
     pub report: Report,
-    /// What the text names.
+    /// The external files that the text names.
     pub(in crate::scene) inputs: Inputs,
     /// Metres per second, above 0.
     pub speed_of_light: f64,
@@ -66,7 +66,7 @@ impl Context {
         })
     }
 
-    /// The refusal of the value at `at`.
+    /// The error for the value at `at`.
     pub fn refuse<T>(&self, at: &At<T>, what: impl Into<String>, help: impl Into<String>) -> Error {
         self.report.refuse(&at.span, what, help)
     }
@@ -76,7 +76,7 @@ impl Context {
         check.map_err(|(what, help)| self.refuse(at, what, help))
     }
 
-    /// The refusal of `second`, which cannot be given together with `first`.
+    /// The error for `second`, which cannot be combined with `first`.
     pub fn refuse_both<T, U>(
         &self,
         (first, first_key): (&At<T>, &str),
@@ -88,7 +88,7 @@ impl Context {
         self.report.refuse_two(&second.span, other, what, help)
     }
 
-    /// Refuses two keys that are both there.
+    /// Refuses two keys if both are given.
     pub fn exclusive<T, U>(
         &self,
         (first, first_key): (&Option<At<T>>, &str),
@@ -110,7 +110,7 @@ impl Context {
         help: &str,
     ) -> Result<()> {
         let mut said = ways.iter().filter_map(|(key, span)| Some((key, (*span)?)));
-        // Those that are there; more than two are told of one after the other.
+        // The given ones; of more than two, the first two are reported.
         let (Some((first, here)), Some((second, there))) = (said.next(), said.next()) else {
             return Ok(());
         };
@@ -135,13 +135,13 @@ impl Context {
         Err(self.refuse(at, what, format!("give {fewest} to {LONGEST_LIST}")))
     }
 
-    /// Refuses times that do not ascend, at the first that does not; `said` is where the i-th stands.
+    /// Refuses times that do not ascend, at the first that does not; `said` gives the place of the i-th.
     pub fn ascending<'a, T: Display + 'a>(
         &self,
         times: &[f64],
         said: impl Fn(usize) -> Option<&'a At<T>>,
     ) -> Result<()> {
-        // Compared in metres, shown as they were written.
+        // Compared in metres, shown as written.
         let before = times.windows(2).position(|pair| pair[1] <= pair[0]);
         let pair = before.and_then(|before| Some((said(before)?, said(before + 1)?)));
         let Some((first, second)) = pair else {
@@ -257,9 +257,9 @@ impl Context {
         text.as_ref().map(check).transpose()
     }
 
-    /// The path of a file that is there, with one of these extensions.
+    /// The path of an existing file with one of these extensions.
     pub fn path(&self, file: &At<String>, extensions: &[&str]) -> Result<PathBuf> {
-        // By its name alone, then by what was found when the inputs were read: resolving opens no file.
+        // First by its name, then by what was found when the inputs were read: the resolver opens no file.
         let base = &self.inputs.base;
         let path = base.join(self.text(file, "the file's name")?);
         if !has_extension(&path, extensions) {
@@ -282,7 +282,7 @@ impl Context {
         Err(self.refuse(file, problem, self.remedy(file, help)))
     }
 
-    /// What to do about the file that is named at `file`: what the scene says where it is not there, and `otherwise`.
+    /// What to do about the file named at `file`: the scene's advice if the file is missing, else `otherwise`.
     pub fn remedy(&self, file: &At<String>, otherwise: String) -> String {
         match self.inputs.remedy(file) {
             Some(said) => format!("the scene says: {said}\n{otherwise}"),
@@ -296,13 +296,13 @@ impl Context {
         self.pose_of(file)
     }
 
-    /// The pose that was read of the file or folder named at `file`.
+    /// The pose read from the file or folder named at `file`.
     pub(in crate::scene) fn pose_of(&self, file: &At<String>) -> Result<Pose> {
         let missing = || Err(self.refuse(file, "the camera of this file was not read", ""));
         self.inputs.pose(file).unwrap_or_else(missing)
     }
 
-    /// The way of an animated node of a glTF file.
+    /// The path of an animated node of a glTF file.
     pub(in crate::scene) fn gltf_track(&self, file: &At<String>) -> Result<GltfTrack> {
         self.path(file, GLTF)?;
         let missing = || Err(self.refuse(file, "the animation of this file was not read", ""));
@@ -316,14 +316,14 @@ impl Context {
         self.inputs.table(file).unwrap_or_else(missing)
     }
 
-    /// The numbers in an array of one axis.
+    /// The numbers in a one-dimensional array.
     pub fn numbers(&self, file: &At<String>) -> Result<Vec<f64>> {
         self.path(file, NUMBERS)?;
         let missing = || Err(self.refuse(file, "the numbers of this file were not read", ""));
         self.inputs.numbers(file).unwrap_or_else(missing)
     }
 
-    /// What `name` names in memory, as `find` finds it; none where it names a file.
+    /// The object in memory that `name` refers to, looked up by `find`; `None` if it names a file.
     pub fn in_memory<T>(
         &self,
         name: &At<String>,

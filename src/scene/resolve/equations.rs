@@ -1,7 +1,7 @@
-//! Whose equations, and what those of the paper do not have.
+//! The equations of a picture, and what those of the paper do not cover.
 //!
-//! Jarabo et al. 2015 treat a static world, cameras without or with constant proper acceleration, and
-//! turning sensors whose elements are inertial cameras of their own (comoving or aberrated).
+//! Jarabo et al. 2015 treat a static world, cameras without acceleration or with constant proper acceleration, and rotating sensors whose
+//! elements are separate inertial cameras (comoving or aberrated).
 
 use glam::DVec3;
 
@@ -60,7 +60,7 @@ fn motion(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
     let acceleration = match &camera.motion {
         Motion::Inertial => return Ok(()),
         Motion::Accelerated(acceleration) => Some(*acceleration),
-        // One that has no end: from rest, or from constant speed.
+        // An acceleration without end: from rest, or from constant speed.
         Motion::Segments(segments) => match segments.as_slice() {
             [only] if only.duration.is_infinite() => Some(only.acceleration),
             _ => None,
@@ -95,7 +95,7 @@ fn speeds_up(camera: &CameraModel, acceleration: DVec3) -> bool {
         return true;
     };
     let w = state.velocity.rapidity();
-    // Along it but for the rounding of directions in a file.
+    // Along it up to the rounding of directions in a file.
     w.dot(acceleration) >= (1.0 - 1e-12) * w.length() * acceleration.length()
 }
 

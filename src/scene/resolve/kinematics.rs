@@ -24,7 +24,7 @@ pub(crate) struct Kinematics {
     pub medium_index: f64,
     /// Which effects are on.
     pub effects: Effects,
-    /// Whose equations.
+    /// The equations that it follows.
     pub equations: Equations,
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct ObjectMotion {
 }
 
 impl Kinematics {
-    /// That of the scene which `file` means.
+    /// The kinematics of the scene in `file`.
     pub(in crate::scene) fn new<D>(cx: &Context, file: &file::Scene<D>) -> Result<Kinematics> {
         Ok(Kinematics {
             camera: camera_motion(cx, &file.camera)?,
@@ -54,14 +54,14 @@ impl Kinematics {
         })
     }
 
-    /// The direction in which something of it moves: the camera, or else an object.
+    /// The direction of motion of the camera, or else of an object.
     pub fn direction(&self) -> Option<DVec3> {
         let camera = self.camera.as_ref().and_then(CameraMotion::direction);
         let mut objects = self.objects.iter().map(|object| object.velocity);
         camera.or_else(|| Some(objects.find(|v| !v.is_rest())?.rapidity()))
     }
 
-    /// All directions in which something of it moves: the camera, then objects.
+    /// All directions of motion: the camera's, then those of objects.
     pub fn directions(&self) -> impl Iterator<Item = DVec3> + '_ {
         let camera = self.camera.iter().filter_map(CameraMotion::direction);
         camera.chain(self.objects.iter().map(|object| object.velocity.rapidity()))

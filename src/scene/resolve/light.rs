@@ -26,10 +26,10 @@ use crate::spacetime::units::quoted;
 
 const ALL_IN_VACUUM: &str = "light that a moving lamp sends into a medium is not computed: leave index = 1, or let the lamp rest";
 
-/// The most lights: each may be asked for at every hit.
+/// The largest number of lights: each may be evaluated at every hit.
 const MOST: usize = 10_000;
 
-/// What lights need to know of the rest of the scene.
+/// The other parts of the scene that lights depend on.
 pub(super) struct Around<'a> {
     pub objects: &'a [Object],
     /// Index of the medium.
@@ -88,7 +88,7 @@ fn kind(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<LightKind
     Ok(LightKind::Lamp(Box::new(lamp)))
 }
 
-/// Refuses keys that lights of this type do not have.
+/// Refuses keys that do not apply to lights of this type.
 fn only_keys_of_its_type(cx: &Context, at: &At<file::Light>) -> Result<()> {
     use LightType::{Area, Directional, Point, Spot};
     let light = &at.value;
@@ -157,7 +157,7 @@ fn area(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<LightKind
     let (radiance, power) = (&at.value.radiance, &at.value.power);
     cx.exclusive((radiance, "radiance"), (power, "power"))?;
     let emission = emission(cx, &at.value.emission)?;
-    // Delays in a medium are those of what rests in it.
+    // Delays in a medium are computed only for lamps at rest in it.
     if around.index != 1.0 && !objects[object].velocity.is_rest() {
         let what = format!(
             "{} moves in a medium of index {}",
@@ -176,7 +176,7 @@ fn area(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<LightKind
     })
 }
 
-/// Gives objects the spectra of the area lights that their surfaces are.
+/// Gives objects the spectra of the area lights on their surfaces.
 pub(super) fn give_spectra(
     cx: &Context,
     file: &[At<file::Light>],
@@ -205,14 +205,14 @@ pub(super) fn give_spectra(
             "an area light",
             (quantity, continuation),
         )?;
-        // Shining surfaces have one spectrum, by whichever of the two tables it is given.
+        // Shining surfaces have one spectrum, given by either of the two tables.
         if let (Some(spectrum), Some(_)) = (&said.spectrum, &object.spectrum) {
             let what = format!("{} has a spectrum of its own", quoted(&object.name));
             let help = "leave `spectrum` out here or there: the light has that of its object";
             return Err(cx.refuse(spectrum, what, help));
         }
         object.spectrum = own.or(object.spectrum.take());
-        // A spectrum has its own colour; what multiplies it is grey.
+        // A spectrum defines its own colour; its factor must be grey.
         let (Brightness::Radiance([r, g, b]) | Brightness::Power([r, g, b])) = *brightness;
         if object.spectrum.is_some() && !(r == g && g == b) {
             let what = "the factor on a spectrum is one number";
@@ -226,8 +226,8 @@ pub(super) fn give_spectra(
     Ok(())
 }
 
-/// Refuses area lights that are surfaces which show a cube: what was recorded is all light that leaves the surface, what it shines
-/// with among it, so that one of the two would do nothing.
+/// Refuses area lights on surfaces that show a cube: recorded light includes everything that leaves the surface, also its own emission,
+/// so one of the two would have no effect.
 pub(super) fn refuse_those_of_cubes(
     cx: &Context,
     lights: &[Light],
@@ -273,7 +273,7 @@ fn lamp(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<Lamp> {
     only_one_way(cx, &mover)?;
     let start = path::start(cx, &mover)?;
     let position = start.as_ref().or(light.position.as_ref());
-    // Parallel light has no place; its clock is that of the origin.
+    // Parallel light has no position; its clock is that of the origin.
     let position = match (position, beam) {
         (Some(position), _) => position.value.vec(),
         (None, Beam::Parallel(_)) => DVec3::ZERO,
@@ -326,7 +326,7 @@ fn beam(cx: &Context, at: &At<file::Light>) -> Result<Beam> {
             let outer = light.outer.as_ref();
             // π/4 is the default of KHR_lights_punctual.
             let outer_angle = outer.map_or(FRAC_PI_2 / 2.0, |at| at.value.radians());
-            // 90° may be rounded.
+            // 90° may have been rounded up.
             if !(0.0 <= inner && inner < outer_angle && outer_angle <= FRAC_PI_2 * (1.0 + 1e-12)) {
                 let at_span = outer
                     .or(light.inner.as_ref())
@@ -346,7 +346,7 @@ fn beam(cx: &Context, at: &At<file::Light>) -> Result<Beam> {
     }
 }
 
-/// By channel, from whichever key the file has.
+/// By channel, from whichever key the file gives.
 fn intensity(cx: &Context, light: &file::Light, beam: Beam) -> Result<[f64; 3]> {
     let (intensity, power) = (&light.intensity, &light.power);
     cx.exclusive((intensity, "intensity"), (power, "power"))?;
@@ -361,8 +361,8 @@ fn intensity(cx: &Context, light: &file::Light, beam: Beam) -> Result<[f64; 3]> 
 }
 
 impl Beam {
-    /// The solid angle that would have all of the power at the intensity on the axis: 4π of a point; of a spot
-    /// ∫ a dω = 2π ((1 − c_i) + (c_i − c_o)/3), with a = ((c − c_o)/(c_i − c_o))² between the cosines.
+    /// The solid angle that would contain all of the power at the intensity on the axis: 4π for a point light; for a spot ∫ a dω = 2π ((1
+    /// − c_i) + (c_i − c_o)/3), with a = ((c − c_o)/(c_i − c_o))² between the cosines.
     fn solid_angle(self) -> f64 {
         match self {
             Beam::Point | Beam::Parallel(_) => 4.0 * PI,
@@ -374,7 +374,7 @@ impl Beam {
     }
 }
 
-/// One number for all channels, or each its own, none below 0. Default: 1.
+/// One number for all channels, or one each, none below 0. Default: 1.
 pub(super) fn channels(cx: &Context, at: &Option<At<NumberOrVector>>) -> Result<[f64; 3]> {
     let Some(at) = at else {
         return Ok([1.0; 3]);
@@ -390,7 +390,7 @@ pub(super) fn channels(cx: &Context, at: &Option<At<NumberOrVector>>) -> Result<
     Ok(channels)
 }
 
-/// How an intensity varies by a light's own time, given in one way; steady without any.
+/// The intensity as a function of a light's own time, given in one way; steady by default.
 fn emission(cx: &Context, at: &Option<At<file::Emission>>) -> Result<EmissionProfile> {
     let Some(at) = at else {
         return Ok(EmissionProfile::Steady);

@@ -1,5 +1,4 @@
-//! From the file's structure to the model: units, names, alternatives, ranges. Nothing is opened
-//! here: what the file names was looked for before.
+//! From the file's structure to the model: units, names, alternatives, ranges. Nothing is opened here: the files were looked for before.
 
 mod binding;
 mod camera;
@@ -38,7 +37,7 @@ pub(super) use context::{GLTF, NUMBERS, SPECTRUM, has_extension};
 pub(crate) use kinematics::{CameraMotion, Kinematics, ObjectMotion};
 pub(crate) use object::refuse_duplicates;
 
-/// The scene that `file`, read from the report's text, means; with what was found of that which it names.
+/// The scene in `file`, which was read from the report's text, with what was found in the files that it names.
 pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Result<Scene> {
     let mut cx = Context::new(report, inputs, &file.speed_of_light)?;
     cx.inputs.if_missing = cx.optional_text(&file.if_missing, "what to do")?;
@@ -51,7 +50,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
     let continuation = radiance::continuation(&file.radiance, &file.source);
     let quantity = radiance::resolve(&cx, &file.radiance)?;
     let spectral = (quantity, continuation);
-    // Objects first: lights and sources name them.
+    // Objects first, because lights and sources name them.
     let mut objects =
         object::resolve_all(&cx, &file.object, &said.span, file.sky.is_some(), spectral)?;
     let flash_times = settings::isochrones(&cx, &file.display, &camera, &objects)?;
@@ -105,7 +104,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         folder: cx.inputs.reach.clone(),
         read: cx.inputs.read.iter().cloned().collect(),
     };
-    // What only the whole scene can tell.
+    // Checks that need the whole scene.
     refuse_two_backgrounds(&cx, file)?;
     sky::check(&cx, file, &scene)?;
     cx.checked(&file.render.spectra, limits::spectra(&scene))?;
@@ -113,7 +112,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
     Ok(scene)
 }
 
-/// Turns of animated nodes: the world lines of cameras and lights follow positions alone.
+/// Rotations of animated nodes: the world lines of cameras and lights follow positions only.
 fn passed_over(cx: &Context, file: &file::Scene) -> Result<Vec<String>> {
     let mut sentences = Vec::new();
     let mut look = |thing: &str, motion: &Option<At<file::Motion>>, remedy: &str| -> Result<()> {
@@ -142,7 +141,7 @@ fn passed_over(cx: &Context, file: &file::Scene) -> Result<Vec<String>> {
     Ok(sentences)
 }
 
-/// A sky takes the place of the background.
+/// Refuses a background beside a sky, which replaces it.
 fn refuse_two_backgrounds(cx: &Context, file: &file::Scene) -> Result<()> {
     let background = &file.display.value.background;
     match &file.sky {

@@ -1,4 +1,4 @@
-//! How a camera's pinhole or a light moves: the state when its clock shows 0, and what becomes of it.
+//! The motion of a camera's pinhole or a light: the state when its clock shows 0, and its evolution.
 
 use glam::DVec3;
 
@@ -14,17 +14,17 @@ use crate::spacetime::{Event, Velocity, World};
 
 /// A world line as the file gives it.
 pub(super) struct Moving {
-    /// Where it is when its clock shows 0.
+    /// Its position when its clock shows 0.
     pub origin: Event<World>,
     /// Its velocity then.
     pub velocity: Velocity,
-    /// How it moves on.
+    /// Its motion from there.
     pub motion: Motion,
-    /// The world line that these give.
+    /// The resulting world line.
     pub line: WorldLine,
 }
 
-/// The motion of `mover`, given in one way, which is at `position` when its clock shows 0.
+/// The motion of `mover`, given in one way; it is at `position` when its clock shows 0.
 pub(super) fn resolve(cx: &Context, mover: &Mover, position: DVec3) -> Result<Moving> {
     let motion = motion(cx, mover, position)?;
     let velocity = velocity::resolve(cx, mover.velocity)?;
@@ -51,7 +51,7 @@ pub(super) fn resolve(cx: &Context, mover: &Mover, position: DVec3) -> Result<Mo
     })
 }
 
-/// Refuses axes that say nothing of this motion, or in which it has no closed form.
+/// Refuses axes that have no effect on this motion, or in which it has no closed form.
 fn check_axes(cx: &Context, axes: &At<Axes>, motion: &Motion, line: &WorldLine) -> Result<()> {
     let starts: Vec<(f64, DVec3)> = match motion {
         Motion::Inertial | Motion::Profile { .. } => return Ok(()),
@@ -106,7 +106,7 @@ fn motion(cx: &Context, mover: &Mover, position: DVec3) -> Result<Motion> {
     }
 }
 
-/// A constant proper acceleration, which may be none.
+/// A constant proper acceleration, which may be 0.
 fn accelerated(acceleration: DVec3) -> Motion {
     match acceleration == DVec3::ZERO {
         true => Motion::Inertial,

@@ -1,4 +1,4 @@
-//! What moves, as the file gives it: the keys that cameras and lights have in common.
+//! A moving body as the file gives it: the keys that cameras and lights share.
 
 use std::ops::Range;
 
@@ -9,19 +9,19 @@ use crate::scene::file;
 use crate::scene::values::Vector;
 use crate::spacetime::units::Time;
 
-/// What helps where no motion is given, or several.
+/// The advice if no motion is given, or several.
 pub(super) const HELP: &str = "give it in exactly one way: `acceleration`, `segments`, `profile`, `keyframes`, `animation` or `circle`";
 
-/// The keys of something that moves.
+/// The keys of a moving body.
 pub(super) struct Mover<'a> {
     /// What it is, for messages.
     pub noun: &'static str,
-    /// Where it is when its clock shows 0, and the key that says so.
+    /// Its position when its clock shows 0, with its key.
     pub position: (&'a Option<At<Vector>>, &'static str),
     pub velocity: &'a Option<At<file::Velocity>>,
     pub clock_zero: &'a At<Time>,
     pub motion: &'a Option<At<file::Motion>>,
-    /// What messages point at where it is not the motion.
+    /// The place for messages other than about the motion.
     pub span: &'a Range<usize>,
 }
 
@@ -54,13 +54,13 @@ pub(super) fn only_one_way(cx: &Context, mover: &Mover) -> Result<()> {
     cx.only_one("the motion", ways, HELP)
 }
 
-/// What helps against an animation that is too fast.
+/// The advice for an animation that is too fast.
 pub(super) fn slower() -> &'static str {
     "nothing moves as fast as light: slow the animation down, or raise `speed_of_light`, which says how far light goes in \
      a second of it"
 }
 
-/// A speed over that of light in six digits, or as many more as tell it from that.
+/// A speed over that of light with six digits, or as many as distinguish it from 1.
 pub(super) fn beta(speed: f64) -> String {
     let rounded: f64 = format!("{speed:.5e}").parse().unwrap_or(speed);
     match rounded > 1.0 {

@@ -16,7 +16,8 @@ use crate::scene::values::Number;
 use crate::spacetime::units::quoted;
 use crate::spacetime::{Event, Quantity};
 
-/// All objects; `camera` is where a scene is pointed at that has none, nor a sky; `spectral`: what radiance measures, and how RGB goes on where it is a spectrum.
+/// All objects; `camera` is the place for the message about a scene without objects and sky; `spectral`: what radiance measures, and how
+/// RGB continues if it is a spectrum.
 pub(super) fn resolve_all(
     cx: &Context,
     objects: &[At<file::Object>],
@@ -34,7 +35,7 @@ pub(super) fn resolve_all(
         objects.iter().filter_map(|at| at.value.name.as_ref()),
         "object",
     )?;
-    // Default names give way to those in the file: `--set` and `objects` refer to either.
+    // Default names yield to those in the file: `--set` and `objects` refer to either.
     let names = names::unique(objects.iter().map(|at| entry_names(&at.value)).collect());
     let named = objects.iter().zip(names);
     named
@@ -42,7 +43,7 @@ pub(super) fn resolve_all(
         .collect()
 }
 
-/// Refuses a name that two objects, or two sources, have.
+/// Refuses a name that two objects, or two sources, share.
 pub(crate) fn refuse_duplicates<'a>(
     cx: &Context,
     names: impl Iterator<Item = &'a At<String>>,
@@ -61,7 +62,7 @@ pub(crate) fn refuse_duplicates<'a>(
     Ok(())
 }
 
-/// The name that an object has in the file, and the one that it has otherwise.
+/// The name of an object in the file, and its default name.
 pub(super) fn entry_names(object: &file::Object) -> (Option<String>, String) {
     let text = |at: &'_ Option<At<String>>| at.as_ref().map(|at| at.value.clone());
     let (gltf, node) = (text(&object.gltf), text(&object.node));
@@ -98,7 +99,7 @@ fn resolve(
     })
 }
 
-/// What it shines with in place of its base colours.
+/// The spectrum that it emits in place of its base colours.
 fn spectrum(
     cx: &Context,
     object: &file::Object,
@@ -113,7 +114,7 @@ fn texture_coordinates(cx: &Context, object: &file::Object) -> Result<Option<Coo
         return Ok(None);
     };
     let path = cx.path(&at.value.file, NUMBERS)?;
-    // The name under which `bake` writes them; files of one array have none.
+    // The name that `bake` writes; files of one array have none.
     let is_archive = path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("npz"));
@@ -124,7 +125,7 @@ fn texture_coordinates(cx: &Context, object: &file::Object) -> Result<Option<Coo
     }))
 }
 
-/// What messages point at: the name, or what stands in for it.
+/// The place for messages: the name, or its substitute.
 fn span(at: &At<file::Object>) -> Range<usize> {
     let object = &at.value;
     let name = object.name.as_ref().or(object.gltf.as_ref());
@@ -133,7 +134,7 @@ fn span(at: &At<file::Object>) -> Range<usize> {
     span.unwrap_or_else(|| at.span.clone())
 }
 
-/// The mesh of an object: a file's, one in memory, or a shape's. Keys of one kind are refused beside another.
+/// The mesh of an object: from a file, from memory, or a shape. Keys of one kind are refused beside another.
 fn geometry(cx: &Context, at: &At<file::Object>) -> Result<Geometry> {
     let object = &at.value;
     cx.exclusive((&object.gltf, "gltf"), (&object.shape, "shape"))?;

@@ -12,7 +12,7 @@ use crate::scene::file;
 use crate::scene::model::{Panel, Sheet};
 use crate::spacetime::units::quoted;
 
-/// The most panels of a scene, and of a row of them.
+/// The largest number of panels of a scene, and of a row.
 const MOST: usize = 100;
 /// The longest name, bytes.
 const LONGEST_NAME: usize = 80;
@@ -54,7 +54,7 @@ fn resolve(
 ) -> Result<Panel> {
     let panel = &at.value;
     let name = file_name(cx, &panel.name)?;
-    // File systems may not tell upper from lower case.
+    // File systems may not distinguish upper from lower case.
     if !taken.insert(name.to_ascii_lowercase()) {
         let what = format!("another panel is called {} too", quoted(name));
         let help = "give each panel a name of its own (upper and lower case are the same)";
@@ -89,7 +89,7 @@ fn file_name<'a>(cx: &Context, at: &'a At<String>) -> Result<&'a str> {
     Err(cx.refuse(at, what, help))
 }
 
-/// A panel changes the scene, not the figure that it is a part of.
+/// Refuses changes to the figure itself: a panel changes only the scene.
 fn refuse_changes_of_panels<T>(cx: &Context, at: &At<T>, set: &[(String, String)]) -> Result<()> {
     let of_panels = |(key, _): &&(String, String)| {
         let path = Key::parse(key).unwrap_or_default();
@@ -128,8 +128,8 @@ fn changes(text: &str) -> Vec<Vec<(String, String)>> {
     }
 }
 
-/// Dotted keys and headers lead on; what they lead to, inline tables included, is a value. A quoted key
-/// at the start is a path itself.
+/// Dotted keys and headers are followed; what they lead to, including inline tables, is a value. A quoted key at the start is a whole
+/// path.
 fn collect(table: &dyn TableLike, path: &str, found: &mut Vec<(String, String)>) {
     for (key, item) in table.iter() {
         let path = match path {
@@ -141,7 +141,7 @@ fn collect(table: &dyn TableLike, path: &str, found: &mut Vec<(String, String)>)
             Item::Value(Value::InlineTable(below)) if below.is_dotted() => {
                 collect(below, &path, found);
             }
-            // An array of tables under headers is one value too; the comment after a value is none of it.
+            // An array of tables under headers is one value too; the comment after a value is not part of it.
             value => {
                 let value = value.clone().into_value();
                 found.extend(value.map(|v| (path, v.decorated("", "").to_string())));

@@ -1,6 +1,6 @@
 //! Motions given in world coordinates: keyframes and circles.
 //!
-//! A point at the distance r from an axis about which it goes at the rate ω has the speed β = |ω| r (c = 1).
+//! A point at the distance r from an axis that circles it at the rate ω has the speed β = |ω| r (c = 1).
 
 use glam::DVec3;
 
@@ -13,10 +13,10 @@ use crate::scene::model::Motion;
 use crate::scene::values::{Numbers, Vector};
 use crate::spacetime::{Event, World};
 
-/// The smallest distance from the axis, in parts of the distances that it is the difference of.
+/// The smallest distance from the axis, relative to the distances whose difference it is.
 const ON_AXIS: f64 = 1e-12;
 
-/// Where the first event of `mover` is, where its motion gives events: beside these nothing else says where it is or how fast.
+/// The first event of `mover`, if its motion is given by events: then no other key may give its position or velocity.
 pub(super) fn start(cx: &Context, mover: &Mover) -> Result<Option<At<Vector>>> {
     let Some(motion) = mover.motion.as_ref().map(|at| &at.value) else {
         return Ok(None);
@@ -39,7 +39,7 @@ pub(super) fn start(cx: &Context, mover: &Mover) -> Result<Option<At<Vector>>> {
     Ok(first)
 }
 
-/// Refuses other keys that say where `mover` is.
+/// Refuses other keys for the position of `mover`.
 fn alone<T>(cx: &Context, mover: &Mover, key: (&At<T>, &str)) -> Result<()> {
     if let (Some(position), name) = mover.position {
         return Err(cx.refuse_both(key, (position, name)));
@@ -59,7 +59,7 @@ pub(super) fn animation(cx: &Context, at: &At<Animation>) -> Result<Motion> {
     let track = cx.gltf_track(gltf)?;
     let metres = |seconds: f64| seconds * cx.speed_of_light;
     for pair in track.points.windows(2) {
-        // A curve between two events is longer than the chord: where that is too fast, every motion is.
+        // A curve between two events is longer than the chord: if that is too fast, every motion is.
         let ((from, a), (to, b)) = (pair[0], pair[1]);
         let beta = (b - a).length() / (metres(to) - metres(from));
         if beta < 1.0 {
@@ -99,7 +99,7 @@ pub(super) fn keyframes(cx: &Context, at: &At<Vec<At<Keyframe>>>) -> Result<Moti
     Ok(Motion::Keyframes(events))
 }
 
-/// Refuses keyframes that nothing slower than light connects, not even on a straight line.
+/// Refuses keyframes that cannot be connected below the speed of light, even by a straight line.
 fn slower_than_light(
     cx: &Context,
     at: &At<Vec<At<Keyframe>>>,
@@ -152,7 +152,7 @@ pub(super) fn circle(
     }
 }
 
-/// From the axis to the position, across the axis.
+/// From the axis to the position, perpendicular to the axis.
 fn radius(
     cx: &Context,
     mover: &Mover,
@@ -188,7 +188,7 @@ fn rate(cx: &Context, at: &At<Circle>) -> Result<f64> {
     cx.angular_rate(rate)
 }
 
-/// The refusal of a circle on which β = |ω| r is not below 1.
+/// The error for a circle on which β = |ω| r is not below 1.
 fn too_fast(cx: &Context, at: &At<Circle>, radius: f64, beta: f64) -> Error {
     let what = format!(
         "on this circle, {} m around the axis, |β| = {} is not below 1",

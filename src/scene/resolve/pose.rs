@@ -62,9 +62,8 @@ pub(super) fn resolve<T>(cx: &Context, at: &At<T>, keys: &Keys) -> Result<Pose> 
     }
 }
 
-/// The pose of a matrix, or of a quaternion and a translation: with R = [c₀ c₁ c₂] and t from camera to world, which the
-/// inverse (Rᵀ, −Rᵀ t) is for one that goes from world to camera, the eye is t, and right, up and forward are ±cᵢ as
-/// the convention says.
+/// The pose of a matrix, or of a quaternion and a translation: with R = [c₀ c₁ c₂] and t from camera to world (for one from world to
+/// camera, its inverse (Rᵀ, −Rᵀ t)), the eye is t, and right, up and forward are ±cᵢ according to the convention.
 pub(super) fn given(cx: &Context, at: &At<GivenPose>, keys: &Keys) -> Result<Pose> {
     for (other, name) in [
         (keys.eye.as_ref().map(|key| &key.span), "eye"),
@@ -101,7 +100,7 @@ pub(super) fn given(cx: &Context, at: &At<GivenPose>, keys: &Keys) -> Result<Pos
         PoseConvention::OpenCv | PoseConvention::Colmap => (-y, z),
         PoseConvention::Mitsuba => (y, z),
     };
-    // Right follows from both, since the rotation is right-handed.
+    // Right follows from the other two, because the rotation is right-handed.
     let axes = unit(forward).and_then(|forward| frame(forward, up));
     let axes = axes.ok_or_else(|| cx.refuse(at, "the matrix has no directions", NO_ROTATION))?;
     Ok(Pose {
@@ -111,7 +110,7 @@ pub(super) fn given(cx: &Context, at: &At<GivenPose>, keys: &Keys) -> Result<Pos
     })
 }
 
-/// The pose of an image of a reconstruction.
+/// The pose of an image of a COLMAP reconstruction.
 fn of_colmap(cx: &Context, at: &At<GivenPose>, colmap: &At<String>) -> Result<Pose> {
     let GivenPose {
         matrix,
@@ -137,7 +136,7 @@ fn of_colmap(cx: &Context, at: &At<GivenPose>, colmap: &At<String>) -> Result<Po
 const NO_ROTATION: &str = "the upper left 3 × 3 of a pose is a rotation: columns of length 1, at right angles, right-handed; the last row is [0, 0, 0, 1]";
 
 fn rotation_and_translation(cx: &Context, at: &At<GivenPose>) -> Result<(DMat3, DVec3)> {
-    /// How far single precision and printed digits may be from a rotation.
+    /// The allowed deviation from a rotation, for single precision and printed digits.
     const TOLERANCE: f64 = 1e-3;
     let (rotation, translation, last) = match &at.value {
         GivenPose {
@@ -242,7 +241,7 @@ fn from_points<T>(cx: &Context, at: &At<T>, keys: &Keys) -> Result<Pose> {
     })
 }
 
-/// The forward axis that is given.
+/// The given forward axis.
 fn along(cx: &Context, axis: &At<Vector>) -> Result<DVec3> {
     unit(axis.value.vec()).ok_or_else(|| {
         let what = "`forward` has no direction";
@@ -282,13 +281,13 @@ fn axes(
     })
 }
 
-/// Right, up, forward for the unit vector `forward`, or none where `up` is parallel to it.
+/// Right, up, forward for the unit vector `forward`; `None` if `up` is parallel to it.
 fn frame(forward: DVec3, up: DVec3) -> Option<[DVec3; 3]> {
     let across = forward.cross(unit(up)?);
     if across.length() < PARALLEL {
         return None;
     }
-    // Nearly parallel vectors leave rounding along `forward` in the product; it is taken out again.
+    // For nearly parallel vectors, rounding leaves a component along `forward` in the product; remove it.
     let right = unit(across)?;
     let right = unit(right - forward * right.dot(forward))?;
     Some([right, unit(right.cross(forward))?, forward])
@@ -298,7 +297,7 @@ fn unit(v: DVec3) -> Option<DVec3> {
     Direction::<World>::new(v).map(Direction::unit)
 }
 
-/// A field of view in radians, as wide as `projection` can show: in (0, π) for a perspective camera.
+/// A field of view in radians, within the range of `projection`: in (0, π) for a perspective camera.
 pub(super) fn fov(cx: &Context, hfov: &At<Angle>, projection: ProjectionKind) -> Result<f64> {
     let radians = hfov.value.radians();
     if projection != ProjectionKind::Perspective {
@@ -321,7 +320,7 @@ pub(super) fn fov(cx: &Context, hfov: &At<Angle>, projection: ProjectionKind) ->
     ))
 }
 
-/// The refusal of a field of view that is possible, and beyond what double precision tells apart.
+/// The error for a field of view that is possible, but beyond the resolution of double precision.
 fn extreme(cx: &Context, hfov: &At<Angle>) -> Error {
     let what = format!(
         "a field of view of {} is within a billionth of a radian of 0 or 180 degrees: of the angle between \

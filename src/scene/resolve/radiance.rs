@@ -25,7 +25,7 @@ pub(super) fn resolve(cx: &Context, radiance: &At<Radiance>) -> Result<Quantity>
     Ok(quantity.value.at(f64::NAN))
 }
 
-/// How RGB goes on where nobody at rest sees it; only the scene's `radiance` says so.
+/// How RGB continues outside the range visible at rest; only the scene's `radiance` sets it.
 pub(super) fn continuation(radiance: &At<Radiance>, sources: &[At<Source>]) -> Continuation {
     let is_companion = |name: &String| CubeChannel::COMPANIONS.iter().any(|c| c.name() == name);
     let has_companions = |source: &At<Source>| {
@@ -40,7 +40,7 @@ pub(super) fn continuation(radiance: &At<Radiance>, sources: &[At<Source>]) -> C
     }
 }
 
-/// Refuses what only the scene's `radiance` may say.
+/// Refuses keys that only the scene's `radiance` may have.
 pub(super) fn of_source(cx: &Context, radiance: &At<Radiance>) -> Result<Quantity> {
     match &radiance.value.continuation {
         None => resolve(cx, radiance),

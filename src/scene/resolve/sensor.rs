@@ -1,9 +1,8 @@
-//! The sensor behind the pinhole, how it turns, and how long it is exposed.
+//! The sensor behind the pinhole, its rotation, and its exposure.
 //!
-//! A sensor of the width w at the focal length d has the field of view 2 arctan(w / 2d). An element at
-//! the distance R from the axis of a rotation at the rate Ω moves at |Ω| R < 1 in the camera's frame; in
-//! a rigid body whose pinhole has the proper acceleration a, only what is at p with 1 + a·p > 0 moves
-//! slower than light (Rindler).
+//! A sensor of the width w at the focal length d has the field of view 2 arctan(w / 2d). An element at the distance R from the axis of a
+//! rotation at the rate Ω moves at |Ω| R < 1 in the camera's frame; in a rigid body whose pinhole has the proper acceleration a, only
+//! points p with 1 + a·p > 0 move slower than light (Rindler).
 
 use glam::DVec3;
 
@@ -39,7 +38,7 @@ fn focal_length(cx: &Context, sensor: &file::Sensor) -> Result<f64> {
     cx.positive_length(length, "`focal_length`")
 }
 
-/// The horizontal field of view that a sensor's width gives, radians.
+/// The horizontal field of view for a sensor's width, radians.
 pub(super) fn horizontal_fov(cx: &Context, camera: &file::Camera) -> Result<Option<f64>> {
     let Some(sensor) = camera.sensor.as_ref().map(|at| &at.value) else {
         return Ok(None);
@@ -61,7 +60,7 @@ pub(super) fn horizontal_fov(cx: &Context, camera: &file::Camera) -> Result<Opti
     Err(cx.refuse(width, what, help))
 }
 
-/// How the sensor turns.
+/// The rotation of the sensor.
 pub(super) fn rotation(cx: &Context, camera: &file::Camera) -> Result<Option<Rotation>> {
     let Some(at) = &camera.rotation else {
         return Ok(None);
@@ -83,7 +82,7 @@ pub(super) fn rotation(cx: &Context, camera: &file::Camera) -> Result<Option<Rot
     }))
 }
 
-/// Refuses what only a sensor apart from the pinhole can do.
+/// Refuses keys that need a sensor apart from the pinhole.
 fn without_sensor(cx: &Context, rotation: &file::SensorRotation) -> Result<()> {
     let help = "add [camera.sensor] with a focal_length, or leave this out";
     if rotation.elements.value != Elements::Exact {
@@ -109,7 +108,7 @@ pub(super) fn shutter(cx: &Context, camera: &file::Camera) -> Result<Option<Shut
     }))
 }
 
-/// Refuses sensors some part of which would not be slower than light.
+/// Refuses sensors with parts that would reach the speed of light.
 pub(super) fn refuse_faster_than_light(
     cx: &Context,
     file: &file::Camera,
@@ -126,7 +125,7 @@ pub(super) fn refuse_faster_than_light(
     }
 }
 
-/// Refuses a sensor whose rim would reach the speed of light, and cameras in which turning has no meaning.
+/// Refuses a sensor whose rim would reach the speed of light, and cameras for which rotation is not defined.
 fn refuse_rotation(
     cx: &Context,
     file: &file::Camera,
@@ -192,7 +191,7 @@ fn refuse_horizon(
     at: &At<file::Sensor>,
     model: &CameraModel,
 ) -> Result<()> {
-    // Those that the file gives, and those at both ends of the exposure, which other motions have as well.
+    // Those in the file, and those at both ends of the exposure, which other motions have as well.
     let mut accelerations = match &model.motion {
         Motion::Accelerated(a) => vec![*a],
         Motion::Segments(segments) => segments.iter().map(|s| s.acceleration).collect(),
@@ -206,7 +205,7 @@ fn refuse_horizon(
     let (Some(corners), Some(motion)) = (model.sensor_corners(), &file.motion) else {
         return Ok(());
     };
-    // 1 + a·p is linear in p, so its least value on a flat sensor is at a corner.
+    // 1 + a·p is linear in p, so its minimum on a flat sensor is at a corner.
     let reaches = |a: &&DVec3| corners.iter().any(|&p| 1.0 + a.dot(p) <= 0.0);
     let Some(a) = accelerations.iter().find(reaches) else {
         return Ok(());

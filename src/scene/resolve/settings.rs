@@ -59,7 +59,7 @@ fn fill(fill: file::Fill) -> Fill {
     }
 }
 
-/// Which radiance is shown as white: one of three keys, or the default percentile.
+/// The radiance shown as white: one of three keys, or the default percentile.
 pub(super) fn exposure(cx: &Context, at: &At<file::Display>) -> Result<Exposure> {
     let file::Display {
         exposure,
@@ -114,7 +114,7 @@ pub(super) fn false_colour(cx: &Context, at: &At<file::Display>) -> Result<Optio
         return Ok(None);
     };
     let metres = at.value.metres();
-    // The fourth power of its ratio to 555 nm fits f64 with room to spare.
+    // The fourth power of its ratio to 555 nm is well within f64.
     if (1e-20..=1e10).contains(&metres) {
         return Ok(Some(metres));
     }
@@ -122,7 +122,7 @@ pub(super) fn false_colour(cx: &Context, at: &At<file::Display>) -> Result<Optio
     Err(cx.refuse(at, what, "like \"10 um\""))
 }
 
-/// What the colours of isochrones span, metres.
+/// The range of the colours of isochrones, metres.
 pub(super) fn times(cx: &Context, at: &At<file::Display>) -> Result<Option<[f64; 2]>> {
     let Some(at) = &at.value.times else {
         return Ok(None);
@@ -140,7 +140,7 @@ pub(super) fn times(cx: &Context, at: &At<file::Display>) -> Result<Option<[f64;
     ))
 }
 
-/// What the colours of luminance span.
+/// The range of the colours of luminance.
 pub(super) fn luminances(cx: &Context, at: &At<file::Display>) -> Result<Option<[f64; 2]>> {
     let Some(at) = &at.value.luminances else {
         return Ok(None);
@@ -158,7 +158,7 @@ fn ascending(cx: &Context, at: &At<Numbers<2>>, what: &str) -> Result<[f64; 2]> 
     Err(cx.refuse(at, what, "give the lower one first, like [1e-4, 1e2]"))
 }
 
-/// Of what light isochrones are, seen by this camera, of these objects.
+/// The light whose isochrones are drawn, as seen by this camera, for these objects.
 pub(super) fn isochrones(
     cx: &Context,
     at: &At<file::Display>,
@@ -180,7 +180,7 @@ pub(super) fn isochrones(
             "leave `isochrones` out: isochrones of the picture's own light take any bodies",
         ));
     }
-    // Times of arrival are of one place: a pinhole that stays where it is.
+    // Times of arrival refer to one place: the pinhole must be at rest.
     let rests =
         camera.velocity.is_rest() && camera.motion == Motion::Inertial && camera.stereo.is_none();
     let clock = match clock.as_ref().map(|at| at.value) {
@@ -209,7 +209,7 @@ pub(super) fn samples_per_pixel(cx: &Context, at: &At<file::Display>) -> Result<
     Ok(samples.value)
 }
 
-/// How often light is reflected after direct light.
+/// The number of reflections after direct light.
 pub(super) fn bounces(cx: &Context, file: &file::Scene) -> Result<u32> {
     let bounces = &file.render.bounces;
     cx.checked(bounces, limits::bounces(bounces.value))?;

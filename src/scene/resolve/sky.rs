@@ -15,7 +15,7 @@ use crate::spacetime::units::Angle;
 /// The most stars.
 const MOST_STARS: u32 = 1_000_000;
 
-/// `spectral`: what radiance measures, and how RGB goes on where it is a spectrum.
+/// `spectral`: what radiance measures, and how RGB continues if it is a spectrum.
 pub(super) fn resolve(
     cx: &Context,
     at: &Option<At<file::Sky>>,
@@ -40,7 +40,7 @@ pub(super) fn resolve(
     }))
 }
 
-/// Refuses skies that light what they cannot: a line has no single wavelength where it comes from all directions.
+/// Refuses skies whose light cannot be used: a line has no single wavelength when it comes from all directions.
 pub(super) fn check(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
     let lights = file.sky.as_ref().filter(|at| at.value.lights);
     match (lights, scene.quantity) {
@@ -53,7 +53,7 @@ pub(super) fn check(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<(
     }
 }
 
-/// The light of the sky between sun and stars, given in one way; black without any.
+/// The light of the sky apart from sun and stars, given in one way; black by default.
 fn background(
     cx: &Context,
     sky: &file::Sky,
@@ -101,7 +101,7 @@ fn sun(cx: &Context, sun: &file::Sun) -> Result<Sun> {
         direction: cx.unit(&sun.direction, "the direction of the sun", help)?,
         irradiance: match &sun.irradiance {
             Some(_) => channels(cx, &sun.irradiance)?,
-            // White that faces it has a radiance of about 1, a little warm: π (1, 1, 1) of irradiance would make it 1.
+            // A white surface facing it has a radiance of about 1, a little warm: an irradiance of π (1, 1, 1) would give exactly 1.
             None => [3.2, 3.0, 2.6],
         },
         // The sun's mean diameter as seen from the Earth.
@@ -149,7 +149,7 @@ fn radius(cx: &Context, at: &Option<At<Angle>>, default: f64, largest: f64) -> R
         return Ok(0.5 * default.to_radians());
     };
     let diameter = at.value.radians();
-    // As large as is said may be rounded.
+    // The stated maximum may have been rounded up.
     if diameter > 1e-9 && diameter <= largest.to_radians() * (1.0 + 1e-12) {
         return Ok(0.5 * diameter);
     }

@@ -18,7 +18,7 @@ use crate::scene::values::NumberOrVector;
 use crate::spacetime::units::{LARGEST, Time, quoted};
 use crate::spacetime::{Event, Quantity};
 
-/// All sources; `quantity` is that of sources that give none of their own.
+/// All sources; `quantity` is the default of sources without their own.
 pub(super) fn resolve_all(
     cx: &Context,
     sources: &[At<file::Source>],
@@ -29,7 +29,7 @@ pub(super) fn resolve_all(
     let explicit = sources.iter().filter_map(|at| at.value.name.as_ref());
     object::refuse_duplicates(cx, explicit, "source")?;
     let names = names::unique(sources.iter().map(|at| entry_names(&at.value)).collect());
-    // A surface is lit by one cube at most: the bindings remember which are taken.
+    // A surface is lit by one cube at most: the bindings track which are taken.
     let mut bindings = binding::Bindings::new(cx, objects);
     let mut resolved = Vec::with_capacity(sources.len());
     for (at, name) in sources.iter().zip(names) {
@@ -50,7 +50,7 @@ pub(super) fn resolve_all(
     Ok(resolved)
 }
 
-/// The most pulses, as of lights: each may be asked for at every hit.
+/// The largest number of pulses, as for lights: each may be evaluated at every hit.
 const MOST_PULSES: usize = 10_000;
 
 fn refuse_many_pulses(cx: &Context, sources: &[At<file::Source>]) -> Result<()> {
@@ -64,7 +64,7 @@ fn refuse_many_pulses(cx: &Context, sources: &[At<file::Source>]) -> Result<()> 
     }
 }
 
-/// Refuses infrared and ultraviolet beside channels that are no spectrum: nothing shifts into view.
+/// Refuses infrared and ultraviolet beside channels that are not a spectrum: nothing shifts into view.
 fn refuse_companions(
     cx: &Context,
     source: &file::Source,
@@ -115,8 +115,7 @@ fn kind(cx: &Context, at: &At<file::Source>) -> Result<SourceKind> {
 fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
     let cube = &at.value;
     let axes = axes(cx, cube)?;
-    // Axes without T declare a picture that does not change, and so does the name of a single one: it has no time axis whose keys could
-    // be missing.
+    // Axes without T declare a steady picture, and so does the name of a single picture: it has no time axis whose keys could be missing.
     let steady = match &axes {
         Some(axes) => !axes.has_time(),
         None => is_picture(&cx.inputs.base.join(&cube.file.value)),
@@ -145,7 +144,7 @@ fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
     })
 }
 
-/// The keys that are left out, with what is assumed in their place, but for `axes`: whether the file says them stands in its header.
+/// The omitted keys with the values assumed, except `axes`: whether the file gives them is in its header.
 fn assumed(cube: &file::Cube, steady: bool) -> Vec<String> {
     let mut assumed = Vec::new();
     let mut says = |said: bool, what: &str| assumed.extend((!said).then(|| what.to_string()));
@@ -159,7 +158,7 @@ fn assumed(cube: &file::Cube, steady: bool) -> Vec<String> {
             cube.reconstruction.is_some(),
             "reconstruction = \"bilinear\"",
         );
-        // Mitsuba's rays begin on the near plane, and no file says where that is.
+        // Mitsuba's rays begin on the near plane, and no file records where that is.
         let counts = cube
             .clock
             .as_ref()
@@ -199,11 +198,11 @@ fn time_axis(cx: &Context, at: &At<file::Cube>) -> Result<TimeKeys> {
             .as_ref()
             .map_or_else(Default::default, |at| at.value),
     };
-    // A table of edges says all of the axis.
+    // A table of edges defines the whole axis.
     if let Some(edges) = edges(cx, cube)? {
         return Ok(keys(edges, Vec::new(), Vec::new()));
     }
-    // What the scene says goes before what the cube's file says of itself.
+    // The scene takes precedence over the cube's file.
     let times = cx.inputs.times(&cube.file).transpose()?.flatten();
     if times.is_some_and(|times| times.at_sensor) {
         let what = format!(
@@ -259,7 +258,7 @@ fn edges(cx: &Context, cube: &file::Cube) -> Result<Option<TimeBins>> {
     if table.or(file).is_none() {
         return Ok(None);
     }
-    // The table takes the place of all keys of equal bins, each of which is refused beside it.
+    // The table replaces all keys of equal bins, each of which is refused beside it.
     for (key, other) in [
         ("start", span(&cube.start)),
         ("first_center", span(&cube.first_center)),
@@ -283,7 +282,7 @@ fn edges(cx: &Context, cube: &file::Cube) -> Result<Option<TimeBins>> {
     let Some(table) = &cube.edges_file else {
         return Ok(None);
     };
-    // Numbers of a file have no units of their own.
+    // Numbers in a file have no units.
     let unit = cx.duration(&table.value.unit, "`unit`")?;
     let times: Vec<f64> = cx
         .numbers(&table.value.file)?
@@ -303,7 +302,7 @@ fn edges(cx: &Context, cube: &file::Cube) -> Result<Option<TimeBins>> {
     Ok(Some(TimeBins::Edges(times.into())))
 }
 
-/// One bin that holds all times that there are, whose value is the radiance.
+/// One bin that covers all times, whose value is the radiance.
 fn steady_time(cx: &Context, cube: &file::Cube) -> Result<TimeKeys> {
     let keys = [
         (&cube.start, "start"),
@@ -315,7 +314,7 @@ fn steady_time(cx: &Context, cube: &file::Cube) -> Result<TimeKeys> {
         (cube.edges.as_ref().map(|at| &at.span), "edges"),
         (cube.edges_file.as_ref().map(|at| &at.span), "edges_file"),
     ];
-    // Keys of time would be ignored, and nothing is ignored silently.
+    // Time keys would be ignored, and nothing is ignored silently.
     for (key, name) in keys.into_iter().chain(tables) {
         if let Some(span) = key {
             let what = format!("`{name}` describes a time axis, and `axes` has no T");
@@ -324,7 +323,7 @@ fn steady_time(cx: &Context, cube: &file::Cube) -> Result<TimeKeys> {
         }
     }
     Ok(TimeKeys {
-        // A density is not divided by its width, and nearest looks at no bin beside it.
+        // A density is not divided by its width, and `nearest` reads no neighbouring bin.
         bins: TimeBins::Uniform {
             start: -0.5 * LARGEST,
             width: LARGEST,
@@ -368,7 +367,7 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData>
             .as_ref()
             .map_or(Ok(()), |array| Err(refuse(array)))
     };
-    // A cube of the program's own has neither names of arrays nor an order of axes to be told.
+    // A cube from a program has neither array names nor an order of axes to give.
     if let Some(in_memory) = cx.in_memory(&cube.file, |name| memory.cube(name))? {
         alone("a cube in memory is a single array without a name")?;
         if let Some(axes) = &cube.axes {
@@ -420,10 +419,10 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData>
     }))
 }
 
-/// The path of a file of a cube, or of a sequence of pictures.
+/// The path of a cube file, or of a sequence of pictures.
 fn cube_path(cx: &Context, file: &At<String>) -> Result<PathBuf> {
     let path = cx.inputs.base.join(cx.text(file, "the file's name")?);
-    // A folder or a pattern has no extension by which its format could be told.
+    // A folder or a pattern has no extension that identifies its format.
     if let Some(told) = cube::format_called(&path).and_then(CubeFormat::by_path) {
         return match cx.inputs.problem(file) {
             Some(problem) => Err(cx.refuse(file, problem, cx.remedy(file, told.help.into()))),
@@ -466,8 +465,8 @@ fn capture(cx: &Context, at: &At<file::Capture>) -> Result<CaptureCamera> {
     };
     let projection = camera.projection.value;
     cx.exclusive((&camera.hfov, "hfov"), (&camera.fov, "fov"))?;
-    // The file's own field of view goes before that of the glTF camera; of the latter only the horizontal one is known to be of the
-    // picture, whatever its shape.
+    // The file's own field of view takes precedence over that of the glTF camera; of the latter only the horizontal one is known to apply
+    // to the picture, whatever its shape.
     let (fov, fov_axis) = match (&camera.hfov, &camera.fov, pose.gltf_fov) {
         (Some(hfov), _, _) => (pose::fov(cx, hfov, projection)?, FovAxis::X),
         (None, Some(fov), _) => (pose::fov(cx, fov, projection)?, fov_axis(cx, camera)?),
@@ -524,7 +523,7 @@ fn fov_axis(cx: &Context, camera: &file::Capture) -> Result<FovAxis> {
     }
 }
 
-/// Refuses `thing`, which only a perspective camera has, for any other.
+/// Refuses `thing`, which only a perspective camera has, for any other projection.
 fn perspective_only<T>(
     cx: &Context,
     camera: &file::Capture,
@@ -543,7 +542,7 @@ fn crop(cx: &Context, camera: &file::Capture) -> Result<Option<Crop>> {
         return Ok(None);
     };
     let file::Crop { film, offset } = at.value;
-    // That the crop ends on the film too is checked where the cube's size is known, in the plan.
+    // Whether the crop fits on the film is also checked in the plan, where the cube's size is known.
     let lies = |axis: usize| film[axis] > 0 && offset[axis] < film[axis];
     if !(lies(0) && lies(1)) {
         let what = format!("an offset of {offset:?} is not on a film of {film:?} columns and rows");

@@ -1,4 +1,4 @@
-//! Spectra of what shines.
+//! Spectra of light sources.
 
 use super::context::Context;
 use crate::colour::{Continuation, Scale, Spectrum, SpectrumShape};
@@ -9,13 +9,13 @@ use crate::scene::values::Number;
 use crate::spacetime::Quantity;
 use crate::spacetime::units::Wavelength;
 
-/// The most lines of a spectrum.
+/// The largest number of lines of a spectrum.
 const MOST_LINES: usize = 256;
 
-/// The narrowest Gaussian: σ over the wavelength of its peak. A narrower one is a line to every eye.
+/// The narrowest Gaussian: σ over the wavelength of its peak. A narrower one is indistinguishable from a line.
 const NARROWEST: f64 = 1e-6;
 
-/// The spectrum of an object, a light or a sky in a scene whose radiance is RGB of spectra; `what` it is, for messages.
+/// The spectrum of an object, a light or a sky in a scene whose radiance is RGB as a spectrum; `what` names it in messages.
 pub(super) fn resolve(
     cx: &Context,
     at: &Option<At<file::Spectrum>>,
@@ -33,7 +33,7 @@ pub(super) fn resolve(
     described(cx, at, continuation).map(Some)
 }
 
-/// The spectrum that `at` describes; `continuation` is that of RGB where it gives none of its own.
+/// The spectrum that `at` describes; `continuation` is the default for RGB.
 fn described(
     cx: &Context,
     at: &At<file::Spectrum>,
@@ -52,7 +52,7 @@ fn described(
     let ends = ends.map(|(first, last)| [first[0], last[0]]);
     let unseen = || {
         let (file, ends) = at.value.table.as_ref().zip(ends)?;
-        // Nanometres, to a thousandth of one where that tells them apart.
+        // Nanometres, to a thousandth if that distinguishes them.
         let [first, last] = ends.map(|metres| match metres < 1e-12 {
             true => format!("{:.3e}", metres * 1e9),
             false => number((metres * 1e12).round() / 1e3).to_string(),
@@ -199,7 +199,7 @@ fn gaussian(cx: &Context, gaussian: &At<file::Gaussian>) -> Result<SpectrumShape
 
 fn wavelength(cx: &Context, at: &At<Wavelength>) -> Result<f64> {
     let metres = at.value.metres();
-    // A power of 5 of the smallest still fits f64.
+    // The fifth power of the smallest still fits f64.
     if metres >= 1e-20 {
         return Ok(metres);
     }
@@ -207,7 +207,7 @@ fn wavelength(cx: &Context, at: &At<Wavelength>) -> Result<f64> {
     Err(cx.refuse(at, what, "like \"550 nm\""))
 }
 
-/// How much of it there is, and where that is said.
+/// Its amount, and the place that gives it.
 fn scale<'a>(
     cx: &Context,
     at: &'a At<file::Spectrum>,

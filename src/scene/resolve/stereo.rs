@@ -1,11 +1,11 @@
-//! Stereo pairs, and which cameras have a plane behind the pinhole.
+//! Stereo pairs, and which cameras have a sensor plane behind the pinhole.
 
 use super::context::Context;
 use crate::error::Result;
 use crate::scene::file;
 use crate::scene::model::{ProjectionKind, Stereo};
 
-/// The two pinholes of the file, if there are two.
+/// The two pinholes of the file, if given.
 pub(super) fn resolve(
     cx: &Context,
     camera: &file::Camera,
@@ -52,7 +52,7 @@ pub(super) fn resolve(
     }))
 }
 
-/// Refuses a sensor where the projection is not one onto a plane.
+/// Refuses a sensor unless the projection is onto a plane.
 pub(super) fn refuse_sensor_without_plane(cx: &Context, camera: &file::Camera) -> Result<()> {
     let projection = &camera.projection;
     match &camera.sensor {

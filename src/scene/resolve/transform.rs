@@ -89,7 +89,7 @@ fn invertible(transform: DAffine3) -> bool {
     let [Some(x), Some(y), Some(z)] = units else {
         return false;
     };
-    // The volume of unit columns: below this bound rounding decides what it is.
+    // The volume of unit columns: below this bound it is dominated by rounding.
     let spans = x.cross(y).dot(z).abs() > 1e-12;
     let sized = |column: DVec3| (1e-30..=1e30).contains(&column.abs().max_element());
     spans && columns.into_iter().all(sized)

@@ -15,7 +15,7 @@ const HELP: &str = "give it in one way: { beta = [0.9, 0, 0] }, { beta = 0.9, di
                     { gamma = 7, direction = … }, { rapidity = [2, 0, 0] }, { rapidity = 2, direction = … } \
                     or { one_minus_beta = 1e-9, direction = … }";
 
-/// The velocity in the file; at rest where there is none.
+/// The velocity in the file; at rest by default.
 pub(super) fn resolve(cx: &Context, velocity: &Option<At<file::Velocity>>) -> Result<Velocity> {
     let Some(velocity) = velocity else {
         return Ok(Velocity::REST);
@@ -23,7 +23,7 @@ pub(super) fn resolve(cx: &Context, velocity: &Option<At<file::Velocity>>) -> Re
     said(cx, &velocity.value, &velocity.span, DVec3::ZERO)
 }
 
-/// The velocity in the table `v` at `span`; a number without a direction goes along `otherwise`.
+/// The velocity in the table `v` at `span`; a number without a direction is along `otherwise`.
 pub(crate) fn said(
     cx: &Context,
     v: &file::Velocity,
@@ -73,7 +73,7 @@ pub(crate) fn from_signed_beta(beta: f64, direction: DVec3) -> Result<Velocity, 
 struct Said<'a> {
     cx: &'a Context,
     v: &'a file::Velocity,
-    /// The direction of a number that has none; 0 where it must have one.
+    /// The default direction for numbers; 0 if a direction is required.
     otherwise: DVec3,
 }
 
@@ -122,7 +122,7 @@ impl Said<'_> {
     }
 }
 
-/// The refusal of a velocity that stands at `span`.
+/// The error for a velocity at `span`.
 pub(crate) fn refusal(cx: &Context, span: &Range<usize>, error: VelocityError) -> Error {
     let help = match error {
         VelocityError::NotSlowerThanLight(_) => {

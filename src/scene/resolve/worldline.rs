@@ -1,4 +1,4 @@
-//! Motions that no world line can have, refused where the file gives them; exposures that lie outside it.
+//! Motions without a possible world line, refused where the file gives them; exposures outside the world line.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use crate::spacetime::worldline::{WorldLine, WorldLineError};
 
 const WEAKER: &str = "make it weaker or shorter";
 
-/// The refusal of a motion that is no world line.
+/// The error for a motion without a possible world line.
 pub(super) fn refusal(cx: &Context, mover: &Mover, error: &WorldLineError) -> Error {
     let noun = mover.noun;
     let span = |index| mover.motion.as_ref().and_then(|at| entry(at, index));
@@ -77,7 +77,7 @@ fn entry(motion: &At<file::Motion>, index: Option<usize>) -> Option<&Range<usize
         .or(Some(&motion.span))
 }
 
-/// Refuses an exposure that is not within the world line, on which the default time 0 always is.
+/// Refuses an exposure that is not within the world line, which always contains the default time 0.
 pub(super) fn refuse_outside(
     cx: &Context,
     camera: &file::Camera,
@@ -98,7 +98,7 @@ pub(super) fn refuse_outside(
     Ok(())
 }
 
-/// What is wrong with a proper time, where the line has no state.
+/// What is wrong with a proper time at which the line has no state.
 fn outside(line: &WorldLine, time: f64) -> Option<(&'static str, String)> {
     let [first, last] = line.span();
     if line.state(time).is_some() {

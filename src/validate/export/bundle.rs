@@ -114,7 +114,7 @@ pub struct CameraEntry {
     pub size: [u32; 2],
     /// Horizontal field of view in the camera frame, radians.
     pub horizontal_fov_rad: f64,
-    /// How film points look.
+    /// The projection.
     pub projection: ProjectionKind,
     /// Tangents of half the field of view, across and down, in the camera frame at the shot; null for projections
     /// other than "perspective".
@@ -220,7 +220,7 @@ pub struct ObjectEntry {
 pub struct PartEntry {
     /// Its first triangle.
     pub first_triangle: u32,
-    /// How many.
+    /// Number of stars.
     pub triangles: u32,
     /// The material's name in its own file, or "".
     pub material: String,
@@ -355,7 +355,7 @@ pub enum MappingEntry {
         up: [f64; 3],
         /// Forward.
         forward: [f64; 3],
-        /// How its pixels look.
+        /// The projection of its pixels.
         projection: ProjectionKind,
         /// Horizontal field of view of the whole film, radians; pixels are square.
         horizontal_fov_rad: f64,
@@ -384,7 +384,7 @@ pub struct PulseEntry {
     pub sigma: f64,
     /// Energy per solid angle, linear RGB.
     pub intensity: [f64; 3],
-    /// Whether other surfaces shadow it.
+    /// Whether other surfaces cast shadows in its light.
     pub shadows: bool,
 }
 
@@ -412,7 +412,7 @@ pub struct LampEntry {
     pub velocity: VelocityEntry,
     /// M: takes displacements of its frame to the world.
     pub world_from_lamp: Matrix,
-    /// Whether surfaces shadow it.
+    /// Whether surfaces cast shadows in its light.
     pub shadows: bool,
 }
 

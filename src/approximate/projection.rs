@@ -383,10 +383,9 @@ pub(crate) fn apart() -> Error {
         "camera",
         "method",
         "rasterizers need a camera whose rays all leave one event; this one's do not (a sensor, a shutter, a rotation, a stereo pair, or model = \"paper2015\"), \
-         or places on its film see nothing (corners of a fisheye, what is beyond the poles of a panorama)",
+         or points of its film see nothing (corners of a fisheye, or beyond the poles of a panorama)",
         Setting::TraceIt
-            + ", or take the sensor, the shutter, the rotation or the second eye away; or set a size \
-               or an hfov for which all of the film sees something (rasterizers need a perspective)",
+            + ", or remove the sensor, the shutter, the rotation or the second eye; or set a size or an hfov for which all of the film sees something (rasterizers need a perspective)",
     )
 }
 
@@ -542,7 +541,7 @@ fn unfit() -> Error {
     Error::invalid(
         "film",
         "channels",
-        "places on a film are compared at the centres of its pixels, by the channels object and object_event",
+        "film points are compared at pixel centres, by the channels object and object_event",
         "render with pixel centres and these channels",
     )
 }

@@ -162,8 +162,7 @@ fn accelerated(scene: &Scene, shot: &Shot) -> Result<Box<Accelerated>> {
     Err(Error::invalid(
         &scene.name,
         "camera.time",
-        "the light that reaches the sensor during the exposure passed the pinhole before the camera's world \
-         line begins, or never did",
+        "the light that reaches the sensor during the exposure passed the pinhole before the camera's world line begins, or never passed it",
         "expose later and within the motion, or shorten the focal length",
     ))
 }

@@ -51,10 +51,10 @@ fn state(line: &WorldLine, time: f64) -> Result<State> {
         let [first, last] = line.span();
         let what = match time < first {
             true => format!(
-                "the camera's clock shows {time} m before its world line begins, at {first} m"
+                "the camera's clock shows {time} m, before its world line begins at {first} m"
             ),
             false => {
-                format!("the camera's clock shows {time} m after its world line ends, at {last} m")
+                format!("the camera's clock shows {time} m, after its world line ends at {last} m")
             }
         };
         Error::invalid(

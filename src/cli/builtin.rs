@@ -87,7 +87,7 @@ pub fn model_as<'a>(
 ) -> Result<Option<(&'a Path, ModelScene)>> {
     let moves = model.beta.is_some() || model.flyby;
     if model.direction.is_some() && !moves {
-        let what = "it says where a moving camera goes, and this one is at rest";
+        let what = "it says where a moving camera goes, but this one is at rest";
         return Err(refused("--direction", what, "add --beta 0.9, or --flyby"));
     }
     match path {
@@ -100,7 +100,7 @@ pub fn model_as<'a>(
                 true => "--flyby",
                 false => "--beta",
             };
-            let what = "it sets the view of a model without a scene, and this is a scene";
+            let what = "it sets the view of a model without a scene, but this is a scene";
             let help =
                 "set the camera's velocity: --set camera.velocity={beta=0.9,direction=[1,0,0]}";
             Err(refused(option, what, help))

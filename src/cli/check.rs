@@ -67,7 +67,7 @@ pub fn check_page(output: &Path, count: usize) -> Result<()> {
         return Err(refused(option, what, "end its name in .png"));
     }
     if count != 1 {
-        let what = format!("one file for the pages of {count} scenes");
+        let what = format!("one output file for the pages of {count} scenes");
         return Err(refused(option, what, "give --directory DIR, or one scene"));
     }
     Ok(())
@@ -122,7 +122,7 @@ impl Names {
             return Err(refused(
                 option,
                 what,
-                "leave out what follows the name of the file",
+                "remove the part after the file name",
             ));
         }
         if path.exists() && !path.is_file() {
@@ -142,7 +142,7 @@ impl Names {
 pub fn refuse_dangling(option: &str, path: &Path) -> Result<()> {
     match std::fs::read_link(path) {
         Ok(link) if !path.exists() => {
-            let what = format!("this is a link to {}, which is not there", link.display());
+            let what = format!("this is a link to {}, which does not exist", link.display());
             let help = "remove the link, or create its target";
             Err(refused(option, what, help))
         }
@@ -177,7 +177,7 @@ fn check_kind(option: &str, flag: &str, path: &Path) -> Result<()> {
         (_, "png") | ("-o", "exr" | "npz") | ("--overlay", "svg" | "pdf") => Ok(()),
         ("--overlay", _) => Err(refused(
             option,
-            "the name does not say how to draw",
+            "the name does not say which kind of overlay to write",
             "end it in .png (pixels), .svg or .pdf (vectors over the picture)",
         )),
         ("-o", _) => Err(refused(

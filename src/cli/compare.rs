@@ -152,7 +152,7 @@ fn write(
 
 /// Refuses, before any work, what could not be written after it; `read` are the files of the scene.
 fn check_outputs(arguments: &CompareArguments, read: &[PathBuf]) -> Result<()> {
-    let overwritten = "this is one of the files that are read and would be overwritten";
+    let overwritten = "this is an input file, which would be overwritten";
     let compared = [&arguments.reference, &arguments.candidate];
     let others = [&arguments.mask, &arguments.scene].into_iter().flatten();
     let others = others.chain(read);

@@ -259,7 +259,7 @@ fn report(arguments: &ConvertArguments, converted: &Converted, times: &Times) ->
     }
     if converted.dropped != 0.0 {
         let warning = format!(
-            "samples of pixels without a distance were left out; their sum is {}",
+            "samples of pixels without a distance were dropped; their sum is {}",
             converted.dropped
         );
         warn(false, [&warning]);

@@ -48,7 +48,7 @@ fn check(arguments: &ExportArguments, scene: &Scene, plan: &Plan) -> Result<()> 
         None => Ok(()),
         Some(path) => Err(refused(
             format!("-o {}", arguments.output.display()),
-            format!("the scene reads {}, which is in it", path.display()),
+            format!("the scene reads {}, which is inside it", path.display()),
             "write to another name",
         )),
     }

@@ -76,7 +76,7 @@ fn refuse_unread(arguments: &MeshFromDepthArguments) -> Result<()> {
     ];
     match given.into_iter().find(|(_, is_given)| *is_given) {
         Some((option, _)) => {
-            let what = "it is for a cube of light that first came back, and --from names a map";
+            let what = "it applies to a cube of times of arrival, but --from names a map";
             Err(refused(option, what, "leave it out, or leave out --from"))
         }
         None => Ok(()),

@@ -155,7 +155,7 @@ fn warn<'a>(quiet: bool, warnings: impl IntoIterator<Item = &'a String>) {
 
 /// Prints `value` as JSON.
 fn print_json(value: &impl Serialize) -> Result<()> {
-    let help = "leave --json out; numbers that JSON cannot hold are a bug";
+    let help = "leave --json out; numbers that JSON cannot represent are a bug";
     let text = serde_json::to_string_pretty(value);
     let text = text.map_err(|e| failure::refused("--json", e.to_string(), help))?;
     print(&(escaped_json(&text) + "\n"))

@@ -112,7 +112,7 @@ fn takes(arguments: &FilmArguments, scene: &Scene) -> Result<Vec<Take>> {
 }
 
 fn no_motion() -> Error {
-    let what = "no motion of the camera is given";
+    let what = "no camera motion is given";
     let help = "give --flyby 0.9, --accelerate 0.9, --speeds 0.9 or --light";
     refused("film", what, help)
 }
@@ -259,7 +259,7 @@ fn distance(
         };
     }
     subject.map(|point| times * point.distance(scene.camera.origin.x)).ok_or_else(|| {
-        let what = "the scene does not say what its camera looks at (camera.look_at), and has no surface away from it: it is not known how far to go";
+        let what = "the scene does not say what its camera looks at (camera.look_at), and has no surface away from it: the distance is unknown";
         refused("--distance", what, "give the distance, like --distance \"6 m\"")
     })
 }
@@ -313,7 +313,7 @@ fn looked_at(text: &str) -> Option<DVec3> {
 /// The scene's own camera while light passes by.
 fn light(arguments: &FilmArguments, scene: &Scene) -> Result<Take> {
     if let Some(beside) = arguments.beside {
-        let what = "there is nothing to compare with: --light leaves the camera as it is";
+        let what = "there is nothing to compare with: --light does not move the camera";
         return Err(refused(
             format!("--beside {}", beside.word()),
             what,

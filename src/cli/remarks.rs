@@ -176,8 +176,7 @@ pub fn shift(scene: &Scene, prepared: &Prepared) -> String {
     };
     for (light, [low, high]) in survey::unseen_lamps(scene, prepared) {
         text += &format!(
-            "the light of \"{}\" falls on what is in view with {} to {} times the wavelength that it left with: nothing of its \
-             spectrum is visible there\n",
+            "the light of \"{}\" reaches what is in view with {} to {} times its emitted wavelength: none of its spectrum is visible there\n",
             super::info::escaped(&scene.lights[light].name),
             short(low),
             short(high)
@@ -201,7 +200,7 @@ fn unseen_spectra(scene: &Scene, [low, high]: [f64; 2]) -> String {
     });
     let line = |object: &Object| {
         format!(
-            "the spectrum of \"{}\" is seen with {} to {} times its wavelengths: none of it is visible there (see \
+            "the spectrum of \"{}\" is seen at {} to {} times its wavelengths: none of it is visible there (see \
              display.false_colour)\n",
             super::info::escaped(&object.name),
             short(low),
@@ -241,7 +240,7 @@ fn unlit(scene: &Scene) -> &'static str {
         "nothing in view is lit at the moment at which its light left: try another --time (see display.back_faces, \
          too, and whether lamps are inside objects, whose outside they do not light)"
     } else if !scene.is_lit() {
-        "what is in view is black: its base colours, which are seen where a scene has no light, are 0"
+        "what is in view is black: its base colours, which are shown in a scene without light, are 0"
     } else if scene.lights.iter().all(sends_nothing) && scene.sky.as_ref().is_none_or(is_dark) {
         "nothing in view is lit: the intensity, radiance or power of all lights is 0"
     } else if scene.objects.iter().all(reflects_nothing) {

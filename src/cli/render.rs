@@ -42,8 +42,8 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
     if arguments.changes.pixel_centers && scene.camera.shutter.is_some() {
         return Err(refused(
             "--pixel-centers",
-            "takes one ray per pixel at one instant, and the shutter of this scene's camera is open for a while",
-            "leave out --pixel-centers, or take the shutter away",
+            "takes one ray per pixel at one instant, but the shutter of this scene's camera is open for some time",
+            "leave out --pixel-centers, or remove the shutter",
         ));
     }
     if arguments.print_scene {
@@ -199,12 +199,12 @@ impl Film<'_> {
 /// Refuses options of files that are not among those that are written.
 fn check_effects(arguments: &RenderArguments, outputs: &Outputs, films: &[PathBuf]) -> Result<()> {
     if arguments.half && !outputs.files().any(|(_, kind)| kind == Kind::Exr) {
-        let what = "it is the precision of .exr files, and none of these files is one";
+        let what = "it is the precision of .exr files, but none of these files is one";
         let help = "add an output, -o FILE.exr, or leave out --half";
         return Err(refused("--half", what, help));
     }
     if arguments.play_fps.is_some() && films.is_empty() {
-        let what = "it is the speed of a film, and none of these files is one";
+        let what = "it is the speed of a film, but none of these files is one";
         let help = "add an output, -o FILE.apng or -o FILE.y4m, or leave out --play-fps";
         return Err(refused("--play-fps", what, help));
     }
@@ -216,7 +216,7 @@ fn check_effects(arguments: &RenderArguments, outputs: &Outputs, films: &[PathBu
     if frames::is_shown(outputs) || !films.is_empty() {
         return Ok(());
     }
-    let what = "it says what is white in pictures for displays, and none of these files is one";
+    let what = "it sets the white of display pictures, but none of these files is one";
     let help = format!("add an output, -o FILE.png, or leave out {option}");
     Err(refused(option, what, &help))
 }
@@ -225,7 +225,7 @@ fn check_effects(arguments: &RenderArguments, outputs: &Outputs, films: &[PathBu
 fn check_caption(arguments: &RenderArguments, outputs: &Outputs, films: &[PathBuf]) -> Result<()> {
     let shown = outputs.files().any(|(_, kind)| kind == Kind::Display);
     if arguments.caption.is_some() && !shown && films.is_empty() {
-        let what = "it is written below pictures, and none of these files is one";
+        let what = "it is written below pictures, but none of these files is one";
         return Err(refused(
             "--caption",
             what,
@@ -291,7 +291,7 @@ fn check_passes(option: &str, arguments: &RenderArguments, is_sequence: bool) ->
     let refuse = |what: &str, help: &str| Err(refused(option, what, help));
     match () {
         () if is_sequence => refuse(
-            "it improves one picture, and this is a sequence",
+            "it improves one picture, but this is a sequence",
             "give one --time, or the samples of all frames: --spp N",
         ),
         () if arguments.method.method != Method::Trace => refuse(
@@ -336,7 +336,7 @@ fn request(arguments: &RenderArguments, outputs: &Outputs, scene: &Scene) -> Req
 fn panels_and_frames() -> Error {
     refused(
         "--frames, --from",
-        "a sequence is made of one scene, and this one has panels",
+        "a sequence shows one scene, but this one has panels",
         "render the panels without frames, or give a scene without panels",
     )
 }

@@ -241,7 +241,7 @@ pub fn frames(text: &str) -> Result<Range<u64>, String> {
         )),
         (Ok(first), Ok(end)) if first < end => Ok(first..end),
         (Ok(first), Ok(end)) => Err(format!(
-            "{first}..{end} holds no frame: the end is exclusive"
+            "{first}..{end} contains no frame: the end is exclusive"
         )),
         _ => Err(format!(
             "frames have whole numbers from 0 to {}; {help}",

@@ -212,7 +212,7 @@ fn text_camera(file: &Path, camera: u32) -> Result<[f64; 2]> {
 }
 
 fn unknown(file: &Path, model: &str) -> Error {
-    let what = format!("the camera model {model} is not known");
+    let what = format!("the camera model {model} is unknown");
     Error::unsupported(file, "", what, UNDISTORT)
 }
 
@@ -256,7 +256,7 @@ fn field_of_view(
     let apart = centre.iter().zip(middle).map(|(c, m)| (c - m).abs());
     if apart.fold(0.0, f64::max) > 0.5 {
         let what =
-            format!("its axis meets the picture at {centre:?}, and the middle is at {middle:?}");
+            format!("its axis meets the picture at {centre:?}, but the middle is at {middle:?}");
         return refuse(
             what,
             "crop the capture about that place, and say so in `crop`, with `hfov` of the whole film",

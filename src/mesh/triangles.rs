@@ -346,7 +346,7 @@ impl Mesh {
         let beyond = |t: &[u32; 3]| t.iter().any(|&v| v as usize >= vertices);
         if let Some(i) = self.triangles.iter().position(beyond) {
             let what = format!(
-                "{:?} names a vertex that is not there: there are {vertices}",
+                "{:?} refers to a vertex that does not exist: there are {vertices}",
                 self.triangles[i]
             );
             return refuse(format!("triangles[{i}]"), what);

@@ -90,12 +90,12 @@ pub(crate) enum Why {
 }
 
 aovs! {
-    Object, "object", NearestIdentity, "index of the object in the scene file, −1 where nothing is met",
-        "k, the object of which the ray X(s) meets a triangle at the smallest s > 0";
+    Object, "object", NearestIdentity, "index of the object in the scene file, −1 where nothing is hit",
+        "k, the object with a triangle that the ray X(s) hits at the smallest s > 0";
     Primitive, "primitive", NearestIdentity, "index of the triangle in the object, in the order of its file",
         "index of that triangle, (a, b, c), in the order of the object's geometry";
     BarycentricU, "barycentric.u", Nearest, "weight of the triangle's second corner",
-        "u of p = (1 − u − v) a + u b + v c, p the place of object_event";
+        "u of p = (1 − u − v) a + u b + v c, p the position of object_event";
     BarycentricV, "barycentric.v", Nearest, "weight of the triangle's third corner",
         "v of p = (1 − u − v) a + u b + v c";
     UvU, "uv.u", Nearest, "texture coordinate u (set 0)",
@@ -134,29 +134,29 @@ aovs! {
         "y of (b − a) × (c − a), normalised";
     NormalZ, "normal.z", MeanOfHits, "geometric normal in the object's rest frame, z",
         "z of (b − a) × (c − a), normalised";
-    Coverage, "coverage", Coverage, "part of the pixel whose radiance is known, 0 to 1",
-        "1 where the source has data at (E, surface point) or none is needed, else 0 or the part that it has";
-    MissingBefore, "missing.before", Missing(Before), "part of the pixel whose light left before its data begin, 0 to 1",
-        "part of the samples whose time of lookup is before the first bin";
-    MissingAfter, "missing.after", Missing(After), "part of the pixel whose light left after its data end, 0 to 1",
-        "part of the samples whose time of lookup is after the last bin";
-    MissingOffTexture, "missing.off_texture", Missing(OffTexture), "part of the pixel that lies beyond the texture or the capture camera's image, 0 to 1",
-        "part of the samples with texture coordinates outside [0, 1], or outside the capture camera's image";
-    MissingOccluded, "missing.occluded", Missing(Occluded), "part of the pixel that the capture camera did not see, 0 to 1",
-        "part of the samples not seen by any neighbouring pixel of the capture camera's image, or from which something hides it";
-    CaptureFootprint, "capture.footprint", Nearest, "width on the surface, along its tilt, of a pixel of its capture camera, metres",
-        "width of a pixel at the point's depth, over the cosine between normal and the way to the capture camera";
-    CaptureCosine, "capture.cosine", Nearest, "cosine between normal and the way to the capture camera: near 0 where that grazes the surface",
-        "n·(eye − p) over the length of eye − p, n the normal on the side that is seen";
-    CaptureSource, "capture.source", NearestIdentity, "index in the scene file of the source, a capture, that gives most of the radiance, −1 where no capture holds it",
+    Coverage, "coverage", Coverage, "fraction of the pixel whose radiance is known, 0 to 1",
+        "1 where the source has data at (E, surface point) or none is needed, else 0 or the fraction that it has";
+    MissingBefore, "missing.before", Missing(Before), "fraction of the pixel whose light left before its data begin, 0 to 1",
+        "fraction of the samples whose time of lookup is before the first bin";
+    MissingAfter, "missing.after", Missing(After), "fraction of the pixel whose light left after its data end, 0 to 1",
+        "fraction of the samples whose time of lookup is after the last bin";
+    MissingOffTexture, "missing.off_texture", Missing(OffTexture), "fraction of the pixel that lies beyond the texture or the capture camera's image, 0 to 1",
+        "fraction of the samples with texture coordinates outside [0, 1], or outside the capture camera's image";
+    MissingOccluded, "missing.occluded", Missing(Occluded), "fraction of the pixel that the capture camera did not see, 0 to 1",
+        "fraction of the samples not seen by any neighbouring pixel of the capture camera's image, or hidden from it";
+    CaptureFootprint, "capture.footprint", Nearest, "width on the surface, along its tilt, of a capture camera pixel, metres",
+        "width of a pixel at the point's depth, over the cosine between the normal and the direction to the capture camera";
+    CaptureCosine, "capture.cosine", Nearest, "cosine between the normal and the direction to the capture camera: near 0 at grazing angles",
+        "n·(eye − p) over the length of eye − p, n the normal on the visible side";
+    CaptureSource, "capture.source", NearestIdentity, "index in the scene file of the capture that gives most of the radiance, −1 where no capture contains the point",
         "the capture of largest s e (cos θ / a)⁴ of those that saw the point at that time, or the first of them";
-    Alpha, "alpha", MeanOfAll, "part of the pixel that shows an object, 0 to 1",
-        "part of the samples that meet an object";
-    ObjectId, "IndexOB.X", Nearest, "index of the object plus 1, 0 where nothing is met: an ID pass, as compositors read it",
+    Alpha, "alpha", MeanOfAll, "fraction of the pixel that shows an object, 0 to 1",
+        "fraction of the samples that hit an object";
+    ObjectId, "IndexOB.X", Nearest, "index of the object plus 1, 0 where nothing is hit: an ID pass, as compositors read it",
         "k + 1, or 0";
     StandardError, "standard_error", StandardError, "standard error of the pixel's mean radiance (mean of R, G, B), from independent parts of its samples and of those of 5 × 5 pixels; above 1 sample per pixel",
         "√(((R − 1) s² + 4 n)/((R + 3) R)), s² = Σ (m_k − m)²/(R − 1), m_k the mean (R + G + B)/3 of part k of R = 8 or more equal parts of the samples, m their mean, and n the mean of s² over 5 × 5 pixels of a tile of 16 × 16, the pixel itself in place of those beyond its edge";
-    Samples, "samples", Samples, "how many samples the pixel's radiance is the mean of",
+    Samples, "samples", Samples, "number of samples in the mean radiance of the pixel",
         "number of rays";
 }
 

@@ -152,7 +152,7 @@ fn ours(path: &Path) -> Result<File> {
     options.read(true).write(true).create(true).truncate(false);
     let mut file = options.open(path).map_err(failed())?;
     if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
-        let what = "another process is working at this";
+        let what = "another process is working on this";
         return Err(Error::invalid(
             path,
             "",

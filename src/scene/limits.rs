@@ -48,7 +48,7 @@ pub(crate) fn bounces(bounces: u32) -> Result<(), Wrong> {
     if bounces <= MOST_BOUNCES {
         return Ok(());
     }
-    let what = format!("{bounces} bounces cannot be followed");
+    let what = format!("{bounces} bounces are out of range");
     Err((what, format!("give 0 to {MOST_BOUNCES}, like 4")))
 }
 
@@ -59,7 +59,7 @@ pub(crate) fn spectra(scene: &Scene) -> Result<(), Wrong> {
     }
     let wrong = |what: &str, help: &str| Err((what.into(), help.into()));
     if scene.quantity != Quantity::Rgb {
-        let what = "spectra are sampled, and radiance of this quantity has none";
+        let what = "spectra are sampled, but radiance of this quantity has none";
         return wrong(
             what,
             "set quantity = \"rgb\" in [radiance], or leave `spectra` out",
@@ -67,7 +67,7 @@ pub(crate) fn spectra(scene: &Scene) -> Result<(), Wrong> {
     }
     if let Some(other) = scene.sources.iter().find(|s| s.quantity != Quantity::Rgb) {
         let what = format!(
-            "spectra are sampled, and those of source {:?} are not known",
+            "spectra are sampled, but those of source {:?} are unknown",
             other.name
         );
         return wrong(
@@ -76,12 +76,12 @@ pub(crate) fn spectra(scene: &Scene) -> Result<(), Wrong> {
         );
     }
     if !scene.effects.doppler {
-        let what = "spectra are sampled at wavelengths that shift, and these do not";
+        let what = "spectra are sampled at wavelengths that shift, but these do not";
         return wrong(what, "turn `effects.doppler` on, or leave `spectra` out");
     }
     let mut sky = scene.sky.iter();
     if sky.any(|sky| sky.lights && sky.stars.is_some()) {
-        let what = "spectra are sampled, and stars light surfaces by red, green and blue alone";
+        let what = "spectra are sampled, but stars light surfaces only in red, green and blue";
         let help = "leave `stars` or `spectra` out, or set sky.lights = false";
         return wrong(what, help);
     }

@@ -194,8 +194,7 @@ fn unknown_key(schema: &Value, place: &Place) -> (String, String) {
 
 /// Keys for the motion of cameras and lamps, and the message for an object that has one of them.
 const MOTIONS: [&str; 4] = ["motion", "world_line", "keyframes", "acceleration"];
-const UNIFORM: &str = "objects move uniformly (`velocity`, and `origin` for where they are and when), so that they are intersected in a \
-                       frame in which they rest for ever; world lines of any kind are for [camera] and [[light]]";
+const UNIFORM: &str = "objects move uniformly (`velocity`, and `origin` for where they are and when), so that rays can be intersected with them in their rest frame; world lines of any kind are for [camera] and [[light]]";
 
 fn last_key(place: &[Step]) -> Option<&str> {
     match place.last()? {

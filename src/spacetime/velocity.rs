@@ -42,7 +42,7 @@ pub enum VelocityError {
     NoDirection,
     /// Beyond [`MAX_RAPIDITY`].
     #[error(
-        "rapidity {0} is above {MAX_RAPIDITY} (γ = 1.2e17), beyond which f64 coordinates have no digit left"
+        "rapidity {0} is above {MAX_RAPIDITY} (γ = 1.2e17), beyond which f64 coordinates have no digits left"
     )]
     TooFast(f64),
 }

@@ -236,7 +236,7 @@ fn codes_of_png_frames_are_linear_by_the_declared_transfer() {
         .unwrap();
     }
     let error = load(folder.path(), None, None).unwrap_err();
-    assert!(error.contains("not radiance by themselves"), "{error}");
+    assert!(error.contains("not radiance as they stand"), "{error}");
     let linear = load(folder.path(), None, Some(Transfer::Linear)).unwrap();
     assert_eq!(linear.shape, [1, 2, 2, 3]);
     // Column 1, bin 1, red.
@@ -458,8 +458,8 @@ fn broken_transient_images_are_refused() {
     assert!(changed(4, 11u32.to_le_bytes()).contains("mode 11"));
     assert!(changed(8, u32::MAX.to_le_bytes()).contains("truncated"));
     assert!(changed(12, 0u32.to_le_bytes()).contains("truncated"));
-    assert!(changed(20, 0f32.to_le_bytes()).contains("do not make a time axis"));
-    assert!(changed(20, f32::NAN.to_le_bytes()).contains("do not make a time axis"));
+    assert!(changed(20, 0f32.to_le_bytes()).contains("do not form a time axis"));
+    assert!(changed(20, f32::NAN.to_le_bytes()).contains("do not form a time axis"));
     assert!(changed(24, 4u32.to_le_bytes()).contains("68 bytes"));
     assert!(changed(28 + 4 * 5, f32::INFINITY.to_le_bytes()).contains("[0, 1, 1]"));
     assert!(changed(28 + 96, 7u32.to_le_bytes()).contains("grid of 7 columns"));

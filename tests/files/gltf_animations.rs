@@ -242,7 +242,7 @@ fn cameras_and_lights_follow_animated_nodes_slower_than_light() {
     assert_eq!(turned.passed_over.len(), 1);
     let said = &turned.passed_over[0];
     assert!(
-        said.starts_with("the camera: node \"tip\" also turns"),
+        said.starts_with("the camera: node \"tip\" also rotates"),
         "{said}"
     );
 }

@@ -240,7 +240,7 @@ fn axes_are_those_that_the_file_says_and_asked_for_where_it_says_others() {
         ("partly", "called (no name), (no name), time"),
         ("others", "called wavelength, y, x"),
         ("wrong", "\"T Q W\": 'Q'"),
-        ("picture", "probably a picture in colours"),
+        ("picture", "probably a colour picture"),
     ] {
         let error = cube::load(&path, Wanted::array(name)).unwrap_err();
         let said = format!("{error}; {}", error.help());

@@ -53,7 +53,7 @@ fn frames_of_all_kinds_of_samples_are_read() {
     // Codes are not taken for light unless that is said.
     let error = cube::load(&data("u16_%03d.tiff"), Wanted::default()).unwrap_err();
     assert!(
-        error.to_string().contains("not radiance by themselves"),
+        error.to_string().contains("not radiance as they stand"),
         "{error}"
     );
 }

@@ -230,7 +230,7 @@ fn axes_are_those_that_the_array_says_and_asked_for_where_it_says_others() {
                 document["dimension_names"] = json!(null);
                 document["shape"] = json!([9, 8, 3]);
             }),
-            "probably a picture in colours",
+            "probably a colour picture",
         ),
     ] {
         let error = refused.unwrap_err();

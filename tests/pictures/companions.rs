@@ -382,7 +382,7 @@ fn a_cube_in_memory_has_companions_too() {
     assert!(bits(&file).iter().any(|bits| *bits != 0));
     let refused = memory(&["R", "G", "B", "IR"]).unwrap_err().to_string();
     assert!(
-        refused.contains("4 channels are named, and the cube has 5"),
+        refused.contains("4 channels are named, but the cube has 5"),
         "{refused}"
     );
 }

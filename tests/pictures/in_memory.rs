@@ -316,7 +316,7 @@ fn what_a_program_has_made_of_a_scene_is_checked_before_it_is_rendered() {
         prepared
             .unwrap_err()
             .to_string()
-            .contains("the plan is of 2 objects")
+            .contains("the plan is for 2 objects")
     );
 }
 

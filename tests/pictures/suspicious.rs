@@ -206,7 +206,7 @@ fn a_picture_in_colours_is_not_taken_for_a_cube_in_time() {
     let refused = cube::inspect(&path, Wanted::default()).unwrap_err();
     let said = format!("{refused} {}", refused.help());
     assert!(
-        said.contains("picture in colours") && said.contains("H W C"),
+        said.contains("colour picture") && said.contains("H W C"),
         "{said}"
     );
     for (axes, shape) in [("H W C", [64, 64, 1, 3]), ("H W T", [64, 64, 3, 1])] {
@@ -226,7 +226,7 @@ fn a_pose_that_is_not_the_capture_s_is_said() {
         "look_at = [9.4, 1.0, 9.6], hfov",
     );
     assert!(
-        said.contains("sees no object") && said.contains("pose"),
+        said.contains("show no object") && said.contains("pose"),
         "{said}"
     );
 }
@@ -448,7 +448,7 @@ fn samples_below_zero_are_counted_with_the_least_and_dealt_with_as_is_asked() {
         Arc::new(Bricks::open(&path, Wanted::default(), 9 << 20).unwrap()).into();
     let said = of_samples(&store, Order::Array).join("\n");
     assert!(
-        said.contains("below 0") && said.contains("part that was looked at"),
+        said.contains("below 0") && said.contains("part examined"),
         "{said}"
     );
 }

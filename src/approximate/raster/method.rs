@@ -281,7 +281,7 @@ pub(super) fn moves(object: &str) -> Error {
     Error::unsupported(
         "object",
         "velocity",
-        format!("a warped picture shows what rests in the world, and {object} moves"),
+        format!("a warped picture needs objects at rest in the world, but {object} moves"),
         Setting::TraceIt + ", or rasterize it, or let the camera move in place of the object",
     )
 }

@@ -30,7 +30,7 @@ pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
         Origin::Object => pixel_probe::Origin::Emission,
     });
     if origin == Some(pixel_probe::Origin::Emission) && probe.hit.is_none() {
-        let what = format!("nothing is seen in pixel {},{}", pixel[0], pixel[1]);
+        let what = format!("nothing is visible in pixel {},{}", pixel[0], pixel[1]);
         let help = "choose a pixel that shows an object, or leave out --origin";
         return Err(refused("--origin object", what, help));
     }

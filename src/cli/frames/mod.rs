@@ -388,8 +388,8 @@ impl Sequence<'_> {
         let more = done.beyond_precision.saturating_sub(1);
         let limited = done.limited.iter().map(|text| match more {
             0 => text.clone(),
-            1 => format!("{text} (and the same of one more frame)"),
-            more => format!("{text} (and the same of {} more frames)", counted(more)),
+            1 => format!("{text} (and the same for one more frame)"),
+            more => format!("{text} (and the same for {} more frames)", counted(more)),
         });
         warn(self.job.quiet, &limited.collect::<Vec<_>>());
         let warnings = self.prepared.iter().flat_map(|p| &p.warnings);

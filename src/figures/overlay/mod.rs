@@ -91,7 +91,7 @@ impl Overlay {
             Some(_) => Err(Error::unsupported(
                 &scene.name,
                 "camera.stereo",
-                "an overlay is drawn over one picture, and a stereo pair is two",
+                "an overlay is drawn over one picture, but a stereo pair has two",
                 "leave [camera.stereo] out, and draw over the picture of either eye",
             )),
             None => Ok(()),

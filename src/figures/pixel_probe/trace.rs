@@ -46,7 +46,7 @@ pub fn trace(
 ) -> Result<Probe> {
     within(scene, pixel)?;
     if scene.camera.stereo.is_some() {
-        let what = "a diagram follows the light to one pinhole, and a stereo pair has two";
+        let what = "a diagram follows the light to one pinhole, but a stereo pair has two";
         let help = "leave [camera.stereo] out, and move `eye` to either eye";
         return Err(Error::unsupported(&scene.name, "camera.stereo", what, help));
     }
@@ -165,7 +165,7 @@ impl<'a> Arrival<'a> {
             .world_line()
             .map_err(|error| refuse(error.to_string()))?;
         let state = line.state(model.time + moment * open);
-        let state = state.ok_or_else(|| refuse("it is not on its world line then".into()))?;
+        let state = state.ok_or_else(|| refuse("its world line does not exist at that time".into()))?;
         let by_paper = scene.equations == Equations::Paper2015 && model.rotation.is_none();
         Ok(Arrival {
             // Through the pixel's centre.

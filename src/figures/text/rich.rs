@@ -78,7 +78,7 @@ impl RichText {
                 .take(20)
                 .collect();
             let what =
-                format!("{count} characters in one line of text, and at most {LONGEST} are set");
+                format!("{count} characters in one line of text; the limit is {LONGEST}");
             return Err(Error::invalid(
                 format!("text \"{start}…\""),
                 "",

@@ -74,7 +74,7 @@ impl Axes {
             && h.min(w) >= 8
         {
             let what = format!(
-                "an array of shape {sizes:?} is probably a picture in colours, and may be a cube of {last} time bins"
+                "an array of shape {sizes:?} is probably a colour picture, but may be a cube of {last} time bins"
             );
             let help = "say which in the source's `axes`: \"H W C\" is a steady picture, \"H W T\" a cube in time";
             return Err((what, help));

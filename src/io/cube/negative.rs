@@ -162,7 +162,7 @@ fn shown(x: f64) -> f64 {
 }
 
 fn refused(path: &Path, what: String) -> Error {
-    let help = "negative = \"zero\" takes them for 0, negative = \"keep\" reads them as they are";
+    let help = "negative = \"zero\" replaces them by 0, negative = \"keep\" reads them as they are";
     Error::invalid(path, "samples", what, help)
 }
 

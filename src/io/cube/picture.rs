@@ -318,7 +318,7 @@ fn linear_of(file: &Path, transfer: Option<Transfer>) -> Result<fn(f64) -> f32> 
         Some(Transfer::Linear) => Ok(|code| code as f32),
         Some(Transfer::Srgb) => Ok(|code| srgb_decode(code) as f32),
         None => {
-            let what = "the codes of this picture are not radiance by themselves";
+            let what = "the codes of this picture are not radiance as they stand";
             let help =
                 "declare how the codes encode it: transfer = \"linear\" or \"srgb\" in the source";
             Err(Error::invalid(file, "", what, help))

@@ -117,7 +117,7 @@ impl Selection {
         // Products of sizes are safe from here on.
         let count = sizes.iter().try_fold(1u64, |n, size| n.checked_mul(*size));
         if count.is_none_or(|count| count > LONGEST) {
-            let what = format!("the shape {sizes:?} has more samples than can be used");
+            let what = format!("the shape {sizes:?} has more samples than this program can handle");
             return Err((what, "check the file".into()));
         }
         let sizes: Vec<usize> = sizes.iter().map(|size| *size as usize).collect();
@@ -148,7 +148,7 @@ impl Selection {
             }
         }
         if choices.next().is_some() {
-            let what = "the name of the array chooses more entries than it has axes named L";
+            let what = "the name of the array selects more entries than it has axes named L";
             return Err((what.into(), NAME_AXES.into()));
         }
         let (axes, kept): (Vec<_>, Vec<_>) = kept.into_iter().unzip();

@@ -179,14 +179,14 @@ fn header(reader: &mut dyn ReadSeek, file: &Path) -> Result<Header> {
                 ..
             } = header;
             let what = format!(
-                "{rows} rows, {columns} columns and {bins} bins are not in a file of {length} bytes: it is truncated"
+                "{rows} rows, {columns} columns and {bins} bins do not fit in a file of {length} bytes: it is truncated"
             );
             return Err(invalid(what));
         }
     }
     if !(header.width > 0.0 && header.width.is_finite() && header.first.is_finite()) {
         let what = format!(
-            "bins of a width of {} from {} on do not make a time axis",
+            "bins of width {} from {} on do not form a time axis",
             header.width, header.first
         );
         return Err(invalid(what));

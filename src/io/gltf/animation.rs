@@ -191,7 +191,7 @@ fn channels(document: &mut Document, animation: usize, nodes: &[usize]) -> Resul
         }
         // What it holds would have to be taken apart, and glTF 2.0 (§3.11) has no such nodes.
         if document.root.nodes[node].matrix.is_some() {
-            let what = "the node has a `matrix`, and what is animated has none in glTF";
+            let what = "the node has a `matrix`, which animated nodes must not have in glTF";
             let help = "give the node `translation`, `rotation` and `scale` in its place";
             return Err(document.invalid(place, what, help));
         }
@@ -203,7 +203,7 @@ fn channels(document: &mut Document, animation: usize, nodes: &[usize]) -> Resul
             ..
         }) = samplers.get(sampler.value())
         else {
-            let what = format!("sampler {} is not there", sampler.value());
+            let what = format!("sampler {} does not exist", sampler.value());
             return Err(document.invalid(place, what, "every index must be within its list"));
         };
         let (input, output, interpolation) = (*input, *output, *interpolation);
@@ -212,7 +212,7 @@ fn channels(document: &mut Document, animation: usize, nodes: &[usize]) -> Resul
             return Err(document.invalid(place, "its interpolation is not valid in glTF", help));
         };
         if interpolation == Interpolation::Step {
-            let what = "it moves in steps (STEP), and a jump is faster than light";
+            let what = "it moves in steps (STEP), and jumps are faster than light";
             return Err(document.invalid(place, what, "export the animation with linear keys"));
         }
         channels.push(read(

@@ -72,7 +72,7 @@ impl Builder<'_, '_> {
     fn add(&mut self, at: &Placement, piece: &Piece, materials: &Materials) -> Result<()> {
         let place = &piece.positions.place;
         let Some(resolved) = materials.get(&piece.material) else {
-            let what = "its material is not there";
+            let what = "its material does not exist";
             return Err(self.buffers.document.invalid(place, what, ""));
         };
         let transformed_set = self.vertices.transformed_set;
@@ -159,7 +159,7 @@ fn corners(buffers: &mut Buffers, piece: &Piece) -> Result<Vec<u32>> {
         Some(at) => Err(buffers.document.invalid(
             &layout.place,
             format!(
-                "index {at} is {}, and there are {vertices} vertices",
+                "index {at} is {}, but there are {vertices} vertices",
                 corners[at]
             ),
             "every index must be below the number of vertices",

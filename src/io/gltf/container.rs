@@ -88,7 +88,7 @@ impl Reader<'_> {
         let place = "GLB header";
         let version = u32::from_le_bytes(self.word(4, place)?);
         if version != 2 {
-            let what = format!("version {version} of the GLB format is not known");
+            let what = format!("version {version} of the GLB format is unknown");
             let help = "export the model as glTF 2.0";
             return Err(Error::unsupported(self.file, place, what, help));
         }

@@ -79,7 +79,7 @@ impl<'a> Document<'a> {
             true => Ok(()),
             false => Err(self.unsupported(
                 "asset",
-                format!("version {:?} of glTF is not known", shortened(needed)),
+                format!("version {:?} of glTF is unknown", shortened(needed)),
                 "export the model as glTF 2.0",
             )),
         }
@@ -123,7 +123,7 @@ impl<'a> Document<'a> {
         Root: json::root::Get<T>,
     {
         self.root.get(index).ok_or_else(|| {
-            let what = format!("it refers to {list} {}, which is not there", index.value());
+            let what = format!("it refers to {list} {}, which does not exist", index.value());
             self.invalid(place, what, "every index must be within its list")
         })
     }

@@ -73,7 +73,7 @@ pub(crate) const LIGHTS_UNREAD: &str = "the lights of a scene are its [[light]] 
 
 /// What is said of animations that move no mesh.
 pub(crate) const ANIMATIONS_UNREAD: &str =
-    "no mesh moves with it: cameras and lights follow it where motion.animation names it";
+    "no mesh moves with it; cameras and lights follow it if motion.animation names it";
 
 /// Says what of the file is passed over as a whole.
 fn warn_of_unread(document: &Document, placed: &[Placed], warnings: &mut Warnings) {

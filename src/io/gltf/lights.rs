@@ -94,7 +94,7 @@ pub(super) fn find(document: &Document) -> Result<Vec<GltfLight>> {
         };
         let place = document.node_label(placed.node);
         let Some(light) = all(document).get(index) else {
-            let what = format!("it refers to light {index}, which is not there");
+            let what = format!("it refers to light {index}, which does not exist");
             let help = "every index must be within its list";
             return Err(document.invalid(place, what, help));
         };

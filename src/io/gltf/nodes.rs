@@ -137,7 +137,7 @@ impl Hierarchy {
             (None, [first, rest @ ..]) => {
                 let several = u64::from(!rest.is_empty());
                 warnings.add_many(
-                    "of several scenes, none the default: taken",
+                    "there are several scenes and no default: taken",
                     "scene 0",
                     several,
                 );
@@ -148,7 +148,7 @@ impl Hierarchy {
         let mut seen = vec![false; root.nodes.len()];
         for node in scene.nodes.iter().map(|node| node.value()) {
             let what = match seen.get_mut(node) {
-                None => format!("it refers to node {node}, which is not there"),
+                None => format!("it refers to node {node}, which does not exist"),
                 Some(true) => format!("it lists node {node} twice"),
                 Some(_) if self.has_parent.get(node) == Some(&true) => {
                     format!("node {node} is the child of another node")
@@ -197,7 +197,7 @@ fn links(document: &Document) -> Result<Links> {
                     continue;
                 }
                 Some(_) => format!("its child, node {child}, has another parent already"),
-                None => format!("its child, node {child}, is not there"),
+                None => format!("its child, node {child}, does not exist"),
             };
             let help = "every node has one parent at most: the nodes must form a tree";
             return Err(document.invalid(document.node_label(index), what, help));

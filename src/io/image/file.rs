@@ -42,7 +42,7 @@ fn target(path: &Path) -> Result<PathBuf> {
         Ok(target) => target,
         Err(_) => match fs::read_link(path) {
             Ok(link) => {
-                let what = format!("this is a link to {}, which is not there", link.display());
+                let what = format!("this is a link to {}, which does not exist", link.display());
                 return refused(what, "remove the link, or create its target");
             }
             Err(_) => path.to_path_buf(),

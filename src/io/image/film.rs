@@ -51,7 +51,7 @@ impl Delay {
             }),
             false => Err(wrong(
                 &format!(
-                    "a rate of {fps} pictures per second, which no fraction of numbers up to 65535 comes near to"
+                    "a rate of {fps} pictures per second, which cannot be expressed as a fraction of numbers up to 65535"
                 ),
                 "a rate like 25, 29.97 or 0.5",
             )),

@@ -207,7 +207,7 @@ pub fn read(path: &Path, number: usize, budget: &Budget) -> Result<Tiff> {
     // No compression makes more than some thousand bytes of one.
     let count = u64::from(width) * u64::from(height) * stored;
     if count > length.saturating_mul(5000) {
-        let what = format!("{width} × {height} pixels are not in a file of {length} bytes");
+        let what = format!("{width} × {height} pixels do not fit in a file of {length} bytes");
         return Err(Error::invalid(
             path,
             "",

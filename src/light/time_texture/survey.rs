@@ -69,7 +69,7 @@ pub fn of_samples_with(
     if light.total == 0.0 {
         // A small part of the picture may well be dark.
         let is_all = cube.on_disk().is_none();
-        return Vec::from_iter(is_all.then(|| "every sample that was looked at is 0".into()));
+        return Vec::from_iter(is_all.then(|| "every sample examined is 0".into()));
     }
     if let Some(remark) = byte_order(&mut lines) {
         // Nothing else means anything then.
@@ -150,11 +150,10 @@ fn below_zero(lines: &mut Lines, light: &Light) -> Option<String> {
     }?;
     let looked_at = match lines.store.in_memory() {
         Some(_) => "",
-        None => " (of the part that was looked at)",
+        None => " (of the part examined)",
     };
     Some(format!(
-        "{found}{looked_at}; they are {} of all light, and are read as they are: negative = \"keep\" says that this is right, \"zero\" \
-         takes them for 0, \"refuse\" refuses the cube",
+        "{found}{looked_at}; they are {} of all light, and are read as they are: negative = \"keep\" confirms this, \"zero\" replaces them by 0, \"refuse\" refuses the cube",
         percent(light.negative / light.total)
     ))
 }
@@ -208,8 +207,7 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture, index: f64) -> Vec<S
     let is_enough = store.on_disk().is_none() || pixels.len() >= ENOUGH;
     if is_enough && unseen > TOLERATED * total {
         remarks.push(format!(
-            "{} of the recorded light is in pixels through whose centres the capture camera sees no object: check \
-             its pose, field of view and crop, and whether all objects are there",
+            "{} of the recorded light is in pixels whose centres show no object to the capture camera: check its pose, field of view and crop, and whether any objects are missing",
             percent(unseen / total)
         ));
     }
@@ -406,7 +404,7 @@ fn dead(per_bin: &[f64]) -> Option<String> {
     let shown = dead[..dead.len().min(8)].join(", ");
     (!dead.is_empty()).then(|| {
         format!(
-            "{} of {} bins are 0 in all pixels that were looked at, among lit ones: {shown}{}; if the sensor's bins are dead there, \
+            "{} of {} bins are 0 in all pixels examined, among lit ones: {shown}{}; if the sensor's bins are dead there, \
              say so: dead_bins = [{shown}]",
             dead.len(),
             per_bin.len(),

@@ -261,16 +261,16 @@ fn check_quantities(scene: &Scene, sources: &[usize], object: &PlannedObject) ->
         // Lights of the scene fall on the same surfaces as pulses, in the scene's own quantity.
         None if scene.is_lit() && is_pulse(first) && first.quantity != scene.quantity => {
             let what = format!(
-                "lights object \"{}\" with another quantity than the scene's lights",
+                "lights object \"{}\" with a different quantity from the scene's lights",
                 object.name
             );
-            let help = "leave it out: what lights one surface has the quantity of [radiance]";
+            let help = "leave it out: all light on a surface must have the quantity of [radiance]";
             Err(refuse(scene, first, "radiance", what, help))
         }
         None => Ok(()),
         Some(other) => {
             let what = format!(
-                "lights object \"{}\" with another quantity than source \"{}\"",
+                "lights object \"{}\" with a different quantity from source \"{}\"",
                 object.name, first.name
             );
             let help = "sources of one surface must declare the same quantity and wavelength";
@@ -292,7 +292,7 @@ fn check_companions(scene: &Scene, sources: &[usize], object: &PlannedObject) ->
     };
     let [first, other] = [0, 1].map(|n| &scene.sources[pair[n]]);
     let what = format!(
-        "object \"{}\" has other channels of infrared and ultraviolet by it than by source \"{}\"",
+        "it gives object \"{}\" different infrared and ultraviolet channels from source \"{}\"",
         object.name, first.name
     );
     let help =

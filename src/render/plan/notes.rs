@@ -81,7 +81,7 @@ fn skipped(scene: &Scene, plan: &Plan) -> Vec<Skipped> {
     skip(
         no_uvs,
         "texture coordinates",
-        "nothing is addressed by them",
+        "nothing uses them",
     );
     let unused_textures = plan.objects.iter().any(|o| o.images > 0 && !o.textures);
     skip(
@@ -143,7 +143,7 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
             Continuation::Companions => "dark, but for infrared and ultraviolet channels,",
         };
         notes.push(format!(
-            "colours stand for smooth spectra, which are {beyond} below 360 and above 830 nm (radiance.continuation)"
+            "colours represent smooth spectra, which are {beyond} below 360 and above 830 nm (radiance.continuation)"
         ));
     }
     if moving || scene.false_colour.is_some() {
@@ -170,14 +170,14 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
     }
     if scene.bounces > 0 && plan.rays.bounces_at_most == 0 {
         notes.push(
-            "no light falls on any surface: there is nothing for `render.bounces` to follow".into(),
+            "no light falls on any surface: `render.bounces` has no effect".into(),
         );
     }
     notes.extend(unfound_light(scene, &plan.objects, |_| false));
     notes.extend(unshown(scene, &plan.objects));
     if scene.medium_index != 1.0 {
         notes.push(format!(
-            "the medium's index {} delays light and bends nothing: directions are those of vacuum",
+            "the medium's index {} delays light without refraction: directions are those of vacuum",
             scene.medium_index
         ));
     }
@@ -398,8 +398,7 @@ fn lost_spectra(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
     let is_shifted = !lights.is_empty() && objects.iter().enumerate().any(moves);
     is_shifted.then(|| {
         format!(
-            "surfaces reflect the light of {} as red, green and blue, and not as its spectrum: those that move against the camera are seen \
-             in wrong hues where that is no smooth one, like a line (remedy: spectra = \"sampled\" in [render])",
+            "surfaces reflect the light of {} as red, green and blue, not as its spectrum: surfaces that move relative to the camera have wrong hues unless that spectrum is smooth (remedy: spectra = \"sampled\" in [render])",
             listed(&lights)
         )
     })
@@ -454,7 +453,7 @@ fn unshown_materials(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
     let glossy: Vec<_> = glossy.map(|index| quoted(&objects[index].name)).collect();
     if !glossy.is_empty() {
         notes.push(format!(
-            "pulses alone light {}, and what they light reflects diffusely: only lit scenes show metalness, roughness and glass: add a \
+            "only pulses light {}, and surfaces reflect them diffusely: only lit scenes show metalness, roughness and glass: add a \
              [[light]], or [sky] with radiance = 0",
             listed(&glossy)
         ));
@@ -502,17 +501,17 @@ fn companions(scene: &Scene, plan: &Plan) -> Vec<String> {
                 format!("{} is its radiance from {from} to {to} nm", channel.name())
             });
             let bands: Vec<_> = bands.collect();
-            notes.push(format!("{named}: {}; it is dark beyond", bands.join(", ")));
+            notes.push(format!("{named}: {}; it is dark outside these", bands.join(", ")));
         }
     }
     if scene.continuation == Continuation::Companions && scene.effects.doppler {
         match without.as_slice() {
             [] if notes.is_empty() => notes.push(
-                "radiance.continuation is \"companions\", and no cube has infrared or ultraviolet channels: all is dark beyond".into(),
+                "radiance.continuation is \"companions\", and no cube has infrared or ultraviolet channels: everything is dark outside the visible range".into(),
             ),
             [] => {}
             without => notes.push(format!(
-                "{} without infrared or ultraviolet channels: dark beyond (radiance.continuation is \"companions\")",
+                "{} without infrared or ultraviolet channels: dark outside the visible range (radiance.continuation is \"companions\")",
                 without.join(", ")
             )),
         }

@@ -62,14 +62,14 @@ impl Plan {
             ViewKind::Still => "camera at rest",
             ViewKind::Moving => "moving camera",
             ViewKind::Unaberrated => "moving camera without aberration",
-            ViewKind::Inertial => "a ray of its own event for each sample",
-            ViewKind::Accelerated => "accelerated camera, each sample of its own event",
-            ViewKind::Turning => "turning sensor, each sample of its own event and velocity",
+            ViewKind::Inertial => "a separate event for each sample's ray",
+            ViewKind::Accelerated => "accelerated camera, a separate event for each sample",
+            ViewKind::Turning => "rotating sensor, a separate event and velocity for each sample",
             ViewKind::Stereo => "stereo pair, a pinhole for each half",
             ViewKind::Paper => "camera by the equations of 2015",
         };
         let samples = match (self.film.samples, self.film.pixel_centers) {
-            (_, true) => "the ray through the centre of each".into(),
+            (_, true) => "a ray through the centre of each".into(),
             (1, false) => "1 sample each".into(),
             (n, false) => format!("{n} samples each"),
         };

@@ -69,7 +69,7 @@ impl Prepared {
     pub fn new(scene: &Scene, plan: &Plan, progress: &dyn Progress) -> Result<Prepared> {
         if plan.objects.len() != scene.objects.len() {
             let what = format!(
-                "the plan is of {} objects, and the scene has {}",
+                "the plan is for {} objects, but the scene has {}",
                 plan.objects.len(),
                 scene.objects.len()
             );

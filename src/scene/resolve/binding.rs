@@ -123,7 +123,7 @@ impl<'a> Bindings<'a> {
         let names = self.objects.iter().map(|object| object.name.as_str());
         let meant = did_you_mean(&name.value, names.clone(), quoted);
         let known: Vec<String> = names.take(12).map(quoted).collect();
-        let what = format!("no object is called {}", quoted(&name.value));
+        let what = format!("there is no object named {}", quoted(&name.value));
         let known = known.join(", ");
         self.cx
             .refuse(name, what, format!("{meant}the objects are: {known}"))
@@ -247,8 +247,7 @@ impl<'a> Bindings<'a> {
             "two sources are bound to the same surface of {}",
             quoted(name)
         );
-        let help = "a surface takes its radiance from one cube, or from cubes that have all a `capture` camera, or \
-                    reflects pulses: tell the sources apart by `objects` or `materials`";
+        let help = "a surface has its radiance from one cube, or from cubes that all have a `capture` camera, or reflects pulses: separate the sources by `objects` or `materials`";
         let other = (other, "the other source");
         self.cx.report.refuse_two(here, other, what, help)
     }

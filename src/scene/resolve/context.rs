@@ -148,7 +148,7 @@ impl Context {
             return Ok(());
         };
         let (earlier, later) = (&first.value, &second.value);
-        let what = format!("the time {later} is not after that of the entry before, {earlier}");
+        let what = format!("the time {later} is not after that of the previous entry, {earlier}");
         let help = "give the entries in the order of their times, each time once";
         let other = (&first.span, "the entry before");
         Err(self.report.refuse_two(&second.span, other, what, help))

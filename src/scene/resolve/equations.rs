@@ -43,7 +43,7 @@ fn stereo(cx: &Context, file: &file::Scene) -> Result<()> {
     let Some(stereo) = file.camera.as_ref().and_then(|at| at.value.stereo.as_ref()) else {
         return Ok(());
     };
-    let what = "the paper's cameras have one pinhole, and a stereo pair has two";
+    let what = "the paper's cameras have one pinhole, but a stereo pair has two";
     let other = (&file.model.span, "this model");
     Err(cx.report.refuse_two(&stereo.span, other, what, EXACT))
 }
@@ -76,8 +76,7 @@ fn motion(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
             "leave [camera.shutter] out, or give model = \"exact\"",
         ),
         Some(acceleration) if !speeds_up(camera, acceleration) => refuse(
-            "the paper's cameras speed up along their motion, and this one is slowing down or turning when \
-             its picture is taken",
+            "the paper's cameras speed up along their motion, but this one is slowing down or turning when its picture is taken",
             "accelerate along the motion, or give model = \"exact\"",
         ),
         Some(_) => Ok(()),
@@ -117,7 +116,7 @@ fn rotation(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
         &at.span
     };
     let what =
-        "the paper has no exact rotation: its sensor's elements are inertial cameras of their own";
+        "the paper has no exact rotation: its sensor's elements are separate inertial cameras";
     let help = "give elements = \"comoving\" or \"aberrated\", or model = \"exact\"";
     let other = (&file.model.span, "this model");
     Err(cx.report.refuse_two(span, other, what, help))
@@ -134,7 +133,7 @@ fn at_rest(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
     if scene.camera.velocity.is_rest() {
         return Ok(());
     }
-    let what = "the paper turns a camera that rests, and this one moves";
+    let what = "the paper rotates a camera at rest, but this one moves";
     let other = (&file.model.span, "this model");
     Err(cx.report.refuse_two(&velocity.span, other, what, EXACT))
 }

@@ -150,7 +150,7 @@ fn area(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<LightKind
         let names = objects.iter().map(|object| object.name.as_str());
         let meant = did_you_mean(&name.value, names.clone(), quoted);
         let known: Vec<String> = names.take(12).map(quoted).collect();
-        let what = format!("no object is called {}", quoted(&name.value));
+        let what = format!("there is no object named {}", quoted(&name.value));
         let help = format!("{meant}the objects are: {}", known.join(", "));
         return Err(cx.refuse(name, what, help));
     };
@@ -196,7 +196,7 @@ pub(super) fn give_spectra(
         let (seen, object) = (&mut lit[*object], &mut objects[*object]);
         if std::mem::replace(seen, true) {
             let what = format!("{} already shines with another light", quoted(&object.name));
-            let help = "an object is one area light: leave one of them out";
+            let help = "an object can be only one area light: leave one of them out";
             return Err(cx.report.refuse(&light.span, what, help));
         }
         let own = spectrum::resolve(
@@ -208,7 +208,7 @@ pub(super) fn give_spectra(
         // Shining surfaces have one spectrum, given by either of the two tables.
         if let (Some(spectrum), Some(_)) = (&said.spectrum, &object.spectrum) {
             let what = format!("{} has a spectrum of its own", quoted(&object.name));
-            let help = "leave `spectrum` out here or there: the light has that of its object";
+            let help = "leave out one `spectrum`: the light has that of its object";
             return Err(cx.refuse(spectrum, what, help));
         }
         object.spectrum = own.or(object.spectrum.take());
@@ -310,7 +310,7 @@ fn beam(cx: &Context, at: &At<file::Light>) -> Result<Beam> {
     let direction = || {
         let Some(direction) = &light.direction else {
             let what = format!("a {} light needs a direction", light.kind.value.name());
-            return Err(cx.refuse(at, what, "add direction = [0, -1, 0]: where it shines to"));
+            return Err(cx.refuse(at, what, "add direction = [0, -1, 0], in which it shines"));
         };
         cx.unit(
             direction,

@@ -121,7 +121,7 @@ fn passed_over(cx: &Context, file: &file::Scene) -> Result<Vec<String>> {
             && cx.gltf_track(gltf)?.turns
         {
             sentences.push(format!(
-                "{thing}: node {} also turns in its animation, of which only positions are followed: {remedy}",
+                "{thing}: node {} also rotates in its animation, but only positions are followed: {remedy}",
                 quoted(&node.value)
             ));
         }

@@ -66,7 +66,7 @@ fn check_axes(cx: &Context, axes: &At<Axes>, motion: &Motion, line: &WorldLine) 
             segments.iter().map(start).collect()
         }
         Motion::Keyframes(_) | Motion::Animation { .. } | Motion::Circular { .. } => {
-            let what = "`axes` belongs to accelerations, and this motion has none";
+            let what = "`axes` applies to accelerations, but this motion has none";
             return Err(cx.refuse(axes, what, "leave out `axes`"));
         }
     };
@@ -176,7 +176,7 @@ fn profile(cx: &Context, mover: &Mover, at: &At<Vec<At<file::ProfileKnot>>>) -> 
     {
         let (noun, position) = (mover.noun, mover.position.1);
         let what = format!(
-            "this profile, from {} m to {} m, leaves out {noun} time 0",
+            "this profile, from {} m to {} m, does not contain {noun} time 0",
             number(first),
             number(last)
         );

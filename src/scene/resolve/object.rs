@@ -53,7 +53,7 @@ pub(crate) fn refuse_duplicates<'a>(
     for name in names {
         cx.text(name, "the name")?;
         if let Some(first) = seen.insert(&name.value, name) {
-            let what = format!("two {thing}s are called {}", quoted(&name.value));
+            let what = format!("two {thing}s are named {}", quoted(&name.value));
             let help = format!("give each {thing} a name of its own");
             let other = (&first.span, "first here");
             return Err(cx.report.refuse_two(&name.span, other, what, help));

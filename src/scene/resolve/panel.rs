@@ -56,7 +56,7 @@ fn resolve(
     let name = file_name(cx, &panel.name)?;
     // File systems may not distinguish upper from lower case.
     if !taken.insert(name.to_ascii_lowercase()) {
-        let what = format!("another panel is called {} too", quoted(name));
+        let what = format!("another panel is also named {}", quoted(name));
         let help = "give each panel a name of its own (upper and lower case are the same)";
         return Err(cx.refuse(&panel.name, what, help));
     }

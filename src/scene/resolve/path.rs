@@ -75,7 +75,7 @@ pub(super) fn animation(cx: &Context, at: &At<Animation>) -> Result<Motion> {
         return Err(cx.refuse(node, what, slower()));
     }
     if track.points.len() < 2 {
-        let what = "the animation has a single time, and goes nowhere";
+        let what = "the animation has a single key, and goes nowhere";
         return Err(cx.refuse(node, what, "give two keys or more"));
     }
     let event = |(seconds, x): &(f64, DVec3)| Event::new(metres(*seconds), *x);
@@ -114,7 +114,7 @@ fn slower_than_light(
         }
         let beta = self::beta(distance / time);
         let what = format!(
-            "this keyframe is {} m from the one before, and {} m of time after it: |β| = {beta}",
+            "this keyframe is {} m from the previous one, and {} m of time after it: |β| = {beta}",
             number(distance),
             number(time)
         );
@@ -169,7 +169,7 @@ fn radius(
     }
     let (noun, key) = (mover.noun, mover.position.1);
     let what =
-        format!("the axis of the circle goes through `{key}`: the {noun} would stay where it is");
+        format!("the axis of the circle passes through `{key}`: the {noun} would not move");
     let help = format!("move the centre or `{key}`, so that `{key}` is on the circle");
     Err(cx.refuse(centre, what, help))
 }

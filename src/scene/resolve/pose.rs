@@ -215,7 +215,7 @@ fn from_points<T>(cx: &Context, at: &At<T>, keys: &Keys) -> Result<Pose> {
         let help = "add gltf = \"file.glb\", or leave `node` out";
         return Err(cx.refuse(
             node,
-            "`node` is a node of a glTF file, and there is none",
+            "`node` is a node of a glTF file, but no file is given",
             help,
         ));
     }
@@ -273,7 +273,7 @@ fn axes(
 ) -> Result<[DVec3; 3]> {
     let up_vector = up.as_ref().map_or(Camera::UP, |up| up.value).vec();
     frame(forward, up_vector).ok_or_else(|| {
-        let what = "the forward axis has no direction across `up`: they are parallel";
+        let what = "the forward axis is parallel to `up`";
         let help =
             "give an `up` that is not zero and not along the line of sight, like up = [0, 0, 1]";
         let span = up.as_ref().map_or(&at.span, |up| &up.span);
@@ -323,8 +323,7 @@ pub(super) fn fov(cx: &Context, hfov: &At<Angle>, projection: ProjectionKind) ->
 /// The error for a field of view that is possible, but beyond the resolution of double precision.
 fn extreme(cx: &Context, hfov: &At<Angle>) -> Error {
     let what = format!(
-        "a field of view of {} is within a billionth of a radian of 0 or 180 degrees: of the angle between \
-         neighbouring ones of a thousand pixels, double precision keeps four digits at most there",
+        "a field of view of {} is within a billionth of a radian of 0 or 180 degrees: double precision would keep at most four digits of the angle between neighbouring pixels",
         hfov.value
     );
     cx.refuse(

@@ -86,11 +86,11 @@ pub(super) fn rotation(cx: &Context, camera: &file::Camera) -> Result<Option<Rot
 fn without_sensor(cx: &Context, rotation: &file::SensorRotation) -> Result<()> {
     let help = "add [camera.sensor] with a focal_length, or leave this out";
     if rotation.elements.value != Elements::Exact {
-        let what = "elements that move with the sensor need a sensor, and this camera is a point";
+        let what = "elements that move with the sensor need a sensor, but this camera is a point";
         return Err(cx.refuse(&rotation.elements, what, help));
     }
     if rotation.through.value == Pivot::Sensor {
-        let what = "the axis goes through the sensor, and this camera has none: it is a point";
+        let what = "the axis passes through the sensor, but this camera has none: it is a point";
         return Err(cx.refuse(&rotation.through, what, help));
     }
     Ok(())
@@ -134,13 +134,13 @@ fn refuse_rotation(
     rotation: &Rotation,
 ) -> Result<()> {
     if let (Some(motion), false) = (&file.motion, model.motion == Motion::Inertial) {
-        let what = "a sensor turns only in a camera without acceleration, and this one accelerates";
+        let what = "a sensor can rotate only in a camera without acceleration, but this one accelerates";
         let help = "leave out [camera.rotation] or [camera.motion]";
         let other = (&motion.span, "the acceleration");
         return Err(cx.report.refuse_two(&at.span, other, what, help));
     }
     if model.sensor.is_some_and(|s| s.assembly == Assembly::Bell) {
-        let what = "sensor and pinhole that accelerate alike, each on a world line of its own, do not turn";
+        let what = "a sensor and a pinhole that accelerate alike on separate world lines cannot rotate";
         let help = "give assembly = \"rigid\" or \"world_length\", or leave out [camera.rotation]";
         return Err(cx.refuse(at, what, help));
     }

@@ -154,7 +154,7 @@ fn ascending(cx: &Context, at: &At<Numbers<2>>, what: &str) -> Result<[f64; 2]> 
     if 0.0 < low && low < high {
         return Ok([low, high]);
     }
-    let what = format!("these {what} span nothing, or are not above 0");
+    let what = format!("the range of these {what} is empty, or not above 0");
     Err(cx.refuse(at, what, "give the lower one first, like [1e-4, 1e2]"))
 }
 
@@ -171,13 +171,13 @@ pub(super) fn isochrones(
     let file::Isochrones { flash, time, clock } = &at.value;
     if let Some(object) = objects.iter().find(|object| !object.velocity.is_rest()) {
         let what = format!(
-            "isochrones of a flash need bodies at rest, and {} moves",
+            "isochrones of a flash need bodies at rest, but {} moves",
             quoted(&object.name)
         );
         return Err(cx.refuse(
             at,
             what,
-            "leave `isochrones` out: isochrones of the picture's own light take any bodies",
+            "leave `isochrones` out: isochrones of the picture's own light work for any bodies",
         ));
     }
     // Times of arrival refer to one place: the pinhole must be at rest.
@@ -191,7 +191,7 @@ pub(super) fn isochrones(
         }
         Some(file::Receiver::Named(file::NamedReceiver::Camera)) => {
             let what =
-                "these isochrones need a camera with one pinhole at rest, and this one is not";
+                "these isochrones need a camera with one pinhole at rest, but this one is not";
             let help = "give clock = \"world\", or a camera at rest";
             return Err(cx.refuse(at, what, help));
         }
@@ -214,13 +214,13 @@ pub(super) fn bounces(cx: &Context, file: &file::Scene) -> Result<u32> {
     let bounces = &file.render.bounces;
     cx.checked(bounces, limits::bounces(bounces.value))?;
     if bounces.value > 0 && !file.effects.retardation {
-        let what = "light that takes no time cannot be followed from surface to surface";
+        let what = "without retardation, light cannot be traced from surface to surface";
         let help = "leave `bounces` out, or turn `effects.retardation` on";
         return Err(cx.refuse(bounces, what, help));
     }
     if bounces.value > 0 && file.model.value == Equations::Paper2015 {
         let other = (&file.model.span, "this model");
-        let what = "the paper's equations have no light that goes from surface to surface";
+        let what = "the paper's equations have no light from surface to surface";
         let help = "leave `bounces` out, or give model = \"exact\"";
         return Err(cx.report.refuse_two(&bounces.span, other, what, help));
     }

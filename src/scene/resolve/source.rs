@@ -83,7 +83,7 @@ fn refuse_companions(
     };
     let names: Vec<_> = companions.iter().map(|c| c.name()).collect();
     let what = format!(
-        "{} shift into view where colours are spectra, and this radiance is {quantity}",
+        "{} shift into view if colours are spectra, but this radiance is {quantity}",
         names.join(" and ")
     );
     let help = "set quantity = \"rgb\" in [radiance] or in the source's `radiance`";
@@ -317,7 +317,7 @@ fn steady_time(cx: &Context, cube: &file::Cube) -> Result<TimeKeys> {
     // Time keys would be ignored, and nothing is ignored silently.
     for (key, name) in keys.into_iter().chain(tables) {
         if let Some(span) = key {
-            let what = format!("`{name}` describes a time axis, and `axes` has no T");
+            let what = format!("`{name}` describes a time axis, but `axes` has no T");
             let help = "leave it out, or add T to `axes`";
             return Err(cx.report.refuse(span, what, help));
         }
@@ -395,7 +395,7 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData>
             && at.value.len() != count
         {
             let what = format!(
-                "{} channels are named, and the cube has {count}",
+                "{} channels are named, but the cube has {count}",
                 at.value.len()
             );
             return Err(cx.refuse(at, what, "name each of them once, in their order"));
@@ -485,7 +485,7 @@ fn capture(cx: &Context, at: &At<file::Capture>) -> Result<CaptureCamera> {
     };
     // Beside `hfov`, or a glTF camera's field of view, the axis would be ignored.
     if let (Some(axis), None) = (&camera.fov_axis, &camera.fov) {
-        let what = "`fov_axis` is the axis of `fov`, and there is none";
+        let what = "`fov_axis` is the axis of `fov`, but there is none";
         return Err(cx.refuse(axis, what, "give the field of view as `fov`"));
     }
     Ok(CaptureCamera {
@@ -509,7 +509,7 @@ fn fov_axis(cx: &Context, camera: &file::Capture) -> Result<FovAxis> {
             cx,
             camera,
             axis,
-            "a field of view along another axis than x",
+            "a field of view along an axis other than x",
         )?;
     }
     match (&camera.fov_axis, &camera.fov) {
@@ -578,7 +578,7 @@ fn clock(cx: &Context, cube: &file::Cube) -> Result<Clock> {
     };
     match at.value {
         Clock::Capture if cube.capture.is_none() => {
-            let what = "the clock of the capture camera needs to know where that camera was";
+            let what = "the clock of the capture camera needs the position of that camera";
             let help = "add capture = { eye = […], look_at = […], hfov = \"…\" }, or set clock = \"world\"";
             Err(cx.refuse(at, what, help))
         }

@@ -58,18 +58,17 @@ fn described(
             false => number((metres * 1e12).round() / 1e3).to_string(),
         });
         let what = format!(
-            "{:?} spans {first} to {last} nm, of which nobody at rest sees anything, so that it has no luminance",
+            "{:?} spans {first} to {last} nm, which is invisible at rest, so it has no luminance",
             file.value
         );
-        let help = "wavelengths of a table are in nm, like 550; where these are right, say how much light there is by `total`, its sum over \
-                    all wavelengths, or by `factor`";
+        let help = "wavelengths of a table are in nm, like 550; if these are right, give the amount of light by `total`, its sum over all wavelengths, or by `factor`";
         Some(cx.refuse(file, what, help))
     };
     Spectrum::new(shape, scale).ok_or_else(|| match by_luminance {
         true if let Some(unseen) = unseen() => unseen,
         true => {
-            let what = "nobody at rest sees anything of this spectrum, so that it has no luminance";
-            let help = "say how much of it there is by `total`, its sum over all wavelengths, or by `factor`";
+            let what = "this spectrum is invisible at rest, so it has no luminance";
+            let help = "give its amount by `total`, its sum over all wavelengths, or by `factor`";
             cx.report.refuse(key.unwrap_or(&at.span), what, help)
         }
         false => {
@@ -160,7 +159,7 @@ fn shape(
     }
     let help = "say which: line = \"589 nm\", lines = […], blackbody = \"5800 K\", gaussian = { … }, \
                 table = \"lamp.csv\", flat = [\"300 nm\", \"2 um\"] or rgb = [1, 1, 1]";
-    Err(cx.refuse(at, "this spectrum says nothing of its wavelengths", help))
+    Err(cx.refuse(at, "this spectrum does not give its wavelengths", help))
 }
 
 fn lines(cx: &Context, lines: &At<Vec<At<file::SpectralLine>>>) -> Result<SpectrumShape> {
@@ -225,8 +224,8 @@ fn scale<'a>(
     )?;
     let has_values = said.table.is_some() || said.rgb.is_some() || said.blackbody.is_some();
     if let (Some(factor), false) = (factor, has_values) {
-        let what = "`factor` is one on the values of a table, of rgb or of Planck's law, and this spectrum has none";
-        let help = "say how much light there is by `total`, its sum over all wavelengths, or by `luminance`";
+        let what = "`factor` multiplies the values of a table, of rgb or of Planck's law, but this spectrum has none";
+        let help = "give the amount of light by `total`, its sum over all wavelengths, or by `luminance`";
         return Err(cx.refuse(factor, what, help));
     }
     let amount = |at: &Option<At<Number>>| {

@@ -16,7 +16,7 @@ pub(super) fn resolve(
     };
     let help = "leave one of the two out";
     if let Some(sensor) = &camera.sensor {
-        let what = "the eyes of a stereo pair are points, and a sensor lies behind a pinhole";
+        let what = "the eyes of a stereo pair are points, but a sensor lies behind a pinhole";
         let other = (&at.span, "this stereo pair");
         return Err(cx.report.refuse_two(&sensor.span, other, what, help));
     }
@@ -26,8 +26,7 @@ pub(super) fn resolve(
         return Err(cx.report.refuse_two(&rotation.span, other, what, help));
     }
     if let (Some(shutter), Some(motion)) = (&camera.shutter, &camera.motion) {
-        let what = "while they accelerate, two eyes keep no common time: with a motion, a stereo pair takes \
-                    pictures of an instant";
+        let what = "two accelerating eyes share no common time: with a motion, a stereo pair can only take pictures of an instant";
         let help = "leave out [camera.shutter], [camera.motion] or [camera.stereo]";
         let other = (&motion.span, "this motion");
         return Err(cx.report.refuse_two(&shutter.span, other, what, help));
@@ -58,7 +57,7 @@ pub(super) fn refuse_sensor_without_plane(cx: &Context, camera: &file::Camera) -
     match &camera.sensor {
         Some(sensor) if projection.value != ProjectionKind::Perspective => {
             let what = format!(
-                "a sensor is a plane behind a pinhole, and projection = \"{}\" has none",
+                "a sensor is a plane behind a pinhole, but projection = \"{}\" has none",
                 projection.value.name()
             );
             let help = "leave out [camera.sensor], or give projection = \"perspective\"";

@@ -21,7 +21,7 @@ pub(super) fn refusal(cx: &Context, mover: &Mover, error: &WorldLineError) -> Er
     match *error {
         WorldLineError::TooFast { proper_time, .. } => {
             let what = format!(
-                "this acceleration leads beyond rapidity {MAX_RAPIDITY} near {} m of the {noun}'s time",
+                "this acceleration exceeds rapidity {MAX_RAPIDITY} near {} m of the {noun}'s time",
                 number(proper_time)
             );
             cx.report.refuse(here, what, WEAKER)
@@ -45,7 +45,7 @@ pub(super) fn refusal(cx: &Context, mover: &Mover, error: &WorldLineError) -> Er
         }
         WorldLineError::Superluminal { index, ct, speed } => {
             let what = format!(
-                "the curve from the keyframe before to this one moves at |β| = {} at world time {} m",
+                "the curve from the previous keyframe to this one moves at |β| = {} at world time {} m",
                 beta(speed),
                 number(ct)
             );
@@ -105,7 +105,7 @@ fn outside(line: &WorldLine, time: f64) -> Option<(&'static str, String)> {
         return None;
     }
     let lifetime = format!(
-        "the world line goes from {} m to {} m of the camera's time",
+        "the world line extends from {} m to {} m of the camera's time",
         number(first),
         number(last)
     );

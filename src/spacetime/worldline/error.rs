@@ -35,13 +35,13 @@ pub enum WorldLineError {
         acceleration: f64,
     },
     /// Fewer than two entries.
-    #[error("a world line needs at least two entries, and has {0}")]
+    #[error("a world line needs at least two entries, but has {0}")]
     TooFew(usize),
     /// More than [`MAX_ENTRIES`].
-    #[error("a world line has at most {MAX_ENTRIES} entries, and this one has {0}")]
+    #[error("a world line has at most {MAX_ENTRIES} entries, but this one has {0}")]
     TooMany(usize),
     /// A segment of no duration, or of one that does not end before the next.
-    #[error("segment {} lasts {duration} m of proper time: it must be above 0, and finite before another", .index + 1)]
+    #[error("segment {} lasts {duration} m of proper time: it must be above 0, and finite unless it is the last", .index + 1)]
     Duration {
         /// Which segment.
         index: usize,
@@ -49,7 +49,7 @@ pub enum WorldLineError {
         duration: f64,
     },
     /// The time of an entry is not after that of the one before.
-    #[error("entry {} is at {time} m, which is not after {before} m, the time of the one before", .index + 1)]
+    #[error("entry {} is at {time} m, which is not after {before} m, the time of the previous one", .index + 1)]
     NotAscending {
         /// The later entry in the list.
         index: usize,
@@ -70,8 +70,7 @@ pub enum WorldLineError {
     },
     /// The acceleration leads beyond [`MAX_RAPIDITY`].
     #[error(
-        "the acceleration of stretch {} leads beyond rapidity {MAX_RAPIDITY} near proper time {proper_time} m: \
-         make it weaker or shorter", .index + 1
+        "the acceleration of stretch {} exceeds rapidity {MAX_RAPIDITY} near proper time {proper_time} m: make it weaker or shorter", .index + 1
     )]
     TooFast {
         /// The segment, or the knot at which the stretch of the profile begins.
@@ -93,7 +92,7 @@ pub enum WorldLineError {
     /// Between two key events the curve is as fast as light, or faster.
     #[error(
         "between events {} and {} the curve would reach {speed} times the speed of light, at world time {ct} m: \
-         give it more time there, or less far to go", .index + 1, .index + 2
+         give it more time there, or less distance", .index + 1, .index + 2
     )]
     Superluminal {
         /// The event at which the span begins.
@@ -108,7 +107,7 @@ pub enum WorldLineError {
     NoAxis,
     /// The circle has no radius.
     #[error(
-        "the axis of a circular motion passes through the position itself, so that nothing moves"
+        "the axis of a circular motion passes through the position itself, so nothing moves"
     )]
     OnAxis,
     /// |ΩR| ≥ 1.

@@ -90,7 +90,7 @@ pub(super) fn undescribed(scene: &Scene, is_matte: bool) -> Vec<&'static str> {
     let reasons = [
         (
             scene.sky.is_some(),
-            "the sky: what rays that meet nothing see, and its light on surfaces",
+            "the sky: what rays that hit nothing see, and its light on surfaces",
         ),
         (has(&is_area), "lights that are surfaces of objects"),
         (
@@ -103,11 +103,11 @@ pub(super) fn undescribed(scene: &Scene, is_matte: bool) -> Vec<&'static str> {
         ),
         (
             scene.is_lit() && scene.quantity == Quantity::Rgb,
-            "how colours of lamps that move shift at surfaces (quantity \"rgb\")",
+            "the Doppler shift of moving lamps' colours at surfaces (quantity \"rgb\")",
         ),
         (
             scene.is_lit() && !all_effects,
-            "what turned off effects make of the light of lamps",
+            "the light of lamps with effects turned off",
         ),
         (
             scene.is_lit() && !is_matte,

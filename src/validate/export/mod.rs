@@ -139,7 +139,7 @@ pub fn export(
         return Err(Error::unsupported(
             &scene.name,
             "camera.stereo",
-            "a bundle describes one camera, and a stereo pair is two",
+            "a bundle describes one camera, but a stereo pair has two",
             "leave [camera.stereo] out, and export each eye by its own `eye`",
         ));
     }
@@ -166,7 +166,7 @@ fn filled(
     let shot = Camera::new(scene)?;
     let camera = describe::camera(scene, &shot);
     if options.vectors && !vectors::fits(&camera) {
-        let what = "test vectors are of cameras all of whose rays leave one event, before a plane";
+        let what = "test vectors need a camera whose rays all leave one event, with a perspective";
         let help = Message::from("leave out ")
             + Setting::Vectors
             + ", or the sensor, the shutter and the projection";

@@ -32,7 +32,7 @@ const ERRORS: [f64; 2] = [0.1, 0.01];
 /// [`Error::Cancelled`] when `progress` says so.
 pub fn study(scene: &Scene, options: &StudyOptions, progress: &dyn Progress) -> Result<Study> {
     if scene.objects.is_empty() {
-        let what = "the scene has no object: there is no geometry to measure errors of";
+        let what = "the scene has no object: there is no geometry whose errors could be measured";
         return Err(Error::invalid(
             &scene.name,
             "object",
@@ -105,7 +105,7 @@ fn plan(scene: &Scene, options: &StudyOptions) -> Result<Plan> {
         ..Request::default()
     };
     if options.methods.is_empty() || options.samples.is_empty() || options.runs == 0 {
-        let what = "there is nothing to be measured";
+        let what = "there is nothing to measure";
         let help = "give methods, numbers of samples, and one run at least";
         return Err(Error::invalid(&scene.name, "study", what, help));
     }

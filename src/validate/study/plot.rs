@@ -237,7 +237,7 @@ fn legend(study: &Study, items: &mut Vec<Item>) -> Result<()> {
         items.push(text(family.name(), [at[0] + 8.0, at[1]], RIGHT)?);
     }
     let note = format!(
-        "filled: nothing else is both faster and nearer to the truth; below {NO_ERROR:e} pixels is drawn there"
+        "filled: no other method is both faster and more accurate; errors below {NO_ERROR:e} pixels are drawn there"
     );
     items.push(text(&note, [54.0, 286.0], RIGHT)?);
     Ok(())

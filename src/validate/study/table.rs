@@ -90,7 +90,7 @@ pub fn table(study: &Study) -> String {
         let _ = writeln!(text, "{}", row(entry));
     }
     text.push_str("first: until the first tile is done, in ms; once: trees for tracing, distinct vertices for rasterizers\n");
-    text.push_str("* nothing else is both faster and nearer to the truth (px, max; relRMSE)\n");
+    text.push_str("* no other method is both faster and more accurate (px, max; relRMSE)\n");
     for left_out in &study.left_out {
         let _ = writeln!(text, "{} was left out: {}", left_out.method, left_out.why);
     }
@@ -155,7 +155,7 @@ fn sentence(verdict: &Verdict, threads: usize) -> String {
             verdict.runs
         ),
         (Some((raster, time)), None) => format!("{raster} {}", ms(*time)),
-        _ => "no rasterizer that was measured".into(),
+        _ => "none of the measured rasterizers".into(),
     };
     let fast = match verdict.trace_fast {
         Some(time) => format!(" (trace:fast {})", ms(time)),

@@ -125,7 +125,7 @@ fn accelerations_are_given_in_axes_of_a_gyroscope_or_of_the_world() {
     let circle =
         "axes = 'world', circle = { centre = [3, 9, 0], axis = [0, 2, 0], period = '60 m' }";
     let error = refused(circle);
-    assert!(error.contains("belongs to accelerations"), "{error}");
+    assert!(error.contains("applies to accelerations"), "{error}");
 }
 
 #[test]

@@ -110,7 +110,7 @@ cases! { OBJECTS:
 
 cases! { SOURCES:
     "name = \"flash\"" => "name = \"data\"" at "source[1].name" "\"data\"": "two sources are called", "of its own";
-    "objects = [\"floor\"]" => "objects = [\"flor\"]" at "source[1].objects[0]" "\"flor\"": "no object is called \"flor\"", "did you mean \"floor\"?";
+    "objects = [\"floor\"]" => "objects = [\"flor\"]" at "source[1].objects[0]" "\"flor\"": "there is no object named \"flor\"", "did you mean \"floor\"?";
     "objects = [\"floor\"]" => "objects = []" at "source[1].objects" "[]": "empty", "leave the key out";
     "objects = [\"floor\"]" => "objects = [\"floor\", \"floor\"]" at "source[1].objects[1]" "\"floor\"": "named twice", "once";
     "objects = [\"floor\"]" => "objects = [\"wheel\"]" at "source[1].name" "\"flash\"": "same surface of \"wheel\"", "`materials`";
@@ -120,7 +120,7 @@ cases! { SOURCES:
     "objects = [\"wheel\"]" => "objects = [\"wheel\", \"ship\"]" at "source[0].cube.capture" "{ eye": "both \"wheel\" and \"ship\"", "share one frame";
     PULSE => "" at "source[1]" "[[source]]": "neither a cube nor a pulse", "add cube";
     PULSE => "pulse = { position = [0, 2, 0], sigma = \"2 cm\" }\ncube = { file = \"a.npy\", bin_width = \"1 m\" }" at "source[1].pulse" "{ position": "exclude each other", "keep one";
-    CAPTURE => "uv = 0" at "source[0].cube.clock" "\"capture\"": "where that camera was", "add capture";
+    CAPTURE => "uv = 0" at "source[0].cube.clock" "\"capture\"": "position of that camera", "add capture";
     CAPTURE => "uv = 300" at "source[0].cube.uv" "300": "no TEXCOORD_300", "like 0";
     CAPTURE => "uv = 0, capture = { eye = [0, 0, 9], look_at = [0, 0, 0], hfov = \"30 deg\" }" at "source[0].cube.capture" "{ eye": "`uv` and `capture` exclude", "keep one";
     ", hfov = \"30 deg\"" => "" at "source[0].cube.capture" "{ eye": "`hfov` is missing", "hfov = \"40 deg\"";

@@ -25,8 +25,8 @@ cases! { MOTION:
     TIME => "motion.segments = [{ duration = \"0 m\" }]" at "camera.motion.segments[0].duration" "\"0 m\"": "`duration` is 0, which is not above 0", "above 0";
     TIME => "motion.segments = [{ acceleration = { proper = \"1 /m\" } }]" at "camera.motion.segments[0].acceleration" "{ proper": "no direction", "add direction";
     TIME => "motion.profile = [{ time = \"0 m\" }]" at "camera.motion.profile" "[{ time": "1 times of a profile are too few", "2 to 100000";
-    TIME => "motion.profile = [{ time = \"0 m\" }, { time = \"2 m\" }, { time = \"2 m\" }, { time = \"1 m\" }]" at "camera.motion.profile[2].time" "\"2 m\"": "the time 2 m is not after that of the entry before, 2 m", "in the order of their times";
-    TIME => "motion.profile = [{ time = \"1 m\" }, { time = \"2 m\" }]" at "camera.motion.profile" "[{ time": "from 1 m to 2 m, leaves out camera time 0", "begin there, or before";
+    TIME => "motion.profile = [{ time = \"0 m\" }, { time = \"2 m\" }, { time = \"2 m\" }, { time = \"1 m\" }]" at "camera.motion.profile[2].time" "\"2 m\"": "the time 2 m is not after that of the previous entry, 2 m", "in the order of their times";
+    TIME => "motion.profile = [{ time = \"1 m\" }, { time = \"2 m\" }]" at "camera.motion.profile" "[{ time": "from 1 m to 2 m, does not contain camera time 0", "begin there, or before";
 }
 
 cases! { PATHS:
@@ -36,8 +36,8 @@ cases! { PATHS:
     PLACE => "look_at = [0, 0, 0]\nmotion.keyframes = [{ time = \"0 m\", position = [0, 0, 5] }]\n" at "camera.motion.keyframes" "[{ time": "1 keyframes are too few", "2 to 100000";
     PLACE => "look_at = [0, 0, 5]\nmotion.keyframes = [{ time = \"0 m\", position = [0, 0, 5] }, { time = \"1 m\", position = [0, 0, 5] }]\n" at "camera.look_at" "[0, 0, 5]": "the same point", "another point";
     PLACE => "motion.keyframes = [{ time = \"0 m\", position = [0, 0, 5] }, { time = \"1 m\", position = [0, 0, 5] }]\n" at "camera" "[camera]": "`look_at` is missing", "look_at";
-    PLACE => "look_at = [0, 0, 0]\nmotion.keyframes = [{ time = \"1 m\", position = [0, 0, 5] }, { time = \"1 cm\", position = [0, 0, 5] }]\n" at "camera.motion.keyframes[1].time" "\"1 cm\"": "1 cm is not after that of the entry before, 1 m", "order";
-    PLACE => "look_at = [0, 0, 0]\nmotion.keyframes = [{ time = \"1 m\", position = [0, 0, 5] }, { time = \"6 m\", position = [3, 0, 5] }, { time = \"8 m\", position = [3, 4, 5] }]\n" at "camera.motion.keyframes[2].position" "[3, 4, 5]": "this keyframe is 4 m from the one before, and 2 m of time after it: |β| = 2", "as fast as light";
+    PLACE => "look_at = [0, 0, 0]\nmotion.keyframes = [{ time = \"1 m\", position = [0, 0, 5] }, { time = \"1 cm\", position = [0, 0, 5] }]\n" at "camera.motion.keyframes[1].time" "\"1 cm\"": "1 cm is not after that of the previous entry, 1 m", "order";
+    PLACE => "look_at = [0, 0, 0]\nmotion.keyframes = [{ time = \"1 m\", position = [0, 0, 5] }, { time = \"6 m\", position = [3, 0, 5] }, { time = \"8 m\", position = [3, 4, 5] }]\n" at "camera.motion.keyframes[2].position" "[3, 4, 5]": "this keyframe is 4 m from the previous one, and 2 m of time after it: |β| = 2", "as fast as light";
     PLACE => "look_at = [0, 0, 0]\nmotion.keyframes = [{ time = \"1 m\", position = [0, 0, 5] }, { time = \"6 m\", position = [5, 0, 5] }]\n" at "camera.motion.keyframes[1].position" "[5, 0, 5]": "|β| = 1", "as fast as light";
     PLACE => "look_at = [0, 0, 0]\nmotion.keyframes = [{ time = \"0 m\" }, { time = \"6 m\", position = [5, 0, 5] }]\n" at "camera.motion.keyframes[0]" "{ time": "the key `position` is missing", "World position";
     TIME => "motion.circle = { centre = [0, 0, 0], axis = [0, 1, 0], period = \"1 km\" }" at "camera.velocity" "{ beta": "`circle` and `velocity` exclude each other", "keep one";
@@ -52,12 +52,12 @@ cases! { PATHS:
 }
 
 cases! { WORLD_LINES:
-    TIME => "motion.segments = [{ duration = \"1 m\" }, { duration = \"100 m\", acceleration = { proper = \"0.5 /m\", direction = [0, 0, -1] } }]" at "camera.motion.segments[1]" "{ duration = \"100 m\"": "this acceleration leads beyond rapidity 40 near", "weaker or shorter";
-    TIME => "motion.profile = [{ time = \"0 m\" }, { time = \"1 m\" }, { time = \"90 m\", acceleration = { proper = \"1 /m\", direction = [0, 0, -1] } }]" at "camera.motion.profile[1]" "{ time = \"1 m\"": "this acceleration leads beyond rapidity 40 near", "weaker or shorter";
+    TIME => "motion.segments = [{ duration = \"1 m\" }, { duration = \"100 m\", acceleration = { proper = \"0.5 /m\", direction = [0, 0, -1] } }]" at "camera.motion.segments[1]" "{ duration = \"100 m\"": "this acceleration exceeds rapidity 40 near", "weaker or shorter";
+    TIME => "motion.profile = [{ time = \"0 m\" }, { time = \"1 m\" }, { time = \"90 m\", acceleration = { proper = \"1 /m\", direction = [0, 0, -1] } }]" at "camera.motion.profile[1]" "{ time = \"1 m\"": "this acceleration exceeds rapidity 40 near", "weaker or shorter";
     TIME => "time = \"50 m\"\nmotion.acceleration = { proper = \"1 /m\", direction = [0, 0, -1] }" at "camera.time" "\"50 m\"": "the exposure begins where the camera is too fast", "nearer to 0";
     TIME => "time = \"30 m\"\nshutter.duration = \"20 m\"\nmotion.acceleration = { proper = \"1 /m\", direction = [0, 0, -1] }" at "camera.shutter.duration" "\"20 m\"": "the exposure ends where the camera is too fast", "nearer to 0";
     // The chord is slower than light, the curve that has to pick up speed and to lose it is not.
-    PLACE => "look_at = [0, 0, 0]\nmotion.keyframes = [{ time = \"0 m\", position = [0, 0, 5] }, { time = \"1 m\", position = [0, 0, 5] }, { time = \"2 m\", position = [0.95, 0, 5] }, { time = \"3 m\", position = [0.95, 0, 5] }]\n" at "camera.motion.keyframes[2]" "{ time = \"2 m\"": "from the keyframe before to this one moves at |β| = 1.", "gentler turns";
+    PLACE => "look_at = [0, 0, 0]\nmotion.keyframes = [{ time = \"0 m\", position = [0, 0, 5] }, { time = \"1 m\", position = [0, 0, 5] }, { time = \"2 m\", position = [0.95, 0, 5] }, { time = \"3 m\", position = [0.95, 0, 5] }]\n" at "camera.motion.keyframes[2]" "{ time = \"2 m\"": "from the previous keyframe to this one moves at |β| = 1.", "gentler turns";
 }
 
 cases! { TIMES:
@@ -181,7 +181,7 @@ fn what_the_paper_does_not_have_is_refused_of_its_equations() {
             "sensor = { focal_length = '1 cm' }\n\
              rotation = { axis = [0, 1, 0], rate = '1 rad/m', elements = 'comoving' }",
             "camera.velocity",
-            "turns a camera that rests",
+            "rotates a camera at rest",
             "model = \"exact\"",
         ),
         (

@@ -296,7 +296,7 @@ fn what_cannot_be_is_refused_with_its_place() {
         ),
         (
             "shutter = { duration = '1 m' }, motion = { acceleration = { proper = '1 /m', direction = [1, 0, 0] } }, stereo = { interpupillary_distance = '6 cm' }",
-            "camera.shutter: while they accelerate",
+            "camera.shutter: two accelerating eyes",
         ),
     ] {
         let found = one(keys);

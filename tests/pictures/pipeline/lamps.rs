@@ -385,7 +385,7 @@ fn what_no_light_can_be_is_refused_in_words() {
         ),
         (
             "[[light]]\ntype = \"area\"\nobject = \"plan\"",
-            "no object is called",
+            "there is no object named",
         ),
         (
             "[[light]]\ntype = \"spot\"\nposition = [0, 1, 0]\ndirection = [0, 1, 0]\nouter = \"95 deg\"",

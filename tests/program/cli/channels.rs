@@ -101,7 +101,7 @@ fn channels_that_cannot_be_are_refused_in_their_place() {
             5,
             FIVE.into(),
             &[
-                "IR and UV shift into view where colours are spectra",
+                "IR and UV shift into view if colours are spectra",
                 "energy over the whole spectrum",
             ],
         ),
@@ -154,7 +154,7 @@ fn channels_that_cannot_be_are_refused_in_their_place() {
         &folder,
         &["render", "channels.toml"],
         &[
-            "other channels of infrared and ultraviolet",
+            "different infrared and ultraviolet channels",
             "continuation = \"dark\"",
         ],
     );

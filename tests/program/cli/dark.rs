@@ -149,7 +149,7 @@ fn a_sky_alone_and_lines_out_of_sight_have_their_own_reasons() {
     folder.write("lamp.toml", scene);
     let said = folder.ok(&["render", "lamp.toml", "-o", "b.png"]);
     assert!(
-        said.contains("the light of \"sodium\" falls on what is in view with"),
+        said.contains("the light of \"sodium\" reaches what is in view with"),
         "{said}"
     );
 }
@@ -182,7 +182,7 @@ fn a_dark_picture_of_what_no_time_changes_is_explained_without_a_time() {
         (
             "colour = [0, 0, 0]",
             String::new(),
-            "base colours, which are seen where a scene has no light, are 0",
+            "base colours, which are shown in a scene without light, are 0",
             false,
         ),
         ("", late, "nothing in view is lit at the moment", true),

@@ -573,7 +573,7 @@ fn models_of_other_kinds_are_said_to_be_unread() {
         let run = folder.run(&[command, "m.obj"]);
         assert_eq!(run.code, 2);
         for part in [
-            "this is a model (.obj), and of models only glTF is read",
+            "this is a model (.obj); glTF is the only format of models that can be read",
             ".glb",
         ] {
             assert!(run.message().contains(part), "{}", run.message());

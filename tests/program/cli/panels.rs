@@ -295,7 +295,7 @@ fn what_is_wrong_with_a_panel_is_refused_at_its_place_before_any_is_rendered() {
         (
             "\"later\"",
             "\"Beta-0.9\"",
-            "panel[1].name: another panel is called \"Beta-0.9\" too",
+            "panel[1].name: another panel is also named \"Beta-0.9\"",
             "",
         ),
         ("\"later\"", "\"\"", "panel[1].name: the name is empty", ""),

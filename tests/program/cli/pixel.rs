@@ -115,6 +115,6 @@ fn the_origin_at_an_object_is_refused_where_none_is_seen() {
     refused(
         &folder,
         &command,
-        &["--origin object", "nothing is seen in pixel 0,0"],
+        &["--origin object", "nothing is visible in pixel 0,0"],
     );
 }

@@ -291,7 +291,7 @@ fn what_half_precision_does_not_hold_is_counted() {
     let half = ["render", "beyond.toml", "--half", "-o", "c.exr"];
     let said = folder.ok(&[&half[..], &frames].concat());
     assert_eq!(said.matches("--half").count(), 2, "{said}");
-    assert!(said.contains("(and the same of 2 more frames)"), "{said}");
+    assert!(said.contains("(and the same for 2 more frames)"), "{said}");
     // What it holds needs no word: 0, its greatest number, and its least.
     folder.write("within.toml", sky("[65504, 0, 6e-8]"));
     let said = folder.ok(&["render", "within.toml", "--half", "-o", "d.exr"]);

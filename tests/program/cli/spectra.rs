@@ -16,7 +16,7 @@ fn a_spectrum_out_of_sight_is_told_and_no_other_time_is_advised() {
     );
     let said = folder.ok(&["render", "line.toml", "-o", "line.png"]);
     assert!(
-        said.contains("the spectrum of \"sphere\" is seen with 0.57"),
+        said.contains("the spectrum of \"sphere\" is seen at 0.57"),
         "{said}"
     );
     assert!(said.contains("nothing of its light is visible"), "{said}");
@@ -53,7 +53,7 @@ fn spectra_that_cannot_be_are_refused_in_their_place() {
         ("{ blackbody = \"-5 K\" }", "a temperature of -5 K"),
         ("{ blackbody = \"5 nm\" }", "is not a unit of a temperature"),
         ("{ line = \"0 nm\" }", "a wavelength of 0 nm"),
-        ("{ line = \"10 um\" }", "nobody at rest sees anything"),
+        ("{ line = \"10 um\" }", "invisible at rest"),
         ("{ lines = [] }", "0 lines"),
         (
             "{ lines = [{ wavelength = \"500 nm\", energy = -1 }] }",
@@ -92,7 +92,7 @@ fn spectra_that_cannot_be_are_refused_in_their_place() {
             "{ table = \"lamp.csv\" }",
             "line 2: 300 nm does not come after",
         ),
-        ("{ luminance = 1 }", "nothing of its wavelengths"),
+        ("{ luminance = 1 }", "does not give its wavelengths"),
     ] {
         let rgb = "[radiance]\nquantity = \"rgb\"\n";
         folder.write("bad.toml", format!("{scene}spectrum = {spectrum}\n{rgb}"));
@@ -144,7 +144,7 @@ fn spectra_that_surfaces_in_motion_do_not_reflect_are_named() {
         ),
     ] {
         for said in planned_and_rendered(&folder, &floor(beta, object, light)) {
-            let found = said.contains("as red, green and blue, and not as its spectrum");
+            let found = said.contains("as red, green and blue, not as its spectrum");
             assert_eq!(found, name.is_some(), "{beta} {object} {light}: {said}");
             let remedy = "spectra = \"sampled\" in [render]";
             assert_eq!(said.contains(remedy), found, "{said}");
@@ -192,7 +192,7 @@ fn spectra_of_which_nobody_sees_anything_are_refused_by_what_is_wrong_with_them(
         ),
         (
             "line = \"589 nm\", factor = 3",
-            &["`factor` is one on the values of a table", "`total`"],
+            &["`factor` multiplies the values of a table", "`total`"],
         ),
         (
             "gaussian = { centre = \"550 nm\", sigma = \"20 nm\" }, factor = 3",

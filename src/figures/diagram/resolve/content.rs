@@ -36,7 +36,7 @@ pub(super) fn refuse_many<T>(
         count if count <= MOST_THINGS => Ok(()),
         count => {
             let what =
-                format!("{count} things are more than the {MOST_THINGS} that a diagram may have");
+                format!("{count} elements are more than the {MOST_THINGS} that a diagram may have");
             Err(cx.refuse(at, what, "draw a part of them, or several diagrams"))
         }
     }

@@ -166,7 +166,7 @@ fn count(names: &Names, at: &At<file::Signal>, emitter: &Track, every: f64) -> R
     }
     let what = match alive.is_finite() {
         true => format!("these are {count} signals"),
-        false => "this world line has no end, and sends light for ever".to_string(),
+        false => "this world line has no end, and would emit light for ever".to_string(),
     };
     let help = format!("give `count`, 1 to {MOST_SIGNALS}");
     Err(names.cx.refuse(at, what, help))

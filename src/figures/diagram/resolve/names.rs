@@ -298,7 +298,7 @@ impl<'a> Names<'a> {
             }
             Place::Deep(numbers) => {
                 let across = self.across.ok_or_else(|| {
-                    let what = "[ct, x, y] is of 2+1 dimensions, and this diagram has 1+1";
+                    let what = "[ct, x, y] is for 2+1 dimensions, but this diagram has 1+1";
                     let help = "write [ct, x], or dimensions = \"2+1\" in [diagram]";
                     self.cx.refuse(spot, what, help)
                 })?;

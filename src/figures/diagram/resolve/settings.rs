@@ -116,7 +116,7 @@ pub(super) fn limits(
     if to - from > NARROWEST * from.abs().max(to.abs()) {
         return Ok(Some([from * unit, to * unit]));
     }
-    let what = format!("limits from {from} to {to} hold nothing");
+    let what = format!("limits from {from} to {to} span nothing");
     Err(cx.refuse(at, what, "give the smaller number first, like [-1, 4]"))
 }
 
@@ -157,7 +157,7 @@ pub(super) fn settable<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String
     let text = filled(cx, at, text)?;
     let count = text.chars().count();
     if count > MOST_CHARACTERS {
-        let what = format!("{count} characters are more than a line of a diagram has room for");
+        let what = format!("{count} characters do not fit on a line of a diagram");
         return Err(cx.refuse(at, what, format!("give at most {MOST_CHARACTERS}")));
     }
     match RichText::parse(&text) {

@@ -115,7 +115,7 @@ impl File {
         match dataset.num_elements().map_err(failed)? {
             0 => Ok(None),
             count if count > MOST_NUMBERS => {
-                let what = format!("{count} numbers are more than a capture is described by");
+                let what = format!("{count} numbers are too many for the description of a capture");
                 Err(Error::invalid(&self.path, name, what, "check the file"))
             }
             _ => {

@@ -75,7 +75,7 @@ pub(super) fn known(file: &File, wanted: Wanted) -> Result<Known> {
         let what = layout.doubt.unwrap_or_else(|| {
             let sizes = array.sizes();
             format!(
-                "the axes of {} of shape {sizes:?} are not known",
+                "the axes of {} of shape {sizes:?} are unknown",
                 layout.array
             )
         });
@@ -262,7 +262,7 @@ fn tal(file: &File, names: &[String]) -> Result<Layout> {
         Some(4.0) => vec![Time, Choice, Column],
         other => {
             let what = match other {
-                Some(other) => format!("a format of {other} is not known"),
+                Some(other) => format!("a format of {other} is unknown"),
                 None => "it is not one number".into(),
             };
             let help = "1 (T, Sx, Sy), 2 (T, Lx, Ly, Sx, Sy), 3 (T, Si) and 4 (T, Li, Si) are read";
@@ -497,7 +497,7 @@ fn times(
         return Ok(None);
     };
     if !(bin > 0.0 && bin.is_finite()) {
-        let what = format!("bins {bin} m wide do not make a time axis");
+        let what = format!("bins {bin} m wide do not form a time axis");
         return Err(Error::invalid(
             file.path(),
             width,
@@ -510,9 +510,9 @@ fn times(
         "bin 0 starts at {start} m of light path; bins are {bin} m wide"
     ));
     notes.push(match at_sensor {
-        true => "times include the ways from the laser to the wall and from the wall to the sensor"
+        true => "times include the paths from the laser to the wall and from the wall to the sensor"
             .into(),
-        false => "times begin when light leaves the wall, and end when it is back at it".into(),
+        false => "times are measured from the wall to the wall".into(),
     });
     Ok(Some(FileTimes {
         start,

@@ -92,7 +92,7 @@ fn decompressed(stream: &[u8], codec: u8, length: usize) -> Result<Vec<u8>, Brok
         }
         3 => zlib(stream, length as u64)?,
         4 => zstd(stream, length as u64)?,
-        _ => return Err(format!("codec {codec} of Blosc is not known")),
+        _ => return Err(format!("codec {codec} of Blosc is unknown")),
     };
     match bytes.len() == length {
         true => Ok(bytes),

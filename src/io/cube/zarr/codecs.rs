@@ -88,7 +88,7 @@ pub(super) fn decode(
             Codec::Transpose { .. } | Codec::Sharding { .. } => break,
         };
     }
-    Err("its encoding is not known".into())
+    Err("its encoding is unknown".into())
 }
 
 /// Without the checksum at their end, if that is right.

@@ -135,7 +135,7 @@ impl Reading<'_> {
             "default" => true,
             "v2" => false,
             _ => {
-                let what = format!("the encoding {name:?} of chunk keys is not known");
+                let what = format!("the encoding {name:?} of chunk keys is unknown");
                 return Err(self.unsupported(
                     "chunk_key_encoding",
                     what,
@@ -208,7 +208,7 @@ impl Reading<'_> {
             if !KNOWN.contains(&key.as_str()) && !may_be_passed_over && !is_empty {
                 return Err(self.unsupported(
                     key,
-                    "this extension is not known",
+                    "this extension is unknown",
                     "write it without",
                 ));
             }

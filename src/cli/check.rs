@@ -119,11 +119,7 @@ impl Names {
         let name = name.strip_suffix('.').unwrap_or(&name);
         if name.ends_with(std::path::is_separator) {
             let what = "this is the name of a directory";
-            return Err(refused(
-                option,
-                what,
-                "remove the part after the file name",
-            ));
+            return Err(refused(option, what, "remove the part after the file name"));
         }
         if path.exists() && !path.is_file() {
             let what = "something that is not a file has this name";

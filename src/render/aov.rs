@@ -1,10 +1,11 @@
 //! Auxiliary channels: one table of names, meanings and units, from which the command line's help,
 //! the files' channel names and the documentation are made.
 //!
-//! Identities and places on a triangle (object, primitive, barycentric, uv) are those of the sample
-//! nearest to the pixel's centre, and so are a capture's footprint and cosine; the other channels are means over the samples that hit a surface.
-//! With one sample per pixel both are that sample's. A pixel that hit nothing holds NaN, and −1 for
-//! identities; what every pixel has (its direction, coverage, alpha, missing data, number of samples, `IndexOB.X`) holds numbers there, too. Values are those of the physics whatever effects are turned off for display.
+//! Identities and barycentric positions (object, primitive, barycentric, uv) are those of the sample nearest to the pixel's centre, and
+//! so are a capture's footprint and cosine; the other channels are means over the samples that hit a surface. With one sample per pixel
+//! both are that sample's. A pixel that hit nothing holds NaN, and −1 for identities; channels that every pixel has (direction, coverage,
+//! alpha, missing data, number of samples, `IndexOB.X`) hold numbers there, too. Values follow the exact physics, whatever effects are
+//! turned off for display.
 
 use serde::{Serialize, Serializer};
 
@@ -56,23 +57,23 @@ macro_rules! aovs {
 /// How a pixel's value comes from its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Combine {
-    /// An integer, that of the sample nearest to the pixel's centre; −1 where that hit nothing.
+    /// An integer, from the sample nearest to the pixel's centre; −1 if that hit nothing.
     NearestIdentity,
-    /// That of the sample nearest to the pixel's centre; NaN where that hit nothing.
+    /// The value of the sample nearest to the pixel's centre; NaN if that hit nothing.
     Nearest,
     /// The mean over the samples that hit a surface.
     MeanOfHits,
     /// The mean over all samples.
     MeanOfAll,
-    /// The mean over the samples at which the film sees anything; NaN where it sees nothing.
+    /// The mean over the samples at which the film sees anything; NaN if there are none.
     MeanOfSeeing,
-    /// The film's own: the part of the radiance that is known.
+    /// From the film: the known fraction of the radiance.
     Coverage,
-    /// The film's own: the standard error of the radiance.
+    /// From the film: the standard error of the radiance.
     StandardError,
-    /// The film's own: how many samples the radiance is the mean of.
+    /// From the film: the number of samples in the mean radiance.
     Samples,
-    /// The film's own: the part of the radiance that is missing for one reason.
+    /// From the film: the fraction of the radiance that is missing for one reason.
     Missing(Why),
 }
 
@@ -161,7 +162,7 @@ aovs! {
 }
 
 impl Aov {
-    /// The channel that files name so.
+    /// The channel with this name in files.
     pub fn named(name: &str) -> Option<Aov> {
         Aov::ALL.iter().copied().find(|aov| aov.name() == name)
     }
@@ -172,11 +173,11 @@ impl Aov {
     }
 }
 
-/// The channels that a comma-separated list names: channels ("event.ct"), groups ("event") or "all".
-/// The radiance is always written, so "radiance" names nothing more.
+/// The channels in a comma-separated list of channels ("event.ct"), groups ("event") or "all". The radiance is always written, so
+/// "radiance" adds nothing.
 ///
 /// # Errors
-/// The sentence that says which word names no channel, and what there is.
+/// A sentence that names the unknown word and the known ones.
 pub fn parse(list: &str) -> Result<Vec<Aov>, String> {
     let mut chosen = Vec::new();
     for word in list.split(',').map(str::trim).filter(|w| !w.is_empty()) {
@@ -189,7 +190,7 @@ pub fn parse(list: &str) -> Result<Vec<Aov>, String> {
         }
         chosen.extend(named);
     }
-    // In the order of the table, each once, however the list names them.
+    // In the order of the table, each once, whatever the list's order.
     let all = Aov::ALL.iter().copied();
     Ok(all.filter(|aov| chosen.contains(aov)).collect())
 }
@@ -205,7 +206,7 @@ pub(crate) fn group(name: &str) -> &str {
     name.split('.').next().unwrap_or(name)
 }
 
-/// The channels of the group of this name, in order; a channel that has no dot is a group of its own.
+/// The channels of the group of this name, in order; a channel without a dot is a group by itself.
 pub(crate) fn group_of(name: &str) -> Vec<Aov> {
     let all = Aov::ALL.iter().copied();
     all.filter(|aov| group(aov.name()) == name).collect()

@@ -1,4 +1,4 @@
-//! Lamps inside bodies, whose outside they do not light: another reason why a picture is dark.
+//! Lamps inside bodies, whose outside they do not light: one reason why a picture is dark.
 
 use std::collections::HashMap;
 
@@ -10,26 +10,27 @@ use crate::render::trace::{HitBuffer, Meter, Rays, Surfaces};
 use crate::scene::model::{Beam, LightKind, Scene, SourceKind};
 use crate::spacetime::{Event, World};
 
-/// A lamp inside a body, whose outside it does not light but through openings.
+/// A lamp inside a body, whose outside it lights only through openings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct EnclosedLamp {
     /// The name of the light, or of the pulse.
     pub lamp: String,
-    /// Index of an object that is around it.
+    /// Index of an object that encloses it.
     pub object: usize,
 }
 
-/// The lamps of which no ray gets out, and most meet the inside of a surface first, at the event at which the camera sees them: 26 rays along their past
-/// light cone, towards the faces, edges and corners of a cube. Of bodies whose back faces are not there, no ray meets the inside, though
-/// shadow rays to the lamp meet the outside: they are around what more of their faces are turned away from than towards, along most of these rays. A body that is around the camera too is a room, and left out.
+/// The lamps from which no ray escapes and most rays first hit the inside of a surface, at the event at which the camera sees them: 26
+/// rays along their past light cone, towards the faces, edges and corners of a cube. Bodies with culled back faces have no inside to hit,
+/// though shadow rays to the lamp hit their outside: they enclose the lamp if, along most of these rays, more of their faces are turned
+/// away from it than towards it. A body that also encloses the camera is a room, and left out.
 pub fn enclosed_lamps(scene: &Scene, prepared: &Prepared) -> Vec<EnclosedLamp> {
     let shot = prepared.camera.shot.event;
     let lights = scene.lights.iter().filter(|light| light.shadows);
     let lamps = lights.filter_map(|light| match &light.kind {
         LightKind::Lamp(lamp) if !matches!(lamp.beam, Beam::Parallel(_)) => {
             let near = lamp.line.state(0.0);
-            // Where and when the camera sees the lamp; where it cannot be told, the place that the scene gives.
+            // Where and when the camera sees the lamp; if that is unknown, the position in the scene.
             let seen = near.and_then(|near| {
                 let crossing = lamp.line.on_past_light_cone(&near, shot - near.event)?;
                 Some(near.event + crossing.displacement)
@@ -48,7 +49,7 @@ pub fn enclosed_lamps(scene: &Scene, prepared: &Prepared) -> Vec<EnclosedLamp> {
     let mut room = None;
     let found = lamps.chain(pulses).filter_map(|(name, at)| {
         let object = enclosing(prepared, at)?;
-        // In a room that holds camera and lamp the lamp is not enclosed.
+        // A lamp in the same room as the camera is not enclosed.
         let room = *room.get_or_insert_with(|| enclosing(prepared, shot));
         (room != Some(object)).then(|| EnclosedLamp {
             lamp: name.clone(),
@@ -62,7 +63,7 @@ fn enclosing(prepared: &Prepared, at: Event<World>) -> Option<u32> {
     around(prepared, at).or_else(|| around_without_backs(prepared, at))
 }
 
-/// 26 directions, towards the faces, edges and corners of a cube; turned a little, so that edges of boxes are not on their way.
+/// 26 directions, towards the faces, edges and corners of a cube, slightly rotated to avoid the edges of boxes.
 fn directions() -> Vec<DVec3> {
     let steps = [-1.0, 0.0, 1.0];
     let all = steps.into_iter().flat_map(|x| {
@@ -74,8 +75,8 @@ fn directions() -> Vec<DVec3> {
     all.filter_map(|d| (turn * d).try_normalize()).collect()
 }
 
-/// The object of faces without backs that is around `at` along most of these directions. A closed body has one face more that is turned
-/// away than towards a point inside, and as many of both elsewhere.
+/// The object with culled backs that encloses `at` along most of these directions. Seen from a point inside, a closed body has one more
+/// face turned away than towards it, and equally many from outside.
 fn around_without_backs(prepared: &Prepared, at: Event<World>) -> Option<u32> {
     let directions = directions();
     for rest in prepared.frames.iter() {
@@ -118,9 +119,9 @@ fn around_without_backs(prepared: &Prepared, at: Event<World>) -> Option<u32> {
     None
 }
 
-/// The triangles without backs whose fronts a ray meets, from the nearest on, up to a distance.
+/// The culled triangles whose fronts a ray hits, from the nearest on, up to a distance.
 fn each_front(bvh: &Bvh, origin: DVec3, direction: DVec3, reach: f64, mut each: impl FnMut(u32)) {
-    /// As many as a body has that tells anything.
+    /// A limit for bodies too complex to decide.
     const MOST: usize = 256;
     let mut s_min = 0.0;
     for _ in 0..MOST {
@@ -139,8 +140,8 @@ fn each_front(bvh: &Bvh, origin: DVec3, direction: DVec3, reach: f64, mut each: 
     }
 }
 
-/// The object whose inside most of the rays from `at` meet first, where all of them meet something and most of them an inside: a
-/// body that stands on a floor has that for its ground.
+/// The object whose inside is hit first by most of the rays from `at`, if all of them hit something and most of them an inside: a body
+/// that stands on a floor has that for its ground.
 fn around(prepared: &Prepared, at: Event<World>) -> Option<u32> {
     let directions = directions();
     let surfaces = Surfaces::unbuffered(&prepared.frames, at, prepared.ray_index);

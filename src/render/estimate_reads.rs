@@ -1,7 +1,7 @@
-//! How much of cubes on disk a picture will read, before it is rendered.
+//! An estimate of how much of cubes on disk a picture will read, before it is rendered.
 //!
-//! The scene is prepared and traced as ever, but bricks that lookups ask for are only counted, and hold zeros. Of large
-//! pictures every s-th tile is traced: neighbouring tiles share few bricks, so that the sum is s times as large.
+//! The scene is prepared and traced as usual, but bricks that lookups request are only counted, and contain zeros. For large pictures
+//! every s-th tile is traced: neighbouring tiles share few bricks, so the sum is s times as large.
 
 use super::plan::Plan;
 use super::prepare::Prepared;
@@ -13,8 +13,8 @@ use crate::scene::model::Scene;
 /// The most rays that are traced.
 const RAYS: u64 = 1 << 22;
 
-/// Notes in `plan`, which is that of `scene`, how many bytes of the cubes that it reads in parts will be needed. Cubes of
-/// pictures and archives are left out: they are unpacked first.
+/// Stores in `plan`, which is that of `scene`, how many bytes will be needed of the cubes that it reads in parts. Cubes from pictures and
+/// archives are left out: they are unpacked first.
 ///
 /// # Errors
 /// As [`Prepared::new`].
@@ -30,7 +30,7 @@ pub fn estimate_reads(scene: &Scene, plan: &mut Plan, progress: &dyn Progress) -
         },
         progress,
     )?;
-    // Odd, so that it is not the number of tiles in a row.
+    // Odd, so that it does not divide the number of tiles in a row.
     let step = plan.rays.camera.div_ceil(RAYS) | 1;
     render_every(&prepared, step, progress)?;
     let Some(light) = prepared.light.time_resolved() else {
@@ -45,7 +45,7 @@ pub fn estimate_reads(scene: &Scene, plan: &mut Plan, progress: &dyn Progress) -
                 .cube()
                 .on_disk()
                 .filter(|bricks| bricks.counts_only());
-            // Each companion is read of the same file.
+            // Each companion is read from the same file.
             let read = counted.map(|bricks| bricks.bytes_read().all.saturating_mul(step));
             let read = read.map(|read| read.min(cube.bytes));
             cube.read = read.map(|read| read.saturating_add(cube.read.unwrap_or(0)));

@@ -1,4 +1,4 @@
-//! Which objects rays through given points of the film meet first.
+//! Which objects rays through given film points hit first.
 
 use rayon::prelude::*;
 
@@ -10,8 +10,8 @@ use crate::render::trace::{CameraRays, HitBuffer, Meter, Surfaces, generator};
 /// Points of one batch.
 const BATCH: usize = 4096;
 
-/// The index of the object that is seen at each of these points of the film (pixels; (0, 0) is the upper left corner), none
-/// where nothing is. An exposure is met half way.
+/// The index of the visible object at each of these film points (pixels; (0, 0) is the upper left corner); `None` where there is none. An
+/// exposure is sampled at its middle.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.

@@ -1,8 +1,8 @@
-//! Parts of long work in a file, as they are done, so that work that was stopped goes on where it was.
+//! A file of finished parts of long work, from which stopped work is resumed.
 //!
-//! A line that names the format and the fingerprint of the work; then for each part its index, its length in bytes, its bytes, and
-//! the CRC-32 of all three, numbers in little-endian order. What was being written when a process ended does not have its checksum, and is
-//! cut off.
+//! A line with the format and the fingerprint of the work; then for each part its index, its length in bytes, its bytes, and the CRC-32
+//! of all three, numbers in little-endian order. A part that was being written when a process ended has no valid checksum, and is cut
+//! off.
 
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -28,15 +28,15 @@ pub struct Journal {
     forgot: bool,
 }
 
-/// By index of a part, where its bytes lie, and how many.
+/// By index of a part, the position and number of its bytes.
 type Parts = HashMap<u64, (u64, usize)>;
 
 impl Journal {
-    /// Opens the file of the work of this fingerprint; parts of any other are forgotten. Where there is none, it is made with the first
-    /// part: work that is refused leaves no file.
+    /// Opens the file of the work with this fingerprint; parts of other work are discarded. The file is created with the first part, so
+    /// work that is refused leaves no file.
     ///
     /// # Errors
-    /// I/O errors, a file at which another process is working, and one that is no journal.
+    /// I/O errors, a file in use by another process, and one that is not a journal.
     pub fn open(path: &Path, fingerprint: &[u8; FINGERPRINT]) -> Result<Journal> {
         let failed = || Error::io(path, "cannot write");
         let mut journal = Journal {
@@ -54,7 +54,7 @@ impl Journal {
         let head = (FORMAT.len() + FINGERPRINT) as u64;
         journal.forgot = end == 0 && file.metadata().map_err(failed())?.len() > head;
         journal.parts = parts;
-        // What is of no use is written over by the first part.
+        // Unusable content is overwritten by the first part.
         if end == 0 {
             return Ok(journal);
         }
@@ -63,7 +63,7 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Cuts `file` off at `end`, where the next part will stand, and gives one without any its head.
+    /// Truncates `file` to `end`, where the next part will go, and writes the header if there is no part.
     fn begin(&self, file: &mut File, end: u64) -> io::Result<()> {
         file.set_len(end)?;
         file.seek(SeekFrom::Start(end))?;
@@ -73,17 +73,17 @@ impl Journal {
         }
     }
 
-    /// How many parts were there.
+    /// The number of parts found.
     pub fn found(&self) -> usize {
         self.parts.len()
     }
 
-    /// Whether there were parts of other work, which are forgotten.
+    /// Whether parts of other work were found, and discarded.
     pub fn forgot(&self) -> bool {
         self.forgot
     }
 
-    /// The bytes of a part that was there.
+    /// The bytes of a part that was found.
     ///
     /// # Errors
     /// I/O errors.
@@ -130,7 +130,7 @@ impl Journal {
         }
     }
 
-    /// Removes the file, if there is one: all parts are where they belong, or nowhere.
+    /// Removes the file, if it exists, because all parts have been used or are no longer needed.
     ///
     /// # Errors
     /// I/O errors.
@@ -145,7 +145,7 @@ impl Journal {
     }
 }
 
-/// The file of a journal, empty where there was none.
+/// The file of a journal, empty if it did not exist.
 fn ours(path: &Path) -> Result<File> {
     let failed = || Error::io(path, "cannot write");
     let mut options = OpenOptions::new();
@@ -172,7 +172,7 @@ fn ours(path: &Path) -> Result<File> {
     Ok(file)
 }
 
-/// Whether `file` is empty or begins as journals do, as far as it goes.
+/// Whether `file` is empty or begins like a journal, as far as it goes.
 fn is_journal(file: &mut File) -> io::Result<bool> {
     let mut line = Vec::new();
     file.take(FORMAT.len() as u64).read_to_end(&mut line)?;
@@ -180,7 +180,7 @@ fn is_journal(file: &mut File) -> io::Result<bool> {
     Ok(FORMAT.starts_with(&line))
 }
 
-/// The whole parts in `file`, if they are of this work, and where they end.
+/// The complete parts in `file`, if they belong to this work, and where they end.
 fn scan(file: &mut File, fingerprint: &[u8; FINGERPRINT]) -> io::Result<(Parts, u64)> {
     let length = file.metadata()?.len();
     let mut parts = Parts::new();
@@ -191,13 +191,13 @@ fn scan(file: &mut File, fingerprint: &[u8; FINGERPRINT]) -> io::Result<(Parts, 
         Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => false,
         Err(error) => return Err(error),
     };
-    // A journal of other work, or none at all, is begun anew: nothing of it is kept.
+    // A journal of other work, or none, starts anew: nothing of it is kept.
     if !is_ours {
         return Ok((parts, 0));
     }
     let mut at = head.len() as u64;
     let mut block = vec![0; 1 << 16];
-    // Parts one behind the other, as far as they are whole and their sums are right: what a kill left of the last
+    // Consecutive parts, as long as they are complete and their checksums are right; what a kill left of the last part is overwritten.
     // part is written over.
     while let Some(after) = at.checked_add(HEAD as u64).filter(|after| *after <= length) {
         let mut crc = flate2::Crc::new();
@@ -209,13 +209,13 @@ fn scan(file: &mut File, fingerprint: &[u8; FINGERPRINT]) -> io::Result<(Parts, 
             u64::from_le_bytes(bytes)
         };
         let (index, bytes) = (number(0), number(8));
-        // Lengths are of the file, which may be damaged: none is believed beyond its end.
+        // Lengths come from the file, which may be damaged: none beyond its end is trusted.
         let end = after.checked_add(bytes).and_then(|end| end.checked_add(4));
         let (Some(end), Ok(size)) = (end.filter(|end| *end <= length), usize::try_from(bytes))
         else {
             break;
         };
-        // By pieces, so that a part of any size is checked in the same memory.
+        // In pieces, so that a part of any size is checked with the same memory.
         let mut left = size;
         while left > 0 {
             let piece = left.min(block.len());

@@ -1,4 +1,4 @@
-//! What every output says of its origin, and the words of scene files for it.
+//! The metadata of every output, and scene-file words for it.
 
 use std::io::{self, Read};
 
@@ -15,7 +15,7 @@ use crate::scene::model::{
 };
 use crate::spacetime::Quantity;
 
-/// Of a file that is made of a text alone: program, name of the text, hash, and the text.
+/// For a file made from a text alone: program, name of the text, hash, and the text.
 pub fn of_text(name: &str, text: &str) -> Vec<(String, String)> {
     let pairs = [
         ("software", software()),
@@ -60,7 +60,7 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
             camera.horizontal_fov.to_string(),
         ),
     ];
-    // Keys of what is not there are left out.
+    // Keys of absent values are omitted.
     let has_rgb = scene.quantity == Quantity::Rgb
         || scene.sources.iter().any(|s| s.quantity == Quantity::Rgb);
     let continuation = has_rgb.then(|| {
@@ -115,7 +115,7 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
         .collect()
 }
 
-/// Of baked light: program, scene, hash, units, bins.
+/// For baked light: program, scene, hash, units, bins.
 pub fn of_baked(scene: &Scene, bins: &Bins, samples: u32, baked: &Baked) -> Vec<(String, String)> {
     let energy = &baked.energy;
     let pairs = [
@@ -140,11 +140,11 @@ pub fn of_baked(scene: &Scene, bins: &Bins, samples: u32, baked: &Baked) -> Vec<
             baked.relative_error().to_string(),
         ),
     ];
-    // Where any light arrives, from when to when.
+    // The first and the last time at which any light arrives.
     let span = energy.span.into_iter();
     let span = span.flat_map(|[from, to]| [("light_from", from), ("light_until", to)]);
     let span = span.map(|(key, time)| (key, time.to_string()));
-    // Of a surface, what is on its backs.
+    // For a surface, what is on its backs.
     let backs =
         (baked.backs != CubeBacks::AsFront).then(|| (CubeBacks::KEY, baked.backs.name().into()));
     let own = pairs.into_iter().chain(span).chain(backs);
@@ -155,7 +155,7 @@ pub fn of_baked(scene: &Scene, bins: &Bins, samples: u32, baked: &Baked) -> Vec<
         .collect()
 }
 
-/// Of a camera that is not a single pinhole before a plane.
+/// For a camera that is not a single pinhole with a perspective.
 fn projection(camera: &CameraModel) -> Vec<(&'static str, String)> {
     let mut pairs = Vec::new();
     if camera.projection != ProjectionKind::Perspective {
@@ -168,7 +168,7 @@ fn projection(camera: &CameraModel) -> Vec<(&'static str, String)> {
     pairs
 }
 
-/// Of a camera that does more than to move without acceleration and to expose for an instant.
+/// For a camera with acceleration or an exposure.
 fn moving(camera: &CameraModel) -> Vec<(&'static str, String)> {
     let mut pairs = Vec::new();
     if camera.motion != Motion::Inertial {
@@ -198,7 +198,7 @@ fn moving(camera: &CameraModel) -> Vec<(&'static str, String)> {
     pairs
 }
 
-/// Of a camera whose sensor is not its pinhole, or turns.
+/// For a camera with a sensor apart from its pinhole, or a rotating one.
 fn sensor(camera: &CameraModel) -> Vec<(&'static str, String)> {
     let mut pairs = Vec::new();
     if let (Some(sensor), Some([x, y])) = (camera.sensor, camera.sensor_half_size()) {
@@ -217,12 +217,12 @@ fn sensor(camera: &CameraModel) -> Vec<(&'static str, String)> {
 
 /// A wavelength in metres, in the shortest form with an exponent: 8.3e-7.
 fn wavelength(metres: f64) -> String {
-    // Twelve digits: one that was multiplied by 1e-9 may differ in the last from the number that was meant.
+    // Twelve digits: a product with 1e-9 may differ from the intended number in the last digit.
     let rounded: f64 = format!("{metres:.11e}").parse().unwrap_or(metres);
     format!("{rounded:e}")
 }
 
-/// As the scene file says it.
+/// Its name in scene files.
 pub fn equations(equations: Equations) -> &'static str {
     match equations {
         Equations::Exact => "exact",
@@ -230,7 +230,7 @@ pub fn equations(equations: Equations) -> &'static str {
     }
 }
 
-/// As the scene file says it.
+/// Its name in scene files.
 pub fn motion(motion: &Motion) -> &'static str {
     match motion {
         Motion::Inertial => "inertial",
@@ -243,7 +243,7 @@ pub fn motion(motion: &Motion) -> &'static str {
     }
 }
 
-/// As the scene file says it.
+/// Its name in scene files.
 pub fn assembly(assembly: Assembly) -> &'static str {
     match assembly {
         Assembly::Rigid => "rigid",
@@ -252,7 +252,7 @@ pub fn assembly(assembly: Assembly) -> &'static str {
     }
 }
 
-/// As the scene file says it.
+/// Its name in scene files.
 pub fn pivot(pivot: Pivot) -> &'static str {
     match pivot {
         Pivot::Pinhole => "pinhole",
@@ -260,7 +260,7 @@ pub fn pivot(pivot: Pivot) -> &'static str {
     }
 }
 
-/// As the scene file says it.
+/// Its name in scene files.
 pub fn elements(elements: Elements) -> &'static str {
     match elements {
         Elements::Exact => "exact",
@@ -269,7 +269,7 @@ pub fn elements(elements: Elements) -> &'static str {
     }
 }
 
-/// As the scene file says it.
+/// Its name in scene files.
 pub fn integration(integration: Integration) -> &'static str {
     match integration {
         Integration::Moments => "moments",
@@ -277,7 +277,7 @@ pub fn integration(integration: Integration) -> &'static str {
     }
 }
 
-/// As the scene file says it.
+/// Its name in scene files.
 pub fn records(records: Records) -> &'static str {
     match records {
         Records::Mean => "mean",
@@ -294,7 +294,7 @@ pub fn sha256(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }
 
-/// The length of what is left in `reader`, and its SHA-256 in hexadecimal.
+/// The remaining length of `reader`, and the SHA-256 of that in hexadecimal.
 ///
 /// # Errors
 /// Those of `reader`.

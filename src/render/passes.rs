@@ -1,4 +1,4 @@
-//! A picture that improves: passes of independent samples, until an error is reached or the caller has had enough.
+//! Progressive rendering: passes of independent samples, until an error is reached or the caller stops.
 //!
 //! Each pass takes the samples of the layout anew, with random numbers of its own ([`sampler`](crate::render::sampler)). Passes come in
 //! pairs, one for each half of a tile's samples, and each half decides how many passes of the other count, so that the picture has

@@ -1,12 +1,12 @@
-//! Long work, watched and stopped by its caller.
+//! Progress and cancellation of long work.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::{Error, Result};
 
-/// What a caller can watch, and stop. Methods are called from worker threads, and from the thread that has begun the work.
+/// Lets a caller watch and stop work. Methods are called from worker threads, and from the thread that started the work.
 pub trait Progress: Sync {
-    /// `rays` more camera rays are done, of those that [`Plan`](crate::render::plan::Plan) has as `rays.camera`.
+    /// Reports that `rays` more camera rays are done, of `rays.camera` in [`Plan`](crate::render::plan::Plan).
     fn rays_done(&self, _rays: u64) {}
 
     /// Whether to stop as soon as possible.
@@ -26,13 +26,13 @@ pub trait Progress: Sync {
     }
 }
 
-/// Watches nothing and never stops.
+/// Reports nothing and never stops.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Silent;
 
 impl Progress for Silent {}
 
-/// Is stopped by `true`, from another thread.
+/// Stopped by setting it to `true`, from another thread.
 impl Progress for AtomicBool {
     fn is_cancelled(&self) -> bool {
         self.load(Ordering::Relaxed)

@@ -1,31 +1,30 @@
 //! Linear radiance → 8-bit or 16-bit sRGB.
 //!
-//! Radiance is divided by that of white. Above white a colour goes on to white instead of being cut off
-//! per component, which would turn a bright blue to magenta: with m > 1 its largest component, it becomes
-//! c/m + (1 − 1/m)(1 − c/m). That is c itself at m = 1, keeps the hue, and tends to white. A neutral
-//! colour is simply clipped.
+//! Radiance is divided by the white radiance. Colours above white move towards white instead of being clipped per component, which would
+//! turn a bright blue to magenta: with m > 1 the largest component of c, the result is c/m + (1 − 1/m)(1 − c/m). That is c itself at m =
+//! 1, keeps the hue, and tends to white. A neutral colour is simply clipped.
 //!
-//! A component below 0 is a colour outside the gamut. White is added, and the colour taken away in proportion, until
-//! none is: c becomes Y + t (c − Y), with Y the luminance and t = Y/(Y − least component). That keeps luminance and
-//! hue (the direction from white in the chromaticity diagram). What has no luminance is black.
+//! A component below 0 is a colour outside the gamut. It is mixed with white until no component is negative: c becomes Y + t (c − Y),
+//! with Y the luminance and t = Y/(Y − least component). That keeps luminance and hue (the direction from white in the chromaticity
+//! diagram). Colours without luminance are black.
 //!
-//! On a logarithmic scale from b (black) to w (white) the code of the largest component m is ln (m/b)/ln (w/b) of the greatest, so
-//! that equal ratios are equal steps of code, and the others keep their ratios to it as light.
+//! On a logarithmic scale from b (black) to w (white), the code of the largest component m is ln (m/b)/ln (w/b) of the maximum, so that
+//! equal ratios are equal steps of code; the other components keep their ratios to it as light.
 
 use crate::colour::{srgb_decode, srgb_encode_8, srgb_encode_16};
 use crate::error::{Error, Result};
 use crate::scene::model::Exposure;
 
-/// Pixels without a number, to be noticed: magenta.
+/// A conspicuous colour for pixels that are NaN: magenta.
 pub(crate) const NOT_A_NUMBER: [u8; 3] = [255, 0, 255];
 
-/// What a display shows, and by which factor.
+/// A display picture, and its scale.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Display {
     /// 8-bit sRGB, 3 bytes per pixel.
     pub rgb: Vec<u8>,
-    /// The radiance that became white. 1 where a percentile was asked of an image without a lit pixel.
+    /// The radiance that became white. 1 if a percentile was requested for an image without a lit pixel.
     pub white: f64,
     /// The radiance that became black, on a logarithmic scale.
     pub black: Option<f64>,
@@ -33,9 +32,9 @@ pub struct Display {
 
 /// Shows linear RGB `pixels`.
 ///
-/// A percentile p is the nearest-rank one: of the n pixels whose brightest component, as the display shows them, is above 0 and
-/// finite, in ascending order of that component, the ⌈p n / 100⌉-th becomes white. Colours outside the gamut count as those
-/// that are shown in their place, infinite components are white, and a pixel with NaN is magenta.
+/// A percentile p is a nearest-rank one: of the n pixels whose brightest component, as displayed, is above 0 and finite, in ascending
+/// order of that component, the ⌈p n / 100⌉-th becomes white. Colours outside the gamut count as displayed, infinite components are
+/// white, and a pixel with NaN is magenta.
 ///
 /// # Errors
 /// A percentile outside (0, 100], a white that is not above 0 and finite.
@@ -115,7 +114,7 @@ fn wrong(what: String) -> Error {
 }
 
 fn percentile<T: Copy + Into<f64>>(pixels: &[[T; 3]], p: f64) -> f64 {
-    // As it is shown: light of one wavelength is far outside the gamut, and has components far above those that a display can have of it.
+    // As displayed: monochromatic light is far outside the gamut, and has components far above those that a display can show of it.
     let shown = |pixel: &[T; 3]| {
         let rgb = pixel.map(Into::into);
         let is_number = rgb.iter().all(|c| !c.is_nan());
@@ -171,7 +170,7 @@ fn luminance([r, g, b]: [f64; 3]) -> f64 {
 /// A colour without components below 0, of the same luminance and hue.
 fn within_gamut(rgb: [f64; 3]) -> [f64; 3] {
     let least = rgb.into_iter().fold(f64::INFINITY, f64::min);
-    // Nothing to do; and what is infinite has no luminance to keep.
+    // Nothing to do; and an infinite colour has no luminance to keep.
     if least >= 0.0 || rgb.iter().any(|c| c.is_infinite()) {
         return rgb.map(|c| c.max(0.0));
     }

@@ -391,7 +391,8 @@ fn refuse_model(path: &Path) -> Result<()> {
     let Some(other) = all.find(|other| extension.eq_ignore_ascii_case(other)) else {
         return Ok(());
     };
-    let what = format!("this is a model (.{other}); glTF is the only format of models that can be read");
+    let what =
+        format!("this is a model (.{other}); glTF is the only format of models that can be read");
     let help = "export it as .glb or .gltf";
     Err(Error::unsupported(path, "", what, help))
 }

@@ -165,7 +165,8 @@ impl<'a> Arrival<'a> {
             .world_line()
             .map_err(|error| refuse(error.to_string()))?;
         let state = line.state(model.time + moment * open);
-        let state = state.ok_or_else(|| refuse("its world line does not exist at that time".into()))?;
+        let state =
+            state.ok_or_else(|| refuse("its world line does not exist at that time".into()))?;
         let by_paper = scene.equations == Equations::Paper2015 && model.rotation.is_none();
         Ok(Arrival {
             // Through the pixel's centre.

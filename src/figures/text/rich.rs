@@ -77,8 +77,7 @@ impl RichText {
                 .flat_map(|run| run.text.chars())
                 .take(20)
                 .collect();
-            let what =
-                format!("{count} characters in one line of text; the limit is {LONGEST}");
+            let what = format!("{count} characters in one line of text; the limit is {LONGEST}");
             return Err(Error::invalid(
                 format!("text \"{start}…\""),
                 "",

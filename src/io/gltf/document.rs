@@ -123,7 +123,10 @@ impl<'a> Document<'a> {
         Root: json::root::Get<T>,
     {
         self.root.get(index).ok_or_else(|| {
-            let what = format!("it refers to {list} {}, which does not exist", index.value());
+            let what = format!(
+                "it refers to {list} {}, which does not exist",
+                index.value()
+            );
             self.invalid(place, what, "every index must be within its list")
         })
     }

@@ -1,5 +1,5 @@
-//! Which source lights which surface, what has to be loaded of an object for it, and refusals of bindings that
-//! headers alone can tell, each with its place in the scene file.
+//! Which source lights which surface, what must be loaded of an object for it, and errors in bindings that headers alone reveal, each
+//! with its place in the scene file.
 
 use super::planned::PlannedObject;
 use crate::error::{Error, Problem, Result};
@@ -7,7 +7,7 @@ use crate::scene::model::{
     Binding, EmissionProfile, Light, LightKind, Mapping, Scene, Source, SourceKind,
 };
 
-/// What gives a material of an object its radiance; indices of sources.
+/// The source of a material's radiance on an object; indices of sources.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Lit {
     /// Its base colour.
@@ -16,14 +16,14 @@ pub enum Lit {
     Spectrum,
     /// A stored cube.
     Cube(usize),
-    /// Several, each from a capture camera of its own, in the order of the scene.
+    /// Several cubes, each from its own capture camera, in the order of the scene.
     Captures(Vec<usize>),
     /// The scene's lights and sky, and these pulses, which it reflects.
     Reflecting(Vec<usize>),
 }
 
-/// What lights material `material` of object `object`: the object's own spectrum, else a cube, else pulses, lights and
-/// sky, else its base colour.
+/// What lights material `material` of object `object`: the object's own spectrum, else a cube, else pulses, lights and sky, else its base
+/// colour.
 pub fn lit_by(scene: &Scene, object: usize, material: &str) -> Lit {
     if scene.objects[object].spectrum.is_some() {
         return Lit::Spectrum;
@@ -35,7 +35,7 @@ pub fn lit_by(scene: &Scene, object: usize, material: &str) -> Lit {
                 && (materials.is_empty() || materials.iter().any(|m| m == material))
         }
     };
-    // Cubes hold the light that was recorded, so they come before pulses, which still have to be reflected.
+    // Cubes hold recorded light, so they take precedence over pulses, which are yet to be reflected.
     let (mut cubes, mut pulses) = (Vec::new(), Vec::new());
     for (index, source) in scene.sources.iter().enumerate().filter(|(_, s)| bound(s)) {
         match source.kind {
@@ -56,8 +56,8 @@ pub fn lit_by(scene: &Scene, object: usize, material: &str) -> Lit {
     }
 }
 
-/// The same of a material that is unlit, or is not. In a scene with steady light, an unlit one shows its base colour, which is the
-/// radiance that was recorded; where all light comes in pulses, it reflects them like others.
+/// The same for a material that may be unlit. In a scene with steady light, an unlit one shows its base colour, which is recorded
+/// radiance; if all light comes in pulses, it reflects them like others.
 pub fn shown_by(scene: &Scene, object: usize, (material, is_unlit): (&str, bool)) -> Lit {
     let steady = |light: &Light| match &light.kind {
         LightKind::Lamp(lamp) => lamp.emission == EmissionProfile::Steady,
@@ -78,7 +78,7 @@ pub fn shown_by(scene: &Scene, object: usize, (material, is_unlit): (&str, bool)
     }
 }
 
-/// Which sources light anything.
+/// The sources that light anything.
 pub(super) fn used_sources(scene: &Scene, objects: &[PlannedObject]) -> Vec<bool> {
     let mut used = vec![false; scene.sources.len()];
     for (index, object) in objects.iter().enumerate() {
@@ -95,7 +95,7 @@ pub(super) fn used_sources(scene: &Scene, objects: &[PlannedObject]) -> Vec<bool
     used
 }
 
-/// The most capture cameras that one surface is projected from.
+/// The largest number of capture cameras on one surface.
 pub(super) fn most_captures(scene: &Scene, objects: &[PlannedObject]) -> u64 {
     let is_projected = |source: usize| {
         let cube = match &scene.sources[source].kind {
@@ -118,7 +118,7 @@ pub(super) fn most_captures(scene: &Scene, objects: &[PlannedObject]) -> u64 {
     most.max().unwrap_or(0) as u64
 }
 
-/// Sets what is loaded of `object`, and from what it has its radiance.
+/// Sets what is loaded of `object`, and the origin of its radiance.
 pub(super) fn resolve(scene: &Scene, index: usize, object: &mut PlannedObject, wants_uv: bool) {
     object.uvs = wants_uv || object.has_masks;
     for (at, material) in object.materials.clone().iter().enumerate() {
@@ -139,7 +139,7 @@ pub(super) fn resolve(scene: &Scene, index: usize, object: &mut PlannedObject, w
     }
 }
 
-/// Whether texture coordinates, and images and colours of vertices, are needed for what a surface shows, and what `plan` calls it.
+/// Whether texture coordinates, and images and vertex colours, are needed for what a surface shows, and its name in the plan.
 fn needs(
     scene: &Scene,
     lit: &Lit,
@@ -164,7 +164,7 @@ fn needs(
                 format!("base colour lit by {}", names.join(", ")),
             )
         }
-        // Projection goes by the capture camera: it needs no coordinates.
+        // Projection uses the capture camera: it needs no coordinates.
         Lit::Captures(sources) => {
             let names: Vec<_> = sources.iter().map(name).collect();
             (false, false, format!("{} by projection", names.join(", ")))
@@ -185,7 +185,7 @@ fn needs(
     }
 }
 
-/// Refuses sources that cannot light what they are bound to.
+/// Refuses sources that cannot light the surfaces that they are bound to.
 pub(super) fn check(scene: &Scene, objects: &[PlannedObject]) -> Result<()> {
     for source in &scene.sources {
         check_materials(scene, source, objects)?;
@@ -206,7 +206,7 @@ pub(super) fn check(scene: &Scene, objects: &[PlannedObject]) -> Result<()> {
     Ok(())
 }
 
-/// A source must not name materials that none of its objects has.
+/// Refuses a source that names materials which none of its objects has.
 fn check_materials(scene: &Scene, source: &Source, objects: &[PlannedObject]) -> Result<()> {
     let Binding::Only {
         objects: bound,
@@ -232,7 +232,7 @@ fn check_materials(scene: &Scene, source: &Source, objects: &[PlannedObject]) ->
     }
 }
 
-/// A cube by texture coordinates needs them.
+/// Refuses a cube on texture coordinates if the object has none.
 fn check_uv_set(scene: &Scene, source: &Source, object: &PlannedObject) -> Result<()> {
     let SourceKind::Cube(cube) = &source.kind else {
         return Ok(());
@@ -251,7 +251,7 @@ fn check_uv_set(scene: &Scene, source: &Source, object: &PlannedObject) -> Resul
     }
 }
 
-/// Sources of different quantities cannot light one surface: their sum would measure neither.
+/// Sources of different quantities cannot light one surface: their sum would have no quantity.
 fn check_quantities(scene: &Scene, sources: &[usize], object: &PlannedObject) -> Result<()> {
     let mut sources = sources.iter().map(|k| &scene.sources[*k]);
     let Some(first) = sources.next() else {
@@ -279,7 +279,7 @@ fn check_quantities(scene: &Scene, sources: &[usize], object: &PlannedObject) ->
     }
 }
 
-/// Captures of one surface are blended, each of its channels with the same of others.
+/// Captures of one surface are blended channel by channel, so they need the same channels.
 fn check_companions(scene: &Scene, sources: &[usize], object: &PlannedObject) -> Result<()> {
     let companions = |source: usize| match &scene.sources[source].kind {
         SourceKind::Cube(cube) => scene.companions_of(cube),

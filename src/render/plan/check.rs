@@ -1,4 +1,4 @@
-//! Numbers of a scene that no scene file can have: a program that changes a [`Scene`] may leave them there.
+//! Numbers of a scene that no scene file can contain: a program that changes a [`Scene`] may set them.
 
 use crate::error::{Error, Result, number};
 use crate::mesh::shapes::Shape;
@@ -74,7 +74,7 @@ fn object(scene: &Scene, object: &Object) -> Result<()> {
                 ..Material::matte(*colour)
             };
             if let Err(MeshError { field, what, .. }) = material.check() {
-                // The base colour by its name here.
+                // Here the base colour is called by its name.
                 let field = field.trim_start_matches("base_");
                 return refuse(
                     format!("object \"{name}\", {field}"),
@@ -90,7 +90,7 @@ fn object(scene: &Scene, object: &Object) -> Result<()> {
     }
 }
 
-/// The field of a shape that is wrong, and why.
+/// The invalid field of a shape, and what is wrong with it.
 fn shape(shape: &Shape) -> Result<(), (&'static str, Wrong)> {
     let positive = |field, lengths: &[f64]| match lengths.iter().find(|x| !is_length(**x)) {
         Some(bad) => {
@@ -121,7 +121,7 @@ fn shape(shape: &Shape) -> Result<(), (&'static str, Wrong)> {
     }
 }
 
-/// Whether a shape may be so long; not so NaN.
+/// Whether a shape may have this length; false for NaN.
 fn is_length(length: f64) -> bool {
     length > 0.0 && length.is_finite()
 }

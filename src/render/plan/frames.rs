@@ -1,4 +1,4 @@
-//! Which objects share a rest frame, and so a BVH.
+//! Which objects share a rest frame, and hence a BVH.
 
 use super::planned::{PlannedFrame, PlannedObject};
 use crate::accel::Bvh;
@@ -30,7 +30,7 @@ pub(super) fn by_velocity(scene: &Scene, objects: &[PlannedObject]) -> Result<Ve
     Ok(frames)
 }
 
-/// Refuses rest frames that a BVH could not hold all of.
+/// Refuses rest frames with more triangles than a BVH can hold.
 fn refuse_too_many(scene: &Scene, frames: &[PlannedFrame]) -> Result<()> {
     let most = Bvh::MAX_TRIANGLES as u64;
     let Some(frame) = frames.iter().find(|f| f.triangles > most) else {

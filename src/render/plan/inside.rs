@@ -1,4 +1,4 @@
-//! glTF files refer to others. Whoever sends one must not choose what else of this machine is read and shown.
+//! glTF files refer to other files. The author of a file must not choose which other files of this machine are read and shown.
 
 use std::path::{Path, PathBuf};
 
@@ -14,12 +14,12 @@ pub(super) fn check(scene: &Scene, objects: &[PlannedObject]) -> Result<()> {
     };
     for object in objects {
         let Some(file) = &object.file else { continue };
-        // Its own folder also where the scene names it by a link.
+        // Its own folder, even if the scene names it by a link.
         let real = file.canonicalize().unwrap_or_else(|_| file.clone());
         let roots = [Some(folder.as_path()), file.parent(), real.parent()];
         let roots: Vec<PathBuf> = roots.into_iter().flatten().filter_map(folder_at).collect();
         for other in &object.files {
-            // One that is not there is missed when it is read.
+            // A missing file is reported when it is read.
             let Ok(real) = other.canonicalize() else {
                 continue;
             };
@@ -31,7 +31,7 @@ pub(super) fn check(scene: &Scene, objects: &[PlannedObject]) -> Result<()> {
     Ok(())
 }
 
-/// A folder with links resolved; no name is the current one.
+/// A folder with links resolved; an empty name is the current one.
 fn folder_at(path: &Path) -> Option<PathBuf> {
     match path.as_os_str().is_empty() {
         true => Path::new(".").canonicalize().ok(),

@@ -1,4 +1,4 @@
-//! How much memory a plan takes.
+//! The memory that a plan needs.
 
 use glam::DVec3;
 
@@ -11,24 +11,24 @@ use crate::light::time_texture::Capture;
 use crate::render::film::Layout;
 use crate::scene::model::{self, Scene};
 
-/// Bytes per triangle while a BVH is built, beside what stays. Measured with 1.6 million triangles: 35.
+/// Bytes per triangle while a BVH is built, in addition to what is kept. Measured with 1.6 million triangles: 35.
 const BUILDING: u64 = 100;
 
-/// Once so many triangles are gathered, their trees are built, those of several frames side by side.
+/// Once this many triangles are gathered, their trees are built, those of several frames in parallel.
 pub(crate) const BUILT_TOGETHER: u64 = 1 << 18;
 
-/// What writing takes, in tenths of the film: channels, their single-precision copy, the
-/// compressed file. Measured: 1.6 for EXR, 1.1 for npz.
+/// The memory for writing, in tenths of the film: channels, their single-precision copy, the compressed file. Measured: 1.6 for EXR, 1.1
+/// for npz.
 const WRITING_TENTHS: u64 = 17;
 
-/// What the program takes beside what is planned for it, bytes: pages of its own code, stacks, what the allocator loses. Measured: 33 MiB
-/// with two threads, and of room that is not given to bricks two thirds are not resident.
+/// The memory of the program itself, bytes: pages of its code, stacks, allocator overhead. Measured: 33 MiB with two threads, and two
+/// thirds of the room not given to bricks are not resident.
 const PROGRAM: u64 = 64 << 20;
 
-/// The most that is held of a cube that is read in parts: more than neighbouring tiles share.
+/// The most that is kept of a cube that is read in parts: more than neighbouring tiles share.
 const MOST_HELD: u64 = 1 << 30;
 
-/// Reads cubes in parts, the largest first, until what is loaded stays within `limit`. They share what is left.
+/// Switches cubes to reading in parts, the largest first, until what is loaded fits into `limit`. They share the remainder.
 pub(super) fn read_in_parts(
     cubes: &mut [Option<PlannedCube>],
     limit: u64,
@@ -41,7 +41,7 @@ pub(super) fn read_in_parts(
         }
         let whole = cubes.iter().flatten().filter(|c| c.held.is_none());
         let largest = whole.filter(|c| c.file.is_some()).max_by_key(|c| c.bytes);
-        // No more than what it takes whole can be saved.
+        // At most its full size can be saved.
         let Some(largest) = largest.filter(|c| c.bytes > 2 * LEAST_ROOM) else {
             return;
         };
@@ -52,7 +52,7 @@ pub(super) fn read_in_parts(
         }
     }
     let in_parts = cubes.iter().flatten().filter(|c| c.held.is_some()).count() as u64;
-    // What is resident is to stay within the limit, as far as that leaves room.
+    // Resident memory should stay within the limit, as far as that leaves room.
     let planned = memory(cubes);
     let left = limit - planned.total();
     let left = left - PROGRAM.saturating_sub(planned.program).min(left / 4);
@@ -60,13 +60,13 @@ pub(super) fn read_in_parts(
         return;
     };
     for cube in cubes.iter_mut().flatten() {
-        // All of it, what there is to bricks beside their samples, and those that threads have at hand.
+        // All of it, the overhead of bricks beside their samples, and those in use by threads.
         let most = (2 * cube.bytes).min(MOST_HELD);
         cube.held = cube.held.map(|least| (least + each).min(most));
     }
 }
 
-/// What the parts of a plan take, with `normals` of triangles or without.
+/// The memory of the parts of a plan, with or without `normals` of triangles.
 pub(super) fn memory(
     scene: &Scene,
     frames: &[PlannedFrame],
@@ -84,21 +84,21 @@ pub(super) fn memory(
         true => frames.iter().map(|f| f.triangles).sum::<u64>() * size_of::<DVec3>() as u64,
         false => 0,
     };
-    // Three indices by triangle, and two f32 by vertex and set.
+    // Three indices per triangle, and two f32 per vertex and set.
     let uvs = objects
         .iter()
         .filter(|o| o.uvs)
-        // All sets of the file, and one more where a texture transform makes one.
+        // All sets of the file, and one more if a texture transform makes one.
         .map(|o| 12 * o.triangles + 8 * o.vertices * (o.uv_sets as u64 + 1))
         .sum::<u64>();
-    // Triangles are there with texture coordinates already.
+    // Triangles are already counted with texture coordinates.
     let vertex_normals = objects
         .iter()
         .filter(|o| o.normals)
         .map(|o| 12 * o.vertices + if o.uvs { 0 } else { 12 * o.triangles })
         .sum::<u64>();
     let cubes = cubes.iter().flatten();
-    // One whose channels are named is loaded as it is, and then becomes a cube of colours and one of each companion.
+    // A cube with named channels is loaded as it is, and then split into a cube of colours and one for each companion.
     let splitting = cubes
         .clone()
         .filter(|c| c.channels.is_some() && c.held.is_none());
@@ -106,7 +106,7 @@ pub(super) fn memory(
     let captures = cubes.clone().map(|c| {
         c.capture_rays * Capture::BYTES_PER_PIXEL + if c.held.is_some() { 0 } else { c.sums }
     });
-    // One array that several sources use is loaded once; those in memory are there already.
+    // An array that several sources use is loaded once; those in memory already exist.
     let mut files: Vec<_> = cubes
         .clone()
         .filter(|c| c.file.is_some())
@@ -132,7 +132,7 @@ pub(super) fn memory(
     }
 }
 
-/// What the sky's picture takes, and what reading it takes besides.
+/// The memory of the sky's picture, and the additional memory for reading it.
 fn sky(scene: &Scene) -> [u64; 2] {
     let head = scene.sky.as_ref().and_then(model::Sky::picture);
     match head.and_then(|path| panorama::head(path)) {
@@ -150,16 +150,15 @@ fn sky(scene: &Scene) -> [u64; 2] {
     }
 }
 
-/// Tables of the bricks that a cube of `bytes` has: a bit for each, where samples take two bytes more than they lie in
-/// at the least.
+/// Tables of the bricks of a cube of `bytes`: a bit for each, if samples take at least two bytes more than in the file.
 fn tables(bytes: u64) -> u64 {
     bytes / BRICK + (1 << 16)
 }
 
-/// The larger of what building and writing take: they do not happen at once.
+/// The larger of the memory for building and for writing, which do not happen at once.
 fn temporary(frames: &[PlannedFrame], layout: &Layout) -> u64 {
     let largest = frames.iter().map(|f| f.triangles).max().unwrap_or(0);
-    // Trees are built side by side of what was gathered, until the last frame makes it enough.
+    // Trees are built in parallel from what was gathered, until the last frame makes it enough.
     let all = frames
         .iter()
         .fold(0u64, |all, f| all.saturating_add(f.triangles));

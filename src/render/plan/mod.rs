@@ -1,7 +1,7 @@
 //! What a scene and a request need, what is skipped and why; with nothing heavy loaded.
 //!
-//! The plan reads headers only (the JSON of glTF files, the first lines of cubes). It is what
-//! [`prepare`](crate::render::prepare) carries out, no more and no less, and what `nullray plan` prints.
+//! The plan reads only headers (the JSON of glTF files, the first lines of cubes). It is exactly what [`prepare`](crate::render::prepare)
+//! carries out, and what `nullray plan` prints.
 
 mod bindings;
 mod check;
@@ -36,11 +36,11 @@ pub use planned::{Memory, Plan, PlannedCube, PlannedFrame, PlannedObject, Rays, 
 pub use report::{bytes, count, motion};
 
 impl Plan {
-    /// Plans `request` for `scene`, reading headers only.
+    /// Plans `request` for `scene`, reading only headers.
     ///
     /// # Errors
-    /// Numbers that no scene file can have, files that are missing or broken as far as their headers tell, materials that do not exist, a
-    /// scene that takes more than the request's memory limit.
+    /// Numbers that no scene file can contain, files that are missing or whose headers are broken, materials that do not exist, a scene
+    /// that exceeds the request's memory limit.
     pub fn new(scene: &Scene, request: &Request) -> Result<Plan> {
         check::check(scene)?;
         let mut objects = inspect_objects(scene)?;
@@ -86,8 +86,8 @@ impl Plan {
         Ok(plan)
     }
 
-    /// The same where a picture holds `beside` bytes to the end, and `working` until its film is complete: neither while BVHs
-    /// are built nor while files are written.
+    /// The same if a picture holds `beside` bytes to the end, and `working` until its film is complete, neither while BVHs are built nor
+    /// while files are written.
     ///
     /// # Errors
     /// More than the memory limit.
@@ -104,7 +104,7 @@ impl Plan {
         self.memory_limit.saturating_sub(self.memory.total())
     }
 
-    /// The same for the sky: what is planned for it, and for work that is done before and after it is loaded, is there.
+    /// The same for the sky: including what is planned for it, and for work before and after it is loaded.
     pub(crate) fn memory_for_sky(&self) -> u64 {
         self.memory_left()
             .saturating_add(self.memory.sky)
@@ -154,7 +154,7 @@ fn is_time_resolved(scene: &Scene, objects: &[PlannedObject]) -> bool {
     (0..objects.len()).any(varies)
 }
 
-/// Whether the normals of all triangles are kept: where surfaces reflect light, or capture cameras see them.
+/// Whether the normals of all triangles are kept: if surfaces reflect light, or capture cameras see them.
 pub(crate) fn keeps_normals(
     scene: &Scene,
     objects: &[PlannedObject],
@@ -178,7 +178,7 @@ fn inspect_objects(scene: &Scene) -> Result<Vec<PlannedObject>> {
         let mut planned = inspect_geometry(object)?;
         if object.texture_coordinates.is_some() {
             planned.uv_sets += 1;
-            // Corners that differ are vertices of their own.
+            // Different corners are separate vertices.
             planned.vertices = planned.vertices.max(3 * planned.triangles);
         }
         Ok(planned)
@@ -186,7 +186,7 @@ fn inspect_objects(scene: &Scene) -> Result<Vec<PlannedObject>> {
     scene.objects.iter().map(inspect).collect()
 }
 
-/// What can be known of an object's geometry without loading it: a glTF file's header has all counts.
+/// What is known of an object's geometry without loading it: a glTF file's header has all counts.
 fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
     match &object.geometry {
         Geometry::Gltf { path, node } => {
@@ -228,7 +228,7 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
                 without_file: "shape",
                 files: Vec::new(),
                 triangles,
-                // As many as boxes have; spheres share theirs.
+                // As many as for boxes; spheres share theirs.
                 vertices: 2 * triangles,
                 uvs: false,
                 textures: false,
@@ -279,7 +279,7 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
     }
 }
 
-/// Shape and size of each cube that is used, by the head of its file, with the checks that need no samples.
+/// Shape and size of each cube that is used, from the header of its file, with the checks that need no samples.
 fn inspect_cubes(
     scene: &Scene,
     objects: &[PlannedObject],
@@ -334,7 +334,7 @@ fn inspect_cubes(
         .collect()
 }
 
-/// Refuses a cube that is larger than what is left of the film that it is a crop of.
+/// Refuses a cube that does not fit on the film that it is a crop of.
 fn check_crop(scene: &Scene, source: &Source, cube: &CubeSource, size: [usize; 2]) -> Result<()> {
     let Mapping::Capture(camera) = &cube.mapping else {
         return Ok(());
@@ -355,7 +355,7 @@ fn check_crop(scene: &Scene, source: &Source, cube: &CubeSource, size: [usize; 2
     ))
 }
 
-/// Refuses rows that have no two halves, where one is that of backs, and rows of backs that the source does not know of.
+/// Refuses an odd number of rows if half of them belong to backs, and rows of backs that the source does not declare.
 fn check_backs(scene: &Scene, source: &Source, cube: &CubeSource, rows: usize) -> Result<()> {
     let Mapping::Uv { backs, .. } = cube.mapping else {
         return Ok(());
@@ -382,9 +382,9 @@ fn check_backs(scene: &Scene, source: &Source, cube: &CubeSource, rows: usize) -
     }
 }
 
-/// Whether a file that `nullray bake` has written says that it holds backs.
+/// Whether a file written by `nullray bake` says that it contains backs.
 fn has_rows_of_backs(cube: &CubeSource) -> bool {
-    // Metadata are a few scenes long at most.
+    // Metadata are no longer than a few scenes.
     const MOST: u64 = 1 << 26;
     let Some(path) = cube.data.path() else {
         return false;
@@ -399,7 +399,7 @@ fn has_rows_of_backs(cube: &CubeSource) -> bool {
     said.is_some_and(|said| said[CubeBacks::KEY] == CubeBacks::SecondHalf.name())
 }
 
-/// Refuses a table of edges that is not one of as many bins as there are.
+/// Refuses a table of edges that does not match the number of bins.
 fn check_edges(scene: &Scene, source: &Source, cube: &CubeSource, bins: usize) -> Result<()> {
     let TimeBins::Edges(edges) = &cube.bins else {
         return Ok(());
@@ -418,7 +418,7 @@ fn check_edges(scene: &Scene, source: &Source, cube: &CubeSource, bins: usize) -
     ))
 }
 
-/// How much work the pictures' rays are worth. In f32 a tree may decide what rays along edges hit: there it is always the same.
+/// How much work the pictures' rays justify. In f32, results on edges may depend on the tree: there it is always the same.
 fn trees(request: &Request, rays: &Rays, objects: &[PlannedObject]) -> Preset {
     if request.precision == Precision::Fast {
         return Preset::default();
@@ -440,12 +440,12 @@ fn rays(
         .filter(|(used, s)| *used && matches!(&s.kind, SourceKind::Pulse(p) if p.shadows))
         .count() as u64;
     let lights = scene.lights.iter().filter(|light| light.shadows).count() as u64;
-    // Of a sky: one for its light, one for gloss, one for its sun.
+    // For a sky: one for its light, one for gloss, one for its sun.
     let sky = scene.sky.as_ref().filter(|sky| sky.lights && sky.shadows);
     let lights = lights + sky.map_or(0, |sky| 2 + u64::from(sky.sun.is_some()));
     let capture: u64 = cubes.iter().flatten().map(|c| c.capture_rays).sum();
     let towards = (pulses + lights).max(bindings::most_captures(scene, objects));
-    // Each level of a path asks for its own shadows; after the last surface a ray looks for what shines.
+    // Each level of a path has its own shadow rays; after the last surface a ray looks for emission.
     let (levels, reflects) = (u64::from(scene.bounces) + 1, pulses + lights > 0);
     let bounces_at_most = match scene.bounces > 0 && reflects {
         true => camera.saturating_mul(levels),

@@ -17,7 +17,7 @@ use crate::scene::model::{
 };
 use crate::spacetime::Quantity;
 
-/// Velocities whose rapidities differ by less are the same but for rounding: W is 1 to as many digits.
+/// Velocities whose rapidities differ by less are the same up to rounding: W is 1 to as many digits.
 const SAME_RAPIDITY: f64 = 1e-9;
 
 pub(super) fn explain(scene: &Scene, plan: &mut Plan) {
@@ -78,11 +78,7 @@ fn skipped(scene: &Scene, plan: &Plan) -> Vec<Skipped> {
         "each sample has wavelengths of its own",
     );
     let no_uvs = plan.objects.iter().all(|o| !o.uvs);
-    skip(
-        no_uvs,
-        "texture coordinates",
-        "nothing uses them",
-    );
+    skip(no_uvs, "texture coordinates", "nothing uses them");
     let unused_textures = plan.objects.iter().any(|o| o.images > 0 && !o.textures);
     skip(
         unused_textures,
@@ -120,7 +116,7 @@ fn skipped(scene: &Scene, plan: &Plan) -> Vec<Skipped> {
     list
 }
 
-/// What a user may take for exact and is not, or may expect and does not get.
+/// Approximations and omissions that a user might not expect.
 fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
     let mut notes = Vec::new();
     let moving =
@@ -169,9 +165,7 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
         notes.push("no surface here reflects light: `render.spectra` has no effect".into());
     }
     if scene.bounces > 0 && plan.rays.bounces_at_most == 0 {
-        notes.push(
-            "no light falls on any surface: `render.bounces` has no effect".into(),
-        );
+        notes.push("no light falls on any surface: `render.bounces` has no effect".into());
     }
     notes.extend(unfound_light(scene, &plan.objects, |_| false));
     notes.extend(unshown(scene, &plan.objects));
@@ -196,8 +190,8 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
     notes
 }
 
-/// What is passed over of the glTF files of the objects of `scene`, by their headers alone: a sentence each, once, after the name of
-/// the file. Of a file that cannot be read nothing is said.
+/// What is ignored in the glTF files of the objects of `scene`, from their headers: a sentence for each, after the name of the file.
+/// Files that cannot be read are skipped.
 pub fn unread(scene: &Scene) -> Vec<String> {
     let mut inspected = HashSet::new();
     let mut files = Vec::new();
@@ -216,7 +210,7 @@ pub fn unread(scene: &Scene) -> Vec<String> {
     unread_of(scene, files.iter().map(|(path, said)| (*path, &said[..])))
 }
 
-/// The same of `files`, and of each what is passed over in it.
+/// The same for `files`, with the ignored features of each.
 fn unread_of<'a>(
     scene: &Scene,
     files: impl IntoIterator<Item = (&'a Path, &'a [String])>,
@@ -233,8 +227,8 @@ fn unread_of<'a>(
     notes
 }
 
-/// Whether it does not matter in a scene what a file's warning says is not read: lights where the scene was made for the model and has them, or has
-/// recorded light or pulses, and animations where something moves by one.
+/// Whether a file's warning does not matter in a scene: lights, if the scene was made for the model and has them, or has recorded light
+/// or pulses; and animations, if something follows one.
 pub(crate) fn is_moot(scene: &Scene, warning: &str) -> bool {
     let by_animation = |motion: &Motion| matches!(motion, Motion::Animation { .. });
     let lamp = |light: &Light| match &light.kind {
@@ -248,9 +242,9 @@ pub(crate) fn is_moot(scene: &Scene, warning: &str) -> bool {
         || (warning.contains(gltf::ANIMATIONS_UNREAD) && plays())
 }
 
-/// That light of lamps without an extent is lost where it comes by perfect mirrors or through smooth glass: no path that is drawn goes that
-/// one way, and none is there to say so in the standard error. `has_mirror` says of an object, by its index, whether textures make some of it
-/// such a mirror.
+/// Notes that light of lamps without extent is lost via perfect mirrors or through smooth glass: no sampled path goes exactly that way,
+/// and none contributes to the standard error. `has_mirror` says for an object, by its index, whether textures make part of it such a
+/// mirror.
 pub(crate) fn unfound_light(
     scene: &Scene,
     objects: &[PlannedObject],
@@ -305,7 +299,7 @@ pub(crate) fn unfound_light(
     ))
 }
 
-/// What pictures of a scene do not show, a sentence each, which is said before they are made as well as with them.
+/// What pictures of a scene do not show, a sentence each, reported before rendering as well as with the pictures.
 pub(crate) fn unshown(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
     let mut notes = unshown_materials(scene, objects);
     notes.extend(opaque_glass(scene, objects));
@@ -315,7 +309,7 @@ pub(crate) fn unshown(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
     notes
 }
 
-/// That shapes reflect more light than they receive.
+/// Notes shapes that reflect more light than they receive.
 fn bright_colours(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
     let is_bright = |(index, object): &(usize, &Object)| {
         let colour = match &object.geometry {
@@ -338,7 +332,7 @@ fn bright_colours(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
     })
 }
 
-/// That infrared and ultraviolet channels of the sky's picture are not read.
+/// Notes infrared and ultraviolet channels of the sky's picture, which are not read.
 fn unread_companions(scene: &Scene) -> Option<String> {
     let path = scene.sky.as_ref()?.picture()?;
     let is_companion = |name: &String| {
@@ -365,8 +359,8 @@ fn unread_companions(scene: &Scene) -> Option<String> {
     })
 }
 
-/// That surfaces reflect no spectra: what arrives on them in their rest frames is seen by red, green and blue, whose shift on the way to a
-/// camera in motion against them is that of smooth spectra.
+/// Notes that surfaces do not reflect spectra: the light that reaches them in their rest frames is represented by red, green and blue,
+/// whose shift on the way to a moving camera is that of smooth spectra.
 fn lost_spectra(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
     let is_sampled = scene.spectra == Spectra::Sampled;
     if scene.quantity != Quantity::Rgb || !scene.effects.doppler || is_sampled {
@@ -404,7 +398,7 @@ fn lost_spectra(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
     })
 }
 
-/// That glass is opaque where light is not followed; but for what pulses alone light, of which [`unshown_materials`] speaks.
+/// Notes that glass is opaque without bounces, except under pulses alone, which [`unshown_materials`] handles.
 fn opaque_glass(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
     let is_glass = |(index, object): &(usize, &PlannedObject)| {
         let mut materials = object.materials.iter().zip(&object.factors);
@@ -423,8 +417,8 @@ fn opaque_glass(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
     })
 }
 
-/// What lights and skies alone show of materials, in a scene that has none: emission where base colours are what is seen, as nothing shines
-/// beside them, and how glossy are surfaces that pulses light.
+/// What only lights and skies show of materials, in a scene without any: emission, if base colours are shown; and gloss, if pulses light
+/// the surfaces.
 fn unshown_materials(scene: &Scene, objects: &[PlannedObject]) -> Vec<String> {
     if scene.is_lit() {
         return Vec::new();
@@ -465,7 +459,7 @@ fn quoted(name: &str) -> String {
     format!("\"{}\"", name.escape_debug())
 }
 
-/// A few names of a list, and how many more there are.
+/// The first few names of a list, and the number of others.
 fn listed(names: &[String]) -> String {
     const MOST: usize = 4;
     let shown = names[..names.len().min(MOST)].join(", ");
@@ -475,7 +469,7 @@ fn listed(names: &[String]) -> String {
     }
 }
 
-/// What is seen of the infrared and ultraviolet channels of cubes, or why nothing is.
+/// What is visible of the infrared and ultraviolet channels of cubes, or why nothing is.
 fn companions(scene: &Scene, plan: &Plan) -> Vec<String> {
     let (mut notes, mut without) = (Vec::new(), Vec::new());
     let sources = scene.sources.iter().zip(&plan.cubes);
@@ -501,7 +495,10 @@ fn companions(scene: &Scene, plan: &Plan) -> Vec<String> {
                 format!("{} is its radiance from {from} to {to} nm", channel.name())
             });
             let bands: Vec<_> = bands.collect();
-            notes.push(format!("{named}: {}; it is dark outside these", bands.join(", ")));
+            notes.push(format!(
+                "{named}: {}; it is dark outside these",
+                bands.join(", ")
+            ));
         }
     }
     if scene.continuation == Continuation::Companions && scene.effects.doppler {

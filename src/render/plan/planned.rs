@@ -1,4 +1,4 @@
-//! What a request asks for, and what a plan says.
+//! The options of a request, and the contents of a plan.
 
 use std::path::PathBuf;
 
@@ -11,22 +11,22 @@ use crate::render::aov::Aov;
 use crate::render::film::Layout;
 use crate::scene::model::{BackFaces, Scene};
 
-/// What is asked of a scene beyond what its file says.
+/// Options of a render that are not in the scene file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Request {
     /// Auxiliary channels.
     pub aovs: Vec<Aov>,
     /// One sample per pixel, at its centre.
     pub pixel_centers: bool,
-    /// The most memory that the scene may take, bytes. Default: 16 GiB.
+    /// The memory limit for the scene, bytes. Default: 16 GiB.
     pub memory_limit: u64,
     /// Precision of visibility. Default: certified.
     pub precision: Precision,
-    /// What is held beside the picture, bytes: maps that are warped, films that lines are traced on. Default: 0.
+    /// Memory held beside the picture, bytes: maps that are warped, films on which lines are traced. Default: 0.
     pub beside: u64,
-    /// What the program itself takes, bytes: its code, stacks, tables, what allocators keep. Default: 0.
+    /// Memory of the program itself, bytes: its code, stacks, tables, allocator overhead. Default: 0.
     pub program: u64,
-    /// How many pictures are taken of what is loaded: trees are built for their rays. Default: 1.
+    /// The number of pictures rendered from what is loaded: trees are built for their rays. Default: 1.
     pub pictures: u64,
 }
 
@@ -54,9 +54,9 @@ pub struct Plan {
     pub view: camera::ViewKind,
     /// The rest frames; one BVH each.
     pub frames: Vec<PlannedFrame>,
-    /// Per object of the scene, what is loaded of it.
+    /// For each object of the scene, what is loaded of it.
     pub objects: Vec<PlannedObject>,
-    /// Per source of the scene: its cube, where it has one and lights anything.
+    /// For each source of the scene: its cube, if it has one and lights anything.
     pub cubes: Vec<Option<PlannedCube>>,
     /// Whether any radiance varies with time.
     pub time_resolved: bool,
@@ -66,19 +66,19 @@ pub struct Plan {
     pub rays: Rays,
     /// How much work goes into the trees.
     pub trees: Preset,
-    /// Memory, bytes; without decoded textures, whose size their headers tell only when they are read.
+    /// Memory, bytes; without decoded textures, whose size is known only when their headers are read.
     pub memory: Memory,
-    /// The most memory that may be taken, bytes: [`prepare`](crate::render::prepare) keeps textures within it.
+    /// The memory limit, bytes: [`prepare`](crate::render::prepare) keeps textures within it.
     pub memory_limit: u64,
     /// Whether light that surfaces reflect is sampled at wavelengths.
     #[serde(skip)]
     pub(crate) samples_spectra: bool,
-    /// Whether parts of cubes that would be read are only counted: for [`estimate_reads`](crate::render::estimate_reads).
+    /// Whether parts of cubes are only counted, not read: for [`estimate_reads`](crate::render::estimate_reads).
     #[serde(skip)]
     pub(crate) counts_only: bool,
     /// What is not done, and why.
     pub skipped: Vec<Skipped>,
-    /// What the pictures do not show, and other things worth knowing.
+    /// What the pictures do not show, and other remarks.
     pub notes: Vec<String>,
 }
 
@@ -102,9 +102,9 @@ pub struct PlannedFrame {
 pub struct PlannedObject {
     /// The object's name.
     pub name: String,
-    /// The file, or none for a built-in shape or a mesh in memory.
+    /// The file; `None` for a built-in shape or a mesh in memory.
     pub file: Option<PathBuf>,
-    /// What stands for the name of the file where there is none.
+    /// The substitute for the file name if there is none.
     #[serde(skip)]
     pub(super) without_file: &'static str,
     /// Files that this one refers to.
@@ -115,7 +115,7 @@ pub struct PlannedObject {
     pub vertices: u64,
     /// Whether texture coordinates are loaded.
     pub uvs: bool,
-    /// Whether base colour textures and colours of vertices are loaded.
+    /// Whether base colour textures and vertex colours are loaded.
     pub textures: bool,
     /// Whether normals of vertices are loaded.
     pub normals: bool,
@@ -127,10 +127,10 @@ pub struct PlannedObject {
     pub uv_sets: usize,
     #[serde(skip)]
     pub(super) materials: Vec<String>,
-    /// How each material looks by its factors.
+    /// The factors of each material.
     #[serde(skip)]
     pub factors: Vec<Factors>,
-    /// Whether a texture may make some of it smoother, or more of a metal, than factors say.
+    /// Whether a texture may make part of it smoother, or more metallic, than the factors say.
     #[serde(skip)]
     pub has_gloss_textures: bool,
     #[serde(skip)]
@@ -144,16 +144,16 @@ pub struct PlannedObject {
     /// Names of materials that show their base colours under any light.
     #[serde(skip)]
     pub(super) unlit: Vec<String>,
-    /// What of its file is passed over, a sentence each.
+    /// Ignored features of its file, a sentence each.
     #[serde(skip)]
     pub(super) unread: Vec<String>,
 }
 
 impl PlannedObject {
-    /// Whether the back of any of its materials is seen in `scene`, and shines.
+    /// Whether the back of any of its materials is visible in `scene`, and shines.
     pub fn shows_backs(&self, scene: &Scene) -> bool {
         let is_seen = |factors: &Factors| match scene.back_faces {
-            // Light on its way out of the glass meets its surface from within.
+            // Light on its way out of the glass hits its surface from inside.
             _ if scene.bounces > 0 && factors.is_glass() => true,
             BackFaces::AsFile => factors.double_sided,
             BackFaces::TwoSided => true,
@@ -169,29 +169,28 @@ impl PlannedObject {
 pub struct PlannedCube {
     /// The source's name.
     pub source: String,
-    /// The file, or none for a cube in memory.
+    /// The file; `None` for a cube in memory.
     pub file: Option<PathBuf>,
-    /// The array, where the scene names one.
+    /// The array, if the scene names one.
     pub array: Option<String>,
     /// H, W, T, C.
     pub shape: [usize; 4],
-    /// What its channels are, where the scene says it.
+    /// What its channels are, if the scene says so.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channels: Option<Vec<&'static str>>,
     /// Bytes of its samples.
     pub bytes: u64,
-    /// Bytes of its prefix sums over time, which exposures are integrated by.
+    /// Bytes of its prefix sums over time, for the integration of exposures.
     pub sums: u64,
-    /// Rays from the capture camera, one per pixel, where the cube is projected.
+    /// Rays from the capture camera, one per pixel, if the cube is projected.
     pub capture_rays: u64,
-    /// Bytes that may be held of it at a time, where it is read from disk in parts, as they are needed; none where it
-    /// is loaded whole.
+    /// Bytes that may be held of it at a time, if it is read from disk in parts, on demand; `None` if it is loaded whole.
     pub held: Option<u64>,
-    /// Bytes that will be read of it then, as far as that was [estimated](crate::render::estimate_reads).
+    /// Bytes that will be read of it then, if that was [estimated](crate::render::estimate_reads).
     pub read: Option<u64>,
 }
 
-/// How many rays a picture takes.
+/// The number of rays for a picture.
 #[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
 pub struct Rays {
@@ -199,16 +198,16 @@ pub struct Rays {
     pub camera: u64,
     /// Towards pulses and capture cameras, at most.
     pub shadow_at_most: u64,
-    /// On from surfaces to the next, at most.
+    /// From surfaces to the next, at most.
     pub bounces_at_most: u64,
     /// From capture cameras, before rendering.
     pub capture: u64,
 }
 
 impl Rays {
-    /// Those of so many pictures, for which trees are built.
+    /// The rays of this many pictures, for which trees are built.
     pub(super) fn of_pictures(&self, pictures: u64) -> ExpectedRays {
-        // Capture cameras look once, before the first picture.
+        // Capture cameras are traced once, before the first picture.
         let all = |rays: u64| rays.saturating_mul(pictures);
         ExpectedRays {
             camera: all(self.camera).saturating_add(self.capture),
@@ -236,21 +235,21 @@ pub struct Memory {
     pub geometry: u64,
     /// Cubes, and what capture cameras saw.
     pub cubes: u64,
-    /// The sky's picture, in all sizes.
+    /// The sky's picture, at all resolutions.
     pub sky: u64,
     /// The film.
     pub film: u64,
-    /// Held for a while only: a mesh beside its BVH under construction, a picture of the sky beside its copy, what a rasterizer or a warp works on, or copies of
-    /// the film on their way into files.
+    /// Temporary memory: a mesh beside its BVH under construction, a picture of the sky beside its copy, the working memory of a
+    /// rasterizer or a warp, or copies of the film on their way into files.
     pub temporary: u64,
-    /// What the request says is held beside the picture.
+    /// What the request holds beside the picture.
     pub beside: u64,
-    /// What the request says of the program itself.
+    /// What the request reserves for the program itself.
     pub program: u64,
 }
 
 impl Memory {
-    /// The sum: the peak, to within what allocators keep.
+    /// The sum: the peak, up to allocator overhead.
     pub fn total(&self) -> u64 {
         self.geometry
             .saturating_add(self.cubes)

@@ -1,4 +1,4 @@
-//! The plan as text, for people: short whatever the size of the scene. All of it is in the JSON.
+//! The plan as text, for people: short whatever the size of the scene. The JSON is complete.
 
 use std::fmt::{self, Formatter, Write};
 use std::path::Path;
@@ -10,7 +10,7 @@ use crate::camera::ViewKind;
 /// The most entries of a list that are shown one by one.
 const MOST: usize = 8;
 
-/// A plan of which surfaces are baked and no picture is taken, as text.
+/// The plan of a bake of surfaces, without a picture, as text.
 #[derive(Debug)]
 pub struct OfSurfaces<'a>(&'a Plan);
 
@@ -50,12 +50,12 @@ impl fmt::Display for Plan {
 }
 
 impl Plan {
-    /// The same without film and camera, where surfaces are baked.
+    /// The same without film and camera, for a bake of surfaces.
     pub fn of_surfaces(&self) -> OfSurfaces<'_> {
         OfSurfaces(self)
     }
 
-    /// Size, samples, camera, and the channels that are asked for.
+    /// Size, samples, camera, and requested channels.
     fn film(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let [width, height] = self.film.size;
         let view = match self.view {
@@ -140,7 +140,7 @@ impl Plan {
         }
     }
 
-    /// Rays by what they are for.
+    /// Rays by purpose.
     fn cost(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let rays = &self.rays;
         let mut text = format!("{} from the camera", count(rays.camera));
@@ -222,7 +222,7 @@ fn row(f: &mut Formatter<'_>, label: &str, text: &str) -> fmt::Result {
     writeln!(f, "  {label:<10}{text}")
 }
 
-/// A row for those entries of a list that are not shown.
+/// A row for the entries of a list that are not shown.
 fn more(f: &mut Formatter<'_>, label: &str, all: usize, shown: usize, what: &str) -> fmt::Result {
     let hidden = all.saturating_sub(shown) as u64;
     match (hidden, what) {
@@ -243,7 +243,7 @@ pub fn motion(beta: [f64; 3], gamma: f64) -> String {
     if gamma == 1.0 && beta == [0.0; 3] {
         return "at rest".into();
     }
-    // 12 decimals show every digit that people write, and none of the rounding.
+    // 12 decimals show every digit that people write, without the rounding.
     let [x, y, z] = beta.map(|b| short(b, 12));
     let gamma = if gamma < 1e6 {
         short(gamma, 6)
@@ -253,7 +253,7 @@ pub fn motion(beta: [f64; 3], gamma: f64) -> String {
     format!("β = ({x}, {y}, {z}), γ = {gamma}")
 }
 
-/// `x` with at most `digits` decimals, and none that are 0 at the end.
+/// `x` with at most `digits` decimals, without trailing zeros.
 fn short(x: f64, digits: usize) -> String {
     let text = format!("{x:.digits$}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

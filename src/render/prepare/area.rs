@@ -1,4 +1,4 @@
-//! Objects that are area lights: how bright they are, and when.
+//! Objects that are area lights: their brightness over time.
 
 use std::f64::consts::PI;
 
@@ -6,7 +6,7 @@ use super::backs::{Backs, backs};
 use crate::mesh::Mesh;
 use crate::scene::model::{Brightness, EmissionProfile, LightKind, Scene};
 
-/// Objects that are area lights, and the numbers of their lights after the sources.
+/// Objects that are area lights, and the numbers of their lights, which follow those of sources.
 pub(super) fn area_lights(scene: &Scene) -> Vec<(u32, usize)> {
     let lights = (scene.sources.len()..).zip(&scene.lights);
     let area = |(number, light): (usize, &crate::scene::model::Light)| match light.kind {
@@ -16,14 +16,14 @@ pub(super) fn area_lights(scene: &Scene) -> Vec<(u32, usize)> {
     lights.filter_map(area).collect()
 }
 
-/// An object that is an area light: how bright, when, and whether surfaces shadow it.
+/// An object that is an area light: its brightness, its emission profile, and whether it casts shadows.
 pub(super) struct AreaLight<'a> {
     pub brightness: Brightness,
     pub emission: &'a EmissionProfile,
     pub shadows: bool,
 }
 
-/// `object` as one, if it is.
+/// `object` as an area light, if it is one.
 pub(super) fn area_light(scene: &Scene, object: usize) -> Option<AreaLight<'_>> {
     scene.lights.iter().find_map(|light| match &light.kind {
         LightKind::Area {
@@ -39,8 +39,8 @@ pub(super) fn area_light(scene: &Scene, object: usize) -> Option<AreaLight<'_>> 
     })
 }
 
-/// The radiance of an object that is an area light, whose mesh in its rest frame is `mesh`: of the power Φ, Φ/(π A) with the area
-/// A of all sides that shine, for a side sends ∫ L cos θ dω = π L per area.
+/// The radiance of an object that is an area light, whose mesh in its rest frame is `mesh`: for power Φ it is Φ/(π A), where A is the
+/// area of all sides that shine, because a side emits ∫ L cos θ dω = π L per area.
 pub(super) fn area_radiance(scene: &Scene, object: usize, mesh: &Mesh) -> Option<[f64; 3]> {
     let power = match area_light(scene, object)?.brightness {
         Brightness::Radiance(radiance) => return Some(radiance),

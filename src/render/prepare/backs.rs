@@ -1,22 +1,22 @@
-//! What the backs of surfaces are like.
+//! The backs of surfaces.
 
 use crate::mesh::Material;
 use crate::render::plan::{Lit, lit_by};
 use crate::scene::model::{BackFaces, CubeBacks, Mapping, Scene, SourceKind};
 
-/// What the backs of surfaces are like.
+/// The backs of surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Backs {
-    /// As their fronts.
+    /// The same as their fronts.
     Same,
-    /// Not there.
+    /// Absent.
     Culled,
     Black,
 }
 
 /// The backs of `material` in `scene`.
 pub(super) fn backs(scene: &Scene, material: &Material) -> Backs {
-    // Glass is seen from within.
+    // Glass is visible from inside.
     if scene.bounces > 0 && material.transmission > 0.0 {
         return Backs::Same;
     }
@@ -28,7 +28,7 @@ pub(super) fn backs(scene: &Scene, material: &Material) -> Backs {
     }
 }
 
-/// The backs of `material` of object `object`: of a cube that holds fronts alone, those that would be seen are black.
+/// The backs of `material` of object `object`: for a cube that contains only fronts, visible backs are black.
 pub(super) fn backs_of(scene: &Scene, object: usize, material: &Material) -> Backs {
     let holds_fronts = || {
         let Lit::Cube(source) = lit_by(scene, object, &material.name) else {

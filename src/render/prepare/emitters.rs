@@ -28,7 +28,7 @@ use crate::scene::model::{
 };
 use crate::spacetime::{Event, Quantity, World};
 
-/// Radiance of surfaces: constant, varying with time, or of the caller's own.
+/// Radiance of surfaces: constant, varying with time, or defined by the caller.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum SurfaceLight {
@@ -36,9 +36,9 @@ pub enum SurfaceLight {
     Constant(BaseColours),
     /// Cubes, lamps, base colours.
     TimeResolved(TimeResolved),
-    /// The same, and light that goes on from surface to surface.
+    /// The same, with light that is traced from surface to surface.
     PathTraced(PathTraced),
-    /// Whatever the caller puts in place of what the scene says, by [`Prepared::set_radiance`](super::Prepared::set_radiance).
+    /// The caller's radiance in place of the scene's, set by [`Prepared::set_radiance`](super::Prepared::set_radiance).
     Custom(Box<dyn Radiance>),
 }
 
@@ -52,7 +52,7 @@ impl SurfaceLight {
         }
     }
 
-    /// Cubes and lamps, where there are any.
+    /// Cubes and lamps, if there are any.
     pub(crate) fn time_resolved(&self) -> Option<&TimeResolved> {
         match self {
             SurfaceLight::TimeResolved(light) => Some(light),
@@ -61,7 +61,7 @@ impl SurfaceLight {
         }
     }
 
-    /// Whether lookups of some data are means over what samples stand for.
+    /// Whether some lookups are means over sample footprints.
     pub(crate) fn has_footprints(&self) -> bool {
         let cubes = self.time_resolved().map_or(&[][..], |light| &light.cubes);
         cubes
@@ -69,13 +69,13 @@ impl SurfaceLight {
             .any(|cube| cube.reconstruction() == Reconstruction::Footprint)
     }
 
-    /// Whether data could not be read while lookups asked for them.
+    /// Whether data could not be read on demand.
     pub(crate) fn has_failed(&self) -> bool {
         let mut on_disk = self.time_resolved().into_iter().flat_map(|l| l.on_disk());
         on_disk.any(Bricks::has_failed)
     }
 
-    /// Whether all data could be read that lookups have asked for.
+    /// Checks that all data requested by lookups could be read.
     ///
     /// # Errors
     /// The first failure.
@@ -84,7 +84,7 @@ impl SurfaceLight {
         on_disk.try_for_each(Bricks::check)
     }
 
-    /// Bytes that have been read so far of cubes that are not loaded whole.
+    /// Bytes read so far from cubes that are not loaded whole.
     pub fn bytes_read(&self) -> BytesRead {
         let mut sum = BytesRead::default();
         for bricks in self.time_resolved().into_iter().flat_map(|l| l.on_disk()) {
@@ -95,7 +95,7 @@ impl SurfaceLight {
         sum
     }
 
-    /// The same, to be changed.
+    /// The same, mutable.
     pub(crate) fn time_resolved_mut(&mut self) -> Option<&mut TimeResolved> {
         match self {
             SurfaceLight::TimeResolved(light) => Some(light),
@@ -110,9 +110,9 @@ pub(super) struct Builder<'a> {
     scene: &'a Scene,
     colours: Vec<BaseColour>,
     textures: Textures,
-    /// Per emitter: what lights it, and what it is made of.
+    /// Per emitter: what lights it, and its finish.
     emitters: Vec<(Lit, Finish)>,
-    /// Per emitter: where its surfaces have holes.
+    /// Per emitter: its alpha mask.
     masks: Vec<Option<AlphaMask>>,
 }
 
@@ -131,7 +131,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Where surfaces of emitter `index` have holes, if they have.
+    /// The alpha mask of emitter `index`, if it has one.
     pub(super) fn mask(&self, index: u32) -> Option<&AlphaMask> {
         self.masks.get(index as usize)?.as_ref()
     }
@@ -161,7 +161,7 @@ impl<'a> Builder<'a> {
         let emitter = |material: &Material| {
             let lit = shown_by(self.scene, object, (&material.name, material.unlit));
             let colour = match &own {
-                // Of an area light, its radiance is a factor on its spectrum.
+                // For an area light, its radiance is a factor on its spectrum.
                 Some(colour) => BaseColour {
                     factor: colour.factor.map(|c| c * area.map_or(1.0, mean)),
                     profile: profile.clone(),
@@ -205,7 +205,7 @@ impl<'a> Builder<'a> {
                 let patch = rest.patch(triangle);
                 let (lit, finish) = &self.emitters[patch.emitter as usize];
                 let area = area_light(self.scene, patch.object as usize);
-                // No points are drawn on what shows a cube, captures or its base colour; light that bounces may meet it.
+                // No points are sampled on surfaces that show a cube, captures or their base colour; light that bounces may hit them.
                 let shines = match lit {
                     Lit::Reflecting(_) => true,
                     Lit::Spectrum => area.is_some(),
@@ -280,7 +280,7 @@ impl<'a> Builder<'a> {
             LightKind::Area { .. } => None,
         });
         let lamps: Vec<_> = pulses.chain(lights).chain([sun]).collect();
-        // The scene's lights, which light all that reflects.
+        // The scene's lights, for everything that reflects.
         let everywhere = || (scene.sources.len()..lamps.len()).filter(|k| lamps[*k].is_some());
         let quantities = self.emitters.iter().map(|(lit, _)| match lit {
             Lit::Cube(source) => scene.sources[*source].quantity,
@@ -349,7 +349,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// `textures`: by image of the file, its index among the decoded ones; empty where none are loaded.
+/// `textures`: for each image of the file, its index among the decoded ones; empty if none are loaded.
 fn lookup(texture: &Option<TextureRef>, textures: &[usize]) -> Option<TextureLookup> {
     let texture = texture.as_ref()?;
     Some(TextureLookup {
@@ -369,7 +369,7 @@ fn base_colour(material: &Material, textures: &[usize], vertex_colours: bool) ->
     }
 }
 
-/// Where surfaces of `material` have holes; `decoded` are the decoded textures.
+/// The alpha mask of `material`; `decoded` are the decoded textures.
 fn alpha_mask(
     material: &Material,
     textures: &[usize],
@@ -386,7 +386,7 @@ fn alpha_mask(
     })
 }
 
-/// Metalness and roughness in a scene with lights; a rough dielectric is diffuse, and so is what pulses alone light.
+/// Metalness and roughness in a scene with lights; a rough dielectric is diffuse, and so is a surface lit by pulses alone.
 fn gloss(scene: &Scene, material: &Material, textures: &[usize]) -> Option<Gloss> {
     let is_matte = material.metallic == 0.0
         && material.roughness == 1.0
@@ -400,7 +400,7 @@ fn gloss(scene: &Scene, material: &Material, textures: &[usize]) -> Option<Gloss
     })
 }
 
-/// What goes through a surface, where light is followed.
+/// The transmission of a surface, if light is traced onwards.
 fn glass(scene: &Scene, material: &Material) -> Option<Glass> {
     (scene.bounces > 0 && material.transmission > 0.0).then(|| Glass {
         transmission: f64::from(material.transmission),
@@ -409,7 +409,7 @@ fn glass(scene: &Scene, material: &Material) -> Option<Glass> {
     })
 }
 
-/// The radiance of a surface's own in a scene with lights: its material's, or that of an area light.
+/// The emission of a surface in a scene with lights: from its material, or as an area light.
 fn emission(
     scene: &Scene,
     (area, profile): (Option<[f64; 3]>, &Option<Arc<Emission>>),
@@ -438,7 +438,7 @@ fn mean([r, g, b]: [f64; 3]) -> f64 {
     (r + g + b) / 3.0
 }
 
-/// A surface that shines with `spectrum`, and what an observer in `scene` makes of it.
+/// A surface that emits `spectrum`, and its colour for an observer in `scene`.
 fn spectrum_colour(spectrum: &Spectrum, scene: &Scene) -> BaseColour {
     let eye = eye(scene);
     let Effects {
@@ -453,7 +453,7 @@ fn spectrum_colour(spectrum: &Spectrum, scene: &Scene) -> BaseColour {
         };
         ([1.0; 3], response)
     } else {
-        // Its colour at rest, by the brightness of all its energy.
+        // Its colour at rest, scaled by the brightness of its total energy.
         let response = Response {
             scaled: match searchlight {
                 true => Scaling::Of(Quantity::Integrated),

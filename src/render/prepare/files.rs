@@ -1,4 +1,4 @@
-//! What several pictures of one request load, read before the first of them is rendered.
+//! Checks the files of several pictures before the first is rendered.
 
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -12,11 +12,11 @@ use crate::render::plan::{Plan, PlannedObject};
 use crate::render::progress::Progress;
 use crate::scene::model::{CubeData, Geometry, Object, Scene, SourceKind};
 
-/// The largest cube that is read to see whether it is whole, bytes; of larger ones the header was looked at.
+/// The largest cube that is read completely to check it, bytes; for larger ones the header was checked.
 const LARGEST: u64 = 1 << 28;
 
-/// Reads the files that the pictures of `jobs` load, and lets go of them again: what is broken in a later one is not found hours after
-/// the first was begun. What the first loads it finds itself, before it is rendered; each other file is read once.
+/// Reads the files that the pictures of `jobs` load, and drops them again, so that a broken file of a later picture is not found hours
+/// after the first was started. The files of the first are checked when it is prepared; each other file is read once.
 ///
 /// # Errors
 /// Broken files, and [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
@@ -26,7 +26,7 @@ pub fn check_files<'a>(
 ) -> Result<()> {
     let mut seen = HashSet::new();
     for (index, (scene, plan)) in jobs.into_iter().enumerate() {
-        // What is said of a file tells how it is read; none is read twice the same way.
+        // Different declarations lead to different reads; none is read twice the same way.
         let mut is_new = |what: String| seen.insert(what) && index > 0;
         for (object, planned) in scene.objects.iter().zip(&plan.objects) {
             progress.check()?;
@@ -59,7 +59,7 @@ pub fn check_files<'a>(
     Ok(())
 }
 
-/// What tells the mesh of an object from others, if it has files.
+/// A key that identifies the mesh of an object, if it has files.
 fn key(object: &Object, want: Want) -> Option<String> {
     let coordinates = &object.texture_coordinates;
     match &object.geometry {

@@ -23,8 +23,8 @@ use crate::render::trace::{AlphaMasks, MaskedRun, Patch, RestFrame};
 use crate::scene::model::{BadVertices, CoordinateFile, Geometry, Object, Scene};
 use crate::spacetime::{Event, InertialFrame, Rest};
 
-/// All rest frames of `plan`, and how long their trees took, seconds. Trees are built side by side once there are many
-/// triangles: a small one is not worth the threads that it wakes.
+/// All rest frames of `plan`, and the time to build their trees, seconds. Trees are built in parallel once there are many triangles: a
+/// small one is not worth waking threads.
 ///
 /// # Errors
 /// Broken files, and [`Error::Cancelled`] when `progress` says so.
@@ -82,12 +82,12 @@ fn gathered_frame(
         let origin = frame.event_from_world(object.origin);
         gathered.add(scene, index, mesh, origin, &emitters);
     }
-    // Where materials have masks, triangles have holes.
+    // If materials have masks, triangles have holes.
     gathered.masked = masked_runs(&gathered.patches, light);
     Ok(gathered)
 }
 
-/// What is read of the file of an object.
+/// What to read from the file of an object.
 pub(super) fn want(scene: &Scene, object: &Object, planned: &PlannedObject) -> gltf::Want {
     gltf::Want {
         uvs: planned.uvs,
@@ -115,8 +115,7 @@ fn masked_runs(patches: &[Patch], light: &Builder) -> Vec<MaskedRun> {
     masked.collect()
 }
 
-/// The mesh of an object in object coordinates, as it is rendered, and the images of its file, as far as
-/// they are wanted.
+/// The mesh of an object in object coordinates, as it is rendered, and the requested images of its file.
 ///
 /// # Errors
 /// Those of [`gltf::load`].
@@ -152,7 +151,7 @@ pub fn object_mesh(
         }
         Geometry::Mesh(mesh) => (Mesh::clone(mesh), Vec::new(), mesh.uvs.len()),
     };
-    // Masks need the coordinates of their textures whatever else does.
+    // Masks always need the coordinates of their textures.
     match &object.texture_coordinates {
         _ if !want.uvs && mesh.has_masks() => {}
         _ if !want.uvs => mesh.uvs.clear(),
@@ -162,7 +161,7 @@ pub fn object_mesh(
             mesh.insert_uvs(own_sets, &corners);
         }
     }
-    // Those of meshes in memory are there whether they are wanted or not.
+    // Those of meshes in memory exist whether they are requested or not.
     if !want.normals {
         mesh.normals.clear();
     }
@@ -178,7 +177,7 @@ pub fn object_mesh(
     Ok((mesh, images))
 }
 
-/// Adds what is not among `warnings` yet: objects may have a file in common.
+/// Adds what is not among `warnings` yet: objects may share a file.
 fn tell(warnings: &mut Vec<String>, told: impl IntoIterator<Item = String>) {
     for text in told {
         if !warnings.contains(&text) {
@@ -187,7 +186,7 @@ fn tell(warnings: &mut Vec<String>, told: impl IntoIterator<Item = String>) {
     }
 }
 
-/// The coordinates in the file of an object of so many triangles.
+/// The coordinates in the file of an object with this many triangles.
 fn texture_coordinates(
     object: &Object,
     file: &CoordinateFile,
@@ -198,7 +197,7 @@ fn texture_coordinates(
         Some(array) => format!("array \"{array}\"{more}"),
         None => more.trim_start_matches(", ").to_string(),
     };
-    // As stored and widened; what is longer has another shape.
+    // As stored and widened; a longer file has another shape.
     let budget = Budget::new(96 * triangles as u64 + (1 << 20));
     let plain = npy::load_plain(path, file.array.as_deref(), &budget)?;
     if plain.shape != [triangles, 3, 2] {
@@ -220,9 +219,9 @@ fn texture_coordinates(
     Ok(pairs.as_chunks::<3>().0.to_vec())
 }
 
-/// Refuses, or drops triangles with, vertices that are too far away for a ray to meet.
+/// Refuses vertices that are too far away for a ray to hit, or drops their triangles.
 fn check_reach(object: &Object, mesh: &mut Mesh, warnings: &mut Vec<String>) -> Result<()> {
-    // Not so for NaN.
+    // False for NaN.
     let is_reached = |p: &DVec3| p.abs().max_element() <= Bvh::MAX_COORDINATE && !p.is_nan();
     let Some(at) = mesh.positions.iter().position(|p| !is_reached(p)) else {
         return Ok(());
@@ -265,7 +264,7 @@ struct Gathered {
     frame: InertialFrame<Rest>,
     triangles: Vec<[DVec3; 3]>,
     patches: Vec<Patch>,
-    /// Per patch: whether its back faces are not there.
+    /// Per patch: whether its back faces are culled.
     culled: Vec<bool>,
     masked: Vec<MaskedRun>,
     meshes: Vec<Mesh>,
@@ -283,9 +282,9 @@ impl Gathered {
         }
     }
 
-    /// The same with its tree, and with `normals` or without.
+    /// The frame with its tree, with or without `normals`.
     fn built(self, trees: Preset, normals: bool) -> RestFrame {
-        // Patches stand in the order of their triangles.
+        // Patches are in the order of their triangles.
         let (patches, culled) = (self.patches, self.culled);
         let facing = |triangle: u32| {
             let patch = patches
@@ -344,7 +343,7 @@ impl Gathered {
                 black_back: backs == Backs::Black,
             });
         }
-        // The BVH holds the corners from here on; what addresses textures stays.
+        // From here on the BVH holds the corners; texture coordinates are kept.
         mesh.positions = Vec::new();
         if mesh.uvs.is_empty() && mesh.normals.is_empty() && mesh.colours.is_empty() {
             mesh.triangles = Vec::new();

@@ -37,25 +37,25 @@ pub struct Prepared {
     pub camera: Camera,
     /// The rest frames with their BVHs.
     pub frames: Vec<RestFrame>,
-    /// Radiance of surfaces; [`set_radiance`](Prepared::set_radiance) puts one of the caller's own there.
+    /// Radiance of surfaces; [`set_radiance`](Prepared::set_radiance) replaces it by the caller's own.
     pub light: SurfaceLight,
-    /// Refractive index that delays camera rays; 0 where retardation is turned off.
+    /// Refractive index that delays camera rays; 0 if retardation is turned off.
     pub ray_index: f64,
-    /// How long the shutter is open, metres of the camera's own time, where data are integrated over that.
+    /// How long the shutter is open, metres of the camera's own time, if data are integrated over that.
     pub integrated_exposure: Option<f64>,
-    /// What rays see that hit nothing.
+    /// The radiance of rays that hit nothing.
     pub background: Background,
-    /// Where samples lie in a pixel.
+    /// The positions of samples in a pixel.
     pub sampler: Sampler,
     /// The film.
     pub layout: Layout,
     /// How rays are traced.
     pub method: Traversal,
-    /// What is unusual in the files or the scene, but not an error: a sentence each.
+    /// Unusual features of the files or the scene that are not errors: a sentence each.
     pub warnings: Vec<String>,
-    /// Which light no path finds, and why, where that is so.
+    /// Which light no path can find, and why, if any.
     pub(crate) unfound_light: Option<String>,
-    /// How long the trees took to build, seconds.
+    /// The time to build the trees, seconds.
     pub built_in: f64,
     /// What the plan leaves of the memory limit, bytes: for work whose size no plan can estimate.
     pub memory_left: u64,
@@ -65,7 +65,7 @@ impl Prepared {
     /// Carries out `plan`, which must be that of `scene`, on the threads of rayon's current pool.
     ///
     /// # Errors
-    /// A plan of a scene with other objects, broken files, and [`Error::Cancelled`] when `progress` says so.
+    /// A plan for a scene with other objects, broken files, and [`Error::Cancelled`] when `progress` says so.
     pub fn new(scene: &Scene, plan: &Plan, progress: &dyn Progress) -> Result<Prepared> {
         if plan.objects.len() != scene.objects.len() {
             let what = format!(
@@ -93,14 +93,14 @@ impl Prepared {
         let mirrors = LazyCell::new(|| smooth::mirrors_by_texture(&light, &frames));
         let unfound = unfound_light(scene, &plan.objects, |object| mirrors.contains(&object));
         drop(mirrors);
-        // What was known before anything was read comes first.
+        // Warnings known before anything was read come first.
         warnings.splice(
             0..0,
             (scene.passed_over.iter().cloned())
                 .chain(unfound.clone())
                 .chain(unshown(scene, &plan.objects)),
         );
-        // Retardation that is turned off is light without delay.
+        // Without retardation, light has no delay.
         let ray_index = if scene.effects.retardation {
             scene.medium_index
         } else {
@@ -131,7 +131,7 @@ impl Prepared {
         })
     }
 
-    /// All surfaces, as rays that leave the shot meet them.
+    /// All surfaces, for rays that leave the shot.
     pub(crate) fn surfaces(&self) -> Surfaces<'_> {
         Surfaces::new(&self.frames, self.camera.shot.event, self.ray_index)
     }
@@ -154,18 +154,18 @@ impl Prepared {
         }
     }
 
-    /// Puts `radiance` in place of what all surfaces shine with by the scene: base colours, cubes, lamps. Which triangles are seen, their holes by
-    /// alpha masks, the background and the sky stay.
+    /// Replaces the radiance of all surfaces in the scene (base colours, cubes, lamps) by `radiance`. Visibility, alpha masks, the
+    /// background and the sky stay.
     ///
-    /// Every rendering from here on asks it, once for each run of points of one material: see [`Radiance`]. Its
+    /// Every rendering from here on calls it once for each run of points of one material: see [`Radiance`]. Its
     /// [gaps](Radiance::has_gaps) count in the film's coverage.
     pub fn set_radiance(&mut self, radiance: Box<dyn Radiance>) {
         self.layout.has_gaps |= radiance.has_gaps();
         self.light = SurfaceLight::Custom(radiance);
     }
 
-    /// Has the next picture taken by the camera of `scene`, which may differ from that of the scene that was
-    /// prepared in its motion and time alone: everything else stays as it is loaded and built.
+    /// Sets the camera of the next picture to that of `scene`, which may differ from the prepared scene only in the camera's motion and
+    /// time: everything else stays as it is loaded and built.
     ///
     /// # Errors
     /// As [`Camera::new`].

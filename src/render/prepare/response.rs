@@ -1,4 +1,4 @@
-//! What surfaces and observers of a scene make of light: its effects, its equations and what its eye sees.
+//! The responses of surfaces and observers of a scene to light: its effects, its equations and its spectral range.
 
 use crate::colour::{CompanionShift, RgbShift, Spectrum};
 use crate::light::Received;
@@ -8,7 +8,7 @@ use crate::scene::model::{
 };
 use crate::spacetime::Quantity;
 
-/// What surfaces in `scene` receive of light that measures `quantity`.
+/// The received light of surfaces in `scene`, for light that measures `quantity`.
 pub(super) fn received(quantity: Quantity, scene: &Scene) -> Received {
     match quantity {
         Quantity::Rgb => Received::Rgb(RgbShift::of(scene.continuation)),
@@ -16,7 +16,7 @@ pub(super) fn received(quantity: Quantity, scene: &Scene) -> Received {
     }
 }
 
-/// What an observer in `scene` makes of radiance of `quantity`.
+/// The response of an observer in `scene` to radiance of `quantity`.
 pub(super) fn response(quantity: Quantity, scene: &Scene) -> Response {
     let Effects {
         doppler,
@@ -40,7 +40,7 @@ pub(super) fn response(quantity: Quantity, scene: &Scene) -> Response {
     Response { scaled, colour }
 }
 
-/// The same of the radiance of a source; where its companions are seen, with these.
+/// The same for the radiance of a source; with its companions if they are visible.
 pub(super) fn response_to(source: &Source, scene: &Scene) -> Response {
     let plain = response(source.quantity, scene);
     let SourceKind::Cube(cube) = &source.kind else {
@@ -55,7 +55,7 @@ pub(super) fn response_to(source: &Source, scene: &Scene) -> Response {
     }
 }
 
-/// What an observer in `scene` makes of the spectra of its sky, as of those of objects.
+/// The response of an observer in `scene` to the spectra of its sky.
 pub(super) fn sky_spectra(scene: &Scene) -> SkySpectra {
     let Effects {
         doppler,
@@ -65,7 +65,7 @@ pub(super) fn sky_spectra(scene: &Scene) -> SkySpectra {
     SkySpectra {
         scaled: match (doppler, searchlight) {
             (true, _) => without(searchlight),
-            // Colours at rest, by the brightness of all their energy.
+            // Colours at rest, scaled by the brightness of their total energy.
             (false, true) => Scaling::Of(Quantity::Integrated),
             (false, false) => Scaling::None,
         },
@@ -74,7 +74,7 @@ pub(super) fn sky_spectra(scene: &Scene) -> SkySpectra {
     }
 }
 
-/// What an observer in `scene` makes of light that surfaces reflect, where it is sampled at wavelengths.
+/// The response of an observer in `scene` to reflected light that is sampled at wavelengths.
 pub(super) fn sampled(scene: &Scene) -> Response {
     Response {
         scaled: without(scene.effects.searchlight),
@@ -82,7 +82,7 @@ pub(super) fn sampled(scene: &Scene) -> Response {
     }
 }
 
-/// How light that surfaces of `scene` reflect is sampled at wavelengths, if it is.
+/// How light reflected by surfaces of `scene` is sampled at wavelengths, if it is.
 pub(super) fn sampled_spectra(scene: &Scene) -> Option<SampledSpectra> {
     let of_lamp = scene.lights.iter().filter_map(|light| match &light.kind {
         LightKind::Lamp(lamp) => lamp.spectrum.as_ref(),
@@ -101,7 +101,7 @@ pub(super) fn sampled_spectra(scene: &Scene) -> Option<SampledSpectra> {
     })
 }
 
-/// The scaling that goes with colours that have the searchlight effect in them.
+/// The scaling for colours that include the searchlight effect.
 pub(super) fn without(searchlight: bool) -> Scaling {
     match searchlight {
         true => Scaling::None,
@@ -114,7 +114,7 @@ pub(super) fn eye(scene: &Scene) -> Eye {
     scene.false_colour.map_or(Eye::HUMAN, Eye::seeing)
 }
 
-/// The quantity whose power of W is applied: Jarabo et al. 2015 have D⁻⁵ for lines and whole spectra too.
+/// The quantity whose power of W is applied: Jarabo et al. 2015 use D⁻⁵ for lines and whole spectra too.
 pub(crate) fn scaling(quantity: Quantity, equations: Equations) -> Quantity {
     match equations {
         Equations::Exact => quantity,

@@ -1,4 +1,4 @@
-//! The sky: its picture and its stars, as far as a scene has them.
+//! The sky: its picture and its stars, if a scene has them.
 
 use std::io::Read;
 use std::path::Path;
@@ -46,7 +46,7 @@ pub(super) fn load(scene: &Scene, plan: &Plan) -> Result<Option<Arc<Sky>>> {
         }
         None => Vec::new(),
     };
-    // Where radiance is no RGB of spectra, stars have channels as all else has.
+    // If radiance is not RGB as a spectrum, stars have channels like everything else.
     let thermal_stars = scene.quantity == Quantity::Rgb;
     Ok(Some(Arc::new(Sky::new(
         sky,
@@ -56,7 +56,7 @@ pub(super) fn load(scene: &Scene, plan: &Plan) -> Result<Option<Arc<Sky>>> {
     ))))
 }
 
-/// What rays see that meet nothing.
+/// The radiance of rays that hit nothing.
 pub(super) fn background(scene: &Scene, sky: Option<Arc<Sky>>) -> Background {
     let Some(sky) = sky else {
         return Background::Observed(scene.background);

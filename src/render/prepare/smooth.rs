@@ -1,11 +1,11 @@
-//! Which objects are perfect mirrors where their textures say so.
+//! Objects that are perfect mirrors because of their textures.
 
 use std::collections::{BTreeSet, HashMap};
 
 use super::emitters::SurfaceLight;
 use crate::render::trace::{Emitter, RestFrame};
 
-/// The objects that have a texture by which their roughness is 0 in some texel, and that reflect light of lamps and let none through.
+/// The objects with a texture that makes their roughness 0 in some texel, and that reflect light of lamps and transmit none.
 pub(super) fn mirrors_by_texture(light: &SurfaceLight, frames: &[RestFrame]) -> BTreeSet<usize> {
     let mut mirrors = BTreeSet::new();
     let Some(light) = light.time_resolved() else {
@@ -22,7 +22,7 @@ pub(super) fn mirrors_by_texture(light: &SurfaceLight, frames: &[RestFrame]) -> 
         let Some(gloss) = finish.gloss.filter(|_| finish.glass.is_none()) else {
             continue;
         };
-        // Without the coordinates that the texture needs, factors alone count.
+        // Without the coordinates that the texture needs, only factors count.
         let uvs = |set: usize| rest.meshes.get(patch.mesh as usize)?.uvs.get(set);
         let Some(lookup) = gloss.texture.filter(|of| uvs(of.uv_set).is_some()) else {
             continue;

@@ -1,4 +1,4 @@
-//! Cubes with their capture cameras, each file loaded once, and what they are in the rest frames that they light.
+//! Cubes with their capture cameras, each file loaded once, in the rest frames that they light.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -17,22 +17,22 @@ use crate::scene::model::{
     Scene,
 };
 
-/// A file, what is said of its channels, and which companions are taken of it.
+/// A file, the declaration of its channels, and the companions used from it.
 type FileParts = (CubeFile, Option<Channels>, Vec<CubeChannel>);
 
 /// Cubes and capture cameras, each file loaded once.
 #[derive(Default)]
 pub(super) struct Stores {
     files: HashMap<FileParts, (CubeStore, Vec<CubeStore>)>,
-    /// Whether the parts of cubes that are read as they are needed are only counted.
+    /// Whether the parts of cubes that are read on demand are only counted.
     counts_only: bool,
-    /// The most memory that may be taken, bytes.
+    /// The memory limit, bytes.
     memory: u64,
     pub cubes: Vec<TimeTexture>,
-    /// By cube: the source that it is.
+    /// For each cube, its source.
     pub sources: Vec<usize>,
     pub captures: Vec<Capture>,
-    /// What looks wrong about them.
+    /// Suspicious properties of the data.
     pub warnings: Vec<String>,
 }
 
@@ -46,7 +46,7 @@ impl Stores {
         }
     }
 
-    /// What `source` of `scene` makes of its cube, which may have `held` bytes in memory where it is read as it is needed.
+    /// The cube of `source` in `scene`, with `held` bytes in memory if it is read on demand.
     pub fn cube(
         &mut self,
         scene: &Scene,
@@ -64,7 +64,7 @@ impl Stores {
                 Mapping::Uv { backs, .. } => texture.with_backs(backs),
                 Mapping::Capture(_) => texture,
             };
-            // Sums along time, for lookups that are means over spans of it.
+            // Prefix sums along time, for lookups that are means over time spans.
             Ok(match cube.is_read_over_spans(&scene.camera) {
                 true => texture.with_sums(),
                 false => texture,
@@ -97,7 +97,7 @@ impl Stores {
             let named = |remark| format!("channel {}: {remark}", channel.name());
             self.warn(scene, source, remarks.into_iter().map(named).collect());
         }
-        // Cameras and clocks of the file are of the world or of the objects; lookups are in the rest frame.
+        // Cameras and clocks of the file are those of the world or of the objects; lookups are in the rest frame.
         let place = Place::of(scene, source, frames);
         let clock = place.clock(cube.clock);
         // The colours, and their companions after them.
@@ -118,7 +118,7 @@ impl Stores {
                     eye: place.eye(camera.eye),
                     ..camera.clone()
                 };
-                // Times of arrival get the delay to the capture camera taken off.
+                // Subtract the delay to the capture camera from times of arrival.
                 let warped = cube.clock == Clock::Capture;
                 let trace = |origin, direction| place.seen(origin, direction);
                 let capture = Capture::new(&camera, size, warped, scene.medium_index, trace);
@@ -177,7 +177,7 @@ impl Stores {
         let loaded = match (held, &cube.channels) {
             (Some(room), None) => (self.bricks(file, wanted, room)?.into(), Vec::new()),
             (Some(room), Some(channels)) => {
-                // Each has its part of the room.
+                // Each has its share of the room.
                 let parts = 1 + companions.len() as u64;
                 let bricks = |places: &[usize]| {
                     let bricks = self.bricks(file, wanted, room / parts)?;
@@ -217,7 +217,7 @@ fn split(
     let places = companions.iter();
     let places = places.filter_map(|channel| channels.place(*channel));
     let others = places.map(|place| cube.taking(&[place]).into()).collect();
-    // What are red, green and blue already stay where they are.
+    // Cubes that are already red, green and blue are kept as they are.
     let colours = match channels.names().as_slice() {
         ["R", "G", "B"] => cube.clone().into(),
         _ => cube.taking(&channels.colours()).into(),
@@ -240,7 +240,7 @@ struct Place<'a> {
     rest: Option<&'a RestFrame>,
     /// Origin of the object in the frame.
     object: DVec3,
-    /// World coordinates of the frame's origin where the frame rests in the world.
+    /// World coordinates of the frame's origin if the frame rests in the world.
     world: Option<DVec3>,
 }
 
@@ -263,8 +263,8 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// A cube's clock where it is bound. A capture camera's clock runs in world time for objects at
-    /// rest in the world, and in the object's own for others.
+    /// A cube's clock for its bound objects. A capture camera's clock runs in world time for objects at rest in the world, and in the
+    /// object's own for others.
     fn clock(&self, clock: Clock) -> EmissionClock {
         match (clock, self.world) {
             (Clock::World, _) | (Clock::Capture, Some(_)) => EmissionClock::World,

@@ -1,6 +1,6 @@
-//! What random numbers are made of: keys of pixels, their hashes, and numbers in [0, 1).
+//! Sources of random numbers: keys of pixels, their hashes, and numbers in [0, 1).
 
-/// What a pixel's random numbers come from.
+/// The key from which a pixel's random numbers are derived.
 #[inline(always)]
 pub(crate) fn pixel_key(column: u32, row: u32) -> u64 {
     column as u64 | ((row as u64) << 32)
@@ -15,7 +15,7 @@ pub(super) fn unit(bits: u32) -> f64 {
 /// 2⁻³²: takes 32 bits to [0, 1), exactly.
 pub(super) const UNIT: f64 = 1.0 / 4_294_967_296.0;
 
-/// The lower and the upper 32 bits of `x` as numbers. AVX2 has no vector instruction that converts these: below 2⁵² a whole number is the
+/// The lower and the upper 32 bits of `x` as numbers. AVX2 has no vector instruction for this conversion: below 2⁵² a whole number is the
 /// fraction of 2⁵² plus it, exactly.
 #[inline(always)]
 pub(crate) fn halves(x: u64) -> [f64; 2] {

@@ -1,18 +1,18 @@
-//! Sobol' points with Owen's scrambling, for all that is drawn at random beyond a sample's place and time.
+//! Sobol' points with Owen scrambling, for all random choices beyond a sample's position and time.
 
 use super::random::{hash, unit};
 use crate::accel::vectors::{VectorLoop, dispatch};
 
-/// Two numbers in [0, 1) of sample `index` of a pixel, for what `dimension` counts: the first two dimensions of Sobol's
-/// sequence in an order and with digits that are scrambled as Owen does (1995) by pixel and dimension, so that any 2ᵐ
-/// samples in a row from a multiple of 2ᵐ on fill all elementary intervals of area 2⁻ᵐ once, and dimensions are independent.
-/// Scrambling by hashing reversed bits: Laine and Karras 2011; Burley, "Practical hash-based Owen scrambling", JCGT 9(4), 2020.
+/// Two numbers in [0, 1) of sample `index` of a pixel, for the choice `dimension`: the first two dimensions of Sobol's sequence, shuffled
+/// and Owen-scrambled (1995) by pixel and dimension, so that any 2ᵐ consecutive samples from a multiple of 2ᵐ on fill all elementary
+/// intervals of area 2⁻ᵐ once, and dimensions are independent. Scrambling by hashing reversed bits: Laine and Karras 2011; Burley,
+/// "Practical hash-based Owen scrambling", JCGT 9(4), 2020.
 #[inline(always)]
 pub(crate) fn sobol(pixel: u64, index: u32, dimension: u32) -> [f64; 2] {
     let noise = hash(hash(!pixel) ^ u64::from(dimension + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let index = scrambled(index, noise as u32);
     let digits = hash(noise);
-    // The first dimension is van der Corput's, with the bits reversed.
+    // The first dimension is van der Corput's, with reversed bits.
     let second = second_dimension(index);
     [
         unit(scrambled(index.reverse_bits(), digits as u32)),
@@ -95,13 +95,13 @@ impl VectorLoop for SobolOfEachAt<'_> {
     }
 }
 
-/// The same for one of `count` numbers of each pixel, of a sequence that 4 × 4 pixels share: along a curve that goes through them in Zs
-/// (Morton 1966) each takes as many points in a row as fill the intervals of its own, and those of 2 × 2 and of 4 × 4 pixels
-/// fill finer ones. Errors of neighbours then make up for each other, and noise is fine-grained (Ahmed and Wonka, "Screen-space
-/// blue-noise diffusion of Monte Carlo sampling error via hierarchical ordering of pixels", SIGGRAPH Asia 2020).
+/// The same for one of `count` numbers of each pixel, from a sequence that 4 × 4 pixels share: along a Z-order curve through them (Morton
+/// 1966) each takes as many consecutive points as fill its own intervals, and those of 2 × 2 and of 4 × 4 pixels fill finer ones. Errors
+/// of neighbours then compensate, and noise is fine-grained (Ahmed and Wonka, "Screen-space blue-noise diffusion of Monte Carlo sampling
+/// error via hierarchical ordering of pixels", SIGGRAPH Asia 2020).
 #[inline]
 pub(crate) fn sobol_among(pixel: u64, index: u32, count: u32, dimension: u32) -> [f64; 2] {
-    // The lowest two bits of column and row: where in its 4 × 4 pixels one is.
+    // The lowest two bits of column and row: the position within its 4 × 4 pixels.
     const WITHIN: u64 = 3 | 3 << 32;
     let (x, y) = (pixel as u32 & 3, (pixel >> 32) as u32 & 3);
     let place = x & 1 | (y & 1) << 1 | (x & 2) << 1 | (y & 2) << 2;
@@ -128,11 +128,11 @@ fn second_dimension(index: u32) -> u32 {
     digits.reverse_bits()
 }
 
-/// Owen's scrambling of the digits of x, the highest first: each is flipped or not by a hash of those above it.
+/// Owen scrambling of the digits of x, highest first: each is flipped according to a hash of those above it.
 #[inline(always)]
 fn scrambled(x: u32, seed: u32) -> u32 {
     let mut x = x.reverse_bits();
-    // Only products with even numbers and sums: each bit changes by those below it alone (Vegdahl 2021).
+    // Only products with even numbers and sums: each bit depends only on those below it (Vegdahl 2021).
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
     x = x.wrapping_mul((seed >> 16) | 1);

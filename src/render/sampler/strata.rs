@@ -1,13 +1,13 @@
-//! Where in a pixel the samples lie: multi-jittered strata, a pure function of pixel and index.
+//! Positions of samples in a pixel: multi-jittered strata, a pure function of pixel and index.
 //!
-//! n = a·b samples fill an a × b grid of cells, one each; within its cell a sample takes a sub-row and
-//! a sub-column of its own, so that the n samples also project onto n different strata of x and of y
-//! (Chiu, Shirley, Wang, "Multi-jittered sampling", Graphics Gems IV, 1994). A prime n is 1 × n, which
-//! is N-rooks.
+//! n = a·b samples fill an a × b grid of cells, one each; within its cell a sample takes its own sub-row and sub-column, so that the n
+//! samples also project onto n different strata of x and of y (Chiu, Shirley, Wang, "Multi-jittered sampling", Graphics Gems IV, 1994). A
+//! prime n is 1 × n, which is N-rooks.
 //!
-//! Samples beyond the n-th are those of further replicates: sample k n + i is sample i of replicate k, which is the same set of strata
-//! with random numbers of its own, independent of all other replicates. The mean of R replicates has the variance of one of them over R,
-//! which R means tell without bias however well the samples of each are spread (Owen, "Monte Carlo theory, methods and examples", § 17.3).
+//! Samples beyond the n-th belong to further replicates: sample k n + i is sample i of replicate k, which has the same set of strata with
+//! its own random numbers, independent of all other replicates. The mean of R replicates has the variance of one of them over R, which R
+//! means estimate without bias, however well the samples of each are distributed (Owen, "Monte Carlo theory, methods and examples", §
+//! 17.3).
 
 use std::ops::Range;
 
@@ -29,7 +29,7 @@ impl Sampler {
     /// `samples` ≥ 1 stratified samples per pixel.
     pub fn stratified(samples: u32) -> Self {
         let samples = samples.max(1);
-        // The largest divisor that is not above the root: the grid is as square as n allows.
+        // The largest divisor not above the root: the grid is as square as n allows.
         let root = (1..=samples)
             .take_while(|d| *d <= samples / d)
             .filter(|d| samples.is_multiple_of(*d))
@@ -66,13 +66,13 @@ impl Sampler {
         }
     }
 
-    /// Width and height of the cell of a pixel that a sample stands for.
+    /// Width and height of a sample's cell in a pixel.
     pub(crate) fn cell(&self) -> [f64; 2] {
         self.cell
     }
 
-    /// Width and height of the part of a pixel, and the part of the time, that a sample of an exposure stands for: of each column
-    /// of cells one sample lies in each of as many parts of the time as there are rows, so that these are all of both.
+    /// Width and height of the part of a pixel, and the part of the time, that a sample of an exposure represents: each column of cells
+    /// has one sample in each of as many parts of the time as there are rows, so that these cover both.
     pub(crate) fn cell_in_time(&self) -> [f64; 3] {
         [self.cell[0], 1.0, self.cell[1]]
     }
@@ -82,8 +82,7 @@ impl Sampler {
         self.columns * self.rows
     }
 
-    /// The sample of its replicate that sample `index` is, and what the keys of pixels are combined with there by exclusive or; 0 for
-    /// the first replicate of seed 0.
+    /// The sample of its replicate for sample `index`, and the value that is XORed with pixel keys; 0 for the first replicate of seed 0.
     pub(crate) fn replicate(&self, index: u32) -> (u32, u64) {
         let (replicate, within) = (index / self.samples(), index % self.samples());
         let number = u64::from(replicate) | u64::from(self.seed) << 32;
@@ -141,7 +140,8 @@ impl Sampler {
 }
 
 impl Sampler {
-    /// The offsets of `samples` of many pixels, by their keys without a replicate's, pixel by pixel: the same bits as of [`Sampler::offset`].
+    /// The offsets of `samples` of many pixels, by their keys without a replicate's, pixel by pixel: the same bits as
+    /// [`Sampler::offset`].
     pub(crate) fn offsets_by_pixel(
         &self,
         pixels: &[u64],
@@ -166,7 +166,7 @@ impl Sampler {
                 x,
                 y,
             };
-            // Loops have a fixed length, the least of three that holds all samples.
+            // Loops have a fixed length, the shortest of three that holds all samples.
             match each {
                 0..=4 => dispatch(of.at_most::<4>()),
                 5..=8 => dispatch(of.at_most::<8>()),
@@ -185,7 +185,7 @@ impl Sampler {
     }
 }
 
-/// The loop over the samples of each pixel, at most so many, of a grid whose numbers of columns and rows are powers of two.
+/// The loop over the samples of each pixel, at most this many, of a grid whose numbers of columns and rows are powers of two.
 struct ByPixel<'a, const MOST: usize> {
     sampler: &'a Sampler,
     pixels: &'a [u64],
@@ -225,7 +225,7 @@ impl<const MOST: usize> VectorLoop for ByPixel<'_, MOST> {
     #[inline(always)]
     fn run(self) {
         let sampler = *self.sampler;
-        // What the samples have alike in all pixels.
+        // Values that are the same in all pixels.
         let (mut i, mut j, mut salts) = ([0; MOST], [0; MOST], [0; MOST]);
         for (k, index) in (self.first..).take(self.each.min(MOST)).enumerate() {
             ([i[k], j[k]], salts[k]) = sampler.cell_and_salt(index);
@@ -240,7 +240,7 @@ impl<const MOST: usize> VectorLoop for ByPixel<'_, MOST> {
             for k in 0..MOST {
                 [x[k], y[k]] = sampler.offset_of_powers(pixel, [i[k], j[k]], salts[k]);
             }
-            // Whole ones, which are almost all, are copied in registers, without a call.
+            // Whole blocks, which are the vast majority, are copied in registers, without a call.
             match (to_x.first_chunk_mut(), to_y.first_chunk_mut()) {
                 (Some(to_x), Some(to_y)) => (*to_x, *to_y) = (x, y),
                 _ => {
@@ -252,7 +252,7 @@ impl<const MOST: usize> VectorLoop for ByPixel<'_, MOST> {
     }
 }
 
-/// A number below 2³² in a way that shows it to the compiler: products of two are one instruction of AVX2.
+/// A number below 2³², in a form that the compiler recognises: products of two are one instruction of AVX2.
 #[inline(always)]
 fn low(x: u64) -> u64 {
     x & 0xffff_ffff
@@ -456,8 +456,8 @@ impl Moments<'_> {
     }
 }
 
-/// Place of `k` in a random permutation of 0..n, by its seed: a bijection of the next power of two, walked
-/// until it is below n (Kensler, "Correlated multi-jittered sampling", Pixar 2013).
+/// The position of `k` in a random permutation of 0..n, by its seed: a bijection of the next power of two, iterated until the result is
+/// below n (Kensler, "Correlated multi-jittered sampling", Pixar 2013).
 #[inline(always)]
 fn permuted<const POWER_OF_TWO: bool>(k: u32, n: u32, seed: u32) -> u32 {
     let mask = match POWER_OF_TWO {

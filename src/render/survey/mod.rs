@@ -1,13 +1,13 @@
-//! When the light in view left, against the times of which there are data: why a picture is dark, in numbers.
+//! When the light in view was emitted, compared with the times that have data: why a picture is dark, in numbers.
 //!
-//! One ray goes through the centre of each pixel; where none of these meets anything, all samples of the picture are looked at, as a
-//! picture of few pixels shows what is smaller than they are. At each point that it meets and that varies with time, the time that a
-//! lookup would ask for is taken on the data's own clock:
+//! One ray goes through the centre of each pixel; if none of these hits anything, all samples of the picture are traced, because in a
+//! small picture objects may be smaller than pixels. At each point that it hits and that varies with time, the time that a lookup would
+//! use is computed on the data's own clock:
 //!
-//! - a cube: world time or the object's own, and for a warped one as much later as its light reached the capture
-//!   camera (η times the distance);
-//! - a pulse: the world time at which its light left the source, E.ct − ηr; there are data ± 4 σ about its centre;
-//! - a lamp whose emission begins and ends: the lamp's own time at which its light left, against when it shines.
+//! - a cube: world time or the object's own, and for a warped one later by the travel time of its light to the capture camera (η times
+//!   the distance);
+//! - a pulse: the world time at which its light left the source, E.ct − ηr; its data span ± 4 σ about its centre;
+//! - a lamp whose emission begins and ends: the lamp's own time at which its light left, compared with when it shines.
 //!
 //! Later shots see later light: [`Shots`] finds those that show some of it.
 
@@ -34,13 +34,13 @@ use crate::scene::model::{Clock, CubeSource, LightKind, Mapping, Scene, SourceKi
 /// How many standard deviations of a pulse count as its duration, on either side.
 const PULSE_REACH: f64 = 4.0;
 
-/// How many tiles of a picture are looked at for when light is in view.
+/// The largest number of tiles surveyed for when light is in view.
 const MOST_TILES: u64 = 1024;
 
-/// How many tiles of a picture are looked at first.
+/// The number of tiles surveyed first.
 const LOOKED_AT: u64 = 64;
 
-/// The rays of a survey: so many samples of each pixel.
+/// The rays of a survey: the given number of samples of each pixel.
 #[derive(Debug, Clone, Copy)]
 struct PixelSamples {
     sampler: Sampler,
@@ -65,33 +65,33 @@ impl PixelSamples {
     }
 }
 
-/// Times on the clock of a source, metres of ct; of a lamp, its own (proper) times.
+/// Times on the clock of a source, metres of ct; for a lamp, its own (proper) times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct SeenTimes {
-    /// Index of the source in the scene; from their number on, of the light.
+    /// Index of the source in the scene; lights are numbered after the sources.
     pub source: usize,
-    /// The earliest and the latest time at which light in view left (or, on a capture camera's clock, arrived there).
+    /// The earliest and the latest time at which light in view was emitted (or, on a capture camera's clock, arrived there).
     pub seen: [f64; 2],
-    /// Between which there are data.
+    /// The times that the data span.
     pub data: [f64; 2],
 }
 
 impl SeenTimes {
-    /// Whether some of the light in view left while there were data.
+    /// Whether some of the light in view was emitted during the data.
     pub fn meets(&self) -> bool {
         self.seen[0] <= self.data[1] && self.seen[1] >= self.data[0]
     }
 }
 
 impl SeenTimes {
-    /// Whether they are those of a cube.
+    /// Whether they belong to a cube.
     pub(crate) fn is_of_cube(&self, scene: &Scene) -> bool {
         let source = scene.sources.get(self.source);
         source.is_some_and(|source| matches!(source.kind, SourceKind::Cube(_)))
     }
 
-    /// What they are of, in words.
+    /// Their source, in words.
     fn source(&self, scene: &Scene) -> String {
         let name = |name: &str| name.escape_debug().to_string();
         let light = self.source.checked_sub(scene.sources.len());
@@ -107,7 +107,7 @@ impl SeenTimes {
         }
     }
 
-    /// When light in view left, and when there is any, in words; of lamps and pulses.
+    /// When light in view was emitted, and when there is any, in words; for lamps and pulses.
     fn said(&self, scene: &Scene, is_train: bool) -> String {
         let [[a, b], [c, d]] = [self.seen, self.data].map(|span| span.map(rounded));
         let source = self.source(scene);
@@ -126,8 +126,8 @@ impl SeenTimes {
     }
 }
 
-/// Of each lamp and pulse whose light begins and ends and reaches surfaces in view: when what is in view left, against when there is
-/// any, and the camera's times that show some of it; with `dark`, of those alone of which nothing is in view.
+/// For each lamp and pulse whose light begins and ends and reaches surfaces in view: when the light in view was emitted, when there is
+/// any, and the camera times that show some of it; with `dark`, only for those with none in view.
 pub fn moments(scene: &Scene, prepared: &mut Prepared, dark: bool) -> Vec<Message> {
     // As many rays as tell the ends of what is seen.
     let every = (Tile::count(scene.camera.size) / MOST_TILES) | 1;
@@ -161,7 +161,7 @@ pub fn moments(scene: &Scene, prepared: &mut Prepared, dark: bool) -> Vec<Messag
     remarks
 }
 
-/// Of a light that shines in pulses with pauses between them, the pulse in view, or the next one.
+/// For a light with separate pulses, the pulse in view, or the next one.
 fn nearest_pulse(scene: &Scene, times: &SeenTimes) -> Option<[f64; 2]> {
     let light = times.source.checked_sub(scene.sources.len())?;
     let profile = match &scene.lights.get(light)?.kind {
@@ -171,14 +171,14 @@ fn nearest_pulse(scene: &Scene, times: &SeenTimes) -> Option<[f64; 2]> {
     Emission::from(profile).pulse_near(times.seen)
 }
 
-/// The least and the greatest W = λ′/λ with which the light of each lamp that has a spectrum falls on surfaces in view, where
-/// nobody there would see any of it: by the index of the light.
+/// The smallest and the largest W = λ′/λ with which the light of each lamp that has a spectrum reaches surfaces in view, if it is
+/// invisible there: by the index of the light.
 pub fn unseen_lamps(scene: &Scene, prepared: &Prepared) -> Vec<(usize, [f64; 2])> {
     let Some(light) = prepared.light.time_resolved() else {
         return Vec::new();
     };
     let surfaces = prepared.surfaces();
-    // Light without a spectrum is seen at any W.
+    // Light without a spectrum is visible at any W.
     let has_spectrum = |k: &usize| match &scene.lights[*k].kind {
         LightKind::Lamp(lamp) => lamp.spectrum.is_some(),
         LightKind::Area { .. } => false,
@@ -276,8 +276,8 @@ fn seen_times_by(scene: &Prepared, every: u64, pixel_samples: PixelSamples) -> V
     })
 }
 
-/// The least and the greatest W = λ′/λ of what rays through the centres of pixels meet, a sky too, or all samples where the former
-/// meet no surface; none where they meet nothing.
+/// The smallest and the largest W = λ′/λ along rays through pixel centres, including the sky, or along all samples if the former hit no
+/// surface; `None` if they hit nothing.
 pub fn wavelength_ratios(scene: &Prepared) -> Option<[f64; 2]> {
     let (range, has_met) = ratios_by(scene, 1, PixelSamples::centred());
     match has_met {
@@ -380,7 +380,7 @@ fn ratios_by(
     )
 }
 
-/// Has `plan` say of which mirrors light is not found where textures make them such, which only what is loaded tells.
+/// Adds to `plan` the mirrors whose light is not found because of their textures, which are known only once loaded.
 pub fn note_mirrors_by_texture(scene: &Scene, plan: &mut Plan, prepared: &Prepared) {
     let by_factors = unfound_light(scene, &plan.objects, |_| false);
     if by_factors != prepared.unfound_light {
@@ -389,9 +389,9 @@ pub fn note_mirrors_by_texture(scene: &Scene, plan: &mut Plan, prepared: &Prepar
     }
 }
 
-/// Cubes of which the light in view has no part, or none but where they are dark: both spans, and the start or the unit that
-/// would fit, which may also be camera times that would. Nothing is said of those whose times are those of a cube that is lit in
-/// view: light reaches some surfaces later than others.
+/// Cubes that the light in view misses, or meets only where they are dark: both time spans, and the start or the unit that would fit, or
+/// the camera times that would. Cubes whose times are those of a cube that is lit in view are skipped: light reaches some surfaces later
+/// than others.
 pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
     let is_dark = |prepared: &Prepared, times: &SeenTimes| {
         let data = lit(prepared, times.source).unwrap_or(times.data);
@@ -439,7 +439,7 @@ pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
         if cube(&times).is_some_and(|own| is_alike(own)) {
             continue;
         }
-        // What is 0 but for rounding.
+        // What is 0 up to rounding.
         let least = 1e-9 * (times.data[1] - times.data[0]);
         let shown = |time: f64| {
             if time.abs() < least {
@@ -475,7 +475,7 @@ pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
 }
 
 impl SeenTimes {
-    /// The unit or the start of data lit in `self.data` that would have them meet what is seen.
+    /// The unit or the start for which data lit in `self.data` would meet what is seen.
     fn other_times(&self, scene: &Scene) -> String {
         let Some(SourceKind::Cube(cube)) = scene.sources.get(self.source).map(|s| &s.kind) else {
             return String::new();
@@ -487,7 +487,7 @@ impl SeenTimes {
             data: self.data.map(|time| time * 10f64.powi(power)),
             ..*self
         };
-        // As long as what is seen, to a power of ten, or longer.
+        // At least as long as what is seen, to a power of ten.
         let is_long = |power: i32| {
             let [data, seen] = [at(power).data, self.seen].map(|[from, to]| to - from);
             data > 0.3 * seen && data < 30.0 * seen
@@ -501,7 +501,7 @@ impl SeenTimes {
                 "; in a unit 10^{power} times as long they would fit: start = \"{start} m\", bin_width = \"{width} m\""
             )
         });
-        // Data as long as they should be are rather in the right unit and begin at another time.
+        // Data of the right length probably have the right unit and begin at another time.
         if let Some(unit) = unit.as_ref().filter(|_| !is_long(0)) {
             return unit.clone();
         }
@@ -517,7 +517,7 @@ impl SeenTimes {
     }
 }
 
-/// Between which times a cube is lit.
+/// The time span in which a cube is lit.
 pub fn lit(prepared: &Prepared, source: usize) -> Option<[f64; 2]> {
     let light = prepared.light.time_resolved()?;
     let cube = light
@@ -540,7 +540,7 @@ fn tile(
     all
 }
 
-/// What rays through a tile's pixels meet, and W of what is at rest in the world for those that meet nothing.
+/// Calls a function with the hits of rays through a tile's pixels, and with W of the resting world for those that hit nothing.
 fn each_point(
     scene: &Prepared,
     surfaces: &Surfaces,
@@ -571,7 +571,7 @@ fn each_point(
     }
 }
 
-/// Notes the times of all sources that light a point.
+/// Records the times of all sources that light a point.
 fn at_point(
     light: &TimeResolved,
     surfaces: &Surfaces,
@@ -605,7 +605,7 @@ fn at_point(
         }
         Emitter::Lit { lamps, .. } => {
             for index in lamps {
-                // Lights of the scene are no sources, and come after those.
+                // Lights of the scene are not sources, and are numbered after those.
                 let Some(lamp) = &light.lamps[*index] else {
                     continue;
                 };
@@ -635,7 +635,7 @@ fn at_point(
     }
 }
 
-/// Notes the times of surfaces that shine by their own time, of which the point is one, or which light it.
+/// Records the times of surfaces with their own emission profile, which the point is on, or which light it.
 fn shining_at_point(
     light: &TimeResolved,
     surfaces: &Surfaces,
@@ -659,7 +659,7 @@ fn shining_at_point(
         Emitter::Uv { .. } | Emitter::Captured(_) => (None, false),
     };
     match (own.and_then(|own| own.profile.as_deref()), &light.areas) {
-        // A surface that shines itself was seen as it shone by its own clock; otherwise lights are seen by what they light.
+        // A surface that shines itself is seen by its own clock; other lights are seen by what they light.
         (Some(emission), _) => of_light(
             point.patch.object,
             emission,
@@ -670,7 +670,7 @@ fn shining_at_point(
     }
 }
 
-/// Widens the range of the same source, or adds it in its place.
+/// Widens the range of the same source, or inserts it.
 fn note(all: &mut Vec<SeenTimes>, times: SeenTimes) {
     match all.binary_search_by_key(&times.source, |known| known.source) {
         Err(at) => all.insert(at, times),

@@ -1,34 +1,34 @@
-//! The camera's times at which light comes into view and leaves it, found by surveys of shots.
+//! The camera times at which light comes into view and leaves it, found by surveys of shots.
 //!
-//! Light that is seen left earlier or later as the shot does: the latest time h(t) at which light in view left, and the earliest, l(t), rise
-//! with the camera's time t. Data from c to d are in view from h(t) = c to l(t) = d. How fast both rise is constant where
-//! lamp, camera and surfaces rest, and not otherwise: 1 m of a lamp's time may take 1/(1 − β) m of the camera's while it approaches, and
-//! a γth of that when it has passed. So both ends are sought by secants, and within a bracket as soon as there is one.
+//! An earlier or later shot sees light that was emitted earlier or later: the latest time h(t) at which light in view was emitted, and
+//! the earliest, l(t), rise with the camera's time t. Data from c to d are in view from h(t) = c to l(t) = d. Both rise at a constant
+//! rate if lamp, camera and surfaces rest, but not in general: 1 m of a lamp's time may take 1/(1 − β) m of the camera's while it
+//! approaches, and a γth of that after it has passed. So both ends are found by secants, within a bracket as soon as there is one.
 
 use super::{SeenTimes, seen_or_sampled};
 use crate::render::prepare::Prepared;
 use crate::scene::model::Scene;
 
-/// How far from an end a time may be, in lengths of what is sought.
+/// The tolerance of an end, relative to the length of the data.
 const TOLERANCE: f64 = 1e-3;
 
-/// How many shots are looked at for one end at most. Secants take 2 to 8.
+/// The largest number of shots for one end. Secants take 2 to 8.
 const MOST_STEPS: usize = 16;
 
-/// How many shots are looked at for all sources together.
+/// The largest number of shots for all sources together.
 const MOST_SHOTS: usize = 64;
 
-/// By how much a step may be longer than the way so far, where only one side of the end is known.
+/// The largest growth of a step relative to the distance so far, while only one side of the end is known.
 const GROWTH: f64 = 16.0;
 
-/// The part of a bracket that each step leaves on either side at least, so that it gets shorter from both.
+/// The smallest fraction of a bracket that each step leaves on either side, so that it shrinks from both.
 const MARGIN: f64 = 0.05;
 
-/// Shots of a scene at other times of its camera, and what is seen in them.
+/// Shots of a scene at other camera times, and what is seen in them.
 pub struct Shots<'a> {
     scene: &'a Scene,
     prepared: &'a mut Prepared,
-    /// One tile in so many is looked at.
+    /// One tile in this many is surveyed.
     every: u64,
     /// The camera's times of the shots, and the times of the sources seen in each.
     known: Vec<(f64, Vec<SeenTimes>)>,
@@ -51,13 +51,13 @@ impl<'a> Shots<'a> {
         }
     }
 
-    /// What is seen at the camera's time of the scene.
+    /// What is seen at the scene's camera time.
     pub fn seen(&self) -> Vec<SeenTimes> {
         self.known[0].1.clone()
     }
 
-    /// What is seen of a source in a shot at a camera time, and none where nothing that it lights is in view, the camera's world
-    /// line has no such time, or enough shots have been looked at.
+    /// The times of a source seen in a shot at a camera time; `None` if nothing that it lights is in view, the camera's world line has no
+    /// such time, or enough shots have been taken.
     fn at(&mut self, time: f64, source: usize) -> Option<[f64; 2]> {
         let place = match self.known.iter().position(|(known, _)| *known == time) {
             Some(place) => place,
@@ -77,8 +77,8 @@ impl<'a> Shots<'a> {
             .map(|times| times.seen)
     }
 
-    /// Camera times, in metres, from which and until which some of the data of `wanted` are in view; none where no
-    /// shot shows any, or one of the ends is not found.
+    /// Camera times, in metres, from and until which some of the data of `wanted` are in view; `None` if no shot shows any, or one of the
+    /// ends is not found.
     pub fn showing(&mut self, wanted: &SeenTimes) -> Option<[f64; 2]> {
         let [from, to] = wanted.data;
         if !(from.is_finite() && to.is_finite()) {
@@ -89,10 +89,10 @@ impl<'a> Shots<'a> {
         (first < last).then_some([first, last])
     }
 
-    /// The camera's time at which an end of the range that is seen is `target`.
+    /// The camera time at which an end of the visible range is `target`.
     fn end(&mut self, wanted: &SeenTimes, end: usize, target: f64) -> Option<f64> {
         let tolerance = TOLERANCE * (wanted.data[1] - wanted.data[0]);
-        // Shots before and after the one that is sought, nearest ones last, and one that shows nothing of the source.
+        // Shots before and after the target, nearest last, and one that shows nothing of the source.
         let mut sides: [Vec<[f64; 2]>; 2] = [Vec::new(), Vec::new()];
         let (mut hidden, mut last) = (None, None);
         let mut time = self.known[0].0;
@@ -105,7 +105,7 @@ impl<'a> Shots<'a> {
                         return Some(time);
                     }
                     let side = usize::from(off > 0.0);
-                    // Twice on one side: the other one counts for half (the Illinois rule), as its end of the bracket stands still.
+                    // Twice on one side: the other counts half (the Illinois rule), because its end of the bracket does not move.
                     if last == Some(side)
                         && let Some([_, off]) = sides[1 - side].last_mut()
                     {
@@ -121,14 +121,15 @@ impl<'a> Shots<'a> {
                 None => break,
             }
         }
-        // Where things come into view or leave it there is no such time, but one at which light is in view right beside one at which none is.
+        // If things come into view or leave it, there may be no such time, but one at which light is in view right beside one at which
+        // none is.
         let is_between = sides.iter().all(|side| !side.is_empty());
         let within = &sides[end];
         within.last().filter(|_| is_between).map(|[time, _]| *time)
     }
 }
 
-/// Where to look next; none where there is nothing left between shots, or the times that are seen do not rise.
+/// The next camera time to try; `None` if there is nothing left between shots, or the visible times do not rise.
 fn next(sides: &[Vec<[f64; 2]>; 2], hidden: Option<f64>) -> Option<f64> {
     let time = match [sides[0].last(), sides[1].last()] {
         [Some(&[before, under]), Some(&[after, over])] => {
@@ -143,7 +144,7 @@ fn next(sides: &[Vec<[f64; 2]>; 2], hidden: Option<f64>) -> Option<f64> {
             // At rest, what is seen follows the camera's time.
             let rate = before.map_or(1.0, |[far, was]| (off - was) / (near - far));
             let step = -off / rate;
-            // Where they do not rise, no other shot shows the data.
+            // If they do not rise, no other shot shows the data.
             let rises = rate > 1e-9 && step.is_finite();
             let most = before.map_or(f64::INFINITY, |[far, _]| GROWTH * (near - far).abs());
             rises.then(|| near + step.clamp(-most, most))?

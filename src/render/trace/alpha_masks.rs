@@ -1,8 +1,8 @@
-//! Alpha masks (glTF 2.0 §3.9.4): a surface is there where alpha, the factor of its material times its texture and the alpha of
-//! its vertices, is at least the cutoff. Holes belong to the shape, not to the light: rays of cameras and shadows, of captures and
-//! of bounces go through them alike, at any velocity, because masks rest where triangles do.
+//! Alpha masks (glTF 2.0 §3.9.4): a surface exists where alpha, the product of its material's factor, its texture and its vertices'
+//! alpha, is at least the cutoff. Holes belong to the shape, not to the light: camera rays, shadow rays, rays of captures and bounces all
+//! pass through them, at any velocity, because masks rest with their triangles.
 //!
-//! Files hold cutoffs in f32, which f64 tells from the same number of a texel: f32(0.2) > 51/255. So both are compared in f32.
+//! Files store cutoffs in f32, which can differ from the same number of a texel in f64: f32(0.2) > 51/255. So both are compared in f32.
 
 use std::sync::Arc;
 
@@ -10,14 +10,14 @@ use crate::accel::AlphaTest;
 use crate::io::image::Texture;
 use crate::mesh::{Mesh, TextureSampler};
 
-/// Where the surfaces of a material have holes.
+/// The alpha mask of a material.
 #[derive(Debug, Clone)]
 pub(crate) struct AlphaMask {
     /// Factor on alpha.
     pub factor: f64,
-    /// Its texture, the set of texture coordinates, and how it is looked up.
+    /// Its texture, the set of texture coordinates, and its sampler.
     pub texture: Option<(Arc<Texture>, usize, TextureSampler)>,
-    /// The least alpha that is there.
+    /// The smallest alpha at which the surface exists.
     pub cutoff: f32,
 }
 
@@ -44,7 +44,7 @@ pub(crate) struct MaskedRun {
 }
 
 impl AlphaMask {
-    /// Alpha at a point of triangle `triangle` of `mesh`. Without texture coordinates, of the factor and the vertices alone.
+    /// Alpha at a point of triangle `triangle` of `mesh`. Without texture coordinates, from the factor and the vertices only.
     fn alpha(&self, mesh: &Mesh, triangle: u32, barycentric: [f64; 2]) -> f64 {
         let mut alpha = self.factor;
         if let Some((texture, set, sampler)) = &self.texture
@@ -60,7 +60,7 @@ impl AlphaMask {
 }
 
 impl AlphaMasks {
-    /// The masks of `runs`, which ascend; none without runs.
+    /// The masks of `runs`, which ascend; `None` without runs.
     pub fn new(runs: Vec<MaskedRun>, meshes: Arc<[Mesh]>) -> Option<AlphaMasks> {
         (!runs.is_empty()).then_some(AlphaMasks { runs, meshes })
     }

@@ -1,5 +1,5 @@
-//! What is drawn of area lights, in arrays: for each point of a run a triangle by a [`LightTree`] and a place on it, evenly in solid angle where it is seen as
-//! wide, otherwise in area.
+//! Samples of area lights, in arrays: for each point of a run a triangle chosen by a [`LightTree`] and a point on it, uniform in solid
+//! angle if it appears large, otherwise in area.
 
 use glam::DVec3;
 
@@ -10,28 +10,28 @@ use crate::accel::sincos::sincos_each;
 use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, Vectors, load};
 use crate::spacetime::{Boost, Direction, Rest, World, unit_and_length_or_nan};
 
-/// Shadow rays end this part of the way before the shining surface, which is no obstacle to itself.
+/// Shadow rays end at this fraction of the way to the shining surface, which does not shadow itself.
 pub(super) const SHORTER: f64 = 1.0 - 1e-6;
 
-/// What area lights send to the points of a run, by point: one drawn point of all elements for each.
+/// Light from area lights at the points of a run: one sample of all elements for each point.
 #[derive(Debug, Default)]
 pub(super) struct AreaDraws {
-    /// Which of the frames that shine, where there are several, and with which probability.
+    /// Which of the shining frames, if there are several, and with which probability.
     pub frames: Vec<u32>,
     pub shares: Vec<f64>,
-    /// By frame that shines, the points as they are there.
+    /// For each shining frame, the points in its coordinates.
     pub seen: Vec<SeenPoints>,
     /// Points for which one frame is chosen.
     pub chosen: Vec<u32>,
     /// The element.
     pub elements: Vec<u32>,
-    /// Barycentrics of the point that is drawn.
+    /// Barycentrics of the sampled point.
     pub u: Vec<f64>,
     pub v: Vec<f64>,
-    /// Towards it in the point's rest frame, and in the world.
+    /// The direction towards it in the point's rest frame, and in the world.
     pub l: Columns,
     pub d: Columns,
-    /// As far as something may be in the way, metres of the world.
+    /// The length of the shadow ray, metres of the world.
     pub distances: Vec<f64>,
     /// W.
     pub ratios: Vec<f64>,
@@ -41,7 +41,7 @@ pub(super) struct AreaDraws {
     pub densities: Vec<f64>,
 }
 
-/// Points of a run as a frame sees them: see [`Receiver`](super::light_tree::Receiver).
+/// Points of a run in a frame: see [`Receiver`](super::light_tree::Receiver).
 #[derive(Debug, Default)]
 pub(super) struct SeenPoints {
     pub x: Columns,
@@ -76,7 +76,7 @@ pub(super) struct Draws<'a> {
     /// The number of the tree's first triangle among all.
     pub first: u32,
     pub to_world: &'a Boost<World, Rest>,
-    /// None where nothing changes.
+    /// `None` if nothing changes.
     pub from_world: Option<&'a Boost<Rest, World>>,
     /// The points in the frame.
     pub seen: &'a SeenPoints,

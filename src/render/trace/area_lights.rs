@@ -1,16 +1,17 @@
-//! Where the light of shining surfaces falls.
+//! The light of shining surfaces.
 //!
-//! An element dA of a surface that rests in its frame G and has the radiance L there, seen from the point X of a
-//! surface that rests in F, was at the event of emission on the past light cone of X: in G a point that does not move, at the
-//! distance r_G. It fills the solid angle dω_F = W² dω_G = W² cos θ_y dA/r_G², and L_F = W⁻ᵖ L, so that
+//! An element dA of a surface that rests in its frame G and has the radiance L there, seen from the point X of a surface that rests in F,
+//! emitted its light at the event on the past light cone of X: in G a fixed point, at the distance r_G. It fills the solid angle dω_F =
+//! W² dω_G = W² cos θ_y dA/r_G², and L_F = W⁻ᵖ L, so that
 //!
 //! ```text
 //! E_F = ∫ W²⁻ᵖ L cos θ_y cos θ_F/r_G² dA.
 //! ```
 //!
-//! Where L changes with the proper time of the surface's object, it is that of the event of emission: in G the time of X less η r_G.
+//! If L changes with the proper time of the surface's object, it is evaluated at the event of emission: in G the time of X less η r_G.
 //!
-//! Every hit draws one point of all elements, as [`shining_frames`](super::shining_frames) says. What is in the way is black: light is followed once.
+//! Every hit samples one point of all elements, as [`shining_frames`](super::shining_frames) says. Obstacles are black: light is traced
+//! one step only.
 
 use glam::DVec3;
 
@@ -33,10 +34,10 @@ use crate::light::lamp::{self, Incident};
 use crate::light::reflection::Reflection;
 use crate::spacetime::unit_and_length_or_nan;
 
-/// What random numbers of a hit are for, beside those of [`sky_light`](super::sky_light).
+/// Dimensions of a hit's random numbers, beside those of [`sky_light`](super::sky_light).
 const AREA: u32 = 0;
 
-/// About how many triangles are looked at for when their light left.
+/// The approximate number of triangles checked for their times of emission.
 const MOST_TIMED: usize = 32;
 
 /// Surfaces that shine.
@@ -44,9 +45,9 @@ const MOST_TIMED: usize = 32;
 pub struct AreaLights {
     /// By frame and triangle.
     elements: Vec<Element>,
-    /// Their triangles, as points on them are drawn.
+    /// Their triangles, for sampling.
     shining: ShiningFrames,
-    /// What surfaces receive of them.
+    /// How surfaces receive their light.
     received: Received,
 }
 
@@ -61,22 +62,22 @@ pub struct Element {
     pub corners: [DVec3; 3],
     /// Radiance, by channel.
     pub radiance: BaseColour,
-    /// The spectrum that the mean of the channels is a factor on, where it has one.
+    /// The spectrum that the mean of the channels multiplies, if it has one.
     pub spectrum: Option<std::sync::Arc<ColourTable>>,
     /// Whether its back shines too.
     pub two_sided: bool,
-    /// Whether other surfaces shadow it.
+    /// Whether other surfaces cast shadows in its light.
     pub shadows: bool,
 }
 
 impl Element {
-    /// About how bright it is at rest: by this it is drawn.
+    /// Its approximate brightness at rest, for sampling.
     fn brightness(&self) -> f64 {
         let factor = self.radiance.factor.iter().sum::<f64>();
         let Some(table) = &self.spectrum else {
             return factor;
         };
-        // What is not seen at rest may be seen in motion.
+        // Light that is invisible at rest may be visible in motion.
         let at_rest: f64 = table.colour(1.0).iter().sum();
         factor * if at_rest > 0.0 { at_rest } else { 1.0 }
     }
@@ -86,7 +87,7 @@ impl Element {
     }
 }
 
-/// A point of an area light that is drawn for one of the same rest frame.
+/// A sampled point of an area light, for a point in the same rest frame.
 pub(super) struct AreaDraw<'a> {
     /// How bright it is by its proper time.
     pub emission: &'a lamp::Emission,
@@ -94,12 +95,12 @@ pub(super) struct AreaDraw<'a> {
     pub clock_zero: f64,
     pub triangle: u32,
     pub distance: f64,
-    /// The irradiance with an emission of 1, over the density.
+    /// The irradiance for an emission of 1, over the density.
     pub light: [f64; 3],
     pub sent: Sent,
 }
 
-/// Light of an area light that is drawn, as its weight depends on it.
+/// Light of a sampled area light, for computing its weight.
 pub(super) struct Sent {
     /// Towards it in the point's rest frame.
     pub l: DVec3,
@@ -110,11 +111,11 @@ pub(super) struct Sent {
 }
 
 impl AreaLights {
-    /// Those of `elements` that have an area and shine; none if none does.
+    /// The elements that have an area and shine; `None` if none does.
     pub fn new(elements: Vec<Element>, received: Received) -> Option<AreaLights> {
         let shines = |e: &Element| e.power() > 0.0 && e.power().is_finite();
         let mut elements: Vec<_> = elements.into_iter().filter(shines).collect();
-        // In an order that does not depend on trees of other purposes.
+        // In an order that does not depend on trees for other purposes.
         elements.sort_by_key(|e| (e.frame, e.triangle));
         let sum: f64 = elements.iter().map(Element::power).sum();
         if !(sum > 0.0 && sum.is_finite()) {
@@ -166,7 +167,7 @@ impl AreaLights {
         meter: &mut Meter,
     ) {
         self.shining.draw(run, emitted);
-        // Elements with shadows and those without in turn: the rays of a batch are either all traced or all taken as open.
+        // Elements with and without shadows separately: the rays of a batch are either all traced or all unoccluded.
         for shadows in [true, false] {
             let Emitted {
                 draws,
@@ -202,7 +203,7 @@ impl AreaLights {
                 let radiance = Self::radiance_of(base, place);
                 let (w, factor) = (draws.ratios[k], draws.factors[k]);
                 let incident = self.incident_of(element, radiance, w, factor, spectral.at(k));
-                // Lines come beside what is sampled.
+                // Lines are added to what is sampled.
                 if let Some(table) = element.spectrum.as_ref().filter(|_| spectral.is_sampled()) {
                     let factor = w * w * factor * mean(radiance) * weight * shines;
                     let lines = table.spectrum().lines();
@@ -257,7 +258,7 @@ impl AreaLights {
     ) -> Incident {
         let irradiance = match (&element.spectrum, wavelengths) {
             (None, None) => self.received.irradiance(w, radiance, factor),
-            // W⁻⁵ is in the colour, and W² of the solid angle is not.
+            // W⁻⁵ is included in the colour, but W² of the solid angle is not.
             (Some(table), None) => {
                 let factor = w * w * factor * radiance.iter().sum::<f64>() / 3.0;
                 table.colour(w).map(|c| c * factor)
@@ -280,7 +281,8 @@ impl AreaLights {
         self.elements.iter().any(|e| e.radiance.profile.is_some())
     }
 
-    /// Calls `each` with the objects that shine by their own time, how they do, and when what comes from corners of them to `point` left.
+    /// Calls `each` with the objects that have an emission profile, the profile, and when the light from their corners to `point` was
+    /// emitted.
     pub(crate) fn times_at(
         &self,
         surfaces: &Surfaces,

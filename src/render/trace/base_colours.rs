@@ -14,7 +14,7 @@ use crate::light::lamp;
 use crate::light::reflection::{Reflection, bent};
 use crate::mesh::TextureSampler;
 
-/// What of a point its radiance depends on, beside its wavelength ratio: each kind on all that come before it, too.
+/// What the radiance of a point depends on, beside its wavelength ratio: each variant includes all previous ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Dependence {
     /// On the patch alone.
@@ -25,7 +25,7 @@ pub enum Dependence {
     Weights,
 }
 
-/// Radiance or reflectance: a factor, a texture, colours of vertices, and for what shines a profile in time.
+/// Radiance or reflectance: a factor, a texture, vertex colours, and for emission a profile in time.
 #[derive(Debug, Clone)]
 pub struct BaseColour {
     /// Linear RGB.
@@ -34,9 +34,9 @@ pub struct BaseColour {
     pub texture: Option<TextureLookup>,
     /// Whether the mesh's colours are a factor too.
     pub vertex_colours: bool,
-    /// What an observer makes of it, where that is not the common response.
+    /// The observer's response, if it differs from the common one.
     pub response: Option<Response>,
-    /// A factor by the proper time of the object; none where that is always 1.
+    /// A factor by the proper time of the object; `None` if it is always 1.
     pub(crate) profile: Option<Arc<lamp::Emission>>,
 }
 
@@ -56,11 +56,11 @@ pub struct TextureLookup {
 pub struct Finish {
     /// Index of its colour among the base colours.
     pub colour: usize,
-    /// Metalness and roughness; none of a diffuse surface.
+    /// Metalness and roughness; `None` for a diffuse surface.
     pub gloss: Option<Gloss>,
-    /// What goes through; none of an opaque surface.
+    /// Transmission; `None` for an opaque surface.
     pub glass: Option<Glass>,
-    /// Radiance of its own.
+    /// Its own emission.
     pub emission: Option<BaseColour>,
     /// Whether meshes have normals of vertices for it.
     pub is_smooth: bool,
@@ -70,18 +70,18 @@ pub struct Finish {
 type Place<'a> = (&'a RestFrame, &'a Patch, &'a Hit);
 
 impl Finish {
-    /// The normal by which it reflects diffusely at a hit, on the side of `geometric`, the triangle's own.
+    /// The normal for diffuse reflection at a hit, on the side of `geometric`, the triangle's own.
     fn diffuse_normal(&self, (rest, patch, hit): Place, geometric: DVec3) -> DVec3 {
         let smooth = self.is_smooth.then(|| rest.vertex_normal(patch, hit));
         match smooth.flatten() {
-            // Winding decides what is outside: some exporters write normals to the other side.
+            // Winding decides which side is outside: some exporters write normals for the other side.
             Some(normal) if normal.dot(geometric) < 0.0 => -normal,
             Some(normal) => normal,
             None => geometric,
         }
     }
 
-    /// The normal by which it reflects at a hit towards `view`, on the side of `geometric`, the triangle's own.
+    /// The normal for reflection at a hit towards `view`, on the side of `geometric`, the triangle's own.
     pub(super) fn normal(
         &self,
         place: Place,
@@ -97,7 +97,7 @@ impl Finish {
 }
 
 impl BaseColour {
-    /// The colour, where it is the same everywhere.
+    /// The colour, if it is constant.
     #[inline]
     pub(super) fn constant(&self) -> Option<[f64; 3]> {
         (self.texture.is_none() && !self.vertex_colours).then_some(self.factor)
@@ -131,14 +131,14 @@ impl BaseColour {
     }
 }
 
-/// What goes through a surface.
+/// The transmission of a surface.
 #[derive(Debug, Clone, Copy)]
 pub struct Glass {
-    /// The part of what is not reflected.
+    /// The transmitted fraction of the light that is not reflected.
     pub transmission: f64,
     /// Refractive index of the body that it bounds.
     pub index: f64,
-    /// Whether it bounds a body, and is not a film without thickness.
+    /// Whether it bounds a body, rather than being a film without thickness.
     pub solid: bool,
 }
 
@@ -151,7 +151,7 @@ pub struct Gloss {
     pub roughness: f64,
     /// Roughness in its green channel, metalness in its blue one.
     pub texture: Option<TextureLookup>,
-    /// f₀ where it is no metal.
+    /// f₀ for a dielectric.
     pub dielectric: f64,
 }
 
@@ -169,7 +169,7 @@ pub struct BaseColours {
 impl BaseColours {
     /// What the factors of `finish` depend on.
     pub(super) fn dependence_of(&self, finish: &Finish) -> Dependence {
-        // Its own colour and its emission count as colours do; what is left is how it reflects.
+        // Its own colour and its emission count like colours; the rest is how it reflects.
         let is_textured = finish.gloss.is_some_and(|gloss| gloss.texture.is_some());
         let colours = [Some(&self.colours[finish.colour]), finish.emission.as_ref()];
         let all = colours.into_iter().flatten().map(BaseColour::dependence);
@@ -180,7 +180,7 @@ impl BaseColours {
         all.fold(rest, Dependence::max)
     }
 
-    /// What colour `index` emits at `hit`.
+    /// The emission of colour `index` at `hit`.
     pub(super) fn radiance(&self, index: usize, run: &Run, hit: &Hit) -> [f64; 3] {
         self.colour_at(&self.colours[index], run.rest, run.patch, hit)
     }

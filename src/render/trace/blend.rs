@@ -1,25 +1,25 @@
-//! Several captures of one point in one.
+//! Blends several captures of one point.
 
 use crate::light::time_texture::{Coverage, Sampled};
 use crate::scene::model::CaptureChoice;
 
-/// What the weights of taps, which sum to 1, lack by rounding (2⁻⁵³ each): a part that is less does not count as missing.
+/// The rounding error of the weights of taps, which sum to 1 (2⁻⁵³ each): a smaller deficit does not count as missing.
 const ROUNDING: f64 = 1e-9;
 
-/// What the captures of a surface say of one point.
+/// The values of a surface's captures at one point.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Blend {
     /// Weighted sum of radiance, and the sum of the weights.
     radiance: [f64; 3],
     weight: f64,
-    /// Which captures make up most of it, with its weight; index into the emitter's.
+    /// The capture that contributes most, with its weight; index into the emitter's.
     most: Option<(usize, f64)>,
-    /// The best answer of those that do not hold the point, and how good it is.
+    /// The best substitute from those that do not contain the point, and its rank.
     stand_in: (f64, Sampled),
 }
 
 impl Blend {
-    /// Adds what capture `index` says, whose weight is `weight` if it sees the point.
+    /// Adds the value of capture `index`, with weight `weight` if it sees the point.
     pub fn add(
         &mut self,
         choice: CaptureChoice,
@@ -47,8 +47,8 @@ impl Blend {
                 }
             }
             None => {
-                // A camera that saw the point at another time says more than one that did not, and that more than
-                // one that looked elsewhere.
+                // A camera that saw the point at another time is better than one that did not, and that is better than one that looked
+                // elsewhere.
                 let good = match weight {
                     Some(_) => 2.0 + sampled.coverage.held,
                     None => 1.0 + sampled.coverage.occluded,
@@ -60,7 +60,7 @@ impl Blend {
         }
     }
 
-    /// What the captures say together.
+    /// The blended value.
     pub fn finish(&self) -> Sampled {
         if self.weight == 0.0 {
             return self.stand_in.1;
@@ -72,7 +72,7 @@ impl Blend {
         }
     }
 
-    /// The capture that makes up most of what the point is given; none where none holds it.
+    /// The capture that contributes most to the point; `None` if none contains it.
     pub fn most(&self) -> Option<usize> {
         self.most.map(|(index, _)| index)
     }

@@ -13,13 +13,13 @@ use crate::render::sampler::{
     Sampler, halves, pixel_key, sobol, sobol_among, sobol_of_each, sobol_of_each_at,
 };
 
-/// Camera rays of one sample, or of some samples one after the other, of every pixel of a tile.
+/// Camera rays of one sample, or of several consecutive samples, of every pixel of a tile.
 #[derive(Debug, Default)]
 pub struct CameraRays {
     pixels: Vec<u64>,
-    /// What random numbers come from: the keys of the pixels, as this replicate has them.
+    /// Sources of random numbers: the keys of the pixels, for this replicate.
     keys: Vec<u64>,
-    /// Which sample of the replicate, the first if there are several.
+    /// The sample of the replicate, the first if there are several.
     index: u32,
     /// By ray, where there are several.
     indices: Vec<u32>,
@@ -31,7 +31,7 @@ pub struct CameraRays {
     pub(crate) directions: Vec<DVec3>,
     /// W for a source at rest in the world.
     pub(crate) ratios: Vec<f64>,
-    /// Where each ray leaves; empty where all leave the event of the shot.
+    /// Where each ray leaves; empty if all leave the event of the shot.
     origins: Vec<RayOrigin>,
 }
 
@@ -40,22 +40,22 @@ pub struct CameraRays {
 pub struct Rays<'a> {
     /// Look directions, unit vectors of the world.
     pub directions: &'a [DVec3],
-    /// Where each leaves; none if all leave the event of the shot.
+    /// Where each leaves; `None` if all leave the event of the shot.
     pub origins: Option<&'a [RayOrigin]>,
-    /// W of what rests in the world, for who looks along each: the camera, or the frame of a surface.
+    /// W of the resting world for each ray's observer: the camera, or the frame of a surface.
     pub ratios: &'a [f64],
-    /// The wavelengths that who looks along each asks for; empty where there are none, or the samples draw them.
+    /// The wavelengths that each ray's observer samples; empty if there are none, or samples choose them.
     pub wavelengths: &'a [Wavelengths],
-    /// The triangle that each leaves, and does not meet again; empty where they leave none.
+    /// The triangle that each leaves, and cannot hit again; empty if they leave none.
     pub left: &'a [LeftTriangle],
     /// How they are traced.
     pub method: Traversal,
-    /// What random numbers at their hits come from.
+    /// The source of random numbers at their hits.
     pub samples: Samples<'a>,
 }
 
 impl<'a> Rays<'a> {
-    /// Rays that all leave the event of the shot, and at whose hits nothing is drawn at random.
+    /// Rays that all leave the event of the shot, without random choices at their hits.
     pub fn from_shot(directions: &'a [DVec3], method: Traversal) -> Self {
         Rays {
             directions,
@@ -74,30 +74,30 @@ impl<'a> Rays<'a> {
 pub struct LeftTriangle {
     /// Index of its rest frame.
     pub frame: u32,
-    /// Its place in the frame's tree.
+    /// Its position in the frame's tree.
     pub slot: u32,
 }
 
 /// Which samples of which pixels the rays of a batch are.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Samples<'a> {
-    /// By ray, the key of its pixel and replicate; its own number stands for those that are not there.
+    /// For each ray, the key of its pixel and replicate; beyond the end, the ray's own number.
     pub pixels: &'a [u64],
-    /// The sample of all.
+    /// The common sample index.
     pub index: u32,
-    /// By ray, its own in place of that; empty where that is the sample of each.
+    /// For each ray, its own sample index; empty if all share one.
     pub indices: &'a [u32],
-    /// How many samples a pixel has.
+    /// The number of samples per pixel.
     pub in_pixel: u32,
-    /// How many surfaces the rays come from, one after the other.
+    /// The number of surfaces that the rays have left so far.
     pub depth: u32,
-    /// The parts of an exposure that they stand for, where data are integrated over these.
+    /// The parts of an exposure that they represent, if data are integrated over these.
     pub exposure: Option<Exposure<'a>>,
-    /// What they stand for, where lookups are means over that.
+    /// Their cells, if lookups are means over footprints.
     pub cells: Option<Cells<'a>>,
 }
 
-/// An exposure whose samples each stand for an equal part of it.
+/// An exposure whose samples represent equal parts of it.
 #[derive(Debug, Clone, Copy)]
 pub struct Exposure<'a> {
     /// How long it takes, metres of the camera's own time.
@@ -119,12 +119,12 @@ impl Exposure<'_> {
     }
 }
 
-/// The cells that the rays of a batch stand for.
+/// The cells that the rays of a batch represent.
 #[derive(Debug, Clone, Copy)]
 pub struct Cells<'a> {
     /// The rays.
     pub(crate) rays: &'a CameraRays,
-    /// Those beside each of them along x, along y, and, where an exposure is integrated over, a little sooner or later.
+    /// Rays slightly offset from each of them along x, along y, and, for an integrated exposure, in time.
     pub(crate) beside: &'a [CameraRays],
     /// Width and height of a cell, pixels, and the part of the exposure that it is.
     pub(crate) size: [f64; 3],
@@ -133,10 +133,10 @@ pub struct Cells<'a> {
 /// What comes after the axes of the film.
 pub(crate) const TIME: usize = 2;
 
-/// How far a ray is from one beside it, pixels or exposures: little enough for a derivative, and much more than rounding.
+/// The offset of a neighbouring ray, pixels or exposures: small enough for a derivative, and much larger than rounding.
 const BESIDE: f64 = 1.0 / 1024.0;
 
-/// Most pairs of numbers that are drawn at one surface of a path.
+/// The largest number of pairs of random numbers used at one surface of a path.
 const DRAWN_AT_A_SURFACE: u32 = 8;
 
 impl Samples<'_> {

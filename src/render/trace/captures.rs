@@ -1,20 +1,19 @@
-//! Several captures of one surface: which of them a point takes its radiance from.
+//! Several captures of one surface: which of them give a point its radiance.
 //!
-//! A capture holds a point if its camera sees it, by [`TimeTexture::locate`] and nothing between, and if it has data of
-//! the time at which the light of the point arrived there. Of those that hold it, each is weighted by
+//! A capture contains a point if its camera sees it, by [`TimeTexture::locate`] and without an obstacle, and if it has data for the time
+//! at which the light of the point arrived there. Those that contain it are weighted by
 //!
 //! ```text
 //! w = s e (cos θ / a)⁴
 //! ```
 //!
-//! - a / cos θ is the width on the surface of one of its pixels along its tilt: a the width of a pixel at the point's
-//!   distance, θ the angle between the normal and the way to the camera. A pixel is a mean over that width, whose error
-//!   for a smooth surface is ∝ (a / cos θ)² by Taylor's series: w is the inverse of the squared error, as the means of
-//!   least variance have it.
-//! - s, the part of the bilinear weights whose pixels saw the surface, and e, the distance from the edge of the image in
-//!   pixels, 1 at most: no seam where a capture ends. Both are never 0, so that a point which one camera sees has its value.
+//! - a / cos θ is the width on the surface of one of its pixels along its tilt: a the width of a pixel at the point's distance, θ the
+//!   angle between the normal and the direction to the camera. A pixel is a mean over that width, whose error for a smooth surface is ∝
+//!   (a / cos θ)² by Taylor expansion: w is the inverse of the squared error, as for means of least variance.
+//! - s is the fraction of the bilinear weights whose pixels saw the surface, and e the distance from the edge of the image in pixels, at
+//!   most 1: no seam where a capture ends. Both are never 0, so a point that one camera sees has its value.
 //!
-//! With [`CaptureChoice::First`] it is the first in the order of the scene that holds the point.
+//! With [`CaptureChoice::First`] it is the first in the order of the scene that contains the point.
 
 use std::cell::Cell;
 
@@ -30,8 +29,8 @@ use crate::accel::Segment;
 use crate::light::time_texture::{Capture, CapturePoint, CaptureView, Located, Near, TimeTexture};
 
 impl TimeResolved {
-    /// What `captures` recorded of the points of `run`, in those of their cubes that `cube` says, as far as they saw them.
-    /// They rest in the points' frame, and so does all that can stand between.
+    /// The recorded light of `captures` at the points of `run`, from the cubes selected by `cube`, if they saw them. The captures rest in
+    /// the points' frame, and so does everything that can be in between.
     pub(super) fn blend(
         &self,
         captures: &[CapturedCube],
@@ -40,13 +39,13 @@ impl TimeResolved {
         emitted: &mut Emitted,
         meter: &mut Meter,
     ) {
-        // Taken out while `emitted` lends its other buffers, and put back at the end for the next run.
+        // Moved out while `emitted` lends its other buffers, and put back at the end for the next run.
         let mut blends = std::mem::take(&mut emitted.blends);
         blends.clear();
         blends.resize(run.count(), Blend::default());
         emitted.points.fill_places(run);
         let read = Cell::new(0);
-        // Each capture in turn: what it may have seen, what stands between, then the lookups.
+        // For each capture: what it may have seen, then obstacles, then the lookups.
         for (index, captured) in captures.iter().enumerate() {
             let (texture, capture) = (
                 &self.cubes[cube(captured)],
@@ -70,7 +69,7 @@ impl TimeResolved {
             let (segments, blocked) = (&emitted.segments, &mut emitted.blocked);
             any_hit(&run.rest.bvh, method, segments, blocked, counts);
             let means = run.spans(captured.clock, &mut emitted.spans);
-            // Only points that lie in the camera's image have a segment: by point, whether it is blocked.
+            // Only points in the camera's image have a segment: by point, whether it is blocked.
             let mut answers = emitted.blocked.iter();
             let seen = emitted.located.iter().map(Located::is_seen);
             let blocked: Vec<bool> = seen

@@ -6,7 +6,7 @@ use crate::render::aov::{Aov, Combine};
 use crate::render::film::TileFilm;
 use crate::spacetime::{Direction, World};
 
-/// Records `channels`, those of the film in its order, of a sample at `offset` in `pixel` that looks along `d`, if it sees anything.
+/// Records `channels`, those of the film in order, of a sample at `offset` in `pixel` that looks along `d`, if it sees anything.
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn record(
     channels: &[Aov],
@@ -17,7 +17,7 @@ pub(crate) fn record(
     observed: Option<&ObservedPoint>,
     film: &mut TileFilm,
 ) {
-    // Identities and places come from one sample, never from a mean of two surfaces.
+    // Identities and positions come from one sample, never from a mean over two surfaces.
     let nearest = film.is_nearest_to_centre(pixel, offset, observed.is_some());
     if d.is_none() {
         film.add_blind_sample(pixel);
@@ -51,7 +51,7 @@ pub(crate) fn record(
     }
 }
 
-/// The channel's value, or none where the sample has none. Coverage, standard error and number of samples are the film's own.
+/// The channel's value, or `None` if the sample has none. The film computes coverage, standard error and number of samples.
 fn value(
     aov: Aov,
     radiance: &dyn Radiance,
@@ -59,7 +59,7 @@ fn value(
     observed: Option<&ObservedPoint>,
 ) -> Option<f64> {
     let point = observed.map(|o| &o.point);
-    // Each is computed only where a channel asks: most pictures have none of them.
+    // Each is computed only if a channel needs it: most pictures have none of them.
     let uv = || Some(point?.uv(0).unwrap_or(glam::DVec2::NAN));
     let event = || Some(point?.event());
     let object_event = || point.map(|p| p.rest_event() - p.patch.object_origin);

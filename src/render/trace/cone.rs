@@ -1,7 +1,7 @@
 //! Which rest frames a batch of rays can hit at all.
 //!
-//! What lies within a sphere of radius r about c, seen from the origin of its rest frame, has look directions
-//! d′ with d′·ĉ ≥ cos α, sin α = r/|c|. With past-directed null vectors k′ = ω (−1, d′) this is
+//! An object within a sphere of radius r about c, seen from the origin of its rest frame, has look directions d′ with d′·ĉ ≥ cos α, sin α
+//! = r/|c|. With past-directed null vectors k′ = ω (−1, d′) this is
 //!
 //! ```text
 //! k′·N′ ≥ 0,   N′ = (−cos α, ĉ),   signature (−, +, +, +),
@@ -22,14 +22,14 @@
 //!
 //! as long as a + b < π, which is sin α cos b − N_ct sin b > 0.
 //!
-//! Light in a medium is not null, and rays with origins of their own share no event: neither is culled.
+//! Light in a medium is not null, and rays with their own origins share no event: neither is culled.
 
 use glam::DVec3;
 
 use super::rest_frame::RestFrame;
 use crate::spacetime::{Displacement, Event, Rest, World};
 
-/// More than all rounding: of N at most γ (1 + φ) times some 2⁻⁵⁰, with φ < 710.
+/// A bound above all rounding: of N at most γ (1 + φ) times some 2⁻⁵⁰, with φ < 710.
 const SLACK: f64 = 1e-11;
 
 /// What sin α is widened by: c and the box round by some 2⁻⁵¹ of their coordinates, which are up to 10⁶ times their distance.
@@ -44,14 +44,14 @@ pub(super) struct VisibleCone {
 }
 
 impl VisibleCone {
-    /// None where every direction may hit something, or nothing is known.
+    /// `None` if every direction may hit something, or nothing is known.
     pub fn of(rest: &RestFrame, camera: Event<Rest>, index: f64) -> Option<VisibleCone> {
         // The sphere about the bounding box: centre c from the camera, radius half the diagonal.
         let (lo, hi) = rest.bvh.bounds()?;
         let centre = (lo + hi) * 0.5 - camera.x;
         let distance = centre.length();
         let sine = (hi - lo).length() * 0.5 / distance * (1.0 + ROUNDING) + ROUNDING;
-        // Not for NaN either.
+        // False for NaN, too.
         if !(sine < 1.0 && index == 1.0) {
             return None;
         }
@@ -74,7 +74,7 @@ impl VisibleCone {
             cosine,
             sine,
         } = bounds;
-        // Both by more than rounding; not for NaN.
+        // Both by more than rounding; false for NaN.
         let farthest = -self.normal.ct * cosine - self.sine * sine;
         let is_below_pi = self.sine * cosine - self.normal.ct * sine > self.slack;
         is_below_pi & (self.normal.x.dot(*middle) < farthest - self.slack)
@@ -89,7 +89,7 @@ impl VisibleCone {
         let least = -self.slack - self.normal.ct;
         let mut count = 0;
         for (ray, d) in directions.iter().enumerate() {
-            // In this form also for NaN.
+            // Written so that NaN takes this branch, too.
             let misses = self.normal.x.dot(*d) < least;
             chosen[count] = ray as u32;
             count += usize::from(!misses);

@@ -31,15 +31,15 @@ use crate::spacetime::Quantity;
 pub struct Emission {
     /// Radiance to which the factors apply.
     pub radiance: [f64; 3],
-    /// Radiance that stands for missing data and is shown as it is.
+    /// Radiance that replaces missing data and is shown as it is.
     pub unscaled: [f64; 3],
-    /// How much of it the data hold.
+    /// How much of it is covered by data.
     pub coverage: Coverage,
     /// Emitted wavelength over that of the declared line.
     pub wavelength_scale: f64,
 }
 
-/// What an observer makes of emitted radiance; resolved from quantity and switches beforehand.
+/// The observer's response to emitted radiance; resolved from quantity and switches beforehand.
 #[derive(Debug, Clone)]
 pub struct Response {
     /// The factor on the radiance.
@@ -51,37 +51,37 @@ pub struct Response {
 /// The factor on a radiance, by W.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scaling {
-    /// 1: the searchlight effect is off, or the colouring has it in it.
+    /// 1: the searchlight effect is off, or included in the colouring.
     None,
     /// That of a quantity.
     Of(Quantity),
-    /// W⁴: takes the searchlight effect out of a colouring that has it in it, and leaves its hue.
+    /// W⁴: removes the searchlight effect from a colouring that includes it, and keeps its hue.
     HueAlone,
 }
 
 /// How radiance becomes a colour.
 #[derive(Debug, Clone)]
 pub enum Colouring {
-    /// The channels are colours as they stand.
+    /// The channels are colours as they are.
     Channels,
     /// The mean of the channels is the radiance of a line of this emitted wavelength, metres.
     ShiftedLine(f64),
     /// The same, shown in its emitted colour.
     UnshiftedLine(f64),
-    /// The channels are linear RGB of a spectrum, whose shift has the searchlight effect in it.
+    /// The channels are linear RGB of a spectrum, whose shift includes the searchlight effect.
     Rgb(&'static RgbShift, Eye),
     /// The same with infrared and ultraviolet beside them.
     Companions(&'static CompanionShift, Eye),
-    /// The mean of the channels is a factor on a spectrum, whose colours have the searchlight effect in them.
+    /// The mean of the channels multiplies a spectrum, whose colours include the searchlight effect.
     Spectrum(Arc<ColourTable>, Eye),
-    /// The channels are radiances at wavelengths that each point has of its own; colours have the searchlight effect in them.
+    /// The channels are radiances at wavelengths that differ from point to point; colours include the searchlight effect.
     Sampled(Eye),
 }
 
 /// The wavelengths that an observer sees: those of the human eye, times a factor.
 ///
-/// An eye with the sensitivity m(λ/s) makes ∫ L′(λ) m(λ/s) dλ = s ∫ L′(sλ) m(λ) dλ of a radiance, and with L′ at W that
-/// is s⁻⁴ times what the human eye makes of it at W/s. So a line keeps its energy whatever it is shown as.
+/// An eye with the sensitivity m(λ/s) turns a radiance into ∫ L′(λ) m(λ/s) dλ = s ∫ L′(sλ) m(λ) dλ, and with L′ at W that is s⁻⁴ times
+/// the human eye's response at W/s. So a line keeps its energy in any false colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Eye {
     /// 1/s.
@@ -97,7 +97,7 @@ impl Eye {
         gain: 1.0,
     };
 
-    /// One that sees `wavelength` as the human one sees 555 nm, metres.
+    /// An eye that sees `wavelength`, metres, as the human one sees 555 nm.
     pub fn seeing(wavelength: f64) -> Eye {
         let inverse = 555e-9 / wavelength;
         Eye {
@@ -112,7 +112,7 @@ impl Eye {
         w * self.inverse
     }
 
-    /// The wavelength that the human eye has in place of this one.
+    /// The human eye's equivalent of this wavelength.
     pub fn wavelength(self, wavelength: f64) -> f64 {
         wavelength * self.inverse
     }
@@ -135,7 +135,7 @@ impl Eye {
         spectrum.colour_at(self.inverse).map(|c| c * self.gain)
     }
 
-    /// What colours by the human eye's tables are multiplied by.
+    /// The factor on colours from the human eye's tables.
     #[inline(always)]
     pub(super) fn gain(self) -> f64 {
         self.gain
@@ -145,28 +145,28 @@ impl Eye {
 /// What leaves the points of a run towards the camera, point by point.
 #[derive(Debug)]
 pub struct Emitted {
-    /// What becomes of it at the observer.
+    /// The observer's response to it.
     pub(super) response: Response,
     /// Radiance to which the factors apply, per channel.
     pub(super) radiance: Vec<[f64; 3]>,
     /// Infrared and ultraviolet of each point, where its response has them; empty otherwise.
     pub(super) companions: Vec<[f64; 2]>,
-    /// What else there is to know of some points, in their order.
+    /// Further details of some points, in order.
     pub(super) details: Vec<Detail>,
     /// Where light is sampled at wavelengths.
     pub(super) spectral: Box<SpectralPoints>,
     pub(super) lookups: Box<Lookups>,
-    /// What may stand in the way of light.
+    /// Occlusion queries.
     pub(super) queries: OcclusionQueries,
     pub(super) segments: Vec<Segment>,
     pub(super) blocked: Vec<bool>,
     /// The points in arrays, where light falls on them.
     pub(super) points: Points,
-    /// Towards the observer, where that is asked for.
+    /// Directions towards the observer, if needed.
     pub(super) views: Columns,
-    /// What comes of one lamp.
+    /// Intermediate results for one lamp.
     pub(super) falling: Falling,
-    /// Directions about the points' normals, drawn as the cosine.
+    /// Cosine-distributed directions about the points' normals.
     pub(super) by_cosine: Columns,
     /// Normals of the points from which paths go on.
     pub(super) normals: Columns,

@@ -168,8 +168,7 @@ fn radius(
         return Ok(across);
     }
     let (noun, key) = (mover.noun, mover.position.1);
-    let what =
-        format!("the axis of the circle passes through `{key}`: the {noun} would not move");
+    let what = format!("the axis of the circle passes through `{key}`: the {noun} would not move");
     let help = format!("move the centre or `{key}`, so that `{key}` is on the circle");
     Err(cx.refuse(centre, what, help))
 }

@@ -134,13 +134,15 @@ fn refuse_rotation(
     rotation: &Rotation,
 ) -> Result<()> {
     if let (Some(motion), false) = (&file.motion, model.motion == Motion::Inertial) {
-        let what = "a sensor can rotate only in a camera without acceleration, but this one accelerates";
+        let what =
+            "a sensor can rotate only in a camera without acceleration, but this one accelerates";
         let help = "leave out [camera.rotation] or [camera.motion]";
         let other = (&motion.span, "the acceleration");
         return Err(cx.report.refuse_two(&at.span, other, what, help));
     }
     if model.sensor.is_some_and(|s| s.assembly == Assembly::Bell) {
-        let what = "a sensor and a pinhole that accelerate alike on separate world lines cannot rotate";
+        let what =
+            "a sensor and a pinhole that accelerate alike on separate world lines cannot rotate";
         let help = "give assembly = \"rigid\" or \"world_length\", or leave out [camera.rotation]";
         return Err(cx.refuse(at, what, help));
     }

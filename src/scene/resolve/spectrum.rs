@@ -225,7 +225,8 @@ fn scale<'a>(
     let has_values = said.table.is_some() || said.rgb.is_some() || said.blackbody.is_some();
     if let (Some(factor), false) = (factor, has_values) {
         let what = "`factor` multiplies the values of a table, of rgb or of Planck's law, but this spectrum has none";
-        let help = "give the amount of light by `total`, its sum over all wavelengths, or by `luminance`";
+        let help =
+            "give the amount of light by `total`, its sum over all wavelengths, or by `luminance`";
         return Err(cx.refuse(factor, what, help));
     }
     let amount = |at: &Option<At<Number>>| {

@@ -106,9 +106,7 @@ pub enum WorldLineError {
     #[error("the axis of a circular motion is the zero vector")]
     NoAxis,
     /// The circle has no radius.
-    #[error(
-        "the axis of a circular motion passes through the position itself, so nothing moves"
-    )]
+    #[error("the axis of a circular motion passes through the position itself, so nothing moves")]
     OnAxis,
     /// |ΩR| ≥ 1.
     #[error(

@@ -246,7 +246,10 @@ fn what_contradicts_itself_is_refused() {
             &["--from", "0 m", "--to", "1 m"],
             &["--from", "--interval", "--fps"],
         ),
-        (&["--frames", "4..4"], &["--frames", "4..4 contains no frame"]),
+        (
+            &["--frames", "4..4"],
+            &["--frames", "4..4 contains no frame"],
+        ),
         (&["--frames", "4"], &["--frames", "0..50"]),
         (&["--frames", "-4..4"], &["--frames"]),
         (

@@ -510,8 +510,10 @@ fn times(
         "bin 0 starts at {start} m of light path; bins are {bin} m wide"
     ));
     notes.push(match at_sensor {
-        true => "times include the paths from the laser to the wall and from the wall to the sensor"
-            .into(),
+        true => {
+            "times include the paths from the laser to the wall and from the wall to the sensor"
+                .into()
+        }
         false => "times are measured from the wall to the wall".into(),
     });
     Ok(Some(FileTimes {

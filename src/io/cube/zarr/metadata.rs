@@ -206,11 +206,7 @@ impl Reading<'_> {
             let may_be_passed_over = value.get("must_understand") == Some(&Value::Bool(false));
             let is_empty = value.as_array().is_some_and(Vec::is_empty);
             if !KNOWN.contains(&key.as_str()) && !may_be_passed_over && !is_empty {
-                return Err(self.unsupported(
-                    key,
-                    "this extension is unknown",
-                    "write it without",
-                ));
+                return Err(self.unsupported(key, "this extension is unknown", "write it without"));
             }
         }
         Ok(())

@@ -1,14 +1,14 @@
-//! How much memory the readers of a command may take together, so that no file can ask for more than there is.
+//! The memory budget that the readers of a command share, so that no file can request more than there is.
 //!
-//! Readers take what they are going to hold, in bytes after widening, before they allocate it. What is let go again is not
-//! given back: commands hold what they read until they end.
+//! Readers reserve what they are going to hold, in bytes after widening, before they allocate it. Freed memory is not returned to the
+//! budget: commands hold what they read until they end.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::error::{Error, Message, Result, Setting};
 
-/// Memory that may be taken, by any number of readers.
+/// Memory shared by any number of readers.
 #[derive(Debug)]
 pub struct Budget {
     limit: u64,
@@ -16,7 +16,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// So many bytes.
+    /// A budget of `memory_limit` bytes.
     pub fn new(memory_limit: u64) -> Self {
         Budget {
             limit: memory_limit,
@@ -24,12 +24,12 @@ impl Budget {
         }
     }
 
-    /// How many bytes have been taken.
+    /// The bytes taken so far.
     pub(crate) fn taken(&self) -> u64 {
         self.limit - self.left()
     }
 
-    /// How many bytes are left.
+    /// The remaining bytes.
     pub(crate) fn left(&self) -> u64 {
         self.left.load(Ordering::Relaxed)
     }
@@ -37,7 +37,7 @@ impl Budget {
     /// Takes `bytes` for what is read from `file`.
     ///
     /// # Errors
-    /// More than is left; none is taken then.
+    /// More than the remainder; nothing is taken then.
     pub fn take(&self, bytes: u64, file: &Path) -> Result<()> {
         let taken = |left: u64| left.checked_sub(bytes);
         let taken = self

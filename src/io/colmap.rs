@@ -1,9 +1,9 @@
-//! Poses and cameras of COLMAP: `images.txt` and `cameras.txt` of a folder, or the same as `.bin`, which go first.
+//! Poses and cameras of COLMAP: `images.txt` and `cameras.txt` in a folder, or the same as `.bin`, which take precedence.
 //!
-//! An image has the rotation R (a unit quaternion w, x, y, z) and the translation t from the world to its camera, which
-//! looks along +z with y down; so its eye is −Rᵀ t, and right, up and forward are the rows x, −y and z of R. A camera of
-//! focal length f and a width of w pixels has the horizontal field of view 2 atan(w / 2f). Form of both:
-//! <https://colmap.github.io/format.html>. Lenses that distort are refused: `colmap image_undistorter` takes that off.
+//! An image has the rotation R (a unit quaternion w, x, y, z) and the translation t from the world to its camera, which looks along +z
+//! with y down; so its eye is −Rᵀ t, and right, up and forward are the rows x, −y and z of R. A camera of focal length f and a width of w
+//! pixels has the horizontal field of view 2 atan(w / 2f). Formats: <https://colmap.github.io/format.html>. Lenses with distortion are
+//! refused: `colmap image_undistorter` removes it.
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -13,12 +13,12 @@ use glam::{DMat3, DQuat, DVec3};
 use super::open::open_regular;
 use crate::error::{Error, Result};
 
-/// The longest line, or name, of which anything is kept, bytes.
+/// The number of bytes of a line or a name that are kept.
 const LONGEST: usize = 1 << 12;
-/// Parameters that a camera has at most.
+/// The largest number of parameters of a camera.
 const MOST: usize = 12;
 
-/// Models of cameras by their numbers: name, parameters, and how many of these are focal lengths.
+/// Models of cameras by number: name, parameters, and how many of these are focal lengths.
 const MODELS: [(&str, usize, usize); 11] = [
     ("SIMPLE_PINHOLE", 3, 1),
     ("PINHOLE", 4, 2),
@@ -33,7 +33,7 @@ const MODELS: [(&str, usize, usize); 11] = [
     ("THIN_PRISM_FISHEYE", 12, 2),
 ];
 
-/// Where the camera of an image was, and how it looked.
+/// The pose and field of view of an image's camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ColmapPose {
@@ -55,7 +55,8 @@ struct Image {
 /// The pose of the image of this name in the reconstruction in `folder`.
 ///
 /// # Errors
-/// The files cannot be read or are broken; there is no such image; its camera is no pinhole in the middle of its picture.
+/// The files cannot be read or are broken; there is no such image; its camera is not a pinhole with its axis through the middle of the
+/// picture.
 pub fn pose(folder: &Path, image: &str) -> Result<ColmapPose> {
     // The image names its camera, so images are read first.
     let (images, is_binary) = file(folder, "images")?;
@@ -68,7 +69,7 @@ pub fn pose(folder: &Path, image: &str) -> Result<ColmapPose> {
         true => binary_camera(&cameras, found.camera)?,
         false => text_camera(&cameras, found.camera)?,
     };
-    // A rotation is a unit quaternion; numbers this far from length 1 are something else.
+    // A rotation is a unit quaternion; numbers this far from length 1 are not one.
     let length = found.rotation.length();
     if !((length - 1.0).abs() < 1e-3 && found.translation.is_finite()) {
         let what = format!("the pose of {image:?} is not a rotation and translation");
@@ -108,7 +109,7 @@ fn broken(file: &Path, what: impl Into<String>) -> Error {
     Error::invalid(file, "", what, "export it again: colmap model_converter")
 }
 
-/// What is said where there is no such image: some of those that there are.
+/// The error if there is no such image: lists some of the existing ones.
 fn no_image(file: &Path, image: &str, names: &[String]) -> Error {
     let what = format!("there is no image {image:?}");
     let some: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
@@ -119,14 +120,14 @@ fn no_image(file: &Path, image: &str, names: &[String]) -> Error {
     Error::invalid(file, "", what, help)
 }
 
-/// The names that are shown.
+/// The names for that message.
 fn note(names: &mut Vec<String>, name: &str) {
     if names.len() < 3 {
         names.push(name.into());
     }
 }
 
-/// The next line, of which no more than [`LONGEST`] bytes are kept; none at the end.
+/// The next line, of which at most [`LONGEST`] bytes are kept; `None` at the end.
 fn line(reader: &mut impl BufRead, file: &Path) -> Result<Option<String>> {
     let mut kept = Vec::new();
     let mut is_any = false;
@@ -135,7 +136,7 @@ fn line(reader: &mut impl BufRead, file: &Path) -> Result<Option<String>> {
         let end = buffer.iter().position(|byte| *byte == b'\n');
         let part = end.unwrap_or(buffer.len());
         is_any |= !buffer.is_empty();
-        // A line of points may be megabytes long, and nobody needs it: it is read past, not kept.
+        // A line of points may be megabytes long and is not needed: it is skipped, not kept.
         let room = LONGEST - kept.len();
         kept.extend_from_slice(&buffer[..part.min(room)]);
         // The end of line is used up with its line, and is not of it.
@@ -179,7 +180,7 @@ fn text_image(file: &Path, image: &str) -> Result<Image> {
                 camera,
             });
         }
-        // The line of points is there even where it is empty.
+        // The line of points exists even if it is empty.
         note(&mut names, rest);
         line(&mut reader, file)?;
     }
@@ -197,7 +198,7 @@ fn text_camera(file: &Path, camera: u32) -> Result<[f64; 2]> {
         if is_comment(&text) || id.parse() != Ok(camera) {
             continue;
         }
-        // Only the camera that is wanted has to be of a model that is known.
+        // Only the requested camera must have a known model.
         let known = MODELS.iter().find(|known| known.0 == *model);
         let numbers: Option<Vec<f64>> = numbers.iter().map(|n| n.parse().ok()).collect();
         return match (known, numbers.as_deref()) {
@@ -237,12 +238,12 @@ fn field_of_view(
     let (lengths, rest) = numbers.split_at(*focal);
     let (centre, distortion) = rest.split_at(2);
     let refuse = |what: String, help: &str| Err(Error::unsupported(file, "", what, help));
-    // Fisheyes bend even with all coefficients 0; the others are pinholes then.
+    // Fisheyes bend lines even with all coefficients 0; the others are then pinholes.
     let is_fisheye = name.ends_with("FISHEYE") || *name == "FOV";
     if is_fisheye || distortion.iter().any(|n| *n != 0.0) {
         return refuse(format!("a camera of the model {name} distorts"), UNDISTORT);
     }
-    // Captures have square pixels, so both focal lengths have to be the same: to a thousandth.
+    // Captures have square pixels, so both focal lengths must agree, to a thousandth.
     let f = lengths[0];
     let is_positive = f > 0.0;
     if !is_positive || lengths.iter().any(|other| (other / f - 1.0).abs() > 1e-3) {
@@ -251,7 +252,7 @@ fn field_of_view(
             UNDISTORT,
         );
     }
-    // Captures look along the middle of their film: half a pixel beside it is let through.
+    // Captures look along the middle of their film: a deviation of half a pixel is accepted.
     let middle = [0.5 * width, 0.5 * height];
     let apart = centre.iter().zip(middle).map(|(c, m)| (c - m).abs());
     if apart.fold(0.0, f64::max) > 0.5 {
@@ -322,12 +323,12 @@ fn binary(file: &Path) -> Result<Binary<'_, impl BufRead>> {
 }
 
 fn binary_image(file: &Path, image: &str) -> Result<Image> {
-    /// Bytes of a point that is seen in an image: its place and its number.
+    /// Bytes of an image point: its position and its number.
     const POINT: u64 = 24;
     let mut from = binary(file)?;
     let mut names = Vec::new();
     for _ in 0..from.u64()? {
-        // The number of the image, which nothing here asks for.
+        // The number of the image, which is not needed here.
         from.u32()?;
         let mut numbers = [0.0; 7];
         for number in &mut numbers {

@@ -1,4 +1,4 @@
-//! Whether a picture is right and what accuracy costs: comparison, bundles for other programs, studies, the self-test.
+//! Whether a picture is right, and what accuracy costs: comparison, bundles for other programs, studies, the self-test.
 
 #[doc = include_str!("guide.md")]
 pub mod guide {}

@@ -1,16 +1,16 @@
-//! The order of an array's axes, and from it into that of a cube: (H, W, T, C).
+//! The order of an array's axes, and the conversion to that of a cube: (H, W, T, C).
 
 use std::fmt;
 use std::str::FromStr;
 
 use crate::Error;
 
-/// What to do about axes.
+/// The advice about axes.
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
 pub(super) const NAME_AXES: &str = "name every axis of the array in `axes`, like \"T H W\": H rows, W columns, T time bins, C channels, \
      S entries that are added up, L entries of which one is chosen, 1 an axis of one entry";
 
-/// What the entries along an axis of an array are.
+/// The meaning of the entries along an axis of an array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Axis {
     /// `H`: rows, from the top.
@@ -21,11 +21,11 @@ pub enum Axis {
     Time,
     /// `C`: channels.
     Channel,
-    /// `1`: an axis of one entry, which means nothing.
+    /// `1`: an axis of one entry, without meaning.
     Single,
-    /// `S`: entries that are added up, like orders of bounces.
+    /// `S`: entries to sum over, like orders of bounces.
     Sum,
-    /// `L`: entries of which one is chosen by its number, like points that a laser lights.
+    /// `L`: entries of which one is selected by its number, like points that a laser lights.
     Choice,
 }
 
@@ -40,7 +40,7 @@ impl Axis {
         (Axis::Choice, 'L'),
     ];
 
-    /// By what files call it.
+    /// By its name in files.
     #[cfg(any(feature = "hdf5", feature = "zarr"))]
     fn called(name: &str) -> Option<Axis> {
         match name.trim().to_ascii_lowercase().as_str() {
@@ -59,16 +59,16 @@ impl Axis {
     }
 }
 
-/// The order of an array's axes, the slowest in memory first: numpy's order. It has rows and columns, and at
-/// most one axis of time and one of channels; without time it is a steady picture.
+/// The order of an array's axes, slowest in memory first: numpy's order. It has rows and columns, and at most one axis of time and one of
+/// channels; without time it is a steady picture.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Axes(Vec<Axis>);
 
 impl Axes {
-    /// (H, W, T), or with channels (H, W, T, C): what an array of these sizes is taken for where nothing is said.
+    /// (H, W, T), or with channels (H, W, T, C): the default for an array of these sizes.
     ///
     /// # Errors
-    /// It may as well be something else: what is not known, and what to do about it.
+    /// It could just as well be something else: what is ambiguous, and what to do about it.
     pub(super) fn assumed(sizes: &[usize]) -> Result<Axes, (String, &'static str)> {
         if let [h, w, last @ (3 | 4)] = *sizes
             && h.min(w) >= 8
@@ -90,10 +90,11 @@ impl Axes {
         }
     }
 
-    /// By what a file calls all of its axes; none where it gives them no names, or numbers only, as libraries do by themselves.
+    /// From the names that a file gives to all of its axes; `None` if it gives no names, or only the numbers that libraries assign by
+    /// default.
     ///
     /// # Errors
-    /// Names that say something else: what they are, and what to do about it.
+    /// Unknown names: what they are, and what to do about it.
     #[cfg(any(feature = "hdf5", feature = "zarr"))]
     pub(super) fn by_names(names: &[String]) -> Result<Option<Axes>, (String, String)> {
         let is_number = |name: &str| {
@@ -106,7 +107,7 @@ impl Axes {
             return Ok(None);
         }
         let axes: Option<Vec<Axis>> = names.iter().map(|name| Axis::called(name)).collect();
-        // By way of text, which refuses axes that are missing or there twice.
+        // Via text, which refuses axes that are missing or repeated.
         let axes = axes.and_then(|axes| Axes(axes).to_string().parse().ok());
         axes.map(Some).ok_or_else(|| {
             let shown: Vec<&str> = (names.iter())
@@ -122,7 +123,7 @@ impl Axes {
         })
     }
 
-    /// Of each axis, where it stands in (H, W, T, C).
+    /// For each axis, its position in (H, W, T, C).
     pub(super) fn slots(&self) -> Vec<Option<usize>> {
         self.0.iter().map(|axis| slot(*axis)).collect()
     }
@@ -213,7 +214,7 @@ impl FromStr for Axes {
     }
 }
 
-/// From samples in the order of a file to a cube's.
+/// The mapping from samples in the order of a file to a cube's.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Arrangement {
     /// H, W, T, C of the cube.
@@ -223,11 +224,10 @@ pub(super) struct Arrangement {
 }
 
 impl Arrangement {
-    /// Of an array with these sizes, whose product is known to fit memory, in the order of the file
-    /// (the slowest axis first).
+    /// For an array with these sizes, whose product is known to fit memory, in the order of the file (slowest axis first).
     ///
     /// # Errors
-    /// What is wrong: a number of axes or an axis of one entry that there is not.
+    /// What is wrong: the number of axes, or the size of an axis that should have one entry.
     pub fn new(sizes: &[usize], axes: &[Axis]) -> Result<Arrangement, String> {
         if sizes.len() != axes.len() {
             return Err(format!(
@@ -263,7 +263,7 @@ impl Arrangement {
         })
     }
 
-    /// That of an array whose header says `shape`: in the order of the file, which Fortran order turns round.
+    /// For an array whose header gives `shape`: in the order of the file, which Fortran order reverses.
     pub fn of(shape: &[usize], axes: &Axes, fortran_order: bool) -> Result<Arrangement, String> {
         if !fortran_order {
             return Arrangement::new(shape, &axes.0);
@@ -273,7 +273,7 @@ impl Arrangement {
         Arrangement::new(&sizes, &axes)
     }
 
-    /// Whether samples lie in the file as they do in the cube.
+    /// Whether samples are in the same order in the file as in the cube.
     pub fn is_plain(&self) -> bool {
         let mut apart = 1;
         self.axes.iter().rev().all(|&(size, stride)| {
@@ -283,7 +283,7 @@ impl Arrangement {
         })
     }
 
-    /// Puts `piece`, the samples of the file from the `first` on, where they belong in `cube`.
+    /// Copies `piece`, the samples of the file from the `first` on, to their places in `cube`.
     pub fn put<T: Copy>(&self, first: usize, piece: &[T], cube: &mut [T]) {
         let (mut counts, mut place) = self.counts(first);
         for sample in piece {
@@ -303,7 +303,7 @@ impl Arrangement {
         }
     }
 
-    /// Gives to `take` where in the cube each sample of the file lies, in the file's order.
+    /// Calls `take` with the position in the cube of each sample of the file, in the file's order.
     pub fn each_place(
         &self,
         mut take: impl FnMut(usize) -> Result<(), Error>,
@@ -343,7 +343,7 @@ impl Arrangement {
     }
 }
 
-/// Where an axis stands in (H, W, T, C).
+/// The position of an axis in (H, W, T, C).
 fn slot(axis: Axis) -> Option<usize> {
     match axis {
         Axis::Row => Some(0),

@@ -1,14 +1,14 @@
-//! Cubes on disk that are read in bricks, as lookups need them: what is too large for memory.
+//! Cubes on disk that are read in bricks on demand, for cubes that are too large for memory.
 //!
-//! A brick is 4 KiB of the file, a page of most disks; samples keep the order that they have there. Neighbouring
-//! samples in time (or, of frames, in a row) share one. Of arrays in chunks a brick is a chunk, decoded. A batch of lookups
-//! first names all bricks that it needs; those that are missing are read in the order of the file, neighbours in one go,
-//! by reads at a position, so that threads need not share one. Bricks stay as long as there is room; then one that was
-//! not used for long makes way. One that comes back is counted as read again.
+//! A brick is 4 KiB of the file, a page of most disks; samples keep their order in the file. Neighbouring samples in time (or, in frames,
+//! in a row) share one. For chunked arrays a brick is a decoded chunk. A batch of lookups first names all bricks that it needs; those
+//! that are missing are read in file order, neighbours together, by positioned reads, so that threads need not share a file position.
+//! Bricks stay while there is room; then one that has not been used for a long time is evicted. One that is read a second time is counted
+//! as read again.
 //!
-//! What is read cannot depend on what was there before: samples are those of the whole cube, whatever the room, the
-//! order and the number of threads. A file is not mapped, so that one which shrinks meanwhile is an error and no signal.
-//! Lookups cannot fail: the first failure is kept, zeros stand in, and [`Bricks::check`] tells.
+//! What is read cannot depend on what was there before: samples are those of the whole cube, whatever the room, the order and the number
+//! of threads. A file is not memory-mapped, so that a shrinking file is an error, not a signal. Lookups cannot fail: the first failure is
+//! kept, zeros are returned, and [`Bricks::check`] reports it.
 
 use std::collections::{HashMap, VecDeque};
 use std::path::{Path, PathBuf};
@@ -27,22 +27,22 @@ use super::wanted::Wanted;
 use crate::error::{Error, Result};
 use crate::io::npy::Dtype;
 
-/// Pages that lie together and share a lock: as many as a word has bits.
+/// Consecutive pages that share a lock: as many as a word has bits.
 const GROUP: u64 = 64;
 /// Locks.
 const SHARDS: usize = 64;
-/// What there is to a brick beside its samples: its entries in tables, and what the allocator loses. Measured: 250 to 290.
+/// The overhead of a brick beside its samples: its table entries and allocator overhead. Measured: 250 to 290.
 const BESIDE: u64 = 400;
-/// Bricks that a thread has at hand without a lock, at most.
+/// The largest number of bricks that a thread holds without a lock.
 const AT_HAND: usize = 1024;
 
-/// The least room for bricks, bytes.
+/// The minimal room for bricks, bytes.
 pub const LEAST_ROOM: u64 = 8 << 20;
 
 /// A cube on disk.
 #[derive(Debug)]
 pub struct Bricks {
-    /// Tells cubes apart.
+    /// Identifies the cube.
     number: u64,
     form: Form,
     shape: [usize; 4],
@@ -52,10 +52,10 @@ pub struct Bricks {
     /// By groups of bricks, a bit for each that has been read.
     seen: Box<[AtomicU64]>,
     cache: Cache<Arc<CubeSamples>>,
-    /// Bricks that have made way, whose memory the next ones take: freed by one thread and asked for by another, it would not be used again,
-    /// as allocators keep memory by thread.
+    /// Evicted bricks, whose memory the next ones reuse: memory freed by one thread and requested by another would not be reused, because
+    /// allocators keep memory by thread.
     spare: Mutex<VecDeque<Arc<CubeSamples>>>,
-    /// Bricks that a thread has at hand.
+    /// The number of bricks that a thread holds.
     at_hand: usize,
     /// Whether bricks are only counted, and nothing is read.
     counts_only: bool,
@@ -69,7 +69,7 @@ pub struct Bricks {
     failure: Mutex<Option<Error>>,
 }
 
-/// How samples lie in bricks.
+/// The layout of samples in bricks.
 #[derive(Debug)]
 enum Form {
     /// As in the file.
@@ -79,7 +79,7 @@ enum Form {
     Chunks(Chunks),
 }
 
-/// Does the same with either form.
+/// Does the same for either form.
 macro_rules! with_form {
     ($form:expr, $of:ident => $do:expr) => {
         match $form {
@@ -90,41 +90,42 @@ macro_rules! with_form {
     };
 }
 
-/// Bytes that have been read of cubes on disk; of chunks, those of their samples.
+/// Bytes read from cubes on disk; for chunks, those of their samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct BytesRead {
     /// All.
     pub all: u64,
-    /// The part of it that had been read before, and made way meanwhile.
+    /// The part of it that had been read before and was evicted meanwhile.
     pub again: u64,
 }
 
-/// Bricks that a thread has at hand.
+/// Bricks held by a thread.
 #[derive(Debug, Default)]
 pub struct Held(Vec<Option<(u64, u64, Arc<CubeSamples>)>>);
 
-/// Bricks that were looked at apart from those of lookups.
+/// Bricks read outside of lookups.
 #[derive(Debug, Default)]
 pub struct Peeked(HashMap<u64, CubeSamples>);
 
-/// What becomes of the memory for bricks.
+/// The division of the memory for bricks.
 struct Room {
-    /// Bricks that the cache keeps, and its locks.
+    /// The number of bricks that the cache keeps, and of its locks.
     kept: usize,
     shards: usize,
-    /// Bricks that a thread has at hand: those may have left the cache.
+    /// The number of bricks that a thread holds, which may have left the cache.
     at_hand: usize,
 }
 
 impl Room {
-    /// So many bytes for bricks that take `each`. Every thread may have bricks at hand for lookups of three kinds.
+    /// For `bytes` bytes of bricks that take `each`. Every thread may hold bricks for lookups of three kinds.
     fn new(bytes: u64, each: u64) -> Room {
         let bricks = bytes / each;
         // A sixteenth of the room for each kind of lookup, shared among threads; the cache has the rest.
         let at_hand = (bricks / 16 / threads()).clamp(1, AT_HAND as u64);
         let shards = (bricks / 16).clamp(1, SHARDS as u64);
-        // Beside the cache: bricks at hand, which may have left it, for lookups of three kinds, and one more for each lock.
+        // In addition to the cache: bricks held by threads, which may have left it, for lookups of three kinds, and one more for each
+        // lock.
         let kept = bricks.saturating_sub(3 * at_hand * threads() + shards);
         Room {
             kept: kept as usize,
@@ -163,12 +164,12 @@ impl Form {
 }
 
 impl Bricks {
-    /// The cube at `path` that is `wanted` of it, by the checks of loading it; its bricks may take `room` bytes of
-    /// memory, at least [`LEAST_ROOM`]. Members of archives, pictures of sequences, and arrays in chunks some of which
-    /// would not fit into the room are written to a temporary file first.
+    /// Opens the part `wanted` of the cube at `path`, with the checks of loading it; its bricks may take `room` bytes of memory, at least
+    /// [`LEAST_ROOM`]. Members of archives, pictures of sequences, and arrays with chunks that do not fit into the room are first written
+    /// to a temporary file.
     ///
     /// # Errors
-    /// As for [`load`](super::load), but for samples that are not finite.
+    /// As for [`load`](super::load), except for samples that are not finite.
     pub fn open(path: &Path, wanted: Wanted, room: u64) -> Result<Bricks> {
         #[cfg(any(feature = "hdf5", feature = "zarr"))]
         if let Some(chunks) = Bricks::chunks(path, wanted, room)? {
@@ -179,8 +180,8 @@ impl Bricks {
         Bricks::of_pages(pages, room, false).mended(path, wanted)
     }
 
-    /// The same to count bricks that would be read; nothing is, and all samples are 0. None for what is written to a
-    /// temporary file first.
+    /// The same for counting the bricks that would be read; nothing is read, and all samples are 0. `None` for cubes that are first
+    /// written to a temporary file.
     ///
     /// # Errors
     /// As for [`Bricks::open`].
@@ -191,7 +192,7 @@ impl Bricks {
                 .mended(path, wanted)
                 .map(Some);
         }
-        // Counting needs no room but for chunks, which only these features have.
+        // Counting needs no room except for chunks, which only these features have.
         let _ = room;
         let Some((located, layout)) = Store::locate_in_place(path, wanted)? else {
             return Ok(None);
@@ -202,7 +203,7 @@ impl Bricks {
             .map(Some)
     }
 
-    /// The same with these of its channels alone, in this order.
+    /// The same with only these of its channels, in this order.
     #[must_use]
     pub fn taking(self, channels: &[usize]) -> Bricks {
         let form = match self.form {
@@ -218,7 +219,7 @@ impl Bricks {
         }
     }
 
-    /// The same without its dead bins, and with what is wanted of samples below 0.
+    /// The same with its dead bins interpolated, and with the treatment of negative samples in `wanted`.
     fn mended(self, path: &Path, wanted: Wanted) -> Result<Bricks> {
         if self.shape.contains(&0) {
             let what = format!("a cube of shape {:?} has no samples", self.shape);
@@ -234,7 +235,7 @@ impl Bricks {
         })
     }
 
-    /// `count` bricks from the `first` on, with samples below 0 as they are wanted.
+    /// `count` bricks from the `first` on, with the requested treatment of negative samples.
     fn read(&self, first: u64, count: u64) -> Result<Vec<CubeSamples>> {
         let mut bricks = self.form.load(first, count)?;
         for samples in &mut bricks {
@@ -243,7 +244,7 @@ impl Bricks {
         Ok(bricks)
     }
 
-    /// The array in chunks at `path`; none where it is no such array, or where `room` bytes are too few for its chunks.
+    /// The chunked array at `path`; `None` if it is not one, or if `room` bytes are too few for its chunks.
     #[cfg(any(feature = "hdf5", feature = "zarr"))]
     fn chunks(path: &Path, wanted: Wanted, room: u64) -> Result<Option<Chunks>> {
         let Some((selection, open)) = Store::windows(path, wanted, 0)? else {
@@ -262,7 +263,7 @@ impl Bricks {
     #[cfg(any(feature = "hdf5", feature = "zarr"))]
     fn of_chunks(chunks: Chunks, room: u64, counts_only: bool) -> Bricks {
         let loaded = chunks.dtype();
-        // What is left while every thread decodes a chunk.
+        // The remainder while every thread decodes a chunk.
         let decoding = threads() * chunks.decoding();
         let room = Room::new(
             room.saturating_sub(decoding),
@@ -282,7 +283,7 @@ impl Bricks {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let words = form.bricks().div_ceil(GROUP);
         Bricks {
-            // Numbers only have to differ.
+            // Numbers only need to be distinct.
             number: NEXT.fetch_add(1, Ordering::Relaxed),
             shape,
             sample_bytes,
@@ -314,17 +315,17 @@ impl Bricks {
         self.shape
     }
 
-    /// How many bricks a thread has at hand, at most.
+    /// The largest number of bricks that a thread holds.
     pub fn at_hand(&self) -> usize {
         self.at_hand
     }
 
-    /// Bytes of its samples as they are held.
+    /// Bytes of its samples in memory.
     pub fn sample_bytes(&self) -> usize {
         self.sample_bytes as usize
     }
 
-    /// What has been read so far; or, where bricks are counted, what would have been.
+    /// The bytes read so far; if bricks are only counted, those that would have been read.
     pub fn bytes_read(&self) -> BytesRead {
         BytesRead {
             all: self.read.load(Ordering::Relaxed),
@@ -337,10 +338,10 @@ impl Bricks {
         self.failed.load(Ordering::Relaxed)
     }
 
-    /// Whether all that was asked for could be read, and of files that nobody changed meanwhile.
+    /// Checks that everything requested could be read, and that no file has changed meanwhile.
     ///
     /// # Errors
-    /// The first failure; whoever asks again is told that the work was given up.
+    /// The first failure; later callers get the error that the work was abandoned.
     pub fn check(&self) -> Result<()> {
         if !self.has_failed() {
             return with_form!(&self.form, file => file.check_unchanged());
@@ -349,7 +350,7 @@ impl Bricks {
         Err(first.unwrap_or(Error::Cancelled))
     }
 
-    /// Fills `to` with the samples of bins `bin` and on of a pixel, as many as it has room for, bin by bin.
+    /// Fills `to` with the samples of a pixel from bin `bin` on, as many as it has room for, bin by bin.
     pub fn samples(&self, held: &mut Held, pixel: usize, bin: usize, to: &mut [f64]) {
         self.stored(held, pixel, bin, to);
         if !self.dead.is_empty() {
@@ -359,7 +360,7 @@ impl Bricks {
         }
     }
 
-    /// The same as they are stored.
+    /// The same as stored.
     #[inline]
     fn stored(&self, held: &mut Held, pixel: usize, bin: usize, to: &mut [f64]) {
         let mut at = 0;
@@ -370,8 +371,8 @@ impl Bricks {
         });
     }
 
-    /// The same, apart from lookups: what is read for it is neither kept for them nor counted as theirs. It is kept in `near`, as
-    /// far as that is little. What cannot be read is 0 here: lookups that meet it tell.
+    /// The same outside of lookups: bricks read for it are neither kept nor counted for lookups. They are kept in `near`, up to a limit.
+    /// What cannot be read is 0 here: lookups that need it report the error.
     pub fn peek(&self, near: &mut Peeked, pixel: usize, bin: usize, to: &mut [f64]) {
         self.peek_stored(near, pixel, bin, to);
         let bins = bin..bin + to.len() / self.shape[3];
@@ -380,12 +381,12 @@ impl Bricks {
     }
 
     fn peek_stored(&self, near: &mut Peeked, pixel: usize, bin: usize, to: &mut [f64]) {
-        /// The most numbers that are kept.
+        /// The largest number of samples that are kept.
         const MOST: u64 = 1 << 21;
         let mut at = 0;
         let bins = to.len() / self.shape[3];
         self.runs(pixel, bin, bins, |brick, from, count| {
-            // All at once: nothing tells which of them will be needed again.
+            // All at once: there is no telling which of them will be needed again.
             if near.0.len() as u64 * self.form.per_brick() > MOST {
                 near.0.clear();
             }
@@ -418,7 +419,7 @@ impl Bricks {
         values[channel.min(2)]
     }
 
-    /// Notes the bricks of `bins` bins of a pixel that are not at hand.
+    /// Adds the bricks of `bins` bins of a pixel that the thread does not hold.
     pub fn want(&self, held: &Held, pixel: usize, bin: usize, bins: usize, wanted: &mut Vec<u64>) {
         let reach = match self.dead.is_empty() {
             true => bin..bin + bins,
@@ -431,22 +432,22 @@ impl Bricks {
         });
     }
 
-    /// Whether samples are not as bricks hold them, as some bins are mended.
+    /// Whether some bins are interpolated, so that samples differ from those in bricks.
     pub fn is_mended(&self) -> bool {
         !self.dead.is_empty()
     }
 
-    /// A brick of zeros: what type samples have.
+    /// A brick of zeros, with the type of the samples.
     pub(crate) fn sample_type(&self) -> &CubeSamples {
         &self.zeros
     }
 
-    /// So many zeros, as samples are held.
+    /// `count` zeros of the type of the samples.
     pub(super) fn zeros(&self, count: usize) -> CubeSamples {
         CubeSamples::zeros(&self.dtype, count)
     }
 
-    /// Where samples lie, if they are in bricks in the order in which they are counted.
+    /// The positions of samples, if bricks hold them in counting order.
     pub(super) fn in_order(&self) -> Option<InOrder> {
         match &self.form {
             Form::Pages(pages) => pages.in_order(),
@@ -455,14 +456,14 @@ impl Bricks {
         }
     }
 
-    /// The samples of a brick that is at hand.
+    /// The samples of a brick that the thread holds.
     #[inline]
     pub(super) fn of<'a>(&self, held: &'a Held, brick: u64) -> Option<&'a CubeSamples> {
         held.get(self, brick)
     }
 
-    /// Notes the bricks of `count` samples from the `origin`-th of the cube on, all of one pixel, as they are counted by rows, columns,
-    /// bins and channels.
+    /// Adds the bricks of `count` samples from the `origin`-th of the cube on, all of one pixel, counted by rows, columns, bins and
+    /// channels.
     pub fn want_from(&self, held: &Held, origin: u64, count: usize, wanted: &mut Vec<u64>) {
         let (pixel, bin) = self.place(origin);
         self.want(held, pixel, bin, count / self.shape[3], wanted);
@@ -481,7 +482,8 @@ impl Bricks {
         (bin / bins, bin % bins)
     }
 
-    /// Gives to `each` in which bricks `count` samples from the `origin`-th on lie, from where on, and how many; all are of one pixel.
+    /// Calls `each` with the bricks that contain `count` samples from the `origin`-th on, the first position in each, and the number
+    /// there; all are of one pixel.
     pub(super) fn runs_from(&self, origin: u64, count: usize, each: impl FnMut(u64, usize, usize)) {
         let (pixel, bin) = self.place(origin);
         self.runs(pixel, bin, count / self.shape[3], each);
@@ -492,7 +494,7 @@ impl Bricks {
         with_form!(&self.form, of => of.runs(pixel, bin, bins, each));
     }
 
-    /// Gets all `wanted` bricks at hand, and empties the list.
+    /// Fetches all `wanted` bricks, and empties the list.
     pub fn bring(&self, held: &mut Held, wanted: &mut Vec<u64>) {
         wanted.sort_unstable();
         wanted.dedup();
@@ -528,7 +530,7 @@ impl Bricks {
         }
     }
 
-    /// The samples of a brick that is not at hand.
+    /// The samples of a brick that the thread does not hold.
     #[cold]
     pub(super) fn not_at_hand(&self, brick: u64) -> Arc<CubeSamples> {
         if self.counts_only {
@@ -547,8 +549,8 @@ impl Bricks {
         samples
     }
 
-    /// Reads `count` bricks from the `first` on, none of which is there; the lock of their shard is held, so that nobody
-    /// else reads them.
+    /// Reads `count` bricks from the `first` on, none of which is cached; the lock of their shard is held, so that no other thread reads
+    /// them.
     fn load(&self, first: u64, count: u64) -> Vec<Arc<CubeSamples>> {
         (first..first + count).for_each(|brick| self.note(brick));
         match self.read(first, count) {
@@ -560,9 +562,9 @@ impl Bricks {
         }
     }
 
-    /// `samples` to be shared, in the memory of a brick that has made way if there is one of their size.
+    /// `samples` for sharing, in the memory of an evicted brick if there is one of their size.
     fn shared(&self, samples: CubeSamples) -> Arc<CubeSamples> {
-        /// Spare bricks to look at: some threads may still have at hand.
+        /// The number of spare bricks to try: threads may still hold some.
         const LOOKED_AT: usize = 8;
         let mut spare = locked(&self.spare);
         for _ in 0..spare.len().min(LOOKED_AT) {
@@ -574,7 +576,7 @@ impl Bricks {
                     memory.copy(0, &samples, 0..samples.len());
                     return brick;
                 }
-                // Of another size, as the last of a file is.
+                // Of another size, like the last of a file.
                 Some(_) => {}
                 None => spare.push_back(brick),
             }
@@ -589,7 +591,7 @@ impl Bricks {
     /// Counts the bytes of a brick that is read.
     fn note(&self, brick: u64) {
         let bit = 1 << (brick % GROUP);
-        // Bits are for counting alone, so that nothing has to be ordered by them.
+        // Bits are only for counting, so they need no memory ordering.
         let before = self.seen[(brick / GROUP) as usize].fetch_or(bit, Ordering::Relaxed);
         let again = before & bit != 0;
         if again && self.counts_only {
@@ -611,16 +613,16 @@ impl Bricks {
 }
 
 impl Held {
-    /// Lets go of all.
+    /// Releases all.
     pub fn clear(&mut self) {
         self.0.fill(None);
     }
 
     #[inline]
     fn slot(of: &Bricks, brick: u64) -> usize {
-        // Bricks side by side, and those of one number in several cubes, go to places far apart.
+        // Adjacent bricks, and those with the same number in several cubes, go to distant positions.
         let mixed = (brick + (of.number << 40)).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
-        // 32 bits of a number below 1, times how many there are: without a division.
+        // 32 bits as a fraction, times the count: without a division.
         ((mixed * of.at_hand as u64) >> 32) as usize
     }
 

@@ -1,11 +1,11 @@
-//! Whether samples were read with their bytes in the wrong order.
+//! Detects samples that were read with the wrong byte order.
 //!
-//! **Single and double precision.** In the other order the exponent of a sample is its lowest mantissa bits. Where those are as good as
-//! random, exponents are evenly spread over all that there are, so that 2 · 44/254 = 0.34 of single samples lie outside 10⁻²⁵ … 10²⁵, and
-//! 2 · 691/2046 = 0.67 of double ones outside 10⁻¹⁰⁰ … 10¹⁰⁰; where samples have few digits these bits are 0, and all samples
-//! lie outside. Radiance in any unit that people use does not. So samples of which more than a fifth lie outside, and less than a
-//! tenth once their bytes are turned round, were read wrongly. Those read rightly are not taken for such even if they are tiny:
-//! turned round, a third of them or more lies outside.
+//! **Single and double precision.** In the other order the exponent of a sample is its lowest mantissa bits. If those are effectively
+//! random, exponents are uniformly distributed over their whole range, so that 2 · 44/254 = 0.34 of single samples lie outside 10⁻²⁵ …
+//! 10²⁵, and 2 · 691/2046 = 0.67 of double ones outside 10⁻¹⁰⁰ … 10¹⁰⁰; if samples have few digits these bits are 0, and all samples lie
+//! outside. Radiance in any common unit does not. So samples of which more than a fifth lie outside, and less than a tenth after byte
+//! swapping, were read in the wrong order. Correct samples are not misjudged even if they are tiny: after byte swapping, a third of them
+//! or more lies outside.
 //!
 //! **Half precision** has no room for unusual sizes. Where mantissas are as good as random, exponents in the other order are evenly spread
 //! over 0 … 31, and log₂ of the samples has a standard deviation of 32/√12 = 9; data have that over nine decades only. So where it is
@@ -26,38 +26,37 @@
 //! **Integers of eight bytes** are loaded in double precision, which holds 53 bits: small ones are told as above, as their bytes in the other
 //! order stand in the upper bits. Larger ones have lost what they were.
 
-/// What tells of a wrong order of bytes: parts of the samples that are not 0, or a size, as they were read and with their bytes in the
-/// other order.
+/// Evidence of a wrong byte order: fractions of the samples that are not 0, or a size, as they were read and after byte swapping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ByteOrder {
-    /// What it is that tells.
+    /// The kind of evidence.
     pub sign: Sign,
     /// As they were read.
     pub now: f64,
-    /// With their bytes in the other order.
+    /// After byte swapping.
     pub turned: f64,
 }
 
-/// By what a wrong order of bytes is told.
+/// The kinds of evidence of a wrong byte order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sign {
-    /// The part that is outside of all usual sizes.
+    /// The fraction outside of all usual sizes.
     Sizes,
     /// The part whose lowest byte is that of small numbers in the other order; of half precision, the part that is too small.
     Bytes,
     /// The standard deviation of log₂.
     Spread,
-    /// By how much neighbours differ, over the sum of both.
+    /// The differences of neighbours relative to their sums.
     Steps,
     /// The probability that two samples share their highest byte, over that of 256 values that are as likely; turned, the highest
     /// is the lowest.
     Evenness,
 }
 
-/// Fewer samples tell nothing.
+/// Fewer samples are no evidence.
 const FEWEST: usize = 64;
-/// Fewer do not tell how evenly bytes are spread.
+/// Fewer samples are no evidence about the distribution of bytes.
 const FEWEST_EVEN: usize = 1000;
 
 impl ByteOrder {

@@ -1,7 +1,7 @@
-//! What was read last, under many locks: so much in all, wherever it lies.
+//! A cache of recently read values, under many locks, with one total limit.
 //!
-//! Each shard evicts by the clock algorithm: a hand goes round, and takes what was not used since it last came by. Shards may
-//! grow unevenly while there is room; once there is none, one with more than its part makes way for one with less.
+//! Each shard evicts by the clock algorithm: a hand goes round, and evicts what was not used since its last pass. Shards may grow
+//! unevenly while there is room; once there is none, a shard with more than its share makes room for one with less.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -12,12 +12,12 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 #[derive(Debug)]
 pub(super) struct Cache<V> {
     shards: Box<[Mutex<Shard<V>>]>,
-    /// The most values that are kept; as many more as there are shards where each has one only.
+    /// The largest number of values that are kept; at least one per shard.
     room: usize,
     count: AtomicUsize,
 }
 
-/// A part of the values, which are locked.
+/// A part of the values, locked.
 pub(super) struct Locked<'a, V> {
     cache: &'a Cache<V>,
     number: usize,
@@ -28,7 +28,7 @@ pub(super) struct Locked<'a, V> {
 struct Shard<V> {
     places: HashMap<u64, usize, BuildHasherDefault<KeyHasher>>,
     slots: Vec<Slot<V>>,
-    /// The slot that is asked next to make way.
+    /// The next slot to evict.
     hand: usize,
 }
 
@@ -36,11 +36,11 @@ struct Shard<V> {
 struct Slot<V> {
     key: u64,
     value: V,
-    /// Whether it was used since it was last asked to make way.
+    /// Whether it was used since the hand last passed.
     used: bool,
 }
 
-/// A quick hash of a number, which nobody chooses so as to make it slow.
+/// A fast hash of a number; no adversary chooses the keys.
 #[derive(Debug, Default)]
 struct KeyHasher(u64);
 
@@ -63,7 +63,7 @@ impl Hasher for KeyHasher {
 }
 
 impl<V: Clone> Cache<V> {
-    /// With room for so many values under so many locks.
+    /// With room for `room` values under `shards` locks.
     pub fn new(room: usize, shards: usize) -> Cache<V> {
         let shard = || {
             Mutex::new(Shard {
@@ -81,7 +81,7 @@ impl<V: Clone> Cache<V> {
 
     /// Locks the values of a group of keys.
     pub fn lock(&self, group: u64) -> Locked<'_, V> {
-        // Groups that are apart by a power of two must not all share a lock.
+        // Groups that differ by a power of two must not all share a lock.
         let mixed = group.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
         let number = mixed as usize % self.shards.len();
         let shard = &self.shards[number];
@@ -101,7 +101,7 @@ impl<V: Clone> Locked<'_, V> {
         Some(slot.value.clone())
     }
 
-    /// Keeps a value that is not there; returns the one that makes way for it, if there is no more room.
+    /// Inserts a value that is not in the cache; returns the evicted one, if there is no more room.
     pub fn insert(&mut self, key: u64, value: V) -> Option<V> {
         let Cache {
             shards,
@@ -131,7 +131,7 @@ impl<V: Clone> Locked<'_, V> {
         evicted
     }
 
-    /// What a shard with more than its part evicts, if there is one. Those that are locked are passed by.
+    /// A value evicted from a shard with more than its share, if there is one. Locked shards are skipped.
     fn takes_from_others(&self, part: usize) -> Option<V> {
         let shards = &self.cache.shards;
         let others = (1..shards.len()).map(|k| &shards[(self.number + k) % shards.len()]);
@@ -147,7 +147,7 @@ impl<V: Clone> Locked<'_, V> {
 }
 
 impl<V> Shard<V> {
-    /// Gives out what was not used for about the longest; there is something.
+    /// Evicts a value that was not used for about the longest time; there is at least one.
     fn evict(&mut self) -> V {
         self.hand %= self.slots.len();
         while std::mem::take(&mut self.slots[self.hand].used) {
@@ -164,7 +164,7 @@ impl<V> Shard<V> {
     }
 }
 
-/// Locks; what a thread that panicked has left is as good as any.
+/// Locks; the state left by a panicked thread is still valid.
 pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

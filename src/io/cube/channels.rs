@@ -1,7 +1,7 @@
-//! What the channels of a cube are, where its scene says it: red, green and blue in any order, infrared and ultraviolet.
+//! The channels of a cube, if its scene declares them: red, green and blue in any order, infrared and ultraviolet.
 //!
-//! Lookups know grey cubes and cubes of red, green and blue. So one of more channels becomes several cubes of the same places
-//! and times: its colours, and one of one channel for each companion.
+//! Lookups handle grey cubes and cubes of red, green and blue. So one with more channels becomes several cubes of the same pixels and
+//! times: its colours, and one of a single channel for each companion.
 
 use std::fmt;
 use std::str::FromStr;
@@ -37,7 +37,7 @@ impl CubeChannel {
     /// Channels beside red, green and blue.
     pub const COMPANIONS: [CubeChannel; 2] = [CubeChannel::Infrared, CubeChannel::Ultraviolet];
 
-    /// Between which wavelengths a companion shines, metres; of colours, all that the eye sees.
+    /// The wavelengths of a companion, metres; for colours, the whole visible range.
     pub fn band(self) -> [f64; 2] {
         match self {
             CubeChannel::Red | CubeChannel::Green | CubeChannel::Blue => {
@@ -48,7 +48,7 @@ impl CubeChannel {
         }
     }
 
-    /// As scene files say it.
+    /// Its name in scene files.
     pub fn name(self) -> &'static str {
         let row = CubeChannel::ALL
             .iter()
@@ -65,7 +65,7 @@ impl Channels {
     /// Channels of these names.
     ///
     /// # Errors
-    /// What is wrong: a name that is not known, or there twice, or a colour that is missing.
+    /// An unknown or repeated name, or a missing colour.
     pub fn named<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<Channels, String> {
         let mut channels = Vec::new();
         for name in names {
@@ -96,7 +96,7 @@ impl Channels {
         self.0.iter().map(|channel| channel.name()).collect()
     }
 
-    /// What layers of pictures call them, in their order.
+    /// Their names in layers of pictures, in order.
     pub(super) fn in_pictures(&self) -> Vec<&'static str> {
         let name = |channel: &CubeChannel| match channel {
             CubeChannel::Red => "radiance.R",
@@ -113,19 +113,18 @@ impl Channels {
         all.filter(|channel| self.0.contains(channel)).collect()
     }
 
-    /// Where red, green and blue stand.
+    /// The positions of red, green and blue.
     pub fn colours(&self) -> [usize; 3] {
         [CubeChannel::Red, CubeChannel::Green, CubeChannel::Blue]
             .map(|channel| self.place(channel).unwrap_or(0))
     }
 
-    /// Where a channel stands.
+    /// The position of a channel.
     pub fn place(&self, channel: CubeChannel) -> Option<usize> {
         self.0.iter().position(|own| *own == channel)
     }
 
-    /// Whether `count` channels of an array with these axes are what is declared of them, or may be taken for grey or for red, green and
-    /// blue where nothing is.
+    /// Checks that `count` channels of an array with these axes match the declaration, or without one can be grey or red, green and blue.
     ///
     /// # Errors
     /// What is wrong, and what would be right.
@@ -170,7 +169,7 @@ impl fmt::Display for Channels {
 }
 
 impl Cube {
-    /// The same with these of its channels, in this order; zeros in place of one that there is not.
+    /// The same with these of its channels, in this order; zeros for channels that do not exist.
     pub fn taking(&self, channels: &[usize]) -> Cube {
         fn of<T: Copy + Default>(samples: &[T], each: usize, channels: &[usize]) -> Vec<T> {
             let mut taken = Vec::with_capacity(samples.len() / each.max(1) * channels.len());

@@ -1,9 +1,9 @@
-//! Arrays in chunks that are compressed or lie apart, in bricks of a chunk each.
+//! Arrays in chunks, compressed or stored separately, as bricks of one chunk each.
 //!
-//! A sample (h, w, t, c) of the cube has an index along each axis of the array, which is one of h, w, t and c, or, where the
-//! axis is a list of points, h · columns + w. Along an axis with chunks of n entries index i lies in chunk ⌊i/n⌋, at i mod n
-//! there; so brick and place in it are sums over the axes, and each axis has its own terms. Entries that are added up are
-//! added when a brick is read. At the ends of the array chunks are filled up with zeros.
+//! A sample (h, w, t, c) of the cube has an index along each axis of the array, which is one of h, w, t and c, or, if the axis is a list
+//! of points, h · columns + w. Along an axis with chunks of n entries, index i is in chunk ⌊i/n⌋, at i mod n; so the brick and the
+//! position in it are sums over the axes, with a term for each axis. Entries to sum over are added when a brick is read. At the ends of
+//! the array chunks are padded with zeros.
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -21,24 +21,24 @@ use crate::io::npy::Dtype;
 pub(super) struct Chunks {
     path: PathBuf,
     selection: Selection,
-    /// What is taken of the array, and sizes of a chunk, along each of its axes.
+    /// What is read of the array, and sizes of a chunk, along each of its axes.
     sizes: Vec<usize>,
     chunk: Vec<usize>,
-    /// Chunks along each axis that stays.
+    /// Chunks along each axis that is kept.
     counts: Vec<usize>,
     shape: [usize; 4],
-    /// Channels that are taken of those in the file; all, where none are said.
+    /// The channels that are read of those in the file; all if `None`.
     taken: Option<Box<[usize]>>,
     axes: Vec<KeptAxis>,
     per_brick: usize,
     open: Open,
-    /// Open ones that nobody uses.
+    /// Open readers that are not in use.
     idle: Mutex<Vec<Box<dyn Windows + Send>>>,
-    /// Of the file, where chunks lie in one.
+    /// The state of the file, if chunks are in one.
     stamp: Option<Stamp>,
 }
 
-/// An axis of the array that stays.
+/// An axis of the array that is kept.
 #[derive(Debug, Clone, Copy)]
 struct KeptAxis {
     lies: Lies,
@@ -46,7 +46,7 @@ struct KeptAxis {
     axis: usize,
     /// Entries in a chunk.
     chunk: usize,
-    /// How far apart chunks are in numbers of bricks, and entries in a brick.
+    /// The distance between chunks in brick numbers, and between entries in a brick.
     between: u64,
     stride: usize,
 }
@@ -81,7 +81,7 @@ impl Chunks {
         }
     }
 
-    /// What `selection` takes of the array at `path`; none where `room` bytes are too few for its chunks.
+    /// Opens what `selection` reads of the array at `path`; `None` if `room` bytes are too few for its chunks.
     pub fn open(
         path: &Path,
         selection: Selection,
@@ -92,7 +92,7 @@ impl Chunks {
         let chunks = Chunks::new(path, selection, first, open)?;
         let threads = rayon::current_num_threads().max(1) as u64;
         let each = chunks.per_brick() * chunks.dtype().1;
-        // Every thread decodes one, has two at hand, and as many are kept.
+        // Every thread decodes one and holds two, and as many are cached.
         let least = threads * (chunks.decoding() + 5 * each);
         Ok((least <= room).then_some(chunks))
     }
@@ -107,7 +107,7 @@ impl Chunks {
         let chunk = first.together();
         let lies = selection.lies();
         let count = |axis: usize| sizes[axis].div_ceil(chunk[axis].max(1));
-        // The last axis is the fastest, of bricks and in them.
+        // The last axis is the fastest, among bricks and inside them.
         let (mut between, mut stride) = (1, 1);
         let mut axes = Vec::new();
         for &(axis, lies) in lies.iter().rev() {
@@ -168,8 +168,8 @@ impl Chunks {
         self.counts.iter().map(|n| *n as u64).product()
     }
 
-    /// Bytes that a thread takes at most while it decodes a brick: the samples as they are stored, compressed and not, and as
-    /// numbers of the array and of the brick.
+    /// The memory that a thread needs at most to decode a brick: the samples as stored, compressed and not, and as numbers of the array
+    /// and of the brick.
     pub fn decoding(&self) -> u64 {
         let whole: usize = self.chunk.iter().product();
         32 * whole as u64 + 16 * self.per_brick()
@@ -195,8 +195,8 @@ impl Chunks {
         samples as u64 * self.dtype().1
     }
 
-    /// Gives to `each` where the samples of a pixel lie, from `bin` on, bin by bin: in which brick, from where on in that,
-    /// and how many.
+    /// Calls `each` with the positions of a pixel's samples, from `bin` on, bin by bin: the brick, the first position in it, and the
+    /// number.
     #[inline]
     pub fn runs(
         &self,
@@ -229,7 +229,7 @@ impl Chunks {
             from += entry;
         }
         let place = |axis: Option<&KeptAxis>, index| axis.map_or((0, 0), |axis| axis.place(index));
-        // Samples that follow each other in a brick are given together.
+        // Consecutive samples in a brick are passed together.
         let mut run: Option<(u64, usize, usize)> = None;
         for bin in bin..bin + bins {
             let (chunk, entry) = place(time, bin);
@@ -293,7 +293,7 @@ impl Chunks {
         Err(Selection::not_finite(&self.path, place))
     }
 
-    /// A window filled up to a chunk, if need be in `brick`.
+    /// A window padded to a chunk, if need be in `brick`.
     fn fill_up<'a>(
         &self,
         ranges: &[std::ops::Range<usize>],

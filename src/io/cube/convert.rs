@@ -1,4 +1,4 @@
-//! From a cube on disk to another, in bounded memory: parts of it, bins merged, times shifted pixel by pixel ([`shifts`](super::shifts)).
+//! From a cube on disk to another, in bounded memory: crops, merged bins, and times shifted pixel by pixel ([`shifts`](super::shifts)).
 
 use std::io::Write;
 use std::ops::Range;
@@ -21,28 +21,28 @@ use crate::io::image::{self, Channel, Layers, Samples, npz};
 use crate::io::npy::Dtype;
 use crate::io::temporary::{Temporary, in_target};
 
-/// What becomes of a cube on its way.
+/// The changes to a cube on its way.
 #[derive(Debug, Clone)]
 pub struct Changes {
-    /// The rows that are kept; all by default.
+    /// The rows to keep; all by default.
     pub rows: Option<Range<usize>>,
-    /// The columns that are kept.
+    /// The columns to keep.
     pub columns: Option<Range<usize>>,
-    /// The bins that are kept.
+    /// The bins to keep.
     pub bins: Option<Range<usize>>,
-    /// How many neighbouring bins become one; none or one leaves them.
+    /// How many neighbouring bins are merged into one; 0 or 1 leaves them.
     pub merge: usize,
-    /// Merged bins are means and not sums: values are densities.
+    /// Whether values are densities, so that merged bins are means, not sums.
     pub density: bool,
-    /// By how many bins each pixel of the whole picture is later; NaN where it is not known.
+    /// The delay of each pixel of the whole picture, in bins; NaN if unknown.
     pub shift: Option<Vec<f64>>,
     /// The type of the samples; that of the input by default.
     pub dtype: Option<Dtype>,
     /// The order of the axes of an array, H or T the slowest.
     pub axes: Option<Axes>,
-    /// The time axis of the input, which forms with a place for one are written with.
+    /// The time axis of the input, written to formats that can store it.
     pub times: Option<FileTimes>,
-    /// The most memory that may be taken, bytes; 16 GiB by default.
+    /// The memory limit, bytes; 16 GiB by default.
     pub memory: u64,
 }
 
@@ -71,29 +71,29 @@ pub struct Converted {
     pub shape: [usize; 4],
     /// The type of the samples.
     pub dtype: Dtype,
-    /// By how many bins of the input bin 0 begins later than that of the input.
+    /// The start of bin 0 relative to that of the input, in bins of the input.
     pub later: f64,
-    /// How many bins of the input are one.
+    /// How many bins of the input form one.
     pub merged: usize,
-    /// The sum of what lay in pixels whose shift is not known, and was left out.
+    /// The sum of the dropped samples of pixels with an unknown shift.
     pub dropped: f64,
 }
 
-/// The most memory that the parts take together however much there is, bytes; in tests so little that there are many parts.
+/// The most memory that the parts use together, whatever the limit, bytes; in tests so little that there are many parts.
 const ROOM: usize = if cfg!(test) { 1 << 10 } else { 256 << 20 };
-/// The most memory that decoded chunks of the input are kept in, bytes.
+/// The most memory for decoded chunks of the input, bytes.
 const CACHE: u64 = 256 << 20;
-/// The most memory that a layer of chunks may take, so that each is decoded once, bytes.
+/// The most memory for a layer of chunks, so that each is decoded once, bytes.
 const THICKEST: u64 = 4 << 30;
-/// How many times as many samples may be decoded as there are: of more, a temporary file is faster.
+/// How many times as many samples may be decoded as there are: beyond this, a temporary file is faster.
 const MOST_DECODED: f64 = 4.0;
 
-/// Writes the cube at `from` to `to`: a `.npy`, `.npz` or HDF5 file, a new folder of Zarr (`.zarr`), or, of any name without
-/// an extension, a new folder of EXR frames. `done` is told of samples that were written and of all of them; it returns whether to go on.
+/// Writes the cube at `from` to `to`: a `.npy`, `.npz` or HDF5 file, a new Zarr folder (`.zarr`), or, for a name without an extension, a
+/// new folder of EXR frames. `done` gets the number of samples written and the total; it returns whether to continue.
 ///
 /// # Errors
-/// What is wrong with the input, as of loading it; parts that it has not; a type that cannot hold its samples; I/O
-/// errors; [`Error::Cancelled`]. Nothing appears at `to` then.
+/// Problems of the input, as in loading it; crops that do not fit; a type that cannot hold its samples; I/O errors; [`Error::Cancelled`].
+/// Nothing appears at `to` then.
 pub fn convert(
     (from, wanted): (&Path, Wanted),
     to: &Path,
@@ -130,7 +130,7 @@ pub fn convert(
     })
 }
 
-/// What an array is written in.
+/// The formats of an array.
 enum Form {
     Numpy,
     #[cfg(feature = "hdf5")]
@@ -139,7 +139,7 @@ enum Form {
     Zarr,
 }
 
-/// Takes a part of the output: its sizes, its samples in the order of a cube, the type to write them in.
+/// Accepts a part of the output: its sizes, its samples in the order of a cube, and the type to write them in.
 type Take<'t> = dyn FnMut([usize; 4], &[f64], &Dtype) -> Result<()> + 't;
 
 struct Work<'a> {
@@ -184,7 +184,7 @@ impl<'a> Work<'a> {
         let shifts = Shifts::new(from, changes.shift.as_deref(), [h, w], &kept)?;
         let merge = changes.merge.max(1);
         let bins = kept[2].len() + shifts.largest;
-        // Shifted data end in the dark, so that bins may be added; others are not cut or added to silently.
+        // Shifted data are padded with dark bins; others are not cut or extended silently.
         if !bins.is_multiple_of(merge) && changes.shift.is_none() {
             let plural = if bins == 1 { "" } else { "s" };
             let what = format!("{bins} bin{plural} cannot be merged by {merge}");
@@ -214,11 +214,11 @@ impl<'a> Work<'a> {
         })
     }
 
-    /// The rows and bins `rows`, `bins` of the output, in the order of a cube, in place of what is in `out`.
+    /// Replaces `out` by rows `rows` and bins `bins` of the output, in the order of a cube.
     fn part(&mut self, rows: Range<usize>, bins: Range<usize>, out: &mut Vec<f64>) -> Result<()> {
         let [_, width, _, channels] = self.shape;
         let merge = self.merge;
-        // In bins before merging, which reach back over the largest shift.
+        // In bins before merging, extended back by the largest shift.
         let fine = bins.start * merge..bins.end * merge;
         let count = self.kept[2].len();
         let begin = fine.start.saturating_sub(self.shifts.largest).min(count);
@@ -236,7 +236,7 @@ impl<'a> Work<'a> {
         if stride == 0 {
             return Ok(());
         }
-        // Energies of merged bins add up; of densities they have the mean.
+        // Energies of merged bins add up; densities are averaged.
         let factor = if self.to_come.density {
             1.0 / merge as f64
         } else {
@@ -250,7 +250,7 @@ impl<'a> Work<'a> {
             let row = self.kept[0].start + rows.start + number / width;
             let column = self.kept[1].start + number % width;
             let Some((whole, part)) = self.shifts.of(row * self.store.shape[1] + column) else {
-                // What belongs to this part of the output only, so that nothing is counted twice.
+                // Only what belongs to this part of the output, so that nothing is counted twice.
                 let own = samples
                     .iter()
                     .enumerate()
@@ -271,7 +271,7 @@ impl<'a> Work<'a> {
         Ok(())
     }
 
-    /// By how many bins of the input bin 0 begins later than that of the input.
+    /// The start of bin 0 relative to that of the input, in bins of the input.
     fn later(&self) -> f64 {
         self.kept[2].start as f64 - self.shifts.ahead as f64
     }
@@ -287,7 +287,7 @@ impl<'a> Work<'a> {
         let slots = axes.slots();
         let help = "name H, W, T and C once each, H or T first, like \"T H W C\"; C may be left out where there is one channel";
         let refuse = |what: String| Err(Error::invalid(to, format!("axes {axes}"), what, help));
-        // Parts are written as they come, so that the first axis is one along which a cube can be cut.
+        // Parts are written as they come, so the first axis must be one along which a cube can be cut.
         let by_time = match slots.first() {
             Some(Some(0)) => false,
             Some(Some(2)) => true,
@@ -431,9 +431,9 @@ impl<'a> Work<'a> {
         folder.persist(to).map_err(failed())
     }
 
-    /// How many of `count` bins or rows, of `each` samples, are read, changed and written together, a `multiple` of so many. Where the
-    /// input is in chunks that makes whole layers of them if memory allows, and where it does not, so that chunks would be decoded time
-    /// and again, the input becomes a temporary file.
+    /// How many of `count` bins or rows, of `each` samples, are read, changed and written together, a multiple of `multiple`. For chunked
+    /// input this is whole layers of chunks if memory allows; otherwise, if chunks would be decoded repeatedly, the input is first
+    /// written to a temporary file.
     fn thickness(
         &mut self,
         by_time: bool,
@@ -465,13 +465,13 @@ impl<'a> Work<'a> {
             let layer = layers[axis / 2];
             let thick = layer.div_ceil(merge).next_multiple_of(multiple).min(count);
             if together < thick {
-                // A layer, or as much of it as there is memory for.
+                // A layer, or as much of it as memory allows.
                 let most = (thickest / bytes(&self.store, 1)) as usize / multiple * multiple;
                 together = together.max(most.min(thick));
             } else if together > thick {
                 together = together / thick * thick;
             }
-            // What parts read beyond themselves: chunks that they share, and what shifts reach back over.
+            // What parts read beyond themselves: chunks that they share, and the range of shifts.
             let span = (together * merge).min(self.kept[axis].len());
             let starts_inside = !self.kept[axis].start.is_multiple_of(layer);
             let shared = match span.is_multiple_of(layer) && !starts_inside {
@@ -489,8 +489,8 @@ impl<'a> Work<'a> {
         Ok(together)
     }
 
-    /// Gives the output to `take`, part by part, with the sizes of each: bin by bin or row by row, `multiple` of them or several
-    /// times that, but for the last.
+    /// Passes the output to `take`, part by part, with the sizes of each: bin by bin or row by row, in multiples of `multiple` except for
+    /// the last.
     fn parts(
         &mut self,
         (by_time, multiple): (bool, usize),
@@ -525,7 +525,7 @@ impl<'a> Work<'a> {
     }
 }
 
-/// A temporary folder that is to become `to`, of which there must be nothing yet.
+/// A temporary folder that is to become `to`, which must not exist yet.
 fn new_folder(to: &Path) -> Result<Temporary> {
     if std::fs::symlink_metadata(to).is_ok() {
         let what = "a file or folder has this name already";
@@ -534,7 +534,7 @@ fn new_folder(to: &Path) -> Result<Temporary> {
     Temporary::folder(to).map_err(Error::io(to, "cannot write"))
 }
 
-/// A Zarr array in the making, as something that samples are written to: each write has whole layers of chunks.
+/// A Zarr array under construction, as a writer of samples: each write has whole layers of chunks.
 #[cfg(feature = "zarr")]
 struct ZarrFolder {
     folder: Temporary,

@@ -1,11 +1,11 @@
-//! A cube where it is: in memory or on disk.
+//! A cube in memory or on disk.
 
 use std::sync::Arc;
 
 use super::bricks::Bricks;
 use super::samples::{Cube, CubeSamples};
 
-/// Where a cube is: in memory, or on disk, from which it is read as lookups need it.
+/// A cube in memory, or on disk, from which it is read on demand.
 #[derive(Debug, Clone)]
 pub enum CubeStore {
     /// All of it in memory.
@@ -23,7 +23,7 @@ impl CubeStore {
         }
     }
 
-    /// The cube, where all of it is in memory.
+    /// The cube, if all of it is in memory.
     pub fn in_memory(&self) -> Option<&Cube> {
         match self {
             CubeStore::Memory(cube) => Some(cube),
@@ -31,7 +31,7 @@ impl CubeStore {
         }
     }
 
-    /// The cube, where it is read from disk.
+    /// The cube, if it is read from disk.
     pub fn on_disk(&self) -> Option<&Arc<Bricks>> {
         match self {
             CubeStore::Memory(_) => None,

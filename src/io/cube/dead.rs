@@ -1,5 +1,5 @@
-//! Bins in which a sensor counted nothing: each takes what the straight line between its nearest live neighbours in time has
-//! there; before the first live bin and after the last, what that holds.
+//! Bins in which a sensor counted nothing: each is interpolated linearly between its nearest live neighbours in time; before the first
+//! live bin and after the last, it repeats that bin.
 
 use std::ops::Range;
 use std::path::Path;
@@ -14,7 +14,7 @@ use crate::io::npy::Dtype;
 #[derive(Debug, Clone, Default)]
 pub(super) struct DeadBins(Vec<Dead>);
 
-/// A dead bin: (1 − part) of the live bin before it and part of the one after it.
+/// A dead bin: (1 − part) times the live bin before it plus part times the one after it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Dead {
     bin: usize,
@@ -24,10 +24,10 @@ struct Dead {
 }
 
 impl DeadBins {
-    /// Of an axis of `bins` bins of the cube at `path`.
+    /// For an axis of `bins` bins of the cube at `path`.
     ///
     /// # Errors
-    /// A bin that there is not; no bin that is alive.
+    /// A bin that does not exist; no live bin.
     pub fn new(path: &Path, dead: &[usize], bins: usize) -> Result<DeadBins> {
         let mut is_dead = vec![false; if dead.is_empty() { 0 } else { bins }];
         for bin in dead {
@@ -78,7 +78,7 @@ impl DeadBins {
         &self.0[at(bins.start)..at(bins.end)]
     }
 
-    /// The bins that have to be known for these.
+    /// The bins that are needed to compute these.
     pub fn reach(&self, bins: Range<usize>) -> Range<usize> {
         let dead = self.among(&bins);
         let first = dead.iter().map(|dead| dead.before).min();
@@ -87,7 +87,7 @@ impl DeadBins {
         start.min(bins.start)..end.max(bins.end)
     }
 
-    /// Mends the bins `bins` of one pixel, whose samples are in `line`; `read` gives those of any bin.
+    /// Interpolates dead bins among the bins `bins` of one pixel, whose samples are in `line`; `read` gives those of any bin.
     pub fn mend(
         &self,
         bins: Range<usize>,
@@ -113,7 +113,7 @@ impl DeadBins {
         }
     }
 
-    /// Mends a whole cube.
+    /// Interpolates the dead bins of a whole cube.
     pub fn mend_cube(&self, cube: &mut Cube) {
         let [h, w, bins, channels] = cube.shape;
         for pixel in 0..h * w {
@@ -139,7 +139,7 @@ impl Dead {
     }
 }
 
-/// A number as samples in memory have it.
+/// A number rounded to the type of samples in memory.
 fn rounded(dtype: &Dtype, number: f64) -> f64 {
     match dtype {
         Dtype::F16 => f16::from_f64(number).to_f64(),

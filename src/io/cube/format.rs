@@ -1,4 +1,4 @@
-//! What a format of cubes has to say for itself: a row of [`FORMATS`](super::FORMATS).
+//! The description of a format of cubes: a row of [`FORMATS`](super::FORMATS).
 
 use std::io::{BufReader, Read, Write};
 use std::path::{Path, PathBuf};
@@ -21,87 +21,87 @@ pub struct CubeFormat {
     pub name: &'static str,
     /// Its name, for programs.
     pub key: &'static str,
-    /// How names of its files end, in lower case; the first is the one that copies get. None of what is told by its path.
+    /// The ends of its files' names, in lower case; the first is used for copies. Empty for formats recognised by path.
     pub extensions: &'static [&'static str],
     /// Whether its arrays have names.
     pub named: bool,
-    /// Whether it holds pictures, a frame of a cube each: codes of theirs stand for radiance by a transfer that is declared.
+    /// Whether it consists of pictures, each a frame of a cube: their codes encode radiance by a declared transfer.
     pub pictures: bool,
-    /// How it is told apart from the others.
+    /// How it is distinguished from the others.
     pub(super) told: Told,
-    /// The files that it consists of, for which it is looked when a scene names it.
+    /// The files that it consists of, which are checked for when a scene names it.
     pub(super) files: fn(&Path) -> Result<Vec<PathBuf>>,
-    /// What would be loaded, by the same checks of headers and lengths; no samples are read.
+    /// What would be loaded, with the same checks of headers and lengths; no samples are read.
     pub(super) inspect: fn(Input, Wanted) -> Result<CubeInfo>,
-    /// The cube.
+    /// Loads the cube.
     pub(super) load: fn(Input, Wanted) -> Result<Cube>,
     /// The headers of all arrays, whether cubes or not.
     pub arrays: fn(&Path) -> Result<Vec<Header>>,
-    /// What it says of the time axis of the array of this name, or of its only one.
+    /// The time axis that it gives for the array of this name, or for its only one.
     pub(super) times: fn(Input, Option<&str>) -> Result<Option<FileTimes>>,
-    /// The points of a surface that the pixels of the cube are, where it says them.
+    /// The points on a surface that the pixels of the cube see, if it gives them.
     pub(super) wall: fn(Input, Wanted) -> Result<Option<Wall>>,
     /// How parts of a cube are read.
     pub(super) parts: Parts,
 }
 
-/// How a format is told apart from the others.
+/// How a format is distinguished from the others.
 #[derive(Debug)]
 pub(super) enum Told {
-    /// By the first bytes of its files, which are one of these; where those say nothing, by the ends of their names.
+    /// By the first bytes of its files, which are one of these; if those are inconclusive, by the ends of their names.
     ByStart(&'static [&'static [u8]]),
     /// By a path, before anything is opened.
     ByPath(ByPath),
 }
 
-/// What is told by its path, as folders and patterns are.
+/// Formats recognised by path, such as folders and patterns.
 #[derive(Debug)]
 pub struct ByPath {
-    /// Whether a path names such a thing.
+    /// Whether a path names one.
     pub(super) is: fn(&Path) -> bool,
-    /// What such things are called in a list of what can be read.
+    /// Its name in a list of readable formats.
     pub(super) called: &'static str,
-    /// What a folder of it is a folder of.
+    /// What its folders contain.
     pub folder_of: &'static str,
     /// How to name one.
     pub help: &'static str,
 }
 
-/// How parts of a cube are read without all of it in memory.
+/// How parts of a cube are read without loading all of it.
 #[derive(Debug)]
 pub(super) enum Parts {
-    /// Each sample has its place in the file.
+    /// Each sample has its position in the file.
     InPlace(InPlace),
-    /// Windows of an array in chunks are decoded; or all of it is written out.
+    /// Windows of a chunked array are decoded; or all of it is written out.
     #[cfg(any(feature = "hdf5", feature = "zarr"))]
     Windows(OpenWindows, WriteOut),
-    /// Nothing is found without reading all before it, so that all of it is written out first.
+    /// Random access is impossible, so all of it is written out first.
     WrittenOut(WriteOut),
 }
 
-/// Where the samples of a file lie.
+/// The positions of a file's samples.
 pub(super) type InPlace = fn(&mut dyn ReadSeek, &Path, Wanted) -> Result<StoredLayout>;
 
-/// Writes the samples that are wanted to a temporary file.
+/// Writes the requested samples to a temporary file.
 pub(super) type WriteOut = fn(Input, Wanted, &mut dyn Write) -> Result<StoredLayout>;
 
-/// What is taken of an array, and how it is opened with so many bytes for decoded chunks.
+/// What is read of an array, and how it is opened with this many bytes for decoded chunks.
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
 pub(super) type OpenWindows = fn(&Path, Wanted, usize) -> Result<(Selection, Open)>;
 
-/// What is read: a path, and the file there if it was opened to tell its format.
+/// The input: a path, and the file if it was opened to recognise its format.
 pub(super) struct Input<'a> {
     pub path: &'a Path,
     opened: Option<Reader>,
 }
 
 impl<'a> Input<'a> {
-    /// What is told by its path.
+    /// An input recognised by its path.
     pub fn at(path: &'a Path) -> Self {
         Input { path, opened: None }
     }
 
-    /// An open file, which `path` stands for in messages.
+    /// An open file; `path` names it in messages.
     pub fn opened(path: &'a Path, reader: Reader) -> Self {
         let opened = Some(reader);
         Input { path, opened }
@@ -115,19 +115,19 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// The same for many small pieces.
+    /// The same, buffered for many small reads.
     pub fn buffered(self) -> Result<Reader> {
         Ok(Box::new(BufReader::new(self.reader()?)))
     }
 }
 
-/// What consists of one file, or of a folder that is read as one.
+/// For what consists of one file, or of a folder that is read as one.
 pub(super) fn itself(path: &Path) -> Result<Vec<PathBuf>> {
     Ok(vec![path.to_path_buf()])
 }
 
 impl CubeFormat {
-    /// How it is told by its path; none of files, which are told by what they hold.
+    /// How it is recognised by its path; `None` for files, which are recognised by content.
     pub fn by_path(&self) -> Option<&ByPath> {
         match &self.told {
             Told::ByStart(_) => None,
@@ -135,12 +135,12 @@ impl CubeFormat {
         }
     }
 
-    /// Whether it is told by a path, and by this one.
+    /// Whether it is recognised by path, and by this one.
     pub(super) fn is_at(&self, path: &Path) -> bool {
         self.by_path().is_some_and(|told| (told.is)(path))
     }
 
-    /// Whether files of it begin like this.
+    /// Whether its files begin like this.
     pub(super) fn begins(&self, start: &[u8]) -> bool {
         match self.told {
             Told::ByStart(magic) => magic.iter().any(|magic| start.starts_with(magic)),
@@ -148,7 +148,7 @@ impl CubeFormat {
         }
     }
 
-    /// Whether the name of a file ends as those of this format do.
+    /// Whether a file name ends like those of this format.
     pub(super) fn has_name_of(&self, path: &Path) -> bool {
         let extension = path.extension();
         let is = |known: &&str| extension.is_some_and(|e| e.eq_ignore_ascii_case(known));
@@ -156,7 +156,7 @@ impl CubeFormat {
     }
 }
 
-/// The bytes by which formats are told apart; leaves the reader at the start.
+/// The bytes that distinguish formats; leaves the reader at the start.
 pub(super) fn first_bytes(reader: &mut dyn ReadSeek, file: &Path) -> Result<Vec<u8>> {
     let mut start = Vec::new();
     (&mut *reader)

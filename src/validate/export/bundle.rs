@@ -1,4 +1,4 @@
-//! What `bundle.json` holds: the types are the format, and make its JSON schema.
+//! The contents of `bundle.json`: these types define the format, and its JSON schema is derived from them.
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -12,11 +12,11 @@ use crate::scene::model::{
 
 /// (ct, x, y, z), metres.
 pub type FourVector = [f64; 4];
-/// By rows; multiplies columns (ct, x, y, z).
+/// In row order; multiplies columns (ct, x, y, z).
 pub type Matrix = [FourVector; 4];
 
-/// The description of an exported scene. Lengths are in metres, times are c·t in metres, and c = 1, so that
-/// velocities are fractions of that of light. Numbers are written in as many digits as read back exactly.
+/// The description of an exported scene. Lengths are in metres, times are c·t in metres, and c = 1, so that velocities are fractions of
+/// the speed of light. Numbers have as many digits as are needed to read them back exactly.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[cfg_attr(feature = "schema", schemars(title = "nullray bundle"))]
@@ -24,11 +24,11 @@ pub type Matrix = [FourVector; 4];
 pub struct Bundle {
     /// Always "nullray-bundle".
     pub format: &'static str,
-    /// The version of the format. A reader refuses one that it does not know; keys may be added within one.
+    /// The version of the format. Readers must refuse unknown versions; keys may be added within a version.
     pub version: u32,
-    /// What wrote it.
+    /// The program that wrote it.
     pub software: String,
-    /// What holds for all of it.
+    /// Properties of the whole scene.
     pub scene: SceneEntry,
     /// The camera at the moment of the shot.
     pub camera: CameraEntry,
@@ -36,51 +36,51 @@ pub struct Bundle {
     pub objects: Vec<ObjectEntry>,
     /// Time-resolved radiance of surfaces.
     pub sources: Vec<SourceEntry>,
-    /// Lights without extent, as far as they are described.
+    /// Lights without extent, except those listed in `scene.undescribed`.
     pub lamps: Vec<LampEntry>,
     /// The channels of the reference, and the auxiliary ones that a candidate may have.
     pub channels: Vec<ChannelEntry>,
-    /// The reference pictures; null where they were left out.
+    /// The reference pictures; null if they were left out.
     pub reference: Option<ReferenceEntry>,
-    /// Test vectors: vertices, and where they are seen; null where they were left out.
+    /// Test vectors: vertices, and where they are seen; null if they were left out.
     pub vectors: Option<&'static str>,
     /// Every other file of the bundle.
     pub files: Vec<FileEntry>,
 }
 
-/// What holds for the whole scene.
+/// Properties of the whole scene.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[non_exhaustive]
 pub struct SceneEntry {
     /// The scene file, as it was named.
     pub name: String,
-    /// The text of the scene file after all changes, as a record: its paths are relative to where it was.
+    /// The text of the scene file after all changes, for the record: its paths are relative to its original folder.
     pub text: &'static str,
-    /// The speed of light, metres per second; only what is given in seconds depends on it.
+    /// The speed of light, metres per second; it affects only values given in seconds.
     pub speed_of_light_m_per_s: f64,
-    /// Refractive index of the medium, which rests in the world: it delays light and bends nothing.
+    /// Refractive index of the medium, which rests in the world: it delays light without refraction.
     pub medium_index: f64,
-    /// η of rays that leave the camera: the medium's index, or 0 where retardation is turned off.
+    /// η of rays that leave the camera: the medium's index, or 0 if retardation is turned off.
     pub ray_index: f64,
-    /// Whose equations the reference follows. The definitions of channels are the exact ones.
+    /// The equations of the reference. The definitions of channels are the exact ones.
     pub equations: Equations,
-    /// Which effects the radiance of the reference shows; W and events are those of the physics in any case,
-    /// but retardation turned off is a `ray_index` of 0.
+    /// The effects in the radiance of the reference; W and events always follow the exact physics, except that turning off retardation
+    /// means a `ray_index` of 0.
     pub effects: Effects,
-    /// Which faces are seen: "as_file" (double-sided materials from both sides, others from the front),
-    /// "two_sided", "black" (back faces hide, and are black) or "culled".
+    /// Which faces are visible: "as_file" (double-sided materials from both sides, others from the front), "two_sided", "black" (back
+    /// faces hide, and are black) or "culled".
     pub back_faces: BackFaces,
-    /// Observed linear RGB radiance of rays that meet nothing.
+    /// Observed linear RGB radiance of rays that hit nothing.
     pub background: [f64; 3],
     /// What the radiance of base colours measures.
     pub base_colour: Radiometry,
-    /// Whether lamps, or other lights, light its surfaces: base colours are then no radiance, but what is reflected.
+    /// Whether lamps, or other lights, illuminate its surfaces: base colours are then reflectances, not radiances.
     pub is_lit: bool,
-    /// What the radiance of the reference depends on and the bundle does not describe, as sentences; empty where it describes all of it.
-    /// Events, W and all other channels do not depend on it.
+    /// Contributions to the radiance of the reference that the bundle does not describe, as sentences; empty if there are none. Events, W
+    /// and all other channels do not depend on them.
     pub undescribed: Vec<&'static str>,
-    /// What stands in for data that a cube does not have.
+    /// What replaces data that a cube does not have.
     pub outside: Outside,
     /// Samples per pixel of the scene's own pictures; the reference here has one, at the pixel's centre.
     pub samples_per_pixel: u32,
@@ -91,7 +91,7 @@ pub struct SceneEntry {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[non_exhaustive]
 pub struct VelocityEntry {
-    /// The rapidity vector artanh(β) β̂: exact where β rounds to 1.
+    /// The rapidity vector artanh(β) β̂: exact even if β rounds to 1.
     pub rapidity: [f64; 3],
     /// v/c.
     pub beta: [f64; 3],
@@ -99,14 +99,14 @@ pub struct VelocityEntry {
     pub gamma: f64,
 }
 
-/// The camera at the moment of the shot, or at which its shutter opens.
+/// The camera at the moment of the shot, or when its shutter opens.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[non_exhaustive]
 pub struct CameraEntry {
-    /// What kind of camera: "still" and "moving" are points whose rays all leave `shot_event`, and are wholly
-    /// described by the matrix; "unaberrated" is such a one whose directions are not boosted. The rays of all
-    /// others leave events of their own, and the entry is the state at the shot.
+    /// The kind of camera: "still" and "moving" are points whose rays all leave `shot_event`, and are completely described by the matrix;
+    /// "unaberrated" is such a point whose directions are not boosted. The rays of all others leave separate events, and the entry is the
+    /// state at the shot.
     pub kind: camera::ViewKind,
     /// Whether all rays leave `shot_event`.
     pub is_point: bool,
@@ -123,35 +123,35 @@ pub struct CameraEntry {
     pub right: [f64; 3],
     /// Up.
     pub up: [f64; 3],
-    /// Into it.
+    /// Into the picture.
     pub forward: [f64; 3],
     /// P: the pinhole's event of the world at the shot.
     pub shot_event: FourVector,
-    /// The camera's proper time then.
+    /// The camera's proper time at the shot.
     pub time: f64,
     /// The pinhole's event when the camera's clock shows 0.
     pub clock_zero_event: FourVector,
     /// Its velocity at the shot.
     pub velocity: VelocityEntry,
-    /// L: takes displacements of the camera frame to the world. The camera frame's axes are the world's,
-    /// boosted without rotation. Its first column is the camera's four-velocity.
+    /// L: maps displacements of the camera frame to the world. The camera frame's axes are the world's, boosted without rotation. Its
+    /// first column is the camera's four-velocity.
     pub world_from_camera: Matrix,
-    /// How the pinhole moves: "inertial", "acceleration", "segments", "profile", "keyframes" or "circle".
+    /// The motion of the pinhole: "inertial", "acceleration", "segments", "profile", "keyframes" or "circle".
     pub motion: &'static str,
     /// The sensor behind the pinhole; null for a point camera.
     pub sensor: Option<SensorEntry>,
-    /// How the sensor turns; `right`, `up` and `forward` are turned already.
+    /// The rotation of the sensor; `right`, `up` and `forward` already include it.
     pub rotation: Option<RotationEntry>,
-    /// How long it exposes; null for an instant.
+    /// The exposure; null for an instant.
     pub shutter: Option<ShutterEntry>,
 }
 
-/// A sensor across the forward axis.
+/// A sensor perpendicular to the forward axis.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[non_exhaustive]
 pub struct SensorEntry {
-    /// From the sensor to the pinhole as `assembly` has it, metres.
+    /// The distance from the sensor to the pinhole as `assembly` defines it, metres.
     pub focal_length: f64,
     /// The same in the camera's own frame at the shot.
     pub own_focal_length: f64,
@@ -161,7 +161,7 @@ pub struct SensorEntry {
     pub assembly: Assembly,
 }
 
-/// A sensor that turns.
+/// A rotating sensor.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[non_exhaustive]
@@ -172,7 +172,7 @@ pub struct RotationEntry {
     pub rate_rad_per_m: f64,
     /// What the axis passes through.
     pub through: Pivot,
-    /// How the elements see.
+    /// What the elements see.
     pub elements: Elements,
 }
 
@@ -181,7 +181,7 @@ pub struct RotationEntry {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[non_exhaustive]
 pub struct ShutterEntry {
-    /// Camera time for which it is open.
+    /// Camera time during which it is open.
     pub duration: f64,
     /// What the picture holds.
     pub records: Records,
@@ -196,18 +196,18 @@ pub struct ObjectEntry {
     pub name: String,
     /// Its geometry in its own frame, a GLB file: single precision.
     pub geometry: String,
-    /// Where single precision is not what the renderer uses: the same vertices in double precision, a .npy
-    /// file of shape (vertices, 3) and type <f8. Null where those of the GLB file are exact.
+    /// If the renderer does not use single precision: the same vertices in double precision, a .npy file of shape (vertices, 3) and type
+    /// <f8. Null if those of the GLB file are exact.
     pub positions: Option<String>,
-    /// How many vertices.
+    /// Number of vertices.
     pub vertices: u64,
-    /// How many triangles; the channel `primitive` counts them from 0 through all primitives in turn.
+    /// Number of triangles; the channel `primitive` counts them from 0 through all primitives in turn.
     pub triangles: u64,
     /// Its velocity in the world.
     pub velocity: VelocityEntry,
-    /// O: the world event at which the object's origin is when its clock shows 0.
+    /// O: the world event of the object's origin when its clock shows 0.
     pub origin: FourVector,
-    /// M: takes displacements of the object's frame to the world; an event y of that frame is O + M y there.
+    /// M: maps displacements of the object's frame to the world; an event y of that frame is O + M y in the world.
     pub world_from_object: Matrix,
     /// The primitives of the GLB file, in its order.
     pub parts: Vec<PartEntry>,
@@ -220,26 +220,26 @@ pub struct ObjectEntry {
 pub struct PartEntry {
     /// Its first triangle.
     pub first_triangle: u32,
-    /// Number of stars.
+    /// Number of triangles.
     pub triangles: u32,
     /// The material's name in its own file, or "".
     pub material: String,
-    /// Linear RGB factor; that of the GLB file is cut off at 1.
+    /// Linear RGB factor; in the GLB file it is clamped to 1.
     pub base_colour: [f32; 3],
     /// Whether a texture of the GLB file multiplies it.
     pub has_texture: bool,
-    /// Whether colours of vertices multiply it (`COLOR_0` of the GLB file, linear).
+    /// Whether vertex colours multiply it (`COLOR_0` of the GLB file, linear).
     pub has_vertex_colours: bool,
-    /// Where it has an alpha mask: the surface is there only where alpha (factor times texture times that of the vertices, all of the
-    /// GLB file) is at least this.
+    /// If it has an alpha mask: the surface exists only where alpha (the product of factor, texture and vertex alpha, all in the GLB
+    /// file) is at least this.
     pub alpha_cutoff: Option<f32>,
-    /// Whether the material says that its back face is seen.
+    /// Whether the material says that its back face is visible.
     pub double_sided: bool,
     /// The sets of texture coordinates that it has. Lower sets that are missing here hold zeros in the GLB file.
     pub uv_sets: Vec<usize>,
-    /// What gives it radiance: "base_colour", one "cube", or "pulses" (and `lamps`) that fall on the base colour.
+    /// The source of its radiance: "base_colour", one "cube", or "pulses" (and `lamps`) that illuminate the base colour.
     pub radiance: &'static str,
-    /// Which sources, by their places in `sources`.
+    /// The sources, as indices into `sources`.
     pub sources: Vec<usize>,
 }
 
@@ -248,16 +248,15 @@ pub struct PartEntry {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[non_exhaustive]
 pub struct Radiometry {
-    /// The word of scene files, like "integrated" or "line".
+    /// The word used in scene files, like "integrated" or "line".
     pub quantity: &'static str,
     /// The emitted wavelength of a line, metres.
     pub line_wavelength: Option<f64>,
-    /// p: the observed radiance is W⁻ᵖ times the emitted one; 0 where the searchlight effect is turned off.
+    /// p: the observed radiance is W⁻ᵖ times the emitted one; 0 if the searchlight effect is turned off.
     pub exponent: u32,
-    /// Where the quantity is "rgb", how its spectra go on below 360 and above 830 nm: "blackbody", "edge", "dark" or
-    /// "companions" (as the channels of cubes say, with M as in [`crate::colour::CompanionShift`]). The
-    /// observed radiance is then M(W) times the emitted one, with M as in [`crate::colour::RgbShift`], and the
-    /// exponent that of its brightness.
+    /// If the quantity is "rgb", how its spectra continue below 360 and above 830 nm: "blackbody", "edge", "dark" or "companions" (given
+    /// by the channels of cubes, with M as in [`crate::colour::CompanionShift`]). The observed radiance is then M(W) times the emitted
+    /// one, with M as in [`crate::colour::RgbShift`], and the exponent is that of its brightness.
     pub continuation: Option<&'static str>,
 }
 
@@ -276,7 +275,7 @@ pub struct SourceEntry {
     pub light: LightEntry,
 }
 
-/// Where a source's radiance comes from.
+/// The origin of a source's radiance.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
@@ -288,12 +287,12 @@ pub enum LightEntry {
     Pulse(PulseEntry),
 }
 
-/// A stored cube: rows, columns, bins of time, and channels where there are four dimensions.
+/// A stored cube: rows, columns, time bins, and channels if it has four dimensions.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[non_exhaustive]
 pub struct CubeEntry {
-    /// The .npy or .npz file: within the bundle where it was copied, else where it was.
+    /// The .npy or .npz file: within the bundle if it was copied, else its original path.
     pub file: String,
     /// Whether `file` is within the bundle.
     pub is_copied: bool,
@@ -301,19 +300,19 @@ pub struct CubeEntry {
     pub sha256: String,
     /// The array of an .npz that holds several.
     pub array: Option<String>,
-    /// The order of the array's axes, the slowest first: H rows, W columns, T bins, C channels, 1 an axis of one
-    /// entry; null where it is H W T or H W T C.
+    /// The order of the array's axes, slowest first: H rows, W columns, T bins, C channels, 1 an axis of one entry; null if it is H W T
+    /// or H W T C.
     pub axes: Option<String>,
     /// Rows, columns, bins, channels; null for a cube that lights nothing.
     pub shape: Option<[usize; 4]>,
-    /// What its channels are, in their order: "R", "G", "B", "IR" (infrared, 830 to 3500 nm), "UV" (ultraviolet, 100 to 360 nm); null
-    /// where one is grey, or three are red, green and blue.
+    /// What its channels are, in order: "R", "G", "B", "IR" (infrared, 830 to 3500 nm), "UV" (ultraviolet, 100 to 360 nm); null if one is
+    /// grey, or three are red, green and blue.
     pub channels: Option<Vec<&'static str>>,
     /// Time at the start of bin 0.
     pub start: f64,
-    /// Width of a bin; null where widths differ.
+    /// Width of a bin; null if widths differ.
     pub bin_width: Option<f64>,
-    /// Where widths differ: the start of each bin, and the end of the last.
+    /// If widths differ: the start of each bin, and the end of the last.
     pub bin_edges: Option<Vec<f64>>,
     /// Whether a value is the integral over its bin, or the mean per metre.
     pub values: BinValues,
@@ -321,8 +320,8 @@ pub struct CubeEntry {
     pub scale: f64,
     /// Reconstruction along time from the centres of bins.
     pub filter: TimeFilter,
-    /// Reconstruction across the picture: "bilinear"; "sharp": cubic, of pixels as means over their squares; "footprint":
-    /// bilinear, as means over what samples of the picture stand for.
+    /// Reconstruction across the picture: "bilinear"; "sharp": cubic, with pixels taken as means over their squares; "footprint":
+    /// bilinear, averaged over the area that each sample of the picture covers.
     pub reconstruction: Reconstruction,
     /// The clock of the time axis: "world" and "object" are times of emission; "capture" is arrival at the
     /// capture camera, the time of emission in its frame plus η times the distance to its pinhole.
@@ -341,11 +340,11 @@ pub enum MappingEntry {
     Uv {
         /// TEXCOORD_n.
         set: usize,
-        /// What backs show: "black", or "second_half" (rows from H/2 on, at the same texture coordinates). Left out: the same as fronts.
+        /// What backs show: "black", or "second_half" (rows from H/2 on, at the same texture coordinates). Omitted: the same as fronts.
         #[serde(skip_serializing_if = "Option::is_none")]
         backs: Option<CubeBacks>,
     },
-    /// By projection into the camera that captured it, as far as that saw the point.
+    /// By projection into the camera that captured it, if that saw the point.
     Capture {
         /// Its pinhole: world coordinates for objects at rest in the world, else the first bound object's own.
         eye: [f64; 3],
@@ -400,35 +399,35 @@ pub struct LampEntry {
     /// Unit vector of its own frame, whose axes are the world's, boosted without rotation: the axis of the cone, or the way that
     /// parallel light goes; null for a point.
     pub axis: Option<[f64; 3]>,
-    /// Of a cone, the angles from the axis within which it has all of its intensity, and beyond which none, radians.
+    /// For a cone, the angles from the axis up to which it has its full intensity, and beyond which it is dark, radians.
     pub cone: Option<[f64; 2]>,
-    /// By channel, in its own frame: power per solid angle; of parallel light, power per area across it.
+    /// By channel, in its own frame: power per solid angle; for parallel light, power per area on a perpendicular surface.
     pub intensity: [f64; 3],
     /// Factor on the intensity by its proper time.
     pub emission: EmissionEntry,
-    /// O: where it is when its clock shows 0, in the world.
+    /// O: its position in the world when its clock shows 0.
     pub origin: FourVector,
     /// Its velocity in the world.
     pub velocity: VelocityEntry,
-    /// M: takes displacements of its frame to the world.
+    /// M: maps displacements of its frame to the world.
     pub world_from_lamp: Matrix,
     /// Whether surfaces cast shadows in its light.
     pub shadows: bool,
 }
 
-/// How bright a lamp is at its proper time τ.
+/// The brightness of a lamp as a function of its proper time τ.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[non_exhaustive]
 pub struct EmissionEntry {
     /// "steady": 1; "gaussian": exp(−½ ((τ − centre)/σ)²); "train": such pulses at centre + k period, for k from 0 to count − 1, or for
-    /// all whole k where `count` is null; "table": linear between its rows, 0 outside.
+    /// all integers k if `count` is null; "table": linear between its rows, 0 outside.
     pub kind: &'static str,
-    /// Of the pulse, or of the first one.
+    /// The centre of the pulse, or of the first one.
     pub centre: Option<f64>,
     /// σ.
     pub sigma: Option<f64>,
-    /// From pulse to pulse.
+    /// The interval between pulses.
     pub period: Option<f64>,
     /// How many pulses.
     pub count: Option<u32>,
@@ -447,7 +446,7 @@ pub struct ChannelEntry {
     pub meaning: &'static str,
     /// The formula, in the symbols of README.md.
     pub definition: &'static str,
-    /// What stands where nothing is met; null where every ray has a value.
+    /// The value where nothing is hit; null if every ray has a value.
     pub where_nothing_is_met: Option<&'static str>,
     /// Whether the reference has it.
     pub in_reference: bool,
@@ -462,10 +461,9 @@ pub struct ReferenceEntry {
     pub npz: &'static str,
     /// All channels in single precision.
     pub exr: &'static str,
-    /// The tone-mapped picture, to look at.
+    /// The tone-mapped picture, for viewing.
     pub png: &'static str,
-    /// Where the rays go: the ray of column j and row i passes the film at (j + ½, i + ½) pixels from the top
-    /// left corner.
+    /// Where the rays go: the ray of column j and row i passes through the film at (j + ½, i + ½) pixels from the top left corner.
     pub sampling: &'static str,
 }
 

@@ -17,7 +17,7 @@ use crate::render::prepare::scaling;
 use crate::scene::model::{CubeBacks, Mapping, Object, ProjectionKind, Pulse, Scene, Sensor};
 use crate::spacetime::{Boost, Displacement, Frame, Quantity, Velocity, World};
 
-/// What holds for all of `scene`, whose text is in `text`, and of whose light `undescribed` is not in the bundle.
+/// The properties of `scene`, whose text is in `text`; `undescribed` lists the light that is not in the bundle.
 pub(super) fn scene(
     scene: &Scene,
     text: &'static str,
@@ -51,11 +51,11 @@ pub(super) fn camera(scene: &Scene, camera: &Camera) -> CameraEntry {
     let film = &camera.shot.projection;
     let [width, height] = model.size.map(f64::from);
     let velocity = camera.shot.frame.velocity();
-    // A sensor given in the world is longer or shorter in its own frame; the projection has that in its vectors.
+    // A sensor given in the world is longer or shorter in its own frame; the projection's vectors include that.
     let stretch = model.sensor.map_or(1.0, |sensor| {
         sensor.own_focal_length(film.forward(), velocity) / sensor.focal_length
     });
-    // Right and up of a plane by its film points, of other projections by their axes.
+    // Right and up from film points for a perspective, from the axes for other projections.
     let from_middle = |x, y| film.vector(x, y) - film.vector(0.5 * width, 0.5 * height);
     let (right, x) = unit(from_middle(width, 0.5 * height));
     let (up, y) = unit(from_middle(0.5 * width, 0.0));
@@ -160,7 +160,7 @@ fn part(scene: &Scene, object: usize, mesh: &Mesh, run: &Run) -> PartEntry {
     }
 }
 
-/// What radiance of `quantity` measures, and by which power of W the scene's observers see it.
+/// What radiance of `quantity` measures, and the power of W for the scene's observers.
 pub(super) fn radiometry(scene: &Scene, quantity: Quantity) -> Radiometry {
     Radiometry {
         quantity: quantity.kind().name(),
@@ -206,7 +206,7 @@ pub(super) fn mapping(mapping: &Mapping, shape: [usize; 4]) -> MappingEntry {
     }
 }
 
-/// The radiance, and every auxiliary channel; the reference has those of `rendered`.
+/// The radiance, and every auxiliary channel; the reference has those in `rendered`.
 pub(super) fn channels(rendered: &[Aov]) -> Vec<ChannelEntry> {
     let radiance = ["radiance.R", "radiance.G", "radiance.B"].map(|name| ChannelEntry {
         name,
@@ -244,7 +244,7 @@ pub(super) fn velocity(velocity: Velocity) -> VelocityEntry {
     }
 }
 
-/// The columns are what becomes of the unit vectors.
+/// The columns are the images of the unit vectors.
 pub(super) fn matrix<F: Frame>(boost: &Boost<World, F>) -> Matrix {
     let unit = |i: usize| {
         let mut e = [0.0; 4];

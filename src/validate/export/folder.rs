@@ -1,8 +1,8 @@
 //! A directory that appears whole or not at all.
 //!
-//! It is filled under a temporary name beside the target, and takes the target's name when all is in it: where an export
-//! has that name, the two change places at once. On any failure what is new is removed, and what was there stays as it was.
-//! Of an old export only the files go that its own list names; a directory that holds anything else is not replaced.
+//! It is filled under a temporary name beside the target, and renamed to the target when complete: if an export has that name, the two
+//! are exchanged atomically. On any failure the new one is removed, and the old one stays as it was. Only those files of an old export
+//! are removed that its own list names; a directory that contains anything else is not replaced.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -16,7 +16,7 @@ use crate::io::temporary::Temporary;
 /// The longest description that is read, bytes.
 const LONGEST: u64 = 256 << 20;
 
-/// A directory in the making; removed when dropped before it is finished.
+/// A directory under construction; removed if dropped before it is finished.
 #[derive(Debug)]
 pub(super) struct Folder {
     target: PathBuf,
@@ -25,8 +25,8 @@ pub(super) struct Folder {
 }
 
 impl Folder {
-    /// Begins the directory that will be `target`. One of this name is replaced where it is empty, and
-    /// with `overwrite` where it is an export and nothing else.
+    /// Starts the directory that will be `target`. An existing one is replaced if it is empty, or with `overwrite` if it is an export and
+    /// nothing else.
     pub fn create(target: &Path, overwrite: bool) -> Result<Self> {
         check(target, overwrite)?;
         let temporary =
@@ -38,21 +38,21 @@ impl Folder {
         })
     }
 
-    /// Where file `name` of the directory is written.
+    /// The path under which file `name` of the directory is written.
     pub fn path(&self, name: &str) -> PathBuf {
         self.temporary.path().join(name)
     }
 
-    /// Makes a directory in it, where it is not there.
+    /// Makes a subdirectory, if it does not exist.
     pub fn subfolder(&self, name: &str) -> Result<()> {
         let path = self.path(name);
         fs::create_dir_all(&path).map_err(Error::io(&path, "cannot create the directory"))
     }
 
-    /// Gives the directory its name.
+    /// Renames the directory to its target.
     pub fn finish(self) -> Result<()> {
         let failed = Error::io(&self.target, "cannot replace the directory");
-        // Something may have been put there meanwhile.
+        // Something may have been created there meanwhile.
         let Some(old) = check(&self.target, self.overwrite)? else {
             return self.temporary.persist(&self.target).map_err(failed);
         };
@@ -66,12 +66,12 @@ impl Folder {
 /// The files that an export lists, and the list itself.
 type Listed = BTreeSet<PathBuf>;
 
-/// Has two directories change their names.
+/// Exchanges the names of two directories.
 #[cfg(target_os = "linux")]
 fn exchange(new: &Path, target: &Path) -> io::Result<()> {
     use rustix::fs::{CWD, RenameFlags, renameat_with};
     let swapped = renameat_with(CWD, new, CWD, target, RenameFlags::EXCHANGE);
-    // Some file systems cannot do it at once.
+    // Some file systems cannot do it atomically.
     swapped.or_else(|_| exchange_in_turn(new, target))
 }
 
@@ -92,7 +92,7 @@ fn exchange_in_turn(new: &Path, target: &Path) -> io::Result<()> {
     fs::rename(aside.path(), new)
 }
 
-/// Removes the files that are `listed`, and the directories that are empty then.
+/// Removes the files that are `listed`, and the directories that become empty.
 fn remove_listed(directory: &Path, listed: &Listed) -> io::Result<()> {
     for name in listed {
         match fs::remove_file(directory.join(name)) {
@@ -104,7 +104,7 @@ fn remove_listed(directory: &Path, listed: &Listed) -> io::Result<()> {
         .iter()
         .flat_map(|name| name.ancestors().skip(1))
         .collect();
-    // The longer name of two lies in the shorter one; the last is the directory itself.
+    // Of two nested names, the longer is inside the shorter; the last is the directory itself.
     while let Some(parent) = parents.pop_last() {
         match fs::remove_dir(directory.join(parent)) {
             Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
@@ -114,8 +114,7 @@ fn remove_listed(directory: &Path, listed: &Listed) -> io::Result<()> {
     Ok(())
 }
 
-/// Refuses a target whose content would be lost, or that cannot be a directory; what of the export there is listed, if
-/// there is one.
+/// Refuses a target whose content would be lost, or that cannot be a directory; returns the list of an existing export.
 fn check(target: &Path, overwrite: bool) -> Result<Option<Listed>> {
     let refused = |what: String, help: Message| Err(Error::invalid(target, "", what, help));
     if target.file_name().is_none() {
@@ -161,7 +160,7 @@ fn check(target: &Path, overwrite: bool) -> Result<Option<Listed>> {
     }
 }
 
-/// What the description of an export in `directory` lists, and its own name; none where there is no such description.
+/// The files that the description of an export in `directory` lists, and its own name; `None` if there is no such description.
 fn listed(directory: &Path) -> Option<Listed> {
     let mut text = Vec::new();
     let file = fs::File::open(directory.join(DESCRIPTION)).ok()?;
@@ -172,7 +171,7 @@ fn listed(directory: &Path) -> Option<Listed> {
     }
     let path = |file: &serde_json::Value| {
         let path = PathBuf::from(file.get("path")?.as_str()?);
-        // A list that leads elsewhere is not one of ours.
+        // A list that leads outside is not one of ours.
         let is_inside = path
             .components()
             .all(|part| matches!(part, Component::Normal(_)));
@@ -186,7 +185,7 @@ fn listed(directory: &Path) -> Option<Listed> {
         .collect()
 }
 
-/// Something below `at` in `directory` that is neither a file that is `listed` nor a directory with such files.
+/// Something below `at` in `directory` that is neither a `listed` file nor a directory with such files.
 fn stranger(directory: &Path, at: &Path, listed: &Listed) -> io::Result<Option<PathBuf>> {
     for entry in fs::read_dir(directory.join(at))? {
         let entry = entry?;

@@ -1,4 +1,4 @@
-//! Lights in the words of the bundle, and what of them it has no words for.
+//! Lights as the bundle describes them, and what it cannot describe.
 
 use super::bundle::{EmissionEntry, LampEntry};
 use super::describe::{matrix, velocity};
@@ -74,7 +74,7 @@ fn emission(profile: &EmissionProfile) -> EmissionEntry {
     }
 }
 
-/// Whether a surface reflects alike in all directions, and does not shine by itself.
+/// Whether a surface reflects diffusely, and does not emit.
 pub(super) fn is_matte(material: &Material) -> bool {
     let is_diffuse = material.metallic == 0.0 && material.roughness == 1.0;
     let is_dark = material.emissive == [0.0; 3] && material.emissive_texture.is_none();

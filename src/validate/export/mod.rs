@@ -1,9 +1,9 @@
 //! Scenes as bundles for other programs: geometry, camera, sources, and reference pictures to compare with.
 //!
-//! [`export`] writes a directory that a rasterizer in any language can load: GLB files of the objects in their
-//! own rest frames, `bundle.json` ([`Bundle`], with its JSON schema) for all that has no place in glTF, cubes,
-//! and what the ray tracer sees along the ray through each pixel's centre, with every auxiliary channel. The
-//! page for whoever writes the other program is [`README`]; it stands in every bundle, and here:
+//! [`export`] writes a directory that a rasterizer in any language can load: GLB files of the objects in their own rest frames,
+//! `bundle.json` ([`Bundle`], with its JSON schema) for everything that glTF cannot hold, cubes, and the ray tracer's result for the ray
+//! through each pixel's centre, with every auxiliary channel. The page for authors of other programs is [`README`]; it is in every
+//! bundle, and here:
 //!
 #![doc = include_str!("README.md")]
 
@@ -36,7 +36,7 @@ use crate::render::progress::Progress;
 use crate::scene::model::Scene;
 use folder::Folder;
 
-/// What [`Bundle::format`] says.
+/// The value of [`Bundle::format`].
 pub const FORMAT: &str = "nullray-bundle";
 /// The version of the format that is written.
 pub const VERSION: u32 = 1;
@@ -49,29 +49,29 @@ const SCHEMA: &str = "bundle.schema.json";
 const TEXT: &str = "scene.toml";
 const VECTORS: &str = "vectors.json";
 
-/// What is exported, and how.
+/// Options of an export.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ExportOptions {
     /// Whether reference pictures are rendered. Default: true.
     pub reference: bool,
-    /// What becomes of stored cubes. Default: they are copied.
+    /// What to do with stored cubes. Default: copy them.
     pub cubes: Cubes,
     /// Whether test vectors are written (`vectors.json`). Default: false.
     pub vectors: bool,
-    /// Whether an export that is there is replaced. Default: false.
+    /// Whether an existing export is replaced. Default: false.
     pub overwrite: bool,
-    /// The most memory that the scene may take, bytes. Default: 16 GiB.
+    /// The memory limit for the scene, bytes. Default: 16 GiB.
     pub memory_limit: u64,
-    /// What the program itself takes of that, bytes. Default: 0.
+    /// Memory of the program itself within that, bytes. Default: 0.
     pub program: u64,
 }
 
-/// What becomes of stored cubes.
+/// What to do with stored cubes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cubes {
     /// They are copied into the bundle.
     Copied,
-    /// The bundle names them, with their SHA-256; those that are compiled in are copied.
+    /// The bundle names them, with their SHA-256; built-in ones are copied.
     Referenced,
 }
 
@@ -94,11 +94,11 @@ impl Default for ExportOptions {
 pub struct Exported {
     /// The description.
     pub bundle: Bundle,
-    /// What was odd in the files of the scene, but no error.
+    /// Unusual features of the scene's files that are not errors.
     pub warnings: Vec<String>,
 }
 
-/// What [`export`] will do; for progress.
+/// The plan that [`export`] will carry out; for progress.
 ///
 /// # Errors
 /// As [`Plan::new`].
@@ -114,8 +114,7 @@ pub fn plan(scene: &Scene, options: &ExportOptions) -> Result<Plan> {
     Plan::new(scene, &request)
 }
 
-/// The JSON schema (draft 2020-12) of `bundle.json`, as each bundle has it. It is derived from [`Bundle`]; a test compares
-/// the two.
+/// The JSON schema (draft 2020-12) of `bundle.json`, as included in each bundle. It is derived from [`Bundle`]; a test compares the two.
 pub const BUNDLE_SCHEMA: &str = include_str!("schema.json");
 
 /// The same made from the type.
@@ -124,11 +123,11 @@ pub fn derived_schema() -> serde_json::Value {
     schemars::schema_for!(Bundle).to_value()
 }
 
-/// Writes `scene` as the directory `target`, whole or not at all.
+/// Writes `scene` as the directory `target`, completely or not at all.
 ///
 /// # Errors
-/// A target that is there already and is not to be replaced; what cannot be planned, loaded or written; a mesh
-/// that a GLB file cannot hold; [`Error::Cancelled`] when `progress` says so.
+/// A target that exists and must not be replaced; anything that cannot be planned, loaded or written; a mesh that a GLB file cannot hold;
+/// [`Error::Cancelled`] when `progress` says so.
 pub fn export(
     scene: &Scene,
     target: &Path,
@@ -150,7 +149,7 @@ pub fn export(
         .map_err(|error| in_target(error, &temporary, target))
 }
 
-/// Fills the directory, and gives it its name.
+/// Fills the directory, and renames it to its target.
 fn filled(
     folder: Folder,
     scene: &Scene,
@@ -172,7 +171,7 @@ fn filled(
             + ", or the sensor, the shutter and the projection";
         return Err(Error::unsupported(&scene.name, "camera", what, help));
     }
-    // Geometry goes first: the description refers to its files, and test vectors are of the vertices as they were written.
+    // Geometry first: the description refers to its files, and test vectors use the vertices as written.
     let seen = options.vectors.then_some((&shot, &camera));
     let (objects, tested, is_matte) = objects(scene, seen, &mut files, &mut warnings, progress)?;
     if options.vectors {
@@ -191,7 +190,7 @@ fn filled(
         ),
         false => (None, Vec::new()),
     };
-    // The description goes last, as it holds the sums of all other files.
+    // The description last, because it contains the checksums of all other files.
     files.text(TEXT, &scene.text)?;
     files.text("README.md", README)?;
     files.text(SCHEMA, BUNDLE_SCHEMA)?;
@@ -215,7 +214,7 @@ fn filled(
     Ok(Exported { bundle, warnings })
 }
 
-/// Writes the objects: how they are described, the test vectors of each, and whether all of them are matte.
+/// Writes the objects: their descriptions, the test vectors of each, and whether all of them are matte.
 fn objects(
     scene: &Scene,
     seen: Option<(&Camera, &CameraEntry)>,
@@ -242,7 +241,7 @@ fn objects(
             .map_err(|what| unfit(scene, &object.name, what))?;
         let name = format!("geometry/{index:03}.glb");
         files.bytes(&name, &bytes)?;
-        // GLB files have single precision: where that loses digits, the vertices stand beside it in double precision.
+        // GLB files have single precision: if that loses digits, the vertices are also written in double precision.
         let positions = (!gltf::glb::is_exact(&mesh)).then(|| format!("geometry/{index:03}.npy"));
         if let Some(name) = &positions {
             let rows: Vec<_> = mesh.positions.iter().map(|p| p.to_array()).collect();
@@ -269,7 +268,7 @@ fn unfit(scene: &Scene, object: &str, what: &str) -> Error {
     Error::unsupported(&scene.name, format!("object \"{object}\""), what, help)
 }
 
-/// The files of a bundle in the making.
+/// The files of a bundle under construction.
 #[derive(Debug)]
 struct Files {
     folder: Folder,
@@ -291,7 +290,7 @@ impl Files {
         })
     }
 
-    /// Has `write` write the file `name`, and notes it.
+    /// Calls `write` to write the file `name`, and adds it to the list.
     fn written(&mut self, name: &str, write: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
         let path = self.folder.path(name);
         write(&path)?;

@@ -13,7 +13,7 @@ use crate::render::render;
 use crate::render::tonemap::tonemap;
 use crate::scene::model::Scene;
 
-/// All channels that one ray for each pixel has: of a single sample there is no standard error.
+/// All channels of a picture with one ray per pixel: a single sample has no standard error.
 pub fn channels() -> Vec<Aov> {
     let all = Aov::ALL.iter().copied();
     all.filter(|aov| match aov.combine() {

@@ -1,4 +1,4 @@
-//! The sources of a bundle: cubes are copied as they are, or named with their SHA-256.
+//! The sources of a bundle: cubes are copied unchanged, or named with their SHA-256.
 
 use std::collections::HashMap;
 use std::io::{self, Read};
@@ -15,7 +15,7 @@ use crate::render::plan::Plan;
 use crate::render::progress::Progress;
 use crate::scene::model::{CubeData, CubeFile, CubeSource, Scene, SourceKind, TimeBins};
 
-/// Writes what the sources of `scene` need, and describes them.
+/// Writes the files of the sources of `scene`, and describes them.
 pub(super) fn write(
     scene: &Scene,
     plan: &Plan,
@@ -90,12 +90,12 @@ fn entry(cube: &CubeSource, place: Place, shape: Option<[usize; 4]>) -> CubeEntr
     }
 }
 
-/// Whether these are arrays, which a bundle holds as they are; all else becomes one.
+/// Whether these are arrays, which a bundle contains unchanged; everything else is converted to one.
 fn is_numpy(file: &CubeFile) -> bool {
     cube::format_called(&file.path).is_some_and(|format| format.key == "numpy")
 }
 
-/// Where a cube's file is.
+/// The location of a cube's file.
 #[derive(Debug, Clone)]
 struct Place {
     file: String,
@@ -125,7 +125,7 @@ impl Stored {
     }
 }
 
-/// Writes the cube of source `index`, which is in no file of arrays.
+/// Writes the cube of source `index`, which is not in an array file.
 fn write_out(cube: &Cube, index: usize, files: &mut Files) -> Result<Place> {
     files.folder.subfolder("sources")?;
     let name = format!("sources/memory-{index:03}.npy");
@@ -145,7 +145,7 @@ fn copy(path: &Path, number: usize, files: &mut Files) -> Result<Place> {
     let (mut reader, _) = files::open(path).map_err(failed())?;
     let mut start = [0; 6];
     reader.read_exact(&mut start).map_err(failed())?;
-    // By content, as the importer has it.
+    // By content, as the importer does.
     let extension = format_of(&start, path).map_or("", |format| format.extensions[0]);
     let name = format!("sources/{number:03}.{extension}");
     files.written(&name, |target| {

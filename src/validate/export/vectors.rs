@@ -1,10 +1,10 @@
 //! Test vectors: vertices of a scene, and where they are seen, for unit tests in any language.
 //!
-//! Of each object a few vertices, spread over its list: the vertex p in the object's frame, the emission event E in the
-//! world, the film point, and W, by the formulas of the bundle's page. Beside them stands how far a program is off
-//! that follows the same formulas in single precision with all of the bundle's numbers rounded to it: four times
-//! the largest error of such a run over the object's vertices (what another order of operations may double, twice), and at
-//! least four steps of single precision of the largest number. Vertices behind the camera have no film point.
+//! For each object a few vertices, spread over its list: the vertex p in the object's frame, the emission event E in the world, the film
+//! point, and W, by the formulas of the bundle's page. Each object also has the tolerance for a program that follows the same formulas in
+//! single precision with all of the bundle's numbers rounded to it: four times the largest error of such a run over the object's vertices
+//! (another order of operations may double it, with a factor of two to spare), and at least four steps of single precision of the largest
+//! number. Vertices behind the camera have no film point.
 
 use serde::Serialize;
 
@@ -16,13 +16,13 @@ use crate::mesh::Mesh;
 use crate::scene::model::Scene;
 use crate::spacetime::{InertialFrame, Rest};
 
-/// What a file of test vectors says that it is.
+/// The value of [`Vectors::format`].
 pub const VECTORS_FORMAT: &str = "nullray-vectors";
-/// The most vertices of an object.
+/// The largest number of vertices per object.
 const MOST: usize = 32;
 /// A step of single precision, relative.
 const STEP: f64 = f32::EPSILON as f64;
-/// What stands between the error of a run in single precision and the tolerance; see the [module](self).
+/// The ratio of the tolerance to the error of a run in single precision; see the [module](self).
 const MARGIN: f64 = 4.0;
 
 /// Test vectors of a scene.
@@ -43,13 +43,13 @@ pub struct Vectors {
 pub struct ObjectVectors {
     /// Its name.
     pub object: String,
-    /// How far a program in single precision may be off.
+    /// The tolerance for a program in single precision.
     pub tolerance_single: Tolerances,
     /// Its vertices.
     pub vectors: Vec<Vector>,
 }
 
-/// Errors that are allowed, absolute.
+/// Allowed errors, absolute.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 #[non_exhaustive]
 pub struct Tolerances {
@@ -67,11 +67,11 @@ pub struct Tolerances {
 pub struct Vector {
     /// Its index in the object.
     pub vertex: usize,
-    /// p: its place in the object's frame, metres.
+    /// p: its position in the object's frame, metres.
     pub position: [f64; 3],
     /// E: the event in the world in which it is seen, (ct, x, y, z), metres.
     pub event: FourVector,
-    /// Where on the film, pixels from the top left corner; null behind the camera.
+    /// The film point, pixels from the top left corner; null behind the camera.
     pub film: Option<[f64; 2]>,
     /// W = observed / emitted wavelength.
     pub wavelength_ratio: f64,
@@ -97,7 +97,7 @@ pub(super) fn of_object(
     let frame = InertialFrame::<Rest>::new(object.velocity, object.origin);
     let projection = observer.projection(&frame)?;
     let count = mesh.positions.len();
-    // Evenly among all vertices.
+    // Evenly spread over all vertices.
     let chosen = (0..MOST.min(count)).map(|n| n * count / MOST.min(count));
     let vectors: Vec<Vector> = chosen
         .filter_map(|vertex| {
@@ -121,7 +121,7 @@ pub(super) fn of_object(
     })
 }
 
-/// What single precision allows; see the [module](self).
+/// The tolerance of single precision; see the [module](self).
 fn tolerances(
     vectors: &[Vector],
     index: f64,
@@ -138,7 +138,7 @@ fn tolerances(
             raise(&mut size.event, a.abs());
         }
         for (a, b) in vector.film.iter().flatten().zip(film.iter().flatten()) {
-            // Far beyond the picture, film points of vertices beside the camera mean little.
+            // Far outside the picture, film points of vertices beside the camera mean little.
             raise(&mut most.film, (a - f64::from(*b)).abs());
             raise(&mut size.film, a.abs());
         }
@@ -160,7 +160,7 @@ fn tolerances(
 struct Single {
     object: [[f32; 4]; 4],
     camera: [[f32; 4]; 4],
-    /// q: the place of the shot in the object's frame.
+    /// q: the position of the shot in the object's frame.
     place: [f32; 3],
     /// P − O.
     offset: [f32; 4],

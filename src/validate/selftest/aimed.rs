@@ -1,7 +1,7 @@
-//! Rays that are aimed where several triangles meet, exactly.
+//! Rays aimed exactly at points where several triangles meet.
 //!
-//! Every target here is a corner or a point of an edge for exact arithmetic: coordinates are small multiples
-//! of powers of two. Which triangle is met is known beforehand, or found by trying each alone.
+//! Every target here is an exact corner or edge point: coordinates are small multiples of powers of two. Which triangle is hit is known
+//! beforehand, or found by testing each separately.
 
 use glam::DVec3;
 
@@ -53,7 +53,7 @@ fn certified(kernel: Kernel) -> Traversal {
     }
 }
 
-/// What each kernel meets along `directions`.
+/// The hits of each kernel along `directions`.
 fn by_every_kernel(bvh: &Bvh, origin: DVec3, directions: &[DVec3]) -> [Vec<Option<Hit>>; 4] {
     Kernel::ALL.map(|kernel| {
         let mut hits = vec![None; directions.len()];
@@ -69,7 +69,7 @@ fn by_every_kernel(bvh: &Bvh, origin: DVec3, directions: &[DVec3]) -> [Vec<Optio
     })
 }
 
-/// Twenty rays of each triangle, with every kernel, from within.
+/// Twenty rays per triangle, with every kernel, from inside.
 fn corners(cases: u64, progress: &dyn Progress) -> Result<Outcome> {
     let levels = if cases > 1_000_000 { 5 } else { 3 };
     let (mut lost, mut rays) = (0, 0);
@@ -100,12 +100,12 @@ fn corners(cases: u64, progress: &dyn Progress) -> Result<Outcome> {
     })
 }
 
-/// Corners and points of edges.
+/// Corners and edge points.
 fn targets(&[a, b, c]: &Triangle) -> [DVec3; 5] {
     [a, b, (a + b) * 0.5, a + (c - a) * 0.3, b.lerp(c, 0.7)]
 }
 
-/// Triangles in one tree, and each in one of its own.
+/// Triangles in one tree, and each in its own.
 struct Compared {
     together: Bvh,
     alone: Vec<Bvh>,
@@ -119,7 +119,7 @@ impl Compared {
         }
     }
 
-    /// Of all triangles that are met the one with the least s, and of those the first.
+    /// Among all triangles that are hit, the one with the smallest s, and among equals the first.
     fn first(&self, origin: DVec3, direction: DVec3) -> Option<(u32, f64)> {
         let ray = Ray {
             origin,
@@ -136,11 +136,11 @@ impl Compared {
         best
     }
 
-    /// How many of the rays along `directions` meet another than the first, or not where it is.
+    /// How many of the rays along `directions` hit another triangle than the first, or hit it elsewhere.
     fn mistakes(&self, origin: DVec3, directions: &[DVec3]) -> u64 {
         let mut expected: Vec<Option<(u32, f64)>> = Vec::with_capacity(directions.len());
         for (i, &d) in directions.iter().enumerate() {
-            // Exact arithmetic is slow: not twice for the same ray.
+            // Exact arithmetic is slow, so not twice for the same ray.
             let known = directions[..i].iter().position(|&other| other == d);
             expected.push(known.map_or_else(|| self.first(origin, d), |at| expected[at]));
         }
@@ -153,7 +153,7 @@ impl Compared {
     }
 }
 
-/// Rays at the apex, which all triangles share, at s = 1 but for rounding.
+/// Rays at the apex, which all triangles share, at s = 1 up to rounding.
 fn fans(cases: u64, progress: &dyn Progress) -> Result<Outcome> {
     let size = cases / 9;
     count_in_batches(cases, size, progress, |i| {
@@ -161,7 +161,7 @@ fn fans(cases: u64, progress: &dyn Progress) -> Result<Outcome> {
         let mut random = Random(i);
         let mut wrong = 0;
         for _ in 0..size / 64 {
-            // Multiples of 2⁻¹⁰ within the cone's box: the way to the apex is exact.
+            // Multiples of 2⁻¹⁰ within the cone's box: the vector to the apex is exact.
             let origin = (random.vector() * 512.0).round() / 1024.0;
             wrong += fan.mistakes(origin, &[DVec3::Z - origin; 16]);
         }
@@ -169,14 +169,14 @@ fn fans(cases: u64, progress: &dyn Progress) -> Result<Outcome> {
     })
 }
 
-/// A triangle of small whole numbers, twelve times, and others in its plane: rays at their points.
+/// A triangle with small integer coordinates, twelve times, and others in its plane: rays at their points.
 fn coplanar(cases: u64, progress: &dyn Progress) -> Result<Outcome> {
     count_in_batches(cases, 256, progress, |i| {
         let mut random = Random(i);
         let mut whole = |size: f64| (random.vector() * size).round();
         let [a, b, c, origin] = [whole(8.0), whole(8.0), whole(8.0), whole(64.0)];
         let mut mesh = [[a, b, c], [b, c, a], [a, c, b]].repeat(4);
-        // Reflected at its corners: in the same plane, exactly.
+        // Reflected at its corners, which stays exactly in the plane.
         mesh.extend([[a, a * 2.0 - b, c], [b, c, b + c - a], [a, b, a + b - c]]);
         let points = [
             a,

@@ -1,17 +1,17 @@
-//! How far results of this crate are from numbers in arbitrary precision, in units of what rounding does.
+//! Errors of results of this crate against arbitrary precision, in units of the expected rounding error.
 //!
 //! With eps = 2⁻⁵³, φ the rapidity, n the direction of motion, W the wavelength ratio:
 //!
-//! **Aberration.** A look direction d′ moves by eps when it is rounded, n too, and φ by eps φ. Aberration is
-//! conformal with scale 1/W, a change of φ turns d by δφ sin ∠(n, d), and n itself carries d along:
-//! δd ~ eps (1 + φ + 1/W). Boosting takes fewer than 16 roundings on any path of a component: bound 16.
+//! **Aberration.** Rounding moves a look direction d′ by eps, n too, and φ by eps φ. Aberration is conformal with scale 1/W, a change of
+//! φ rotates d by δφ sin ∠(n, d), and n itself carries d along: δd ~ eps (1 + φ + 1/W). Boosting takes fewer than 16 roundings on any
+//! path of a component: bound 16.
 //!
-//! **Wavelength ratio.** W = ½ (e^−φ(1 + c) + e^φ(1 − c)): δφ counts 1 + φ times; turning n by eps changes
-//! 1 − c by eps |d⊥|, and to second order by eps², e^φ times: δW/W ~ eps (1 + φ + sinh φ (|d⊥| + eps)/W). Bound 16.
+//! **Wavelength ratio.** W = ½ (e^−φ(1 + c) + e^φ(1 − c)): δφ enters with the factor 1 + φ; rotating n by eps changes 1 − c by eps |d⊥|,
+//! and in second order by eps², with the factor e^φ: δW/W ~ eps (1 + φ + sinh φ (|d⊥| + eps)/W). Bound 16.
 //!
-//! **Pictures.** What aberration loses is a shift in the picture: in the camera frame δd is W δd. What moves n
-//! turns d by as much, so that the shift is at most (8 W + 8 (1 + φ)) eps ≤ 8 (2γ + 1 + φ) eps, over the
-//! angle of a pixel (1.13e-3: 60° in 1024): 1.6e-12 γ pixels, wherever β points.
+//! **Pictures.** The error of aberration is a shift in the picture: in the camera frame δd becomes W δd. An error of n rotates d by the
+//! same amount, so the shift is at most (8 W + 8 (1 + φ)) eps ≤ 8 (2γ + 1 + φ) eps, over the angle of a pixel (1.13e-3: 60° in 1024):
+//! 1.6e-12 γ pixels, whatever the direction of β.
 //!
 //! **Events.** A component of a boosted displacement is a sum: γ|t| + sinh φ Σ|nⱼxⱼ| for the time,
 //! |xᵢ| + (γ − 1)|nᵢ| Σ|nⱼxⱼ| + sinh φ |nᵢt| for places. Each term passes through fewer than 16
@@ -24,8 +24,8 @@
 //! triangle is decided exactly, and a mistake counts as infinite. On which side of the origin it does is
 //! decided by s: where s of a hit is missing, it counts as 0.
 //!
-//! **Horizons.** Of a hyperbola at rest at the origin along an axis nothing is rounded but the closed form: 4 ulp
-//! (8 eps) of the largest coordinate, however close to the horizon; beyond it there is nothing.
+//! **Horizons.** For a hyperbola at rest at the origin along an axis, only the closed form is rounded: 4 ulp (8 eps) of the largest
+//! coordinate, however close to the horizon; beyond it there is no result.
 
 use glam::DVec3;
 
@@ -45,7 +45,7 @@ fn difference(got: DVec3, reference: &[Fine]) -> DVec3 {
     DVec3::from_array([0, 1, 2].map(|i| reference[i].error(got[i])))
 }
 
-/// Infinite where there is no number.
+/// Infinite if there is no number.
 fn or_infinite(error: Option<f64>) -> f64 {
     error.filter(|e| !e.is_nan()).unwrap_or(f64::INFINITY)
 }
@@ -92,11 +92,11 @@ pub(super) fn wavelength(inputs: &[f64], reference: &[Fine]) -> f64 {
     .abs()
 }
 
-/// w, d′ → d, W: by how many pixels the picture is wrong there.
+/// w, d′ → d, W: the error of the picture there, in pixels.
 pub(super) fn picture(inputs: &[f64], reference: &[Fine]) -> f64 {
     or_infinite(Look::new(inputs).map(|look| {
         let error = difference(look.d, reference);
-        // What is along d itself moves nothing.
+        // The component along d itself moves nothing.
         let aside = error - look.d * look.d.dot(error);
         aside.length() * reference[3].value / PIXEL
     }))
@@ -111,7 +111,7 @@ pub(super) fn event(inputs: &[f64], reference: &[Fine]) -> f64 {
     let got = Boost::<World, Rest>::new(velocity).displacement(Displacement::new(t, x));
     let phi = velocity.rapidity().length();
     let n = velocity.rapidity().abs() / phi;
-    // Terms by their absolute values, as the bound of `Boost::displacement` has them.
+    // Terms by their absolute values, as in the bound of `Boost::displacement`.
     let (along, sinh) = (n.dot(x.abs()), libm::sinh(phi));
     let shared = velocity.gamma_minus_one() * along + sinh * t.abs();
     let mut worst = reference[0].error(got.ct).abs() / (velocity.gamma() * t.abs() + sinh * along);
@@ -146,14 +146,14 @@ pub(super) fn hit(inputs: &[f64], reference: &[Fine]) -> f64 {
     let kappa = (a + s.value.abs() * steepest) * (e1 * e2 / delta.value.abs());
     let error_of_s = s.error(found.map_or(0.0, |hit| hit.s)).abs() / (EPS * kappa);
     if side.value < 0.0 {
-        // Behind the origin: nothing, unless s is lost in rounding.
+        // Behind the origin: no hit, unless s is lost in rounding.
         return found.map_or(0.0, |_| error_of_s);
     }
     let Some(hit) = found else {
         return error_of_s;
     };
     let length = e1 + e2;
-    // The same of u and v.
+    // The same for u and v.
     let kappa = (a + length) * (length * steepest / delta.value.abs());
     let weights = u.error(hit.u).abs().max(v.error(hit.v).abs());
     or_infinite(Some(error_of_s.max(weights / (EPS * kappa))))

@@ -1,4 +1,4 @@
-//! Meshes and numbers whose geometry is known.
+//! Meshes and numbers with known geometry.
 
 use glam::DVec3;
 
@@ -52,7 +52,7 @@ pub(super) fn sphere(levels: usize) -> Vec<Triangle> {
     for octant in 0..8 {
         let sign = |bit: u32| if octant >> bit & 1 == 0 { 1.0 } else { -1.0 };
         let [a, b, c] = [DVec3::X * sign(0), DVec3::Y * sign(1), DVec3::Z * sign(2)];
-        // An odd number of mirrored axes turns the corners round.
+        // An odd number of mirrored axes reverses the corners.
         let outward = sign(0) * sign(1) * sign(2) > 0.0;
         triangles.push(if outward { [a, b, c] } else { [a, c, b] });
     }
@@ -78,7 +78,7 @@ pub(super) fn placed(triangles: Vec<Triangle>, scale: DVec3, shift: DVec3) -> Ve
     triangles.into_iter().map(place).collect()
 }
 
-/// The sizes and places at which closed meshes are looked at from inside.
+/// The scales and positions at which closed meshes are viewed from inside.
 pub(super) const PLACES: [(f64, DVec3); 6] = [
     (1.0, DVec3::ZERO),
     (1e-9, DVec3::ZERO),
@@ -88,7 +88,7 @@ pub(super) const PLACES: [(f64, DVec3); 6] = [
     (1.0, DVec3::new(1e9, -1e9, 1e9)),
 ];
 
-/// Triangles anywhere within 1 of the origin, of size `size`.
+/// Random triangles within 1 of the origin, of size `size`.
 pub(super) fn soup(random: &mut Random, count: usize, size: f64) -> Vec<Triangle> {
     let mut triangle = |_| {
         let at = random.vector();
@@ -97,7 +97,7 @@ pub(super) fn soup(random: &mut Random, count: usize, size: f64) -> Vec<Triangle
     (0..count).map(&mut triangle).collect()
 }
 
-/// Directions of a tile of 16 × 16 about `axis`, `pitch` apart, each off its place by up to half of that.
+/// Directions of a tile of 16 × 16 about `axis`, `pitch` apart, each jittered by up to half of that.
 pub(super) fn tile(random: &mut Random, axis: DVec3, pitch: f64) -> Vec<DVec3> {
     let (right, up) = axis.normalize().any_orthonormal_pair();
     let size = axis.length() * pitch;
@@ -122,9 +122,9 @@ pub(super) fn grid(n: u64) -> Vec<Triangle> {
     (0..n * n).flat_map(square).collect()
 }
 
-/// Which triangle of the grid a ray down to (x, y) meets: of those that share the point, the first.
+/// Which triangle of the grid a ray down to (x, y) hits: of those that share the point, the first.
 pub(super) fn of_grid(n: u64, x: f64, y: f64) -> u32 {
-    // Squares at the left of and below a point on a line between squares come first.
+    // At a point on a line between squares, those to the left and below come first.
     let before = |t: f64| ((t.ceil() as u64).max(1) - 1).min(n - 1);
     let (column, row) = (before(x), before(y));
     let (fx, fy) = (x - column as f64, y - row as f64);

@@ -14,7 +14,7 @@ use crate::render::progress::Progress;
 pub use regimes::{REGIMES, Regime};
 pub use rows::{EPS, Fine, Row, embedded};
 
-/// How much is tested.
+/// The amount of testing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
     /// Seconds.
@@ -23,21 +23,21 @@ pub enum Effort {
     Thorough,
 }
 
-/// A regime in which errors are measured or counted, and what is promised there.
+/// A regime in which errors are measured or counted, and its promised bound.
 #[derive(Debug, Clone, Copy)]
 pub struct Check {
     /// A name of one word.
     pub name: &'static str,
-    /// What is put under stress, and what is compared with what.
+    /// What is stressed, and what is compared with what.
     pub what: &'static str,
-    /// What an error of 1 is.
+    /// The unit of the error.
     pub unit: &'static str,
-    /// The largest error that is allowed, derived in the module that measures it.
+    /// The largest allowed error, derived in the module that measures it.
     pub bound: f64,
     kind: Kind,
 }
 
-/// Where errors come from.
+/// The source of errors.
 #[derive(Debug, Clone, Copy)]
 enum Kind {
     /// Rows of numbers in arbitrary precision.
@@ -50,7 +50,7 @@ enum Kind {
 #[derive(Debug, Clone, Copy)]
 struct Counted {
     cases: [u64; 2],
-    /// Bytes that it takes.
+    /// The memory that it takes, bytes.
     memory: [u64; 2],
     count: fn(u64, &dyn Progress) -> Result<Outcome>,
 }
@@ -60,12 +60,12 @@ struct Counted {
 pub struct Outcome {
     /// The largest error, or the number of errors, in the check's unit.
     pub worst: f64,
-    /// How many cases were looked at.
+    /// The number of cases.
     pub cases: u64,
 }
 
 impl Check {
-    /// How many cases there are, for [`Progress::rays_done`].
+    /// The number of cases, for [`Progress::rays_done`].
     pub fn cases(&self, effort: Effort) -> u64 {
         match &self.kind {
             Kind::Reference(regime) => regime.rows().count() as u64,
@@ -73,7 +73,7 @@ impl Check {
         }
     }
 
-    /// Bytes that it takes at most, beside the program.
+    /// The memory that it takes at most, in addition to the program, bytes.
     pub fn memory(&self, effort: Effort) -> u64 {
         match &self.kind {
             Kind::Reference(_) => SMALL,
@@ -81,7 +81,7 @@ impl Check {
         }
     }
 
-    /// The same check, of which it is known that it takes so many bytes for each effort.
+    /// The same check with the memory that it takes for each effort, bytes.
     const fn taking(self, memory: [u64; 2]) -> Check {
         match self.kind {
             Kind::Counted(counted) => Check {
@@ -95,7 +95,7 @@ impl Check {
     /// Runs the check on all threads of the current rayon pool. The outcome does not depend on them.
     ///
     /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled) where `progress` says so.
+    /// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
     pub fn run(&self, effort: Effort, progress: &dyn Progress) -> Result<Outcome> {
         match &self.kind {
             Kind::Reference(regime) => Ok(regime.worst(regime.rows())),
@@ -109,7 +109,7 @@ impl Check {
     }
 }
 
-/// All checks, in the order in which they are run.
+/// All checks, in the order in which they run.
 pub fn checks() -> Vec<Check> {
     let mut checks: Vec<Check> = REGIMES.iter().map(Check::from).collect();
     checks.extend(aimed::CHECKS);
@@ -118,7 +118,7 @@ pub fn checks() -> Vec<Check> {
     checks
 }
 
-/// Bytes that are more than most checks take.
+/// More memory than most checks take, bytes.
 const SMALL: u64 = 32 << 20;
 
 /// A check that counts errors, none of which is allowed; its cases for each effort.
@@ -150,7 +150,7 @@ fn count_in_batches(
     errors: impl Fn(u64) -> u64 + Sync,
 ) -> Result<Outcome> {
     use rayon::prelude::*;
-    // Whole batches, so that there may be a few cases more.
+    // Whole batches, so there may be a few cases more.
     let batches = cases.div_ceil(size);
     let worst = (0..batches).into_par_iter().map(|batch| {
         if progress.is_cancelled() {

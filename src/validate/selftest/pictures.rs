@@ -1,10 +1,8 @@
-//! Whole pictures, from the text of a scene to its channels, that must not depend on where and how large
-//! the scene is.
+//! Whole pictures, from the text of a scene to its channels, that must not depend on the position and scale of the scene.
 //!
-//! Powers of two scale without rounding, and places that are multiples of 2⁻²⁰ m add to 2³⁰ m without:
-//! then every channel that tells of the hit must hold the same bits, at 2⁻³⁰ (1e-9) and 2³⁰ (1e9) times the size,
-//! 2³⁰ m from the origin, and at a camera time of 2⁴⁸ m (9.4e5 s), for a camera and objects at several
-//! velocities. Events themselves are rounded to half an ulp of their coordinates: 3 cm at 2⁴⁸ m.
+//! Powers of two scale without rounding, and adding multiples of 2⁻²⁰ m to 2³⁰ m is exact: so every channel about the hit must have the
+//! same bits at 2⁻³⁰ (1e-9) and 2³⁰ (1e9) times the size, 2³⁰ m from the origin, and at a camera time of 2⁴⁸ m (9.4e5 s), for a camera
+//! and objects at several velocities. Events themselves are rounded to half an ulp of their coordinates: 3 cm at 2⁴⁸ m.
 
 use glam::DVec3;
 
@@ -39,7 +37,7 @@ object = [
 display = { back_faces = "two_sided" }
 "#;
 
-/// The channels that tell what was hit, and where on it.
+/// The channels that record what was hit, and where on it.
 const CHANNELS: [Aov; 5] = [
     Aov::Object,
     Aov::Primitive,
@@ -51,7 +49,7 @@ const CHANNELS: [Aov; 5] = [
 fn pictures(_: u64, progress: &dyn Progress) -> Result<Outcome> {
     let scene = scene::parse(SCENE, "self-test", ".".as_ref(), &Overrides::default())?;
     let original = film(&scene)?;
-    // Powers of two: scenes and places change without a rounding.
+    // Powers of two: scenes and positions change without rounding.
     let far = DVec3::new(1.0, -1.0, 1.0) * libm::exp2(30.0);
     let others = [
         scaled(&scene, libm::exp2(-30.0)),
@@ -81,7 +79,7 @@ fn film(scene: &Scene) -> Result<Film> {
     render(&Prepared::new(scene, &plan, &Silent)?, &Silent)
 }
 
-/// How many pixels differ in any channel; all, where nothing is to be seen.
+/// How many pixels differ in any channel; all, if nothing is visible.
 fn difference(a: &Film, b: &Film) -> usize {
     let bits = |film: &Film, aov, i: usize| film.aov(aov).map(|values| values[i].to_bits());
     let differs = |&i: &usize| {

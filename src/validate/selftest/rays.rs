@@ -1,7 +1,7 @@
-//! Rays in great numbers: closed meshes from inside, and all ways to trace against each other.
+//! Many rays: closed meshes from inside, and all ways of tracing compared with each other.
 //!
-//! A ray from inside a closed mesh meets it, and from behind: anything else is a leak. All kernels and
-//! all presets of the tree must meet the same triangle at the same place, bit for bit.
+//! A ray from inside a closed mesh hits it, from behind: anything else is a leak. All kernels and all presets of the tree must hit the
+//! same triangle at the same point, bit for bit.
 
 use glam::DVec3;
 
@@ -104,7 +104,7 @@ fn rays(i: u64) -> (DVec3, Vec<DVec3>) {
     (origin, tile(&mut random, axis, pitch))
 }
 
-/// The numbers of a hit, without its place in the tree.
+/// The numbers of a hit, without its position in the tree.
 fn numbers(hit: &Option<Hit>) -> Option<[u64; 5]> {
     let bits = |h: &Hit| {
         let [s, u, v] = [h.s, h.u, h.v].map(f64::to_bits);

@@ -1,19 +1,19 @@
-//! Reference rows: inputs as they are, results in arbitrary precision.
+//! Reference rows: exact inputs, with results in arbitrary precision.
 //!
-//! `rows.csv`: a family, its inputs, a bar, and for each result the nearest f64 and what it leaves. The
-//! test `stability` computes them with 400 bits, and fails where the file holds anything else.
+//! `rows.csv`: a family, its inputs, a bar, and for each result the nearest f64 and the remainder. The test `stability` computes them
+//! with 400 bits, and fails if the file differs.
 
 use std::sync::LazyLock;
 
 /// The largest relative rounding error of one operation, 2⁻⁵³.
 pub const EPS: f64 = f64::EPSILON / 2.0;
 
-/// A number as its nearest f64 and what that leaves.
+/// A number as its nearest f64 and the remainder.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fine {
-    /// The nearest f64; NaN where there is none.
+    /// The nearest f64; NaN if there is none.
     pub value: f64,
-    /// What is left.
+    /// The remainder.
     pub rest: f64,
 }
 
@@ -29,7 +29,7 @@ impl Fine {
 pub struct Row {
     /// What the numbers are.
     pub family: String,
-    /// Exactly these.
+    /// The exact inputs.
     pub inputs: Vec<f64>,
     /// In arbitrary precision.
     pub reference: Vec<Fine>,
@@ -68,7 +68,7 @@ impl Row {
     }
 }
 
-/// The rows that the program holds.
+/// The rows that are compiled into the program.
 pub fn embedded() -> &'static [Row] {
     static ROWS: LazyLock<Vec<Row>> = LazyLock::new(|| {
         let lines = include_str!("rows.csv").lines();

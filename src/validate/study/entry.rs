@@ -1,4 +1,4 @@
-//! What a study finds.
+//! The results of a study.
 
 use serde::Serialize;
 
@@ -7,7 +7,7 @@ use super::options::Subject;
 use crate::accel::Precision;
 use crate::approximate::raster::{Map, Method, Tessellation};
 
-/// What a study has found.
+/// The results of a study.
 #[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
 pub struct Study {
@@ -15,7 +15,7 @@ pub struct Study {
     pub format: &'static str,
     /// The version of the format.
     pub version: u32,
-    /// What measured it.
+    /// The program that measured it.
     pub software: String,
     /// The scene.
     pub scene: String,
@@ -31,9 +31,9 @@ pub struct Study {
     pub threads: usize,
     /// Seconds to load files and to build what [`Once`] lists; all methods start from there.
     pub prepare_seconds: f64,
-    /// What is built once for a scene, however many pictures are taken.
+    /// What is built once per scene, however many pictures are taken.
     pub once: Once,
-    /// What radiance is compared with.
+    /// The reference for radiance.
     pub reference: Reference,
     /// Method by method, ascending by samples.
     pub entries: Vec<Entry>,
@@ -45,7 +45,7 @@ pub struct Study {
     pub was_cut_short: bool,
 }
 
-/// What is built once for a scene.
+/// What is built once per scene.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Once {
@@ -61,9 +61,9 @@ pub struct Once {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct LeftOut {
-    /// As the command line says it.
+    /// Its name on the command line.
     pub method: String,
-    /// Why not.
+    /// The reason.
     pub why: String,
 }
 
@@ -81,23 +81,23 @@ pub struct Reference {
 #[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
 pub struct Entry {
-    /// As the command line says it.
+    /// Its name on the command line.
     pub method: String,
     /// What kind of method.
     pub family: Family,
     /// Samples per pixel.
     pub samples: u32,
-    /// How long a picture takes; none where the budget left no time for it.
+    /// The time for a picture; `None` if the budget left no time for it.
     pub timing: Option<Timing>,
-    /// Seconds that were spent once for it: of [`Once`], the part that the method needs.
+    /// Seconds spent once: the part of [`Once`] that the method needs.
     pub once_seconds: f64,
-    /// By how much memory grew at most, bytes, beyond what was built once.
+    /// The largest growth of memory, bytes, beyond what was built once.
     pub memory: Option<u64>,
-    /// The error of geometry, which is that of the method.
+    /// The geometric error, a property of the method.
     pub geometry: GeometricError,
     /// The picture's error of radiance.
     pub radiance: Option<RadianceError>,
-    /// Whether anything else beats it.
+    /// Whether no other entry beats it.
     pub front: Front,
 }
 
@@ -105,9 +105,9 @@ pub struct Entry {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct Front {
-    /// Of time and largest geometric error, among the entries with the fewest samples.
+    /// For time and largest geometric error, among the entries with the fewest samples.
     pub geometry: bool,
-    /// Of time and relRMSE.
+    /// For time and relRMSE.
     pub radiance: bool,
 }
 
@@ -121,36 +121,36 @@ pub struct Timing {
     pub median: f64,
     /// The quartiles.
     pub quartiles: [f64; 2],
-    /// The median time until the first tile was done: of rasterizers, moving and dividing all triangles.
+    /// The median time until the first tile was done: for rasterizers, transforming and dividing all triangles.
     pub setup: f64,
 }
 
-/// The fastest ways to a geometric error.
+/// The fastest methods for a given geometric error.
 #[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
 pub struct Verdict {
-    /// The largest error of a point that is allowed, pixels.
+    /// The largest allowed error of a point, pixels.
     pub pixels: f64,
     /// Samples per pixel.
     pub samples: u32,
-    /// Which of the ray tracer, by either precision, rasterizers and warps is fastest; none where quartiles of the ratio of
-    /// the two that are have 1 between them.
+    /// Which of the ray tracer (in either precision), rasterizers and warps is fastest; `None` if the quartiles of the ratio of the two
+    /// fastest include 1.
     pub fastest: Option<String>,
     /// The ray tracer's time, seconds.
     pub trace: Option<f64>,
-    /// That of the ray tracer in single precision, where it keeps to it.
+    /// The time of the ray tracer in single precision, if its error is small enough.
     pub trace_fast: Option<f64>,
-    /// The fastest rasterizer that keeps to it, and its time.
+    /// The fastest rasterizer with a small enough error, and its time.
     pub raster: Option<(String, f64)>,
-    /// The rasterizer's time over the ray tracer's: the median over runs that took turns, and the quartiles.
+    /// The rasterizer's time over the ray tracer's: the median over interleaved runs, and the quartiles.
     pub raster_over_trace: Option<[f64; 3]>,
-    /// Of how many runs.
+    /// The number of these runs.
     pub runs: usize,
-    /// The fastest warp that keeps to it, and its time.
+    /// The fastest warp with a small enough error, and its time.
     pub warp: Option<(String, f64)>,
 }
 
-/// Kinds of methods: what is one line of a plot.
+/// Kinds of methods: each is a line of a plot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[allow(missing_docs)]
@@ -176,14 +176,14 @@ impl Family {
         Family::Panorama,
     ];
 
-    /// That of `subject`.
+    /// The family of `subject`.
     pub fn of(subject: &Subject) -> Self {
         match subject.method {
             Method::Trace => match subject.precision {
                 Precision::Certified => Family::Trace,
                 Precision::Fast => Family::FastTrace,
             },
-            // How far it divides is the parameter along a family's line in the plot, not a family of its own.
+            // The amount of division is the parameter along a family's line in the plot, not a family of its own.
             Method::Raster(raster) => match raster.tessellation {
                 Tessellation::None => Family::NoTessellation,
                 Tessellation::Uniform(_) => Family::Uniform,
@@ -196,7 +196,7 @@ impl Family {
         }
     }
 
-    /// Words for it.
+    /// Its name.
     pub fn name(self) -> &'static str {
         match self {
             Family::Trace => "ray tracer",

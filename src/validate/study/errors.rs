@@ -1,5 +1,4 @@
-//! Errors of a method: where the points that a picture shows should have been, and how far its radiance is from that
-//! of a reference.
+//! Errors of a method: the displacement of the points that a picture shows, and the difference of its radiance from a reference.
 
 use serde::Serialize;
 
@@ -16,23 +15,23 @@ use crate::validate::compare::{CompareOptions, NotFinite, Picture, compare};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct GeometricError {
-    /// How far points are from where they should be, pixels.
+    /// The displacement of points, pixels.
     pub pixels: Spread,
-    /// |Δct| of the emission where the right object is seen, metres.
+    /// |Δct| of the emission where the right object is visible, metres.
     pub emission_time: Spread,
-    /// Pixels in whose middle another object is seen than should be, or none, or one where none should be.
+    /// Pixels whose centre shows a wrong object, misses one, or shows one where there should be none.
     pub wrong_object: u64,
-    /// Pixels in whose middle something is seen.
+    /// Pixels whose centre shows an object.
     pub seen: u64,
 }
 
-/// How large errors are.
+/// The distribution of errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Spread {
-    /// That of the middle one.
+    /// The median.
     pub median: f64,
-    /// Exceeded by one in a hundred.
+    /// The 99th percentile.
     pub p99: f64,
     /// The largest.
     pub max: f64,
@@ -54,7 +53,7 @@ impl Spread {
 }
 
 impl GeometricError {
-    /// The error of `film` of `scene`, rendered at the centres of pixels, against the truth of `exact`.
+    /// The error of `film` of `scene`, rendered at pixel centres, against the truth of `exact`.
     ///
     /// # Errors
     /// As [`displacements`].
@@ -83,7 +82,7 @@ impl GeometricError {
     }
 }
 
-/// By how much the emission times of these pixels are wrong.
+/// The errors of the emission times of these pixels.
 fn late(film: &Film, exact: &Film, pixels: impl Iterator<Item = usize>) -> Vec<f64> {
     let [time, truth] = [film, exact].map(|f| f.aov(Aov::EventCt).unwrap_or_default());
     pixels.map(|i| (time[i] - truth[i]).abs()).collect()
@@ -101,7 +100,7 @@ pub struct RadianceError {
     pub flip: f64,
 }
 
-/// The radiance of `film` as a picture that can be compared.
+/// The radiance of `film` as a picture for comparison.
 pub(super) fn picture(name: &str, film: &Film) -> Result<Picture> {
     let [width, height] = film.size();
     let layers = Layers::new(width, height, film.channels(&[]), Vec::new())?;

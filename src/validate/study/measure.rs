@@ -21,15 +21,15 @@ use crate::render::sampler::Sampler;
 use crate::scene::model::Scene;
 use crate::validate::compare::{Picture, working_memory_of_light};
 
-/// The geometric errors of which verdicts are given, pixels.
+/// The geometric errors for which verdicts are given, pixels.
 const ERRORS: [f64; 2] = [0.1, 0.01];
 
 /// Studies `scene` on rayon's current thread pool.
 ///
 /// # Errors
-/// A scene without objects; a camera whose rays leave events of their own, which has no exact film points; a method that cannot render the
-/// scene (see [`crate::approximate::raster::render`]), where it is the only one; files that are missing or broken;
-/// [`Error::Cancelled`] when `progress` says so.
+/// A scene without objects; a camera whose rays leave separate events, which has no exact film points; a method that cannot render the
+/// scene (see [`crate::approximate::raster::render`]), if it is the only one; files that are missing or broken; [`Error::Cancelled`] when
+/// `progress` says so.
 pub fn study(scene: &Scene, options: &StudyOptions, progress: &dyn Progress) -> Result<Study> {
     if scene.objects.is_empty() {
         let what = "the scene has no object: there is no geometry whose errors could be measured";
@@ -49,7 +49,7 @@ pub fn study(scene: &Scene, options: &StudyOptions, progress: &dyn Progress) -> 
     // Methods that cannot render this scene are left out, with the reason.
     let (able, left_out) = geometries(&mut prepared, &plan, options, progress)?;
     let start = Instant::now();
-    // All are measured against the ray tracer with many samples.
+    // All are compared with the ray tracer with many samples.
     let truth = picture(
         &mut prepared,
         &Subject::REFERENCE,
@@ -61,7 +61,7 @@ pub fn study(scene: &Scene, options: &StudyOptions, progress: &dyn Progress) -> 
         samples: options.reference_samples,
         seconds: start.elapsed().as_secs_f64(),
     };
-    // Rounds go through all methods in turn, so that what slows the machine down slows all of them.
+    // Rounds go through all methods in turn, so that a disturbance of the machine slows all of them.
     let mut rounds = Rounds::new(options, &able);
     let was_cut_short = rounds.run(&mut prepared, options, &truth, progress)?;
     let jobs = rounds.jobs.into_iter();
@@ -88,7 +88,7 @@ pub fn study(scene: &Scene, options: &StudyOptions, progress: &dyn Progress) -> 
 }
 
 impl StudyOptions {
-    /// Camera rays of a study whose budget does not end it, for progress.
+    /// Camera rays of a study that its budget does not cut short, for progress.
     pub fn rays(&self, size: [u32; 2]) -> u64 {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let samples: u64 = self.samples.iter().map(|n| u64::from(*n)).sum();
@@ -109,7 +109,7 @@ fn plan(scene: &Scene, options: &StudyOptions) -> Result<Plan> {
         let help = "give methods, numbers of samples, and one run at least";
         return Err(Error::invalid(&scene.name, "study", what, help));
     }
-    // Times of one picture are compared, whatever its trees took.
+    // Times of single pictures are compared, without the time for trees.
     let [width, height] = scene.camera.size.map(u64::from);
     let plan = Plan::new(scene, &request)?;
     Ok(Plan {
@@ -118,7 +118,7 @@ fn plan(scene: &Scene, options: &StudyOptions) -> Result<Plan> {
     })
 }
 
-/// What `prepared` has built, and now builds, once.
+/// What `prepared` has built, and builds now, once.
 fn once(prepared: &Prepared) -> Once {
     let start = Instant::now();
     for frame in &prepared.frames {
@@ -146,16 +146,16 @@ fn picture(
     taken(prepared, subject, progress)
 }
 
-/// The picture that `prepared` is set for.
+/// The picture for which `prepared` is set up.
 fn taken(prepared: &mut Prepared, subject: &Subject, progress: &dyn Progress) -> Result<Film> {
     prepared.method.precision = subject.precision;
     render(prepared, &subject.method, progress)
 }
 
-/// The methods that can render the scene with their errors of geometry, and those that cannot.
+/// The methods that can render the scene, with their geometric errors, and those that cannot.
 type Able = (Vec<(Subject, GeometricError)>, Vec<LeftOut>);
 
-/// The errors of geometry of all methods.
+/// The geometric errors of all methods.
 fn geometries(
     prepared: &mut Prepared,
     plan: &Plan,
@@ -187,7 +187,7 @@ fn geometries(
     Ok((able, left_out))
 }
 
-/// One method with one number of samples, while it is measured.
+/// One method with one number of samples, during the measurement.
 struct Job {
     subject: Subject,
     samples: u32,
@@ -222,7 +222,7 @@ impl Rounds {
         }
     }
 
-    /// Round after round, as far as the budget goes; whether it ended them.
+    /// Runs round after round while the budget lasts; returns whether it ended them.
     fn run(
         &mut self,
         prepared: &mut Prepared,
@@ -234,7 +234,7 @@ impl Rounds {
         let mut cut = false;
         for round in 0..options.runs as usize {
             for k in 0..self.jobs.len() {
-                // Rounds begin at different places: nothing always comes after the same.
+                // Rounds start at different jobs, so that no job always follows the same one.
                 let index = if round == 0 {
                     k
                 } else {
@@ -251,8 +251,7 @@ impl Rounds {
         Ok(cut)
     }
 
-    /// Whether the next run of a job is likely to end within `left`. What nothing is known of is tried while
-    /// there is time.
+    /// Whether the next run of a job is likely to end within `left`. A job without a known time is tried while there is time.
     fn is_worth_it(&self, index: usize, round: usize, left: Duration) -> bool {
         let job = &self.jobs[index];
         let guess = match job.runs.last() {
@@ -267,7 +266,7 @@ impl Rounds {
     fn guess(&self, job: &Job) -> Option<f64> {
         let is_fewer = |other: &&Job| other.subject == job.subject && other.samples < job.samples;
         let last = self.jobs.iter().rfind(is_fewer)?;
-        // One that was left out leaves out all after it.
+        // A method that was left out leaves out all after it.
         let time = last.runs.last().copied().unwrap_or(f64::INFINITY);
         Some(time * f64::from(job.samples) / f64::from(last.samples))
     }
@@ -324,7 +323,7 @@ impl Job {
     }
 }
 
-/// Notes when the first tile is done.
+/// Records when the first tile is done.
 struct Watch<'a> {
     progress: &'a dyn Progress,
     start: Instant,
@@ -364,7 +363,7 @@ fn verdicts(entries: &[Entry], samples: &[u32]) -> Vec<Verdict> {
         .collect()
 }
 
-/// The fastest ways to an error of at most `pixels` with `samples` samples per pixel.
+/// The fastest methods with an error of at most `pixels` and `samples` samples per pixel.
 fn verdict(entries: &[Entry], pixels: f64, samples: u32) -> Verdict {
     let fits = |e: &&Entry| e.samples == samples && e.geometry.pixels.max <= pixels;
     let fastest = |is: fn(Family) -> bool| {
@@ -411,24 +410,24 @@ fn ratios(a: &Timing, b: &Timing) -> [f64; 3] {
     [0.5, 0.25, 0.75].map(|part| quantile(&ratios, part))
 }
 
-/// The resident memory of this process before something is done, as Linux counts it.
+/// The resident memory of this process before some work, as Linux counts it.
 struct ResidentMemory(Option<u64>);
 
 impl ResidentMemory {
-    /// Takes note, and has the system count the peak from here.
+    /// Records it, and resets the system's peak counter.
     fn now() -> Self {
         // If the counter cannot be reset, it may still hold an earlier peak.
         let reset = fs::write("/proc/self/clear_refs", "5");
         ResidentMemory(reset.ok().and_then(|()| status("VmRSS:")))
     }
 
-    /// By how much the memory in use has grown at most since, bytes; none where nobody counts.
+    /// The largest growth of memory since then, bytes; `None` if it is not counted.
     fn growth(&self) -> Option<u64> {
         Some(status("VmHWM:")?.saturating_sub(self.0?))
     }
 }
 
-/// A line of the process's status, which counts in KiB.
+/// A line of the process status, in KiB.
 fn status(name: &str) -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix(name))?;

@@ -1,22 +1,20 @@
 //! Run time against error: what accuracy costs, by the ray tracer, by rasterizers and by warped pictures.
 //!
-//! Every [`Subject`] makes pictures of one scene with several numbers of samples per pixel. Measured are
+//! Every [`Subject`] renders one scene with several numbers of samples per pixel. Measured are
 //!
-//! - *time*: the wall time of one picture from the prepared scene (files loaded, hierarchies built, which is
-//!   told apart), and of it the part until the first tile is done: tessellation, or the picture that is
-//!   warped. Runs of all methods take turns, so that whatever else the machine does meets all of them; the
-//!   median counts, and the quartiles say how far to trust it;
-//! - *geometric error*: each point that a picture shows in the middle of a pixel is projected exactly. The
-//!   distance of that from the middle of the pixel, in pixels, is where the same surface point should have
-//!   been. It does not depend on the number of samples. Pixels that show another object than they should are
-//!   counted;
+//! - *time*: the wall time of one picture from the prepared scene (files loaded, hierarchies built, which is listed separately), and the
+//!   part of it until the first tile is done: tessellation, or the picture that is warped. Runs of all methods are interleaved, so that
+//!   disturbances affect all of them; the median counts, and the quartiles show its reliability;
+//! - *geometric error*: each point that a picture shows at a pixel centre is projected exactly. The result is where the same surface
+//!   point should have been; its distance from the pixel centre, in pixels, is the error. It does not depend on the number of samples.
+//!   Pixels that show a wrong object are counted;
 //! - *emission time error*: |Δct| of pixels that show the right object, metres;
 //! - *radiance error*: relRMSE, MRSE and ꟻLIP against a picture of the ray tracer with many samples, by the
 //!   definitions of [`crate::validate::compare`];
-//! - *memory*: by how much the resident memory of the process grew at most during the first run; known on
-//!   Linux only, and less than the truth where freed memory was used again.
+//! - *memory*: the largest growth of the process's resident memory during the first run; known on Linux only, and an underestimate if
+//!   freed memory was reused.
 //!
-//! A result is on the *front* (Pareto) where no other is both faster and nearer to the truth.
+//! A result is on the (Pareto) *front* if no other is both faster and more accurate.
 
 mod entry;
 mod errors;

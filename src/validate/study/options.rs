@@ -1,4 +1,4 @@
-//! What is studied: methods, and for the ray tracer how it computes visibility.
+//! What to study: methods, and for the ray tracer the precision of visibility.
 
 use std::fmt;
 use std::str::FromStr;
@@ -9,27 +9,27 @@ use crate::approximate::raster::Method;
 use crate::render::plan::Request;
 use crate::scene::model::MOST_SAMPLES;
 
-/// What is studied.
+/// Options of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyOptions {
     /// The methods, in any order.
     pub methods: Vec<Subject>,
-    /// Samples per pixel, each of which every method is measured with; ascending.
+    /// Numbers of samples per pixel to measure every method with; ascending.
     pub samples: Vec<u32>,
-    /// The most pictures of each method and number of samples. Default: 5.
+    /// The largest number of pictures per method and number of samples. Default: 5.
     pub runs: u32,
-    /// For how long is measured, not counting the reference. What would not be done by then is left out;
-    /// everything that has been begun has one run. Default: 60 s.
+    /// Time limit for the measurements, not counting the reference. What would exceed it is left out; everything that has been started
+    /// has one run. Default: 60 s.
     pub budget: Duration,
     /// Samples per pixel of the reference. Default: 1024.
     pub reference_samples: u32,
-    /// The most memory that the scene may take, bytes. Default: 16 GiB.
+    /// The memory limit for the scene, bytes. Default: 16 GiB.
     pub memory_limit: u64,
-    /// What the program itself takes of that, bytes. Default: 0.
+    /// Memory of the program itself within that, bytes. Default: 0.
     pub program: u64,
 }
 
-/// What is studied where nothing is said.
+/// The default methods.
 pub const METHODS: &str = "trace; trace:fast; raster:none; raster:uniform=0.2; raster:uniform=0.1; raster:uniform=0.05; \
                            raster:uniform=0.02; raster:adaptive=1; raster:adaptive=0.3; raster:adaptive=0.1; raster:adaptive=0.01; \
                            warp:cube=256; warp:cube=1024";
@@ -51,7 +51,7 @@ impl Default for StudyOptions {
 /// Methods, separated by semicolons or spaces.
 ///
 /// # Errors
-/// What is no method, and an empty list, in words.
+/// An unknown method or an empty list, in words.
 pub fn parse_methods(text: &str) -> Result<Vec<Subject>, String> {
     let words = text
         .split([';', ' '])
@@ -73,7 +73,7 @@ pub fn parse_methods(text: &str) -> Result<Vec<Subject>, String> {
 /// Numbers of samples per pixel, separated by commas; ascending, each once.
 ///
 /// # Errors
-/// What is no number of samples, in words.
+/// An invalid number of samples, in words.
 pub fn parse_samples(text: &str) -> Result<Vec<u32>, String> {
     let number = |word: &str| {
         let number = word.trim().parse::<u32>().ok();
@@ -94,18 +94,18 @@ pub fn parse_samples(text: &str) -> Result<Vec<u32>, String> {
 pub struct Subject {
     /// How pictures are made.
     pub method: Method,
-    /// What the ray tracer's hits are worth; certified for all other methods, whose hits are their own.
+    /// The precision of the ray tracer's hits; certified for all other methods, which have their own hits.
     pub precision: Precision,
 }
 
 impl Subject {
-    /// What everything is compared with.
+    /// The reference for all methods.
     pub const REFERENCE: Subject = Subject {
         method: Method::Trace,
         precision: Precision::Certified,
     };
 
-    /// The ray tracer as it is for previews.
+    /// The ray tracer in single precision, for previews.
     pub const FAST: Subject = Subject {
         precision: Precision::Fast,
         ..Subject::REFERENCE

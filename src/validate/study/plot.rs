@@ -10,10 +10,10 @@ use crate::figures::text::{Rect, RichText};
 const WIDTH: f64 = 560.0;
 const HEIGHT: f64 = 300.0;
 const TYPE: f64 = 8.5;
-/// Errors below this are none, pixels.
+/// Errors below this count as none, pixels.
 const NO_ERROR: f64 = 1e-6;
 
-/// Where words stand relative to their place.
+/// The anchor of labels.
 const LINE: Anchor = anchor(AnchorX::Start, AnchorY::Baseline);
 const ABOVE: Anchor = anchor(AnchorX::Middle, AnchorY::Baseline);
 const BELOW: Anchor = anchor(AnchorX::Middle, AnchorY::Top);
@@ -27,7 +27,7 @@ const fn anchor(x: AnchorX, y: AnchorY) -> Anchor {
 /// The drawing of `study`.
 ///
 /// # Errors
-/// None that a study can cause: all its words can be set.
+/// None in practice: all its text can be set.
 pub fn draw(study: &Study) -> Result<Drawing> {
     let fewest = study.entries.iter().map(|e| e.samples).min().unwrap_or(1);
     let geometry = Panel {
@@ -45,7 +45,7 @@ pub fn draw(study: &Study) -> Result<Drawing> {
         points: points(study, |e| Some((e.radiance?.relrmse, e.front.radiance))),
     };
     let mut items = Vec::new();
-    // A name may hold characters that the font does not have.
+    // A name may contain characters that the font does not have.
     let name = match RichText::plain(&study.scene) {
         Ok(_) => study.scene.as_str(),
         Err(_) => "a scene",
@@ -69,7 +69,7 @@ pub fn draw(study: &Study) -> Result<Drawing> {
     })
 }
 
-/// Where the left (0) or the right (1) panel is.
+/// The position of the left (0) or the right (1) panel.
 fn panel(index: usize) -> Rect {
     let left = 46.0 + 274.0 * index as f64;
     Rect {
@@ -86,7 +86,7 @@ struct Point {
     on_front: bool,
 }
 
-/// The entries of `study` that have an error, in the order of each method's levels and samples.
+/// The entries of `study` that have an error, in order of each method's levels and samples.
 fn points(study: &Study, error: impl Fn(&Entry) -> Option<(f64, bool)>) -> Vec<Point> {
     let point = |entry: &Entry| {
         let (error, on_front) = error(entry)?;
@@ -102,7 +102,7 @@ fn points(study: &Study, error: impl Fn(&Entry) -> Option<(f64, bool)>) -> Vec<P
     study.entries.iter().filter_map(point).collect()
 }
 
-/// Axes, and what is in them.
+/// Axes, and their contents.
 struct Panel {
     rect: Rect,
     title: String,
@@ -121,7 +121,7 @@ impl Panel {
         let place = |p: &Point| [x.place(p.time), y.place(p.error)];
         for family in Family::ALL {
             let of = self.points.iter().filter(|p| p.family == family);
-            // A line joins what differs in one thing only: the level, where samples are alike.
+            // A line joins points that differ only in the level, with equal samples.
             let line: Vec<_> = of.clone().map(place).collect();
             if line.len() > 1 && (family.is_trace() || self.joins()) {
                 let stroke = Stroke::new(colour(family), 0.8);
@@ -141,7 +141,7 @@ impl Panel {
         self.error.ends_with("pixels")
     }
 
-    /// Lines and numbers at powers of ten, and what the axes are.
+    /// Lines and numbers at powers of ten, and the axis labels.
     fn grid(&self, x: &Axis, y: &Axis, items: &mut Vec<Item>) -> Result<()> {
         let Rect { min, max } = self.rect;
         let grey = Stroke::new(Colour::rgb(225, 225, 225), 0.5);
@@ -205,7 +205,7 @@ impl Axis {
         self.ends[0] + (self.ends[1] - self.ends[0]) * part
     }
 
-    /// The exponents that have a line: all, or every second, third …
+    /// The exponents with a line: all, or every second, third …
     fn decades(&self) -> impl Iterator<Item = i32> {
         let [first, last] = self.decades;
         let step = ((last - first) as usize).div_ceil(7).max(1);
@@ -256,7 +256,7 @@ fn colour(family: Family) -> Colour {
     Colour::rgb(r, g, b)
 }
 
-/// A mark of the family's own form: filled on the front.
+/// A mark in the family's shape: filled on the front.
 fn mark(family: Family, [x, y]: [f64; 2], filled: bool) -> Item {
     let regular = |corners: usize, turn: f64| {
         let corner = |k| {

@@ -1,6 +1,6 @@
-//! Medians and other quantiles, and which results no other beats.
+//! Medians and other quantiles, and Pareto fronts.
 
-/// The `part` quantile of `values`, 0 to 1, linear between ranks; NaN of nothing. NaN counts as largest.
+/// The `part` quantile of `values`, 0 to 1, linear between ranks; NaN if there are none. NaN counts as largest.
 pub(super) fn quantile(values: &[f64], part: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -16,8 +16,7 @@ pub(super) fn quantile(values: &[f64], part: f64) -> f64 {
     }
 }
 
-/// For each pair (time, error), whether no other is at least as good in both and better in one. Pairs that
-/// are not finite are not.
+/// For each pair (time, error), whether no other is at least as good in both and better in one. Pairs that are not finite do not count.
 pub(super) fn front(results: &[[f64; 2]]) -> Vec<bool> {
     let finite = |r: &[f64; 2]| r.iter().all(|x| x.is_finite());
     let beats = |a: &[f64; 2], b: &[f64; 2]| a[0] <= b[0] && a[1] <= b[1] && a != b;

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::entry::{Entry, Study, Timing, Verdict};
 use super::errors::RadianceError;
 
-/// A column of [`csv`]: its name, and what stands in it.
+/// A column of [`csv`]: its name, and its entries.
 type Column = (&'static str, fn(&Entry) -> String);
 
 /// The columns of [`csv`].
@@ -40,7 +40,7 @@ const COLUMNS: [Column; 22] = [
     ("front_radiance", |e| e.front.radiance.to_string()),
 ];
 
-/// All entries as comma-separated values, a line of names first; what is not known is empty.
+/// All entries as comma-separated values, with a header line; unknown values are empty.
 pub fn csv(study: &Study) -> String {
     let mut text = COLUMNS.map(|(name, _)| name).join(",") + "\n";
     for entry in &study.entries {
@@ -100,7 +100,7 @@ pub fn table(study: &Study) -> String {
     text
 }
 
-/// One line of the table, its numbers in the units of the head.
+/// One line of the table, in the units of the header.
 fn row(entry: &Entry) -> String {
     let (runs, time, spread, first) = match &entry.timing {
         None => (0, "no time".into(), String::new(), String::new()),

@@ -1,4 +1,4 @@
-//! An HDF5 file, opened so that nothing of it is read ahead and nothing that it says can ask for much memory.
+//! An HDF5 file, opened without reading ahead, so that nothing in it can request much memory.
 
 use std::io::SeekFrom;
 use std::ops::Range;
@@ -18,13 +18,13 @@ use crate::error::{Error, Result};
 use crate::io::files::Reader;
 use crate::io::npy::{Dtype, Header};
 
-/// Samples that are read in one go where there are no chunks.
+/// Samples read together if there are no chunks.
 const TOGETHER: usize = 1024;
-/// The largest chunk, and the most that is read in one go, bytes.
+/// The largest chunk, and the largest single read, bytes.
 const LARGEST: usize = 1 << 30;
-/// Numbers of a small array, like places of points.
+/// The most numbers of a small array, such as positions of points.
 const MOST_NUMBERS: u64 = 1 << 24;
-/// How deep groups are looked into, and how many arrays are listed.
+/// The depth to which groups are searched, and the number of arrays listed.
 const DEEPEST: usize = 8;
 const MOST_LISTED: usize = 1000;
 
@@ -106,7 +106,7 @@ impl File {
         }
     }
 
-    /// The numbers of a small array, and its sizes; none where there is no such array, or an empty one.
+    /// The numbers of a small array, and its sizes; `None` if it does not exist or is empty.
     pub fn numbers(&self, name: &str) -> Result<Option<(Vec<f64>, Vec<u64>)>> {
         let Ok(dataset) = self.file.dataset(name) else {
             return Ok(None);
@@ -144,8 +144,8 @@ impl File {
         }))
     }
 
-    /// What the axes of an array are called, and by what: by the labels of its dimensions (`dims[0].label` of h5py), or by the names
-    /// of the scales that are attached to them (netCDF, xarray). Those that have none are called "".
+    /// The names of an array's axes, and their origin: the labels of its dimensions (`dims[0].label` of h5py), or the names of the scales
+    /// attached to them (netCDF, xarray). Axes without names are "".
     pub fn axis_names(&self, array: &Array) -> Option<(Vec<String>, &'static str)> {
         let count = array.sizes().len();
         let labels = array.texts("DIMENSION_LABELS").unwrap_or_default();
@@ -202,7 +202,7 @@ impl File {
                 return Ok(());
             }
             let name = inside(&name);
-            // What cannot be opened is of no use either.
+            // What cannot be opened cannot be used either.
             let Ok(dataset) = self.file.dataset(&name) else {
                 continue;
             };
@@ -257,12 +257,12 @@ impl Array {
         }
     }
 
-    /// A text that stands beside the array.
+    /// A text attribute of the array.
     pub fn text(&self, attribute: &str) -> Option<String> {
         self.texts(attribute)?.into_iter().next()
     }
 
-    /// Texts that stand beside the array, of fixed length or of any.
+    /// Text attributes of the array, of fixed or variable length.
     fn texts(&self, attribute: &str) -> Option<Vec<String>> {
         let attribute = self.dataset.attribute(attribute).ok()?;
         if let Ok(texts) = attribute.read_strings() {
@@ -289,7 +289,7 @@ impl Array {
         }
     }
 
-    /// A number that stands beside the array.
+    /// A number attribute of the array.
     pub fn number(&self, attribute: &str) -> Option<f64> {
         let number = self.dataset.attribute(attribute).ok()?.read_as_f64().ok()?;
         number.is_finite().then_some(number)
@@ -437,7 +437,7 @@ impl Kind {
     }
 }
 
-/// What numbers of this type are, as far as radiance may be given in them.
+/// The type of these numbers, if it can hold radiance.
 fn kind(datatype: &Datatype) -> Option<Kind> {
     let is_big = |order: &ByteOrder| matches!(order, ByteOrder::BigEndian);
     let (number, order) = match datatype {

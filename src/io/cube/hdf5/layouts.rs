@@ -1,4 +1,4 @@
-//! What writers of captures put where in an HDF5 file.
+//! The layouts of HDF5 files by known writers of captures.
 //!
 //! | writer | array | axes | times (metres of light path) |
 //! |---|---|---|---|
@@ -12,8 +12,8 @@
 //! Sources: y-tal 0.20, `tal.io`, `tal.enums`; Galindo et al. 2019, "Z-NLOS" (format of the files); Liu et al. 2019,
 //! "Phasor field virtual wave optics" (its data); Malik et al. 2023, "Transient Neural Radiance Fields" (its loader).
 //!
-//! Sx, Sy, Lx and Ly count along the wall. Rows of the cube are Sx and columns are Sy; where each point is, is said
-//! by the file, so that nothing depends on which of them is called horizontal.
+//! Sx, Sy, Lx and Ly count along the wall. Rows of the cube are Sx and columns are Sy; the file gives the position of each point, so it
+//! does not matter which of them is called horizontal.
 
 use glam::DVec3;
 
@@ -24,7 +24,7 @@ use super::super::wanted::{FileTimes, Wanted};
 use super::file::{Array, File};
 use crate::error::{Error, Result};
 
-/// An array of a file, and what is known of it.
+/// An array of a file, with its known properties.
 pub(super) struct Known {
     pub array: Array,
     pub selection: Selection,
@@ -33,16 +33,16 @@ pub(super) struct Known {
     pub notes: Vec<String>,
 }
 
-/// What a layout says of its array.
+/// The layout of an array.
 struct Layout {
     /// Its path.
     array: String,
-    /// The axes; none where the file does not say them.
+    /// The axes; `None` if the file does not give them.
     axes: Option<Vec<Axis>>,
-    /// What is not known of them then, if more than that, and what to say.
+    /// What is unknown about them then, if more than that, and what to say.
     doubt: Option<String>,
     unsaid: String,
-    /// Points in a list, where the picture's are one.
+    /// Columns of the picture, if its points are a list.
     columns: Option<usize>,
     without_alpha: bool,
     assumed: bool,
@@ -51,7 +51,7 @@ struct Layout {
     notes: Vec<String>,
 }
 
-/// The array that is `wanted`, as the file describes it and the caller says.
+/// The array `wanted`, as the file and the caller describe it.
 pub(super) fn known(file: &File, wanted: Wanted) -> Result<Known> {
     let (name, choices) = match wanted.array {
         Some(text) => {
@@ -65,7 +65,7 @@ pub(super) fn known(file: &File, wanted: Wanted) -> Result<Known> {
     if let Some(said) = wanted.axes {
         axes = Some(said.list().to_vec());
         layout.assumed = false;
-        // Rows and columns by name are those of the array itself.
+        // Rows and columns given by name are those of the array itself.
         if said.list().contains(&Axis::Row) {
             layout.columns = None;
         }
@@ -95,7 +95,7 @@ pub(super) fn known(file: &File, wanted: Wanted) -> Result<Known> {
     };
     let selection = Selection::new(array.sizes(), array.dtype()?, &taken)
         .map_err(|(what, help)| Error::invalid(file.path(), &layout.array, what, help))?;
-    // Places of points that are not the pixels say nothing about them.
+    // Positions of points that are not the pixels say nothing about them.
     let pixels = |axis| {
         let at = selection.axes.list().iter().position(|a| *a == axis);
         at.map_or(1, |at| selection.sizes[at])
@@ -114,7 +114,7 @@ pub(super) fn known(file: &File, wanted: Wanted) -> Result<Known> {
     })
 }
 
-/// The time axis of the array of this name, or of the one that is meant where none is named.
+/// The time axis of the array of this name, or of the default one.
 pub(super) fn times_of(file: &File, name: Option<&str>) -> Result<Option<FileTimes>> {
     let name = name.map(|name| name_and_choices(name).0);
     Ok(layout(file, name)?.times)
@@ -141,7 +141,7 @@ fn layout(file: &File, name: Option<&str>) -> Result<Layout> {
     plain(file, name)
 }
 
-/// The name of the only array, or of the one that is called `data`.
+/// The name of the only array, or of the one called `data`.
 fn only(file: &File, arrays: &[String]) -> Result<String> {
     if arrays.iter().any(|name| name == "data") {
         return Ok("data".into());
@@ -168,7 +168,7 @@ fn only(file: &File, arrays: &[String]) -> Result<String> {
     }
 }
 
-/// An array of no known writer, or of this program.
+/// An array of an unknown writer, or of this program.
 fn plain(file: &File, name: String) -> Result<Layout> {
     let array = file.array(&name)?;
     let times = match (array.number("start"), array.number("bin_width")) {
@@ -232,7 +232,7 @@ fn plain(file: &File, name: String) -> Result<Layout> {
     })
 }
 
-/// The order of axes that a file says of an array, and by what: by its attribute `axes`, or by the names of its dimensions.
+/// The order of an array's axes in the file, and its origin: its attribute `axes`, or the names of its dimensions.
 fn said_axes(
     file: &File,
     array: &Array,
@@ -306,8 +306,7 @@ fn tal(file: &File, names: &[String]) -> Result<Layout> {
     })
 }
 
-/// The Zaragoza NLOS data set. The order of its axes is certain where only one of the two has bins and points where
-/// the file says them.
+/// The Zaragoza NLOS data set. The order of its axes is certain if only one of the two has bins and points where the file says they are.
 fn zaragoza(file: &File) -> Result<Layout> {
     use Axis::{Channel, Choice, Column, Row, Sum, Time};
     let array = file.array("data")?;
@@ -368,7 +367,7 @@ fn zaragoza(file: &File) -> Result<Layout> {
     })
 }
 
-/// Phasor fields: MATLAB's (lasers, camera, T), which HDF5 has the other way round.
+/// Phasor fields: MATLAB's (lasers, camera, T), which HDF5 stores in reverse.
 fn phasor_fields(file: &File) -> Result<Layout> {
     let points = places(file, "dataset/laserPos", true)?;
     let wall = wall(
@@ -395,7 +394,7 @@ fn phasor_fields(file: &File) -> Result<Layout> {
     })
 }
 
-/// What to say where the laser lit each point as that was recorded, so that their light is not that of one flash.
+/// The warning if the laser lit each point when that was recorded, so that their light is not that of one flash.
 fn confocal(file: &File, [laser, sensor]: [&str; 2]) -> Result<Option<String>> {
     let (lit, seen) = (places(file, laser, false)?, places(file, sensor, false)?);
     let is_confocal = match (&lit, &seen) {
@@ -409,8 +408,8 @@ fn confocal(file: &File, [laser, sensor]: [&str; 2]) -> Result<Option<String>> {
     }))
 }
 
-/// Points and how they lie: (3, a, b) and (a, b, 3) are a rows of b columns, (n, 3) and (3, n) a list. `transposed` says
-/// which a square of 3 × 3 is.
+/// Points and their arrangement: (3, a, b) and (a, b, 3) are a rows of b columns, (n, 3) and (3, n) a list. `transposed` decides for 3 ×
+/// 3.
 type Points = (Vec<DVec3>, [usize; 2]);
 
 fn places(file: &File, name: &str, transposed: bool) -> Result<Option<Points>> {
@@ -418,7 +417,7 @@ fn places(file: &File, name: &str, transposed: bool) -> Result<Option<Points>> {
         return Ok(None);
     };
     let sizes: Vec<usize> = sizes.iter().map(|n| *n as usize).collect();
-    // Of a list of three points only the format says which axis has the coordinates.
+    // For a list of three points only the format says which axis has the coordinates.
     let (size, coordinates_first) = match *sizes {
         [3, n] if transposed || n != 3 => ([1, n], true),
         [n, 3] => ([1, n], false),
@@ -439,7 +438,7 @@ fn places(file: &File, name: &str, transposed: bool) -> Result<Option<Points>> {
     Ok(Some(((0..count).map(point).collect(), size)))
 }
 
-/// The surface that the points are on, with the arrays of normals and of the sensor's place.
+/// The surface through the points, from the arrays of normals and of the sensor's position.
 fn wall(
     file: &File,
     points: Option<Points>,
@@ -471,7 +470,7 @@ fn wall(
     }))
 }
 
-/// The columns of the grid that a list of points is.
+/// The number of columns of the grid in a list of points.
 fn columns(file: &File, name: &str, wall: &Option<Wall>, is_list: bool) -> Result<Option<usize>> {
     match (is_list, wall) {
         (false, _) => Ok(None),

@@ -1,8 +1,8 @@
-//! The compression LZF, which h5py writes: runs of bytes as they are, and copies of what came before.
+//! LZF decompression, as h5py writes it: runs of literal bytes, and copies of earlier output.
 //!
-//! A byte below 32 is the length of a run less 1. Of any other, the upper three bits are the length of a copy less 2 (where
-//! they are all set, a further byte is added), and the lower five with the byte that follows how far back it begins, less 1.
-//! Source: Lehmann, liblzf 3.6, `lzf_d.c`; h5py 3, `lzf_filter.c` for the entries of the filter.
+//! A byte below 32 is the length of a run less 1. Otherwise, its upper three bits are the length of a copy less 2 (if they are all set, a
+//! further byte is added), and the lower five bits with the following byte are the distance back to its start, less 1. Source: Lehmann,
+//! liblzf 3.6, `lzf_d.c`; h5py 3, `lzf_filter.c` for the entries of the filter.
 
 use hdf5_reader::error::{Error, Result};
 use hdf5_reader::messages::filter_pipeline::FilterDescription;
@@ -35,7 +35,7 @@ fn decoded(data: &[u8], size: usize) -> Option<Vec<u8>> {
             };
             let back = ((control & 31) << 8) + usize::from(bytes.next()?) + 1;
             let start = out.len().checked_sub(back)?;
-            // What is copied may be what the copy itself writes.
+            // A copy may overlap its own output.
             for at in start..start + (control >> 5) + more + 2 {
                 out.push(*out.get(at)?);
             }

@@ -1,7 +1,7 @@
-//! HDF5 files: `.h5`, `.hdf5`, and `.mat` of version 7.3, which is HDF5 behind a block of its own.
+//! HDF5 files: `.h5`, `.hdf5`, and `.mat` of version 7.3, which is HDF5 after a user block.
 //!
-//! The file format is read by the crate `hdf5-reader`, which has bounds on everything that a file can ask for. Arrays whose
-//! samples lie together are read as if they had small chunks.
+//! The file format is read by the crate `hdf5-reader`, which bounds everything that a file can request. Contiguous arrays are read as if
+//! they had small chunks.
 
 mod file;
 mod layouts;
@@ -34,7 +34,7 @@ pub(super) const FORMAT: CubeFormat = CubeFormat {
     extensions: &["h5", "hdf5", "mat"],
     named: true,
     pictures: false,
-    // What stands before HDF5 in its file may be anything else, too.
+    // The block before HDF5 in its file may also be something else.
     told: Told::ByStart(&[b"\x89HDF\r\n\x1a\n", b"MATLAB 7"]),
     files: itself,
     inspect,
@@ -69,7 +69,7 @@ fn load(input: Input, wanted: Wanted) -> Result<Cube> {
 
 fn times(input: Input, array: Option<&str>) -> Result<Option<FileTimes>> {
     let file = opened(input)?;
-    // What cannot be known yet, like which of several arrays is meant, is refused when that is loaded.
+    // What cannot be known yet, such as which of several arrays is meant, is reported when it is loaded.
     Ok(layouts::times_of(&file, array).ok().flatten())
 }
 
@@ -77,14 +77,14 @@ fn arrays(path: &Path) -> Result<Vec<Header>> {
     File::open(open_regular(path)?.0, path, 0)?.arrays()
 }
 
-/// Writes the samples that are `wanted` to `to`.
+/// Writes the requested samples to `to`.
 fn write_out(input: Input, wanted: Wanted, to: &mut dyn Write) -> Result<StoredLayout> {
     let path = input.path;
     let mut known = known(&opened(input)?, wanted)?;
     known.selection.write_out(&mut known.array, path, to)
 }
 
-/// What is taken of the array, and how it is opened with `room` bytes for decoded chunks.
+/// What is read of the array, and how it is opened with `room` bytes for decoded chunks.
 fn windows(path: &Path, wanted: Wanted, room: usize) -> Result<(Selection, Open)> {
     let opened = move |wanted: Wanted, path: &Path| {
         let file = File::open(open_regular(path)?.0, path, room)?;
@@ -105,7 +105,7 @@ fn windows(path: &Path, wanted: Wanted, room: usize) -> Result<(Selection, Open)
     Ok((selection, Box::new(open)))
 }
 
-/// The points of a surface that the pixels are.
+/// The points on a surface that the pixels see.
 fn wall(input: Input, wanted: Wanted) -> Result<Option<Wall>> {
     Ok(known(&opened(input)?, wanted)?.wall)
 }

@@ -1,4 +1,4 @@
-//! Where scenes come from: files, standard input, and the program itself, into which one is compiled.
+//! Sources of scenes: files, standard input, and the built-in one.
 
 use std::io;
 use std::path::Path;
@@ -16,11 +16,11 @@ use super::failure::refused;
 pub const TEXT: &str = include_str!("../../scenes/corner.toml");
 const NAME: &str = "built-in scene";
 const FOLDER: &str = files::BUILT_IN;
-/// What a scene of standard input is called.
+/// The name of a scene from standard input.
 const STANDARD_INPUT: &str = "<stdin>";
 
-/// The scene file of a command, read once: the one that was named, or that which a named model stands for, or the built-in one.
-/// A model is loaded for it in `memory` bytes.
+/// The scene file of a command, read once: the one that was named, or the scene for a named model, or the built-in one. A model is loaded
+/// for it within `memory` bytes.
 pub fn open(path: Option<&Path>, overrides: &Overrides, memory: u64) -> Result<SceneFile> {
     match path {
         Some(path) if is_model(path) => {
@@ -32,9 +32,9 @@ pub fn open(path: Option<&Path>, overrides: &Overrides, memory: u64) -> Result<S
     }
 }
 
-/// The scene file at `path`, or what standard input holds; paths in that resolve against the working directory.
+/// The scene file at `path`, or from standard input; paths in the latter resolve against the working directory.
 pub fn read(path: &Path) -> Result<SceneFile> {
-    // It can be read once alone, and some commands ask for their scene more than once.
+    // Standard input can be read only once, but some commands ask for their scene more than once.
     static TEXT: Mutex<Option<String>> = Mutex::new(None);
     if !is_standard_input(path) {
         return SceneFile::read(path);
@@ -50,7 +50,7 @@ pub fn read(path: &Path) -> Result<SceneFile> {
     Ok(SceneFile::of_text(text, STANDARD_INPUT, Path::new("")))
 }
 
-/// Whether standard input goes by this name.
+/// Whether this name means standard input.
 pub fn is_standard_input(path: &Path) -> bool {
     const NAMES: [&str; 4] = ["-", "/dev/stdin", "/dev/fd/0", "/proc/self/fd/0"];
     NAMES.iter().any(|name| path.as_os_str() == *name)
@@ -65,7 +65,7 @@ pub fn base(path: Option<&Path>) -> &Path {
     }
 }
 
-/// The same as [`open`]; a model is looked at as `model` says, which scenes refuse.
+/// The same as [`open`]; a model is viewed according to `model`, which scenes refuse.
 pub fn open_as(
     path: Option<&Path>,
     model: &ModelView,
@@ -132,7 +132,7 @@ pub fn model_scene(
     scene::model_scene(path, &view, &Budget::new(memory))
 }
 
-/// The scene of this text, which stands for the model at `path`.
+/// The scene of this text for the model at `path`.
 pub fn of_model(path: &Path, text: &str) -> SceneFile {
     let name = path.display().to_string();
     let own = path.parent().unwrap_or(Path::new(""));

@@ -1,11 +1,11 @@
-//! What stands beneath pictures.
+//! Captions below pictures.
 
 use nullray::Result;
 use nullray::camera::Camera;
 use nullray::scene::model::Scene;
 use nullray::spacetime::Velocity;
 
-/// These words, the camera's time, and its speed where it moves.
+/// This text, the camera's time, and its speed if it moves.
 pub fn of(words: &str, scene: &Scene) -> Result<String> {
     let velocity = Camera::new(scene)?.shot.frame.velocity();
     let mut parts = vec![format!("t′ = {:.3} m", scene.camera.time).replace('-', "−")];

@@ -1,4 +1,4 @@
-//! What cannot be written is refused before any work.
+//! Checks of outputs before any work.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -12,17 +12,17 @@ use super::output::{Kind, Outputs, extension};
 /// The files that are read and those that will be written, by their identity.
 pub struct Names {
     read: HashSet<PathBuf>,
-    /// What is wrong with writing over those.
+    /// The message for overwriting those.
     overwritten: &'static str,
-    /// What a file that is written holds, after a space.
+    /// The content of an output, after a space.
     thing: &'static str,
     written: HashSet<PathBuf>,
-    /// Directories of which it is known that they take files.
+    /// Directories that are known to be writable.
     directories: HashSet<PathBuf>,
 }
 
-/// Refuses, before any work, what could not be written after it, what would be written twice, and what
-/// would be written over one of the files that are `read`.
+/// Refuses, before any work, outputs that could not be written later, that would be written twice, or that would overwrite one of the
+/// files `read`.
 pub fn check_all(all: impl IntoIterator<Item = Outputs>, read: &[PathBuf]) -> Result<()> {
     let mut names = Names::of_scene(read);
     for outputs in all {
@@ -36,7 +36,7 @@ pub fn check_all(all: impl IntoIterator<Item = Outputs>, read: &[PathBuf]) -> Re
     Ok(())
 }
 
-/// Refuses to keep sums in `path` where that cannot be, or over a picture or one of the files that are `read`.
+/// Refuses to keep sums in `path` if that is impossible, or over a picture or one of the files `read`.
 pub fn check_beside(path: &Path, outputs: &Outputs, read: &[PathBuf]) -> Result<()> {
     let mut names = Names::of_scene(read);
     for (flag, path) in outputs.paths() {
@@ -45,7 +45,7 @@ pub fn check_beside(path: &Path, outputs: &Outputs, read: &[PathBuf]) -> Result<
     names.check(&format!("sums of passes in {}", path.display()), path)
 }
 
-/// Refuses to write what a rendering has cost over one of the files that are `read`, or into nothing.
+/// Refuses to write statistics over one of the files `read`, or where that is impossible.
 pub fn check_statistics(path: &Path, read: &[PathBuf]) -> Result<()> {
     let option = format!("--stats-json {}", path.display());
     Names::of_scene(read).check(&option, path)?;
@@ -97,7 +97,7 @@ impl Names {
         }
     }
 
-    /// Refuses to write `path`, which `option` names, over what is read or written.
+    /// Refuses to write `path`, which `option` names, over an input or another output.
     pub fn take(&mut self, option: &str, path: &Path) -> Result<()> {
         let identity = inputs::identity(path);
         if self.read.contains(&identity) {
@@ -110,11 +110,11 @@ impl Names {
         Ok(())
     }
 
-    /// The same, and where that cannot be.
+    /// The same, and if it cannot be written.
     pub fn check(&mut self, option: &str, path: &Path) -> Result<()> {
         self.take(option, path)?;
         refuse_dangling(option, path)?;
-        // `Path` passes over a slash at the end, and a dot behind it; the system does not.
+        // `Path` ignores a slash at the end, and a dot after it; the system does not.
         let name = path.to_string_lossy();
         let name = name.strip_suffix('.').unwrap_or(&name);
         if name.ends_with(std::path::is_separator) {
@@ -134,7 +134,7 @@ impl Names {
     }
 }
 
-/// Refuses a link to nothing, which `option` names: what it leads to may be on a disk that is not there.
+/// Refuses a dangling link, which `option` names: its target may be on a disk that is not mounted.
 pub fn refuse_dangling(option: &str, path: &Path) -> Result<()> {
     match std::fs::read_link(path) {
         Ok(link) if !path.exists() => {
@@ -194,7 +194,7 @@ fn check_kind(option: &str, flag: &str, path: &Path) -> Result<()> {
     }
 }
 
-/// Whether files can be made in `directory`. A rendering that cannot be saved is not begun.
+/// Whether files can be created in `directory`, so that no rendering starts that cannot be saved.
 fn takes_files(option: &str, path: &Path, directory: &Path) -> Result<()> {
     if !directory.is_dir() {
         let what = format!("there is no directory {}", directory.display());
@@ -204,7 +204,7 @@ fn takes_files(option: &str, path: &Path, directory: &Path) -> Result<()> {
             "make the directory first, or write elsewhere",
         ));
     }
-    // Permissions do not tell: the disk may be read-only or full, or the network gone.
+    // Permissions are not enough: the disk may be read-only or full, or the network down.
     let made = tempfile::tempfile_in(directory);
     let made = made.map(drop);
     made.map_err(Error::io(path, "no file can be written into its directory"))

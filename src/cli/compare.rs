@@ -21,7 +21,7 @@ use super::failure::{Done, refused};
 use super::output::extension;
 use super::{builtin, flags, inputs, interrupt, print, print_json};
 
-/// Compares, writes what is asked for, and says whether all tolerances are met.
+/// Compares, writes the outputs, and returns whether all tolerances are met.
 pub fn run(arguments: &CompareArguments) -> Result<Done> {
     check_outputs(arguments, &[])?;
     let budget = Budget::new(arguments.memory.bytes());
@@ -70,7 +70,7 @@ struct ComparisonJson<'a> {
     breaches: &'a [Breach],
 }
 
-/// The scene that is named, as the reference shows it.
+/// The named scene, as the reference shows it.
 fn scene(arguments: &CompareArguments, reference: &Picture) -> Result<Option<Arc<Scene>>> {
     let Some(path) = &arguments.scene else {
         return Ok(None);
@@ -84,7 +84,7 @@ fn scene(arguments: &CompareArguments, reference: &Picture) -> Result<Option<Arc
     Ok(Some(Arc::new(builtin::read(path)?.scene(&overrides)?)))
 }
 
-/// A picture, as the options say how to read it.
+/// A picture, read according to the options.
 fn picture(path: &Path, arguments: &CompareArguments, budget: &Budget) -> Result<Picture> {
     let png = arguments.transfer.unwrap_or(Encoding::Srgb);
     let mut picture = Picture::read(path, png, budget)?;
@@ -150,7 +150,7 @@ fn write(
     Ok(())
 }
 
-/// Refuses, before any work, what could not be written after it; `read` are the files of the scene.
+/// Refuses, before any work, outputs that could not be written later; `read` are the files of the scene.
 fn check_outputs(arguments: &CompareArguments, read: &[PathBuf]) -> Result<()> {
     let overwritten = "this is an input file, which would be overwritten";
     let compared = [&arguments.reference, &arguments.candidate];

@@ -33,7 +33,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
     if !arguments.quiet.on {
         warn(false, &info.remarks);
     }
-    // Refusals come before the first sample is read.
+    // Errors come before the first sample is read.
     let times = Times::of(arguments)?;
     check_outputs(arguments)?;
     let surface = match &arguments.surface {
@@ -78,7 +78,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
     }
 }
 
-/// The surface that the pixels lie on; none of rows and columns that there are not, which converting refuses.
+/// The surface of the pixels; `None` for rows and columns that do not exist, which the conversion refuses.
 fn surface(arguments: &ConvertArguments, wanted: Wanted) -> Result<Option<Mesh>> {
     let input = &arguments.input;
     let refuse = |what| {
@@ -133,7 +133,7 @@ impl Times {
     }
 }
 
-/// Refuses, before any work, what could not be written after it, what would be written twice, and to write over what is read.
+/// Refuses, before any work, outputs that could not be written later, that would be written twice, or that would overwrite an input.
 fn check_outputs(arguments: &ConvertArguments) -> Result<()> {
     let maps = arguments.unwarp.iter().chain(&arguments.warp);
     let read: Vec<_> = maps.chain([&arguments.input]).collect();
@@ -156,7 +156,7 @@ fn check_outputs(arguments: &ConvertArguments) -> Result<()> {
     names.check(&option, surface)
 }
 
-/// By how many bins each pixel is later: ∓ η r/w.
+/// The delay of each pixel in bins: ∓ η r/w.
 fn shift(
     arguments: &ConvertArguments,
     times: &Times,
@@ -222,7 +222,7 @@ fn distances_of_wall(file: &Path, size: [usize; 2]) -> Result<Vec<f64>> {
     })
 }
 
-/// What was written, and the keys by which a scene reads it: from the width of the input's bins, or in its bins where that is unknown.
+/// A summary of the output, and the keys by which a scene reads it: from the width of the input's bins, or in bins if that is unknown.
 fn report(arguments: &ConvertArguments, converted: &Converted, times: &Times) -> Result<()> {
     let [h, w, t, c] = converted.shape;
     let (name, size) = match converted.dtype {

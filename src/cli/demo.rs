@@ -1,4 +1,4 @@
-//! What happens without a command: the built-in scene, and what to try next.
+//! The program without a command: renders the built-in scene, and suggests what to try next.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -56,7 +56,7 @@ fn one(overrides: &Overrides, outputs: Outputs) -> Result<()> {
     film::one(&scene, &request, &outputs, false, None)
 }
 
-/// Writes the built-in scene and its files into `directory`, except for those that are there already.
+/// Writes the built-in scene and its files into `directory`, except for existing ones.
 fn leave_scene(directory: &Path) -> Result<()> {
     leave(&directory.join("corner.toml"), TEXT.as_bytes())?;
     for name in files::built_in_names() {
@@ -69,7 +69,7 @@ fn leave_scene(directory: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Writes a new file; one that is there already may have been changed by its owner.
+/// Writes a new file; an existing one may have been changed by its owner.
 fn leave(path: &Path, bytes: &[u8]) -> Result<()> {
     if path.exists() {
         return print(&format!("kept {} as it is\n", path.display()));

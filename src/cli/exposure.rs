@@ -1,8 +1,8 @@
 //! One exposure for several pictures.
 //!
-//! That of panels is a percentile over small previews of them all. That of a film is a percentile over previews of its middle third, since
-//! a few very bright pictures at its ends, as where a camera has become fast, would leave all others black; but no less than a
-//! hundredth of that of all its pictures, so that none is more than so far beyond white where the middle is dark.
+//! That of panels is a percentile over small previews of them all. That of a film is a percentile over previews of its middle third,
+//! because a few very bright pictures at its ends, for instance when a camera has become fast, would leave all others black; but at least
+//! a hundredth of that of all its pictures, so that none is too far above white if the middle is dark.
 
 use glam::DVec3;
 use nullray::Result;
@@ -19,12 +19,12 @@ use super::interrupt;
 
 /// The most columns and rows of a preview.
 const PREVIEW: u32 = 128;
-/// The least `display.white` of scenes.
+/// The smallest `display.white` of scenes.
 const DARKEST_WHITE: f64 = 1e-30;
-/// How far beyond white the brightest of all pictures may be for the sake of those in the middle.
+/// How far above white the brightest picture may be for the sake of those in the middle.
 const MOST_BEYOND: f64 = 100.0;
 
-/// The radiance that is white in all panels; none where the scenes say it themselves.
+/// The white radiance of all panels; `None` if the scenes set it themselves.
 ///
 /// The percentile is that of the first scene.
 pub fn of_panels(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
@@ -35,8 +35,7 @@ pub fn of_panels(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
     tonemap::white(&previews.concat(), exposure).map(Some)
 }
 
-/// The radiance that is white in all pictures of a film, of which `scenes` are some, in their order; none where the scenes say it
-/// themselves.
+/// The white radiance of all pictures of a film, of which `scenes` are a selection, in order; `None` if the scenes set it themselves.
 ///
 /// The percentile is that of the first scene.
 pub fn of_film(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
@@ -98,8 +97,8 @@ pub fn of_surfaces(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
     Ok(format!("{white:.2e}").parse().ok())
 }
 
-/// How far the surfaces in view of `scene` are from its pinhole, metres, by places in the world: half of them nearer, in a small
-/// picture; none where none is in view.
+/// The median distance of the surfaces in view of `scene` from its pinhole, metres, by positions in the world, in a small picture; `None`
+/// if none is in view.
 pub fn median_distance(scene: &Scene, request: &Request) -> Result<Option<f64>> {
     let places = [Aov::EventX, Aov::EventY, Aov::EventZ];
     let film = preview(scene, request, places.to_vec())?;

@@ -1,4 +1,4 @@
-//! What went wrong, as one message and an exit code.
+//! Errors, reported as one message and an exit code.
 //!
 //! | code | meaning |
 //! |---|---|
@@ -21,22 +21,22 @@ const OUT_OF_BOUNDS: u8 = 1;
 const FAILED: u8 = 2;
 const BUG: u8 = 101;
 
-/// What the last panic said, and where.
+/// The message and location of the last panic.
 static LAST_PANIC: Mutex<Option<String>> = Mutex::new(None);
 
-/// How work that did not fail has ended.
+/// The outcome of work without errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Done {
-    /// As it should.
+    /// Success.
     Well,
-    /// With something that was checked and is not within its bounds.
+    /// A check failed.
     OutOfBounds,
 }
 
-/// Does `work`; reports what went wrong.
+/// Does `work`, and reports errors.
 pub fn outcome(work: impl FnOnce() -> Result<Done>) -> ExitCode {
     match caught(work) {
-        // What fails while everything is being stopped fails because of that.
+        // Errors while everything is being stopped are consequences of that.
         Ok(Err(_)) | Err(_) if interrupt::is_stopping() => {
             complain(&interrupt::message());
             ExitCode::from(interrupt::CODE)
@@ -54,10 +54,10 @@ pub fn outcome(work: impl FnOnce() -> Result<Done>) -> ExitCode {
     }
 }
 
-/// The result of `work`, or what it said when it panicked.
+/// The result of `work`, or its panic message.
 ///
-/// The hook only takes notes: panics of image decoders are caught in the library, which reports them
-/// as broken files, and must not be seen here.
+/// The hook only records panics: those of image decoders are caught in the library, which reports them as broken files, and must not be
+/// shown here.
 fn caught<T>(work: impl FnOnce() -> Result<T>) -> Result<Result<T>, String> {
     panic::set_hook(Box::new(|info| {
         let mut last = LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner);
@@ -78,10 +78,10 @@ fn bug(what: &str) -> String {
     )
 }
 
-/// The longest line that is said of a command line, characters.
+/// The longest line quoted from a command line, characters.
 const LONGEST_LINE: usize = 400;
 
-/// Reports what is wrong with the command line, its lines cut: whoever gives a long value knows it.
+/// Reports an error of the command line, with long lines cut.
 pub fn of_command_line(said: &clap::Error) -> ExitCode {
     let styled = said.render().ansi().to_string();
     let lines = styled

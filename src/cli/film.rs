@@ -1,4 +1,4 @@
-//! From a scene to a finished film, and from there to files.
+//! From a scene to a finished picture, and from there to files.
 
 use std::time::Instant;
 
@@ -17,7 +17,7 @@ use super::progress::Bar;
 use super::stats::{Account, Preparation};
 use super::{inputs, interrupt, overlay, remarks, say, warn};
 
-/// What one scene needs. Everything that can be refused before anything heavy is loaded is refused here.
+/// The preparation of one scene. Everything that can be refused before anything heavy is loaded is refused here.
 pub fn check_one(scene: &Scene, request: &Request, outputs: &Outputs) -> Result<Plan> {
     let plan = outputs.method.plan(scene, request)?;
     overlay::check(outputs, scene)?;
@@ -25,7 +25,7 @@ pub fn check_one(scene: &Scene, request: &Request, outputs: &Outputs) -> Result<
     Ok(plan)
 }
 
-/// Renders one scene to its outputs; prints what was written unless `quiet`, and notes the cost on `account`.
+/// Renders one scene to its outputs; prints what was written unless `quiet`, and records the cost in `account`.
 pub fn one(
     scene: &Scene,
     request: &Request,
@@ -43,8 +43,7 @@ pub fn one(
     overlay::write(outputs, scene, film, prepared, quiet)
 }
 
-/// Retarded times at the centres of pixels, where a picture of them is asked for: those of samples that lie somewhere in
-/// their pixels would break its lines.
+/// Retarded times at pixel centres, if a picture of them is requested: times of randomly placed samples would break its lines.
 pub fn times(
     outputs: &Outputs,
     scene: &Scene,
@@ -58,7 +57,7 @@ pub fn times(
     let [width, height] = scene.camera.size.map(u64::from);
     let bar = Bar::new(width * height, quiet).named("retarded times".into());
     let film = centred(prepared, times_need(scene), &bar)?.film;
-    // The bar leaves the terminal first, so that what is said next has a line of its own.
+    // The progress bar is removed first, so that later messages have their own line.
     drop(bar);
     interrupt::check()?;
     Ok(Some(film))
@@ -71,7 +70,7 @@ pub struct Rendered {
     prepared_in: f64,
     rendered_in: f64,
     warnings: Vec<String>,
-    /// What was rendered, for more pictures of it.
+    /// What was loaded, for more pictures of it.
     pub prepared: Prepared,
 }
 
@@ -92,12 +91,12 @@ impl Rendered {
         }
     }
 
-    /// Prints what it cost, with so many camera rays, and what is odd, unless `quiet`.
+    /// Prints the cost, with the given number of camera rays, and remarks, unless `quiet`.
     pub fn remark(&mut self, scene: &Scene, rays: u64, quiet: bool) -> Result<()> {
         let cost = remarks::cost(rays, self.prepared_in, self.rendered_in);
         say(quiet, &cost)?;
         say(quiet, &remarks::coverage(&self.film))?;
-        // These look at the scene again, which is worth its time only where nothing is seen.
+        // These survey the scene again, which is worthwhile only if nothing is visible.
         let is_black = remarks::is_black(&self.film);
         let (times, shift) = match is_black {
             true => (
@@ -151,7 +150,7 @@ pub fn film(
     })
 }
 
-/// Takes the picture of what is prepared, and notes what the ray tracer's cost on `account`.
+/// Renders the prepared picture, and records the ray tracer's cost in `account`.
 pub fn picture(
     prepared: &Prepared,
     method: &Method,

@@ -1,10 +1,10 @@
-//! The library's messages say what to set by the names that it has there; here they become the program's flags.
+//! Replaces the library's names of settings in messages by the program's flags.
 
 use nullray::Error;
 use nullray::error::{Message, Problem, Setting};
 use nullray::validate::compare::{Breach, Comparison, Measured};
 
-/// What sets it on the command line, as the words around it go on.
+/// The flag that sets it, worded to fit the message.
 fn flag(setting: Setting) -> String {
     let flag = match setting {
         Setting::MemoryLimit => "limit (--max-memory)",
@@ -42,12 +42,12 @@ fn flag(setting: Setting) -> String {
     flag.into()
 }
 
-/// The message with flags for the names of fields.
+/// The message with flags in place of field names.
 pub fn with_flags(message: &Message) -> String {
     message.with_names(flag)
 }
 
-/// The same error with them.
+/// The same error with flags.
 pub fn of_error(mut error: Error) -> Error {
     if let Error::Invalid(problem) | Error::Unsupported(problem) = &mut error {
         let Problem {
@@ -64,7 +64,7 @@ pub fn of_error(mut error: Error) -> Error {
     error
 }
 
-/// The same comparison with them.
+/// The same comparison with flags.
 pub fn of_comparison(mut comparison: Comparison) -> Comparison {
     let diagnoses = comparison.diagnoses.iter_mut().map(|found| &mut found.what);
     for text in comparison.notes.iter_mut().chain(diagnoses) {
@@ -73,7 +73,7 @@ pub fn of_comparison(mut comparison: Comparison) -> Comparison {
     comparison
 }
 
-/// The same limit with them.
+/// The same limit with flags.
 pub fn of_breach(mut breach: Breach) -> Breach {
     if let Measured::Nothing(why) = &mut breach.found {
         *why = with_flags(why).into();

@@ -1,4 +1,4 @@
-//! The files that a command reads, so that it does not write over them.
+//! The files that a command reads, which it must not overwrite.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use nullray::io::{colmap, files};
 use nullray::render::plan::{Plan, Request};
 use nullray::scene::model::{Geometry, Scene, SourceKind};
 
-/// All files that `scene` and `plan` name, sources that light nothing included.
+/// All files that `scene` and `plan` name, including sources that light nothing.
 pub fn of(scene: &Scene, plan: &Plan) -> Vec<PathBuf> {
     let meshes = plan
         .objects

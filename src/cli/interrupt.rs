@@ -1,8 +1,8 @@
-//! Ctrl-C and termination signals: work that checks the flag stops by itself. If it has not stopped after a while,
-//! as in the construction of a BVH or the encoding of a large file, the process exits.
+//! Ctrl-C and termination signals: work that checks the flag stops by itself. If it has not stopped after a while, for instance during
+//! the construction of a BVH or the encoding of a large file, the process exits.
 //!
-//! Files appear whole or not at all, so that all there is to clear away is what is in the making; what work is resumed from is
-//! kept, and said to be. Nothing new is begun once the flag is set ([`check`]).
+//! Files appear completely or not at all, so only unfinished ones have to be removed; what work is resumed from is kept, and reported.
+//! Nothing new is started once the flag is set ([`check`]).
 
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,14 +16,14 @@ use super::{complain, complain_styled};
 
 /// The exit code, as shells have it: 128 + SIGINT.
 pub const CODE: u8 = 130;
-/// What is said of files where nothing is kept to resume from.
+/// The message about files if nothing is kept to resume from.
 const NONE_LEFT: &str = "no unfinished file is left";
 
-/// How long work may take to notice.
+/// How long work may take to stop.
 const PATIENCE: Duration = Duration::from_millis(600);
 
 static STOPPING: AtomicBool = AtomicBool::new(false);
-/// What becomes of the work when it is begun again, where there is something to say, and whether unfinished work is kept for that.
+/// What happens when the work is started again, if there is something to say, and whether unfinished work is kept for that.
 static AGAIN: Mutex<Option<(&'static str, bool)>> = Mutex::new(None);
 
 /// Handles signals from now on.
@@ -45,12 +45,12 @@ fn stop() {
     std::process::exit(CODE.into());
 }
 
-/// Notes how the work can be resumed after it was stopped, or that it cannot be, where it keeps no unfinished file; the last note counts.
+/// Records how stopped work can be resumed, or that it cannot, if no unfinished file is kept; the last call counts.
 pub fn can_resume(how: &'static str) {
     note(how, false);
 }
 
-/// Notes what unfinished work is kept, and how it can be resumed; the last note counts.
+/// Records what unfinished work is kept, and how it can be resumed; the last call counts.
 pub fn keeps(what: &'static str) {
     note(what, true);
 }

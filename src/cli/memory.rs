@@ -1,24 +1,24 @@
-//! How much memory a command may take.
+//! The memory limit of a command.
 
 use std::fs;
 
-/// Where the machine does not say how much it has.
+/// The default if the machine does not report its memory.
 const USUAL: u64 = 16 << 30;
 
-/// What the program takes itself, bytes: its code and tables of colours, and of each thread its stack, rays and room of the allocator.
-/// Measured: 34 MiB, and a third of a MiB for each thread, half of one in lit scenes, and 2.2 MiB where light bounces, which is followed for four
+/// The memory of the program itself, bytes: its code and tables of colours, and for each thread its stack, rays and allocator overhead.
+/// Measured: 34 MiB, and per thread a third of a MiB, half of one in lit scenes, and 2.2 MiB with bounces, which are traced for four
 /// samples of a tile together.
 pub fn program(threads: Option<u16>) -> u64 {
     let threads = threads.map_or_else(rayon::current_num_threads, usize::from);
     (36 << 20) + threads as u64 * (5 << 19)
 }
 
-/// What was said, or three quarters of what the machine has left for new programs, or the container.
+/// The given limit, or three quarters of what the machine, or the container, has available.
 pub fn limit(said: Option<u64>) -> u64 {
     said.unwrap_or_else(|| available().unwrap_or(USUAL / 3 * 4) / 4 * 3)
 }
 
-/// The bytes that this process may have.
+/// The bytes available to this process.
 fn available() -> Option<u64> {
     let containers = CONTAINERS.iter().filter_map(Container::left);
     containers.chain(machine()).min()

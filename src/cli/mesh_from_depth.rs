@@ -18,12 +18,12 @@ use super::names::named_after;
 use super::output::extension;
 use super::{print, warn};
 
-/// The parts of its highest value above which a pixel's first maximum is taken, and of the brightest below which it is in shadow,
-/// where nothing is said.
+/// The defaults of the fraction of its highest value above which a pixel's first maximum is taken, and of the fraction of the brightest
+/// below which it is in shadow.
 const RISE: f64 = 0.2;
 const LEAST: f64 = 0.02;
 
-/// Makes the mesh of a capture's distances and writes it; refusals of names come before any reading.
+/// Makes the mesh of a capture's distances and writes it; names are checked before any reading.
 pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
     let output = match &arguments.output {
         Some(path) => path.clone(),
@@ -59,7 +59,7 @@ pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
     report(&output, &made, &distances)
 }
 
-/// Refuses options of light that first came back where a map is read.
+/// Refuses options for times of arrival when a map is read.
 fn refuse_unread(arguments: &MeshFromDepthArguments) -> Result<()> {
     if arguments.from == DepthKind::FirstLight {
         return Ok(());
@@ -117,7 +117,7 @@ fn camera(arguments: &MeshFromDepthArguments) -> Result<CaptureCamera> {
     })
 }
 
-/// Distances by when light first came back.
+/// Distances from the first arrival of light.
 fn by_first_light(
     arguments: &MeshFromDepthArguments,
     camera: &CaptureCamera,
@@ -131,7 +131,7 @@ fn by_first_light(
             "add its place, like --lamp 1.2,2.8,1",
         ));
     };
-    // What the file says of its times is overruled by the options.
+    // Options take precedence over the file's times.
     let said = cube::times(&arguments.input, arguments.array.as_deref())?;
     let metres = |time: &Time| time.metres(SPEED_OF_LIGHT);
     let width = (arguments.bin_width.as_ref().map(metres)).or(said.map(|said| said.width));
@@ -201,7 +201,7 @@ fn by_map(
 /// Bytes per pixel of rays, distances and mesh, and of the file that is made of it.
 const PIXEL: u64 = 200;
 
-/// Takes what the mesh of so many rows and columns needs.
+/// Reserves the memory for this many rows and columns.
 fn take_mesh(budget: &Budget, [h, w]: [usize; 2], file: &Path) -> Result<()> {
     budget.take(PIXEL.saturating_mul(h as u64 * w as u64), file)
 }

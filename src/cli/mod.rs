@@ -1,4 +1,4 @@
-//! One thin file per command; [`run`] is the spine.
+//! One thin file per command; [`run`] shows the whole program.
 
 mod args;
 mod bake;
@@ -56,7 +56,7 @@ use failure::Done;
 pub fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
-        // Help and version are no errors, and as long as they are.
+        // Help and version are not errors, and may be long.
         Err(said) if !said.use_stderr() => {
             let text = said.render().ansi().to_string();
             return failure::outcome(|| print_styled(&text).map(|()| Done::Well));
@@ -92,8 +92,8 @@ fn carry_out(command: Option<Command>) -> Result<Done> {
     done.map(|()| Done::Well)
 }
 
-/// `text` with nothing in it that steers a terminal or changes the direction of what follows; lines and tabs stay. File
-/// names, names in files and texts of metadata come from anywhere.
+/// `text` without terminal escapes or characters that change the writing direction; line breaks and tabs stay. File names, names in files
+/// and metadata texts are untrusted.
 fn harmless(text: &str) -> Cow<'_, str> {
     let is_harmful =
         |c: char| c.is_control() && !matches!(c, '\n' | '\t') || info::is_reordering(c);
@@ -121,8 +121,7 @@ fn with_short_lines(text: &str) -> String {
     lines.collect()
 }
 
-/// Prints `text` on standard output. A closed pipe ("nullray info … | head") is not an
-/// error: the work goes on.
+/// Prints `text` on standard output. A closed pipe ("nullray info … | head") is not an error: the work continues.
 fn print(text: &str) -> Result<()> {
     write_to(io::stdout().lock(), &harmless(text))
 }

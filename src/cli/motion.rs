@@ -1,7 +1,7 @@
-//! `nullray film`: the common motions of a camera, as a film of one line.
+//! `nullray film`: common motions of a camera, as a film made by one command line.
 //!
-//! Every picture is that of a camera without acceleration that is, at the moment of the picture, where the moving one is and as fast. With
-//! the scene's pinhole at P when its clock shows 0 (world time t₀), n the direction of motion and s the distance:
+//! Every picture is taken by a camera without acceleration that has the position and velocity of the moving one at the moment of the
+//! picture. With the scene's pinhole at P when its clock shows 0 (world time t₀), n the direction of motion and s the distance:
 //!
 //! ```text
 //! fly-by:        P + n x,  x from m − s/2 to m + s/2,  at t₀ + x/β;  m = d (c + γ (β − c))
@@ -71,7 +71,7 @@ pub fn run(mut arguments: FilmArguments) -> Result<()> {
     })
 }
 
-/// One of the pictures that a film shows side by side, from its first moment to its last.
+/// One of the pictures that a film shows side by side, over its whole length.
 struct Take {
     /// Part of the names of its pictures.
     name: &'static str,
@@ -122,7 +122,7 @@ pub fn speed_of(shot: &Shot) -> String {
     caption::speed(shot.velocity)
 }
 
-/// The moments of a moving camera; none where it is the scene's own.
+/// The moments of a moving camera; `None` if it is the scene's own.
 fn motion(
     motion: &MotionArguments,
     scene: &Scene,
@@ -240,7 +240,7 @@ fn straight_ahead(way: DVec3, n: DVec3, velocity: Velocity) -> f64 {
     along + velocity.gamma() * (beta * way.length() - along)
 }
 
-/// How far the camera goes, metres: what is said, or `times` the distance from its eye to the `subject`.
+/// The distance that the camera covers, metres: the given one, or `times` the distance from its eye to the `subject`.
 fn distance(
     motion: &MotionArguments,
     scene: &Scene,
@@ -264,12 +264,12 @@ fn distance(
     })
 }
 
-/// The point that the camera looks at: that which the scene names; or else the one on its forward axis that is as far as the
-/// surfaces in view are, half of which are nearer; where none is in view, as the nearest object is by its own origin; and of a scene
-/// without objects at 1 m. None where objects have their origins in the pinhole.
+/// The point that the camera looks at: the one that the scene names; or else the one on its forward axis at the median distance of the
+/// surfaces in view; if none is in view, at the distance of the nearest object's origin; and in a scene without objects at 1 m. `None` if
+/// objects have their origins in the pinhole.
 ///
 /// # Errors
-/// What keeps a small picture from being rendered.
+/// Errors of rendering a small picture.
 fn subject(scene: &Scene, request: &Request) -> Result<Option<DVec3>> {
     if let Some(point) = looked_at(&scene.text) {
         return Ok(Some(point));
@@ -337,7 +337,7 @@ fn light(arguments: &FilmArguments, scene: &Scene) -> Result<Take> {
     })
 }
 
-/// Light that is in view more than this many times as long as that of the shortest time does not count: it shines on.
+/// Light that is in view more than this many times as long as the shortest does not count: it shines on.
 const SHINING_ON: f64 = 10.0;
 
 /// The times from the first to the last of those ranges that are not far longer than the shortest.

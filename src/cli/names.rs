@@ -10,8 +10,8 @@ const PLACE: char = '#';
 /// Digits of a number where there is no pattern.
 const DIGITS: usize = 4;
 
-/// The name of frame `number`: in place of the run of # in `path`'s name, padded to its length; or else
-/// before the extension, "name-0007.png".
+/// The name of frame `number`: in place of the run of # in `path`'s name, padded to its length; or else before the extension,
+/// "name-0007.png".
 pub fn numbered(path: &Path, number: u64) -> PathBuf {
     let Some((name, [start, end])) = run(path) else {
         return suffixed(path, &format!("{number:0DIGITS$}"));
@@ -21,7 +21,7 @@ pub fn numbered(path: &Path, number: u64) -> PathBuf {
     path.with_file_name(format!("{}{number}{}", &name[..start], &name[end..]))
 }
 
-/// The file's name and where its only run of # begins and ends; none where there is no run, or several.
+/// The file's name and the position of its only run of #; `None` if there is no run, or several.
 fn run(path: &Path) -> Option<(String, [usize; 2])> {
     let name = path.file_name()?.to_str()?;
     let start = name.find(PLACE)?;
@@ -42,7 +42,7 @@ pub fn suffixed(path: &Path, suffix: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// A name as a part of that of a file: what separates directories, or is no character to see, becomes `_`.
+/// A name as a part of a file name: path separators and invisible characters become `_`.
 pub fn in_file_name(name: &str) -> String {
     let is_apart = |c: char| std::path::is_separator(c) || c.is_control();
     name.replace(is_apart, "_")
@@ -57,7 +57,7 @@ pub fn stem(path: Option<&Path>) -> PathBuf {
     stem.unwrap_or("nullray".as_ref()).into()
 }
 
-/// A file in the current directory that is called as the scene, with `ending`.
+/// A file in the current directory with the scene's name and `ending`.
 pub fn named_after(path: Option<&Path>, ending: &str) -> PathBuf {
     // Not `with_extension`, which would take the ".9" of "approaching-0.9" for one.
     let mut name = stem(path).into_os_string();

@@ -1,8 +1,7 @@
-//! The files of one rendering, by extension, and the fingerprints by which files of a frame are known again.
+//! The files of one rendering, by extension, and the fingerprints that identify the files of a frame.
 //!
-//! fingerprint = SHA-256 (common, kind[, isochrone step]), with common = SHA-256 (version, scene text with
-//! the frame's time, poses and spectra read from other files, channels, sampling, method, caption, content of every input file); each
-//! part is preceded by its length.
+//! fingerprint = SHA-256 (common, kind[, isochrone step]), with common = SHA-256 (version, scene text with the frame's time, poses and
+//! spectra read from other files, channels, sampling, method, caption, content of every input file); each part is preceded by its length.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -40,7 +39,7 @@ pub fn times_need(scene: &Scene) -> Vec<Aov> {
 pub struct Outputs {
     /// By extension: png, exr, npz.
     pub images: Vec<PathBuf>,
-    /// What a png of them shows.
+    /// What a png shows.
     pub show: Show,
     /// The picture of retarded times, a png.
     pub isochrones: Option<PathBuf>,
@@ -52,19 +51,19 @@ pub struct Outputs {
     pub parts: Parts,
     /// Distance between isochrones, metres.
     pub step: Option<f64>,
-    /// Auxiliary channels that were asked for.
+    /// The requested auxiliary channels.
     pub aovs: Vec<Aov>,
     /// Radiance in .exr files in half precision.
     pub half: bool,
-    /// How they are made.
+    /// The rendering method.
     pub method: Method,
-    /// Words beneath pictures, with time and speed of the camera.
+    /// Text below pictures, with time and speed of the camera.
     pub caption: Option<String>,
-    /// Tells the files of a frame of a sequence from all others.
+    /// Distinguishes the files of a sequence's frame from all others.
     pub identity: Option<Identity>,
 }
 
-/// What one file holds.
+/// The content of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// The tone-mapped picture.
@@ -80,7 +79,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The kind of a file of this name, of which it is known that it can be written.
+    /// The kind of a file of this name, which has been checked to be writable.
     fn of(path: &Path, show: Show) -> Kind {
         match (extension(path).as_str(), show) {
             ("exr", _) => Kind::Exr,
@@ -104,7 +103,7 @@ impl Kind {
 }
 
 impl Outputs {
-    /// Auxiliary channels of `scene` that have to be rendered.
+    /// Auxiliary channels of `scene` that must be rendered.
     pub fn needs(&self, scene: &Scene) -> Vec<Aov> {
         let mut needed = self.aovs.clone();
         // The tracer takes another picture for isochrones, but foresees this one too.
@@ -122,7 +121,7 @@ impl Outputs {
         needed
     }
 
-    /// What is held beside a picture of `size`: films and pages of lines. Bytes.
+    /// The memory held beside a picture of `size`: films and pages of lines. Bytes.
     pub fn beside(&self, size: [u32; 2]) -> u64 {
         let lines = match self.overlays.is_empty() {
             true => 0,
@@ -159,7 +158,7 @@ impl Outputs {
             .chain(overlays.map(|path| ("--overlay", path.as_path())))
     }
 
-    /// Those of radiance alone: no lines, and no retarded times.
+    /// Outputs of radiance alone: no lines, and no retarded times.
     pub fn of_film_alone(&self) -> Outputs {
         let is_picture = |path: &&PathBuf| Kind::of(path, self.show) != Kind::Isochrones;
         Outputs {
@@ -183,7 +182,7 @@ impl Outputs {
 
     /// Writes all files, one after the other; prints which unless `quiet`.
     ///
-    /// `times` is the film of retarded times at the centres of pixels, where they are asked for.
+    /// `times` is the film of retarded times at pixel centres, if requested.
     pub fn write(
         &self,
         scene: &Scene,
@@ -216,8 +215,8 @@ impl Outputs {
         Ok(())
     }
 
-    /// What half precision, or else single precision, cannot hold of the radiance, where a file has it: brighter than its greatest
-    /// number, or of half precision so dim that the nearest one is 0. A few dim pixels are not worth a word.
+    /// What half precision, or else single precision, cannot hold of the radiance, if a file has it: values above its largest number, or
+    /// for half precision so dim that they round to 0. A few dim pixels are not reported.
     pub fn beyond_precision(&self, film: &Film) -> Option<String> {
         if !self.files().any(|(_, kind)| kind == Kind::Exr) {
             return None;
@@ -269,7 +268,7 @@ impl Outputs {
         }
     }
 
-    /// Writes a .png of 8 or 16 bits, and says which radiance is white in it.
+    /// Writes a .png of 8 or 16 bits, and returns the radiance shown as white in it.
     fn write_picture(
         &self,
         path: &Path,
@@ -377,7 +376,7 @@ fn pixel_count(count: u64) -> String {
     format!("{} pixel{plural}", plan::count(count))
 }
 
-/// A number in five significant digits, which `--white` takes again.
+/// A number with five significant digits, which `--white` accepts again.
 pub fn five_digits(value: f64) -> String {
     let exponent = value.abs().log10().floor();
     if !(-4.0..7.0).contains(&exponent) {
@@ -401,7 +400,7 @@ pub struct Ends {
 }
 
 impl Ends {
-    /// What is said of them in a file. "white" alone means a linear scale.
+    /// Their metadata in a file. "white" alone means a linear scale.
     fn metadata(&self) -> Vec<(String, String)> {
         match self.black {
             None => vec![("white".into(), self.white.to_string())],
@@ -549,7 +548,7 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// Reads the files. One that cannot be read counts as none: whether it is needed turns out later.
+    /// Reads the files. One that cannot be read counts as missing: whether it is needed turns out later.
     pub fn read(paths: &[PathBuf]) -> Inputs {
         let stamp = Stamp::of(paths);
         let mut all = Digests::default();
@@ -566,7 +565,7 @@ impl Inputs {
     }
 }
 
-/// Files as they are at one moment: by their lengths, times and identities.
+/// The state of files at one moment: their lengths, times and identities.
 pub struct Stamp(Vec<(PathBuf, Option<Mark>)>);
 
 /// Length, time of the last change of the content, and where the system has it, what identifies the file and the
@@ -580,7 +579,7 @@ impl Stamp {
         Stamp(paths.map(|path| (path.clone(), mark(path))).collect())
     }
 
-    /// A file that is not any more as it was.
+    /// A file that has changed.
     pub fn changed(&self) -> Option<&Path> {
         let changed = self.0.iter().find(|(path, then)| mark(path) != *then);
         changed.map(|(path, _)| path.as_path())
@@ -616,7 +615,7 @@ fn content(path: &Path) -> Option<Vec<u8>> {
     }
 }
 
-/// Tells the files of a frame from all others.
+/// Distinguishes the files of a frame from all others.
 #[derive(Debug, Clone)]
 pub struct Identity {
     common: Vec<u8>,

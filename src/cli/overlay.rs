@@ -13,7 +13,7 @@ use super::output::{Identity, Outputs, encoded, extension, picture};
 use super::progress::Bar;
 use super::{interrupt, say};
 
-/// Refuses overlays over what is not one picture.
+/// Refuses overlays unless there is exactly one picture.
 pub fn check(outputs: &Outputs, scene: &Scene) -> Result<()> {
     match outputs.overlays.is_empty() {
         true => Ok(()),
@@ -56,7 +56,7 @@ pub fn write(
     Ok(())
 }
 
-/// The lines that are asked for. Only what they need is rendered.
+/// The requested lines. Only what they need is rendered.
 fn traced(
     outputs: &Outputs,
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! `nullray page`: a page of HTML that shows a scene at many speeds.
+//! `nullray page`: an HTML page that shows a scene at many speeds.
 
 use std::path::Path;
 
@@ -53,7 +53,7 @@ pub fn run(arguments: &PageArguments) -> Result<()> {
     made
 }
 
-/// Refuses to write over what the page is made of.
+/// Refuses to overwrite an input of the page.
 fn check(arguments: &PageArguments, scene: &Scene, option: &str, path: &Path) -> Result<()> {
     let plan = Plan::new(
         scene,

@@ -10,7 +10,7 @@ use nullray::scene::{Overrides, SceneFile};
 use super::failure::refused;
 use super::{builtin, exposure};
 
-/// The panels of `scene` that are named, in the order of the scene; all where none is named.
+/// The named panels of `scene`, in the order of the scene; all if none is named.
 ///
 /// # Errors
 /// Names that no panel has.
@@ -24,10 +24,10 @@ pub fn chosen<'s>(scene: &'s Scene, names: &[String]) -> Result<Vec<&'s Panel>> 
     Ok(scene.panels.iter().filter(is_chosen).collect())
 }
 
-/// The scene of a command as it stands, or the panel of it that is named.
+/// The scene of a command, or its named panel.
 ///
 /// # Errors
-/// What is wrong with the scene; a name that no panel has.
+/// Errors in the scene; a name that no panel has.
 pub fn scene(
     path: Option<&Path>,
     panel: Option<&String>,
@@ -73,7 +73,7 @@ pub fn load_all(file: &SceneFile, whole: &Scene, overrides: &Overrides) -> Resul
         .collect()
 }
 
-/// Gives all panels one exposure, unless they say the radiance of white themselves.
+/// Gives all panels one exposure, unless they set the white radiance themselves.
 pub fn same_exposure(scenes: &mut [Scene], request: &Request) -> Result<()> {
     if let Some(white) = exposure::of_panels(scenes, request)? {
         let exposure = Exposure::White(white);

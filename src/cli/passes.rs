@@ -1,7 +1,7 @@
-//! A picture that improves: `nullray render --error`, `--budget` and `--passes`.
+//! Progressive rendering: `nullray render --error`, `--budget` and `--passes`.
 //!
-//! The sums of finished passes stand in a file beside the first picture, under its name with `.passes`, until the picture is as good as it
-//! was asked for. So work that was stopped goes on where it was.
+//! The sums of finished passes are kept in a file beside the first picture, under its name with `.passes`, until the picture has the
+//! requested quality, so that stopped work can be resumed.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -20,23 +20,24 @@ use super::output::{Identity, Inputs, Outputs};
 use super::progress::Bar;
 use super::{inputs, interrupt, overlay, say, warn};
 
-/// Files are written anew after this many times as long as writing them takes, and after this many seconds.
+/// Files are written again after this many times the time for writing them, and after this many seconds.
 const WRITING_SHARE: f64 = 10.0;
 const LEAST_BETWEEN: f64 = 1.0;
-/// For how many passes trees are built: how many there will be is not known before.
+/// The number of passes for which trees are built, because the actual one is unknown.
 const USUAL_PASSES: u64 = 16;
 
-/// What is said of work that is stopped, once a file has passes to go on from.
+/// The message when work is stopped, once a file has passes to resume from.
 const RESUME: &str =
     "the passes up to the last save are kept: run the same command again to resume";
 
-/// What passes of one scene need, all as they are asked for. Everything that can be refused before anything heavy is loaded is refused here.
+/// Everything that the passes of one scene need, as requested. Everything that can be refused before anything heavy is loaded is refused
+/// here.
 pub fn check_one(
     scene: &Scene,
     mut request: Request,
     outputs: &Outputs,
 ) -> Result<(Request, Plan)> {
-    // The sums of the passes count as memory beside the scene, so the plan is made twice.
+    // The sums of the passes take memory beside the scene, so the plan is made twice.
     let layout = Plan::new(scene, &request)?.film;
     request.beside = request.beside.saturating_add(passes::bytes(&layout));
     request.pictures = USUAL_PASSES;
@@ -111,12 +112,12 @@ struct Work<'a> {
     wanted: PassArguments,
     quiet: bool,
     began: Instant,
-    /// Camera rays that were traced here.
+    /// Camera rays traced in this run.
     rays: u64,
 }
 
 impl Work<'_> {
-    /// Takes up what was stopped.
+    /// Resumes stopped work.
     fn resume(&mut self, prepared: &Prepared) -> Result<()> {
         if self.passes.resume(&self.sums, &self.fingerprint)? {
             interrupt::keeps(RESUME);
@@ -136,13 +137,13 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// Whether the picture is as good as it was asked for.
+    /// Whether the picture has the requested quality.
     fn is_good(&self) -> bool {
         let most = self.wanted.passes.unwrap_or(self.passes.most());
         self.passes.is_settled() || self.passes.done() >= most
     }
 
-    /// Renders passes until the picture is good enough or the time is over.
+    /// Renders passes until the picture is good enough or the time is up.
     fn go_on(&mut self, prepared: &Prepared) -> Result<()> {
         let mut written = (Instant::now(), 0.0);
         while !self.is_good() {
@@ -159,7 +160,7 @@ impl Work<'_> {
                 self.passes.write(&self.sums, &self.fingerprint)?;
                 let pictures = self.outputs.of_film_alone();
                 pictures.write(self.scene, &self.passes.film(), None, true)?;
-                // Before this there is neither a picture nor a file to go on from.
+                // Before this there is neither a picture nor a file to resume from.
                 interrupt::keeps(RESUME);
                 written = (Instant::now(), start.elapsed().as_secs_f64());
             }
@@ -182,7 +183,7 @@ impl Work<'_> {
         interrupt::check()
     }
 
-    /// Writes all files, says how good the picture is, and removes the sums where no more is to be done.
+    /// Writes all files, reports the quality of the picture, and removes the sums if no more is to be done.
     fn conclude(mut self, mut rendered: Rendered) -> Result<()> {
         let (quiet, scene, outputs) = (self.quiet, self.scene, self.outputs);
         // An error that was asked for and is not reached can be reached another time.
@@ -214,7 +215,7 @@ impl Work<'_> {
         overlay::write(outputs, scene, film, prepared, quiet)
     }
 
-    /// What is not reached.
+    /// The requests that were not met.
     fn missing(&self) -> String {
         let error = 100.0 * self.wanted.error.unwrap_or_default();
         format!(

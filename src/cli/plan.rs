@@ -14,10 +14,10 @@ use super::flags::with_flags;
 use super::progress::Bar;
 use super::{builtin, print, print_json, remarks, warn, with_short_lines};
 
-/// The most bytes of cubes that a plan reads, to say where light in view misses their times; larger ones are looked into by `render`.
+/// The largest number of bytes of cubes that a plan reads to report when light in view misses their times; `render` examines larger ones.
 const LOOKED_INTO: u64 = 256 << 20;
 
-/// The most triangles of a mesh that is loaded to say what they are cut into.
+/// The largest mesh that is loaded to report how finely it is cut, triangles.
 const LOADED: u64 = 1 << 20;
 
 pub fn run(arguments: &PlanArguments) -> Result<()> {

@@ -1,4 +1,4 @@
-//! The progress bar: on a terminal only, with rate and time left.
+//! The progress bar: only on a terminal, with rate and remaining time.
 
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -20,7 +20,7 @@ fn rate(unit: &'static str) -> impl Fn(&ProgressState, &mut dyn Write) + Clone +
     }
 }
 
-/// Writes how long the rest takes at that rate; nothing before there is one.
+/// Writes the remaining time at that rate; nothing before there is one.
 fn left(state: &ProgressState, out: &mut dyn Write) {
     let done = state.pos() as f64;
     let rest = state.len().unwrap_or(0) as f64 - done;
@@ -31,11 +31,11 @@ fn left(state: &ProgressState, out: &mut dyn Write) {
     }
 }
 
-/// Shows rays done on standard error, and passes Ctrl-C on.
+/// Shows finished rays on standard error, and passes Ctrl-C on.
 pub struct Bar(ProgressBar);
 
 impl Bar {
-    /// A bar of `rays` rays; invisible where standard error is no terminal, or if `quiet`.
+    /// A bar for `rays` rays; invisible if standard error is not a terminal, or if `quiet`.
     pub fn new(rays: u64, quiet: bool) -> Self {
         Bar::of(rays, "rays", quiet)
     }
@@ -45,7 +45,7 @@ impl Bar {
         Bar::of(samples, "samples", quiet)
     }
 
-    /// That so many samples are written; whether to go on.
+    /// Reports written samples; returns whether to continue.
     pub fn reached(&self, samples: u64, of: u64) -> bool {
         self.0.set_length(of);
         self.0.set_position(samples);
@@ -87,7 +87,7 @@ impl Bar {
     }
 }
 
-/// Takes the bar away, also where the work failed.
+/// Removes the bar, also if the work failed.
 impl Drop for Bar {
     fn drop(&mut self) {
         self.0.finish_and_clear();

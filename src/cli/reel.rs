@@ -1,8 +1,8 @@
 //! Films of finished pictures: animated PNG and raw video, to files or to a pipe.
 //!
-//! The pictures of a film are numbered PNG files first, in a folder beside it: what was stopped goes on where it was, as sequences
-//! do. The folder goes once the film is complete; one that a killed program has left is removed after a day by the next that makes a film
-//! beside it.
+//! The pictures of a film are first numbered PNG files, in a folder beside it, so that stopped work can be resumed, as for sequences. The
+//! folder is removed once the film is complete; one left by a killed program is removed after a day by the next that makes a film beside
+//! it.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, ErrorKind, Write};
@@ -24,7 +24,7 @@ use super::{inputs, interrupt, memory, say};
 /// The name of a film that goes to standard output.
 const PIPE: &str = "-";
 
-/// What it is called in errors.
+/// Its name in errors.
 const STDOUT: &str = "standard output";
 
 /// What a film is written as.
@@ -44,7 +44,7 @@ pub fn is_pipe(path: &Path) -> bool {
     path.as_os_str() == PIPE
 }
 
-/// Refuses names that are no films, and those that could not be written or would be written over what is `read`.
+/// Refuses names that are not films, and outputs that could not be written or would overwrite one of the files `read`.
 pub fn check(films: &[PathBuf], read: &[PathBuf]) -> Result<()> {
     let overwritten = "the film is made from this file, which would be overwritten";
     let mut names = Names::new(read, overwritten, " film");
@@ -75,7 +75,7 @@ pub fn check(films: &[PathBuf], read: &[PathBuf]) -> Result<()> {
 /// The end of the name of a film's folder.
 const ENDING: &str = ".frames";
 
-/// Whether what is called so has such a folder while it is made: films, and pages.
+/// Whether outputs of this name have such a folder while they are made: films, and pages.
 fn has_folder(name: &str) -> bool {
     [".apng", ".y4m", ".html"].iter().any(|e| name.ends_with(e))
 }
@@ -138,8 +138,8 @@ impl Folder {
         path.join(format!("{name}-######.png"))
     }
 
-    /// Takes all pictures away, also those of earlier films of this name, and the folder if nothing else is in it; unless another program
-    /// makes the same film just now.
+    /// Removes all pictures, also those of earlier films of this name, and the folder if nothing else is in it; unless another program is
+    /// making the same film.
     pub fn remove(self) {
         // What stays costs space and nothing else.
         if let Folder::Beside { path, lock } = &self {
@@ -200,7 +200,7 @@ pub fn opaque(raster: &RgbaImage) -> RgbImage {
     }
 }
 
-/// The picture with its last column or row once more where their number is odd: encoders that halve colours take even numbers alone.
+/// The picture with its last column or row repeated if their number is odd: encoders with chroma subsampling need even numbers.
 pub fn even(picture: RgbImage) -> RgbImage {
     let [width, height] = [picture.width, picture.height].map(|side| side.next_multiple_of(2));
     let mut rgb = Vec::with_capacity(3 * width as usize * height as usize);
@@ -216,7 +216,7 @@ pub fn even(picture: RgbImage) -> RgbImage {
     RgbImage { width, height, rgb }
 }
 
-/// Has `write` write a film to a file, or to standard output, where a closed pipe ("| head") is the end and no error.
+/// Calls `write` to write a film to a file, or to standard output, where a closed pipe ("| head") is the end and not an error.
 pub fn pipe_or_save(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
     if !is_pipe(path) {
         return write_atomically(path, |file| write(file));

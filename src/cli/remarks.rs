@@ -29,7 +29,7 @@ pub fn is_black(film: &Film) -> bool {
     !film.radiance().iter().flatten().any(|value| *value > 0.0)
 }
 
-/// Why a picture is black, if it is; empty otherwise. `is_shifted` says that [`shift`] tells why.
+/// Why a picture is black, if it is; empty otherwise. `is_shifted`: [`shift`] gives the reason.
 pub fn blackness(scene: &Scene, film: &Film, is_shifted: bool) -> String {
     if !is_black(film) {
         return String::new();
@@ -49,7 +49,7 @@ pub fn blackness(scene: &Scene, film: &Film, is_shifted: bool) -> String {
     format!("the picture is black: {why}\n")
 }
 
-/// That only the sky is in view of a scene that has objects, if it is so; empty otherwise, and where the picture is black.
+/// A remark if only the sky is in view of a scene that has objects; empty otherwise, and if the picture is black.
 pub fn only_sky(scene: &Scene, film: &Film) -> String {
     let is_alone = film.met() == 0.0 && scene.sky.is_some() && !scene.objects.is_empty();
     match is_alone && !is_black(film) {
@@ -58,7 +58,7 @@ pub fn only_sky(scene: &Scene, film: &Film) -> String {
     }
 }
 
-/// That no object is seen, and what would show one.
+/// A remark that no object is visible, and what would show one.
 fn nothing_met(scene: &Scene) -> String {
     let (from, behind) = match scene.back_faces {
         BackFaces::TwoSided => ("", ""),
@@ -73,7 +73,7 @@ fn nothing_met(scene: &Scene) -> String {
 /// When the light in view left and when there are data, for each lamp and pulse of which nothing is in view at its time; and
 /// the camera times that would show some of it.
 pub fn times(scene: &Scene, prepared: &mut Prepared) -> String {
-    // What does not fit of cubes is said before rendering.
+    // Cubes that do not fit are reported before rendering.
     let moments = survey::moments(scene, prepared, true).into_iter();
     moments.map(|text| with_flags(&text) + "\n").collect()
 }
@@ -185,7 +185,7 @@ pub fn shift(scene: &Scene, prepared: &Prepared) -> String {
     text
 }
 
-/// Which objects shine with spectra of which nothing is visible at any of these W.
+/// The objects whose spectra are invisible at all of these W.
 fn unseen_spectra(scene: &Scene, [low, high]: [f64; 2]) -> String {
     // As finely as the eye's response changes, over a range that is no wider than what is visible.
     const PLACES: i32 = 32;
@@ -210,7 +210,7 @@ fn unseen_spectra(scene: &Scene, [low, high]: [f64; 2]) -> String {
     unseen.map(line).collect()
 }
 
-/// Which lamps are inside objects.
+/// Remarks on lamps inside objects.
 pub fn enclosed(scene: &Scene, prepared: &Prepared) -> String {
     let lamps = enclosed::enclosed_lamps(scene, prepared).into_iter();
     let line = |lamp: enclosed::EnclosedLamp| {
@@ -234,7 +234,7 @@ fn short(value: f64) -> String {
     (rounded + 0.0).to_string()
 }
 
-/// Why surfaces in view are dark that lack no data.
+/// Why surfaces in view are dark although no data are missing.
 fn unlit(scene: &Scene) -> &'static str {
     if varies(scene) {
         "nothing in view is lit at the moment at which its light left: try another --time (see display.back_faces, \
@@ -251,7 +251,7 @@ fn unlit(scene: &Scene) -> &'static str {
     }
 }
 
-/// Whether what surfaces receive depends on when they are seen: not where lights are steady, and they and all objects rest in the world.
+/// Whether the light that surfaces receive depends on the time: not if lights are steady, and they and all objects rest in the world.
 fn varies(scene: &Scene) -> bool {
     let moves = |velocity: Velocity, motion: &Motion| {
         !velocity.is_rest() || !matches!(motion, Motion::Inertial)
@@ -299,7 +299,7 @@ fn reflects_nothing(object: &Object) -> bool {
     }
 }
 
-/// The main reason for which data are missing, if most of them are.
+/// The main reason for missing data, if most are missing.
 fn missing(c: Coverage) -> Option<&'static str> {
     let reasons = [
         (

@@ -23,11 +23,11 @@ use super::reel::{self, Folder, Reel};
 use super::stats::Account;
 use super::{builtin, exposure, inputs, panels, passes, print, say};
 
-/// Pictures per second of a film for which nothing else is said.
+/// The default film rate, pictures per second.
 pub const PLAY_FPS: f64 = 24.0;
 
 pub fn run(mut arguments: RenderArguments) -> Result<()> {
-    // Films are made of the pictures of a sequence; all other outputs are written picture by picture.
+    // Films are made from the pictures of a sequence; all other outputs are written picture by picture.
     let (films, images) = arguments
         .output
         .into_iter()
@@ -136,7 +136,7 @@ struct Film<'a> {
 }
 
 impl Film<'_> {
-    /// Refuses films of nothing that moves.
+    /// Refuses films of a single picture.
     fn check(&self, is_sequence: bool) -> Result<()> {
         match self.films.first() {
             Some(film) if !is_sequence => {
@@ -196,7 +196,7 @@ impl Film<'_> {
     }
 }
 
-/// Refuses options of files that are not among those that are written.
+/// Refuses options that apply to none of the outputs.
 fn check_effects(arguments: &RenderArguments, outputs: &Outputs, films: &[PathBuf]) -> Result<()> {
     if arguments.half && !outputs.files().any(|(_, kind)| kind == Kind::Exr) {
         let what = "it is the precision of .exr files, but none of these files is one";
@@ -221,7 +221,7 @@ fn check_effects(arguments: &RenderArguments, outputs: &Outputs, films: &[PathBu
     Err(refused(option, what, &help))
 }
 
-/// Refuses a caption that has no picture to stand beneath, and characters that cannot be set.
+/// Refuses a caption without a picture for it, and characters that cannot be set.
 fn check_caption(arguments: &RenderArguments, outputs: &Outputs, films: &[PathBuf]) -> Result<()> {
     let shown = outputs.files().any(|(_, kind)| kind == Kind::Display);
     if arguments.caption.is_some() && !shown && films.is_empty() {
@@ -243,7 +243,7 @@ fn check_words(caption: Option<&str>) -> Result<()> {
     RichText::plain(words)?.width(1.0).map(|_| ())
 }
 
-/// The scene file that is named, or that a model stands for.
+/// The named scene file, or the scene for a model.
 fn file(arguments: &RenderArguments, overrides: &Overrides) -> Result<SceneFile> {
     let (path, model) = (arguments.scene.path(), &arguments.model);
     let memory = arguments.changes.memory.bytes();
@@ -310,7 +310,7 @@ fn check_passes(option: &str, arguments: &RenderArguments, is_sequence: bool) ->
     }
 }
 
-/// Says and writes what it has cost, as far as that is wanted.
+/// Prints and writes the statistics, if requested.
 fn settle(arguments: &RenderArguments, account: &Account) -> Result<()> {
     if arguments.stats {
         print(&account.table())?;
@@ -341,7 +341,7 @@ fn panels_and_frames() -> Error {
     )
 }
 
-/// Renders the panels that are asked for.
+/// Renders the requested panels.
 fn all_panels(
     arguments: &RenderArguments,
     file: &SceneFile,
@@ -411,12 +411,12 @@ fn outputs(arguments: &RenderArguments, scene: &Scene) -> Outputs {
     }
 }
 
-/// The words beneath pictures of `scene`, which may be a panel with words of its own.
+/// The caption of pictures of `scene`, which may be a panel with its own.
 fn caption(arguments: &RenderArguments, scene: &Scene) -> Option<String> {
     arguments.caption.clone().or_else(|| scene.caption.clone())
 }
 
-/// What `-o` says, or the scene's name with .png.
+/// The `-o` outputs, or the scene's name with .png.
 fn images(arguments: &RenderArguments) -> Vec<PathBuf> {
     match arguments.output.as_slice() {
         [] => vec![named_after(arguments.scene.path(), ".png")],

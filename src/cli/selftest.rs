@@ -13,7 +13,7 @@ use super::failure::Done;
 use super::progress::Bar;
 use super::{failure, film, print};
 
-/// Runs every check, says what each has found, and whether all hold.
+/// Runs every check, reports its result, and returns whether all hold.
 pub fn run(arguments: &SelftestArguments) -> Result<Done> {
     let checks = chosen(&arguments.check)?;
     let effort = match arguments.thorough {

@@ -1,4 +1,4 @@
-//! What a command has cost, over all pictures that it rendered: a table, and the same as JSON.
+//! The cost of a command, over all pictures that it rendered: a table, and the same as JSON.
 
 use std::io::Write;
 use std::path::Path;
@@ -13,7 +13,7 @@ use nullray::{Error, Result, accel::Counts};
 #[derive(Debug, Default)]
 pub struct Account {
     pictures: u64,
-    /// Seconds on the wall's clock: files, trees, pictures.
+    /// Wall-clock seconds: files, trees, pictures.
     loaded_in: f64,
     built_in: f64,
     rendered_in: f64,
@@ -30,13 +30,13 @@ pub struct Preparation {
 }
 
 impl Account {
-    /// Notes that a scene was prepared.
+    /// Records that a scene was prepared.
     pub fn prepared(&mut self, preparation: Preparation) {
         self.loaded_in += preparation.seconds - preparation.built_in;
         self.built_in += preparation.built_in;
     }
 
-    /// Notes a picture.
+    /// Records a picture.
     pub fn picture(&mut self, stats: Stats, seconds: f64) {
         self.pictures += 1;
         self.rendered_in += seconds;

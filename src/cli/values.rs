@@ -208,7 +208,7 @@ pub fn aovs(text: &str) -> Result<AovList, String> {
     aov::parse(text).map(AovList)
 }
 
-/// What visibility is worth.
+/// The precision of visibility.
 pub fn precision(text: &str) -> Result<Precision, String> {
     let known = Precision::ALL.into_iter().find(|p| p.name() == text);
     known.ok_or_else(|| "write certified, or fast".into())
@@ -216,7 +216,7 @@ pub fn precision(text: &str) -> Result<Precision, String> {
 
 /// A percentage; a bare number is one too.
 pub fn percentage(text: &str) -> Result<String, String> {
-    // A text with a unit is left as it is: a scene file has the same key, and reads it the same way.
+    // A text with a unit is kept as it is: a scene file has the same key, and reads it the same way.
     let text = match text.trim().parse::<f64>() {
         Ok(number) => format!("{number} %"),
         Err(_) => text.into(),
@@ -225,7 +225,7 @@ pub fn percentage(text: &str) -> Result<String, String> {
     parsed.map(|_| text).map_err(|error| error.to_string())
 }
 
-/// The most frames of one run.
+/// The largest number of frames in one run.
 pub const MOST_FRAMES: u64 = 1_000_000;
 
 /// Frames A to B, B not included.
@@ -256,7 +256,7 @@ pub fn rate(text: &str) -> Result<f64, String> {
     number(text, f64::MIN_POSITIVE..f64::INFINITY, help)
 }
 
-/// A rate at which films are played, which files state as a fraction.
+/// A rate at which films are played, which files store as a fraction.
 pub fn film_rate(text: &str) -> Result<f64, String> {
     let fps = rate(text)?;
     let help =

@@ -1,7 +1,6 @@
 //! Files of scenes: on disk, or compiled into the program.
 //!
-//! Paths that begin with [`BUILT_IN`] name compiled-in files, so that the built-in scene goes the same
-//! way through the program as any other.
+//! Paths that begin with [`BUILT_IN`] name compiled-in files, so that the built-in scene is treated like any other.
 
 use std::fs::{File, Metadata};
 use std::io::{self, Cursor, Read, Seek};
@@ -39,8 +38,8 @@ pub type Reader = Box<dyn ReadSeek>;
 /// The length in bytes of a regular file.
 ///
 /// # Errors
-/// As the operating system has them; what is no regular file is refused, since opening a pipe may
-/// block for ever, and reading a device may never end.
+/// Those of the operating system; anything but a regular file is refused, because opening a pipe may block for ever, and reading a device
+/// may never end.
 pub fn length(path: &Path) -> io::Result<u64> {
     if let Some(bytes) = built_in(path) {
         return Ok(bytes?.len() as u64);
@@ -71,12 +70,12 @@ pub fn open(path: &Path) -> io::Result<(Reader, u64)> {
     Ok((reader, length))
 }
 
-/// What tells whether the content of an open file was changed, also by who gives it back its time of change.
+/// Detects changes to the content of an open file, even if its modification time is restored.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stamp {
     length: u64,
     modified: Option<SystemTime>,
-    /// When anything of it was changed, and how many names it has: a name that another file takes over changes both.
+    /// The time of the last change of any kind, and the number of its names: a rename over it changes both.
     #[cfg(unix)]
     any_change: [i64; 2],
     #[cfg(unix)]
@@ -97,7 +96,7 @@ impl Stamp {
         }
     }
 
-    /// Whether the content of the file is still what it was when this was made.
+    /// Whether the file's content is still what it was when this was made.
     pub fn holds(&self, now: &Metadata) -> bool {
         let now = Stamp::of(now);
         let same = self.length == now.length && self.modified == now.modified;

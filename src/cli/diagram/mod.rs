@@ -63,7 +63,7 @@ fn model(arguments: &DiagramArguments) -> Result<Diagram> {
     }
 }
 
-/// What is to be written.
+/// The outputs.
 pub struct Pages<'a> {
     arguments: &'a DiagramArguments,
     outputs: Vec<Output>,
@@ -80,7 +80,7 @@ impl Pages<'_> {
         self.outputs.iter().filter(|output| output.is_animated())
     }
 
-    /// The drawing with where it is from.
+    /// The drawing with its metadata.
     fn signed(&self, drawing: Drawing) -> Drawing {
         Drawing {
             origin: self.origin.clone(),
@@ -98,7 +98,7 @@ impl Pages<'_> {
             .try_for_each(|output| self.save(&drawing, output, &output.path))
     }
 
-    /// Writes one file; says so unless asked to be quiet.
+    /// Writes one file, and reports it unless quiet.
     fn save(&self, drawing: &Drawing, output: &Output, path: &Path) -> Result<()> {
         interrupt::check()?;
         let bytes = match (self.arguments.text, output.kind.as_str()) {
@@ -133,7 +133,7 @@ impl Output {
     }
 }
 
-/// Where to write; refused before anything is read.
+/// The outputs; refused before anything is read.
 fn outputs(arguments: &DiagramArguments) -> Result<Vec<Output>> {
     let path = arguments.scene.path();
     let outputs: Vec<Output> = match arguments.output.as_slice() {
@@ -163,13 +163,13 @@ fn outputs(arguments: &DiagramArguments) -> Result<Vec<Output>> {
 /// The file, and what the scene in it, if there is one, is made of.
 fn read(arguments: &DiagramArguments) -> Vec<PathBuf> {
     let path = arguments.scene.path();
-    // What is wrong with the scene is said where it matters, after this.
+    // Errors in the scene are reported where they matter, after this.
     let scene = pixel::scene(arguments, &overrides(arguments, None));
     let files = scene.map_or_else(|_| Vec::new(), |scene| inputs::of_any(&scene));
     path.into_iter().map(PathBuf::from).chain(files).collect()
 }
 
-/// What the command line changes of the file; drawn in `frame`.
+/// The command line's changes to the file; drawn in `frame`.
 fn overrides(arguments: &DiagramArguments, frame: Option<&str>) -> Overrides {
     let quoted = |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
     let said = [
@@ -191,7 +191,7 @@ fn overrides(arguments: &DiagramArguments, frame: Option<&str>) -> Overrides {
     }
 }
 
-/// The style options of the command line go before those of the file.
+/// Style options of the command line take precedence over the file's.
 fn restyle(model: &mut Diagram, arguments: &DiagramArguments) {
     model.style.dark |= arguments.dark;
     if let Some([width, height]) = arguments.size {

@@ -13,7 +13,7 @@ use crate::cli::failure::refused;
 use crate::cli::progress::Bar;
 use crate::cli::{builtin, interrupt, panels, print_json};
 
-/// The diagram of what a pixel sees, whose numbers it prints.
+/// The diagram of what a pixel sees, and prints its numbers.
 pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
     let scene = scene(arguments, &overrides(arguments, None))?;
     let base = diagram_of(arguments, &scene)?;

@@ -17,8 +17,7 @@ use crate::cli::failure::refused;
 use crate::cli::names::numbered;
 use crate::cli::{interrupt, reel, say};
 
-/// Writes the animated files among `outputs`, and the numbered pictures of all others if frames are asked
-/// for.
+/// Writes the animated files among `outputs`, and the numbered pictures of all others if frames are requested.
 pub fn write(pages: &Pages, model: &Diagram) -> Result<()> {
     let arguments = pages.arguments;
     let series = || Series::new(model).ok_or_else(|| nothing_moves(arguments));
@@ -74,7 +73,7 @@ fn pictures(pages: &Pages, series: Series, frames: &Range<u64>) -> Result<()> {
     for (k, drawing) in (0..frames.end).zip(series) {
         interrupt::check()?;
         let drawing = pages.signed(drawing?);
-        // It had to be drawn: where labels of later pictures go depends on it.
+        // It must be drawn anyway: the labels of later pictures depend on it.
         if k < frames.start {
             continue;
         }

@@ -1,4 +1,4 @@
-//! Whether a file is there already: whole, and with the fingerprint that it would be given.
+//! Whether a file already exists: complete, and with the fingerprint that it would get.
 
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -9,7 +9,7 @@ use nullray::io::sealed;
 
 use crate::cli::output::{Identity, Kind, Outputs, extension};
 
-/// Whether all files of a frame are there, as they would be written.
+/// Whether all files of a frame exist as they would be written.
 pub fn all(outputs: &Outputs) -> bool {
     let Some(identity) = &outputs.identity else {
         return false;
@@ -18,7 +18,7 @@ pub fn all(outputs: &Outputs) -> bool {
     let drawn = outputs.overlays.iter().all(|path| is_drawn(path, &overlay));
     drawn
         && outputs.files().all(|(path, kind)| {
-            // A look at the first bytes would do for the fingerprint; that the rest is there takes all of it.
+            // The first bytes would be enough for the fingerprint, but completeness needs all of it.
             let found = fingerprint(path, kind);
             found.is_some_and(|found| found == identity.fingerprint(kind))
         })

@@ -1,5 +1,4 @@
-//! Sequences: one scene at many moments. Everything is loaded and built once; a frame that is there
-//! already is not rendered again.
+//! Sequences: one scene at many moments. Everything is loaded and built once; existing frames are not rendered again.
 
 mod existing;
 mod range;
@@ -26,13 +25,13 @@ use super::{exposure, film, inputs, interrupt, overlay, remarks, say, warn};
 
 pub use range::{Frames, Shot};
 
-/// How many frames are looked at for one exposure.
+/// The number of frames that are previewed for a common exposure.
 const MEASURED: u64 = 9;
 
-/// What a sequence is made of, and how.
+/// The parts of a sequence.
 pub struct Job<'a> {
     pub changes: &'a Changes,
-    /// Whether one exposure is measured for all frames.
+    /// Whether a common exposure is measured for all frames.
     pub same_exposure: bool,
     pub quiet: bool,
     pub file: &'a SceneFile,
@@ -80,7 +79,7 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
         white: None,
         unwritten: None,
     };
-    // A sequence that goes beyond the camera's motion is not begun.
+    // A sequence that exceeds the camera's motion is not started.
     if let Some(last) = frames.numbers.clone().last() {
         sequence.scene_at(last)?;
     }
@@ -91,14 +90,14 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
         interrupt::check()?;
         sequence.frame(number)
     });
-    // Also where the rest was given up: what is rendered is kept.
+    // Also if the rest was abandoned: rendered frames are kept.
     let written = Unwritten::write(sequence.unwritten.take());
     rendered?;
     sequence.say_each(&written?)?;
     sequence.conclude()
 }
 
-/// Most frames that are named one by one as they are written.
+/// The largest number of frames that are reported one by one as they are written.
 const NAMED_ONE_BY_ONE: u64 = 12;
 
 /// A sequence that is being rendered.
@@ -108,19 +107,19 @@ struct Sequence<'a> {
     inputs: Inputs,
     /// The scene file as it was.
     scene_file: Stamp,
-    /// None until the first frame that is not there.
+    /// `None` until the first missing frame.
     prepared: Option<Prepared>,
     /// When the first frame was begun.
     began: Instant,
     done: Done,
     account: Option<&'a mut Account>,
-    /// The radiance of white in all frames, where it was measured.
+    /// The white radiance of all frames, if it was measured.
     white: Option<f64>,
     /// The last frame, which is written while the next one is rendered: most formats keep one thread busy.
     unwritten: Option<Unwritten>,
 }
 
-/// A frame that is rendered and not yet written.
+/// A rendered frame that is not yet written.
 struct Unwritten {
     scene: Scene,
     outputs: Outputs,
@@ -129,7 +128,7 @@ struct Unwritten {
 }
 
 impl Unwritten {
-    /// Writes the files of the frame, if there is one; what to print of each.
+    /// Writes the files of the frame, if there is one; returns what to print for each.
     fn write(frame: Option<Unwritten>) -> Result<Vec<String>> {
         let mut lines = Vec::new();
         if let Some(frame) = frame {
@@ -167,7 +166,7 @@ impl Sequence<'_> {
         say(self.job.quiet, text)
     }
 
-    /// Renders a frame, unless its files are there already: complete, and of the same scene and options.
+    /// Renders a frame, unless its files exist: complete, and from the same scene and options.
     fn frame(&mut self, number: u64) -> Result<()> {
         let scene = self.scene_at(number)?;
         let mut outputs = self.job.outputs.renamed(|path| numbered(path, number));
@@ -211,7 +210,7 @@ impl Sequence<'_> {
         self.say_each(&Unwritten::write(Some(frame))?)
     }
 
-    /// Says which files were written, but for long sequences.
+    /// Reports which files were written, except for long sequences.
     fn say_each(&self, lines: &[String]) -> Result<()> {
         let quiet = self.job.quiet || self.is_long();
         lines.iter().try_for_each(|line| say(quiet, line))
@@ -232,7 +231,7 @@ impl Sequence<'_> {
         let mut scene = file.scene(&overrides)?;
         if let Some(shot) = frames.shot(number) {
             scene = shot.seen(&scene);
-            // The scene's own white is that of its own camera: at other speeds the light is another.
+            // The scene's own white applies to its own camera: at other speeds the light is different.
             if matches!(scene.exposure, Exposure::White(_)) && !self.job.changes.says_exposure() {
                 scene.exposure = Exposure::default();
             }
@@ -339,7 +338,7 @@ impl Sequence<'_> {
         }
     }
 
-    /// Says what was done, and what concerns all frames: inputs that have changed, and frames that are black.
+    /// Reports what was done, and what concerns all frames: inputs that have changed, and black frames.
     fn conclude(&self) -> Result<()> {
         let done = &self.done;
         if done.rendered > 0 && self.is_long() {
@@ -398,7 +397,7 @@ impl Sequence<'_> {
     }
 }
 
-/// The refusal of files that change under our hands.
+/// The error for files that change while they are read.
 fn changed(path: &Path) -> Error {
     let what = "the file was changed while it was read";
     Error::invalid(path, "", what, "run the command again when it is complete")

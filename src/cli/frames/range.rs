@@ -1,9 +1,8 @@
-//! Which frames a sequence has, and when they are taken.
+//! The frames of a sequence, and their times.
 //!
-//! Frame k is taken at the camera time t₀ + k Δ, by one multiplication: what is before it does not matter,
-//! and any part of a sequence has the same frames as the whole, but for a white that is measured: one for all
-//! that are asked for. Of N frames per second of the camera's clock the offset is (k / N) c. A range of times is
-//! half-open; a frame that is within 10⁻⁹ Δ of its end counts as at the end.
+//! Frame k is taken at the camera time t₀ + k Δ, by one multiplication: earlier frames do not matter, and any part of a sequence has the
+//! same frames as the whole, except for a measured white, which is common to all requested frames. For N frames per second of the
+//! camera's clock the offset is (k / N) c. A range of times is half-open; a frame within 10⁻⁹ Δ of its end counts as at the end.
 
 use std::ops::Range;
 
@@ -29,7 +28,7 @@ pub struct Frames {
     pace: Pace,
 }
 
-/// Where and how fast the camera is in one picture.
+/// The position and velocity of the camera in one picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shot {
     /// The pinhole's event.
@@ -58,7 +57,7 @@ impl Shot {
     }
 }
 
-/// How frames follow each other.
+/// The spacing of frames.
 #[derive(Debug, Clone, PartialEq)]
 enum Pace {
     /// Each is given.
@@ -84,7 +83,7 @@ impl Pace {
         }
     }
 
-    /// Camera time from frame 0 to frame `number`, metres; none where frames have no common clock.
+    /// Camera time from frame 0 to frame `number`, metres; `None` if frames have no common clock.
     fn offset(&self, number: u64) -> Option<f64> {
         let number = number as f64;
         match self {
@@ -99,10 +98,10 @@ impl Pace {
 }
 
 impl Frames {
-    /// The frames that are asked for; none where a single picture is.
+    /// The requested frames; `None` for a single picture.
     ///
     /// # Errors
-    /// Intervals that are not above 0 or not given at all; ranges without a frame, or with too many.
+    /// Intervals that are missing or not above 0; ranges without a frame, or with too many.
     pub fn of(arguments: &FrameArguments, scene: &Scene) -> Result<Option<Frames>> {
         let metres = |time: Time| time.metres(scene.speed_of_light);
         let frames = match (&arguments.frames, arguments.from, arguments.to) {
@@ -161,12 +160,12 @@ impl Frames {
         })
     }
 
-    /// The camera time of a frame, metres; none where it is given by its shot.
+    /// The camera time of a frame, metres; `None` if it is given by its shot.
     pub fn time(&self, number: u64) -> Option<f64> {
         Some(self.start + self.pace.offset(number)?)
     }
 
-    /// The shot of a frame; none where it is given by its time.
+    /// The shot of a frame; `None` if it is given by its time.
     pub fn shot(&self, number: u64) -> Option<Shot> {
         match &self.pace {
             Pace::Shots(shots) => shots.get(usize::try_from(number).ok()?).copied(),

@@ -1,4 +1,4 @@
-//! How the samples of a cube lie in a file.
+//! The layout of a cube's samples in a file.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use super::axes::{Arrangement, Axes};
 use super::number::Number;
 use crate::error::{Error, Result};
 
-/// How samples lie in a file.
+/// The layout of samples in a file.
 #[derive(Debug, Clone)]
 pub(super) struct StoredLayout {
     /// Bytes before the first sample.
@@ -28,7 +28,7 @@ impl StoredLayout {
     }
 }
 
-/// How far apart entries along each axis are.
+/// The strides along each axis.
 pub(super) fn strides(sizes: &[usize]) -> Vec<usize> {
     let mut strides = vec![1; sizes.len()];
     for axis in (1..sizes.len()).rev() {

@@ -1,7 +1,7 @@
 //! Cubes of samples (row, column, time, channel), and the files that hold them.
 //!
-//! A further format is a file here, with its [`CubeFormat`], and a line in [`FORMATS`], whether it is one of files, told by what they hold, or
-//! of folders and patterns, told by their paths.
+//! To add a format, write a file here with its [`CubeFormat`], and a line in [`FORMATS`]; formats are recognised by the content of files,
+//! or by path for folders and patterns.
 
 #[cfg(not(all(feature = "hdf5", feature = "zarr")))]
 mod absent;

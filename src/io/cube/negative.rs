@@ -1,4 +1,4 @@
-//! Samples below 0: what there is of them, and what becomes of them.
+//! Samples below 0: statistics, and their treatment.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::samples::{Cube, CubeSamples, place_of};
 use crate::error::{Error, Result};
 
-/// What becomes of samples below 0, which data have from which a background was subtracted.
+/// What to do with samples below 0, which occur in data with a background subtracted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -24,22 +24,22 @@ pub enum Negative {
     Refuse,
 }
 
-/// What samples there are below 0.
+/// Statistics of samples below 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct BelowZero {
-    /// How many, and of how many.
+    /// Their number, and the number of samples.
     pub count: u64,
-    /// Samples that were looked at.
+    /// The number of samples examined.
     pub of: u64,
-    /// The least.
+    /// The smallest.
     pub least: f64,
-    /// Its row, column, bin and channel; of several alike those of the first.
+    /// Its row, column, bin and channel; the first among equals.
     pub place: [usize; 4],
 }
 
 impl BelowZero {
-    /// Those among samples that were looked at, each with its place in a cube of this shape; none where there are none.
+    /// For the samples examined, each with its place in a cube of this shape; `None` if there are none.
     pub fn among(
         samples: impl Iterator<Item = (usize, f64)>,
         shape: [usize; 4],
@@ -77,7 +77,7 @@ impl std::fmt::Display for BelowZero {
 }
 
 impl Cube {
-    /// What samples there are below 0; none where there are none.
+    /// The statistics of samples below 0; `None` if there are none.
     pub fn below_zero(&self) -> Option<BelowZero> {
         /// Samples that a thread counts at a time.
         const PIECE: usize = 1 << 16;
@@ -113,7 +113,7 @@ impl Cube {
 }
 
 impl Negative {
-    /// What becomes of those of a cube.
+    /// Applies the treatment to a cube.
     pub(super) fn apply_to_cube(self, cube: &mut Cube, path: &Path) -> Result<()> {
         match (self, cube.below_zero()) {
             (Negative::Keep, _) | (_, None) => Ok(()),
@@ -122,7 +122,7 @@ impl Negative {
         }
     }
 
-    /// The same of samples that are read as they are needed.
+    /// The same for samples that are read on demand.
     pub(super) fn apply_to_samples(self, samples: &mut CubeSamples, path: &Path) -> Result<()> {
         match samples {
             CubeSamples::F16(samples) => self.apply(samples, path),

@@ -1,5 +1,5 @@
-//! NumPy arrays as cubes: half, single or double precision, or integers (counts), of either
-//! byte order, in C or Fortran order, with axes in any order that is named; C is 1 or 3, or what is named of the channels.
+//! NumPy arrays as cubes: half, single or double precision, or integers (counts), of either byte order, in C or Fortran order, with axes
+//! in any declared order; C is 1 or 3, or the number of declared channels.
 //!
 //! Samples go to their places in the cube as they are read, so that no second copy is held.
 
@@ -85,7 +85,7 @@ fn stored(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Stor
     })
 }
 
-/// Writes the samples of an array of an archive to `to`, where they begin at 0.
+/// Writes the samples of an archived array to `to`, starting at 0.
 fn write_out(
     reader: &mut dyn ReadSeek,
     file: &Path,
@@ -103,7 +103,7 @@ fn write_out(
     })
 }
 
-/// The samples in their own precision; integers as the floating-point numbers that hold them.
+/// The samples in their own precision; integers as the floating-point type that holds them.
 fn samples(stored: &mut Stored, layout: &Layout) -> Result<CubeSamples> {
     Ok(match (layout.number, layout.big_endian) {
         (Number::F16, true) => CubeSamples::F16(finite(stored, layout, f16::from_be_bytes)?),
@@ -216,7 +216,7 @@ fn number(header: &Header, place: &Place) -> Result<(Number, bool)> {
     Ok((number, header.big_endian))
 }
 
-/// What a header says of a cube.
+/// The header of a cube.
 struct Layout {
     arrangement: Arrangement,
     axes: Axes,
@@ -317,8 +317,8 @@ fn layout(stored: &mut Stored, wanted: Wanted) -> Result<Layout> {
     })
 }
 
-/// What mitransient's films of other quantities are known by: in the axis of channels (H, W, T, 4) has Stokes
-/// components, (H, W, T, 12) those of three colours, and (H, W, frequencies, 2) real and imaginary parts.
+/// How mitransient's films of other quantities are recognised: by the channel axis, (H, W, T, 4) for Stokes components, (H, W, T, 12) for
+/// those of three colours, and (H, W, frequencies, 2) for real and imaginary parts.
 fn film_without_radiance(arrangement: &Arrangement, axes: &Axes) -> Option<String> {
     let [.., bins, channels] = arrangement.shape;
     match channels {
@@ -340,7 +340,7 @@ fn film_without_radiance(arrangement: &Arrangement, axes: &Axes) -> Option<Strin
     }
 }
 
-/// What to do about an order of axes.
+/// The advice about an order of axes.
 const AXES: &str = "name the axes of the array in the source's `axes`, like \"T H W\" or \"C T H W\": \
                     H rows, W columns, T time bins, C channels, 1 an axis of one entry";
 

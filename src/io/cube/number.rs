@@ -21,15 +21,15 @@ pub(super) enum Number {
     I64,
 }
 
-/// Whole numbers up to here are exact in double precision.
+/// Integers up to here are exact in double precision.
 const EXACT: u64 = 1 << 53;
 
-/// As a floating-point number; NaN where that does not hold it.
+/// As a floating-point number; NaN if that cannot represent it.
 pub(super) fn exact_u64(n: u64) -> f64 {
     if n <= EXACT { n as f64 } else { f64::NAN }
 }
 
-/// As a floating-point number; NaN where that does not hold it.
+/// As a floating-point number; NaN if that cannot represent it.
 pub(super) fn exact_i64(n: i64) -> f64 {
     match n.unsigned_abs() <= EXACT {
         true => n as f64,
@@ -71,7 +71,7 @@ impl Number {
         }
     }
 
-    /// The samples that `bytes` are, in the type in memory.
+    /// The samples encoded in `bytes`, in the type in memory.
     pub fn samples(self, bytes: &[u8], big_endian: bool) -> CubeSamples {
         fn each<const N: usize, T>(bytes: &[u8], number: impl Fn([u8; N]) -> T) -> Vec<T> {
             bytes
@@ -94,7 +94,7 @@ impl Number {
         }
     }
 
-    /// The numbers that `bytes` are, behind what is in `to`.
+    /// Appends the numbers encoded in `bytes` to `to`.
     pub fn decode(self, bytes: &[u8], big_endian: bool, to: &mut Vec<f64>) {
         fn each<const N: usize>(bytes: &[u8], to: &mut Vec<f64>, number: impl Fn([u8; N]) -> f64) {
             to.extend(bytes.as_chunks::<N>().0.iter().map(|b| number(*b)));

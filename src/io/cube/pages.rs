@@ -1,4 +1,4 @@
-//! Arrays whose samples have a place in their file, in bricks of a page each.
+//! Arrays with random access in their file, in bricks of a page each.
 
 use std::fs::File;
 use std::io;
@@ -12,31 +12,31 @@ use super::store::{Located, Store};
 use crate::error::{Error, Result};
 use crate::io::files::{Reader, Stamp};
 
-/// Bytes of the file in a brick, where that has samples in places of their own.
+/// Bytes of the file in a brick, for random access.
 pub const BRICK: u64 = 4096;
 
-/// An array that is read at positions.
+/// An array that is read by positioned reads.
 #[derive(Debug)]
 pub(super) struct Pages {
     path: PathBuf,
     file: Positioned,
     layout: StoredLayout,
     shape: [usize; 4],
-    /// Channels that are taken of those in the file; all, where none are said.
+    /// The channels that are read of those in the file; all if `None`.
     taken: Option<Box<[usize]>>,
-    /// How far apart in the file entries along H, W, T and C are.
+    /// The strides along H, W, T and C in the file.
     strides: [u64; 4],
     /// Samples in the file.
     count: u64,
-    /// Samples in a brick, 2 to the power of this; and how many of the first brick's lie before the file's first sample: so that bricks
-    /// begin where pages do.
+    /// Samples in a brick, as a power of 2; and how many of the first brick's are before the file's first sample, so that bricks are
+    /// aligned to pages.
     per_brick: u32,
     skew: u64,
     /// Whether entries along H, W, T and C follow one another in this order.
     is_in_order: bool,
 }
 
-/// Where samples lie in bricks that are in the order in which they are counted.
+/// The positions of samples if bricks hold them in counting order.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct InOrder {
     /// As in [`Pages`].
@@ -45,7 +45,7 @@ pub(super) struct InOrder {
 }
 
 impl InOrder {
-    /// The brick that all of `count` samples from the `first` on lie in, and from where on; none where there are several.
+    /// The brick that contains all of `count` samples from the `first` on, and the first position in it; `None` if there are several.
     #[inline(always)]
     pub fn whole(self, first: u64, count: usize) -> Option<(u64, usize)> {
         let at = first + self.skew;
@@ -55,7 +55,7 @@ impl InOrder {
     }
 }
 
-/// A file that is read at positions.
+/// A file for positioned reads.
 #[derive(Debug)]
 enum Positioned {
     #[cfg(unix)]
@@ -94,7 +94,7 @@ impl Positioned {
         Ok(Positioned::File(file, Stamp::of(&metadata)))
     }
 
-    /// Whether the file holds what it held when it was opened, as far as the operating system tells.
+    /// Whether the file's content is what it was when opened, as far as the operating system can tell.
     fn is_unchanged(&self) -> bool {
         match self {
             #[cfg(unix)]
@@ -118,7 +118,7 @@ impl Positioned {
     }
 }
 
-/// The refusal of a file that changes under our hands.
+/// The error for a file that changes while it is read.
 pub(super) fn changed(path: &Path) -> Error {
     let what = "the file was changed while it was read";
     Error::invalid(path, "", what, "run the command again when it is complete")
@@ -149,7 +149,7 @@ impl Pages {
             strides: along,
             count: layout.sizes.iter().product::<usize>() as u64,
             per_brick,
-            // Bricks are pages of the file: the first of them lacks the samples that would lie before the array.
+            // Bricks are pages of the file: the first lacks the samples that would be before the array.
             skew: match layout.start % size {
                 0 => layout.start / size % (1 << per_brick),
                 _ => 0,
@@ -173,7 +173,7 @@ impl Pages {
         self.shape
     }
 
-    /// Whether everything that was read of the file was what it held when it was opened.
+    /// Checks that everything read from the file was its content when it was opened.
     ///
     /// # Errors
     /// The file has been changed since.
@@ -192,8 +192,8 @@ impl Pages {
         1 << self.per_brick
     }
 
-    /// Gives to `each` where `count` samples from the `first` of the file on lie: in which brick, from where on in that, and how
-    /// many.
+    /// Calls `each` with the positions of `count` samples from the `first` of the file on: the brick, the first position in it, and the
+    /// number.
     #[inline(always)]
     pub fn run(&self, first: u64, mut count: usize, mut each: impl FnMut(u64, usize, usize)) {
         let mut at = first + self.skew;
@@ -206,7 +206,7 @@ impl Pages {
         }
     }
 
-    /// Where samples lie that are counted in the file by rows, columns, bins and channels; none where they are not.
+    /// The positions of samples if the file stores them by rows, columns, bins and channels; `None` otherwise.
     pub fn in_order(&self) -> Option<InOrder> {
         self.is_in_order.then_some(InOrder {
             per_brick: self.per_brick,
@@ -232,8 +232,8 @@ impl Pages {
         })
     }
 
-    /// Gives to `each` where the samples of a pixel lie, from `bin` on, bin by bin: in which brick, from where on in that,
-    /// and how many.
+    /// Calls `each` with the positions of a pixel's samples, from `bin` on, bin by bin: the brick, the first position in it, and the
+    /// number.
     #[inline(always)]
     pub fn runs(
         &self,
@@ -272,7 +272,7 @@ impl Pages {
         }
     }
 
-    /// `count` bricks from the `first` on, read in one go; the last of the file may be shorter.
+    /// `count` bricks from the `first` on, in one read; the last of the file may be shorter.
     pub fn load(&self, first: u64, count: u64) -> Result<Vec<CubeSamples>> {
         let size = self.layout.number.stored();
         let [begin, end] = self.range(first, first + count);

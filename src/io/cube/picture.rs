@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::image::{self, Layers, Samples};
 
-/// The longest file of a picture that is read as a whole, bytes.
+/// The longest picture file that is read as a whole, bytes.
 const LONGEST: u64 = 1 << 30;
 
 /// A picture of a sequence: one of the pictures in a file.
@@ -23,7 +23,7 @@ pub(super) struct Frame {
     pub number: usize,
 }
 
-/// How many pictures of one size the file of a picture holds; more than one in stacks of TIFF.
+/// The number of pictures of one size in a file; more than one in TIFF stacks.
 ///
 /// # Errors
 /// It cannot be read.
@@ -49,18 +49,18 @@ pub(super) fn file_name(file: &Path) -> String {
         .into_owned()
 }
 
-/// The size of a picture, which all of a sequence have.
+/// The size of a picture, shared by all of a sequence.
 pub(super) struct Form {
     /// Columns and rows.
     pub size: [usize; 2],
     /// 1 or 3, or as many as are named.
     pub channels: usize,
-    /// What reading it takes, bytes.
+    /// The memory for reading it, bytes.
     pub memory: u64,
 }
 
 impl Form {
-    /// That of a picture: of PNG by its header, others are read.
+    /// The size of a picture: from the header for PNG; others are read.
     pub fn of(frame: &Frame, wanted: Wanted) -> Result<Form> {
         if extension(&frame.file) == "png" {
             refuse_names(&frame.file, wanted)?;
@@ -128,7 +128,7 @@ impl Picture {
                 ));
             }
         };
-        // From the place in the list of samples to that in the picture, which the message can name.
+        // From the index in the list of samples to the position in the picture, for the message.
         let width = picture.size[0] * picture.channels;
         match picture
             .samples
@@ -159,7 +159,7 @@ impl Picture {
         let mut planes = Vec::with_capacity(channels.count());
         for (name, stored) in channels.names().into_iter().zip(channels.in_pictures()) {
             let Some(channel) = layers.channel(stored) else {
-                // A picture may have thousands of channels: ten show what kind it is.
+                // A picture may have thousands of channels: ten are enough to show.
                 let names: Vec<_> = (layers.channels.iter().take(10))
                     .map(|c| c.name.as_str())
                     .collect();
@@ -201,14 +201,14 @@ impl Picture {
         })
     }
 
-    /// R, G and B, or else the only channel that is not alpha or depth.
+    /// R, G and B, or else the only channel other than alpha or depth.
     fn of_exr(file: &Path, layers: &Layers, budget: &Budget) -> Result<Picture> {
         let colours = ["radiance.R", "radiance.G", "radiance.B"];
         let colours = colours.map(|name| layers.channel(name).map(|channel| &channel.samples));
         if let [Some(r), Some(g), Some(b)] = colours {
             return Picture::of_planes(file, layers, &[r, g, b], budget);
         }
-        // These are stored beside a radiance, and measure something else.
+        // These are stored beside a radiance, but measure something else.
         let others = ["A", "alpha", "Z", "distance"];
         let mut grey = layers
             .channels
@@ -302,7 +302,7 @@ impl Picture {
     }
 }
 
-/// Refuses names of channels where a picture has none: only EXR stores channels by name.
+/// Refuses channel names for a picture without them: only EXR stores channels by name.
 fn refuse_names(file: &Path, wanted: Wanted) -> Result<()> {
     if wanted.channels.is_none() || extension(file) == "exr" {
         return Ok(());
@@ -312,7 +312,7 @@ fn refuse_names(file: &Path, wanted: Wanted) -> Result<()> {
     Err(Error::invalid(file, "channels", what, help))
 }
 
-/// From codes to radiance, as the caller declares it.
+/// From codes to radiance, by the caller's declaration.
 fn linear_of(file: &Path, transfer: Option<Transfer>) -> Result<fn(f64) -> f32> {
     match transfer {
         Some(Transfer::Linear) => Ok(|code| code as f32),

@@ -1,7 +1,7 @@
-//! Where samples of many lookups lie in the bricks of a cube on disk.
+//! The positions of many lookups' samples in the bricks of a cube on disk.
 //!
-//! A lookup reads short runs of samples, each of one pixel. Almost every run lies in one brick, and mostly in that of the run before: such
-//! runs share a piece, and are read where they are. The others are copied into pieces of their own.
+//! A lookup reads short runs of samples, each of one pixel. Almost every run is in one brick, usually that of the previous run: such runs
+//! share a piece, and are read in place. The others are copied into separate pieces.
 
 use std::mem::discriminant;
 use std::sync::Arc;
@@ -18,11 +18,11 @@ pub(crate) struct Pieces {
     pieces: Vec<Piece>,
     /// Samples in a run.
     count: usize,
-    /// Where samples lie, if in order.
+    /// The positions of samples, if in order.
     places: Option<InOrder>,
     /// By row of taps, the brick of the last run and its piece.
     last: [Option<(u64, u16)>; 2],
-    /// Bricks that are not at hand, in the order of their pieces.
+    /// Bricks that the thread does not hold, in the order of their pieces.
     far: Vec<Arc<CubeSamples>>,
     /// Samples of the runs that are copied.
     copied: CubeSamples,
@@ -32,13 +32,13 @@ pub(crate) struct Pieces {
 enum Piece {
     /// All of a brick.
     Brick(u64),
-    /// A run that lies in several bricks, or not together in one: the number of its first sample.
+    /// A run that spans several bricks, or is not contiguous in one: the number of its first sample.
     Copied(u64),
 }
 
 /// A number as bricks hold it.
 pub(crate) trait Stored: Copy {
-    /// Samples of this type; none where they are of another.
+    /// Samples of this type; `None` if they have another.
     fn of(samples: &CubeSamples) -> &[Self];
 }
 
@@ -74,7 +74,7 @@ impl Default for Pieces {
 }
 
 impl Pieces {
-    /// Forgets all; runs to come are of `count` samples of `bricks`, no bin of which is mended.
+    /// Clears everything; the next runs are of `count` samples of `bricks`, none of whose bins is interpolated.
     pub fn start(&mut self, bricks: &Bricks, count: usize) {
         self.pieces.clear();
         self.far.clear();
@@ -83,8 +83,8 @@ impl Pieces {
         self.last = [None; 2];
     }
 
-    /// The piece of the run from the `origin`-th sample of the cube on, at most 2¹⁶ of them, and from where on it lies in that. Notes which
-    /// bricks are not at hand. Runs of one `row` (of two) are looked for together.
+    /// The piece of the run from the `origin`-th sample of the cube on, at most 2¹⁶ of them, and the first position in it. Records which
+    /// bricks the thread does not hold. Runs of the same `row` (of two) are looked up together.
     #[inline(always)]
     pub fn find(
         &mut self,
@@ -137,7 +137,7 @@ impl Pieces {
         (self.pieces.len() - 1) as u16
     }
 
-    /// Gets what is not at hand, as bricks of one batch can drive each other out, and copies the runs that lie apart.
+    /// Fetches missing bricks (bricks of one batch can evict each other), and copies the runs that are not contiguous.
     pub fn fetch(&mut self, bricks: &Bricks, held: &Held) {
         let copies = self.pieces.iter().filter(|p| matches!(p, Piece::Copied(_)));
         let room = copies.count() * self.count;
@@ -158,7 +158,7 @@ impl Pieces {
                 }
                 Piece::Copied(origin) => {
                     bricks.runs_from(origin, self.count, |brick, from, count| {
-                        // Holds a brick that is not at hand until its run is copied; the cache may drop it meanwhile.
+                        // Holds a brick until its run is copied, because the cache may drop it meanwhile.
                         let far;
                         let samples = match bricks.of(held, brick) {
                             Some(samples) => samples,

@@ -1,4 +1,4 @@
-//! A cube of samples as it stood in the file: shape (H, W, T, C), C order, one copy in memory.
+//! A cube of samples as in the file: shape (H, W, T, C), C order, one copy in memory.
 
 use half::f16;
 
@@ -17,8 +17,8 @@ pub enum CubeSamples {
 
 /// A cube of finite samples, shape (H, W, T, C), C order; row 0 is the top row.
 ///
-/// [`Cube::new`] checks all of this; a time texture checks again what reading relies on, so that a cube put
-/// together by hand cannot be read out of range.
+/// [`Cube::new`] checks all of this; a time texture checks again what reading relies on, so that a cube built by hand cannot be read out
+/// of range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cube {
     /// H, W, T, C; each at least 1.
@@ -27,7 +27,7 @@ pub struct Cube {
     pub samples: CubeSamples,
 }
 
-/// Why something is not a cube, or not one that can be looked up. The reader of the file adds its name.
+/// Why something is not a cube, or cannot be looked up. The reader of the file adds its name.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CubeError {
@@ -39,7 +39,7 @@ pub enum CubeError {
     Length {
         /// H, W, T, C.
         shape: [usize; 4],
-        /// Samples that there are.
+        /// The number of samples.
         samples: usize,
     },
     /// A sample is NaN or infinite.
@@ -48,18 +48,18 @@ pub enum CubeError {
     /// Neither one channel nor three.
     #[error("{0} channels: a cube holds 1 (grey) or 3 (linear RGB)")]
     Channels(usize),
-    /// A table of bin edges is not one of as many bins as there are.
+    /// A table of bin edges does not match the number of bins.
     #[error("{edges} bin edges for {bins} time bins, which have {} edges", bins + 1)]
     Edges {
-        /// Edges that there are.
+        /// The number of edges.
         edges: usize,
-        /// Bins that there are.
+        /// The number of bins.
         bins: usize,
     },
-    /// Start, bin width or scale of the time axis is no usable number.
+    /// Start, bin width or scale of the time axis is unusable.
     #[error("the time axis has {quantity} {value}; it must be {right}")]
     Axis {
-        /// Which.
+        /// The quantity.
         quantity: &'static str,
         /// Its value.
         value: f64,
@@ -71,7 +71,7 @@ pub enum CubeError {
 crate::error::value_errors!(CubeError);
 
 impl CubeSamples {
-    /// How many samples.
+    /// The number of samples.
     pub fn len(&self) -> usize {
         match self {
             CubeSamples::F16(s) => s.len(),
@@ -80,7 +80,7 @@ impl CubeSamples {
         }
     }
 
-    /// How many bytes they take.
+    /// Their size in bytes.
     pub fn bytes(&self) -> u64 {
         let each = match self {
             CubeSamples::F16(_) => 2,
@@ -90,7 +90,7 @@ impl CubeSamples {
         each * self.len() as u64
     }
 
-    /// Has room for so many; new ones are 0.
+    /// Resizes to this many; new ones are 0.
     pub(super) fn resize(&mut self, count: usize) {
         match self {
             CubeSamples::F16(s) => s.resize(count, f16::ZERO),
@@ -99,7 +99,7 @@ impl CubeSamples {
         }
     }
 
-    /// Copies those of `from` in `range`, if they are of this type and both have them, to place `at` and on.
+    /// Copies those of `from` in `range`, if of the same type and in range, to place `at` and on.
     pub(super) fn copy(&mut self, at: usize, from: &CubeSamples, range: std::ops::Range<usize>) {
         fn each<T: Copy>(to: &mut [T], at: usize, from: &[T], range: std::ops::Range<usize>) {
             if let (Some(to), Some(from)) = (to.get_mut(at..at + range.len()), from.get(range)) {
@@ -114,12 +114,12 @@ impl CubeSamples {
         }
     }
 
-    /// Whether there are none.
+    /// Whether it is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// A sample as f64; none beyond the last.
+    /// A sample as f64; `None` beyond the last.
     pub fn get(&self, index: usize) -> Option<f64> {
         match self {
             CubeSamples::F16(s) => s.get(index).map(|x| x.to_f64()),
@@ -137,14 +137,14 @@ impl CubeSamples {
         }
     }
 
-    /// So many zeros of this type.
+    /// This many zeros of this type.
     pub(super) fn zeros(dtype: &Dtype, count: usize) -> CubeSamples {
         let mut zeros = CubeSamples::of(dtype, &[]);
         zeros.resize(count);
         zeros
     }
 
-    /// Fills `to` with the numbers from the `from`-th on, as far as there are so many.
+    /// Fills `to` with the numbers from the `from`-th on, as far as there are any.
     #[inline]
     pub(super) fn widen(&self, from: usize, to: &mut [f64]) {
         #[inline(always)]
@@ -161,7 +161,7 @@ impl CubeSamples {
         }
     }
 
-    /// Makes room before the first for so many zeros.
+    /// Inserts this many zeros before the first.
     pub(super) fn pad(&mut self, count: usize) {
         fn each<T: Clone + Default>(samples: &mut Vec<T>, count: usize) {
             samples.splice(..0, std::iter::repeat_n(T::default(), count));
@@ -173,9 +173,9 @@ impl CubeSamples {
         }
     }
 
-    /// The place of the first sample that is not finite.
+    /// The index of the first sample that is not finite.
     pub(super) fn first_not_finite(&self) -> Option<usize> {
-        // All are finite as a rule: a loop without a way out goes in vectors.
+        // Normally all are finite: a loop without an early exit vectorizes.
         fn first<T>(samples: &[T], is_finite: impl Fn(&T) -> bool) -> Option<usize> {
             let all = samples.iter().fold(true, |all, x| all & is_finite(x));
             match all {
@@ -205,7 +205,7 @@ impl Cube {
         }
     }
 
-    /// The sum over the channels of bin `bin` of pixel `pixel` (row · W + column); 0 where there is none.
+    /// The sum over the channels of bin `bin` of pixel `pixel` (row · W + column); 0 if it does not exist.
     pub fn total(&self, pixel: usize, bin: usize) -> f64 {
         let [_, _, bins, channels] = self.shape;
         let first = (pixel * bins + bin) * channels;
@@ -214,7 +214,7 @@ impl Cube {
             .sum()
     }
 
-    /// Whether the shape is that of the samples: all that reading in range relies on.
+    /// Whether the shape matches the samples: everything that reading in range relies on.
     pub(crate) fn check_shape(&self) -> Result<(), CubeError> {
         let names = ["row", "column", "time", "channel"];
         if let Some((name, _)) = names.iter().zip(self.shape).find(|(_, n)| *n == 0) {

@@ -1,8 +1,8 @@
-//! Arrays on disk with other axes than a cube's: entries along an axis are added up or one is chosen, points in a list are
-//! laid out in rows and columns, channels beyond red, green and blue are left out.
+//! Arrays on disk with axes that a cube does not have: entries along an axis are summed or one is selected, a list of points is arranged
+//! in rows and columns, channels beyond red, green and blue are left out.
 //!
-//! They are read in windows, or whole in slabs: ranges of the slowest axis that stays, so that memory is bounded whatever
-//! their size.
+//! They are read in windows, or completely in slabs: ranges of the slowest axis that is kept, so that memory is bounded whatever their
+//! size.
 
 use std::io::Write;
 use std::ops::Range;
@@ -22,27 +22,27 @@ use crate::io::npy::Dtype;
 /// Samples of a slab, as numbers: 32 MiB of them.
 const SLAB: usize = if cfg!(test) { 50 } else { 4 << 20 };
 
-/// The most bins, rows or samples along an axis.
+/// The largest number of bins, rows or samples along an axis.
 const LONGEST: u64 = 1 << 40;
 
-/// An array of which windows are read.
+/// An array that is read in windows.
 pub(super) trait Windows {
-    /// The samples of a window, a range per axis, in C order, in place of what is in `to`.
+    /// Replaces `to` by the samples of a window, a range per axis, in C order.
     fn read(&mut self, window: &[Range<usize>], to: &mut Vec<f64>) -> Result<()>;
 
     /// Entries along each axis that are stored together.
     fn together(&self) -> Vec<usize>;
 
-    /// Whether they can be read together only, so that all are decoded for one.
+    /// Whether they can only be read together, so that all are decoded for one.
     fn decodes(&self) -> bool {
         true
     }
 }
 
-/// Opens the array once more, so that threads need not share one.
+/// Opens the array again, so that threads need not share one.
 pub(super) type Open = Box<dyn Fn() -> Result<Box<dyn Windows + Send>> + Send + Sync>;
 
-/// What of a cube the entries along an axis of the array are.
+/// The meaning in a cube of the entries along an axis of the array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lies {
     Row,
@@ -57,46 +57,46 @@ pub(super) enum Lies {
     Nothing,
 }
 
-/// What becomes of an axis of the array.
+/// What to do with an axis of the array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Role {
-    /// It stays, with so many of its entries.
+    /// Keep this many of its entries.
     Kept(usize),
-    /// All of its entries are added up.
+    /// Sum over its entries.
     Summed(usize),
-    /// One entry is chosen.
+    /// Select one entry.
     Chosen(usize),
 }
 
-/// What is taken of an array.
+/// The part of the array that is read.
 #[derive(Debug, Clone)]
 pub(super) struct Selection {
     roles: Vec<Role>,
-    /// Of the axes that stay: which they are, and what lies along them.
+    /// The axes that are kept: which they are, and what their entries mean.
     lies: Vec<(usize, Lies)>,
-    /// Sizes and axes of what is taken, the slowest first.
+    /// Sizes and axes of the result, slowest first.
     pub sizes: Vec<usize>,
     pub axes: Axes,
     pub dtype: Dtype,
 }
 
-/// How the axes of an array are to be taken.
+/// How to read the axes of an array.
 #[derive(Debug, Clone)]
 pub(super) struct Taken<'a> {
     /// A name per axis.
     pub axes: &'a [Axis],
-    /// For axes named L: which entry of each.
+    /// For axes named L: the selected entry of each.
     pub choices: &'a [usize],
     /// Entries of the axis of columns are points of a grid with so many columns, row after row.
     pub columns: Option<usize>,
-    /// A fourth channel is left out.
+    /// Whether a fourth channel is left out.
     pub without_alpha: bool,
-    /// What the channels are, where that is said.
+    /// What the channels are, if declared.
     pub channels: Option<&'a Channels>,
 }
 
 impl Selection {
-    /// What is taken of an array with these sizes and this type of samples.
+    /// What is read of an array with these sizes and this type of samples.
     ///
     /// # Errors
     /// What is wrong, and what would be right.
@@ -157,7 +157,7 @@ impl Selection {
             lies,
             sizes: kept,
             axes: Axes::of(axes),
-            // Sums of half precision leave its range.
+            // Sums of half precision exceed its range.
             dtype: match dtype {
                 Dtype::F16 if taken.axes.contains(&Axis::Sum) => Dtype::F32,
                 dtype => dtype,
@@ -236,7 +236,7 @@ impl Selection {
         })
     }
 
-    /// Makes numbers those that samples of its type hold.
+    /// Converts numbers to the precision of its samples.
     pub fn rounded(&self, numbers: &mut [f64]) {
         match self.dtype {
             Dtype::F16 => {
@@ -249,7 +249,7 @@ impl Selection {
         }
     }
 
-    /// How many entries are taken along each axis of the array, 1 of those that are added up.
+    /// The number of entries read along each axis of the array, 1 for summed ones.
     pub fn kept_sizes(&self) -> Vec<usize> {
         (0..self.roles.len()).map(|axis| self.kept(axis)).collect()
     }
@@ -259,7 +259,7 @@ impl Selection {
         &self.lies
     }
 
-    /// A sample that is no number, by its place in the cube.
+    /// The error for a sample that is not finite, by its position in the cube.
     pub fn not_finite(path: &Path, [i, j, k, l]: [usize; 4]) -> Error {
         // Integers that are none are refused where they are decoded.
         let [what, help] = Number::F64.refusal();
@@ -312,7 +312,7 @@ impl Selection {
         Ok(samples)
     }
 
-    /// Gives the samples to `take`, slab by slab, with the number of the first.
+    /// Passes the samples to `take`, slab by slab, with the index of the first.
     fn slabs(
         &self,
         from: &mut dyn Windows,
@@ -326,7 +326,7 @@ impl Selection {
         let Role::Kept(length) = self.roles[slowest] else {
             return Ok(());
         };
-        // As thick as what is stored together where that is not too much, so that nothing is read twice.
+        // As thick as the chunks, if that is not too much, so that nothing is read twice.
         let each = self.sizes.iter().product::<usize>() / length;
         let most = (SLAB / each.max(1)).clamp(1, length);
         let together = from.together().get(slowest).copied().unwrap_or(1).max(1);
@@ -353,8 +353,7 @@ impl Selection {
         Ok(())
     }
 
-    /// The samples of a window, a range per axis that stays, in place of what is in `to`: once for every combination of
-    /// entries that are added up.
+    /// Replaces `to` by the samples of a window, a range per axis that is kept: once for every combination of summed entries.
     pub fn window(
         &self,
         from: &mut dyn Windows,
@@ -430,7 +429,7 @@ fn chosen(choice: Option<&usize>, size: usize) -> Result<usize, (String, String)
     }
 }
 
-/// The name of an array and the entries that it chooses, like `H[3, 4]`.
+/// The name of an array and the entries that it selects, like `H[3, 4]`.
 pub(super) fn name_and_choices(name: &str) -> (&str, Vec<usize>) {
     let split = || {
         let (name, rest) = name.strip_suffix(']')?.rsplit_once('[')?;

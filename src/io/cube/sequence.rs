@@ -1,16 +1,15 @@
 //! Numbered pictures as cubes: a frame per time bin, or, from streak cameras, a picture per row.
 //!
-//! A sequence is named by its folder, where that holds one only, or by a pattern for the names of its files in which a
-//! placeholder stands for the number: `{i:03d}` as Python has it, `%04d` as C does, or `####`. Files are taken in the
-//! order of their numbers, whatever their zeros; none may be missing between the first and the last. A file that has such a name
-//! as it stands is that file, and no pattern.
+//! A sequence is named by its folder, if that contains only one, or by a pattern for the names of its files with a placeholder for the
+//! number: `{i:03d}` as in Python, `%04d` as in C, or `####`. Files are read in the order of their numbers, whatever their leading zeros;
+//! none may be missing between the first and the last. If a file has exactly that name, it is meant, not a pattern.
 //!
-//! A single picture, or a folder of one, may be steady: its axes are "H W" then, those of a single picture unless the caller says otherwise.
-//! A TIFF file may hold many pictures, a stack: with an axis of time these are the pictures of the sequence.
+//! A single picture, or a folder of one, may be steady: its axes are then "H W", the default for a single picture. A TIFF file may hold
+//! many pictures, a stack: with a time axis these are the pictures of the sequence.
 //!
-//! Axes are named for (files, rows, columns) of the pictures, "T H W" unless the caller says otherwise; colours follow.
-//! Streaks are "H W T": a file per row of the camera, in it a row per column of the camera, time along x.
-//! Codes of PNG become linear by the transfer that the caller declares; EXR and Radiance HDR are linear.
+//! Axes are named for (files, rows, columns) of the pictures, by default "T H W"; colours follow. Streaks are "H W T": a file per row of
+//! the camera, in it a row per column of the camera, time along x. PNG codes become linear by the transfer that the caller declares; EXR
+//! and Radiance HDR are linear.
 
 use std::fs;
 use std::io::Write;
@@ -32,10 +31,10 @@ use crate::io::npy::Dtype;
 /// Extensions of pictures that frames may be, lower case.
 const PICTURES: [&str; 5] = ["exr", "png", "hdr", "tif", "tiff"];
 
-/// The most pictures.
+/// The largest number of pictures.
 const MOST: usize = 1 << 20;
 
-/// The most pictures that are decoded at a time; fewer where memory has no room for them.
+/// The largest number of pictures decoded at a time; fewer if memory is short.
 const TOGETHER: usize = 16;
 
 /// How to name a sequence.
@@ -64,12 +63,12 @@ pub(super) const FORMAT: CubeFormat = CubeFormat {
     parts: Parts::WrittenOut(|input, wanted, to| write_out(input.path, wanted, to)),
 };
 
-/// Whether `path` names pictures and not an array, if it is no folder of another format.
+/// Whether `path` names pictures rather than an array, provided it is not a folder of another format.
 fn is_sequence(path: &Path) -> bool {
     Pattern::of(path).is_some() || is_picture(path) || path.is_dir()
 }
 
-/// Whether `path` names a single picture, which is steady unless its axes have time.
+/// Whether `path` names a single picture, which is steady unless its axes include time.
 pub fn is_picture(path: &Path) -> bool {
     PICTURES.contains(&extension(path).as_str()) && Pattern::of(path).is_none() && !path.is_dir()
 }
@@ -77,7 +76,7 @@ pub fn is_picture(path: &Path) -> bool {
 /// The pictures of a sequence, in the order of their numbers.
 ///
 /// # Errors
-/// There is no such folder, or no such picture in it; it holds several sequences; a number is missing or there twice.
+/// There is no such folder, or no such picture in it; it contains several sequences; a number is missing or repeated.
 fn pictures(path: &Path) -> Result<Vec<PathBuf>> {
     if is_picture(path) {
         let there = fs::metadata(path).map(|_| vec![path.to_path_buf()]);
@@ -102,7 +101,7 @@ fn pictures(path: &Path) -> Result<Vec<PathBuf>> {
     Ok(numbered.into_iter().map(|(_, file)| file).collect())
 }
 
-/// The pictures of a sequence in their order: those of its files, or all of a single TIFF file, a stack.
+/// The pictures of a sequence in order: those of its files, or all of a single TIFF stack.
 fn frames(path: &Path, wanted: Wanted) -> Result<Vec<Frame>> {
     let files = pictures(path)?;
     if is_picture(path) {
@@ -134,7 +133,7 @@ fn frames(path: &Path, wanted: Wanted) -> Result<Vec<Frame>> {
     files.into_iter().map(single).collect()
 }
 
-/// The first few numbers that are missing, and how many are.
+/// The first few missing numbers, and how many there are.
 fn missing(numbered: &[(u64, PathBuf)]) -> String {
     const SHOWN: usize = 10;
     let mut shown = Vec::new();
@@ -151,7 +150,7 @@ fn missing(numbered: &[(u64, PathBuf)]) -> String {
     }
 }
 
-/// What stands before and after the number in the names of files.
+/// The parts of file names before and after the number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Pattern {
     before: String,
@@ -159,7 +158,7 @@ struct Pattern {
 }
 
 impl Pattern {
-    /// That of a name with a placeholder; none where a file has the name as it stands.
+    /// The pattern of a name with a placeholder; `None` if a file has exactly this name.
     fn of(path: &Path) -> Option<Pattern> {
         let name = path.file_name()?.to_str()?;
         let (start, end) = braces(name)
@@ -257,7 +256,7 @@ fn names(folder: &Path, path: &Path) -> Result<Vec<(String, PathBuf)>> {
     Ok(names)
 }
 
-/// The numbered pictures of a folder, which are of one pattern: names whose last digits are the number.
+/// The numbered pictures of a folder, which share one pattern: names whose last digits are the number.
 fn in_folder(path: &Path) -> Result<Vec<(u64, PathBuf)>> {
     let mut found: Option<Pattern> = None;
     let mut numbered = Vec::new();
@@ -307,7 +306,7 @@ fn told_apart(name: &str) -> Option<(Pattern, u64)> {
     Some((pattern, number(&stem[start..end])?))
 }
 
-/// What would be loaded, by the number of pictures and the first of them.
+/// What would be loaded, from the number of pictures and the first of them.
 fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
     refuse_array(path, wanted)?;
     let frames = frames(path, wanted)?;
@@ -337,10 +336,10 @@ fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
     })
 }
 
-/// Columns, rows and channels of a picture that may be a frame; reading it takes `memory` at most, bytes.
+/// Columns, rows and channels of a picture that may be a frame; reading it uses at most `memory` bytes.
 ///
 /// # Errors
-/// It cannot be read, or is no picture that frames may be.
+/// It cannot be read, or cannot be a frame.
 pub fn frame_size(file: &Path, memory: u64) -> Result<[usize; 3]> {
     // Codes have the same size whatever they stand for.
     let wanted = Wanted::default().within(memory);
@@ -373,8 +372,8 @@ fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
         Error::unsupported(path, "", what, "fewer or smaller pictures")
     })?;
     samples.resize(count, 0.0f32);
-    // Some at a time, and then in their order, so that the first broken one is refused.
-    // What one picture takes it gives back.
+    // Several at a time, and then in order, so that the first broken one is reported.
+    // The memory of a picture is returned.
     let left = budget.left();
     let together = (left / first.memory.max(1)).clamp(1, TOGETHER as u64) as usize;
     for (group, chunk) in frames.chunks(together).enumerate() {

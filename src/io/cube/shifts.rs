@@ -1,34 +1,33 @@
-//! Times of a cube that are shifted pixel by pixel.
+//! Time shifts of a cube, pixel by pixel.
 //!
-//! A shift by s bins, which need not be whole, moves bin k over [k + s, k + s + 1]. With i = ⌊s⌋ and f = s − i that lies on
-//! two bins, which get (1 − f) and f of its value: out_j = (1 − f) a_(j−i) + f a_(j−i−1). The sum of all bins stays what
-//! it is, and their mean time moves by exactly s, while a step is blurred over one bin more. It is the same for energies
-//! per bin and for densities.
+//! A shift by s bins, which need not be an integer, moves bin k to [k + s, k + s + 1]. With i = ⌊s⌋ and f = s − i that covers two bins,
+//! which get (1 − f) and f of its value: out_j = (1 − f) a_(j−i) + f a_(j−i−1). The sum of all bins is preserved, and their mean time
+//! moves by exactly s, while a step is blurred over one more bin. It is the same for energies per bin and for densities.
 //!
-//! Unwarping takes from the time of arrival at a camera, t + η r with r the *distance* (along the ray, not the depth),
-//! the way: s = −η r/w for bins of the width w. Warping puts it back. All shifts are made ≥ 0 by a whole number of bins
-//! that all pixels share, by which the start of the data moves.
+//! Unwarping subtracts the path from the time of arrival at a camera, t + η r with r the *distance* (along the ray, not the depth): s =
+//! −η r/w for bins of width w. Warping adds it again. All shifts are made ≥ 0 by a whole number of bins that all pixels share, by which
+//! the start of the data moves.
 
 use std::ops::Range;
 use std::path::Path;
 
 use crate::error::{Error, Result};
 
-/// By how much the bins of each pixel come later.
+/// The delay of each pixel's bins.
 pub(super) struct Shifts<'a> {
-    /// By pixel of the whole picture, in bins; none where nothing is shifted.
+    /// By pixel of the whole picture, in bins; `None` if nothing is shifted.
     by: Option<&'a [f64]>,
-    /// Bins by which all shifts are larger, so that none is below 0.
+    /// Bins added to all shifts, so that none is below 0.
     pub ahead: i64,
     /// The largest shift, in whole bins, after that.
     pub largest: usize,
 }
 
 impl<'a> Shifts<'a> {
-    /// Those of the rows and columns that are `kept` of a picture of the size `[h, w]`.
+    /// The shifts of the rows and columns `kept` of a picture of the size `[h, w]`.
     ///
     /// # Errors
-    /// Another number of shifts than of pixels, none that is finite, or some that are longer than any cube.
+    /// A wrong number of shifts, none that is finite, or some that are longer than any cube.
     pub fn new(
         from: &Path,
         by: Option<&'a [f64]>,
@@ -68,7 +67,7 @@ impl<'a> Shifts<'a> {
         Ok(Shifts { by, ahead, largest })
     }
 
-    /// By how many whole bins a pixel is later, and by which part of one; none where that is not known.
+    /// The delay of a pixel in whole bins, and the fraction of one; `None` if unknown.
     pub fn of(&self, pixel: usize) -> Option<(usize, f64)> {
         let Some(by) = self.by else {
             return Some((0, 0.0));

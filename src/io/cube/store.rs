@@ -1,8 +1,8 @@
-//! Cubes on disk, read part by part: what is too large for memory, or is only passed on.
+//! Cubes on disk, read in parts: for cubes that are too large for memory, or only passed on.
 //!
-//! Arrays of `.npy` and `.ti` files are read where they lie, and those of HDF5 and Zarr in windows. Members of archives and pictures
-//! of sequences, in which nothing can be found without reading all before it, are written out to a temporary file first, and so are
-//! arrays in chunks that would be decoded time and again ([`Store::decoded_together`]).
+//! Arrays of `.npy` and `.ti` files are read in place, and those of HDF5 and Zarr in windows. Archive members and pictures of sequences,
+//! which have no random access, are first written to a temporary file, and so are chunked arrays that would be decoded repeatedly
+//! ([`Store::decoded_together`]).
 
 use std::fs::File;
 use std::io::{BufWriter, SeekFrom, Write};
@@ -39,9 +39,9 @@ pub(super) struct Store {
 
 /// Where samples come from.
 enum Source {
-    /// A file in which each has its place.
+    /// A file with random access.
     Places(Places),
-    /// An array of which windows are read.
+    /// An array that is read in windows.
     #[cfg(any(feature = "hdf5", feature = "zarr"))]
     Windows(Box<dyn Windows + Send>, Selection),
 }
@@ -56,7 +56,7 @@ struct Places {
 }
 
 impl Store {
-    /// The cube at `path` that is `wanted` of it, by the checks of loading it. Decoded chunks may take `room` bytes.
+    /// Opens the part `wanted` of the cube at `path`, with the checks of loading it. Decoded chunks may take `room` bytes.
     pub fn open(path: &Path, wanted: Wanted, room: usize) -> Result<Store> {
         #[cfg(any(feature = "hdf5", feature = "zarr"))]
         if let Some((selection, open)) = Store::windows(path, wanted, room)? {
@@ -68,7 +68,7 @@ impl Store {
         Store::with_places(path, wanted)
     }
 
-    /// The same, from a file in which each sample has its place, a temporary one if need be.
+    /// The same, from a file with random access, a temporary one if need be.
     pub fn with_places(path: &Path, wanted: Wanted) -> Result<Store> {
         let (located, layout) = Store::locate(path, wanted)?;
         let (shape, number) = (layout.shape(path)?, layout.number);
@@ -98,7 +98,7 @@ impl Store {
         })
     }
 
-    /// How many rows and how many bins are decoded together, whatever part of them is wanted; none where samples have places.
+    /// How many rows and how many bins are decoded together, whatever part of them is needed; `None` for random access.
     pub fn decoded_together(&self) -> Option<[usize; 2]> {
         #[cfg(any(feature = "hdf5", feature = "zarr"))]
         if let Source::Windows(array, selection) = &self.source {
@@ -147,8 +147,8 @@ impl Store {
         }
     }
 
-    /// What is taken of an array in chunks, and how that is opened, time and again, each with `room` bytes for decoded
-    /// chunks; none where it is in no chunks.
+    /// What is read of a chunked array, and how to open it repeatedly, each time with `room` bytes for decoded chunks; `None` if it is
+    /// not chunked.
     #[cfg(any(feature = "hdf5", feature = "zarr"))]
     pub fn windows(path: &Path, wanted: Wanted, room: usize) -> Result<Option<(Selection, Open)>> {
         match table::open(path)?.1.parts {
@@ -162,7 +162,7 @@ impl Store {
         self.number.loaded().0
     }
 
-    /// The samples of these rows, columns and bins, in the order of a cube, in place of what is in `to`.
+    /// Replaces `to` by the samples of these rows, columns and bins, in the order of a cube.
     ///
     /// # Errors
     /// The file cannot be read, or a sample is not finite.
@@ -173,7 +173,7 @@ impl Store {
         bins: Range<usize>,
         to: &mut Vec<f64>,
     ) -> Result<()> {
-        // A dead bin is mended from the nearest living ones, which may lie outside.
+        // A dead bin is interpolated from the nearest live ones, which may be outside.
         let reach = self.dead.reach(bins.clone());
         self.read_stored(rows, columns, reach.clone(), to)?;
         if self.dead.is_empty() || bins.is_empty() {
@@ -218,7 +218,7 @@ impl Store {
         self.negative.apply(to, &self.path)
     }
 
-    /// Samples that cannot be read.
+    /// The error for samples that cannot be read.
     pub fn unreadable(path: &Path, error: std::io::Error) -> Error {
         match error.kind() {
             std::io::ErrorKind::UnexpectedEof => Error::invalid(
@@ -383,7 +383,7 @@ impl Located {
     }
 }
 
-/// A temporary file, which nobody else sees and which vanishes with the process.
+/// A temporary file, which no other process sees and which vanishes with this one.
 struct Spool {
     writer: BufWriter<File>,
     path: PathBuf,

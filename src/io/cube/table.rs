@@ -1,5 +1,5 @@
-//! All formats of cubes, and reading whichever it is. What is told by its path, as sequences of pictures and Zarr folders are, is so before the
-//! first bytes of anything are read.
+//! All formats of cubes, and reading any of them. Formats recognised by path, such as sequences of pictures and Zarr folders, are checked
+//! before the first bytes of anything are read.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::io::files::ReadSeek;
 use crate::io::open::open_regular;
 
-/// All formats. What is told by its path is the last of these that it may be: any folder may be one of pictures.
+/// All formats. Of those recognised by path, the last is the fallback: any folder may contain pictures.
 pub const FORMATS: &[CubeFormat] = &[
     npy::ARRAY,
     npy::ARCHIVE,
@@ -24,13 +24,13 @@ pub const FORMATS: &[CubeFormat] = &[
     zarr::FORMAT,
 ];
 
-/// The format of a file that begins with `start`; by the end of its name where that says nothing.
+/// The format of a file that begins with `start`; by the end of its name if that is inconclusive.
 pub fn format_of(start: &[u8], name: &Path) -> Option<&'static CubeFormat> {
     let by_start = FORMATS.iter().find(|format| format.begins(start));
     by_start.or_else(|| by_extension(name))
 }
 
-/// The format of what is called `path`, as far as is known before it is opened: of a file by the end of its name.
+/// The format at `path`, as far as is known before it is opened: for a file by the end of its name.
 pub fn format_called(path: &Path) -> Option<&'static CubeFormat> {
     by_path(path).or_else(|| by_extension(path))
 }
@@ -48,29 +48,29 @@ pub fn extensions() -> impl Iterator<Item = &'static str> {
     FORMATS.iter().flat_map(|format| format.extensions).copied()
 }
 
-/// The files that what is called `path` consists of: the pictures of a sequence, in the order of their numbers; of all else itself.
+/// The files that `path` consists of: the pictures of a sequence, in the order of their numbers; otherwise the file itself.
 ///
 /// # Errors
-/// There is no such sequence, or it holds several, or a picture of it is missing or there twice.
+/// There is no such sequence, or several, or a picture of it is missing or repeated.
 pub fn files(path: &Path) -> Result<Vec<PathBuf>> {
     format_called(path).map_or(itself as fn(&Path) -> _, |format| format.files)(path)
 }
 
-/// What [`load`] would load, by the same checks of headers and lengths; no samples are read.
+/// What [`load`] would load, with the same checks of headers and lengths; no samples are read.
 ///
 /// # Errors
-/// As for [`load`], except for what is wrong with samples.
+/// As for [`load`], except for errors in samples.
 pub fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
     let (input, format) = open_wanted(path, wanted)?;
     (format.inspect)(input, wanted)
 }
 
-/// The cube in a file, or in a sequence of pictures, that is `wanted` of it.
+/// Loads the part `wanted` of the cube in a file or in a sequence of pictures.
 ///
 /// # Errors
-/// The file cannot be read; it is truncated or longer than its header says; the array has not
-/// the axes that are wanted, or other than 1 or 3 channels; it does not hold numbers; a sample is not finite; a dead bin
-/// that there is not; samples below 0, where they are to be refused.
+/// The file cannot be read; it is truncated or longer than its header says; the array does not have the requested axes, or has other than
+/// 1 or 3 channels; it does not hold numbers; a sample is not finite; a dead bin does not exist; samples below 0, if they are to be
+/// refused.
 pub fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     mended(read(path, wanted)?, path, wanted)
 }
@@ -88,7 +88,7 @@ fn read(path: &Path, wanted: Wanted) -> Result<Cube> {
     (format.load)(input, wanted)
 }
 
-/// Refuses to decode what is no code of a picture.
+/// Refuses a transfer for data that are not picture codes.
 fn refuse_transfer(path: &Path, wanted: Wanted) -> Result<()> {
     match wanted.transfer {
         Some(Transfer::Srgb) => {
@@ -99,8 +99,7 @@ fn refuse_transfer(path: &Path, wanted: Wanted) -> Result<()> {
     }
 }
 
-/// What the file at `path` says of the time axis of its array of this name, or of its only one, if its format has a place for
-/// that.
+/// The time axis that the file at `path` gives for its array of this name, or for its only one, if its format can store one.
 ///
 /// # Errors
 /// The file cannot be read, or is broken.
@@ -109,7 +108,7 @@ pub fn times(path: &Path, array: Option<&str>) -> Result<Option<FileTimes>> {
     (format.times)(input, array)
 }
 
-/// The points of a surface that the pixels of the cube in a file are, where the file says them.
+/// The points on a surface that the pixels of the cube in a file see, if the file gives them.
 ///
 /// # Errors
 /// The file cannot be read, or is broken.
@@ -130,7 +129,7 @@ pub fn load_bytes(bytes: &[u8], name: &str, wanted: Wanted) -> Result<Cube> {
     mended((format.load)(input, wanted)?, name, wanted)
 }
 
-/// What is at `path`, and its format, which has codes if those are to be decoded.
+/// The input at `path` and its format, which must have codes if a transfer is given.
 fn open_wanted<'a>(path: &'a Path, wanted: Wanted) -> Result<(Input<'a>, &'static CubeFormat)> {
     if !by_path(path).is_some_and(|format| format.pictures) {
         refuse_transfer(path, wanted)?;
@@ -138,10 +137,10 @@ fn open_wanted<'a>(path: &'a Path, wanted: Wanted) -> Result<(Input<'a>, &'stati
     open(path)
 }
 
-/// What is at `path`, and its format.
+/// The input at `path` and its format.
 ///
 /// # Errors
-/// There is no such file, or it is of no format of cubes.
+/// There is no such file, or it is in no known format of cubes.
 pub(super) fn open(path: &Path) -> Result<(Input<'_>, &'static CubeFormat)> {
     if let Some(format) = by_path(path) {
         return Ok((Input::at(path), format));

@@ -1,10 +1,10 @@
 //! Transient images of the University of Bonn (`.ti`): single precision, little-endian.
 //!
-//! Version 4: a header of 28 bytes (the magic `TI04`, the pixel mode, pixels, bins, the time of bin 0 and the width of a
-//! bin, the size of the block that follows the samples), then (pixel, bin), the block, and properties as JSON. In pixel
-//! mode 10 the pixels are a grid on a wall, rows of columns, and the block has its two sizes, its corners (top left, top
-//! right, bottom left, bottom right; taken for those of the pixels at its corners, so that centres are half a pixel within) and the laser's place. Versions 0 and 1 have 24 bytes (bins, columns, rows, first
-//! and last time; version 0 has columns where version 1 has bins, and so on round), and no block.
+//! Version 4: a header of 28 bytes (the magic `TI04`, the pixel mode, pixels, bins, the time of bin 0 and the width of a bin, the size of
+//! the block that follows the samples), then (pixel, bin), the block, and properties as JSON. In pixel mode 10 the pixels are a grid on a
+//! wall, rows of columns, and the block has its two sizes, its corners (top left, top right, bottom left, bottom right; assumed to be the
+//! outer corners of the corner pixels, so that centres are half a pixel inside) and the laser's position. Versions 0 and 1 have 24 bytes
+//! (bins, columns, rows, first and last time; version 0 has columns where version 1 has bins, and so on cyclically), and no block.
 //!
 //! The time of bin 0 is that of its centre. Times are metres of light path.
 
@@ -65,7 +65,7 @@ const PIECE: usize = 1 << 14;
 
 const HELP: &str = "copy the file again, or write it again with LibTransientImage";
 
-/// What stands before the samples.
+/// The header before the samples.
 #[derive(Debug, Clone, Copy)]
 struct Header {
     rows: usize,
@@ -76,7 +76,7 @@ struct Header {
     width: f64,
     /// Bytes before the samples.
     start: u64,
-    /// Bytes of the block behind them.
+    /// Bytes of the block after them.
     block: u64,
 }
 
@@ -163,7 +163,7 @@ fn header(reader: &mut dyn ReadSeek, file: &Path) -> Result<Header> {
             ));
         }
     };
-    // Nothing is allocated yet: sizes whose samples are not in the file end here, overflow included.
+    // Nothing is allocated yet: sizes whose samples do not fit in the file end here, including overflow.
     let count = [header.rows, header.columns, header.bins]
         .iter()
         .try_fold(4u64, |n, k| n.checked_mul(*k as u64));

@@ -1,9 +1,8 @@
-//! Points on a surface that the pixels of a cube are, as of captures around corners: a laser and a sensor look at points of
-//! a wall, and times are known per point.
+//! Points on a surface that the pixels of a cube see, as in captures around corners: a laser and a sensor point at a wall, and times are
+//! known per point.
 //!
-//! Between neighbouring points lie two triangles; the texture coordinates of point (i, j) of h × w are the centre of its
-//! pixel, ((j + ½) / w, (i + ½) / h), v = 0 at the first row. The surface ends at the outermost points: beyond them nothing
-//! was measured.
+//! Neighbouring points are joined by two triangles; the texture coordinates of point (i, j) of h × w are the centre of its pixel, ((j +
+//! ½) / w, (i + ½) / h), v = 0 at the first row. The surface ends at the outermost points, because nothing was measured beyond them.
 
 use std::ops::Range;
 
@@ -17,23 +16,23 @@ use crate::mesh::Mesh;
 pub struct Wall {
     /// Rows and columns of pixels.
     pub size: [usize; 2],
-    /// Where each pixel's point is, metres, row by row.
+    /// The position of each pixel's point, metres, row by row.
     pub points: Vec<DVec3>,
-    /// The surface's normal at each; empty where it is not known.
+    /// The surface's normal at each; empty if unknown.
     pub normals: Vec<DVec3>,
-    /// Where the sensor stood, metres.
+    /// The position of the sensor, metres.
     pub sensor: Option<DVec3>,
 }
 
 impl Wall {
-    /// How far each point is from the sensor, metres; none where its place is not known.
+    /// The distance of each point from the sensor, metres; `None` if its position is unknown.
     pub fn distances(&self) -> Option<Vec<f64>> {
         let sensor = self.sensor?;
         Some(self.points.iter().map(|p| p.distance(sensor)).collect())
     }
 
-    /// The surface through the points of these rows and columns, with texture coordinates for a cube of their pixels.
-    /// Fronts are where normals point. None of less than two rows or columns.
+    /// The surface through the points of these rows and columns, with texture coordinates for a cube of their pixels. Fronts are on the
+    /// side of the normals. `None` if there are fewer than two rows or columns.
     pub fn mesh(&self, rows: Range<usize>, columns: Range<usize>) -> Option<Mesh> {
         let [_, width] = self.size;
         let (h, w) = (rows.len(), columns.len());
@@ -72,7 +71,7 @@ impl Wall {
     }
 }
 
-/// How many columns a list of points has that are a grid, row after row; none where they are not.
+/// The number of columns of a list of points that form a grid, row after row; `None` if they do not.
 #[cfg(any(feature = "hdf5", test))]
 pub(super) fn columns_of(points: &[DVec3]) -> Option<usize> {
     let count = points.len();
@@ -85,7 +84,7 @@ pub(super) fn columns_of(points: &[DVec3]) -> Option<usize> {
         let apart = along.length() > 2.0 * tolerance && down.length() > 2.0 * tolerance;
         apart && (0..count).all(|n| points[n].distance(place(n)) <= tolerance)
     };
-    // The first point that leaves the first row's direction is where the second row begins.
+    // The second row begins at the first point off the direction of the first row.
     let along = *points.get(1)? - first;
     let leaves = |n: &usize| points[*n].distance(first + *n as f64 * along) > tolerance;
     let columns = (2..count).find(leaves)?;

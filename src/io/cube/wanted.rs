@@ -1,4 +1,4 @@
-//! What is asked of cubes on disk, and what these say of themselves.
+//! Requests for cubes on disk, and what the files say of themselves.
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -11,19 +11,19 @@ use super::samples::{Cube, CubeSamples};
 use crate::io::budget::Budget;
 use crate::io::npy::Dtype;
 
-/// The time axis of a file that says where its bins lie, metres of light path.
+/// The time axis of a file that gives its bins, metres of light path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FileTimes {
     /// Time at the start of bin 0.
     pub start: f64,
     /// Width of a bin, above 0.
     pub width: f64,
-    /// Whether times are those of arrival at a sensor whose place only the file knows: they include the way from each
-    /// point of a surface to it.
+    /// Whether times are those of arrival at a sensor whose position only the file knows: they include the path from each point of a
+    /// surface to it.
     pub at_sensor: bool,
 }
 
-/// How codes of PNG and TIFF pictures stand for radiance.
+/// How the codes of PNG and TIFF pictures encode radiance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -34,10 +34,10 @@ pub enum Transfer {
     Srgb,
 }
 
-/// What is asked of a file.
+/// A request for the content of a file.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Wanted<'a> {
-    /// The array, which may be left out where there is one only.
+    /// The array, which may be left out if there is only one.
     pub array: Option<&'a str>,
     /// The order of its axes. Where none is given, (H, W, T) or (H, W, T, C).
     pub axes: Option<&'a Axes>,

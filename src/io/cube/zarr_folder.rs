@@ -1,4 +1,4 @@
-//! How folders of Zarr are told, whether they can be read or not.
+//! How Zarr folders are recognised, whether they can be read or not.
 
 use std::path::Path;
 

@@ -1,8 +1,8 @@
-//! Accessors (glTF 2.0 §3.6.2): typed arrays in buffers, checked before anything is read, then read as f64,
-//! which holds every component exactly.
+//! Accessors (glTF 2.0 §3.6.2): typed arrays in buffers, checked before anything is read, then read as f64, which holds every component
+//! exactly.
 //!
-//! A [`Layout`] is an accessor whose every byte is known to lie inside its buffer views, and those
-//! inside the declared lengths of their buffers. Only layouts are read.
+//! A [`Layout`] is an accessor whose bytes are all known to be inside its buffer views, and those inside the declared lengths of their
+//! buffers. Only layouts are read.
 
 use ::gltf::json::accessor::{Accessor, ComponentType, Type, sparse};
 use ::gltf::json::validation::Checked;
@@ -15,13 +15,13 @@ use crate::Result;
 /// Bytes that are read at a time.
 const PIECE: u64 = 1 << 16;
 
-/// Elements without data that an accessor may have anyway, and for each that is given: of a mesh they are all one point.
+/// Elements without data that an accessor may have in any case, and per stored element: of a mesh they are all one point.
 const FEW_ZEROS: u64 = 1 << 20;
 const ZEROS_OF_ONE: u64 = 64;
 
 const EXPORT_AGAIN: &str = "export the file again; a validator of glTF tells more";
 
-/// What an accessor is for, which decides the types that it may have.
+/// The purpose of an accessor, which determines its allowed types.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Purpose {
     Positions,

@@ -1,14 +1,14 @@
-//! Animations of nodes (glTF 2.0 §3.11): where a node is in the course of time.
+//! Animations of nodes (glTF 2.0 §3.11): the position of a node over time.
 //!
-//! Each channel sets translation, rotation or scale of a node by a sampler: values at ascending times, between which they
-//! are interpolated. With t the part of the way from time k to k + 1, d the seconds between them, a and b the values there,
+//! Each channel sets translation, rotation or scale of a node by a sampler: values at ascending times, interpolated in between. With t
+//! the fraction of the interval from time k to k + 1, d its length in seconds, a and b the values at its ends,
 //!
 //! ```text
 //! LINEAR        a + t (b − a);   of rotations along the shorter arc: (sin((1 − t)φ) a ± sin(tφ) b)/sin φ,  cos φ = |a·b|
 //! CUBICSPLINE   (2t³ − 3t² + 1) a + d (t³ − 2t² + t) m_a + (3t² − 2t³) b + d (t³ − t²) m_b,   m_a the out-, m_b the in-tangent
 //! ```
 //!
-//! and before the first and after the last time they stay. STEP is refused: what jumps is faster than light.
+//! and constant before the first and after the last time. STEP is refused: jumps are faster than light.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -27,20 +27,20 @@ use super::summary::refuse_outside;
 use super::warnings::Warnings;
 use crate::Result;
 
-/// A node on its way.
+/// The path of a node.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct GltfTrack {
     /// Seconds, ascending, and the node's origin, metres, in the coordinates of the file's root.
     pub points: Vec<(f64, DVec3)>,
-    /// Whether the node goes straight from each to the next, at constant velocity: the animation says so where it only moves nodes,
-    /// linearly. Otherwise the points lie on a curve.
+    /// Whether the node moves straight from each point to the next, at constant velocity: this is so if the animation only translates
+    /// nodes, linearly. Otherwise the points lie on a curve.
     pub is_straight: bool,
-    /// Whether it also turns on its way.
+    /// Whether it also rotates on its path.
     pub turns: bool,
 }
 
-/// Pieces of the way between two times where it bends.
+/// Subdivisions of the path between two times if it is curved.
 const PIECES: usize = 8;
 /// By more than this part of its length an axis differs that turns: ten times what f32 rounds.
 const TURN: f64 = 1e-6;
@@ -61,7 +61,7 @@ struct Channel {
     values: Vec<[f64; 4]>,
 }
 
-/// The way of the origin of the node called `node`, by the animation called `animation` or else by the only one.
+/// The path of the origin of the node `node`, by the animation `animation` or the only one.
 pub(super) fn track(
     document: &mut Document,
     node: &str,

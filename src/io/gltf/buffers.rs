@@ -1,5 +1,5 @@
-//! Bytes of buffers, wherever they lie. Nothing is read before it is asked for, and only the range
-//! that is asked for, so that memory follows what is used of a file and not what it claims.
+//! Bytes of buffers, wherever they are stored. Only requested ranges are read, and only on demand, so that memory follows what is used of
+//! a file and not what it claims.
 
 use std::io::{Read, Seek, SeekFrom};
 

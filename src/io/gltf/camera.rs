@@ -18,12 +18,11 @@ pub struct GltfCamera {
     pub eye: DVec3,
     /// Right, up, forward: orthonormal.
     pub axes: [DVec3; 3],
-    /// Horizontal field of view, radians, where the file gives an aspect ratio:
-    /// tan(h/2) = aspect · tan(v/2).
+    /// Horizontal field of view, radians, if the file gives an aspect ratio: tan(h/2) = aspect · tan(v/2).
     pub horizontal_fov: Option<f64>,
     /// Vertical field of view, radians, in (0, π).
     pub vertical_fov: f64,
-    /// Width divided by height, where the file gives it.
+    /// Width divided by height, if the file gives it.
     pub aspect: Option<f64>,
 }
 

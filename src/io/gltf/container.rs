@@ -8,7 +8,7 @@ use std::path::Path;
 
 use crate::{Error, Result};
 
-/// The most JSON that is read: text beyond this is not a scene's description.
+/// The most JSON that is read: longer text cannot be a scene's description.
 const MOST_JSON: u64 = 1 << 29;
 
 const JSON: [u8; 4] = *b"JSON";

@@ -1,4 +1,4 @@
-//! A parsed document whose data are still in their files, and how its parts are named in messages.
+//! A parsed document whose data are still in their files, and the names of its parts in messages.
 
 use std::collections::BTreeSet;
 use std::io::{BufReader, Cursor};
@@ -162,7 +162,8 @@ impl<'a> Document<'a> {
     }
 }
 
-/// The document of a JSON, and what is left out of it: channels of animations whose target has no node, as those of materials have by
+/// The document of a JSON text, and what is left out of it: animation channels whose target has no node, like those of materials with
+/// KHR_animation_pointer, must be ignored (glTF 2.0 §5.7), but the parser would refuse them.
 /// KHR_animation_pointer, are to be passed over (glTF 2.0 §5.7), and would be refused as they are.
 fn root(text: &[u8], file: &Path) -> Result<(Root, Vec<[usize; 2]>)> {
     let error = match Root::from_slice(text) {

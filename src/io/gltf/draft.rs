@@ -1,4 +1,4 @@
-//! Everything about an import that headers tell: what will be read, and that it can be.
+//! Everything that headers say about an import: what will be read, and that it can be.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,7 +17,7 @@ use crate::Result;
 /// Materials by index in the document; none is the default material.
 pub(super) type Materials = BTreeMap<Option<usize>, Resolved>;
 
-/// An import whose headers have been checked and whose data have not been read.
+/// An import with checked headers, before its data are read.
 pub(super) struct Draft {
     pub pieces: Pieces,
     pub materials: Materials,
@@ -27,7 +27,7 @@ pub(super) struct Draft {
 }
 
 impl Draft {
-    /// Checks all headers of what `node` and `want` ask for.
+    /// Checks all headers that `node` and `want` need.
     pub fn new(document: &Document, node: Option<&str>, want: Want) -> Result<Self> {
         let mut warnings = Warnings::default();
         let hierarchy = Hierarchy::new(document, &mut warnings)?;
@@ -68,14 +68,14 @@ impl Draft {
 /// The most extensions that are named: a file of exporters' own has a few.
 const MOST_NAMED: usize = 20;
 
-/// What is said of the lights of a file.
+/// The warning about a file's lights.
 pub(crate) const LIGHTS_UNREAD: &str = "the lights of a scene are its [[light]] tables, and not those of the file, which light it without a scene";
 
-/// What is said of animations that move no mesh.
+/// The warning about animations that move no mesh.
 pub(crate) const ANIMATIONS_UNREAD: &str =
     "no mesh moves with it; cameras and lights follow it if motion.animation names it";
 
-/// Says what of the file is passed over as a whole.
+/// Reports features of the file that are ignored as a whole.
 fn warn_of_unread(document: &Document, placed: &[Placed], warnings: &mut Warnings) {
     let mut unread = document.unread_extensions();
     for (name, is_declared) in unread.by_ref().take(MOST_NAMED) {
@@ -163,7 +163,7 @@ fn animations_of_meshes(document: &Document, placed: &[Placed]) -> Vec<usize> {
         .collect()
 }
 
-/// Says which meshes show textures as if they were white.
+/// Reports meshes that show textures as if they were white.
 fn warn_of_missing_uvs(pieces: &Pieces, materials: &Materials, warnings: &mut Warnings) {
     for (_, piece) in pieces.all() {
         let material = materials.get(&piece.material);

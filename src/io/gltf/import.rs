@@ -1,4 +1,4 @@
-//! What is asked of an import, and what comes of it.
+//! The request for an import, and its result.
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::mesh::Mesh;
 
-/// What an import is to read besides positions and indices.
+/// What to read besides positions and indices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Want {
     /// All texture coordinate sets. Without it, only those that textures need are read.
@@ -14,12 +14,12 @@ pub struct Want {
     /// Base colours: the images of their textures, the coordinates that address them, and vertex colours.
     /// Those of materials with a mask are read anyway.
     pub textures: bool,
-    /// What else a material shows under lamps: its textures of metal and roughness and of emission.
+    /// Further material properties under lamps: its textures of metalness and roughness, and of emission.
     pub shading: bool,
-    /// Normals of vertices, by which light is reflected.
+    /// Normals of vertices, for reflection.
     pub normals: bool,
-    /// Positions, texture coordinates and normals that are not finite. Triangles that are dropped keep their numbers:
-    /// their corners are made one point, so that no ray meets them.
+    /// What to do about positions, texture coordinates and normals that are not finite. Dropped triangles keep their numbers: their
+    /// corners are collapsed to one point, so that no ray hits them.
     pub bad_vertices: BadVertices,
 }
 
@@ -33,17 +33,17 @@ pub struct Imported {
     /// (KHR_texture_transform) have their coordinates in further lists after the file's sets. Vertices without
     /// a colour that others have are white, and those without a normal that others have hold 0.
     pub mesh: Mesh,
-    /// How many of its texture coordinate sets the file has.
+    /// The number of texture coordinate sets in the file.
     pub uv_sets: usize,
-    /// Encoded images of the materials in use, as far as they are wanted; [`TextureRef::image`] counts these.
+    /// Encoded images of the materials in use, if requested; [`TextureRef::image`] counts these.
     ///
     /// [`TextureRef::image`]: crate::mesh::TextureRef::image
     pub images: Vec<EncodedImage>,
-    /// What was passed over, a sentence each, with the place.
+    /// Ignored features, a sentence each, with the place.
     pub warnings: Vec<String>,
 }
 
-/// What is done about vertices that are NaN or infinite, or too far away for a ray to meet.
+/// What to do about vertices that are NaN or infinite, or too far away for a ray to hit.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -51,11 +51,11 @@ pub enum BadVertices {
     /// The file is refused.
     #[default]
     Refuse,
-    /// Triangles with such a vertex are never seen, and counted in a warning.
+    /// Triangles with such a vertex are never visible, and are counted in a warning.
     Drop,
 }
 
-/// An image as it stands in the file.
+/// An image as stored in the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct EncodedImage {

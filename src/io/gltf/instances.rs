@@ -1,5 +1,5 @@
-//! Nodes that place their mesh many times (EXT_mesh_gpu_instancing): each instance has a transform T·R·S of its own,
-//! which comes before that of the node.
+//! Nodes with many copies of their mesh (EXT_mesh_gpu_instancing): each instance has its own transform T·R·S, which is applied before
+//! that of the node.
 
 use ::gltf::json::Index;
 use ::gltf::json::accessor::Accessor;

@@ -1,4 +1,4 @@
-//! Bytes in the container of Blosc 1, which zarr-python and numcodecs write.
+//! Decodes the container of Blosc 1, which zarr-python and numcodecs write.
 //!
 //! A header of 16 bytes (version, version of the codec, flags, bytes per number; then as u32 the bytes decoded, those of a block, and all
 //! of the container's), the offset of each block, and the blocks. A block is one stream, or one for each byte of a number; a
@@ -16,7 +16,7 @@ const IS_COPY: u8 = 2;
 const BY_BITS: u8 = 4;
 const IS_ONE_STREAM: u8 = 16;
 
-/// What the bytes of the container decode to, at most `most` bytes.
+/// Decodes the container, to at most `most` bytes.
 pub(super) fn decode(bytes: &[u8], most: u64) -> Result<Vec<u8>, Broken> {
     let short = || "it is too short for Blosc".to_string();
     let header: &[u8; HEADER] = bytes.first_chunk().ok_or_else(short)?;

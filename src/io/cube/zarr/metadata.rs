@@ -18,7 +18,7 @@ const LARGEST_CHUNK: u64 = 1 << 30;
 /// The most axes.
 const MOST_AXES: usize = 16;
 
-/// What an array is.
+/// The description of an array.
 #[derive(Debug, Clone)]
 pub(super) struct Metadata {
     pub folder: PathBuf,
@@ -30,7 +30,7 @@ pub(super) struct Metadata {
     /// Between the numbers of a chunk in the name of its file; whether `c` stands before them.
     separator: char,
     with_c: bool,
-    /// What its axes are called, and where that is said; empty where it is not.
+    /// The names of its axes, and where they come from; empty if there are none.
     pub names: Vec<String>,
     names_from: &'static str,
     pub attributes: Map<String, Value>,
@@ -65,10 +65,10 @@ impl Metadata {
         self.shape.iter().zip(&self.chunk).map(along).collect()
     }
 
-    /// The order of its axes, and by what it is said: by the attribute `axes`, or by their names; none where it is not said.
+    /// The order of its axes, and where it comes from: the attribute `axes`, or their names; `None` if it is not given.
     ///
     /// # Errors
-    /// What is said is no order of axes: what it is, and what to do about it.
+    /// The given order is invalid: what it is, and what to do about it.
     pub fn axes(&self) -> Result<Option<(Axes, &'static str)>, (String, String)> {
         if let Some(text) = self.attributes.get("axes").and_then(Value::as_str) {
             let axes = text.parse::<Axes>().map_err(|error| {
@@ -187,7 +187,7 @@ impl Reading<'_> {
         })
     }
 
-    /// What is not known must be allowed to be passed over.
+    /// Unknown extensions must be marked as optional.
     fn refuse_unknown(&self, document: &Map<String, Value>) -> Result<()> {
         const KNOWN: [&str; 11] = [
             "zarr_format",

@@ -1,9 +1,8 @@
 //! Zarr arrays of versions 2 and 3 in a local folder: chunks in files of their own, or in shards.
 //!
-//! The crate `zarrs` reads many more kinds, at the price of a C compiler and some hundred crates; here are those that hold
-//! numbers as zarr-python writes them: bytes, transpose, blosc, gzip, zlib, lz4, zstd, crc32c, sharding. Only the chunks that a window touches are
-//! read, and of a shard only its index and those. A chunk that is not there is the fill value, by the
-//! specification; how many are missing is said.
+//! The crate `zarrs` reads many more kinds, at the cost of a C compiler and some hundred crates; here are those that zarr-python uses for
+//! numbers: bytes, transpose, blosc, gzip, zlib, lz4, zstd, crc32c, sharding. Only the chunks that a window touches are read, and of a
+//! shard only its index and those. A missing chunk has the fill value, as the specification says; the number of missing ones is reported.
 
 mod blosc;
 mod codecs;
@@ -34,11 +33,11 @@ use crate::error::{Error, Result};
 use crate::io::npy::{Dtype, Header};
 use crate::io::open::open_regular;
 
-/// Decoded chunks that are kept while all of an array is read, bytes.
+/// Decoded chunks that are cached while all of an array is read, bytes.
 const CACHE: usize = 256 << 20;
 /// Bytes that a decoded chunk takes in lists beside its numbers and its place, which are half full at worst.
 const KEPT: usize = 256;
-/// Chunks whose files are looked for when they are counted.
+/// The number of chunks whose files are checked when missing ones are counted.
 const MOST_COUNTED: usize = 1 << 16;
 /// Arrays of a group that are listed.
 const MOST_LISTED: usize = 1000;
@@ -108,12 +107,12 @@ fn times(path: &Path, array: Option<&str>) -> Result<Option<FileTimes>> {
     let name = array
         .map(|name| name_and_choices(name).0)
         .filter(|name| !name.is_empty());
-    // What cannot be known yet, like which of several arrays is meant, is refused when that is loaded.
+    // What cannot be known yet, such as which of several arrays is meant, is reported when it is loaded.
     let metadata = chosen(path, name).and_then(|folder| Metadata::read(&folder));
     Ok(metadata.ok().and_then(|metadata| times_of(&metadata)))
 }
 
-/// The arrays that there are.
+/// The arrays in the folder.
 fn arrays(path: &Path) -> Result<Vec<Header>> {
     let mut headers = Vec::new();
     for (name, folder) in folders(path)? {
@@ -179,14 +178,14 @@ fn folders(path: &Path) -> Result<Vec<(Option<String>, PathBuf)>> {
     Ok(found)
 }
 
-/// Who says the order of axes.
+/// Where the order of axes comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Said {
     /// The caller.
     Wanted,
     /// The file, by this.
     ByFile(&'static str),
-    /// Nobody: it is assumed.
+    /// An assumption.
     Nowhere,
 }
 
@@ -226,7 +225,7 @@ fn chosen(path: &Path, name: Option<&str>) -> Result<PathBuf> {
     }
 }
 
-/// The array that is `wanted`, what is taken of it, and who says its axes.
+/// The array `wanted`, what is read of it, and where its axes come from.
 fn known(path: &Path, wanted: Wanted) -> Result<(Metadata, Selection, Said)> {
     let (name, choices) = match wanted.array {
         Some(text) => {
@@ -302,7 +301,7 @@ fn missing(metadata: &Metadata) -> Option<String> {
     })
 }
 
-/// How chunks lie in shards.
+/// How chunks are stored in shards.
 struct Shards<'a> {
     /// The size of a chunk in one.
     inner: &'a Vec<usize>,
@@ -342,7 +341,7 @@ fn sharding(codecs: &[Codec]) -> Option<Shards<'_>> {
 /// An array that is read.
 struct Array {
     metadata: Metadata,
-    /// The size of what is decoded at a time: chunks, or those in shards.
+    /// The size of the unit of decoding: chunks, or those in shards.
     unit: Vec<usize>,
     /// By their places in units: when each was used last, and the numbers, none where the chunk is missing.
     kept: HashMap<Vec<usize>, (u64, Option<Vec<f64>>)>,
@@ -429,7 +428,7 @@ impl Array {
         }
         let (mut reader, length) = open_regular(&file)?;
         let failed = || Error::io(&file, "cannot read");
-        // Compression may make a chunk longer, but not by much: a file that is larger is not read.
+        // Compression may make a chunk slightly longer: a much larger file is not read.
         let most = (chunk.iter().product::<usize>() * number.bytes()) as u64 * 2 + (1 << 20);
         let (bytes, codecs) = match sharding(codecs) {
             None => {

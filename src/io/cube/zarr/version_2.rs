@@ -1,4 +1,4 @@
-//! `.zarray` and `.zattrs` of an array of version 2, as what `zarr.json` would say of it: "Zarr storage specification version 2".
+//! `.zarray` and `.zattrs` of an array of version 2, converted to the equivalent `zarr.json`: "Zarr storage specification version 2".
 
 use std::path::Path;
 
@@ -33,7 +33,7 @@ const TYPES: [(&str, &str); 11] = [
 /// The document of version 3 that describes the array in `folder`.
 ///
 /// # Errors
-/// Files that cannot be read, and what version 3 has no words for: numbers of several parts, filters.
+/// Files that cannot be read, and features that version 3 does not have: numbers of several parts, filters.
 pub(super) fn as_version_3(folder: &Path) -> Result<Map<String, Value>> {
     let file = folder.join(ARRAY);
     let said = document(&file)?;

@@ -17,7 +17,7 @@ const ACROSS: usize = 32;
 const IN_TIME: usize = 64;
 const LAYER: usize = 8;
 
-/// An array in the making.
+/// An array under construction.
 pub(in super::super) struct Writer {
     sizes: Vec<usize>,
     chunk: Vec<usize>,

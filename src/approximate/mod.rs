@@ -1,5 +1,4 @@
-//! The same pictures by other means: rasterizers of apparent vertices and image-space warps, and how fine
-//! triangles have to be for them.
+//! The same pictures by approximate methods: rasterizers of apparent vertices and image-space warps, and the tessellation that they need.
 
 pub mod projection;
 pub mod raster;

@@ -1,4 +1,4 @@
-//! Apparent positions: where on the film a point is seen that rests in some frame.
+//! Apparent positions: the film point at which a point at rest in some frame is seen.
 //!
 //! The light by which the camera sees a point left the point's world line on the past light cone of the
 //! event of the shot (Müller & Boblest, "Visual appearance of wireframe objects in special relativity",
@@ -27,15 +27,13 @@
 //! h(c) = A c + m |c|,     h = (x z, y z, z): film coordinates times the part of k along the forward axis.
 //! ```
 //!
-//! A rasterizer that joins the apparent positions of two points by a straight line has |c| linear between
-//! them in place of the true one, which is smaller by δ ≥ 0. The point at fraction λ is then drawn at
-//! h + m δ, which is off its place on the film by
-//!
+//! A rasterizer that joins the apparent positions of two points by a straight line has |c| linear between them, instead of the true
+//! value, which is smaller by δ ≥ 0. The point at fraction λ is then drawn at h + m δ, displaced on the film by
 //! ```text
 //! Δ = δ (m_xy − m_z (x, y)) / (z + m_z δ),     δ ≈ ½ λ(1 − λ) |c″|,     |c|″ = |c × e|²/|c|³,
 //! ```
 //!
-//! e = c_B − c_A. Across the edge Δ is what bends it; along it, how textures slide. ηβ ≥ 1 has no such
+//! e = c_B − c_A. The component of Δ across the edge bends it; the component along it makes textures slide. For ηβ ≥ 1 there is no such
 //! root: the light of an object that outruns it arrives twice, or never.
 
 use glam::{DMat3, DVec3};

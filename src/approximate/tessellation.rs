@@ -1,4 +1,4 @@
-//! How fine a rasterizer has to tessellate, so that nothing is drawn farther than ε pixels from its place.
+//! How finely a rasterizer must tessellate, so that every point is drawn within ε pixels of its true position.
 //!
 //! A rasterizer that moves vertices to their apparent positions and joins them by straight edges draws a
 //! point Δ = v δ pixels off (see [`projection`](crate::approximate::projection) for v and c). On an edge of rest length L that
@@ -8,24 +8,23 @@
 //! δ ≤ L²/(8 |c|)   on the edge,      δ ≤ L²/(6 |c|)   in the triangle,
 //! ```
 //!
-//! in vacuum; in a medium |c × Ce|²/|c|² for the direction e of the triangle's plane for which it is largest
-//! takes the place of 1, C being the map from rest coordinates to c. Δ holds both: what is across the edge
-//! bends outlines, what is along it makes textures and wave fronts slide. So the edge length that is needed
-//! where the camera sees a point is
+//! in vacuum; in a medium 1 is replaced by |c × Ce|²/|c|² for the direction e in the triangle's plane for which it is largest, where C is
+//! the map from rest coordinates to c. Δ includes two effects: its component across the edge bends outlines, the one along it makes
+//! textures and wave fronts slide. So the required edge length where the camera sees a point is
 //!
 //! ```text
 //! L = √(6 ε |c| / |v|).
 //! ```
 //!
-//! Slivers need less where they lie along the line of sight. Of a triangle with longest edge along a and
-//! height h over it no piece cones farther across a than h, so that with q(e) = |c × Ce|²/|c|³ also
+//! Slivers need less if they lie along the line of sight. No piece of a triangle with longest edge along a and height h over it extends
+//! farther than h across a, so that with q(e) = |c × Ce|²/|c|³ also
 //!
 //! ```text
 //! δ ≤ (√q(a) L + √q(b) h)²/6,      b across a in its plane.
 //! ```
 //!
-//! [`forecast`] looks at the point behind the centre of each pixel, and takes the least L of each object: what
-//! the picture does not show needs no finer triangles. It is what `raster:uniform` takes.
+//! [`forecast`] examines the point behind the centre of each pixel, and takes the smallest L of each object: what the picture does not
+//! show needs no finer triangles. It is the parameter of `raster:uniform`.
 
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! Figures: space-time diagrams, what is drawn over pictures, contact sheets, and the text and drawing they share.
+//! Figures: space-time diagrams, overlays, contact sheets, and the text and drawing that they share.
 
 #[doc = include_str!("guide.md")]
 pub mod guide {}

@@ -1,11 +1,10 @@
 //! A self-contained page of pictures of one scene at many speeds and times, to be opened in a browser without a network.
 //!
-//! Everything is in the page: pictures and diagrams as data, style and script in its text. A policy of its own
-//! (Content-Security-Policy) forbids it to load anything else. The sliders are those of the browser, which keyboards and screen
-//! readers know; what they show is said in words beneath.
+//! Everything is in the page: pictures and diagrams as data, style and script inline. Its Content-Security-Policy forbids it to load
+//! anything else. The sliders are the browser's, which work with keyboards and screen readers; their values are written below them.
 //!
-//! Beside the picture stand, for a camera that moves with β, the wavelength ratio of light from straight ahead, √((1 − β)/(1 + β)), and
-//! the angle from ahead at which is seen what is abeam at rest, arccos β (aberration; see [`crate::spacetime`]).
+//! Beside the picture are, for a camera that moves with β, the wavelength ratio of light from straight ahead, √((1 − β)/(1 + β)), and the
+//! angle from ahead at which something abeam at rest is seen, arccos β (aberration; see [`crate::spacetime`]).
 
 use crate::error::{Error, Result};
 use crate::figures::drawing::push_base64;

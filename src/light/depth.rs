@@ -1,8 +1,8 @@
-//! Geometry from what a capture camera measured: distances along its pixels' rays, or when light first came back.
+//! Geometry from the measurements of a capture camera: distances along its pixels' rays, or first arrivals of light.
 //!
-//! *Distances.* The pulse of a lamp at l, sent at time t₀, that falls on the point o + r d of a pixel's ray (o the pinhole, d
-//! a unit vector) and goes on to the pinhole arrives at t₀ + |o + r d − l| + r, in metres of light path in vacuum. With
-//! s the light path t − t₀ and q = o − l this is |q + r d| = s − r, and squared it is linear in r:
+//! *Distances.* A pulse from a lamp at l, emitted at time t₀, that hits the point o + r d of a pixel's ray (o the pinhole, d a unit
+//! vector) and continues to the pinhole arrives at t₀ + |o + r d − l| + r, in metres of light path in vacuum. With s the light path t −
+//! t₀ and q = o − l this is |q + r d| = s − r, and squared it is linear in r:
 //!
 //! ```text
 //! r = (s² − q²) / 2 (s + q·d),      r < s   (the ellipse with the foci o and l in polar coordinates about o)
@@ -10,19 +10,18 @@
 //!
 //! In a medium of index η all lengths are η times as long. For a lamp in the pinhole q = 0 and r = s/2.
 //!
-//! *When light first came back.* Of a pixel's bins, the first maximum that is at least a part `rise` of the highest. Light that
-//! goes over a second surface comes later than the direct light of the same pixel, but may be the brighter. About the
-//! maximum a Gaussian is fitted through three bins: ln a is a parabola there, whose vertex lies at
-//! k + ½ (ln a₋ − ln a₊)/(ln a₋ − 2 ln a₀ + ln a₊) from the bin's centre. Bins that are means of a Gaussian have the
-//! same vertex where they lie evenly about it, and are off by less than 10⁻³ of a bin for σ of a bin or more. Pixels whose
-//! maximum is below a part `least` of the picture's brightest are taken for dark: shadow, or nothing there.
+//! *First arrivals.* Among a pixel's bins, the first maximum that is at least a fraction `rise` of the highest. Light via a second
+//! surface arrives later than the direct light of the same pixel, but may be brighter. A Gaussian is fitted through the three bins about
+//! the maximum: ln a is a parabola there, whose vertex is at k + ½ (ln a₋ − ln a₊)/(ln a₋ − 2 ln a₀ + ln a₊) from the bin's centre. Bins
+//! that are means of a Gaussian have the same vertex if they are symmetric about it, and otherwise an error below 10⁻³ of a bin for σ of
+//! a bin or more. Pixels whose maximum is below a fraction `least` of the picture's brightest are taken as dark: shadow, or nothing
+//! there.
 //!
-//! *Mesh.* Vertices lie in pixels' centres, with the texture coordinates of these centres, so that a cube of the same camera
-//! lies on the mesh by them. Neighbours are joined unless the surface is torn between them: if their distances from the
-//! pinhole differ by more than `tear` widths of a pixel, unless the line through the two pixels before them meets the
-//! second one's ray within that tolerance, and the line through the two behind them the first one's, as far as these have
-//! distances. On a plane they meet exactly, at any tilt. A triangle is made where both of its sides along rows and columns
-//! are joined.
+//! *Mesh.* Vertices are at pixel centres, with the texture coordinates of these centres, so that a cube of the same camera fits the mesh.
+//! Neighbours are joined unless the surface is torn between them: that is, if their distances from the pinhole differ by more than `tear`
+//! pixel widths, unless the line through the two pixels before them meets the second one's ray within that tolerance, and the line
+//! through the two behind them the first one's, if these have distances. On a plane they meet exactly, at any tilt. A triangle is made if
+//! both of its sides along rows and columns are joined.
 
 use glam::{DVec2, DVec3};
 

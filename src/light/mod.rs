@@ -1,4 +1,4 @@
-//! Where radiance comes from: time-resolved textures, lamps, the sky, and how surfaces reflect light.
+//! Sources of radiance: time-resolved textures, lamps, the sky, and the reflection of surfaces.
 
 #[doc = include_str!("guide.md")]
 pub mod guide {}

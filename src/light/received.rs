@@ -1,7 +1,7 @@
-//! What light becomes for an observer in motion relative to its source.
+//! Light as received by an observer in motion relative to its source.
 //!
-//! A radiance is seen with W⁻ᵖ (p by the declared quantity). Linear RGB as spectra is seen as M(W) times what it is at
-//! the source, with M of the power of a radiance. Irradiance has the W² of solid angles more.
+//! A radiance is received with the factor W⁻ᵖ (p by the declared quantity). Linear RGB as spectra is received as M(W) times its value at
+//! the source, with the power of a radiance included in M. Irradiance has an additional factor W² for solid angles.
 
 use crate::colour::{RgbShift, Wavelengths};
 use crate::spacetime::{Quantity, WavelengthRatio};

@@ -7,26 +7,24 @@
 //! t + x∥ → e^φ (t + x∥),     t − x∥ → e^−φ (t − x∥),     x⊥ → x⊥.
 //! ```
 //!
-//! A nearly null displacement, one of whose two coordinates is small, keeps its digits that way. A
-//! slow boost (φ < ½) is written as increments instead, which leave a tiny boost or component its digits:
+//! This preserves the digits of a nearly null displacement, one of whose two coordinates is small. A slow boost (φ < ½) is written as
+//! increments instead, which preserve the digits of a tiny boost or component:
 //!
 //! ```text
 //! Δt = (γ − 1) t + sinh φ x∥,     Δx = ((γ − 1) x∥ + sinh φ t) n,     γ − 1 = 2 sinh²(φ/2).
 //! ```
 //!
-//! A look direction d′ is the null vector k = (−1, d′). With c∥ = n·d′, of the two numbers 1 ± c∥
-//! the small one is |d⊥|²/(1 + |c∥|), and d⊥ is that of the small difference d′ ∓ n, so that nothing
-//! cancels:
+//! A look direction d′ is the null vector k = (−1, d′). With c∥ = n·d′, the smaller of the two numbers 1 ± c∥ is |d⊥|²/(1 + |c∥|), and d⊥
+//! is that of the small difference d′ ∓ n, so that nothing cancels:
 //!
 //! ```text
 //! W  = ½ (e^−φ (1 + c∥) + e^φ (1 − c∥)),   W d∥ = ½ (e^−φ (1 + c∥) − e^φ (1 − c∥)),   W d⊥ = d⊥.
 //! ```
 //!
-//! Both terms of W are positive. The textbook form γ(1 − β·d′) loses every digit near the forward
-//! direction, and so would increments. With eps = 2⁻⁵³ what is left are the effects of rounding n, φ
-//! and d′ themselves: W is right to a few eps (1 + φ + sinh φ (|d⊥| + eps)/W), and d to a
-//! few eps (1 + φ + 1/W), because aberration magnifies small angles by 1/W; |d| = 1 holds to a few
-//! eps (1 + eps/W).
+//! Both terms of W are positive. The textbook form γ(1 − β·d′) loses every digit near the forward direction, and so would increments.
+//! With eps = 2⁻⁵³ the remaining errors are the effects of rounding n, φ and d′ themselves: W is accurate to a few eps (1 + φ + sinh φ
+//! (|d⊥| + eps)/W), and d to a few eps (1 + φ + 1/W), because aberration magnifies small angles by 1/W; |d| = 1 holds to a few eps (1 +
+//! eps/W).
 //!
 //! The boost of a frame at rest is the identity, bit for bit.
 //!

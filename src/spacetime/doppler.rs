@@ -12,8 +12,8 @@
 //! | photons per wavelength | ν | W⁻⁴ |
 //! | photons per frequency | 1/ν | W⁻² |
 //!
-//! Linear RGB stands for a spectrum per wavelength ([`colour`](crate::colour)): it becomes M(W) RGB, in which the W⁻⁵
-//! is. Where only its brightness is asked for, it counts as energy over the spectrum: W⁻⁴.
+//! Linear RGB represents a spectrum per wavelength ([`colour`](crate::colour)): it becomes M(W) RGB, which includes the W⁻⁵. If only its
+//! brightness is needed, it counts as energy over the spectrum: W⁻⁴.
 //!
 //! What the emitter emits within dt arrives within dt′ = W dt: the energy received from a whole flash
 //! carries one power of W more, W⁻ᵖ⁺¹. The irradiance that falls on a moving surface carries

@@ -1,8 +1,8 @@
-//! The equations of Jarabo et al. 2015, as they stand, for validating implementations that follow them.
+//! The equations of Jarabo et al. 2015, exactly as published, for validating implementations that follow them.
 //!
 //! Jarabo, Masia, Velten, Barsi, Raskar, Gutierrez, "Relativistic Effects for Time-Resolved Light Transport",
-//! Computer Graphics Forum 34(8), 2015. Everywhere else this crate computes the exact quantities; each function
-//! here says where it departs from them, and what the exact counterpart is.
+//! Computer Graphics Forum 34(8), 2015. Everywhere else this crate computes the exact quantities; the documentation of each function here
+//! says how it differs from the exact counterpart.
 //!
 //! Conventions: c = 1, times are ct in metres, accelerations in 1/m; β is signed, γ = 1/√(1 − β²); primes mark
 //! the camera frame. The angle θ is that between the motion and the *propagation* of the light. The paper

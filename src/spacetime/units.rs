@@ -1,4 +1,4 @@
-//! Quantities with units, as they stand at the edges: in scene files and on the command line.
+//! Quantities with units, as used in scene files and on the command line.
 //!
 //! Inside, all times are ct in metres and all angles radians, as plain `f64`. Outside, every quantity
 //! is a text with its unit: `"2 ps"`, `"0.6 m"`, `"60 deg"`. A number without a unit is refused.

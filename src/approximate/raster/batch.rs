@@ -1,5 +1,5 @@
-//! Triangles as they appear, in batches: one for each run of triangles of a tree, and which of them can reach which
-//! tile of the film.
+//! Triangles at their apparent positions, in batches: one for each run of triangles of a tree, with the tiles of the film that each can
+//! reach.
 
 use glam::DVec3;
 

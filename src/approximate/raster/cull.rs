@@ -1,4 +1,4 @@
-//! What cannot be seen, and which pixels the rest can reach.
+//! Culling of invisible triangles, and the pixels that the others can reach.
 //!
 //! A triangle's directions, seen in its rest coordinates c, lie in a cone about a unit vector â with
 //! half-angle α. Aberration takes circles of directions to circles (Penrose, "The apparent shape of a

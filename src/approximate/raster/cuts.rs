@@ -1,4 +1,4 @@
-//! How many points triangles are cut at: as many as memory holds, and what is known of the end before it is reached.
+//! The number of points at which triangles are cut: limited by memory, with an estimate before the limit is reached.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -1,11 +1,10 @@
-//! Tessellation: triangles divided until straight edges will do.
+//! Tessellation: triangles are divided until straight edges are accurate enough.
 //!
-//! An edge that is to have n > 1 equal parts is cut after the first ⌊n/2⌋, counted from the end whose
-//! coordinates are less, and its two pieces likewise. How many is decided by its two ends alone: triangles
-//! that share an edge cut it alike, and no cracks open. A triangle is cut by those of its edges that are cut
-//! into two, three or four, and so on.
+//! An edge that is to have n > 1 equal parts is cut after the first ⌊n/2⌋, counted from the end with the smaller coordinates, and its two
+//! pieces likewise. Their number depends only on its two ends: triangles that share an edge cut it alike, and no cracks open. A triangle
+//! is divided along those of its edges that are cut into two, three or four, and so on.
 //!
-//! *Uniform*: n = ⌈length/L⌉, so that all edges are at most L. *Adaptive*: n by a bound on how far straight edges are off (`flatness`).
+//! *Uniform*: n = ⌈length/L⌉, so that all edges are at most L. *Adaptive*: n by a bound on the error of straight edges (`flatness`).
 
 use std::collections::HashMap;
 use std::ops::Range;

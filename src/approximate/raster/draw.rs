@@ -1,4 +1,4 @@
-//! From samples to radiance: what is seen at each, in the terms of the ray tracer.
+//! From samples to radiance: what each sample sees, in the ray tracer's data structures.
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};

@@ -1,15 +1,15 @@
-//! Pictures of surfaces that shine alike everywhere: no sample is asked for more than it takes.
+//! Pictures of uniformly shining surfaces, with the minimum of work per sample.
 //!
-//! Where radiance depends on nothing but the patch (colours, no lamps, no channels), a sample is the product of its patch's radiance L and the
-//! observer's factor f(W), and pixels that all see one patch at W = 1, or nothing, are the same wherever their samples lie. So triangles cover
-//! pixels first (`tile`); positions of samples are worked out for pixels that a triangle covers in part, and where W differs from sample to sample; W for
-//! samples that see something that moves relative to the camera:
+//! If radiance depends only on the patch (colours, no lamps, no channels), a sample is the product of its patch's radiance L and the
+//! observer's factor f(W), and pixels that see only one patch at W = 1, or nothing, are the same wherever their samples lie. So coverage
+//! is first determined by pixel (`tile`); sample positions are computed for pixels that a triangle covers partly, and where W differs
+//! from sample to sample; and W for samples that see something moving relative to the camera:
 //!
 //! ```text
 //! W = W_camera(d′) W_rest(d),     d′ the direction in which the camera looks at the sample, d that in the world,
 //! ```
 //!
-//! by the sums and products of the ray tracer, and added up in its order: bit for bit the film that shading gives.
+//! with the ray tracer's sums and products, added in its order: bit for bit the film that shading gives.
 
 use std::ops::Range;
 

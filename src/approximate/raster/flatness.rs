@@ -1,27 +1,26 @@
-//! The flatness test of adaptive tessellation: how far a straight edge may be drawn from where its points are seen.
+//! The flatness test of adaptive tessellation: the error of a straight edge on the film.
 //!
-//! With Δ and δ of [`projection`](crate::approximate::projection), an edge is to have n = ⌈√(E/ε)⌉ parts, or 2 where that is above 3 and E
-//! not to be relied on, for an error of at most ε, with
+//! With Δ and δ of [`projection`](crate::approximate::projection), an edge needs n = ⌈√(E/ε)⌉ parts, or 2 if that is above 3 and E is
+//! unreliable, for an error of at most ε, with
 //!
 //! ```text
 //! E = 4/3 · max |Δ/δ| · |c_A × c_B|² / (8 |c|³_min),
 //! ```
 //!
-//! |c|_min being that of the edge's nearest point and |Δ/δ| that of the end where a metre is more. |c| is
-//! convex, its second derivative largest at the nearest point, so that this bounds δ wherever on the edge.
-//! Within a triangle whose edges are all at most L, δ is at most 4/3 of what it can be on an edge (Jung: it
-//! lies in a circle of radius L/√3). Ends beside the film, or behind the camera, count as if they were in its
-//! corner, where a radian has most pixels.
+//! where |c|_min is that of the edge's nearest point and |Δ/δ| that of the end where a metre covers more pixels. |c| is convex, and its
+//! second derivative is largest at the nearest point, so this bounds δ everywhere on the edge. Within a triangle whose edges are all at
+//! most L, δ is at most 4/3 of its bound on an edge (Jung: it lies in a circle of radius L/√3). Ends beside the film, or behind the
+//! camera, count as if they were in its corner, where a radian has most pixels.
 
 //!
-//! *By vertices.* With A the end where a metre is more, L at least as long as the edges that end there and |c|_min ≥ |c_A| − L, it is, as
-//! |c_A × c_B| is at most the edge's length times the |c| of either end or of the nearest point between them,
+//! *By vertices.* With A the end where a metre covers more pixels, L at least as long as the edges that end there and |c|_min ≥ |c_A| −
+//! L, and since |c_A × c_B| is at most the edge's length times the |c| of either end or of the nearest point between them,
 //!
 //! ```text
 //! E ≤ 4/3 · |Δ/δ|_A L² |c_A|/(8 (|c_A| − L)²):
 //! ```
 //!
-//! where that is at most ε at all three corners of a triangle, which is so of almost all small ones, none of its edges is cut.
+//! If that is at most ε at all three corners of a triangle, as for almost all small ones, none of its edges is cut.
 
 use glam::DVec3;
 

@@ -1,7 +1,7 @@
-//! Fragments: what samples see of the triangles that cover them, in the terms of the ray tracer.
+//! Fragments: what samples see of the triangles that cover them, in the ray tracer's data structures.
 //!
-//! From the place c the look direction and the distance follow. All samples in a row that see one triangle are a run, through which
-//! a loop goes with its functions (`surfaces`) at hand.
+//! The position c gives the look direction and the distance. Consecutive samples that see one triangle form a run, which a loop processes
+//! with the triangle's functions (`surfaces`).
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! Which method makes a picture, and how it is written: "raster:uniform=0.05,attributes=vertex".
+//! The rendering method, and its text form: "raster:uniform=0.05,attributes=vertex".
 
 use std::fmt;
 use std::str::FromStr;

@@ -1,12 +1,12 @@
-//! Reference rasterizers: what others do in place of tracing rays, for validation and for teaching.
+//! Reference rasterizers: the usual approximations to ray tracing, for validation and for teaching.
 //!
 //! | method | geometry | what is exact |
 //! |---|---|---|
 //! | `raster` | vertices are moved to their apparent positions, flat triangles between them are rasterized (`divide`) | vertices |
 //! | `warp` | each look direction is looked up in a picture taken from the same event at rest | geometry, as far as texels are small |
 //!
-//! Radiance, channels, sample positions and film are those of the ray tracer: only geometry and visibility
-//! are approximated, so that two films differ by nothing else.
+//! Radiance, channels, sample positions and film are those of the ray tracer: only geometry and visibility are approximated, so that two
+//! films differ in nothing else.
 //!
 //! *Vertices* (Weiskopf 2001; Müller & Boblest 2014): see [`projection`](crate::approximate::projection). A rasterizer joins
 //! apparent positions by straight edges and flat triangles in the camera's frame, where true edges are
@@ -18,26 +18,24 @@
 //! eᵢ = hⱼ × hₖ,   D = h₀·e₀,   inside: all eᵢ·p of the sign of D,   1/z = Σ eᵢ·p / D,   λᵢ = eᵢ·p / Σ eⱼ·p,
 //! ```
 //!
-//! which needs no clipping where a triangle passes beside or behind the camera. λ are the barycentric
-//! weights on the *flat apparent triangle* (perspective-correct interpolation). With them the place X on
-//! the surface is interpolated, linearly in its rest frame, and texture coordinates with it. The nearest z
-//! is seen; at edges that triangles share both are, and the first in the order of the tree is taken.
+//! which needs no clipping if a triangle passes beside or behind the camera. λ are the barycentric weights on the *flat apparent
+//! triangle* (perspective-correct interpolation). With them the position X on the surface is interpolated, linearly in its rest frame,
+//! and texture coordinates with it. The nearest z is visible; on shared edges both triangles are covered, and the first in the order of
+//! the tree is taken.
 //!
-//! It goes the way that fast rasterizers go: each distinct vertex is transformed once, in loops over one array per
-//! coordinate (`vertices`); triangles are divided level by level (`divide`, `flatness`), culled (`cull`) and sorted by the tiles
-//! that they may reach (`batch`). A tile is painted in strips of rows (`draw`), all samples of a pixel together: their depths stay in
-//! the cache while triangles cover them in f32, and in f64 where that is in doubt (`tile`); what is seen at all (`surfaces`), and of that only
-//! what radiance depends on, is interpolated (`fragments`), and shaded by the loops of the ray tracer. Where radiance depends on the patch
-//! alone, no more is found of each sample than its patch and W (`even`).
+//! The implementation follows fast rasterizers: each distinct vertex is transformed once, in loops over one array per coordinate
+//! (`vertices`); triangles are divided level by level (`divide`, `flatness`), culled (`cull`) and sorted by the tiles that they may reach
+//! (`batch`). A tile is rasterized in strips of rows (`draw`), all samples of a pixel together: their depths stay in the cache while
+//! triangles cover them in f32, and in f64 where that is in doubt (`tile`); of the visible triangles (`surfaces`), only what radiance
+//! depends on is interpolated (`fragments`), and shaded by the loops of the ray tracer. If radiance depends only on the patch, only its
+//! patch and W are determined for each sample (`even`).
 //!
-//! *Attributes.* By fragment, time and place of emission are those of X itself, whose world line meets the
-//! light cone of the shot somewhere, and W that of the look direction. By vertex, the rest frame's time
-//! and W are interpolated between corners with the same λ.
+//! *Attributes.* By fragment, time and position of emission are those of X itself, whose world line meets the light cone of the shot
+//! somewhere, and W that of the look direction. By vertex, the rest frame's time and W are interpolated between corners with the same λ.
 //!
-//! *Warping.* All rays of a picture leave one event, and a camera at rest there gets the same light: for
-//! scenes that rest in the world its picture of all directions holds, for each, what is met. Cameras in
-//! motion look it up by the aberrated direction. Nothing but the directions between texels is
-//! approximated; with bilinear lookup radiance is that of four texels, everything else of the nearest.
+//! *Warping.* All rays of a picture leave one event, and a camera at rest there gets the same light: for scenes that rest in the world
+//! its picture of all directions contains the hit in each. Moving cameras look it up by the aberrated direction. Only the directions
+//! between texels are approximated; with bilinear lookup radiance is that of four texels, everything else of the nearest.
 
 mod batch;
 mod cull;

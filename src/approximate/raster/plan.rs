@@ -1,4 +1,4 @@
-//! Estimates of what the methods need beside the ray tracer, and what they refuse.
+//! Estimates of the additional memory of the methods, and their restrictions.
 
 use super::batch::Piece;
 use super::cuts::{Cuts, cuts_of};

@@ -1,4 +1,4 @@
-//! W of samples that see what rests in one frame, by their film points:
+//! W of samples that see objects at rest in one frame, from their film points:
 //!
 //! ```text
 //! W = W_camera(d′) W_rest(d),     d′ the direction in which the camera looks at the sample, d that in the world.

@@ -1,13 +1,13 @@
-//! Surfaces: small triangles that are seen, as functions of the film point, worked out in lots.
+//! Surfaces: small visible triangles, as functions of the film point, computed in batches.
 //!
-//! With eᵢ of a small triangle, its corners' places cᵢ and weights (uᵢ, vᵢ) on the triangle of the tree,
+//! With eᵢ of a small triangle, the positions cᵢ of its corners and their weights (uᵢ, vᵢ) on the triangle of the tree,
 //!
 //! ```text
 //! (c, u, v) = Σ eᵢ·p (cᵢ, uᵢ, vᵢ) / Σ eᵢ·p,
 //! ```
 //!
-//! six linear functions of the film point over a seventh, once for each triangle that is seen at all. What neither radiance nor
-//! channels depend on is left out.
+//! six linear functions of the film point over a seventh, computed once for each visible triangle. Anything on which neither radiance nor
+//! channels depend is left out.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! All triangles of a scene, divided, moved to where they appear and sorted by tiles.
+//! All triangles of a scene, divided, moved to their apparent positions and sorted by tiles.
 
 use std::ops::Range;
 

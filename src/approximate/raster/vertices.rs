@@ -1,4 +1,4 @@
-//! The distinct corners of a rest frame's triangles, moved to where they appear: each once.
+//! The distinct corners of a rest frame's triangles, each moved once to its apparent position.
 
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! Which triangle each sample of a tile sees, and what it sees of it.
+//! The visible triangle of each sample of a tile, and the visible point on it.
 
 use super::draw::{RayBatch, StripSamples, Visibility};
 use super::fragments::Fragments;

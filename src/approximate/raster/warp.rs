@@ -1,9 +1,8 @@
-//! Image-buffers warping: what a camera at rest sees from the event of the shot, in all directions, looked up
-//! by the aberrated directions of a camera in motion.
+//! Image-based warping: a picture in all directions by a camera at rest at the event of the shot, looked up by the aberrated directions
+//! of a moving camera.
 //!
-//! The map holds what is met, not its radiance: that is worked out where it is looked up, by the ray
-//! tracer's own code. The event is the same, so that times of emission are right whatever the camera's
-//! velocity.
+//! The map stores hits, not their radiance: that is computed where it is looked up, by the ray tracer's own code. The event is the same,
+//! so times of emission are right whatever the camera's velocity.
 
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! Where everything is on a page.
+//! The layout of a page.
 
 use super::lines::{LEADING, Measured, TextLine, broken, lettered, lines, widest_word};
 use super::{Panel, SheetOptions};

@@ -10,8 +10,8 @@
 //! └──────────────────────────┘
 //! ```
 //!
-//! All lengths are pixels and grow with the cells. [`Layout`] knows where everything is, [`compose`] draws
-//! it. Lines that are too long are broken at spaces; a word that is wider than a picture widens the cells.
+//! All lengths are pixels and grow with the cells. [`Layout`] computes the positions, [`compose`] draws them. Lines that are too long are
+//! broken at spaces; a word that is wider than a picture widens the cells.
 
 mod draw;
 mod layout;

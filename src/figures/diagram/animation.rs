@@ -6,8 +6,8 @@
 //! w(k) = s w(n − 1),    s = k/(n − 1),    or s = 1 − |1 − 2k/n| there and back,
 //! ```
 //!
-//! w being the rapidity of the frame to which is boosted: rapidities along a line add, so that each step is
-//! the same boost. Its origin goes from that of the first view to that of the other in equal steps.
+//! where w is the rapidity of the target frame: rapidities along a line add, so each step is the same boost. The origin moves from that
+//! of the first view to that of the target in equal steps.
 
 use super::model::{Boost, Colour, Diagram, Now, Reference, Sweep};
 use crate::spacetime::{Event, InertialFrame, Velocity, World};

@@ -1,4 +1,4 @@
-//! From a scene file, or its text, to the diagram that it means.
+//! From a scene file, or its text, to its diagram.
 
 use std::path::Path;
 

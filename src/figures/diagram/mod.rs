@@ -1,4 +1,4 @@
-//! Space-time diagrams, for teachers: what is where as data, and the drawing made from it.
+//! Space-time diagrams, for teachers: the layout as data, and the drawing made from it.
 //!
 //! ```text
 //! scene file ── load ──▶ model::Diagram ── layout ──▶ Layout ── draw ──▶ Drawing → svg, pdf, png
@@ -11,26 +11,24 @@
 //! ct′ axis: x = β ct,     x′ axis: ct = β x,
 //! ```
 //!
-//! and one unit of them is √((1 + β²)/(1 − β²)) units long on the page: the events of one interval from the
-//! origin are on hyperbolae, (ct)² − x² = τ² (Minkowski 1908). What is not in the plane of the diagram is
-//! projected onto it. [`Series`] draws what changes from picture to picture: a boost, a sweep of what is
-//! simultaneous.
+//! and one unit of them is √((1 + β²)/(1 − β²)) units long on the page: the events at one interval from the origin are on hyperbolae,
+//! (ct)² − x² = τ² (Minkowski 1908). Anything outside the plane of the diagram is projected onto it. [`Series`] draws animations: a
+//! boost, or a sweep of a line of simultaneity.
 //!
-//! In 2+1 dimensions it shows two directions of space, y going into the page at an angle and half as long
-//! (oblique projection). A light cone is then |Δ(x, y)| = |Δct|, and what is simultaneous in a frame a plane,
-//! Δct = β·Δ(x, y). What is straight below things is drawn on the floor, at the lowest ct.
+//! In 2+1 dimensions it shows two directions of space, y going into the page at an angle and half as long (oblique projection). A light
+//! cone is then |Δ(x, y)| = |Δct|, and the events simultaneous in a frame form a plane, Δct = β·Δ(x, y). Shadows straight below things
+//! are drawn on the floor, at the lowest ct.
 //!
 //! # The table of a scene file
 //!
-//! `[diagram]` names frames, world lines and events, in any order, and what is drawn between them. Its numbers
-//! are plain, in its `unit`, times as ct: `[ct, x]` is an event, `velocity = 0.6` is β along x, an
-//! acceleration is one per unit. What the scene has (`of = "camera"`, `"sensor"` or an object's name) is
-//! converted from metres. x is the component along `direction`; what is beside that line is projected onto
-//! it, and light that goes there is then steeper than 45 degrees.
+//! `[diagram]` names frames, world lines and events, in any order, and the elements drawn between them. Its numbers are plain, in its
+//! `unit`, times as ct: `[ct, x]` is an event, `velocity = 0.6` is β along x, an acceleration is one per unit. Objects of the scene (`of
+//! = "camera"`, `"sensor"` or an object's name) are converted from metres. x is the component along `direction`; anything beside that
+//! line is projected onto it, and light that goes there is then steeper than 45 degrees.
 //!
-//! With `dimensions = "2+1"` there is y besides, the component along `across`, and `[ct, x, y]` is an event. Light
-//! cones are cones, `simultaneity` without `to` is a plane, and below everything is its shadow on the floor.
-//! Grids of frames, hyperbolae and wedges are lines of 1+1 dimensions, and refused.
+//! With `dimensions = "2+1"` there is also y, the component along `across`, and `[ct, x, y]` is an event. Light cones are cones,
+//! `simultaneity` without `to` is a plane, and everything has a shadow on the floor below. Grids of frames, hyperbolae and wedges are
+//! lines of 1+1 dimensions, and refused.
 //!
 //! ```
 //! use nullray::figures::diagram;

@@ -1,4 +1,4 @@
-//! A series of pictures of one diagram, all with the same limits, their labels staying where they can.
+//! A series of pictures of one diagram, all with the same limits and with steady labels.
 
 use super::draw::{Habits, draw_next};
 use super::layout::{Limits, Panel, around, contents, layout, limits};

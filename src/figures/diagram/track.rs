@@ -1,4 +1,4 @@
-//! World lines as diagrams have them: those of physics, broken ones, those of a sensor, and parts of these.
+//! World lines in diagrams: physical ones, broken lines, those of a sensor, and parts of these.
 //!
 //! Along anything slower than light, each of
 //!
@@ -7,7 +7,7 @@
 //! t′ − t′_E                    (the time of any frame)
 //! ```
 //!
-//! increases, so that it is zero once at most; [`Track::where_zero`] finds the place by bisection.
+//! increases, so it is zero at most once; [`Track::where_zero`] finds the zero by bisection.
 
 use glam::DVec3;
 

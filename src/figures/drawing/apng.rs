@@ -1,7 +1,7 @@
-//! Animated PNG: what browsers play without a player.
+//! Animated PNG, which browsers play without a player.
 //!
-//! Every frame is whole and replaces the one before; the animation repeats for ever. Programs that know
-//! no animation show the first frame.
+//! Every frame is complete and replaces the previous one; the animation loops for ever. Programs without animation support show the first
+//! frame.
 
 use ::png::ColorType;
 

@@ -1,8 +1,7 @@
-//! Arrowheads: filled paths whose tips are exactly where the path begins or ends.
+//! Arrowheads: filled paths whose tips are exactly at the beginning or the end of the path.
 //!
-//! The back of a head is on the path, so that heads follow curves. The shaft ends within the head, where
-//! the head is wider than the shaft, so that no seam shows between them and nothing of the shaft stands
-//! out beside the tip.
+//! The back of a head is on the path, so that heads follow curves. The shaft ends inside the head, where the head is wider than the
+//! shaft, so that no seam shows between them and the shaft does not protrude beside the tip.
 
 use super::{Arrow, Cap, Path, Stroke};
 use crate::figures::text::Segment;

@@ -1,4 +1,4 @@
-//! What a drawing must be so that every format can hold it.
+//! Checks that every format can represent a drawing.
 
 use super::hatch::MOST_LINES;
 use super::{Drawing, Fill, Hatch, Item, Path, Stroke, Text};

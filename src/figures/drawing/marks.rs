@@ -1,4 +1,4 @@
-//! What all formats mean the same by: filled paths, plain lines, pictures, clips.
+//! Elements that mean the same in all formats: filled paths, plain lines, pictures, clips.
 
 use super::arrow::with_heads;
 use super::check::Checked;

@@ -1,9 +1,9 @@
-//! Drawings that look alike in every format.
+//! Drawings that look the same in every format.
 //!
-//! A [`Drawing`] is a page of paths, text, pictures and clips in points (1/72 inch), x to the right and y down from
-//! the top left corner. Before any writer sees it, everything in which formats differ is worked out once:
-//! arrowheads become filled paths with shortened shafts, hatches become clipped lines, text becomes
-//! outlines. What is left (filled and stroked paths, pictures, clips) means the same to all of them.
+//! A [`Drawing`] is a page of paths, text, pictures and clips in points (1/72 inch), x to the right and y down from the top left corner.
+//! Everything in which formats differ is resolved once, before any writer sees it: arrowheads become filled paths with shortened shafts,
+//! hatches become clipped lines, text becomes outlines. The rest (filled and stroked paths, pictures, clips) means the same to all of
+//! them.
 //!
 //! ```text
 //! Drawing → marks → svg::write, pdf::write, png::render → png::write, apng::write

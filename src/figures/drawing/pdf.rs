@@ -1,11 +1,11 @@
-//! PDF 1.7: what journals and textbooks take.
+//! PDF 1.7, for journals and textbooks.
 //!
-//! One page of vector paths in DeviceRGB, the content compressed. There is no date and no identifier in
-//! it, so that equal drawings are equal files.
+//! One page of vector paths in DeviceRGB, with compressed content. It contains no date and no identifier, so that equal drawings are
+//! equal files.
 //!
-//! Text is outlines, or text: then the fonts in use are in the file, whole, as CID-keyed fonts whose identifiers are glyph
-//! numbers (a font program in the Compact Font Format that has no identifiers of its own: ISO 32000-1, 9.7.4.2), with a table
-//! back to characters. Glyphs stand where the outlines would be, to a thousandth of their size.
+//! Text is either outlines, or text: then the fonts in use are embedded completely, as CID-keyed fonts whose identifiers are glyph
+//! numbers (a font program in the Compact Font Format without its own identifiers: ISO 32000-1, 9.7.4.2), with a table back to
+//! characters. Glyphs are at the positions of the outlines, to a thousandth of their size.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;

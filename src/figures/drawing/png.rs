@@ -1,4 +1,4 @@
-//! PNG: what slides and web pages take.
+//! PNG, for slides and web pages.
 
 use ::png::{ColorType, Encoder, EncodingError, Filter, PixelDimensions, Unit};
 use tiny_skia::{

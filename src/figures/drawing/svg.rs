@@ -1,4 +1,4 @@
-//! SVG 1.1: what browsers show and vector editors edit.
+//! SVG 1.1, for browsers and vector editors.
 //!
 //! Lengths are in points by `viewBox`, to 4 decimals. Text is outlines, in a group whose label is the text.
 

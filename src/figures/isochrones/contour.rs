@@ -1,12 +1,12 @@
 //! Marching squares between pixel centres.
 //!
-//! A cell has four neighbouring pixel centres as corners. A line of value L crosses the edges between a
-//! corner below L and one at or above it, where linear interpolation gives L. In a cell with four
-//! crossings the mean of the corners decides which pairs belong together.
+//! A cell has four neighbouring pixel centres as corners. A line of value L crosses the edges between a corner below L and one at or
+//! above it, at the point where linear interpolation gives L. In a cell with four crossings the mean of the corners decides which pairs
+//! are joined.
 //!
-//! Where one surface hides another the time jumps, and no line runs there: an edge is a jump if its
-//! difference is more than [`JUMP`] times those of the edges before and after it in its row or column.
-//! (At a fold of a surface the difference changes too, but is like that on one side.)
+//! Where one surface hides another the time jumps, and no line is drawn: an edge is a jump if its difference is more than [`JUMP`] times
+//! those of the edges before and after it in its row or column. (At a fold of a surface the difference changes too, but is similar on one
+//! side.)
 
 use super::range::Range;
 

@@ -1,8 +1,8 @@
-//! Times at which the light of one flash is received, in place of those at which the light of the picture left.
+//! Arrival times of the light of one flash, in place of the emission times of the picture's light.
 //!
-//! A flash at the event S lights a surface point x, at rest, at the world time ct_S + η|x − x_S|. That light goes on to a receiver y, at
-//! rest, by ct_S + η|x − x_S| + η|y − x|. Lines of equal time are circles about the flash on a plane, seen in the world's time, and
-//! cuts of ellipsoids with flash and receiver as foci, seen in that of a camera.
+//! A flash at the event S lights a surface point x, at rest, at the world time ct_S + η|x − x_S|. That light arrives at a receiver y, at
+//! rest, at ct_S + η|x − x_S| + η|y − x|. On a plane, lines of equal time are circles about the flash in the world's time, and sections
+//! of ellipsoids with flash and receiver as foci in a camera's time.
 
 use glam::DVec3;
 

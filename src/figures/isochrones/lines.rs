@@ -1,4 +1,4 @@
-//! Isochrones as lines, without those that would be too close to be told apart.
+//! Isochrones as lines, without those that would be too close together.
 
 use super::chain::{Points, polylines};
 use super::contour::{Grid, pieces};

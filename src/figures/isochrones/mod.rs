@@ -6,11 +6,11 @@
 //! linear interpolation between pixel centres, and stop where one surface hides another. Pixels in which
 //! nothing was seen (NaN) are pale grey. The legend has the time both as ct in metres and in seconds.
 //!
-//! Far outliers, such as a floor that runs to the horizon, do not squeeze the rest: the range then ends
-//! before them, an arrow on the legend shows that there is more, and no lines are drawn beyond it. Lines
-//! that would be too close to be told apart are left out, but for the heavy ones as far as they are not.
+//! Far outliers, such as a floor that extends to the horizon, do not compress the rest: the range then ends before them, an arrow on the
+//! legend shows that there is more, and no lines are drawn beyond it. Lines that would be too close together are left out, except heavy
+//! ones that are far enough apart.
 //!
-//! [`flash_times`] are other times to draw: those at which the light of one flash is received.
+//! [`flash_times`] gives other times to draw: the arrival of the light of one flash.
 //!
 //! [`draw_radiance`] draws luminance the same way: colours and lines by its logarithm, the legend by its value.
 

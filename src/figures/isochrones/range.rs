@@ -1,4 +1,4 @@
-//! Which times the colours span, and where the lines are.
+//! The range of times for the colours, and the values of the lines.
 
 use crate::figures::ticks::round_step;
 

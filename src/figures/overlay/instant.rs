@@ -1,10 +1,8 @@
-//! Where objects are seen, and where they are at the world time of the shot: one ray through the centre
-//! of each pixel.
+//! Where objects are seen, and where they are at the world time of the shot: one ray through the centre of each pixel.
 //!
-//! With a refractive index of 0 a ray meets all things at one world time, t of the shot: along it the
-//! retarded event is P + s·(0, d). In the rest frame of an object that moves at β this is a ray along
-//! which time passes, and it meets the object where the object is in the world at t: contracted to 1/γ.
-//! Directions of the camera frame are taken for those of the world, so that nothing is aberrated.
+//! With a refractive index of 0 a ray hits everything at one world time, t of the shot: along it the retarded event is P + s·(0, d). In
+//! the rest frame of an object that moves at β this is a ray along which time passes, and it hits the object where that is in the world
+//! at t: contracted to 1/γ. Directions of the camera frame are used as those of the world, so that nothing is aberrated.
 
 use super::{Outline, Parts, outlines};
 use crate::camera::Camera;

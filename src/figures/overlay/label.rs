@@ -1,4 +1,4 @@
-//! Labels along lines: where a line is nearly straight, no other label is near, and no other line goes through.
+//! Labels along lines, where a line is nearly straight, no other label is near, and no other line crosses.
 
 use super::Polyline;
 use super::style;

@@ -1,4 +1,4 @@
-//! The legend: samples of lines with words, in rows below the picture.
+//! The legend: line samples with text, in rows below the picture.
 
 use glam::DVec3;
 

@@ -3,13 +3,13 @@
 //! | part | what is drawn |
 //! |---|---|
 //! | isochrones | lines of equal retarded time ct of the light's emission, labelled along the line |
-//! | outlines | of every object, where it is seen (whole lines) and where it is (dashed lines); its name stands where it is, or is seen |
-//! | beta | where the camera moves in its picture: ⊗ ahead, ⊙ behind, an arrow at the edge where both are outside |
+//! | outlines | of every object, where it is seen (solid lines) and where it is (dashed lines); its name is placed where it is, or is
+//! seen |
+//! | beta | the direction of the camera's motion in its picture: ⊗ ahead, ⊙ behind, an arrow at the edge if both are outside |
 //! | legend | what the lines mean, the step of the isochrones, an angle to scale, and the camera's time |
 //!
-//! An object is *seen* where its light left it, in directions that aberration has changed. It *is* at
-//! the world time of the shot, and a camera at rest in the world at the same event, for which light took
-//! no time, would see it there, contracted to 1/γ along its motion ([`instantaneous`]).
+//! An object is *seen* where its light left it, in aberrated directions. It *is* at a position at the world time of the shot; a camera at
+//! rest in the world at the same event would see it there, contracted to 1/γ along its motion, if light took no time ([`instantaneous`]).
 //!
 //! [`Overlay::trace`] finds all lines in pixels of the film, as data; [`Overlay::drawing`] draws them.
 //!

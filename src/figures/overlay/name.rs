@@ -1,4 +1,4 @@
-//! Where the names of objects stand: within what is seen of them, as near to its middle as a name fits in.
+//! Positions of objects' names: inside the visible part, as near to its middle as the name fits.
 
 /// A picture of which object each pixel shows, in which names are to stand.
 #[derive(Debug)]

@@ -1,20 +1,19 @@
 //! Outlines of objects, traced to fractions of a pixel.
 //!
-//! Between two neighbouring pixel centres that show different objects there is an edge. Rays between them halve the way
+//! Between two neighbouring pixel centres that show different objects there is an edge. Rays between them bisect the interval
 //! [`HALVINGS`] times, so that the point where the first object ends is known to 2⁻¹³ of a pixel:
 //!
 //! ```text
 //! low shows the object of the first centre, high does not;   middle = (low + high)/2 takes the place of the one or the other.
 //! ```
 //!
-//! Through these points goes the outline, by marching squares: in a square of four pixel centres a straight piece joins two of
-//! them, and where two objects meet like the fields of a chessboard, a ray through the middle of the square tells which are
-//! joined. A piece is the chord of the edge in its square: straight edges have their own slope everywhere, and an edge of radius r
-//! strays from it by 1/(4r) pixels at most. Where the edge turns within a square, the straight parts before and after it are prolonged until
-//! they meet, and rays to both sides of that point tell whether a corner is there. What no pixel centre shows has no outline.
+//! The outline connects these points by marching squares: in a square of four pixel centres a straight piece joins two of them, and if
+//! two objects meet in a checkerboard pattern, a ray through the middle of the square decides which are joined. A piece is the chord of
+//! the edge in its square: straight edges have their own slope everywhere, and an edge of radius r deviates from it by at most 1/(4r)
+//! pixels. If the edge turns within a square, the straight parts before and after it are extended until they meet, and rays on both sides
+//! of that point decide whether a corner is there. Anything that no pixel centre shows has no outline.
 //!
-//! Where two objects meet, the lines of both are the same: the line is that of the object with fewer pixels, as a rule
-//! the one in front.
+//! Where two objects meet, the lines of both are the same: the line belongs to the object with fewer pixels, usually the one in front.
 
 use std::collections::{BTreeMap, BTreeSet};
 

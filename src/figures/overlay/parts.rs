@@ -1,4 +1,4 @@
-//! What an overlay can show: one table, from which help and messages are made.
+//! The parts of an overlay: one table, from which help and messages are made.
 
 use crate::render::aov::Aov;
 

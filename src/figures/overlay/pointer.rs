@@ -1,8 +1,8 @@
-//! Where the camera moves in its own picture.
+//! The direction of the camera's motion in its own picture.
 //!
-//! Boosts are rotation-free, and light that comes from straight ahead or behind is not aberrated: the
-//! direction n of the velocity has the same components in the world and in the camera frame. In the
-//! picture it is at the film point whose vector D is along n ([`Projection::film_point`]).
+//! Boosts are rotation-free, and light from straight ahead or behind is not aberrated: the direction n of the velocity has the same
+//! components in the world and in the camera frame. In the picture it is at the film point whose vector D is along n
+//! ([`Projection::film_point`]).
 
 use glam::DVec3;
 

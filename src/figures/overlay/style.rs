@@ -1,4 +1,4 @@
-//! Colours and lines. Every line has a dark border, so that it reads on dark and on bright ground.
+//! Colours and lines. Every line has a dark border, so that it is legible on dark and on bright ground.
 
 use super::pointer::Target;
 use crate::error::Result;

@@ -1,7 +1,7 @@
 //! What one pixel sees, and its space-time diagram.
 //!
-//! The pixel's ray is traced by the pipeline that renders: the same tile, at the centre of the pixel, so that its
-//! numbers are those of the picture's channels. Along the ray and into the past there are
+//! The pixel's ray is traced by the rendering pipeline: the same tile, at the centre of the pixel, so its numbers are those of the
+//! picture's channels. Along the ray and into the past there are
 //!
 //! ```text
 //! E  reception: the sensor element, or the pinhole of a point camera
@@ -9,16 +9,16 @@
 //! S  = P + s (−η, d)                it left a surface at S, of which the object's clock shows τ_S
 //! ```
 //!
-//! The point of the surface moves on. *Now* it is elsewhere: where its world line is simultaneous with E, in the
-//! camera's frame or in the world.
+//! The point of the surface moves on. *Now* it is elsewhere: where its world line is simultaneous with E, in the camera's frame or in the
+//! world.
 //!
 //! ```text
 //! scene, pixel ── trace ──▶ Probe ── diagram ──▶ model::diagram::Diagram → layout → drawing
 //! ```
 //!
-//! Of the diagram, x is along the ray. In vacuum the ray lies in the plane of x and ct and has the slope of 45
-//! degrees; what is beside that plane is projected onto it, and its light is steeper. In a medium, and with
-//! retardation turned off, the ray has the slope that it is rendered with.
+//! In the diagram, x is along the ray. In vacuum the ray lies in the plane of x and ct and has a slope of 45 degrees; anything beside
+//! that plane is projected onto it, and its light is steeper. In a medium, and with retardation turned off, the ray has the slope with
+//! which it is rendered.
 
 mod data;
 mod diagram;

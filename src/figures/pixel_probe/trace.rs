@@ -1,4 +1,4 @@
-//! From a pixel to what it sees.
+//! From a pixel to the point that it sees.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! Outlines of text, and where their ink lies.
+//! Outlines of text, and the bounds of their ink.
 
 /// A path that is to be filled by the non-zero rule.
 #[derive(Debug, Clone, Default, PartialEq)]

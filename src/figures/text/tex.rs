@@ -1,7 +1,7 @@
-//! Characters as LaTeX writes them, in any of its engines: what is a sign of mathematics there is set as one, and what the old
-//! encoding of its fonts (OT1) has in another place, such as `<`, goes by name.
+//! Characters in LaTeX, for any of its engines: mathematical symbols are set as such, and characters in other positions of the old font
+//! encoding (OT1), such as `<`, are set by name.
 //!
-//! All characters of the font come out, though some letters (ą, đ, þ, „) need `\usepackage[T1]{fontenc}` with pdfTeX.
+//! All characters of the font are supported, though some letters (ą, đ, þ, „) need `\usepackage[T1]{fontenc}` with pdfTeX.
 
 use super::markup::signs;
 

@@ -1,4 +1,4 @@
-//! Directions about a normal with a density as the cosine, as diffuse surfaces reflect.
+//! Directions about a normal with a cosine density, as diffuse surfaces reflect.
 
 use std::f64::consts::TAU;
 

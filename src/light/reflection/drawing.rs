@@ -1,8 +1,8 @@
-//! Directions in which light is followed from a surface, drawn by how much it reflects; the symbols are those of [`reflection`](super).
+//! Sampling of directions from a surface by its reflection; the symbols are those of [`reflection`](super).
 //!
-//! Where light is followed from surface to surface, r = 0 is a mirror: F D V is F δ(l − v mirrored)/(n·l). A direction of all of f is drawn
-//! for the specular part with the probability q = F₀/(F₀ + d), F₀ = F at n·v and d the diffuse albedo less F₀ (both as means of the
-//! channels, and q from 0.1 to 0.9 where there are both), otherwise with the cosine, and its density is the sum of both,
+//! When light is traced from surface to surface, r = 0 is a mirror: F D V is F δ(l − v mirrored)/(n·l). A direction is sampled for the
+//! specular part with the probability q = F₀/(F₀ + d), F₀ = F at n·v and d the diffuse albedo less F₀ (both as means of the channels, and
+//! q from 0.1 to 0.9 if both parts exist), otherwise with the cosine, and its density is the sum of both,
 //!
 //! ```text
 //! p(l) = (1 − q) n·l/π + q D/(2 (n·v + √(α² + (1 − α²)(n·v)²))),

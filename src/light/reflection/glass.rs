@@ -1,15 +1,17 @@
-//! Smooth glass: what it reflects, what goes through, and how often it is drawn as a mirror; the symbols are those of [`reflection`](super).
+//! Smooth glass: reflection, transmission, and the probability of sampling the reflection; the symbols are those of
+//! [`reflection`](super).
 //!
-//! Smooth glass, between the indices n₁ on the side of the observer and n₂, is a mirror with the F of Fresnel's equations for light of no
-//! polarization (Born and Wolf, Principles of Optics, § 1.5.2). Of the rest the part t goes through: light that comes along
+//! Smooth glass, between the indices n₁ on the side of the observer and n₂, is a mirror with the F of Fresnel's equations for unpolarized
+//! light (Born and Wolf, Principles of Optics, § 1.5.2). A fraction t of the rest is transmitted: light that comes along
 //!
 //! ```text
 //! l = −(n₁/n₂) v + ((n₁/n₂) cos θ₁ − cos θ₂) n,     n₁ sin θ₁ = n₂ sin θ₂,
 //! ```
 //!
-//! has the radiance (n₁/n₂)² as large on the near side, as L/n² does not change along rays (dω cos θ n² is invariant: ibid., § 4.8), times c.
-//! Where no θ₂ exists, all is reflected. A film without thickness lets light through unbent; with the reflections between its two faces its F
-//! is 2F/(1 + F). A direction is drawn as of a mirror with a probability near F, in proportion to it where it is less than 4 %. Neglected: dispersion (one index for all wavelengths), absorption between surfaces, polarization, and interference.
+//! has (n₁/n₂)² times the radiance on the near side, as L/n² does not change along rays (dω cos θ n² is invariant: ibid., § 4.8), times
+//! c. If no θ₂ exists, all is reflected. A film without thickness transmits light without refraction; with the reflections between its
+//! two faces its F is 2F/(1 + F). The mirror direction is sampled with a probability near F, proportional to it below 4 %. Neglected:
+//! dispersion (one index for all wavelengths), absorption between surfaces, polarization, and interference.
 
 use glam::DVec3;
 

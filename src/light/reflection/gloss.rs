@@ -1,4 +1,4 @@
-//! Surfaces of the metallic-roughness model for loops over many, with the bits of single ones.
+//! Surfaces of the metallic-roughness model for loops over many, with the bits of single evaluations.
 
 use std::f64::consts::{FRAC_1_PI, PI};
 

@@ -1,4 +1,4 @@
-//! Values of many reflections at once, in loops with the bits of single ones.
+//! Many reflections at once, in loops with the bits of single evaluations.
 
 use glam::DVec3;
 

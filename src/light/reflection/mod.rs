@@ -1,4 +1,4 @@
-//! How surfaces reflect: diffuse, and the metallic-roughness model of glTF 2.0 (Appendix B).
+//! Reflection of surfaces: diffuse, and the metallic-roughness model of glTF 2.0 (Appendix B).
 //!
 //! All directions are unit vectors of the surface's rest frame, away from it: n the normal on the side of the
 //! observer, v to the observer, l to the light, h = (v + l)/|v + l|. With the base colour c, metalness m, perceptual
@@ -9,12 +9,12 @@
 //! D = α²/(π ((n·h)² (α² − 1) + 1)²),      V = ½/(n·l √(α² + (1 − α²)(n·v)²) + n·v √(α² + (1 − α²)(n·l)²)).
 //! ```
 //!
-//! ν is the refractive index of the dielectric, 1.5 unless a material says otherwise, for which its part is 0.04 (KHR_materials_ior); it is
-//! that of smooth glass, too. D V is GGX with Smith's height-correlated masking (Walter et al. 2007; Heitz, JCGT 3(2), 2014). Normals visible
-//! from v are drawn as in Heitz, JCGT 7(4), 2018, for which f (n·l)/pdf = F G₂/G₁. A surface with m = 0 and r = 1 is
-//! taken as diffuse altogether: f = c/π.
+//! ν is the refractive index of the dielectric, 1.5 unless a material says otherwise, for which its part is 0.04 (KHR_materials_ior); it
+//! is also that of smooth glass. D V is GGX with Smith's height-correlated masking (Walter et al. 2007; Heitz, JCGT 3(2), 2014). Normals
+//! visible from v are sampled as in Heitz, JCGT 7(4), 2018, for which f (n·l)/pdf = F G₂/G₁. A surface with m = 0 and r = 1 is treated as
+//! purely diffuse: f = c/π.
 //!
-//! The files of this folder derive the rest: how directions are drawn, smooth glass, and normals between those of vertices.
+//! The files of this folder derive the rest: sampling of directions, smooth glass, and interpolated normals.
 
 use std::f64::consts::{FRAC_1_PI, PI};
 

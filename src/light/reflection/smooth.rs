@@ -1,10 +1,10 @@
-//! Normals by which surfaces are smooth, and how they are turned where they are too far from the observer.
+//! Interpolated normals of smooth surfaces, and their correction if they point too far away from the observer.
 //!
-//! Where a normal between those of the corners of a triangle stands for that of the triangle, n_g, it is n, turned to the side of n_g that
-//! the observer is on. With χ = 1 where n·l and n_g·l have one sign and otherwise 0, the surface has χ f in place of f: light from below it
-//! gives nothing, and it reflects no more than a surface of the normal n does. Such an f is not reciprocal (Veach, "Robust Monte Carlo
-//! Methods for Light Transport Simulation", 1997, § 5.3); light is followed from the observer. Diffuse surfaces do not depend on v, and n
-//! is as it is; of others it is `bent`.
+//! If an interpolated normal replaces that of the triangle, n_g, it is n, flipped to the side of n_g that the observer is on. With χ = 1
+//! if n·l and n_g·l have the same sign and otherwise 0, the surface has χ f in place of f: light from below it contributes nothing, and
+//! it reflects no more than a surface with the normal n does. Such an f is not reciprocal (Veach, "Robust Monte Carlo Methods for Light
+//! Transport Simulation", 1997, § 5.3); light is traced from the observer. Diffuse surfaces do not depend on v, and use n unchanged; for
+//! others it is `bent`.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! Time to bins: which bins a time reads, with which weights.
+//! From time to bins: the bins that a lookup reads, and their weights.
 //!
 //! Bin k covers [start + k·w, start + (k+1)·w], and its value sits at the centre. With
 //! x = (t − start)/w − ½ and f = x − ⌊x⌋ the weights are, from bin ⌊x⌋ (cubic: ⌊x⌋ − 1) on,
@@ -11,13 +11,12 @@
 //!   smooth function exceeds the value at its centre by w²L″/24; this takes it off, so that quadratics are
 //!   reproduced from their means.
 //!
-//! Times in [start, start + T·w], both ends included, are inside. Near the ends the filter reaches
-//! over bins that there are not. It sees there what the policy for that side says the radiance is:
-//! zero for `Black`; the end bin's value for `Hold`; a `Mark` is no radiance, and the end bin's value
-//! stands in too. Outside, `Black` and `Mark` read nothing, and `Hold` reads the same extended data
-//! (so it joins smoothly, and is the end bin's value alone from 2½ bins on at the latest).
+//! Times in [start, start + T·w], both ends included, are inside. Near the ends the filter extends over bins that do not exist. Their
+//! values follow the policy for that side: zero for `Black`; the end bin's value for `Hold`; a `Mark` is not a radiance, so the end bin's
+//! value is used too. Outside, `Black` and `Mark` read nothing, and `Hold` reads the same extended data (so it joins smoothly, and is the
+//! end bin's value alone from at most 2½ bins on).
 //!
-//! Bins of different widths are read by `irregular`.
+//! `irregular` reads bins of different widths.
 
 use std::sync::Arc;
 

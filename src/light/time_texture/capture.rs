@@ -1,24 +1,23 @@
-//! The camera that captured a cube: where a point lies in its image, and what it saw there.
+//! The camera that captured a cube: the position of a point in its image, and what it saw there.
 //!
-//! The camera is a pinhole at `eye` with a [`Projection`], which says where in its image a point is seen.
+//! The camera is a pinhole at `eye` with a [`Projection`], which maps points to its image.
 //!
-//! At preparation one ray goes through each pixel's centre, and its *distance* r (along the ray, not
-//! the depth z) is kept. A cube in the capture camera's own time shows at time t + η r what left that
-//! pixel's surface at t. Neighbouring pixels differ in r by about a pixel's footprint, often more
-//! than a bin is wide, so every tap of a lookup is read at its own r.
+//! During preparation one ray is traced through each pixel's centre, and its *distance* r (along the ray, not the depth z) is stored. A
+//! cube in the capture camera's own time shows at time t + η r what left that pixel's surface at t. Neighbouring pixels differ in r by
+//! about a pixel's footprint, often more than a bin, so every tap of a lookup is read at its own r.
 //!
-//! Renderers whose rays begin on a near plane at depth n record times that lack the way to it, n / cos θ with θ the
-//! angle between ray and axis: what left a surface at t shows at t + η (r − n / cos θ).
+//! Renderers whose rays begin on a near plane at depth n record times without the path to it, n / cos θ with θ the angle between ray and
+//! axis: what left a surface at t shows at t + η (r − n / cos θ).
 //!
-//! A tap stands for a point p with normal n only if it saw *that* surface, at q with normal m. It did
-//! if all three hold, a being the width of a pixel at p:
+//! A tap is used for a point p with normal n only if it saw *that* surface, at q with normal m. It did if all three hold, where a is the
+//! width of a pixel at p:
 //! - |n·(q − p)| ≤ a: q lies near p's tangent plane;
 //! - |m·(q − p)| ≤ a: p lies near q's (or else a ray that grazes p's plane past a silhouette, and
 //!   goes on to whatever is far behind, would pass);
 //! - n·m ≥ cos 60°: no crease between them.
 //!
-//! A plane passes exactly, a curved surface as long as a pixel resolves it; an occluder, and what
-//! lies behind a silhouette or across an edge, does not pass.
+//! A plane always passes, a curved surface as long as a pixel resolves it; an occluder, and anything behind a silhouette or across an
+//! edge, does not pass.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;

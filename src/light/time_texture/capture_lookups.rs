@@ -1,4 +1,4 @@
-//! Many lookups at a time of points that a capture camera saw: [`TimeTexture::sample_located`] where all taps hold data.
+//! Many lookups at a time at points that a capture camera saw: [`TimeTexture::sample_located`] if all taps have data.
 //!
 //! As for lookups by texture coordinates, but each tap is read at its own time, with its own weights of bins. Each
 //! operation is that of a single lookup, in its order, so that results are the same bit for bit.

@@ -1,8 +1,8 @@
-//! Many points at a time as a capture camera sees them: [`TimeTexture::locate`] in loops.
+//! Projection of many points at a time into a capture camera: [`TimeTexture::locate`] in loops.
 //!
-//! A block of points is projected; the pixels about each place are brought together, and compared with it; those that saw its
-//! surface have their weights. What is left are points beside the image, behind the pinhole, or that no pixel saw. Where points are read in
-//! other ways, each is located by itself. Each operation is that of a single point, in its order, so that results are the same bit for bit.
+//! A block of points is projected; the pixels around each image point are gathered, and compared with the point; those that saw its
+//! surface get their weights. The rest are points outside the image, behind the pinhole, or seen by no pixel. For other reconstructions,
+//! each point is located by itself. Each operation is that of a single point, in its order, so that results are the same bit for bit.
 
 use glam::DVec3;
 

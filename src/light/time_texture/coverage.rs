@@ -1,4 +1,4 @@
-//! How much of what was asked for the data hold, and why not the rest.
+//! How much of a lookup is covered by data, and why the rest is not.
 
 use std::ops::{Add, AddAssign, Mul};
 

@@ -1,4 +1,4 @@
-//! Where a batch of lookups reads in a cube that is read in bricks.
+//! The bricks that a batch of lookups reads in a cube on disk.
 
 use super::gather::{AnySource, Source};
 use super::places::BATCH;

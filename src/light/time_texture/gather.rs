@@ -1,4 +1,4 @@
-//! Samples of many lookups: asked for some lookups ahead, brought together, widened, summed.
+//! Samples of many lookups: prefetched some lookups ahead, gathered, widened, summed.
 
 use half::f16;
 

@@ -1,4 +1,4 @@
-//! Bins of different widths: which of them a time reads, with which weights.
+//! Bins of different widths: the bins that a lookup reads, and their weights.
 //!
 //! Bin k covers [e_k, e_{k+1}], w_k wide, centre c_k. The values a_k are densities: stored ones, or stored
 //! energies over w_k. With c_k ≤ t < c_{k+1}, H = c_{k+1} − c_k and f = (t − c_k)/H:
@@ -13,7 +13,7 @@
 //!   difference; then D(a) = L″ + L″ D(w²)/24, so that S_k = D_k(a)/(1 + D_k(w²)/24) is L″. As h, g ≥ w_k/2, the
 //!   denominator is at least 1 − 2·4/24 = 2/3. For equal widths it is the uniform filter.
 //!
-//! Beyond the ends the bins go on with the width of the last; what they hold there is the axis's to say.
+//! Beyond the ends the bins continue with the width of the last; the axis defines their values.
 
 use std::sync::Arc;
 

@@ -1,9 +1,8 @@
 //! Many lookups at a time, by texture coordinates: [`TimeTexture::sample_uv`] in loops.
 //!
-//! Three passes: where each lookup reads and with which weights, eight lookups per vector; the cache lines
-//! of those samples are asked for, some lookups ahead of their use; the samples of a group of lookups are
-//! brought together, widened and summed. Each operation is that of a single lookup, in its order, so that
-//! results are the same bit for bit. Lookups near the ends of the data or beyond them are single ones.
+//! Three passes: the positions and weights of each lookup, eight lookups per vector; prefetches of the cache lines of those samples, some
+//! lookups ahead of their use; and gathering, widening and summing the samples of a group of lookups. Each operation is that of a single
+//! lookup, in its order, so that results are the same bit for bit. Lookups near the ends of the data or beyond them are done singly.
 
 use glam::DVec2;
 

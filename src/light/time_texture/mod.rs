@@ -1,4 +1,4 @@
-//! Time-resolved textures: radiance on (v, u, t, channel), with what they do not hold.
+//! Time-resolved textures: radiance on (v, u, t, channel), and the treatment of missing data.
 //!
 //! A cube holds samples a(i, j, k, c); row i counts from the top, bin k covers
 //! `[start + k·w, start + (k+1)·w]` of its clock (metres of ct). A lookup is separable:
@@ -13,13 +13,13 @@
 //! - t_tap: the time asked for; for a cube in capture-camera time, that time plus η × the distance
 //!   *of that tap's own* surface point from the capture pinhole ([`Capture`]).
 //!
-//! What the data do not hold is filled as [`Outside`](crate::scene::model::Outside) says and is
-//! counted in [`Coverage`]; nothing is clamped silently.
+//! Missing data are filled as [`Outside`](crate::scene::model::Outside) says and counted in [`Coverage`]; nothing is clamped silently.
 //!
-//! `survey` looks for what is wrong with data; `axis` knows time, `irregular` bins of different widths, `bilinear` texels, `capture` cameras, `capture_points` many
-//! points as they see them, and `capture_lookups` what they recorded of those; `sharp` undoes the means of pixels; `reader` alone touches samples; `lookups` carries out many
-//! lookups at a time, with `places` for where they read and `gather` for what, and `near` brings together what single ones read from disk. `axis` gives out short runs of bins with
-//! weights; `spans` means over spans of time, of any length, by prefix sums.
+//! `survey` checks data for errors; `axis` handles time, `irregular` bins of different widths, `bilinear` texels, `capture` cameras,
+//! `capture_points` the projection of many points, and `capture_lookups` the lookups for those; `sharp` inverts the averaging over
+//! pixels; only `reader` touches samples; `lookups` carries out many lookups at a time, with `places` for positions and `gather` for
+//! samples, and `near` batches the reads of single ones from disk. `axis` returns short runs of bins with weights; `spans` means over
+//! time spans of any length, by prefix sums.
 
 mod axis;
 mod bilinear;

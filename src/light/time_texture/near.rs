@@ -1,7 +1,7 @@
-//! Single lookups in cubes on disk, some at a time: sharp ones, those that are means over what samples stand for, and those where data end.
+//! Single lookups in cubes on disk, several at a time: sharp ones, means over sample footprints, and those near the ends of data.
 //!
-//! They are carried out twice. The first time nothing is read, and the bricks are noted that they want; then those that are missing
-//! are read together, in the order of the file, and the second time all are at hand without a lock. Results are the same bit for bit.
+//! They are carried out twice. The first time nothing is read, and the bricks that they need are recorded; then the missing ones are read
+//! together, in file order, and the second time all are available without a lock. Results are the same bit for bit.
 
 use std::cell::{Cell, RefCell};
 

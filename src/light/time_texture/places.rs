@@ -1,7 +1,7 @@
-//! Where lookups read and with which weights, as many at a time as a vector holds.
+//! Positions and weights of lookups, as many at a time as a vector holds.
 //!
-//! Indices are calculated in f64, which holds them exactly, and become integers by the addition of 2⁵²: vectors
-//! have that, and have no conversion.
+//! Indices are computed in f64, which represents them exactly, and converted to integers by adding 2⁵²: vectors have addition, but no
+//! such conversion.
 
 use super::axis::Timeline;
 use super::weights::{catmull_rom, less_curvature};

@@ -1,5 +1,5 @@
-//! Reading of samples: the only place that knows their stored type. Monomorphised over type and
-//! channels; the choice is made once per lookup, and nothing is allocated or converted ahead.
+//! Reading of samples: the only place that depends on their stored type. Monomorphised over type and channels; the choice is made once
+//! per lookup, and nothing is allocated or converted ahead.
 
 use super::axis::Moment;
 use super::bilinear::Tap;

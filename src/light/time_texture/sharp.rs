@@ -1,4 +1,4 @@
-//! Pixels of a capture as the means that they are: `reconstruction = "sharp"`.
+//! Pixels of a capture taken as means over their squares: `reconstruction = "sharp"`.
 //!
 //! A pixel holds the mean of the image f(x, y, τ) over its square at capture time τ. In units of pixels, by Taylor's
 //! series, that is f + (f_xx + f_yy)/24 at the centre, to fourth order. So f is a − (δ_xx a + δ_yy a)/24 with the second
@@ -6,11 +6,11 @@
 //! there, although its pixels lie at different distances. Between pixels Catmull–Rom along both axes reproduces what is
 //! quadratic in x or y, where bilinear would round it off; each pixel is read at its own surface's time of arrival.
 //!
-//! A difference is left out where one of its two neighbours saw another surface. Where one of the 4 × 4 pixels saw
-//! another surface than that of the point, those four that are left of bilinear interpolation stand in.
+//! A difference is left out if one of its two neighbours saw another surface. If one of the 4 × 4 pixels saw another surface than that of
+//! the point, bilinear interpolation between the central four is used instead.
 //!
-//! Noise that pixels do not share: at a pixel's centre its standard deviation grows by √((28² + 4)/24²) = 1.17; on
-//! average over places it is 0.93 of a pixel's own, 1.4 times that of bilinear interpolation (0.67).
+//! Independent noise of pixels: at a pixel's centre its standard deviation grows by √((28² + 4)/24²) = 1.17; averaged over positions it
+//! is 0.93 of a pixel's own, 1.4 times that of bilinear interpolation (0.67).
 
 use super::bilinear::Tap;
 use super::capture::{Aim, Capture};

@@ -1,4 +1,4 @@
-//! Means over spans of time: what an exposure that takes a while records, and what a part of a tilted surface shows.
+//! Means over time spans: for exposures of finite length, and for parts of a tilted surface.
 //!
 //! What a filter makes of the bins is L(t) = Σ_k a_k φ(b − ½ − k) with b = (t − start)/w, so that over [b₀, b₁] its mean is
 //!
@@ -12,12 +12,12 @@
 //!   3/8 x⁴ − 5/6 x³ + x, then 13/24 + (−1/8 x⁴ + 5/6 x³ − 2x² + 2x − 17/24); Φ = ½ + sign x times that;
 //! - cubic from means: (26 Φ(x) − Φ(x − 1) − Φ(x + 1))/24 of the cubic one.
 //!
-//! Each Φ is 0 up to −3 and 1 from 3 on, so that bins which lie that far inside have the weight 1/(b₁ − b₀) all alike: their
-//! sum is a difference of prefix sums. These are kept at every 16th bin, which takes an eighth of what f64 samples take,
-//! and each as a sum of two f64, so that a faint tail keeps its digits after a bright peak. Without them (of cubes on disk) all
-//! bins are added one by one: the same, more slowly.
+//! Each Φ is 0 up to −3 and 1 from 3 on, so bins that far inside all have the weight 1/(b₁ − b₀): their sum is a difference of prefix
+//! sums. These are stored at every 16th bin, which takes an eighth of the memory of f64 samples, each as a sum of two f64, so that a
+//! faint tail keeps its digits after a bright peak. Without them (for cubes on disk) all bins are added one by one: the same result, more
+//! slowly.
 //!
-//! Times beyond the data are what the policy says, by the part of the span that lies there.
+//! Times beyond the data follow the policy, weighted by the fraction of the span that is there.
 
 use rayon::prelude::*;
 

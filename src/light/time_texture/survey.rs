@@ -1,14 +1,14 @@
-//! What looks wrong about data, before anything is rendered from them.
+//! Checks of data for suspicious properties, before anything is rendered from them.
 //!
-//! All of it is judged by a part of the pixels and lines, evenly spread, so that it costs little for any size. Of cubes on
-//! disk that part is smaller, in groups of neighbours, which share what is read together.
+//! All checks use a subset of the pixels and lines, evenly spread, so that they are cheap for any size. For cubes on disk that subset is
+//! smaller, in groups of neighbours, which share reads.
 //!
 //! - Order of axes: `axis_order`.
-//! - Order of bytes: the sizes of samples, as they are and with their bytes turned round ([`ByteOrder`]).
-//! - Samples below 0: all of them in memory, of cubes on disk those of the part that is looked at.
+//! - Order of bytes: the sizes of samples, as they are and after byte swapping ([`ByteOrder`]).
+//! - Samples below 0: all of them in memory; for cubes on disk those of the subset.
 //! - Ends: the light of the first and of the last bin, against that of the brightest. Noise about 0 cancels in their sums.
-//! - Capture: what was recorded at time t left its surface at t − η (r − n / cos θ). Lamps that flash at time 0 light
-//!   nothing before; and pixels that see no object record nothing. What first light tells stands at the head of `first_light`.
+//! - Capture: light recorded at time t left its surface at t − η (r − n / cos θ). Lamps that flash at time 0 light nothing before; and
+//!   pixels that see no object record nothing. The head of `first_light` explains what first light reveals.
 
 mod axis_order;
 mod first_light;

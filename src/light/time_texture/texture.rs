@@ -1,4 +1,4 @@
-//! One time-resolved texture: a cube, its time axis, and what stands in where it holds nothing.
+//! One time-resolved texture: a cube, its time axis, and the substitutes for missing data.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! What falls on the points of a run, by point.
+//! Light that falls on the points of a run, by point.
 
 use crate::accel::vectors::{BLOCK, Columns};
 use crate::light::lamp::{Arrivals, Incidence, Incident, Irradiance};

@@ -1,4 +1,4 @@
-//! What samples stand for on surfaces: `reconstruction = "footprint"`.
+//! Sample footprints on surfaces: `reconstruction = "footprint"`.
 //!
 //! A sample at film point (x, y) stands for its cell of the pixel, a × b pixels (all of it, where there is one sample). The
 //! camera's own rays through (x + h, y) and (x, y + h), h = ±2⁻¹⁰ towards the middle of the pixel, are carried into the
@@ -12,10 +12,10 @@
 //! X(ξ, υ) = X + (ξ − ξ₀) a ∂X/∂x + (υ − υ₀) b ∂X/∂y,   0 ≤ ξ, υ ≤ 1.
 //! ```
 //!
-//! The mean over it is that of n × m lookups at ((i + ½)/n, (j + ½)/m), each at its own place and time: n and m are the
-//! lengths of the two sides in texels, rounded up, so that lookups, which interpolate linearly, are no more than a texel
-//! apart. Along a tilted surface only one of them is large: the filter is anisotropic. The cells of a pixel's samples make
-//! up the pixel. A side shorter than a texel is not filtered, and where both are, it is the one lookup at the sample.
+//! The mean over it is that of n × m lookups at ((i + ½)/n, (j + ½)/m), each at its own position and time: n and m are the lengths of the
+//! two sides in texels, rounded up, so that lookups, which interpolate linearly, are at most a texel apart. Along a tilted surface only
+//! one of them is large: the filter is anisotropic. The cells of a pixel's samples add up to the pixel. A side shorter than a texel is
+//! not filtered; if both are, the result is the single lookup at the sample.
 //!
 //! **Time.** The light that a cell shows left at different times. With a pinhole at rest at distance r of a surface at rest,
 //! index η, it left at t − ηr, and from the place X to X + ∂X dx it is earlier by

@@ -1,4 +1,4 @@
-//! The nearest hits of a batch so far, and its rays in the rest frame that was intersected last.
+//! The nearest hits of a batch so far, and its rays in the last rest frame that was intersected.
 
 use glam::DVec3;
 

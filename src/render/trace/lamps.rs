@@ -1,7 +1,7 @@
-//! Where the light of lamps falls: what [`Lamp`] gives, less what stands in its way.
+//! Illumination by lamps: what [`Lamp`] gives, minus shadows.
 //!
-//! All points of a run are lit together, in loops over arrays; only colours of spectra are looked up point by point, where
-//! light has been found to come. Shadows are asked for before that, for all points together.
+//! All points of a run are lit together, in loops over arrays; only colours of spectra are looked up point by point, where light arrives.
+//! Shadows are tested before that, for all points together.
 
 use glam::DVec3;
 

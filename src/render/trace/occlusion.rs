@@ -1,4 +1,4 @@
-//! Whether anything stands between points of surfaces and events in the past, for many of them at a time.
+//! Occlusion between points of surfaces and events in the past, for many of them at a time.
 
 use glam::DVec3;
 

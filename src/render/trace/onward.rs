@@ -1,7 +1,7 @@
-//! Rays that go on from surfaces: which points send them, and where to.
+//! Rays from surfaces onwards: which points emit them, and where they go.
 //!
-//! Directions are drawn as the material reflects, and put into the world with the clearance that [`paths`](super::paths) derives; points whose paths
-//! are shared are chosen as [`sharing`](super::sharing) says.
+//! Directions are sampled as the material reflects, and transformed to the world with the clearance that [`paths`](super::paths) derives;
+//! points whose paths are shared are chosen as [`sharing`](super::sharing) describes.
 
 use super::camera_rays::{LeftTriangle, Rays, Samples};
 use super::emitted::{Chosen, Drawn, Emitted, Level};

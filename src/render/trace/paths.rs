@@ -1,4 +1,4 @@
-//! Light that goes from surface to surface: path tracing in space-time.
+//! Light from surface to surface: path tracing in space-time.
 //!
 //! # The equation
 //!
@@ -44,32 +44,32 @@
 //!
 //! # How it is estimated
 //!
-//! At every surface a direction is drawn with a density p_f as the material reflects, and the ray goes on along it. Light of lamps without
-//! extent is added as it is (`lamps`), one point of all that shines and, where the sky is uneven, one direction of it are drawn with
-//! densities p_l in F. What both can meet counts with p/(p_f + p_l) of each (the balance heuristic: Veach and Guibas, "Optimally
-//! combining sampling techniques for Monte Carlo rendering", SIGGRAPH 1995); a mirror's direction can be drawn by the mirror
-//! alone. After the last surface one more ray looks for what shines. Nothing is cut off at random: N bounces are N bounces, and the mean has
-//! no bias. Numbers are Sobol' points scrambled by Owen's way, by pixel, sample and dimension
-//! ([`sampler`](crate::render::sampler)): the same on any number of threads.
+//! At every surface a direction is sampled with a density p_f as the material reflects, and the ray continues along it. Light of lamps
+//! without extent is added directly (`lamps`); one point of everything that shines and, if the sky is not uniform, one direction of it
+//! are sampled with densities p_l in F. Contributions that both can find are weighted by p/(p_f + p_l) (the balance heuristic: Veach and
+//! Guibas, "Optimally combining sampling techniques for Monte Carlo rendering", SIGGRAPH 1995); a mirror's direction can only be sampled
+//! by the mirror. After the last surface one more ray looks for emission. There is no Russian roulette: N bounces are N bounces, and the
+//! mean has no bias. Numbers are Owen-scrambled Sobol' points, by pixel, sample and dimension ([`sampler`](crate::render::sampler)): the
+//! same on any number of threads.
 //!
-//! Rays go on from 2⁻⁴² of the coordinates involved above their surface, 10⁻¹² m in a scene of metres: rounding puts events to 2⁻⁵³ of their
-//! coordinates, of which boosts make γ times as much, on one side of the surface or on the other.
+//! Rays start at 2⁻⁴² of the coordinates involved above their surface, 10⁻¹² m in a scene of metres: rounding displaces events by 2⁻⁵³ of
+//! their coordinates, multiplied by γ in boosts, to either side of the surface.
 //!
-//! In one rest frame whose light is always the same, neighbouring diffuse points share what paths find beyond them: [`sharing`](super::sharing).
+//! In one rest frame with constant light, neighbouring diffuse points share what paths find beyond them: [`sharing`](super::sharing).
 //!
-//! Where light is sampled at wavelengths, each ray has those of its path in the frame that it leaves, and lines are carried back along it:
+//! If light is sampled at wavelengths, each ray has those of its path in the frame that it leaves, and lines are carried back along it:
 //! [`spectral`](super::spectral).
 //!
 //! # Glass
 //!
-//! In a body of index n, light has the tangent (−n, d) of its rest frame F in place of (−1, d), which is carried on through all frames as any
-//! other; its frequency in F stays, so that W of all that rests in the body is 1. What moves relative to a body that it is in is not computed, and
-//! neither are bodies of glass that touch: from within, the other side is the scene's medium. Reflection and refraction are those of
-//! [`reflection`](crate::light::reflection). Lamps without extent are not found through glass, and glass stands in the way of what is drawn of others:
-//! their light through it is found by rays that meet them, as that of the sky is.
+//! In a body of index n, light has the tangent (−n, d) of its rest frame F in place of (−1, d), which is transformed through all frames
+//! like any other; its frequency in F stays, so W is 1 for everything at rest in the body. Objects that move relative to a body around
+//! them are not computed, and neither are touching bodies of glass: seen from inside, the other side is the scene's medium. Reflection
+//! and refraction are those of [`reflection`](crate::light::reflection). Lamps without extent are not found through glass, and glass
+//! blocks sampled light of others: their light through it is found by rays that hit them, like that of the sky.
 //!
-//! Where data of a cube are missing, they are dark for other surfaces. Lines of different shifts that meet in one sample are
-//! shown in their mean wavelength. What `display.background` shows lights nothing.
+//! Missing data of a cube are dark for other surfaces. Lines of different shifts in one sample are shown at their mean wavelength.
+//! `display.background` lights nothing.
 //!
 //! Sources: Kajiya, "The rendering equation", SIGGRAPH 1986; Misner, Thorne, Wheeler, Gravitation, § 22.6 (L_ν/ν³); Weiskopf, Kraus,
 //! Ruder, ACM TOG 18(3), 1999 (radiance and solid angle); Jarabo et al., ACM TOG 33(6), 2014 (time-resolved transport).

@@ -1,4 +1,4 @@
-//! The points of a run in arrays: what falls on them is found in loops.
+//! The points of a run in arrays, for loops that compute their illumination.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! What paths have found that several points of a run share: (1) of [`sharing`](super::sharing), by the loops of [`paths`](super::paths).
+//! Light found by paths that several points of a run share: (1) of [`sharing`](super::sharing), by the loops of [`paths`](super::paths).
 
 use std::f64::consts::PI;
 

@@ -1,9 +1,9 @@
-//! Paths that several surfaces share: what a path finds at its second surface lights the first surfaces of its neighbours too.
+//! Paths shared by several surface points: what a path finds at its second surface also lights the first surfaces of its neighbours.
 //!
 //! # The estimator
 //!
-//! Where all rests relative to each other and nothing changes with time, the light L that a diffuse surface reflects at a point y is the same
-//! for all that look at it, whenever they do. Let x₁ … x_N be points of diffuse surfaces, n their normals and, with d = y − x_k,
+//! If everything rests relative to each other and nothing changes with time, the light L that a diffuse surface reflects at a point y is
+//! the same for all observers, at all times. Let x₁ … x_N be points of diffuse surfaces, n their normals and, with d = y − x_k,
 //!
 //! ```text
 //! p_k(y) = (n_k·d) (−n_y·d)/(π d⁴) V(x_k, y),

@@ -1,4 +1,4 @@
-//! The triangles that shine, by rest frame, and which point of them is drawn for a point that they light.
+//! The shining triangles, by rest frame, and the sampling of a point on them for a point that they light.
 //!
 //! First a frame is chosen by the importances of the roots of their trees, I of (1) of [`light_tree`](super::light_tree), times W⁻⁴ of energies towards the
 //! middle of the tree, W² of solid angles and the W that κ leaves out; then a triangle of that frame by its tree, and a point on it evenly in solid angle or in

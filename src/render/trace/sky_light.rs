@@ -1,4 +1,4 @@
-//! Where the light of the sky falls.
+//! Illumination by the sky.
 //!
 //! What falls on a hit with nothing in the way is known: E of [`BoostedSky::irradiance`]. What is in the way is found along drawn directions. With lᵢ their
 //! light by density, of the mean E, and vᵢ = 1 where nothing is in the way, else 0,

@@ -1,4 +1,4 @@
-//! Light at wavelengths of each sample's own, in place of red, green and blue: [`Wavelengths`] in the frame of each point of a path, and lines.
+//! Light at wavelengths of each sample, in place of red, green and blue: [`Wavelengths`] in the frame of each point of a path, and lines.
 //!
 //! The camera's wavelengths of a sample (derived, with their weights, in `colour/sampled.rs`) are divided by W at each surface of a path. All
 //! that has channels then is of these: albedos Σ c_j b_j(λ), light that comes with W⁻⁵ L(λ/W), and so all loops stay what they are. At the

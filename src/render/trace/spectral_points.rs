@@ -1,4 +1,4 @@
-//! What is known of the points of a run where light is sampled at wavelengths.
+//! Data of the points of a run when light is sampled at wavelengths.
 
 use std::f64::consts::FRAC_1_PI;
 

@@ -1,4 +1,4 @@
-//! Triangles as they are seen from a point: how much of the sphere they fill, and points on them that are drawn evenly in solid angle.
+//! Triangles as seen from a point: their solid angle, and uniform sampling in solid angle.
 //!
 //! # Solid angle
 //!

@@ -1,8 +1,7 @@
 //! What a picture costs: counts and the time per stage.
 //!
-//! A [`Meter`] goes along with every batch. If it is on, it reads the clock between stages, once per batch and not
-//! per ray. On many threads the times of all of them
-//! are summed: a stage on two threads at once counts twice. Time in which the system gives the processor to others counts, too.
+//! A [`Meter`] accompanies every batch. If it is on, it reads the clock between stages, once per batch and not per ray. The times of all
+//! threads are summed: a stage on two threads at once counts twice. Time in which the system runs other processes counts, too.
 
 use std::time::{Duration, Instant};
 

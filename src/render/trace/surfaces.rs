@@ -1,9 +1,9 @@
-//! What rays can hit: static meshes in their rest frames, as they are seen from one event.
+//! What rays can hit: static meshes in their rest frames, as seen from one event.
 //!
 //! All objects at rest relative to each other share one [`RestFrame`] with one BVH. A world ray is
 //! boosted into each frame with its parameter unchanged, so the nearest hit over all frames is the
-//! one with the smallest s. Of one frame the boosted rays are kept for shading, and one at rest in the world
-//! needs no boost; of several frames a ray is boosted again into the one that it hit.
+//! For a single frame the boosted rays are kept for shading, and one at rest in the world needs no boost; with several frames a ray is
+//! boosted again into the one that it hit.
 
 use glam::DVec3;
 

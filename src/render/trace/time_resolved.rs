@@ -1,4 +1,4 @@
-//! What shines and reflects in a scene whose light varies with time.
+//! Emission and reflection in a scene whose light varies with time.
 
 use std::sync::Arc;
 

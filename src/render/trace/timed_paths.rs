@@ -1,8 +1,7 @@
-//! Paths of light with their delays, among surfaces and lamps that rest relative to each other.
+//! Paths of light with their delays, among surfaces and lamps at rest relative to each other.
 //!
-//! In the frame in which all rest, nothing depends on when but the emission of lamps. Light that is at the detector at the time t
-//! and has come along a path x₀, x₁, …, xₙ of surfaces left xₙ at t − D, D = Σ η |xₖ₊₁ − xₖ| with what the detector adds, and a lamp at y at
-//! its proper time
+//! In the frame in which all rest, only the emission of lamps depends on time. Light that reaches the detector at the time t along a path
+//! x₀, x₁, …, xₙ of surfaces left xₙ at t − D, where D = Σ η |xₖ₊₁ − xₖ| plus the detector's delay, and a lamp at y at its proper time
 //!
 //! ```text
 //! τ = t − D − η |xₙ − y| − (the time at which the lamp's clock shows 0).

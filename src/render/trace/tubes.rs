@@ -1,4 +1,4 @@
-//! Which rest frames light paths between surfaces can meet at all.
+//! Which rest frames light paths between surfaces can hit at all.
 //!
 //! What rests in a frame within a sphere of radius r about c is, at the world time t, within r of x(t) = x₀ + β (t − t₀), with
 //! (t₀, x₀) the world event of c at the frame's time 0: motion shortens, and lengthens nothing. Between two world times it

@@ -1,8 +1,8 @@
 //! World lines made of stretches of constant proper acceleration.
 //!
-//! An inertial line is one straight arc, a hyperbola one curved arc, both for ever. Segments are a straight arc
-//! before proper time 0, one arc each, and a straight arc after the last. Each arc is given by the
-//! states at its ends (or at proper time 0), and everything else about it is closed form.
+//! An inertial line is one straight arc, a hyperbola one curved arc, both infinite. Segments are a straight arc before proper time 0, one
+//! arc each, and a straight arc after the last. Each arc is given by the states at its ends (or at proper time 0), and everything else
+//! about it has a closed form.
 //!
 //! A light cone crosses the last arc whose beginning lies in the causal past of its apex.
 

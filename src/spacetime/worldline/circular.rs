@@ -6,9 +6,8 @@
 //! x(ct) − x(0) = r (cos θ − 1) + (a × r) sin θ,    v = Ω a × r,    γ² = 1/((1 − ΩR)(1 + ΩR)),    τ = ct/γ.
 //! ```
 //!
-//! The proper acceleration −γ²Ω² r is across the velocity, and the same in comoving axes. The way from one
-//! event of the line to another depends on the phase of the first and on the difference alone, so that it keeps
-//! its digits; cos θ − 1 = −2 sin²(θ/2).
+//! The proper acceleration −γ²Ω² r is perpendicular to the velocity, and the same in comoving axes. The displacement between two events
+//! of the line depends only on the phase of the first and on the difference, so that it keeps its digits; cos θ − 1 = −2 sin²(θ/2).
 
 use glam::DVec3;
 

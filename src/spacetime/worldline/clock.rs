@@ -1,9 +1,8 @@
 //! Proper time along a curve that is given by world time: τ = ∫ √(1 − |v|²) dct.
 //!
-//! Gauss's rule of ten points on cells that are halved until both halves add up to the whole. Near the speed
-//! of light the root bends sharply, and cells become short there. Within a cell the same rule, on a part
-//! of it, gives the time from its beginning. A rate r is known to eps/r, since 1 − |v|² is a difference: what
-//! halves and whole may differ by of that alone is no reason to go on.
+//! Ten-point Gauss quadrature on cells that are bisected until both halves add up to the whole. Near the speed of light the root bends
+//! sharply, and cells become short there. Within a cell the same rule, on a part of it, gives the time from its beginning. A rate r is
+//! known to eps/r, since 1 − |v|² is a difference: cells are not bisected for differences that this alone can explain.
 //!
 //! Source: Abramowitz and Stegun, table 25.4.
 

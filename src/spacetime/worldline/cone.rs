@@ -1,4 +1,4 @@
-//! Where constant proper acceleration meets a light cone, in closed form.
+//! The intersection of constant proper acceleration with a light cone, in closed form.
 //!
 //! In the frame comoving at the start, with proper acceleration g along n and z = e^(gτ), y = (z − 1)/g, the
 //! hyperbola of [`super::thrust`] is in light-cone coordinates simply t + x∥ = y and t − x∥ = y/z.

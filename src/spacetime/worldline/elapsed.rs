@@ -1,4 +1,4 @@
-//! Proper time as light cones give it, turned into a number only where it is asked for.
+//! Proper time as light cones give it, converted to a number only on demand.
 
 use super::thrust::SMALL;
 

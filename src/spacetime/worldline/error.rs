@@ -1,4 +1,4 @@
-//! Why something is not a world line.
+//! Reasons why something is not a world line.
 
 use crate::spacetime::MAX_RAPIDITY;
 

@@ -1,7 +1,6 @@
-//! States along constant proper acceleration, from one of them: [`super::thrust`] in the frame comoving there,
-//! taken to the world.
+//! States along constant proper acceleration, given one of them: [`super::thrust`] in the frame comoving there, transformed to the world.
 //!
-//! Source: the turning of axes (Thomas) as in Jackson, Classical Electrodynamics, 11.8.
+//! Source: the rotation of axes (Thomas) as in Jackson, Classical Electrodynamics, 11.8.
 
 use glam::DVec3;
 

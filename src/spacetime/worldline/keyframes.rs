@@ -7,10 +7,9 @@
 //! a = γ² w + γ⁴/(1 + γ) (v·w) v,    γ² = 1/((1 − |v|)(1 + |v|)).
 //! ```
 //!
-//! A line that follows an animation rests at its first event before it, and at its last one after it: there it is an inertial line,
-//! x = x_k, ct = ct_k + τ − τ_k, whose crossing with the past light cone of (T, X) is at ct = T − |X − x_k|. Its velocity jumps at
-//! both ends, its place does not, so that it is crossed once by every past light cone. At the ends themselves it has the velocity
-//! between.
+//! A line that follows an animation rests at its first event before it, and at its last one after it: there it is an inertial line, x =
+//! x_k, ct = ct_k + τ − τ_k, which crosses the past light cone of (T, X) at ct = T − |X − x_k|. Its velocity jumps at both ends, its
+//! position does not, so that every past light cone crosses it once. At the ends themselves it has the velocity of the part between.
 
 use glam::DVec3;
 

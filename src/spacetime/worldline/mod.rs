@@ -1,4 +1,4 @@
-//! World lines: where something is at each of its proper times, and where light last left it.
+//! World lines: the position of a body at each proper time, and the event at which light last left it.
 //!
 //! | kind | given by | proper times |
 //! |---|---|---|
@@ -12,17 +12,17 @@
 //! | [circular](WorldLine::circular) | axis and rate | all |
 //!
 //! Proper time τ and world time ct are in metres, accelerations in 1/m (1 m⁻¹ is c²/m = 9·10¹⁶ m/s²).
-//! The comoving frame's axes are the world's, boosted without rotation. Axes carried along without rotation, those of
-//! a gyroscope (Fermi–Walker), turn against them when the acceleration is oblique to the velocity (Thomas
-//! precession). Accelerations are given in the gyroscope's, so that a stretch may be split anywhere without changing the
-//! path; a profile also in the others ([`Axes`]).
+//! The comoving frame's axes are the world's, boosted without rotation. Axes carried along without rotation, those of a gyroscope
+//! (Fermi–Walker transport), rotate relative to them when the acceleration is oblique to the velocity (Thomas precession). Accelerations
+//! are given in the gyroscope's axes, so that splitting a stretch anywhere does not change the path; those of a profile may also be given
+//! in the others ([`Axes`]).
 //!
-//! For a line slower than light, t_E − t(τ) − |x_E − x(τ)| strictly decreases with τ, so that the past light
-//! cone of an event E crosses the line at most once. It may not cross at all: a line that accelerates for
-//! ever has a horizon, and one that begins and ends is not there before and after.
+//! For a line slower than light, t_E − t(τ) − |x_E − x(τ)| strictly decreases with τ, so that the past light cone of an event E crosses
+//! the line at most once. It may not cross at all: a line that accelerates for ever has a horizon, and one with a beginning and an end
+//! does not exist before and after.
 //!
-//! [`WorldLine::on_past_light_cone`] works with differences from a state nearby, so that the way from a
-//! sensor to its pinhole keeps its digits wherever in the world the camera is.
+//! [`WorldLine::on_past_light_cone`] works with differences from a nearby state, so that the displacement from a sensor to its pinhole
+//! keeps its digits wherever in the world the camera is.
 //!
 //! ```
 //! use glam::DVec3;

@@ -1,14 +1,14 @@
-//! Straight ways at constant velocity from event to event, with short turns.
+//! Straight paths at constant velocity from event to event, with short turns.
 //!
-//! A jump of the velocity would be an infinite acceleration. About each event between the first and the last, from w before it to
-//! w after it, the velocity goes linearly from that before, v, to that after, v′:
+//! A jump of the velocity would be an infinite acceleration. About each event between the first and the last, from w before it to w after
+//! it, the velocity changes linearly from v before it to v′ after it:
 //!
 //! ```text
 //! x(u) = x(0) + 2w v u + w (v′ − v) u²,    u from 0 to 1;    w = 1/16 of the shorter of the two times between events.
 //! ```
 //!
-//! The way is then as fast as the faster of the two at most, and passes the event at the distance w |v′ − v|/4, in the angle
-//! between both ways.
+//! The path is then never faster than the faster of the two, and passes the event at the distance w |v′ − v|/4, inside the angle between
+//! both paths.
 
 use super::error::{MAX_KEYFRAME_SPEED, WorldLineError};
 use super::series::{Piece, Series};

@@ -1,8 +1,7 @@
 //! Motion by a given proper acceleration over proper time: an initial-value problem.
 //!
-//! The equations and their series are those of [`super::taylor`], stepped from proper time 0 to both ends, a
-//! new step at each knot. The result is a piecewise polynomial in proper time, right to a few eps per step of
-//! the largest coordinate involved.
+//! The equations and their series are those of [`super::taylor`], stepped from proper time 0 to both ends, with a new step at each knot.
+//! The result is a piecewise polynomial in proper time, accurate to a few eps per step of the largest coordinate involved.
 
 use glam::{DVec3, DVec4};
 

@@ -1,7 +1,7 @@
 //! World lines as polynomials, piece by piece, in a parameter of their own.
 //!
-//! On a piece the displacement from the event at its centre s₀ is D(u) = Σ cₖ uᵏ, k ≥ 1, u = (s − s₀)/h. The
-//! way between two parameters is taken from the divided difference,
+//! On a piece the displacement from the event at its centre s₀ is D(u) = Σ cₖ uᵏ, k ≥ 1, u = (s − s₀)/h. The displacement between two
+//! parameters is taken from the divided difference,
 //!
 //! ```text
 //! D(u₂) − D(u₁) = (u₂ − u₁) Q(u₂),    Q(u) = Σ bₖ uᵏ,    bₖ₋₁ = cₖ + u₁ bₖ,

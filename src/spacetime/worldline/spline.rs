@@ -1,4 +1,4 @@
-//! The natural cubic spline x(ct) through events, and how fast it is.
+//! The natural cubic spline x(ct) through events, and a bound on its speed.
 //!
 //! The second derivatives M at the knots solve, with h the time from knot to knot,
 //!

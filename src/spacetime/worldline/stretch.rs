@@ -1,4 +1,4 @@
-//! A stretch of constant proper acceleration, for very many of its moments.
+//! A stretch of constant proper acceleration, for evaluation at very many moments.
 //!
 //! In the frame comoving at one moment of it, the anchor, the line is the hyperbola of [`super::thrust`]. After proper time σ
 //! more it moves there with the rapidity φ = gσ along n. Anchors lie so close that |φ| ≤ ¼, where with q = φ²
@@ -8,7 +8,7 @@
 //! cosh φ − 1   = ½ q (1 + q/12 (1 + q/30 (1 + q/56 (1 + q/90 (1 + q/132))))):
 //! ```
 //!
-//! the next terms, q⁶/13! and 2q⁶/14!, are below 10⁻¹⁷. From there on no function but the root and quotients is left.
+//! the next terms, q⁶/13! and 2q⁶/14!, are below 10⁻¹⁷. From there on only roots and quotients are needed.
 //!
 //! A direction c of the comoving frame's axes, which are the world's boosted without rotation, is first turned to those that
 //! were carried along from the anchor without rotation, by the inverse of [`super::hyperbola`]'s rotation: with

@@ -1,4 +1,4 @@
-//! The stretch of constant proper acceleration around one state, for very many light cones.
+//! The stretch of constant proper acceleration around one state, for intersection with very many light cones.
 //!
 //! In the frame comoving at the state, let the apex of a past light cone be at time T, a along the
 //! acceleration g and X⊥ across it, and spacelike from the state: r² = a² + X⊥² − T² > 0. With

@@ -1,4 +1,4 @@
-//! What is known of a tile and of the strip of it that is covered, and what is seen in the end.
+//! Buffers of a tile and of the current strip, and the final visibility.
 
 use super::depth::{BLOCKS, Block, LANES, NOTHING, Samples};
 use super::gather::{Gathered, Pieces, SEVERAL, StripLists, gather};

@@ -1,7 +1,7 @@
 //! The depth test: of a strip's samples, the nearest triangle so far.
 //!
-//! 1/z is compared in f32, where it is off by no more than a triangle's slack (`setup`). Depths that differ by no more than that, of either triangle, are
-//! compared in f64.
+//! 1/z is compared in f32, where its error is at most a triangle's slack (`setup`). Depths that differ by no more than the slack of
+//! either triangle are compared in f64.
 
 use super::setup::{Functions, SIDE};
 

@@ -1,9 +1,9 @@
 //! One tile: which triangle each sample sees.
 //!
-//! Triangles that may reach the tile are gathered (`gather`) and set up (`setup`). They are evaluated for the samples of one strip of the tile
-//! after the other, pixel by pixel, so that even a small triangle fills vectors with the samples of the few pixels that it may cover:
-//! sample by sample (`samples`), or, where the samples of a pixel fill whole vectors, for pixels as a whole first (`pixels`). The nearest is
-//! kept either way by the same depth test (`depth`).
+//! Triangles that may reach the tile are gathered (`gather`) and set up (`setup`). They are evaluated for the samples of one strip of the
+//! tile after the other, pixel by pixel, so that even a small triangle fills vectors with the samples of the few pixels that it may
+//! cover: sample by sample (`samples`), or, if the samples of a pixel fill whole vectors, first for whole pixels (`pixels`). Both use the
+//! same depth test (`depth`).
 
 mod buffers;
 mod depth;

@@ -1,5 +1,5 @@
-//! Cover by pixels: what covers a pixel as a whole, before or behind all that is there, is told by the pixel's corners, without its samples. For strips
-//! whose samples fill whole blocks of each pixel.
+//! Coverage by pixels: whether a triangle covers a whole pixel, in front of or behind everything there, follows from the pixel's corners,
+//! without its samples. For strips whose samples fill whole blocks of each pixel.
 
 use super::buffers::{PIXELS, Pixels, TileBuffers};
 use super::depth::{BLOCKS, LANES, Samples, cover_block, resolve};

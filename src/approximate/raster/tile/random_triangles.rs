@@ -1,4 +1,4 @@
-//! Triangles for tests of a tile.
+//! Random triangles for tests of a tile.
 
 use glam::DVec3;
 

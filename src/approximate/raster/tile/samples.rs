@@ -1,4 +1,4 @@
-//! Cover by samples: each triangle is asked about the samples of all pixels that it may reach.
+//! Coverage by samples: each triangle is tested against the samples of all pixels that it may reach.
 
 use super::buffers::TileBuffers;
 use super::depth::{BLOCKS, LANES, Samples, cover_block, resolve};

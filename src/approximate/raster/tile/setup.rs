@@ -7,9 +7,8 @@
 //! 4 · 2⁻²⁴ (n |a| + n |b| + |c|):
 //! ```
 //!
-//! for an edge that passes through the tile less than 10⁻⁵ pixels, since c is at most n (|a| + |b|) then. Triangles on
-//! either side of an edge have the same function with the other sign, bit for bit, so that no sample falls between
-//! them.
+//! for an edge that passes through the tile less than 10⁻⁵ pixels, because c is then at most n (|a| + |b|). Triangles on either side of
+//! an edge have the same function with opposite sign, bit for bit, so that no sample falls between them.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! Lines that labels interrupt, where a crowded page or a label on its way has no other place for it.
+//! Gaps in lines for labels, if a crowded page or a moving label leaves no other place.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! The lines and areas of a panel, from the lowest to the uppermost.
+//! The lines and areas of a panel, from bottom to top.
 
 use super::labels::without;
 use super::page::Map;

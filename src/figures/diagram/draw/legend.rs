@@ -1,4 +1,4 @@
-//! A line and its name for each world line, below the panels.
+//! A line sample and a name for each world line, below the panels.
 
 use super::layers::line_colour;
 use super::page::Page;

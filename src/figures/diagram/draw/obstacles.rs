@@ -1,4 +1,4 @@
-//! What labels keep off.
+//! Obstacles for labels.
 
 use super::labels::{Ground, is_inside};
 use super::layers::{BEAD, DOT, TICK, area_fill, cone_fill, head, is_inner};

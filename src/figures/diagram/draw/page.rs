@@ -1,4 +1,4 @@
-//! Where a panel is on its page.
+//! The position of a panel on its page.
 
 use crate::figures::diagram::layout::{Panel, Point, Projection};
 use crate::figures::diagram::model::Style;

@@ -1,7 +1,7 @@
-//! 2+1 dimensions: the floor, cones, planes, and what these hide.
+//! 2+1 dimensions: the floor, cones, planes, and hidden lines.
 //!
-//! All surfaces are translucent. What is behind one is drawn paler, so that it reads as behind, and the rim of
-//! a past cone is dashed where the cone hides it.
+//! All surfaces are translucent. What is behind one is drawn paler, so that it looks behind, and the rim of a past cone is dashed where
+//! the cone hides it.
 
 use super::layers::{Pen, frame_colour, line_colour};
 use super::page::Map;

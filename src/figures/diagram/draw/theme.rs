@@ -1,5 +1,4 @@
-//! Colours and lines: the palette of Okabe and Ito (2008), told apart by people of any colour vision, and in
-//! grey by the lines' patterns.
+//! Colours and lines: the palette of Okabe and Ito (2008), which people of any colour vision can distinguish; in grey, line patterns do.
 
 use crate::figures::diagram::model::{Colour as Name, Style};
 use crate::figures::drawing::{Cap, Colour, Stroke};

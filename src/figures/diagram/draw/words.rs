@@ -1,4 +1,4 @@
-//! What labels a panel has, and where each may stand.
+//! The labels of a panel, and their possible positions.
 
 use super::labels::{AROUND, Ground, Habits, Request, roomier};
 use super::layers::{area_colour, frame_colour, is_inner, line_colour};

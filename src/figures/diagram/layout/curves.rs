@@ -1,7 +1,7 @@
 //! World lines, hyperbolae, light cones and areas.
 //!
-//! A world line is sampled more finely where it bends: between two points it deviates from the straight line
-//! by less than [`FLATNESS`] of the diagram's size.
+//! A world line is sampled more finely where it is curved: between two points it deviates from the straight line by less than
+//! [`FLATNESS`] of the diagram's size.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! What a view shows: the limits of the file, or as much as its contents need.
+//! The limits of a view: from the file, or fitted to its contents.
 
 use super::types::{Limits, Point};
 use super::view::View;

@@ -1,4 +1,4 @@
-//! What a diagram shows, and where: data, in the diagram's unit and the view's coordinates.
+//! The layout of a diagram: data, in the diagram's unit and the view's coordinates.
 
 mod axes;
 mod curves;

@@ -1,4 +1,4 @@
-//! What is simultaneous in a frame, and the clocks there.
+//! Lines of simultaneity in a frame, and the clocks there.
 
 use super::types::Limits;
 use super::types::{Bead, Now};

@@ -1,9 +1,9 @@
-//! What 2+1 dimensions have besides: the floor with shadows, light cones as cones, equal times as planes.
+//! Additional elements in 2+1 dimensions: the floor with shadows, light cones as cones, equal times as planes.
 //!
-//! A light cone of height h has the rim (x, y) = |h| (cos φ, sin φ) at ct = h, on the page the upright ellipse
-//! (cos ψ, k sin ψ) |h| about its middle, with ψ = φ − α and α, k, s those of [`Point`]. The outline of the cone touches the
-//! rim where the line from the apex is tangent to it: sin ψ = ∓k/s, the upper sign for the future. Between its two edges is
-//! the side that is nearer to the reader, about ψ = −90°.
+//! A light cone of height h has the rim (x, y) = |h| (cos φ, sin φ) at ct = h, on the page the upright ellipse (cos ψ, k sin ψ) |h| about
+//! its middle, with ψ = φ − α and α, k, s those of [`Point`]. The outline of the cone touches the rim where the line from the apex is
+//! tangent to it: sin ψ = ∓k/s, the upper sign for the future. Between its two edges is the side that is closer to the viewer, about ψ =
+//! −90°.
 
 use std::f64::consts::{PI, TAU};
 

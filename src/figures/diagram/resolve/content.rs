@@ -1,7 +1,7 @@
-//! What a scene without a `[diagram]` shows, and limits that show nothing.
+//! The default contents of a scene without a `[diagram]`, and limits that span nothing.
 //!
-//! Of a scene: the world lines of camera, sensor and objects, the events of pulses with their light, and
-//! the light by which the camera sees each object's origin at its time.
+//! For a scene: the world lines of camera, sensor and objects, the events of pulses with their light, and the light by which the camera
+//! sees each object's origin at its time.
 
 use super::scene;
 use super::settings::settable;

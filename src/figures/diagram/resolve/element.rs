@@ -1,4 +1,4 @@
-//! What is drawn between frames, world lines and events.
+//! Elements drawn between frames, world lines and events.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! Events of a diagram: by coordinates, or where something happens to a world line.
+//! Events of a diagram: by coordinates, or by a relation to a world line.
 
 use std::ops::Range;
 

@@ -1,7 +1,7 @@
 //! `[diagram]`: names looked up, events solved for.
 //!
-//! Frames, world lines and events refer to each other in any order; [`Names`] resolves each when it is
-//! first asked for, and refuses what would be defined by way of itself.
+//! Frames, world lines and events refer to each other in any order; [`Names`] resolves each on first use, and refuses circular
+//! definitions.
 
 mod animation;
 mod content;

@@ -1,4 +1,4 @@
-//! Frames, world lines and events by name, each resolved when it is first asked for.
+//! Frames, world lines and events by name, each resolved on first use.
 
 use std::ops::Range;
 

@@ -1,8 +1,8 @@
-//! Keys within words: `{frame.S'.velocity}` stands for the value that this key of `[diagram]` has, after `--set`.
+//! Keys within text: `{frame.S'.velocity}` is replaced by the value of this key of `[diagram]`, after `--set`.
 //!
-//! An entry of a list goes by its name, or by its number from 0, as in `--set`. Braces of subscripts and superscripts,
-//! and those without a dot, group as ever. `{frame.S''.speed}` is what the velocities of a frame and of those that it is relative to
-//! make in the world: their rapidities, artanh β, add.
+//! An entry of a list is addressed by its name, or by its number from 0, as in `--set`. Braces of subscripts and superscripts, and those
+//! without a dot, group as usual. `{frame.S''.speed}` is the speed in the world that results from the velocities of a frame and of those
+//! that it is relative to: their rapidities, artanh β, add.
 
 use std::str::FromStr;
 

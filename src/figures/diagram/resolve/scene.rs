@@ -1,4 +1,4 @@
-//! World lines of what the scene has.
+//! World lines of the scene's camera and objects.
 
 use crate::figures::diagram::model::{Reference, Track};
 use crate::scene::{CameraMotion, Kinematics, ObjectMotion};

@@ -1,5 +1,4 @@
-//! When light first came from the points of surfaces, by which a wrong width of bins, a wrong start and a near plane that is left
-//! out can be told.
+//! First arrivals of light from surface points, which reveal a wrong bin width, a wrong start, or a missing near plane.
 //!
 //! - The time at which light first reaches a point differs between two points by no more than the way of light from one to the other
 //!   takes, whatever lights them: else the bins are not as wide as is said.

@@ -1,4 +1,4 @@
-//! The part of a cube's samples that is looked at, read line by line along time; and words for numbers.
+//! The examined subset of a cube's samples, read line by line along time; and words for numbers.
 
 use crate::io::cube::{CubeStore, Peeked};
 

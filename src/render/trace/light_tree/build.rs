@@ -1,4 +1,4 @@
-//! How the triangles of a tree are parted.
+//! How the triangles of a tree are partitioned.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

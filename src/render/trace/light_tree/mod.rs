@@ -1,8 +1,8 @@
-//! A tree over the shining triangles of one rest frame, by which one of them is drawn for a point that they light.
+//! A tree over the shining triangles of one rest frame, for sampling one of them for a point that they light.
 //!
-//! Every node has two to eight children or is a triangle. From the root down a child is chosen with the probability of its importance, a number that is about as
-//! large as the light that comes from it, and is 0 only where none can. All of it is in the rest frame of the triangles, where they do not move
-//! and the event that receives their light is a point x: when the light left changes nothing.
+//! Every node has two to eight children or is a triangle. From the root down a child is chosen with a probability proportional to its
+//! importance, an approximation of its light at the point that is 0 only if no light can arrive. Everything is computed in the rest frame
+//! of the triangles, where they do not move and the event that receives their light is a point x: the emission time does not matter.
 //!
 //! # Importance
 //!
@@ -18,8 +18,8 @@
 //! Pharr, Jakob, Humphreys, "Physically based rendering", 4th ed., 12.6.3). Of what shines on both sides |cos θ_w| is taken. Two triangles are compared by
 //! radiance times solid angle, I = L Ω κ, so that a far panel of two is drawn evenly in solid angle.
 //!
-//! A bound alone draws much that turns out to be hidden, above all of large nodes. A quarter of it is therefore taken, with three quarters of what cos θ′ κ is for the
-//! middle of the node: cos θ_w and N⁰ + **N**·l towards c, where these are above 0.
+//! A bound alone samples many hidden points, above all of large nodes. So a quarter of it is used, plus three quarters of the value of
+//! cos θ′ κ at the middle of the node: cos θ_w and N⁰ + **N**·l towards c, if these are above 0.
 //!
 //! κ is the most that the cosine at the receiver can be. In the frame F of the receiver n·l > 0 is asked; with N = (0, n) and the null vector
 //! k = (−1, l) of the triangles' frame G, N·k is invariant, and n·l_F = W (N⁰ + **N**·l): a bound of l is one of this, without error by

@@ -1,4 +1,4 @@
-//! Trees against sums over all triangles, and light that is drawn by them against closed forms.
+//! Trees compared with sums over all triangles, and light sampled by them compared with closed forms.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! The words of a label, in one line or, where a line is too long for its place, in several.
+//! The words of a label, in one line or, if that is too long for its place, in several.
 
 use super::geometry::moved;
 use crate::error::Result;

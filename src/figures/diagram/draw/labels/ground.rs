@@ -1,4 +1,4 @@
-//! What is on the page before the labels.
+//! The content of the page before the labels.
 
 use super::geometry::{Grid, around, is_inside, part_within, touch, widened};
 use crate::figures::drawing::Colour;

@@ -1,17 +1,15 @@
 //! Labels beside what they name, without overlaps.
 //!
-//! Each label has candidates: its points, directions from these and distances, the best first. What a
-//! candidate costs is
+//! Each label has candidates: its anchor points, directions from these and distances, best first. The cost of a candidate is
 //!
 //! ```text
 //! preference + Σ what is under it (dots, lines by their weight) + what of it is off the page
 //!            + Σ labels under it, or close by
 //! ```
 //!
-//! Labels take their cheapest candidates one after the other, the most important first; then each chooses
-//! again, all others being where they are, until none moves. (The best places for all are NP-hard to find;
-//! greedy placement with such a descent does well: Christensen, Marks, Shieber 1995.) No chance is
-//! involved: the same diagram has the same labels in the same places.
+//! Labels take their cheapest candidates one after the other, the most important first; then each chooses again with all others fixed,
+//! until none moves. (The optimal placement is NP-hard; greedy placement with such a descent works well: Christensen, Marks, Shieber
+//! 1995.) No randomness is involved: the same diagram has the same labels in the same places.
 
 mod block;
 mod geometry;

@@ -30,21 +30,21 @@ use crate::io::cube::Cube;
 use crate::mesh::{Material, Mesh, Part};
 use crate::scene::model::CaptureCamera;
 
-/// A pulse of a lamp.
+/// A pulse from a lamp.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flash {
-    /// Where it is sent, metres.
+    /// The position of emission, metres.
     pub position: DVec3,
-    /// When its centre is sent, metres of light path.
+    /// The emission time of its centre, metres of light path.
     pub time: f64,
 }
 
-/// What counts as the first light.
+/// The criteria for first light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstLight {
-    /// The part of a pixel's highest value that its first maximum must reach.
+    /// The fraction of a pixel's highest value that its first maximum must reach.
     pub rise: f64,
-    /// The part of the brightest pixel's highest value below which a pixel is dark.
+    /// The fraction of the brightest pixel's highest value below which a pixel is dark.
     pub least: f64,
 }
 
@@ -57,11 +57,11 @@ impl Default for FirstLight {
     }
 }
 
-/// A mesh from distances, and what became of the pixels.
+/// A mesh from distances, and statistics of the pixels.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct DepthMesh {
-    /// The mesh, in the camera's surroundings.
+    /// The mesh, in the camera's coordinates.
     pub mesh: Mesh,
     /// Pixels without a distance.
     pub unknown: usize,
@@ -75,13 +75,13 @@ pub struct PixelRays {
     eye: DVec3,
     projection: AnyProjection,
     offset: [f64; 2],
-    /// Depth of the near plane, on which times begin.
+    /// Depth of the near plane, from which times are measured.
     near: f64,
     size: [usize; 2],
 }
 
 impl PixelRays {
-    /// Those of `camera`, whose picture has `size` (columns, rows).
+    /// The rays of `camera`, whose picture has `size` (columns, rows).
     pub fn new(camera: &CaptureCamera, size: [usize; 2]) -> PixelRays {
         PixelRays {
             eye: camera.eye,
@@ -92,7 +92,7 @@ impl PixelRays {
         }
     }
 
-    /// The unit direction through the centre of a pixel (row · columns + column); none of a pixel that sees nothing.
+    /// The unit direction through the centre of a pixel (row · columns + column); `None` for a pixel that sees nothing.
     fn direction(&self, pixel: usize) -> Option<DVec3> {
         let [width, _] = self.size;
         let x = (pixel % width) as f64 + 0.5 + self.offset[0];
@@ -109,13 +109,13 @@ impl PixelRays {
         self.projection.footprint(along)
     }
 
-    /// Distances, metres, of surfaces on which the light of `flash` fell before it came in at the times `arrivals`, metres
-    /// of light path, row by row from the top; NaN where no surface could have sent it then.
+    /// Distances, metres, of surfaces from which light of `flash` arrived at the times `arrivals`, metres of light path, row by row from
+    /// the top; NaN if no surface could have sent it then.
     pub fn distances(&self, arrivals: &[f64], flash: &Flash, index: f64) -> Vec<f64> {
         let q = self.eye - flash.position;
         let distance = |(pixel, arrival): (usize, &f64)| {
             let d = self.direction(pixel).unwrap_or(DVec3::NAN);
-            // Times lack the way to the near plane, n / cos θ.
+            // Times lack the path to the near plane, n / cos θ.
             let lacking = self.near / d.dot(self.projection.forward());
             let s = (arrival - flash.time) / index + lacking;
             let r = (s * s - q.length_squared()) / (2.0 * (s + q.dot(d)));
@@ -137,7 +137,7 @@ impl PixelRays {
         depths.iter().enumerate().map(distance).collect()
     }
 
-    /// The mesh through points at `distances` from the pinhole, metres, row by row; of those that are not above 0 none.
+    /// The mesh through points at `distances` from the pinhole, metres, row by row; distances that are not above 0 are left out.
     pub fn mesh(&self, distances: &[f64], tear: f64) -> DepthMesh {
         let points: Vec<Option<DVec3>> = (0..self.size[0] * self.size[1])
             .map(|pixel| {
@@ -155,8 +155,8 @@ impl PixelRays {
     }
 }
 
-/// When light first came into each pixel of `cube`, metres of light path: `start` is that of its bin 0, `width` that of a
-/// bin. NaN of dark pixels.
+/// The time of first light in each pixel of `cube`, metres of light path: `start` is the start of its bin 0, `width` the width of a bin.
+/// NaN for dark pixels.
 pub fn first_light(cube: &Cube, start: f64, width: f64, first: &FirstLight) -> Vec<f64> {
     let [h, w, bins, _] = cube.shape;
     let value = |pixel: usize, bin: usize| cube.total(pixel, bin);
@@ -168,7 +168,7 @@ pub fn first_light(cube: &Cube, start: f64, width: f64, first: &FirstLight) -> V
         if highest <= first.least * brightest {
             return f64::NAN;
         }
-        // The first maximum that is high enough; a plateau counts where it begins.
+        // The first maximum that is high enough; a plateau counts from its beginning.
         let at = |bin: usize| value(pixel, bin);
         let is_peak = |bin: &usize| {
             let (before, after) = (
@@ -209,18 +209,18 @@ impl Weaver<'_> {
         self.points[inside.then_some((row * width + column) as usize)?]
     }
 
-    /// Whether the surface goes on from a pixel to its neighbour `step` further; none where one has no distance.
+    /// Whether the surface continues from a pixel to its neighbour `step` further; `None` if one has no distance.
     fn joins(&self, [column, row]: [i64; 2], [across, down]: [i64; 2]) -> Option<bool> {
         let at = |n: i64| self.point(column + n * across, row + n * down);
         let (a, b) = (at(0)?, at(1)?);
         let [r_a, r_b] = [a, b].map(|p| p.distance(self.rays.eye));
-        // A tear is judged by the nearer one's pixels, which are the smaller.
+        // Tears are judged by the nearer pixel's width, which is the smaller.
         let nearer = if r_a < r_b { a } else { b };
         let tolerance = self.tear * self.rays.footprint(nearer);
         if (r_a - r_b).abs() <= tolerance {
             return Some(true);
         }
-        // By the line through the pixels on either side, as far as there are any.
+        // By the line through the pixels on either side, if they exist.
         let goes_on = |before: Option<DVec3>, from: DVec3, to: DVec3| {
             let met = self.met(before?, from, (to - self.rays.eye).normalize());
             let to = to.distance(self.rays.eye);
@@ -230,7 +230,7 @@ impl Weaver<'_> {
         Some(sides != [None; 2] && !sides.contains(&Some(false)))
     }
 
-    /// The distance at which a ray from the pinhole comes nearest to the line on from `before` through `from`.
+    /// The distance at which a ray from the pinhole is nearest to the extension of the line from `before` through `from`.
     fn met(&self, before: DVec3, from: DVec3, d: DVec3) -> Option<f64> {
         let (e, p) = ((from - before).try_normalize()?, from - self.rays.eye);
         // Least squares of r d − (p + s e).
@@ -260,7 +260,7 @@ impl Weaver<'_> {
                 let a = row * width + column;
                 let (b, c, d) = (a + 1, a + width, a + width + 1);
                 let (top, bottom, left, right) = (across[a], across[c], down[a], down[b]);
-                // By the shorter diagonal where all four are there, and else by that whose triangles are.
+                // Along the shorter diagonal if all four exist, and else along the one whose triangles exist.
                 let length = |from: usize, to: usize| match (self.points[from], self.points[to]) {
                     (Some(from), Some(to)) => from.distance_squared(to),
                     _ => f64::INFINITY,
@@ -284,7 +284,7 @@ impl Weaver<'_> {
         }
     }
 
-    /// The mesh of these triangles of pixels, with those vertices that are used.
+    /// The mesh of these triangles of pixels, with only the vertices in use.
     fn compacted(&self, triangles: &[[usize; 3]]) -> Mesh {
         let [width, height] = self.rays.size;
         // Vertices are numbered in the order in which triangles use them.

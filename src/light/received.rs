@@ -6,7 +6,7 @@
 use crate::colour::{RgbShift, Wavelengths};
 use crate::spacetime::{Quantity, WavelengthRatio};
 
-/// What is received of light, by W.
+/// The received light as a function of W.
 #[derive(Debug, Clone, Copy)]
 pub enum Received {
     /// All channels with the same power of W.
@@ -16,7 +16,7 @@ pub enum Received {
 }
 
 impl Received {
-    /// The radiance received, where the source has `radiance`.
+    /// The received radiance for the source's `radiance`.
     #[inline]
     pub fn radiance(&self, w: f64, radiance: [f64; 3]) -> [f64; 3] {
         match self {
@@ -28,14 +28,14 @@ impl Received {
         }
     }
 
-    /// What is received of an irradiance, times `factor`.
+    /// The received irradiance, times `factor`.
     #[inline]
     pub fn irradiance(&self, w: f64, irradiance: [f64; 3], factor: f64) -> [f64; 3] {
         let factor = self.irradiance_factor(w) * factor;
         self.colour(w, irradiance).map(|e| e * factor)
     }
 
-    /// The factor on an irradiance beside that of [`Received::colour`]: W²⁻ᵖ, or W² where that has W⁻ᵖ in it.
+    /// The factor on an irradiance in addition to [`Received::colour`]: W²⁻ᵖ, or W² if that includes W⁻ᵖ.
     #[inline]
     pub fn irradiance_factor(&self, w: f64) -> f64 {
         match self {
@@ -53,8 +53,7 @@ impl Received {
         }
     }
 
-    /// The same of each of `irradiances` that is above 0, and 0 of all others, NaN among them. A plain loop, to be compiled for wide
-    /// vectors.
+    /// The same for each of `irradiances` that is above 0, and 0 for all others, including NaN. A plain loop, compiled for wide vectors.
     #[inline(always)]
     pub(crate) fn irradiances_at<const N: usize>(
         &self,
@@ -76,7 +75,7 @@ impl Received {
         }
     }
 
-    /// The channels as they are seen at W.
+    /// The channels as seen at W.
     #[inline]
     pub fn colour(&self, w: f64, channels: [f64; 3]) -> [f64; 3] {
         match self {
@@ -85,7 +84,7 @@ impl Received {
         }
     }
 
-    /// The radiance at each of these wavelengths of who receives it, where the source has the linear RGB `channels`; of what is no RGB of spectra
+    /// The radiance at each of these wavelengths of the receiver, for the source's linear RGB `channels`; if that is not RGB of spectra,
     /// [`Received::radiance`].
     #[inline]
     pub(crate) fn at(&self, w: f64, channels: [f64; 3], wavelengths: Wavelengths) -> [f64; 3] {
@@ -95,7 +94,7 @@ impl Received {
         }
     }
 
-    /// Wavelengths received over those of the source, where the light is of one line; 1 where RGB has it in its colour.
+    /// Received wavelengths over the source's, for light of one line; 1 if RGB includes the shift in its colour.
     #[inline]
     pub fn wavelength_scale(&self, w: f64) -> f64 {
         match self {

@@ -156,8 +156,8 @@ impl<To: Frame, From: Frame> Boost<To, From> {
         self.up < SLOW
     }
 
-    /// [`Boost::displacement`] where [`Boost::is_slow`] is true and [`Boost::is_identity`] false: a loop that asks that beforehand goes in
-    /// vectors.
+    /// [`Boost::displacement`] if [`Boost::is_slow`] is true and [`Boost::is_identity`] false: a loop that tests this beforehand
+    /// vectorizes.
     #[inline(always)]
     pub(crate) fn displacement_of_slow(&self, d: Displacement<From>) -> Displacement<To> {
         let along = self.n.dot(d.x);
@@ -204,7 +204,7 @@ impl<To: Frame, From: Frame> Boost<To, From> {
         self.direction_and_inverse_of_moving(d)
     }
 
-    /// [`Boost::direction`] where [`Boost::is_identity`] is false: a loop that asks that beforehand goes in vectors.
+    /// [`Boost::direction`] if [`Boost::is_identity`] is false: a loop that tests this beforehand vectorizes.
     #[inline(always)]
     pub(crate) fn direction_of_moving(&self, d: Direction<From>) -> (Direction<To>, f64) {
         let (d, [ratio, _]) = self.direction_and_inverse_of_moving(d);
@@ -277,7 +277,7 @@ impl<To: Frame, From: Frame> Boost<To, From> {
     }
 }
 
-/// Tangents of many light paths, in arrays: what [`Boost::tangent_and_ratio`] says of each.
+/// Tangents of many light paths, in arrays: the results of [`Boost::tangent_and_ratio`].
 #[derive(Debug)]
 pub(crate) struct Tangents<'a> {
     /// Spatial parts.
@@ -296,7 +296,7 @@ impl<To: Frame, From: Frame> Boost<To, From> {
         let count = directions.len();
         let (index, space) = (&index[..count], &mut to.space[..count]);
         let (time, ratio) = (&mut to.time[..count], &mut to.ratio[..count]);
-        // Asked once: with a branch at each direction the loop would not go in vectors.
+        // Test once: a branch at each direction would keep the loop from vectorizing.
         if self.is_identity() {
             space.copy_from_slice(directions);
             for i in 0..count {

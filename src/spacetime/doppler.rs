@@ -32,10 +32,10 @@ impl WavelengthRatio {
     pub const NONE: WavelengthRatio = WavelengthRatio(1.0);
 }
 
-/// Makes the quantities from one list: what they are, their words in scene files, and p in L′ = W⁻ᵖ L.
+/// Defines the quantities from a list: their meaning, their words in scene files, and p in L′ = W⁻ᵖ L.
 macro_rules! quantities {
     ($($variant:ident $({ $wavelength:ident })?, $name:literal $(or $alias:literal)?, $meaning:literal, $exponent:literal;)*) => {
-        /// What a stored radiance measures. The exponent of W follows from it, and from nothing else.
+        /// What a stored radiance measures. It alone determines the exponent of W.
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub enum Quantity {
             $(
@@ -56,7 +56,7 @@ macro_rules! quantities {
         }
 
         impl QuantityKind {
-            /// The word for it in files.
+            /// Its word in files.
             pub fn name(self) -> &'static str {
                 match self {
                     $(QuantityKind::$variant => $name,)*

@@ -184,7 +184,7 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// The parts of `d`, none of them by the difference of nearly equal numbers.
+    /// The parts of `d`, none of them computed as the difference of nearly equal numbers.
     #[inline(always)]
     pub fn of(d: DVec3, n: DVec3) -> Self {
         Parts::of_length(d, 1.0, n)

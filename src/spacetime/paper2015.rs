@@ -58,8 +58,8 @@ pub fn radiance_factor(doppler_factor: f64) -> f64 {
 /// Eq. 3: z′ = z √(sin²θ + cos²θ/γ²), the distance `distance` at angle θ to the motion, contracted like a
 /// rod.
 ///
-/// Departs from special relativity: light was emitted at an event, not by a rod. Exact: in the camera frame the
-/// emission event is at distance z/D.
+/// Differs from special relativity: light was emitted at an event, not by a rod. Exact: in the camera frame the emission event is at
+/// distance z/D.
 pub fn contracted_distance(beta: f64, world_angle: f64, distance: f64) -> f64 {
     let across = libm::sin(world_angle);
     let along = libm::cos(world_angle) / lorentz_factor(beta);
@@ -69,8 +69,7 @@ pub fn contracted_distance(beta: f64, world_angle: f64, distance: f64) -> f64 {
 /// Eq. 4: α′ = 2 arctan(tan(α/2)/γ), the field of view (radians) of a moving pinhole camera whose focal
 /// length was d in the world and is taken to be γd in its own frame.
 ///
-/// Departs from special relativity where the camera is a rigid body: its field of view, in its own frame,
-/// stays α.
+/// Differs from special relativity if the camera is a rigid body: its field of view, in its own frame, stays α.
 pub fn field_of_view(beta: f64, resting_field_of_view: f64) -> f64 {
     let half = libm::tan(0.5 * resting_field_of_view);
     2.0 * libm::atan(half / lorentz_factor(beta))
@@ -86,8 +85,8 @@ pub fn camera_angle(beta: f64, world_angle: f64) -> f64 {
 /// Eq. 11: t = t′/γ − z′η, the time argument of the time-resolved texture, with z′ of
 /// [`contracted_distance`].
 ///
-/// Departs from special relativity: Δt = γ Δt′. Exact, for a point at rest at world distance r and a pinhole
-/// through the common origin: t = γt′ − ηr.
+/// Differs from special relativity: Δt = γ Δt′. Exact, for a point at rest at world distance r and a pinhole through the common origin: t
+/// = γt′ − ηr.
 pub fn emission_time(beta: f64, camera_time: f64, contracted_distance: f64, index: f64) -> f64 {
     camera_time / lorentz_factor(beta) - contracted_distance * index
 }
@@ -108,7 +107,7 @@ pub fn speed_after(g: f64, elapsed: f64) -> f64 {
     u / libm::sqrt(1.0 + u * u)
 }
 
-/// Eq. 14: x − x₀ = (√(1 + g²t²) − 1)/g, the way covered in world time t = `elapsed` from rest.
+/// Eq. 14: x − x₀ = (√(1 + g²t²) − 1)/g, the distance covered in world time t = `elapsed` from rest.
 ///
 /// Exact. Evaluated as g t²/(√(1 + g²t²) + 1), which has no difference and takes g = 0.
 pub fn position_after(g: f64, elapsed: f64) -> f64 {
@@ -130,8 +129,8 @@ pub fn world_time(g: f64, proper_time: f64) -> f64 {
 /// Eq. 16: d′ = (1/g)(1 − √((1 − v² + (gd)²v²)/(1 − v²))) + γd, the distance from sensor to pinhole in the
 /// sensor's frame at speed v = `beta`, both with proper acceleration g from rest at distance d (Bell's ships).
 ///
-/// Departs from special relativity in a sign: it is that of a sensor that *leads* its pinhole. Exact for a
-/// pinhole ahead of the sensor: γd + (√(1 + (gdγβ)²) − 1)/g, which this function gives for −g.
+/// Differs from special relativity by a sign: it is that of a sensor that *leads* its pinhole. Exact for a pinhole ahead of the sensor:
+/// γd + (√(1 + (gdγβ)²) − 1)/g, which this function gives for −g.
 pub fn comoving_separation(g: f64, separation: f64, beta: f64) -> f64 {
     let gamma = lorentz_factor(beta);
     // (1 − v² + (gd)²v²)/(1 − v²) = 1 + (gdγv)², and the difference is that of position_after.
@@ -140,8 +139,8 @@ pub fn comoving_separation(g: f64, separation: f64, beta: f64) -> f64 {
 
 /// Eq. 17: β = (βᵢ + βⱼ)/(1 + βᵢβⱼ), the speeds of camera and object composed.
 ///
-/// Departs from special relativity as the velocity of one relative to the other, which it is used for: exact is
-/// (βⱼ − βᵢ)/(1 − βᵢβⱼ), along one line, and [`Velocity::relative_to`](super::Velocity::relative_to) in general.
+/// Differs from special relativity as the velocity of one relative to the other, for which it is used: exact is (βⱼ − βᵢ)/(1 − βᵢβⱼ),
+/// along one line, and [`Velocity::relative_to`](super::Velocity::relative_to) in general.
 pub fn composed_speed(first: f64, second: f64) -> f64 {
     (first + second) / (1.0 + first * second)
 }

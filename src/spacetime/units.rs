@@ -14,8 +14,8 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::str::FromStr;
 
-/// The largest magnitude accepted of any number, in base units. The observable universe is 9·10²⁶ m
-/// wide; products of four such numbers still fit f64.
+/// The largest accepted magnitude of a number, in base units. The observable universe is 9·10²⁶ m wide; products of four such numbers
+/// still fit f64.
 pub const LARGEST: f64 = 1e30;
 
 /// A finite number and its unit, as written.
@@ -26,7 +26,7 @@ pub struct Measure<D> {
     dimension: PhantomData<D>,
 }
 
-/// Why a text is not a measure; says what would be right.
+/// Why a text is not a measure, and what would be right.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct UnitError(String);

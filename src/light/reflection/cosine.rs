@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, load};
 
-/// A direction about `n` by two numbers in [0, 1), with a density as the cosine.
+/// A direction about `n` from two numbers in [0, 1), with a cosine density.
 #[inline(always)]
 pub(in crate::light) fn by_cosine(n: DVec3, [x, y]: [f64; 2]) -> DVec3 {
     let (tangent, bitangent) = n.any_orthonormal_pair();
@@ -64,10 +64,10 @@ const fn reciprocals(first: usize, second: usize) -> [f64; TERMS] {
     terms
 }
 
-/// sin 2πy and cos 2πy for y from 0 to 1, without a branch, for loops over many.
+/// sin 2πy and cos 2πy for y from 0 to 1, branch-free, for loops over many.
 ///
-/// With q the nearest quarter turn, a = 2π(y − q/4) is within π/4, where Taylor's series up to a¹⁷ and a¹⁶ are off by less than
-/// (π/4)¹⁸/18! < 2⁻⁵⁸; then q quarter turns more.
+/// With q the nearest quarter turn, a = 2π(y − q/4) is within π/4, where Taylor's series up to a¹⁷ and a¹⁶ have errors below (π/4)¹⁸/18!
+/// < 2⁻⁵⁸; then q quarter turns are added.
 #[inline(always)]
 fn sine_and_cosine_of_turn(y: f64) -> (f64, f64) {
     let quarter = (4.0 * y + 0.5).floor();

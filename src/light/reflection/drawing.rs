@@ -19,10 +19,10 @@ use super::cosine::by_cosine;
 use super::glass::chance_of_mirror;
 use super::gloss::{root, schlick};
 
-/// A direction in which light is followed on.
+/// A sampled direction in which light is traced on.
 #[derive(Debug, Clone, Copy)]
 pub struct Scattered {
-    /// Towards where the light comes from.
+    /// The direction towards the light.
     pub l: DVec3,
     /// f (n·l) over the density.
     pub weight: [f64; 3],
@@ -32,12 +32,13 @@ pub struct Scattered {
     pub index: f64,
 }
 
-/// The least chance of either lobe of a metallic-roughness surface: what is found by one weighs at most ten times as much as by it alone.
+/// The smallest probability of either lobe of a metallic-roughness surface: samples of one weigh at most ten times as much as by it
+/// alone.
 const LEAST_CHANCE: f64 = 0.1;
 
 impl Reflection {
-    /// A direction drawn for the specular part by two numbers in [0, 1), and that part of f (n·l)/pdf; none where it
-    /// goes into the surface, or there is none.
+    /// A direction sampled for the specular part from two numbers in [0, 1), and that part of f (n·l)/pdf; `None` if it points into the
+    /// surface, or there is no such part.
     #[inline]
     pub fn sample_specular(&self, [x, y]: [f64; 2]) -> Option<(DVec3, [f64; 3])> {
         let f0 = self.specular?;
@@ -56,7 +57,7 @@ impl Reflection {
         let p2 = (1.0 - lift) * (1.0 - p1 * p1).max(0.0).sqrt() + lift * radius * libm::sin(angle);
         let rest = (1.0 - p1 * p1 - p2 * p2).max(0.0).sqrt();
         let n = t1 * p1 + t2 * p2 + stretched * rest;
-        // Back to the roughness that it has.
+        // Unstretched to the actual roughness.
         let h = DVec3::new(self.alpha * n.x, self.alpha * n.y, n.z.max(0.0)).normalize_or(DVec3::Z);
         let h = tangent * h.x + bitangent * h.y + self.normal * h.z;
         let along = self.view.dot(h);
@@ -72,10 +73,10 @@ impl Reflection {
         Some((l, f0.map(|f| (f + (1.0 - f) * weight) * ratio)))
     }
 
-    /// A direction drawn for all of f by two numbers in [0, 1); none where it goes into the surface, or all is black.
+    /// A direction sampled for all of f from two numbers in [0, 1); `None` if it points into the surface, or everything is black.
     #[inline]
     pub fn sample(&self, [x, y]: [f64; 2]) -> Option<Scattered> {
-        // One number decides between mirror, glass and diffuse; what is left of it is uniform again.
+        // One number decides between mirror, glass and diffuse; its remainder is uniform again.
         let share = self.specular_share();
         if x < share && self.is_mirror {
             let f0 = self.specular?;
@@ -117,7 +118,7 @@ impl Reflection {
         self.scattered(l)
     }
 
-    /// The direction `l` as one that was drawn with [`Reflection::density`]; none where it goes into the surface.
+    /// The direction `l` as if sampled with [`Reflection::density`]; `None` if it points into the surface.
     #[inline]
     pub(crate) fn scattered(&self, l: DVec3) -> Option<Scattered> {
         if self.is_diffuse() {
@@ -140,7 +141,7 @@ impl Reflection {
         })
     }
 
-    /// The weight of what was `drawn` of `other`, which is this surface with other channels.
+    /// The weight of a sample `drawn` from `other`, which is this surface with other channels.
     pub(crate) fn weight_of(&self, drawn: &Scattered, other: &Reflection) -> [f64; 3] {
         if self.is_diffuse() {
             return self.diffuse;
@@ -165,7 +166,7 @@ impl Reflection {
         }
     }
 
-    /// The density with which [`Reflection::sample`] draws `l`, other than as a mirror's direction.
+    /// The density with which [`Reflection::sample`] samples `l`, except as a mirror's direction.
     #[inline]
     pub fn density(&self, l: DVec3) -> f64 {
         if self.is_diffuse() {
@@ -174,7 +175,7 @@ impl Reflection {
         self.density_of_parts(l)
     }
 
-    /// The same of a surface that is not diffuse.
+    /// The same for a surface that is not diffuse.
     fn density_of_parts(&self, l: DVec3) -> f64 {
         let share = self.specular_share();
         let mut diffuse = (1.0 - share) * self.normal.dot(l).max(0.0) / PI;
@@ -187,7 +188,7 @@ impl Reflection {
         diffuse + share * self.specular_density(l)
     }
 
-    /// The density with which [`Reflection::sample_specular`] draws `l`; 0 of a diffuse surface.
+    /// The density with which [`Reflection::sample_specular`] samples `l`; 0 for a diffuse surface.
     #[inline]
     pub fn specular_density(&self, l: DVec3) -> f64 {
         if self.specular.is_none() {
@@ -220,7 +221,7 @@ impl Reflection {
         }
     }
 
-    /// Of what is not reflected as by a mirror, the part of directions that go through.
+    /// Among directions other than a mirror's, the fraction that is transmitted.
     #[inline]
     fn share_through(&self) -> f64 {
         let Some(glass) = &self.through else {

@@ -17,7 +17,7 @@ use glam::DVec3;
 
 use super::Reflection;
 
-/// What goes through a surface.
+/// The transmission through a surface.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Through {
     /// t c (1 − m).
@@ -26,13 +26,13 @@ pub(super) struct Through {
     pub far: f64,
     /// F.
     pub reflected: f64,
-    /// Along which light comes that goes through; none where all is reflected.
+    /// The direction of the transmitted light; `None` for total reflection.
     pub l: Option<DVec3>,
 }
 
 impl Reflection {
-    /// The same as smooth glass, of which the part `transmission` of what is not reflected goes through to the index `far`; a film without
-    /// thickness where `solid` is false.
+    /// The same as smooth glass, which transmits the fraction `transmission` of what is not reflected, to the index `far`; a film without
+    /// thickness if `solid` is false.
     pub fn as_glass(self, transmission: f64, far: f64, solid: bool) -> Self {
         let through = Through::new(
             (self.normal, self.view, self.facing),
@@ -51,7 +51,7 @@ impl Reflection {
 
 impl Through {
     /// Through a surface with this normal, seen from `view` at the cosine `facing`, with the index `near` here and `far` beyond; a film
-    /// without thickness where `solid` is false. `colour` is t c (1 − m).
+    /// without thickness if `solid` is false. `colour` is t c (1 − m).
     pub fn new(
         (normal, view, facing): (DVec3, DVec3, f64),
         [near, far]: [f64; 2],
@@ -77,15 +77,17 @@ impl Through {
     }
 }
 
-/// The chance with which glass of this F is drawn as a mirror: F, but a tenth of all draws for either part, or 2.5 times its own where that is less.
-/// So nothing is drawn for a part that is not there, and bright light in a faint reflection, as the 4 % of an index of 1.5, is found by a tenth.
+/// The probability of sampling the reflection for glass of this F: F, but at least a tenth of all samples for either part, or 2.5 times
+/// its own share if that is less. So nothing is sampled for a part that does not exist, and bright light in a faint reflection, like the
+/// 4 % of an index of 1.5, gets a tenth of the samples.
 #[inline]
 pub(super) fn chance_of_mirror(reflected: f64) -> f64 {
     let least = |part: f64| (2.5 * part).min(0.1);
     reflected.clamp(least(reflected), 1.0 - least(1.0 - reflected))
 }
 
-/// F of light that falls with `cosine` on a body whose index is `ratio` times as high, and the cosine within; none where all is reflected.
+/// F for light that arrives with `cosine` at a body whose index is `ratio` times as high, and the cosine inside; `None` for total
+/// reflection.
 #[inline]
 fn fresnel(cosine: f64, ratio: f64) -> (f64, Option<f64>) {
     let within = 1.0 - (1.0 - cosine * cosine) / (ratio * ratio);

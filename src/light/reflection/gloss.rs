@@ -6,13 +6,14 @@ use glam::DVec3;
 
 use crate::accel::vectors::{BLOCK, Columns};
 
-/// α is no smaller than this: a mirror keeps a highlight of some arc minutes.
+/// The smallest α: a mirror keeps a highlight of some arc minutes.
 const SMOOTHEST: f64 = 1e-3;
 
-/// |v + l|² of directions that are opposite but for rounding, whose sum points anywhere, is above this, or 0: its square is a number.
+/// |v + l|² of directions that are opposite up to rounding, whose sum points anywhere, is above this, or 0: its square does not
+/// underflow.
 const LEAST_SQUARE: f64 = 1e-60;
 
-/// The numbers by which a surface of the metallic-roughness model reflects.
+/// The coefficients of reflection by the metallic-roughness model.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Coefficients {
     pub(super) f0: DVec3,
@@ -37,7 +38,7 @@ impl Coefficients {
         }
     }
 
-    /// f for light from `l` by the view and n·v; `ROUGHEST` says that α is 1, and `METAL` that there is no diffuse part.
+    /// f for light from `l`, for the view and n·v; `ROUGHEST` says that α is 1, and `METAL` that there is no diffuse part.
     #[inline(always)]
     pub(super) fn value<const ROUGHEST: bool, const METAL: bool>(
         &self,
@@ -53,7 +54,7 @@ impl Coefficients {
         }
     }
 
-    /// The same by the view alone, for loops over many.
+    /// The same for the view alone, for loops over many.
     #[inline(always)]
     pub fn value_at<const ROUGHEST: bool, const METAL: bool>(
         &self,
@@ -112,7 +113,7 @@ impl Coefficients {
 /// Surfaces of the metallic-roughness model, by component.
 #[derive(Debug, Default)]
 pub(crate) struct Glosses {
-    /// Whether all are alike: then there is one block of them.
+    /// Whether all are equal: then only one block is stored.
     alike: bool,
     /// Base colours.
     pub colours: Columns,
@@ -152,13 +153,13 @@ impl Glosses {
         self.roughness.fill(roughness);
     }
 
-    /// Where those of the points from `begin` on begin.
+    /// The start index for the points from `begin` on.
     #[inline(always)]
     pub fn begin(&self, begin: usize) -> usize {
         if self.alike { 0 } else { begin }
     }
 
-    /// How all of them reflect, if they are alike.
+    /// The reflection of all of them, if they are equal.
     pub fn shared(&self) -> Option<Coefficients> {
         let look = || [self.metallic[0], self.roughness[0]];
         self.alike

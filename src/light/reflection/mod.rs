@@ -38,23 +38,23 @@ pub(crate) use smooth::bent;
 use glass::Through;
 use gloss::{alpha, diffuse_and_specular, facing, schlick};
 
-/// The reflection of a point of a surface towards the observer.
+/// The reflection of a surface point towards the observer.
 #[derive(Debug, Clone)]
 pub struct Reflection {
     normal: DVec3,
-    /// That of the surface itself, on the same side.
+    /// The normal of the surface itself, on the same side.
     geometric: DVec3,
     view: DVec3,
     /// n·v.
     facing: f64,
     /// c (1 − m).
     diffuse: [f64; 3],
-    /// f₀, or none of a diffuse surface.
+    /// f₀; `None` for a diffuse surface.
     specular: Option<[f64; 3]>,
     alpha: f64,
     /// Whether the specular part is that of a mirror.
     is_mirror: bool,
-    /// What goes through.
+    /// The transmission.
     through: Option<Box<Through>>,
     /// Refractive index on the side of the observer, over that of the medium of the scene.
     near: f64,
@@ -109,13 +109,13 @@ impl Reflection {
         }
     }
 
-    /// The same where the observer is in a medium of this index.
+    /// The same if the observer is in a medium of this index.
     pub fn within(self, near: f64) -> Self {
         Reflection { near, ..self }
     }
 
-    /// The same at some wavelengths, by b_r, b_g and b_b of each, of which all that has channels is made as of reflectances: f₀ and c (1 − m) are
-    /// linear in c, and the weights add up to 1.
+    /// The same at some wavelengths, given b_r, b_g and b_b of each: everything with channels is converted like reflectances, since f₀
+    /// and c (1 − m) are linear in c, and the weights add up to 1.
     pub(crate) fn at(&self, basis: &[[f64; 3]; 3]) -> Self {
         let through = self.through.as_ref().map(|glass| Through {
             colour: reflectances(basis, glass.colour),
@@ -134,13 +134,13 @@ impl Reflection {
         self.normal
     }
 
-    /// Of a diffuse surface, the part of light that it reflects.
+    /// For a diffuse surface, the reflected fraction of light.
     #[inline]
     pub(crate) fn albedo(&self) -> [f64; 3] {
         self.diffuse
     }
 
-    /// Whether it is diffuse, and nothing else.
+    /// Whether it is purely diffuse.
     #[inline]
     pub(crate) fn is_diffuse(&self) -> bool {
         self.specular.is_none() && self.through.is_none()
@@ -181,7 +181,7 @@ impl Reflection {
         std::array::from_fn(|c| (1.0 - f0[c]) * (1.0 - weight) * self.diffuse[c] / PI)
     }
 
-    /// What stands for the diffuse part of f alike for all l: that of l along v mirrored, with F by n·v.
+    /// A substitute for the diffuse part of f that is the same for all l: its value for l along v mirrored, with F at n·v.
     #[inline]
     pub fn mean_diffuse_value(&self) -> [f64; 3] {
         let Some(f0) = self.specular else {
@@ -191,7 +191,7 @@ impl Reflection {
         std::array::from_fn(|c| (1.0 - f0[c]) * (1.0 - weight) * self.diffuse[c] / PI)
     }
 
-    /// The specular part of f for light from `l`; 0 of a diffuse surface.
+    /// The specular part of f for light from `l`; 0 for a diffuse surface.
     #[inline]
     pub fn specular_value(&self, l: DVec3) -> [f64; 3] {
         let (value, diffuse) = (self.value(l), self.diffuse_value(l));

@@ -10,13 +10,13 @@ use glam::DVec3;
 
 use super::Reflection;
 
-/// The least cosine to the surface's normal of what is seen mirrored, but no more than [`PART`] of that of the view: with both, normals of
-/// flat surfaces stay as they are.
+/// The smallest cosine of a mirrored direction to the surface's normal, but at most [`PART`] of that of the view: with both, normals of
+/// flat surfaces are unchanged.
 const LEAST: f64 = 0.01;
 const PART: f64 = 0.9;
 
 impl Reflection {
-    /// The same of a surface with this normal, where another stands for it: on the side of the observer.
+    /// The same on a surface with this geometric normal: on the side of the observer.
     pub fn on(self, geometric: DVec3) -> Self {
         Reflection { geometric, ..self }
     }
@@ -31,20 +31,20 @@ impl Reflection {
         self.normal != self.geometric
     }
 
-    /// Whether `l` is on the same side of the surface as of its normal: other light gives nothing.
+    /// Whether `l` is on the same side of the surface as of its normal: other light contributes nothing.
     #[inline]
     pub fn is_open(&self, l: DVec3) -> bool {
         (self.normal.dot(l) < 0.0) == (self.geometric.dot(l) < 0.0)
     }
 }
 
-/// A normal for light that a surface reflects by how it is seen: `normal`, unless that would mirror the view into the surface, whose own
-/// normal is `geometric`, or look away from the view.
+/// A normal for view-dependent reflection: `normal`, unless that would mirror the view into the surface, whose own normal is `geometric`,
+/// or point away from the view.
 ///
-/// Then the mirrored direction r is lifted along n_g until n_g·r is the least that is allowed, and the normal is that between this and
-/// the view v, so that n·v > 0 and n·n_g > 0. The least is that of Cycles' `ensure_valid_specular_reflection`; the rule is that of
-/// Keller and others, "The Iray Light Transport Simulation and Rendering System", 2017 (arXiv 1705.01263), A.3, but for the direction in
-/// which r is lifted, for which n_g serves where n is nearly at right angles to it, too.
+/// Then the mirrored direction r is lifted along n_g until n_g·r is the smallest allowed value, and the normal is halfway between this
+/// and the view v, so that n·v > 0 and n·n_g > 0. The smallest value is that of Cycles' `ensure_valid_specular_reflection`; the rule is
+/// that of Keller and others, "The Iray Light Transport Simulation and Rendering System", 2017 (arXiv 1705.01263), A.3, except for the
+/// direction in which r is lifted, where n_g also works if n is nearly perpendicular to it.
 pub(crate) fn bent(normal: DVec3, geometric: DVec3, view: DVec3) -> DVec3 {
     let mirrored = normal * (2.0 * normal.dot(view)) - view;
     let least = LEAST.min(PART * geometric.dot(view));

@@ -25,10 +25,10 @@ use super::weights::{BinWeights, NOTHING, catmull_rom, less_curvature};
 use crate::io::cube::CubeError;
 use crate::scene::model::{BinValues, CubeSource, Fill, Outside, TimeBins, TimeFilter};
 
-/// The time axis of a cube. Times are metres of ct on the clock that the scene declares.
+/// The time axis of a cube. Times are metres of ct on the declared clock.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeAxis {
-    /// Where the bins lie.
+    /// The bins.
     pub bins: TimeBins,
     /// Whether values are per bin or per metre.
     pub values: BinValues,
@@ -55,7 +55,7 @@ impl TimeAxis {
         self.bins.edge(bins)
     }
 
-    /// What turns a stored value into radiance per metre of ct; where bins differ, their weights hold the widths.
+    /// The factor from a stored value to radiance per metre of ct; if bin widths differ, the weights include the widths.
     pub(super) fn factor(&self) -> f64 {
         match (self.values, &self.bins) {
             (BinValues::PerBin, TimeBins::Uniform { width, .. }) => self.scale / width,
@@ -80,7 +80,7 @@ impl TimeAxis {
                 if !(width > 0.0 && width.is_finite() && inverse.is_finite()) {
                     return refuse("bin width", width, "finite and above 0");
                 }
-                // A bin below the spacing of f64 at its place could not be told from its neighbour.
+                // A bin narrower than the spacing of f64 at its time could not be distinguished from its neighbour.
                 let end = self.end(bins);
                 if !(self.end(1) > start && end - width < end && end.is_finite()) {
                     return refuse("bin width", width, "resolvable beside the times");
@@ -110,7 +110,7 @@ impl TimeAxis {
     }
 }
 
-/// On which side of the data a time lies.
+/// The position of a time relative to the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Phase {
     Before,
@@ -118,7 +118,7 @@ pub(super) enum Phase {
     After,
 }
 
-/// What a time reads.
+/// The bins that a time reads.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Moment {
     pub phase: Phase,
@@ -165,7 +165,7 @@ impl Timeline {
         })
     }
 
-    /// The bins that time `t` reads. A time that is not a number counts as before.
+    /// The bins that time `t` reads. NaN counts as before the data.
     #[inline]
     pub fn moment(&self, t: f64) -> Moment {
         let phase = self.phase(t);
@@ -192,7 +192,7 @@ impl Timeline {
     #[inline]
     fn bins(&self, t: f64) -> BinWeights {
         let last = self.bins as f64 - 1.0;
-        // Clamped where a held end is constant already; max first, it turns NaN into a number.
+        // Clamped where a held end is already constant; max first, because it turns NaN into a number.
         let b = ((t - self.start) * self.bins_per_metre)
             .max(-3.0)
             .min(last + 4.0);
@@ -222,7 +222,7 @@ impl Timeline {
         folded
     }
 
-    /// Weights on the bins from `first` on, folded onto those that there are.
+    /// Weights on the bins from `first` on, folded onto the existing ones.
     #[inline]
     fn run<const N: usize>(&self, first: i64, run: [f64; N]) -> BinWeights {
         if first >= 0 && first + N as i64 <= self.bins as i64 {

@@ -9,9 +9,8 @@ pub(super) struct Tap {
     pub weight: f64,
 }
 
-/// The four taps around `(x, y)` texels from the top left corner of an image of `width` × `height`,
-/// in row order. Weights sum to 1. Places beyond the outermost centres (or not a number) are
-/// clamped to them.
+/// The four taps around `(x, y)` texels from the top left corner of an image of `width` × `height`, in row order. Weights sum to 1.
+/// Positions beyond the outermost centres (or NaN) are clamped to them.
 #[inline]
 pub(super) fn taps(x: f64, y: f64, width: usize, height: usize) -> [Tap; 4] {
     let (left, right, fx) = neighbours(x, width);
@@ -28,7 +27,7 @@ pub(super) fn taps(x: f64, y: f64, width: usize, height: usize) -> [Tap; 4] {
     ]
 }
 
-/// The two cells of `count` whose centres embrace `x`, and the weight of the second.
+/// The two cells of `count` whose centres enclose `x`, and the weight of the second.
 #[inline]
 fn neighbours(x: f64, count: usize) -> (usize, usize, f64) {
     let last = count - 1;

@@ -28,21 +28,21 @@ use crate::scene::model::CaptureCamera;
 /// cos 60°.
 const LEAST_NORMAL_AGREEMENT: f64 = 0.5;
 
-/// A point on a surface whose radiance is asked for, in the capture camera's frame.
+/// A surface point for a lookup, in the capture camera's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CapturePoint {
     /// Metres.
     pub position: DVec3,
-    /// Unit geometric normal on the side that is looked at.
+    /// Unit geometric normal on the visible side.
     pub normal: DVec3,
 }
 
-/// How a capture camera looks at a point of a surface.
+/// A capture camera's view of a surface point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CaptureView {
-    /// Width on the surface, along its tilt, of a pixel, metres.
+    /// The width on the surface, along its tilt, of a pixel, metres.
     pub footprint: f64,
-    /// Between the normal and the way to the pinhole, above 0.
+    /// The cosine between the normal and the direction to the pinhole, above 0.
     pub cosine: f64,
 }
 
@@ -61,16 +61,16 @@ pub struct Capture {
     lens: Lens,
     /// Metres of capture time per metre of distance: η, or 0 for a cube in another clock.
     delay: f64,
-    /// Row by row, what each has seen, as words.
+    /// Row by row, what each pixel has seen, as words.
     seen: Vec<[u32; 8]>,
-    /// Per pixel, where that is asked: whether both neighbours in its row saw its surface, and both in its column.
+    /// Per pixel, if needed: whether both neighbours in its row saw its surface, and both in its column.
     joined: Vec<[bool; 2]>,
 }
 
 #[derive(Debug, Clone)]
 struct Lens {
     eye: DVec3,
-    /// That of the whole film.
+    /// The projection of the whole film.
     projection: AnyProjection,
     /// Columns and rows of the film left of the cube and above it.
     offset: [f64; 2],
@@ -80,8 +80,8 @@ struct Lens {
     width: usize,
 }
 
-/// What one pixel saw, in camera coordinates. Place and normal are only compared with footprints, so
-/// f32 does for them. Distance 0: nothing.
+/// What one pixel saw, in camera coordinates. Position and normal are only compared with footprints, so f32 is enough. Distance 0:
+/// nothing.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seen {
     pub distance: f64,
@@ -124,13 +124,13 @@ pub(super) struct Aim {
 }
 
 impl Aim {
-    /// Whether the side that is looked at faces the pinhole.
+    /// Whether the visible side faces the pinhole.
     #[inline(always)]
     pub fn faces(&self) -> bool {
         self.normal.dot(self.position) < 0.0
     }
 
-    /// Whether a surface at `position` with `normal` is that around the point: the three conditions of the head of this file.
+    /// Whether a surface at `position` with `normal` is the one around the point: the three conditions in the module documentation.
     #[inline(always)]
     pub fn is_of(&self, position: DVec3, normal: DVec3) -> bool {
         let apart = position - self.position;
@@ -144,10 +144,9 @@ impl Capture {
     /// Bytes held per pixel.
     pub const BYTES_PER_PIXEL: u64 = (size_of::<[u32; 8]>() + size_of::<[bool; 2]>()) as u64;
 
-    /// Sends one ray through the centre of each of `size` (width, height: those of the cube) pixels,
-    /// in parallel. `trace` takes the pinhole and a unit direction. `warped` says that the cube's
-    /// clock is this camera's own; `index` is η of the medium (of the capture, that is: also where a
-    /// rendering leaves out the delay on its own way).
+    /// Traces one ray through the centre of each of `size` (width, height: those of the cube) pixels, in parallel. `trace` takes the
+    /// pinhole and a unit direction. `warped` says that the cube's clock is this camera's own; `index` is η of the medium (of the
+    /// capture, that is: even if a rendering turns off its own delay).
     pub fn new(
         camera: &CaptureCamera,
         size: [usize; 2],
@@ -176,7 +175,7 @@ impl Capture {
         }
     }
 
-    /// The same, with what [`Reconstruction::Sharp`](crate::scene::model::Reconstruction::Sharp) has to know of neighbours.
+    /// The same, with the neighbour data for [`Reconstruction::Sharp`](crate::scene::model::Reconstruction::Sharp).
     #[must_use]
     pub fn with_neighbours(mut self) -> Capture {
         let [width, height] = [self.lens.width, self.seen.len() / self.lens.width.max(1)];
@@ -202,7 +201,7 @@ impl Capture {
         self.joined.get(pixel).copied().unwrap_or_default()
     }
 
-    /// What a pixel saw, to be compared with what others saw.
+    /// What a pixel saw, for comparison with others.
     pub(super) fn aim_of(&self, pixel: usize) -> Option<Aim> {
         let seen = self.seen_by(pixel);
         if seen.distance <= 0.0 {
@@ -226,7 +225,7 @@ impl Capture {
         self.delay != 0.0
     }
 
-    /// Where `point` lies in the image, pixels from its top left corner; none behind the pinhole.
+    /// The position of `point` in the image, pixels from its top left corner; `None` behind the pinhole.
     pub fn project(&self, point: DVec3) -> Option<[f64; 2]> {
         let point = CapturePoint {
             position: point,
@@ -235,13 +234,13 @@ impl Capture {
         self.look_at(&self.lens.projection, &point).0
     }
 
-    /// How the camera sees its whole film.
+    /// The projection of the whole film.
     pub(super) fn projection(&self) -> &AnyProjection {
         &self.lens.projection
     }
 
-    /// Where `point` lies in the image, pixels from its top left corner, none behind the pinhole; and the point by the
-    /// camera's axes. `film` is [`Capture::projection`], or what that is.
+    /// The position of `point` in the image, pixels from its top left corner, `None` behind the pinhole; and the point in the camera's
+    /// axes. `film` is [`Capture::projection`], or its inner type.
     #[inline(always)]
     pub(super) fn look_at<P: Projection>(
         &self,
@@ -259,13 +258,13 @@ impl Capture {
         (place.map(|[x, y]| [x - left, y - above]), aim)
     }
 
-    /// Distance, metres, of what pixel (row · width + column) saw; none where it saw nothing.
+    /// The distance, metres, of what pixel (row · width + column) saw; `None` if it saw nothing.
     #[inline]
     pub fn distance(&self, pixel: usize) -> Option<f64> {
         Some(self.seen_by(pixel).distance).filter(|distance| *distance > 0.0)
     }
 
-    /// How much later than it left its surface this pixel's light is recorded, metres.
+    /// The delay between the emission and the recording of this pixel's light, metres.
     #[inline]
     pub(super) fn delay_of(&self, pixel: usize) -> f64 {
         self.delay_from(&self.seen_by(pixel))
@@ -281,14 +280,14 @@ impl Capture {
         }
     }
 
-    /// The point, if its looked-at side faces the pinhole and is before it.
+    /// The point, if its visible side faces the pinhole and it is in front of it.
     #[inline]
     pub(super) fn aim(&self, point: &CapturePoint) -> Option<Aim> {
         let (place, aim) = self.look_at(&self.lens.projection, point);
         (place.is_some() && aim.faces()).then_some(aim)
     }
 
-    /// How this camera looks at the point; none from behind its surface, and behind the pinhole.
+    /// This camera's view of the point; `None` from behind its surface, and behind the pinhole.
     pub fn view_of(&self, point: &CapturePoint) -> Option<CaptureView> {
         let aim = self.aim(point)?;
         let cosine = -aim.normal.dot(aim.position) / aim.position.length();
@@ -352,7 +351,7 @@ impl Lens {
         }
     }
 
-    /// n / cos θ: how far the near plane is from the pinhole along a pixel's ray, to the digits of an f32.
+    /// n / cos θ: the distance of the near plane from the pinhole along a pixel's ray, to f32 precision.
     #[inline]
     fn near_distance(&self, seen: &Seen) -> f64 {
         self.near * seen.distance / f64::from(seen.position[2])

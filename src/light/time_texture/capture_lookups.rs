@@ -21,7 +21,7 @@ pub struct CaptureLookups {
     /// The first sample of each tap, and the weights of its bins.
     origins: [[u64; BATCH]; 4],
     bins: [[[f64; BATCH]; MOST_BINS]; 4],
-    /// Whether the data hold all of it.
+    /// Whether all of it is in the data.
     plain: [bool; BATCH],
     radiance: [[f64; 4]; BATCH],
     /// The sum of its taps' weights.
@@ -52,13 +52,13 @@ impl CaptureLookups {
         )
     }
 
-    /// Makes it a batch of `count` of which none is answered.
+    /// Resets it to a batch of `count` without answers.
     pub fn clear(&mut self, count: usize) {
         self.count = count.min(BATCH);
         self.plain = [false; BATCH];
     }
 
-    /// The radiance of point `at` of the batch and the sum of its taps' weights; none where it is not all of it in the data.
+    /// The radiance of point `at` of the batch and the sum of its taps' weights; `None` if not all of it is in the data.
     #[inline(always)]
     pub fn answer(&self, at: usize) -> Option<([f64; 3], f64)> {
         let [r, g, b, _] = self.radiance[at];
@@ -98,8 +98,8 @@ impl Reads for TapReads<'_> {
 }
 
 impl TimeTexture {
-    /// Reads `count` of `points` from `begin` on, a batch of them at most, whose light left at `times`, a list with room for whole
-    /// batches. Those that are blocked are left out.
+    /// Reads `count` of `points` from `begin` on, at most a batch, whose light left at `times`, a list padded to whole batches. Blocked
+    /// points are left out.
     pub fn sample_taps(
         &self,
         (points, begin, count): (&CapturePoints, usize, usize),

@@ -15,19 +15,19 @@ use crate::accel::vectors::{
 use crate::camera::{AnyProjection, Projection};
 use crate::scene::model::Reconstruction;
 
-/// The points of a run as a capture camera sees them.
+/// The points of a run as seen by a capture camera.
 #[derive(Debug, Default)]
 pub struct CapturePoints {
-    /// By point, and up to a whole batch: whether pixels that saw its surface are to be read as they are.
+    /// By point, padded to a whole batch: whether pixels that saw its surface are read directly.
     is_plain: Vec<bool>,
-    /// Of those points: the four pixels about each as numbers, their weights, and how much later than it left its surface the
-    /// light of each is recorded, metres. Elsewhere numbers without meaning.
+    /// For those points: the four pixels around each as numbers, their weights, and the delay between emission and recording of each
+    /// one's light, metres. For others the values have no meaning.
     pub(super) texels: [Vec<f64>; 4],
     pub(super) weights: [Vec<f64>; 4],
     pub(super) delays: [Vec<f64>; 4],
-    /// Whether they lie beside the image, or behind the pinhole.
+    /// Whether they are outside the image, or behind the pinhole.
     is_beside: Vec<bool>,
-    /// All points, where they are read one by one; empty where pixels are read as they are.
+    /// All points, if they are read one by one; empty if pixels are read directly.
     others: Vec<(u32, Located)>,
     /// Whether all points are plain.
     is_all_plain: bool,
@@ -41,7 +41,7 @@ impl CapturePoints {
         &self.is_plain
     }
 
-    /// All points and where each lies, if they have to be read one by one; otherwise none.
+    /// All points with their positions, if they must be read one by one; otherwise none.
     pub fn others(&self) -> &[(u32, Located)] {
         &self.others
     }
@@ -51,7 +51,7 @@ impl CapturePoints {
         self.is_all_plain
     }
 
-    /// Whether point `at` is to be read as pixels are that saw its surface.
+    /// Whether point `at` is read directly from pixels that saw its surface.
     #[inline(always)]
     pub fn is_plain_at(&self, at: usize) -> bool {
         self.is_plain[at]
@@ -63,7 +63,7 @@ impl CapturePoints {
         self.is_beside[at]
     }
 
-    /// Calls `each` with all points of which a pixel saw the surface, ascending.
+    /// Calls `each` with all points whose surface a pixel saw, in ascending order.
     #[inline(always)]
     pub fn each_seen(&self, mut each: impl FnMut(usize)) {
         for (k, is_plain) in self.is_plain.iter().enumerate() {
@@ -75,7 +75,7 @@ impl CapturePoints {
         seen.for_each(|(k, _)| each(*k as usize));
     }
 
-    /// Looks at points at `positions` with `normals`; `singly` says that all are to be read one by one.
+    /// Locates points at `positions` with `normals`; `singly` says that all are to be read one by one.
     pub(crate) fn locate(
         &mut self,
         texture: &TimeTexture,

@@ -2,8 +2,8 @@
 
 use std::ops::{Add, AddAssign, Mul};
 
-/// Weights in [0, 1] that sum to 1 for one lookup; add lookups and divide by their number for a
-/// pixel. Where several reasons hold, the first of off-texture, occluded, before/after is counted.
+/// Weights in [0, 1] that sum to 1 for one lookup; add lookups and divide by their number for a pixel. If several reasons apply, the
+/// first of off-texture, occluded, before/after is counted.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Coverage {
     /// Read from the data.

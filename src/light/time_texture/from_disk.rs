@@ -4,7 +4,7 @@ use super::gather::{AnySource, Source};
 use super::places::BATCH;
 use crate::io::cube::{Bricks, CubeSamples, CubeStore, Held, Pieces};
 
-/// What lookups need of a cube on disk; nothing of one in memory.
+/// The data that lookups need from a cube on disk; empty for one in memory.
 #[derive(Debug)]
 pub(super) struct FromDisk {
     held: Held,

@@ -12,7 +12,7 @@ const GROUP: usize = 16;
 /// Samples of a group, and one that may be read without effect.
 const ROOM: usize = GROUP * 4 * MOST_BINS * 3 + 1;
 
-/// Where lookups read, and with which weights: by tap, bin and lookup.
+/// The positions and weights of lookups: by tap, bin and lookup.
 pub(super) trait Reads {
     /// Which lookup comes `k`-th.
     #[inline(always)]
@@ -53,7 +53,7 @@ pub(super) enum Source<'a, S> {
 }
 
 impl<'a, S> Source<'a, S> {
-    /// `count` samples from the `first` on; none where they are not all there. What is not plain may lie anywhere.
+    /// `count` samples from the `first` on; `None` if they do not all exist. Positions of lookups that are not plain may be arbitrary.
     #[inline(always)]
     fn get(&self, (tap, at): (usize, usize), first: usize, count: usize) -> Option<&'a [S]> {
         let samples = match self {

@@ -20,7 +20,7 @@ use std::sync::Arc;
 use super::weights::BinWeights;
 use crate::scene::model::{BinValues, TimeFilter};
 
-/// Edges of bins, two at least and ascending, and how values between centres are found.
+/// Edges of bins, at least two and ascending, and the interpolation between centres.
 #[derive(Debug, Clone)]
 pub(super) struct Irregular {
     edges: Arc<[f64]>,
@@ -60,7 +60,7 @@ impl Irregular {
         }
     }
 
-    /// The first bin that `t` reads, and the weights of densities from it on; bins beyond the ends are counted on.
+    /// The first bin that `t` reads, and the weights of densities from it on; bins beyond the ends are numbered on.
     pub fn weights(&self, t: f64) -> (i64, Run) {
         if self.filter == TimeFilter::Nearest {
             return (self.containing(t).clamp(0, self.last()), Run::new(&[1.0]));

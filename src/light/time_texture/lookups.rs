@@ -15,7 +15,7 @@ use super::weights::bins_of;
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::scene::model::TimeFilter;
 
-/// A batch of lookups: what is asked and, after [`TimeTexture::sample_each`], the answers.
+/// A batch of lookups: the requests and, after [`TimeTexture::sample_each`], the answers.
 #[derive(Debug)]
 pub struct Lookups {
     /// Texture coordinates; NaN is off the texture.
@@ -24,9 +24,9 @@ pub struct Lookups {
     pub v: [f64; BATCH],
     /// Times, metres of ct.
     pub t: [f64; BATCH],
-    /// Radiance where the data hold all of it, and a fourth lane that means nothing.
+    /// Radiance if all of it is in the data, and a fourth lane without meaning.
     pub radiance: [[f64; 4]; BATCH],
-    /// Lookups that are not so plain.
+    /// Lookups that are not plain.
     pub others: Vec<(usize, Sampled)>,
     places: Places,
     from_disk: FromDisk,

@@ -10,7 +10,7 @@ use crate::io::cube::{Bricks, Held};
 /// The most lookups that are carried out together.
 const TOGETHER: usize = 256;
 
-/// Bricks that single lookups of a thread have at hand.
+/// Bricks that a thread holds for single lookups.
 #[derive(Debug, Default)]
 pub struct Near {
     held: RefCell<Held>,
@@ -19,7 +19,7 @@ pub struct Near {
 }
 
 impl Near {
-    /// Whether lookups only note what they want; what they return then means nothing.
+    /// Whether lookups only record what they need; what they return then has no meaning.
     pub fn is_asking(&self) -> bool {
         self.is_asking.get()
     }
@@ -36,7 +36,7 @@ impl Near {
         }
     }
 
-    /// Whether as many bricks are wanted as there is room for.
+    /// Whether as many bricks are requested as there is room for.
     fn wants_enough(&self, bricks: &Bricks) -> bool {
         let mut wanted = self.wanted.borrow_mut();
         if wanted.len() < bricks.at_hand() {
@@ -44,11 +44,11 @@ impl Near {
         }
         wanted.sort_unstable();
         wanted.dedup();
-        // Two that share a place push each other out: fewer than there are places.
+        // Two that share a slot evict each other: fewer than the number of slots.
         wanted.len() >= bricks.at_hand().div_ceil(4)
     }
 
-    /// Carries out `count` lookups, by number, each twice: those count where this [is not asking](Near::is_asking).
+    /// Carries out `count` lookups, by number, each twice: the results count only when this [is not asking](Near::is_asking).
     pub(super) fn look_up_each(
         &self,
         bricks: &Bricks,

@@ -46,8 +46,8 @@ impl TimeTexture {
         taps.is_some_and(|taps| taps.iter().all(|tap| capture.saw(tap.texel, aim)))
     }
 
-    /// Every pixel when its own light reached the capture camera, as `when` has it, as the mean that it is. `all` says
-    /// whether the 4 × 4 pixels are of one surface; `taps` are those of bilinear interpolation.
+    /// Every pixel at the time when its own light reached the capture camera, given by `when`, taken as a mean. `all` says whether the 4
+    /// × 4 pixels are of one surface; `taps` are those of bilinear interpolation.
     pub(super) fn sample_means<W: When>(
         &self,
         capture: &Capture,

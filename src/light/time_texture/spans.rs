@@ -44,7 +44,7 @@ pub(super) struct PrefixSums {
     channels: usize,
 }
 
-/// The bins that a span of time reads.
+/// The bins that a time span reads.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Span {
     /// Bins with weights of their own.
@@ -53,7 +53,7 @@ pub(super) struct Span {
     /// Bins that all have the weight `full_weight`.
     full: std::ops::Range<usize>,
     full_weight: f64,
-    /// The parts of the span that lie before, inside and after the data.
+    /// The fractions of the span before, inside and after the data.
     pub parts: [f64; 3],
 }
 
@@ -136,7 +136,7 @@ fn integral(filter: TimeFilter, x: f64) -> f64 {
 }
 
 impl Timeline {
-    /// What the time from `from` to `to` reads, which are finite and ascend; none where bins differ in width.
+    /// What the time from `from` to `to` reads, which must be finite and ascending; `None` if bins differ in width.
     pub(super) fn span(&self, from: f64, to: f64) -> Option<Span> {
         let Reading::Uniform(filter) = self.reading else {
             return None;
@@ -260,7 +260,7 @@ impl Span {
         }
     }
 
-    /// How many bins of a texel it reads, by prefix sums or one by one.
+    /// The number of bins of a texel that it reads, by prefix sums or one by one.
     pub fn bins_read(&self, by_sums: bool) -> usize {
         let (first, last) = (self.full.start.div_ceil(BLOCK), self.full.end / BLOCK);
         let summed = if by_sums && first < last {

@@ -27,33 +27,32 @@ use crate::scene::model::TimeBins;
 
 /// Samples that are enough to judge their sizes by.
 const MOST_SIZES: usize = 1 << 20;
-/// Pixels that are enough to judge a picture by.
+/// The number of pixels that is enough to judge a picture by.
 const ENOUGH: usize = 256;
 /// Dark bins in a row, and no more, may be dead ones.
 const DEAD: usize = 2;
 /// Fewer entries along an axis tell nothing about it.
 const FEWEST: usize = 8;
-/// The part of all light that may be where none should be.
+/// The fraction of all light that is tolerated where there should be none.
 const TOLERATED: f64 = 0.05;
 
-/// How the order of axes came about.
+/// The origin of the order of axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Order {
     /// It was stated.
     Stated,
-    /// That of an array was assumed, (H, W, T).
+    /// The default for an array, (H, W, T).
     Array,
-    /// That of a sequence of pictures was assumed, a frame per bin.
+    /// The default for a sequence of pictures, a frame per bin.
     Pictures,
 }
 
-/// What looks wrong about the samples of a cube by themselves, of whose samples below 0 nothing is said. Of one whose bricks are
-/// only counted nothing is looked at.
+/// Suspicious properties of a cube's samples by themselves, except negative ones. A cube whose bricks are only counted is not examined.
 pub fn of_samples(cube: &CubeStore, order: Order) -> Vec<String> {
     of_samples_with(cube, order, None, false)
 }
 
-/// The same where it is said what becomes of samples below 0, and of light at the ends of the data if it `is_held` there.
+/// The same given the treatment of negative samples, and with light at the ends of the data accepted if it `is_held` there.
 pub fn of_samples_with(
     cube: &CubeStore,
     order: Order,
@@ -88,7 +87,7 @@ pub fn of_samples_with(
     remarks
 }
 
-/// Whether the bytes of samples stand in the wrong order.
+/// Whether the bytes of samples are in the wrong order.
 fn byte_order(lines: &mut Lines) -> Option<String> {
     let bytes = lines.store.sample_bytes();
     let (mut samples, mut line) = (Vec::new(), Vec::new());
@@ -133,7 +132,7 @@ fn byte_order(lines: &mut Lines) -> Option<String> {
     ))
 }
 
-/// What to say of samples below 0.
+/// The warning about samples below 0.
 fn below_zero(lines: &mut Lines, light: &Light) -> Option<String> {
     let shape = lines.store.shape();
     let found = match lines.store.in_memory() {
@@ -158,8 +157,7 @@ fn below_zero(lines: &mut Lines, light: &Light) -> Option<String> {
     ))
 }
 
-/// What looks wrong about how data lie in the image of the camera that captured them, and in time.
-/// `index` is η of the medium.
+/// Suspicious properties of the data in the image of their capture camera, and in time. `index` is η of the medium.
 pub fn of_capture(texture: &TimeTexture, capture: &Capture, index: f64) -> Vec<String> {
     let store = texture.cube();
     if store.on_disk().is_some_and(|bricks| bricks.counts_only()) {
@@ -274,7 +272,7 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture, index: f64) -> Vec<S
     remarks
 }
 
-/// The times between which most bins are lit; none of dark data, and of data on disk, which are not read for it.
+/// The times between which most bins are lit; `None` for dark data, and for data on disk, which are not read for it.
 pub fn lit_span(texture: &TimeTexture) -> Option<[f64; 2]> {
     let store = texture.cube();
     if store.on_disk().is_some() {
@@ -300,8 +298,8 @@ fn lit_bins(per_bin: &[f64]) -> Option<[usize; 2]> {
     ])
 }
 
-/// By which power of ten times from `first` to `last` would be in a unit in which light comes from objects between `nearest`
-/// and `farthest`: the smallest; none where they are so already, or in no such unit.
+/// The power of ten by which times from `first` to `last` must be scaled so that the light can come from objects between `nearest` and
+/// `farthest`: the smallest; `None` if they already fit, or if none fits.
 fn other_unit([first, last]: [f64; 2], [nearest, farthest]: [f64; 2]) -> Option<i32> {
     let fits = |power: i32| {
         let [first, last] = [first, last].map(|time| time * 10f64.powi(power));

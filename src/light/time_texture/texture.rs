@@ -26,20 +26,20 @@ pub struct Sampled {
     /// Colour that marks missing data ([`Fill::Mark`]), already weighted by how much is missing; to be
     /// added after all factors.
     pub unscaled: [f64; 3],
-    /// Where it came from; sums to 1.
+    /// Its coverage; sums to 1.
     pub coverage: Coverage,
 }
 
-/// Where a point lies in the image of a capture camera, and which pixels saw it.
+/// The position of a point in the image of a capture camera, and which pixels saw it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Located(Spot);
 
 /// A place in an image, pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Spot {
-    /// On it, and these pixels saw the surface around the point; the weight of those of the four that did.
+    /// In it, and these pixels saw the surface around the point; the weight of those of the four that did.
     Seen([f64; 2], [Tap; 4], f64),
-    /// The same, to be read as the means that pixels are; whether all 4 × 4 about it saw the surface.
+    /// The same, with pixels taken as means; whether all 4 × 4 around it saw the surface.
     Sharp([f64; 2], [Tap; 4], f64, bool),
     /// On it, where no pixel saw the surface.
     Unseen([f64; 2]),
@@ -50,7 +50,7 @@ enum Spot {
 }
 
 impl Located {
-    /// Whether it remains to be asked if the scene blocks the line to the camera.
+    /// Whether occlusion by the scene remains to be tested.
     pub fn is_seen(&self) -> bool {
         matches!(self.0, Spot::Seen(..) | Spot::Sharp(..))
     }
@@ -69,7 +69,7 @@ pub struct TimeTexture {
     sums: Option<Arc<PrefixSums>>,
 }
 
-/// When lookups of texels read: at a moment, or over a span.
+/// The time of a texel's lookup: a moment, or a span.
 pub(super) trait When {
     /// The weighted sum over the bins of a texel.
     fn texel(&self, texture: &TimeTexture, texel: usize, near: &Near) -> [f64; 3];
@@ -99,11 +99,11 @@ impl When for Span {
 }
 
 impl TimeTexture {
-    /// A cube (shared, where several sources use one file) with its axis and policies.
+    /// A cube (shared if several sources use one file) with its axis and policies.
     ///
     /// # Errors
-    /// A shape that the samples do not have, channels other than 1 or 3, a bin width that is not above 0
-    /// or too small to be told apart at the start, a start or scale that is not finite.
+    /// A shape that does not match the samples, channels other than 1 or 3, a bin width that is not above 0 or too small to be resolved
+    /// at the start, a start or scale that is not finite.
     pub fn new(
         cube: impl Into<CubeStore>,
         axis: TimeAxis,
@@ -129,7 +129,7 @@ impl TimeTexture {
         })
     }
 
-    /// The same, with pixels of captures read in this way.
+    /// The same with this reconstruction of pixels.
     #[must_use]
     pub fn with_reconstruction(self, reconstruction: Reconstruction) -> TimeTexture {
         TimeTexture {
@@ -153,7 +153,8 @@ impl TimeTexture {
         }
     }
 
-    /// Where the cube holds the front, or the back, of the place at `uv`. Lookups next to the edge of a half read no row of the other.
+    /// The position of the front, or the back, of the point `uv` in the cube. Lookups next to the edge of a half read no row of the
+    /// other.
     #[inline]
     pub fn on_side(&self, uv: DVec2, front: bool) -> DVec2 {
         if self.backs != CubeBacks::SecondHalf || !(0.0..=1.0).contains(&uv.y) {
@@ -165,13 +166,13 @@ impl TimeTexture {
         DVec2::new(uv.x, 0.5 * if front { v } else { v + 1.0 })
     }
 
-    /// How places between texels are read.
+    /// The reconstruction between texels.
     pub fn reconstruction(&self) -> Reconstruction {
         self.reconstruction
     }
 
-    /// The same with prefix sums, by which means over spans of many bins are found without reading them all; of cubes on
-    /// disk there are none. They take [`TimeTexture::bytes_of_sums`].
+    /// The same with prefix sums, by which means over spans of many bins are computed without reading them all; not available for cubes
+    /// on disk. They take [`TimeTexture::bytes_of_sums`].
     #[must_use]
     pub fn with_sums(self) -> TimeTexture {
         let sums = self.cube.in_memory().map(PrefixSums::new).map(Arc::new);
@@ -201,7 +202,7 @@ impl TimeTexture {
         &self.timeline
     }
 
-    /// What turns a stored value into radiance per metre of ct.
+    /// The factor from a stored value to radiance per metre of ct.
     pub(super) fn factor(&self) -> f64 {
         self.factor
     }
@@ -212,18 +213,18 @@ impl TimeTexture {
         [width, height]
     }
 
-    /// How many bins that much time is; mean ones, where they differ.
+    /// The number of bins in this much time, by their mean width if they differ.
     pub fn bins_in(&self, time: f64) -> f64 {
         time * self.timeline.bins_per_metre
     }
 
-    /// Whether means over spans of time are those of all their bins: bins are of one width.
+    /// Whether means over time spans include all their bins: only if all bins have one width.
     pub fn reads_spans(&self) -> bool {
         matches!(self.timeline.reading, Reading::Uniform(_))
     }
 
-    /// Bytes of samples that a lookup reads, by texture coordinates or where a point was located, at a moment or over a span; at
-    /// most, since taps without weight are left out.
+    /// The number of bytes that a lookup reads, by texture coordinates or at a located point, at a moment or over a span; an upper bound,
+    /// because taps without weight are skipped.
     pub fn bytes_of_lookup(&self, located: Option<&Located>, span: Option<[f64; 2]>) -> u64 {
         let span = span.and_then(|[from, to]| self.timeline.span(from, to));
         let bins = match span {
@@ -253,7 +254,7 @@ impl TimeTexture {
         self.sample_uv_near(uv, t, &Near::default())
     }
 
-    /// [`TimeTexture::sample_uv`] with bricks at hand.
+    /// [`TimeTexture::sample_uv`] with bricks held by the thread.
     #[inline]
     pub fn sample_uv_near(&self, uv: DVec2, t: f64, near: &Near) -> Sampled {
         let [width, height] = self.size().map(|n| n as f64);
@@ -266,8 +267,8 @@ impl TimeTexture {
         }
     }
 
-    /// The mean of [`TimeTexture::sample_uv`] over the times from `from` to `to`, which ascend. Where bins differ in width, it
-    /// is what there is in the middle of that time.
+    /// The mean of [`TimeTexture::sample_uv`] over the times from `from` to `to`, which ascend. If bins differ in width, it is the value
+    /// in the middle of that time.
     pub fn mean_uv(&self, uv: DVec2, [from, to]: [f64; 2], near: &Near) -> Sampled {
         let Some(span) = self.timeline.span(from, to) else {
             return self.sample_uv_near(uv, 0.5 * (from + to), near);
@@ -327,8 +328,8 @@ impl TimeTexture {
         sampled
     }
 
-    /// Carries out `count` lookups in this cube, by number; of cubes on disk each is carried out twice, and counts where
-    /// `near` [is not asking](Near::is_asking).
+    /// Carries out `count` lookups in this cube, by number; for cubes on disk each is carried out twice, and counts when `near` [is not
+    /// asking](Near::is_asking).
     pub fn look_up_each(&self, near: &Near, count: usize, look_up: impl FnMut(usize)) {
         match &self.cube {
             CubeStore::Memory(_) => (0..count).for_each(look_up),
@@ -336,7 +337,7 @@ impl TimeTexture {
         }
     }
 
-    /// Books a tap's weight where its times lie.
+    /// Adds a tap's weight to the coverage by its time.
     pub(super) fn account_for(&self, sampled: &mut Sampled, weight: f64, when: &impl When) {
         for (phase, part) in when.parts() {
             if part != 0.0 {
@@ -347,14 +348,13 @@ impl TimeTexture {
 
     /// Radiance of a surface point as the capture camera recorded it.
     ///
-    /// `t` is the time of emission, metres of ct in the frame in which capture camera and surface
-    /// rest (for a cube in object or world time: on that clock). `occluded(point, eye)` says whether
-    /// the scene blocks the line between them; it is asked last, and only where a pixel saw the
-    /// surface. Taps that saw another surface or nothing are left out, the others' weights made up to 1.
+    /// `t` is the time of emission, metres of ct in the frame in which capture camera and surface rest (for a cube in object or world
+    /// time: on that clock). `occluded(point, eye)` says whether the scene blocks the line between them; it is called last, and only if a
+    /// pixel saw the surface. Taps that saw another surface or nothing are left out, and the others' weights are normalized to 1.
     ///
-    /// Off the image: the point projects outside it or lies behind the pinhole. Occluded: the side looked
-    /// at faces away, none of the four taps saw the surface, or `occluded` says so. Held places take the
-    /// nearest pixels, whatever surface they saw; behind the pinhole none is near, and they are black.
+    /// Off the image: the point projects outside it or is behind the pinhole. Occluded: the visible side faces away, none of the four
+    /// taps saw the surface, or `occluded` says so. Held positions take the nearest pixels, whatever surface they saw; behind the pinhole
+    /// none is near, and they are black.
     #[inline]
     pub fn sample_capture(
         &self,
@@ -368,7 +368,7 @@ impl TimeTexture {
         self.sample_located(capture, &located, t, occluded, &Near::default())
     }
 
-    /// Where `point` lies in the image of `capture`, and whether a pixel saw its surface.
+    /// The position of `point` in the image of `capture`, and whether a pixel saw its surface.
     #[inline]
     pub fn locate(&self, capture: &Capture, point: &CapturePoint) -> Located {
         let (place, aim) = capture.look_at(capture.projection(), point);
@@ -376,7 +376,7 @@ impl TimeTexture {
         self.located(capture, place, aim)
     }
 
-    /// What lies at `place` of the image, behind the pinhole if that is none; `aim` is the point, if it faces the pinhole.
+    /// What is at `place` of the image, behind the pinhole if that is `None`; `aim` is the point, if it faces the pinhole.
     #[inline]
     pub(super) fn located(
         &self,
@@ -439,8 +439,8 @@ impl TimeTexture {
         }
     }
 
-    /// What stands in for a point that was located where the capture has no data of it, if no data are read for that. `occluded`
-    /// is as in [`TimeTexture::sample_located`].
+    /// The substitute for a located point if the capture has no data for it, provided that needs no data. `occluded` is as in
+    /// [`TimeTexture::sample_located`].
     #[inline]
     pub fn without_data(&self, located: &Located, occluded: bool) -> Option<Sampled> {
         let (fill, coverage) = match located.is_seen() && !occluded {
@@ -450,21 +450,21 @@ impl TimeTexture {
         (fill != Fill::Hold).then(|| self.fill(fill, coverage, Sampled::default))
     }
 
-    /// The same for a point that something occludes, or of which no pixel saw the surface.
+    /// The same for an occluded point, or one whose surface no pixel saw.
     #[inline]
     pub fn occluded(&self) -> Option<Sampled> {
         let fill = self.outside.occluded;
         (fill != Fill::Hold).then(|| self.fill(fill, Coverage::OCCLUDED, Sampled::default))
     }
 
-    /// The same for a point beside the image, or behind the pinhole.
+    /// The same for a point outside the image, or behind the pinhole.
     #[inline]
     pub fn off_image(&self) -> Option<Sampled> {
         let fill = self.outside.off_texture;
         (fill != Fill::Hold).then(|| self.fill(fill, Coverage::OFF_TEXTURE, Sampled::default))
     }
 
-    /// Why the capture has no data of a point, and what stands in for it. A point that is seen is occluded.
+    /// Why the capture has no data for a point, and what replaces them. A point that is seen is occluded.
     fn absence(&self, located: &Located) -> (Fill, Coverage) {
         match &located.0 {
             Spot::Seen(..) | Spot::Sharp(..) | Spot::Unseen(_) => {
@@ -477,7 +477,7 @@ impl TimeTexture {
     /// How well the image shows the point, 0 to 1: the weight of those of four pixels about it that saw its surface, times
     /// its distance from the edge of the image, pixels, at most 1. Above 0 wherever the point is seen.
     pub fn seen_part(&self, located: &Located) -> f64 {
-        /// Where only one capture sees a point, any weight is as good.
+        /// If only one capture sees a point, any weight will do.
         const LEAST: f64 = 1e-6;
         let (Spot::Seen([x, y], _, part) | Spot::Sharp([x, y], _, part, _)) = &located.0 else {
             return 0.0;
@@ -500,7 +500,7 @@ impl TimeTexture {
         }
     }
 
-    /// The bilinear taps at `place` without those that are not `valid`, whose weights sum to 1, and to what they summed.
+    /// The bilinear taps at `place` that are `valid`, with weights normalized to 1, and their original sum.
     #[inline]
     fn taps_where(
         &self,
@@ -522,7 +522,7 @@ impl TimeTexture {
         if complete {
             return Some((taps, 1.0));
         }
-        // Scaled up again: a place that is seen in part is not darker for it.
+        // Normalized: a point that is seen in part is not darker for it.
         (sum > 0.0).then(|| {
             let taps = taps.map(|tap| Tap {
                 weight: tap.weight / sum,
@@ -576,7 +576,7 @@ impl TimeTexture {
         sampled
     }
 
-    /// Books a tap's weight where its time lies, with the colour that marks it.
+    /// Adds a tap's weight to the coverage by its time, with the colour that marks it.
     #[inline]
     pub(super) fn account(&self, sampled: &mut Sampled, weight: f64, phase: Phase) {
         let fill = match phase {

@@ -2,7 +2,7 @@
 
 use crate::scene::model::TimeFilter;
 
-/// A run of bins, all of them existing, and their weights.
+/// A run of existing bins, and their weights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct BinWeights {
     pub first: usize,
@@ -45,7 +45,7 @@ pub(super) fn less_curvature([p, q, r, s]: [f64; 4]) -> [f64; 6] {
     ]
 }
 
-/// How many bins a filter reads.
+/// The number of bins that a filter reads.
 pub(super) fn bins_of(filter: TimeFilter) -> usize {
     match filter {
         TimeFilter::Nearest => 1,

@@ -11,9 +11,9 @@
 
 use super::lines::{Lines, percent, spread};
 
-/// Fewer entries along an axis tell nothing about it.
+/// Fewer entries along an axis are no evidence.
 const FEWEST: usize = 8;
-/// An axis along which light is briefer, as a part of another's, looks more like time than that.
+/// An axis along which light fills less than this fraction of the assumed one looks more like time.
 const BRIEFER: f64 = 0.5;
 /// Light that fills less of the axis taken for time is brief: that is time.
 const BRIEF: f64 = 0.3;
@@ -37,7 +37,7 @@ struct LineShape {
     rise_and_fall: f64,
 }
 
-/// What to say where another axis looks more like time than that which is taken for it; `pictures` are taken for frames.
+/// The warning if another axis looks more like time than the assumed one; `pictures` are assumed to be frames.
 pub(super) fn doubt(lines: &mut Lines, pictures: bool) -> Option<String> {
     let [h, w, t, _] = lines.store.shape();
     if h.min(w).min(t) < FEWEST {

@@ -13,17 +13,17 @@ use glam::DVec3;
 
 use super::lines::{percent, rounded, spread};
 
-/// Fewer bins or points tell nothing.
+/// Fewer bins or points are no evidence.
 const FEWEST: usize = 8;
 /// Pixels that are enough to judge a picture by.
 const ENOUGH: usize = 256;
 /// The light of a point that is bright, as a part of that of the brightest.
 const BRIGHT: f64 = 0.05;
-/// Times of first light are known to so many bins.
+/// The precision of times of first light, bins.
 const ROUGH: f64 = 4.0;
-/// A flash that is by fewer bins before time 0 may be at it.
+/// A flash earlier by fewer bins than this may be at time 0.
 const EARLY: f64 = 2.0;
-/// The part of pairs that may be too fast: first light in shadow comes from elsewhere, and is faint.
+/// The tolerated fraction of pairs that are too fast: first light in shadow comes from elsewhere, and is faint.
 const FAST: f64 = 0.2;
 
 /// First light from the points that a capture camera saw.
@@ -65,7 +65,7 @@ impl FirstLight {
         }
     }
 
-    /// Notes the samples along time of a pixel that saw `position`, whose light is recorded `delay` metres later.
+    /// Records the samples along time of a pixel that saw `position`, whose light is recorded `delay` metres later.
     pub(super) fn note(&mut self, line: &[f64], position: DVec3, delay: f64) {
         let brightest = line.iter().copied().fold(0.0, f64::max);
         let first = line.iter().position(|value| *value > 0.25 * brightest);
@@ -84,7 +84,7 @@ impl FirstLight {
         }));
     }
 
-    /// The part of pairs of points between which first light would have been faster than light, by bins of `width`.
+    /// The fraction of pairs of points between which first light would have been faster than light, for bins of `width`.
     fn too_fast(&self, width: f64) -> f64 {
         let some = self.bright();
         let left = |onset: &Onset| onset.bin * width - onset.delay;
@@ -99,7 +99,7 @@ impl FirstLight {
         fast as f64 / pairs.max(1) as f64
     }
 
-    /// The one flash that first light fits, where rays begin on a plane that is so much deeper than is said.
+    /// The single flash that fits first light, if rays begin on a plane that is `deeper` than declared.
     fn flash(&self, deeper: f64) -> Option<Flash> {
         let rows: Vec<[f64; 6]> = (self.bright().into_iter())
             .map(|onset| {
@@ -134,7 +134,7 @@ impl FirstLight {
         found
     }
 
-    /// What to say where first light is that of one flash before time 0, of data that begin at `start`.
+    /// The warning if first light is that of one flash before time 0, for data that begin at `start`.
     pub(super) fn early_flash(&self, start: f64) -> Option<String> {
         let early = self.flash(0.0)?.start - start;
         if self.points.len() < FEWEST || early < EARLY * self.width {
@@ -147,7 +147,7 @@ impl FirstLight {
         ))
     }
 
-    /// The keys by which first light is that of one flash at time 0, of data that begin at `start`; none where no flash fits.
+    /// The keys for which first light is that of one flash at time 0, for data that begin at `start`; `None` if no flash fits.
     pub(super) fn explained(&self, start: f64) -> Option<String> {
         let flash = self.flash(0.0)?;
         let other = format!("start = \"{} m\"", self.in_bins(flash.start));
@@ -200,7 +200,7 @@ impl FirstLight {
         spread(bright.len(), ENOUGH).map(|at| bright[at]).collect()
     }
 
-    /// What to say where light would have been faster than light by the width of bins.
+    /// The warning if light would have been faster than light because of the bin width.
     pub(super) fn too_wide(&self) -> Option<String> {
         let now = self.too_fast(self.width);
         if self.points.len() < FEWEST || now < FAST {

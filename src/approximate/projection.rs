@@ -48,19 +48,19 @@ use crate::spacetime::{
     self, Boost, Direction, Displacement, Event, InertialFrame, Rest, Velocity, World,
 };
 
-/// A camera all of whose rays leave one event.
+/// A camera whose rays all leave one event.
 #[derive(Debug, Clone)]
 pub struct Observer {
     film: AnyProjection,
     linear: Linear,
     event: Event<World>,
-    /// None where directions of the world are taken as the camera's.
+    /// `None` if directions of the world are used as the camera's.
     camera_from_world: Option<Boost<spacetime::CameraFrame, World>>,
     world_from_camera: Boost<World, spacetime::CameraFrame>,
     index: f64,
 }
 
-/// What an observer sees of the points at rest in one frame.
+/// The view of points at rest in one frame by an observer.
 #[derive(Debug, Clone)]
 pub struct ApparentProjection<'a> {
     observer: &'a Observer,
@@ -68,15 +68,15 @@ pub struct ApparentProjection<'a> {
     rest_from_world: Boost<Rest, World>,
 }
 
-/// From points of a rest frame to where they appear: the numbers that loops over vertices read.
+/// From points of a rest frame to their apparent positions: the coefficients for loops over vertices.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Apparent {
-    /// The place of the shot in the frame.
+    /// The position of the shot in the frame.
     origin: DVec3,
     /// Direction of motion, and 1/(γq) − 1.
     stretch: (DVec3, f64),
     world_from_optical: Boost<World, Rest>,
-    /// The identity where directions of the world are taken as the camera's.
+    /// The identity if directions of the world are used as the camera's.
     camera_from_world: Boost<spacetime::CameraFrame, World>,
     homogeneous_from_camera: DMat3,
     /// Columns and rows of the film, and its pixels per radian in the corner.
@@ -87,21 +87,20 @@ pub(crate) struct Apparent {
     m: DVec3,
 }
 
-/// A point of a rest frame as a rasterizer needs it.
+/// A point of a rest frame in the form that a rasterizer needs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ApparentVertex {
-    /// Its place c, metres.
+    /// Its position c, metres.
     pub c: DVec3,
     /// Homogeneous film coordinates.
     pub film: DVec3,
-    /// The film point, pixels; means nothing where it is not in front of the camera.
+    /// The film point, pixels; without meaning unless it is in front of the camera.
     pub point: [f64; 2],
-    /// |c| |Δ/δ|, pixels. Beside the film by more than half of it, and behind the camera, a point counts as if it
-    /// were in its corner.
+    /// |c| |Δ/δ|, pixels. A point beside the film by more than half of it, or behind the camera, counts as if it were in its corner.
     pub scale: f64,
 }
 
-/// Points of a rest frame by component: what an [`ApparentVertex`] has, of each.
+/// Points of a rest frame by component: the fields of an [`ApparentVertex`] of each.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct VertexBlock {
     /// Places in the frame, which become the places c.
@@ -114,7 +113,7 @@ pub(crate) struct VertexBlock {
 }
 
 impl VertexBlock {
-    /// To be written.
+    /// To be filled in.
     pub const ZERO: VertexBlock = VertexBlock {
         c: Vectors::ZERO,
         length: [0.0; BLOCK],
@@ -145,7 +144,7 @@ impl Apparent {
         r + n * (n.dot(r) * stretch)
     }
 
-    /// By how much a length in the frame is longer among places c, at most.
+    /// The largest factor by which lengths in the frame grow in positions c.
     pub fn most_stretch(&self) -> f64 {
         (1.0 + self.stretch.1).max(1.0)
     }
@@ -166,7 +165,7 @@ impl Apparent {
             d.set(k, c.get(k) * (1.0 / length));
             (lengths[k], distances[k]) = (length, length);
         }
-        // Asked once: with a branch at each direction the loop would not go in vectors.
+        // Test once: a branch at each direction would keep the loop from vectorizing.
         let boost = self.world_from_optical;
         if boost.is_identity() {
             return;
@@ -178,16 +177,15 @@ impl Apparent {
         }
     }
 
-    /// The apparent position in the camera's frame of what is seen along `d` at the distance `s`.
+    /// The apparent position in the camera's frame of a point seen along `d` at the distance `s`.
     #[inline(always)]
     fn seen(&self, d: Direction<World>, s: f64) -> DVec3 {
         let (seen, ratio) = self.camera_from_world.direction(d);
         seen.unit() * (s * ratio)
     }
 
-    /// How the points of `block`, whose places are in its `c`, are seen. In short loops, one step after the other, with copies of what is
-    /// the same for all, and boosts asked once whether they are any: of a long loop, or one that branches, compilers make no
-    /// vector code for AVX2.
+    /// The view of the points of `block`, whose positions are in its `c`. Short loops, one step after the other, with copies of shared
+    /// values, and boosts tested once for being the identity: compilers do not vectorize a long loop, or one with branches, for AVX2.
     #[inline(always)]
     pub fn see(&self, block: &mut VertexBlock) {
         let VertexBlock {
@@ -241,7 +239,7 @@ impl Apparent {
         }
     }
 
-    /// By how much film coordinates of a point seen at `film`, with film point `point`, change per metre of |c|.
+    /// The change of the film coordinates of a point seen at `film`, with film point `point`, per metre of |c|.
     #[inline(always)]
     fn slide(&self, film: DVec3, [x, y]: [f64; 2]) -> [f64; 2] {
         [
@@ -251,7 +249,7 @@ impl Apparent {
     }
 }
 
-/// How a point is seen.
+/// The view of a point.
 #[derive(Debug, Clone, Copy)]
 pub struct Image {
     /// Homogeneous film coordinates (x z, y z, z), x and y in pixels from the top left corner, z in metres
@@ -264,7 +262,7 @@ pub struct Image {
 }
 
 impl Image {
-    /// The film point in pixels, or none where it is not in front of the camera.
+    /// The film point in pixels; `None` if it is not in front of the camera.
     pub fn film_point(&self) -> Option<[f64; 2]> {
         film_point(self.film)
     }
@@ -305,9 +303,8 @@ impl Observer {
         })
     }
 
-    /// By object of the scene, what is seen of it and the place of its origin in its rest frame: a point's
-    /// coordinates in its object (the channel `object_event`) plus that are those of [`ApparentProjection`]. None for
-    /// objects without triangles.
+    /// For each object of the scene, its view and the position of its origin in its rest frame: the sum of this and a point's coordinates
+    /// in its object (the channel `object_event`) are the coordinates for [`ApparentProjection`]. `None` for objects without triangles.
     ///
     /// # Errors
     /// As [`Observer::projection`].
@@ -327,7 +324,7 @@ impl Observer {
         Ok(places)
     }
 
-    /// What is seen of points at rest in `frame`.
+    /// The view of points at rest in `frame`.
     ///
     /// # Errors
     /// A frame that moves as fast as light in the medium, or faster.
@@ -358,7 +355,7 @@ impl Observer {
     }
 }
 
-/// What is seen of an object, and where its origin is in its rest frame, metres.
+/// The view of an object, and the position of its origin in its rest frame, metres.
 pub type Place<'a> = Option<(ApparentProjection<'a>, DVec3)>;
 
 /// Direction of motion, 1/(γq) − 1 and the velocity ηβ.
@@ -406,8 +403,7 @@ fn outrun() -> Error {
 }
 
 impl ApparentProjection<'_> {
-    /// How the point `x` of the frame is seen, metres relative to the frame's origin; none for the place
-    /// of the camera itself.
+    /// The view of the point `x` of the frame, metres relative to the frame's origin; `None` for the position of the camera itself.
     #[inline]
     pub fn image(&self, x: DVec3) -> Option<Image> {
         self.image_of(self.optical(x))
@@ -428,8 +424,8 @@ impl ApparentProjection<'_> {
         (length > 0.0 && film.is_finite()).then_some(Image { film, d, s })
     }
 
-    /// The film point of the point `x` of the frame, pixels from the top left corner; it may lie beyond
-    /// the picture. None where the point is seen behind the camera.
+    /// The film point of the point `x` of the frame, pixels from the top left corner; it may lie outside the picture. `None` if the point
+    /// is seen behind the camera.
     pub fn film_point(&self, x: DVec3) -> Option<[f64; 2]> {
         self.image(x)?.film_point()
     }
@@ -488,14 +484,14 @@ impl ApparentProjection<'_> {
         &self.observer.linear
     }
 
-    /// By how much film coordinates (x, y, pixels) of a point seen at `film` change per metre that its |c|
-    /// is too long, in the limit of small errors; none behind the camera.
+    /// The change of the film coordinates (x, y, pixels) of a point seen at `film` per metre of excess in its |c|, in the limit of small
+    /// errors; `None` behind the camera.
     pub(crate) fn slide(&self, film: DVec3) -> Option<[f64; 2]> {
         Some(self.apparent.slide(film, film_point(film)?))
     }
 }
 
-/// The channels that [`displacements`] looks at.
+/// The channels that [`displacements`] reads.
 pub const CHANNELS: [Aov; 4] = [
     Aov::Object,
     Aov::ObjectEventX,
@@ -503,13 +499,13 @@ pub const CHANNELS: [Aov; 4] = [
     Aov::ObjectEventZ,
 ];
 
-/// Per pixel of `film`, from where its point of a surface is drawn (the pixel's centre) to where it should
-/// be, in pixels; NaN where nothing is met, and where the point is behind the camera.
+/// For each pixel of `film`, the displacement from where its surface point is drawn (the pixel's centre) to where it should be, in
+/// pixels; NaN if nothing is hit, or the point is behind the camera.
 ///
 /// The film has [`CHANNELS`] and one sample at the centre of each pixel.
 ///
 /// # Errors
-/// A film that is not like that; as [`Observer::of`] and [`Observer::projection`].
+/// A film that does not meet this; as [`Observer::of`] and [`Observer::projection`].
 pub fn displacements(scene: &Prepared, film: &Film) -> Result<Vec<[f64; 2]>> {
     let [Some(object), Some(x), Some(y), Some(z)] = CHANNELS.map(|aov| film.aov(aov)) else {
         return Err(unfit());

@@ -39,19 +39,19 @@ use crate::render::progress::Progress;
 use crate::render::trace::{HitBuffer, Meter, Rays, SurfaceHit, Surfaces};
 use crate::scene::model::Scene;
 
-/// What tessellation a picture needs.
+/// The tessellation that a picture needs.
 #[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
 pub struct Forecast {
     /// The scene's name.
     pub scene: String,
-    /// The error that is allowed, pixels.
+    /// The allowed error, pixels.
     pub pixels: f64,
-    /// The objects that are seen, in the order of the scene.
+    /// The visible objects, in the order of the scene.
     pub objects: Vec<Needed>,
 }
 
-/// What tessellation an object needs.
+/// The tessellation that an object needs.
 #[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
 pub struct Needed {
@@ -59,16 +59,15 @@ pub struct Needed {
     pub object: u32,
     /// Its name.
     pub name: String,
-    /// How many pixels see it.
+    /// The number of pixels that see it.
     pub seen_by: u64,
     /// The longest edge of all its triangles, metres in its rest frame.
     pub longest_edge: f64,
-    /// How long edges may be for the error that is allowed, metres in its rest frame; none where any length
-    /// will do.
+    /// The allowed edge length for the allowed error, metres in its rest frame; `None` if any length will do.
     pub edge_length: Option<f64>,
-    /// Into how many parts the longest edge has to be cut for that.
+    /// The number of parts into which the longest edge must be cut for that.
     pub parts: u64,
-    /// How often, where edges are only ever halved.
+    /// The number of cuts, if edges are only ever halved.
     pub halvings: u32,
     /// Where the shortest edges are needed.
     pub worst: Worst,
@@ -82,9 +81,9 @@ pub struct Worst {
     pub triangle: u32,
     /// Column and row of the pixel.
     pub pixel: [u32; 2],
-    /// The place on the object, metres in its own coordinates.
+    /// The position on the object, metres in its own coordinates.
     pub place: [f64; 3],
-    /// How far points may be drawn from their places there, with edges as long as the longest, pixels.
+    /// The displacement of points there with edges as long as the longest, pixels.
     pub untessellated: f64,
 }
 
@@ -123,8 +122,7 @@ impl Bend {
     }
 }
 
-/// Estimates which edge lengths keep all that `scene`, prepared as `prepared`, shows within `pixels` of its
-/// place.
+/// Estimates the edge lengths that keep everything that `scene`, prepared as `prepared`, shows within `pixels` of its true position.
 ///
 /// # Errors
 /// As [`Observer::of`] and [`Observer::projection`]; [`Error::Cancelled`] when `progress` says so.
@@ -205,7 +203,7 @@ fn place(prepared: &Prepared, surface_hit: SurfaceHit) -> DVec3 {
     a + (b - a) * surface_hit.hit.u + (c - a) * surface_hit.hit.v
 }
 
-/// How errors grow in the triangle that was met; none behind the camera.
+/// How errors grow in the triangle that was hit; `None` behind the camera.
 fn bend(
     prepared: &Prepared,
     projection: &ApparentProjection,
@@ -245,7 +243,7 @@ fn bend(
 }
 
 impl Needed {
-    /// None for an object that no pixel sees.
+    /// `None` for an object that no pixel sees.
     fn of(
         scene: &Scene,
         prepared: &Prepared,
@@ -331,7 +329,7 @@ impl Forecast {
         Message::from(text + before) + Setting::Method + method
     }
 
-    /// The edge length that will do for all objects, metres; none where any will.
+    /// The edge length that is sufficient for all objects, metres; `None` if any is.
     pub fn finest(&self) -> Option<f64> {
         let lengths = self.objects.iter().filter_map(|o| o.edge_length);
         lengths.reduce(f64::min)
@@ -355,7 +353,7 @@ impl Needed {
     }
 }
 
-/// Four significant digits, the last cut off rather than rounded up: a length that is allowed stays one.
+/// Four significant digits, truncated rather than rounded: an allowed length stays allowed.
 fn short(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return format!("{x}");

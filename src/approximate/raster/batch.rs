@@ -10,7 +10,7 @@ use crate::render::film::TILE;
 /// A small triangle, one of the tree's or a part of it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
-    /// Its vertices: those of the frame, and after them the batch's own.
+    /// Its vertices: those of the frame, followed by the batch's own.
     pub corners: [u32; 3],
     /// The slot of the triangle that it is a part of.
     pub slot: u32,
@@ -69,7 +69,7 @@ impl Grid {
         self.size[0].div_ceil(TILE)
     }
 
-    /// Calls `visit` with each tile that a triangle may reach which reaches several; `film` gives its corners.
+    /// Calls `visit` with each tile that a triangle which reaches several may reach; `film` gives its corners.
     fn tiles(self, piece: &Piece, film: impl Fn(&Piece) -> [DVec3; 3], mut visit: impl FnMut(u32)) {
         let last = self.size.map(|n| n - 1);
         let [left, top, right, bottom] = piece.reach.pixels([0; 2], last).map(|p| p / TILE);
@@ -187,7 +187,7 @@ pub(super) struct TileBatches {
 }
 
 impl TileBatches {
-    /// Sorts `batches` by the tiles of an image that has so many.
+    /// Sorts `batches` by the tiles of an image with `tiles` tiles.
     pub fn new(batches: &[Batch], tiles: u64) -> Self {
         let mut starts = vec![0; tiles as usize + 1];
         for (_, tile) in reached(batches) {

@@ -19,7 +19,7 @@ use crate::camera::Projection as _;
 use crate::render::film::TILE;
 use crate::spacetime::Displacement;
 
-/// So far beside a triangle samples may be taken to be inside, pixels: twice the bound on edge functions in f32 (`tile`).
+/// How far beside a triangle samples may count as inside, pixels: twice the bound on edge functions in f32 (`tile`).
 const BESIDE: f64 = 2e-5;
 
 /// More than f32 rounds by.
@@ -48,7 +48,8 @@ impl Reach {
         }
     }
 
-    /// Its pixels within those from column and row `first` to column and row `last`, counted from `first`: first column and row, last column and
+    /// Its pixels within those from column and row `first` to column and row `last`, counted from `first`: first column and row, last
+    /// column and row.
     /// row.
     #[inline(always)]
     pub fn pixels(&self, first: [u32; 2], last: [u32; 2]) -> [u32; 4] {
@@ -63,7 +64,8 @@ impl Reach {
     }
 }
 
-/// The whole part of a number from 0 to 2²³: by the last digits of its sum with 2²³, as no vector conversion cuts off what is beyond its range.
+/// The integer part of a number from 0 to 2²³: by the last digits of its sum with 2²³, because no vector conversion truncates values out
+/// of its range.
 #[inline(always)]
 pub(super) fn whole(x: f32) -> u32 {
     const BEFORE: f32 = (1u32 << 23) as f32;
@@ -76,7 +78,7 @@ fn tiles(x: f32) -> u32 {
     whole(x * (1.0 / TILE as f32))
 }
 
-/// The part of the film's surroundings where a triangle's image is to be looked for.
+/// The surroundings of the film in which a triangle's image is searched.
 #[derive(Debug)]
 pub(super) struct Frustum {
     sides: [DVec3; 4],
@@ -96,11 +98,11 @@ impl FilmEdges {
         self.size.map(|n| n as u32)
     }
 
-    /// Whether what has these bounds, left, top, right and bottom, can reach the film, and which part of it.
+    /// Whether something with these bounds, left, top, right and bottom, can reach the film, and which part of it.
     #[inline(always)]
     pub fn reach(self, [left, top, right, bottom]: [f64; 4]) -> (bool, [f32; 4]) {
         let [width, height] = self.size;
-        // NaN is not outside: what cannot be told is kept.
+        // NaN is not outside: undecided cases are kept.
         let outside = (right < -BESIDE) | (bottom < -BESIDE) | (left > width) | (top > height);
         let within = |x: f64, size: f64| x.max(0.0).min(size);
         // No less far beside than f32 rounds.
@@ -119,7 +121,7 @@ impl FilmEdges {
 /// Number of triangles whose reach is found together.
 pub(super) const LOT: usize = 64;
 
-/// Triangles all of which are before the camera, and what they can reach; those whose z is not above 0 everywhere are left out.
+/// Triangles that are entirely in front of the camera, and what they can reach; others, whose z is not above 0 everywhere, are left out.
 pub(super) struct Before {
     /// By corner, the film point and z.
     pub corners: [[[f64; LOT]; 3]; 3],
@@ -129,13 +131,13 @@ pub(super) struct Before {
     pub tiles: [u32; LOT],
 }
 
-/// What is known of a triangle.
+/// The result for a triangle.
 pub(super) type Kind = u32;
 /// It is outside of the film.
 pub(super) const UNSEEN: Kind = 0;
 /// It is before the camera, and can reach the film.
 pub(super) const SEEN: Kind = 1;
-/// Nothing.
+/// Undecided.
 pub(super) const UNKNOWN: Kind = 2;
 
 impl Before {
@@ -198,8 +200,7 @@ impl Frustum {
         }
     }
 
-    /// Whether the triangle with these places c, and every part of it however it is divided, is seen
-    /// outside the film.
+    /// Whether the triangle with these positions c, and every part of it however it is divided, is seen outside the film.
     pub fn misses(&self, projection: &ApparentProjection, [a, b, c]: [DVec3; 3]) -> bool {
         let centre = (a + b + c) / 3.0;
         let radius = centre
@@ -227,7 +228,7 @@ impl Frustum {
                 .any(|side| side.dot(axis) < -sine * (1.0 + 1e-9) - 1e-9 * length)
     }
 
-    /// The part of the film that a flat triangle can reach: left, top, right, bottom. None where it is outside the film.
+    /// The part of the film that a flat triangle can reach: left, top, right, bottom. `None` if it is outside the film.
     #[inline]
     pub fn reach(&self, [a, b, c]: [&Vertex; 3]) -> Option<Reach> {
         let bounds = match is_before(a.film.z, b.film.z, c.film.z) {
@@ -249,7 +250,7 @@ impl Frustum {
         FilmEdges { size: self.size }
     }
 
-    /// The bounds of a triangle a part of which may be behind the camera.
+    /// The bounds of a triangle that may be partly behind the camera.
     #[cold]
     fn bounds_beside(&self, film: [DVec3; 3]) -> Option<[f64; 4]> {
         match film.iter().all(|h| h.z <= 0.0) {

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Message, Setting};
 
-/// How many points triangles have been cut at so far, in all batches.
+/// The number of points at which triangles have been cut so far, in all batches.
 #[derive(Debug)]
 pub(super) struct Cuts {
     count: AtomicUsize,
@@ -15,14 +15,14 @@ pub(super) struct Cuts {
 }
 
 impl Cuts {
-    /// The most that are kept however much memory there is.
+    /// The most that are kept, however much memory there is.
     const MOST: usize = 1 << 24;
     /// Number of cuts that are counted at once.
     pub const LOT: usize = 1 << 10;
-    /// What one takes at most: it, its two pieces, and what is kept to divide them.
+    /// The memory of one, at most: the point, its two pieces, and the data for dividing them.
     pub const BYTES: u64 = 400;
-    /// Triangles are refused untried only if the estimate exceeds the limit by this factor: estimates from few triangles overrate
-    /// those that bend in one place alone.
+    /// Triangles are refused untried only if the estimate exceeds the limit by this factor: estimates from few triangles overrate those
+    /// that are curved in one place only.
     const MARGIN: f64 = 8.0;
     /// From this part of as many as may be on, smaller triangles are asked.
     const UNCERTAIN: f64 = 0.25;
@@ -31,7 +31,7 @@ impl Cuts {
     /// From so many triangles, those of pictures near the limit are a few pixels of what they will be cut into.
     const CLOSE: usize = 1 << 18;
 
-    /// None yet, of at most so many as `memory` bytes hold.
+    /// None so far, limited to what fits in `memory` bytes.
     pub fn within(memory: u64) -> Self {
         Cuts {
             count: AtomicUsize::new(0),
@@ -39,23 +39,23 @@ impl Cuts {
         }
     }
 
-    /// How many `memory` bytes hold.
+    /// How many fit in `memory` bytes.
     pub fn most(memory: u64) -> usize {
         (memory / Cuts::BYTES).min(Cuts::MOST as u64) as usize
     }
 
-    /// Counts so many more.
+    /// Counts this many more.
     pub fn add(&self, more: usize) {
         self.count.fetch_add(more, Ordering::Relaxed);
     }
 
-    /// Whether there are more than may be. Once so, it stays so; before, nobody stops for it: that it is so
-    /// in the end does not depend on threads.
+    /// Whether the limit is exceeded. Once it is, it stays so; until then no thread stops for it: the final result does not depend on
+    /// threads.
     pub fn are_too_many(&self) -> bool {
         self.count.load(Ordering::Relaxed) > self.most
     }
 
-    /// What is known of the end by about this many cuts more, estimated from this many triangles.
+    /// Takes into account the forecast that about this many more cuts will follow, estimated from this many triangles.
     pub fn outlook(&self, more: f64, triangles: usize) -> Outlook {
         let all = self.count.load(Ordering::Relaxed) as f64 + more;
         let most = self.most as f64;
@@ -69,7 +69,7 @@ impl Cuts {
         }
     }
 
-    /// The refusal of too many.
+    /// The error for too many.
     pub fn refusal(&self) -> Error {
         let help = match self.most {
             Cuts::MOST => "a longer edge, or more pixels of error".into(),
@@ -87,25 +87,25 @@ impl Cuts {
     }
 }
 
-/// What a forecast says.
+/// The result of a forecast.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Outlook {
     /// The estimate is within the limit, or division is tried.
     Enough,
-    /// Smaller triangles tell.
+    /// Smaller triangles decide.
     Uncertain,
-    /// More than may be.
+    /// Over the limit.
     TooMany,
 }
 
-/// About how many points a triangle is cut at whose edges are to be at most `length` long; 0 for one that is not cut.
+/// The approximate number of points at which a triangle is cut whose edges must be at most `length` long; 0 if it is not cut.
 pub(super) fn cuts_of([a, b, c]: [DVec3; 3], length: f64) -> f64 {
     let parts = [b.distance(c), c.distance(a), a.distance(b)].map(|edge| edge / length);
     points(parts)
 }
 
-/// About how many points a triangle is cut at whose edges are cut into so many parts: there is one for every two pieces
-/// (Euler), and pieces have edges of one part. Heron's formula gives their number; n²/2 points where all edges have n.
+/// The approximate number of points at which a triangle is cut whose edges are cut into the given numbers of parts: there is one for
+/// every two pieces (Euler), and pieces have edges of one part. Heron's formula gives their number; n²/2 points if all edges have n.
 pub(super) fn points([a, b, c]: [f64; 3]) -> f64 {
     let half = 0.5 * (a + b + c);
     let square = half * (half - a) * (half - b) * (half - c);

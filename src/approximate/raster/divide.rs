@@ -21,14 +21,14 @@ use crate::accel::vectors::dispatch;
 use crate::approximate::projection::ApparentProjection;
 use crate::render::trace::{BuildPlaceHasher, SharedVertices};
 
-/// So often an edge is cut at most: 10⁻⁹ of it is left.
+/// The largest number of times an edge is cut: 10⁻⁹ of it is left.
 const DEEPEST: u32 = 30;
-/// Lengths that are the same but for rounding count as such.
+/// Lengths that are equal up to rounding count as equal.
 const SAME: f64 = 1.0 - 1e-12;
-/// Number of triangles of a batch by which it is estimated into how many all will be divided.
+/// The number of triangles of a batch from which the total number of pieces is estimated.
 const ENOUGH: usize = 1024;
 
-/// The vertices of a rest frame: where they are, and how they are seen.
+/// The vertices of a rest frame: their positions, and their views.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FrameVertices<'a> {
     pub shared: &'a SharedVertices,
@@ -56,14 +56,14 @@ pub(super) struct Divider<'a> {
 pub(super) struct BatchBuilder<'a> {
     divider: &'a Divider<'a>,
     batch: Batch,
-    /// Triangles that have to be looked at, and those of the next level.
+    /// Triangles to examine, and those of the next level.
     level: Vec<Part>,
     next: Vec<Part>,
     /// How many levels there have been.
     depth: u32,
     /// By their ends, the points at which edges of this level were cut.
     points: HashMap<[u32; 2], u32, BuildPlaceHasher>,
-    /// Cuts that are not counted yet.
+    /// Cuts not yet counted.
     uncounted: usize,
 }
 
@@ -88,7 +88,8 @@ impl<'a> BatchBuilder<'a> {
         }
     }
 
-    /// Adds those triangles in `slots` that are there, and divides until there are enough to estimate from, or none that is to be divided. Most
+    /// Adds those triangles in `slots` that exist, and divides until there are enough to estimate from, or none left to divide. Most are
+    /// straight enough as they are: those are kept at once.
     /// are straight enough as they are: those are kept at once.
     pub fn begin(&mut self, slots: Range<u32>, is_there: impl Fn(u32) -> bool) {
         self.add(slots, is_there);
@@ -98,7 +99,7 @@ impl<'a> BatchBuilder<'a> {
         self.count();
     }
 
-    /// Triangles that are left to be looked at.
+    /// The triangles left to examine.
     pub fn triangles(&self) -> usize {
         self.level.len()
     }
@@ -111,7 +112,7 @@ impl<'a> BatchBuilder<'a> {
         self.count();
     }
 
-    /// At about how many more points triangles will be cut.
+    /// The approximate number of further points at which triangles will be cut.
     ///
     /// Of an edge that is to have n parts each half counts its own anew, and takes the next whole number: pieces are 0.7 parts long on
     /// average, and there are 2.1 to 2.9 times as many points as whole parts would have (measured on five scenes).
@@ -147,7 +148,8 @@ impl<'a> BatchBuilder<'a> {
         FINER * sum
     }
 
-    /// Keeps those of the triangles in `slots` whose corners say that they are straight enough; others that are there are left to be looked at.
+    /// Keeps those of the triangles in `slots` whose corners show that they are straight enough; the others that exist are left to
+    /// examine.
     fn add(&mut self, slots: Range<u32>, is_there: impl Fn(u32) -> bool) {
         let FrameVertices { shared, apparent } = self.divider.vertices;
         let film = self.divider.frustum.edges();
@@ -250,7 +252,7 @@ impl<'a> BatchBuilder<'a> {
         }
     }
 
-    /// Finds into how many parts the edges opposite to each corner are to be cut, in all and in this level.
+    /// Finds the number of parts of the edges opposite to each corner, in total and in this level.
     fn measure(&self, range: Range<usize>, edges: &mut Edges) {
         match self.divider.tessellation {
             Tessellation::None => {}
@@ -299,7 +301,7 @@ impl<'a> BatchBuilder<'a> {
         }
     }
 
-    /// Keeps the triangle, if it can be seen.
+    /// Keeps the triangle, if it may be visible.
     #[inline]
     fn keep(&mut self, part: Part) {
         let corners = part.corners.map(|index| self.vertex(index));
@@ -313,7 +315,7 @@ impl<'a> BatchBuilder<'a> {
         }
     }
 
-    /// Cuts the triangle at those of its edges that are to have several `parts`.
+    /// Cuts the triangle at those of its edges that have several `parts`.
     fn divide(&mut self, part: Part, parts: [f64; 3]) {
         let places = part.corners.map(|index| self.vertex(index).c);
         if self.divider.frustum.misses(self.divider.projection, places) {

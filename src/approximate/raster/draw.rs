@@ -18,25 +18,25 @@ use crate::render::trace::{
 };
 use crate::spacetime::{Direction, World};
 
-/// Samples of a strip, pixel by pixel: one ray for each sample, in order, or several with their parts of it.
+/// Samples of a strip, pixel by pixel: one ray for each sample, in order, or several with their weights.
 #[derive(Debug, Default)]
 pub(super) struct RayBatch {
-    /// Look directions in the world, unit vectors; empty where the rays are the camera rays of the samples.
+    /// Look directions in the world, unit vectors; empty if the rays are the camera rays of the samples.
     pub directions: Vec<DVec3>,
     /// W for sources at rest in the world; as empty as the directions.
     pub ratios: Vec<f64>,
-    /// World time that the light is on its way, metres per metre, where each ray has its own; otherwise empty.
+    /// World time of the light's travel, metres per metre, if each ray has its own; otherwise empty.
     pub origins: Vec<RayOrigin>,
-    /// What the rays meet.
+    /// What the rays hit.
     pub hits: HitBuffer,
-    /// Of each ray, its sample and its part of it; empty where each sample has one ray.
+    /// For each ray, its sample and its weight; empty if each sample has one ray.
     parts: Vec<(u32, f64)>,
     /// The first ray of each sample, whose channels are recorded; empty where each sample has one.
     firsts: Vec<u32>,
 }
 
 impl RayBatch {
-    /// Forgets all rays; where `are_written` says that all those to come are, the old ones may lie where they will be.
+    /// Clears all rays; if all new ones `are_written`, the old ones may stay in place.
     fn clear(&mut self, are_written: bool) {
         if !are_written {
             self.directions.clear();
@@ -48,12 +48,12 @@ impl RayBatch {
         self.firsts.clear();
     }
 
-    /// The rays that are added from now on are the next sample's.
+    /// Assigns the following rays to the next sample.
     pub fn next_sample(&mut self) {
         self.firsts.push(self.ratios.len() as u32);
     }
 
-    /// Adds a ray along `d`, which is `part` of its sample.
+    /// Adds a ray along `d`, with the weight `part` in its sample.
     #[inline]
     pub fn add(&mut self, d: DVec3, ratio: f64, hit: Option<SurfaceHit>, part: f64) {
         let sample = (self.firsts.len() - 1) as u32;
@@ -64,7 +64,7 @@ impl RayBatch {
     }
 }
 
-/// Some rows of a tile, and how many samples of each of its pixels go together.
+/// Some rows of a tile, and the number of samples of each of its pixels that are processed together.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Strip {
     /// The rows, as a tile of their own.
@@ -273,7 +273,7 @@ impl RadianceSink for Blend<'_> {
     fn add_unmet(&mut self, _: u64) {}
 }
 
-/// Finds out what samples see.
+/// Determines what samples see.
 pub(super) trait Visibility: Sync {
     /// What is reused from tile to tile.
     type TileBuffers: Default;
@@ -283,20 +283,20 @@ pub(super) trait Visibility: Sync {
         false
     }
 
-    /// Whether [`Visibility::paint`] turns the rays that meet something itself, and asks where samples are alone.
+    /// Whether [`Visibility::paint`] sets the rays that hit something itself, and only needs sample positions.
     fn turns_rays(&self) -> bool {
         false
     }
 
-    /// How many samples of a pixel are painted together, at most.
+    /// The largest number of samples of a pixel that are rasterized together.
     fn samples_at_once(&self) -> u32 {
         1
     }
 
-    /// Gets ready for `tile`, which is painted in strips of so many rows.
+    /// Prepares for `tile`, which is rasterized in strips of this many rows.
     fn begin(&self, tile: Tile, rows: u32, buffers: &mut Self::TileBuffers);
 
-    /// Fills `rays`, which holds none, with what `samples` see.
+    /// Fills `rays`, which is empty, with what `samples` see.
     fn paint(&self, samples: &StripSamples, buffers: &mut Self::TileBuffers, rays: &mut RayBatch);
 }
 
@@ -304,10 +304,10 @@ pub(super) trait Visibility: Sync {
 pub(super) struct StripSamples<'a> {
     pub strip: Strip,
     camera_rays: &'a CameraRays,
-    /// Whether directions and W of the camera rays have been asked for.
+    /// Whether directions and W of the camera rays are needed.
     has_directions: bool,
     surfaces: &'a Surfaces<'a>,
-    /// World time that light takes per metre; 0 where retardation is turned off.
+    /// World time of the light's travel per metre; 0 if retardation is turned off.
     pub index: f64,
 }
 
@@ -317,14 +317,14 @@ impl StripSamples<'_> {
         self.strip.points(self.camera_rays.offsets(), x, y);
     }
 
-    /// Makes room for one ray for each sample in `rays`: the camera rays, where these have been asked for.
+    /// Makes room for one ray for each sample in `rays`: the camera rays, if these are needed.
     pub fn start(&self, rays: &mut RayBatch) {
         match self.has_directions {
             true => {
                 rays.ratios.clone_from(&self.camera_rays.ratios);
                 rays.directions.clone_from(&self.camera_rays.directions);
             }
-            // Nobody asks about those that meet nothing.
+            // Nobody reads those that hit nothing.
             false => {
                 let count = self.strip.samples();
                 rays.ratios.resize(count, 1.0);
@@ -333,7 +333,7 @@ impl StripSamples<'_> {
         }
     }
 
-    /// Makes a ray of `rays` the camera ray of its sample again, where these have been asked for.
+    /// Resets a ray of `rays` to the camera ray of its sample, if these are needed.
     pub fn look(&self, sample: usize, rays: &mut RayBatch) {
         if self.has_directions {
             rays.ratios[sample] = self.camera_rays.ratios[sample];
@@ -354,15 +354,15 @@ impl StripSamples<'_> {
         Direction::from_unit(self.camera_rays.directions[sample])
     }
 
-    /// The W that a ray along `d` must have for a source at rest in the world, so that what it meets in rest
-    /// frame `frame` is seen with the wavelength that the sample's own direction gives.
+    /// The W that a ray along `d` must have for a source at rest in the world, so that a hit in rest frame `frame` is seen with the
+    /// wavelength that the sample's own direction gives.
     #[inline]
     pub fn ratio(&self, sample: usize, frame: u32, d: Direction<World>) -> f64 {
         let (_, rho) = self.surfaces.direction(frame, self.direction(sample));
         self.ratio_of(self.camera_rays.ratios[sample] * rho, frame, d)
     }
 
-    /// The same where what is met is seen with wavelength ratio `w`.
+    /// The same if the hit is seen with wavelength ratio `w`.
     #[inline]
     pub fn ratio_of(&self, w: f64, frame: u32, d: Direction<World>) -> f64 {
         let (_, rho) = self.surfaces.direction(frame, d);
@@ -370,7 +370,7 @@ impl StripSamples<'_> {
     }
 }
 
-/// A scene, and who sees it.
+/// A scene, and its observer.
 struct Stage<'a, P> {
     scene: &'a Prepared,
     visibility: &'a P,
@@ -392,7 +392,7 @@ struct Buffers<T> {
     tile: T,
 }
 
-/// The film of `scene` as `visibility` paints it.
+/// The film of `scene` as `visibility` renders it.
 pub(super) fn film<P: Visibility>(
     scene: &Prepared,
     visibility: &P,
@@ -419,12 +419,12 @@ pub(super) fn film<P: Visibility>(
     paint(scene, visibility.samples_at_once(), &stage, progress)
 }
 
-/// Paints the strips of tiles.
+/// Renders the strips of tiles.
 pub(super) trait Painter: Sync {
     /// What is reused from tile to tile.
     type Buffers: Default;
 
-    /// Gets ready for `tile`, which is painted in strips of so many rows.
+    /// Prepares for `tile`, which is rasterized in strips of this many rows.
     fn begin(&self, tile: Tile, rows: u32, buffers: &mut Self::Buffers);
 
     /// Adds the radiance of `samples` of each pixel of `strip`, which is of `tile`, to its film.
@@ -437,7 +437,7 @@ pub(super) trait Painter: Sync {
     );
 }
 
-/// The film of `scene` by `painter`, which takes at most so many samples of a pixel together.
+/// The film of `scene` by `painter`, which takes at most this many samples of a pixel together.
 pub(super) fn paint<P: Painter>(
     scene: &Prepared,
     most: u32,

@@ -23,10 +23,10 @@ use crate::render::prepare::Prepared;
 use crate::render::sampler::{Sampler, halves, pixel_key};
 use crate::render::trace::{Background, Dependence, Scaling, weigh};
 
-/// A patch that shows nothing but black.
+/// A black patch.
 const BLACK: u32 = NOTHING - 1;
 
-/// A scene whose surfaces shine alike everywhere, and a background of one colour.
+/// A scene of uniformly shining surfaces, with a background of one colour.
 pub(super) struct Even<'a> {
     triangles: &'a Triangles<'a>,
     sampler: Sampler,
@@ -40,7 +40,7 @@ pub(super) struct Even<'a> {
     batches_with_ratios: Vec<bool>,
 }
 
-/// What a patch shows.
+/// The appearance of a patch.
 #[derive(Debug, Clone, Copy)]
 struct EvenPatch {
     radiance: [f64; 3],
@@ -55,11 +55,11 @@ pub(super) struct Buffers {
     /// The tile that was begun last, and how many rows its strips have.
     tile: Option<(Tile, u32)>,
     triangles: TileBuffers,
-    /// By triangle of the tile, its patch, or [`BLACK`]; [`NOTHING`] where that has not been asked.
+    /// By triangle of the tile, its patch, or [`BLACK`]; [`NOTHING`] if it has not been looked up.
     patches: Vec<u32>,
     samples: Positions,
     runs: Vec<PatchRun>,
-    /// Film points of the samples whose W is asked for.
+    /// Film points of the samples whose W is needed.
     x: Vec<f64>,
     y: Vec<f64>,
     ratios: Vec<f64>,
@@ -81,12 +81,12 @@ struct PatchRun {
     /// Its number, [`BLACK`] or [`NOTHING`].
     patch: u32,
     samples: u32,
-    /// Where its W begin, if it has some.
+    /// Where its W begin, if it has any.
     at: u32,
 }
 
 impl<'a> Even<'a> {
-    /// None where radiance depends on more than the patch, or a channel is asked for.
+    /// `None` if radiance depends on more than the patch, or a channel is needed.
     pub fn new(scene: &'a Prepared, triangles: &'a Triangles<'a>) -> Option<Self> {
         let (scaled, radiance) = scene.light.radiance().even()?;
         let Background::Observed(background) = scene.background else {
@@ -287,7 +287,7 @@ impl Painter for Even<'_> {
 }
 
 impl Positions {
-    /// None yet of those of `strip`.
+    /// Empty runs for `strip`.
     fn start(&mut self, strip: &Strip) {
         let Tile {
             corner: [left, top],

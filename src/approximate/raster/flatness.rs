@@ -26,13 +26,14 @@ use glam::DVec3;
 
 use crate::accel::vectors::VectorLoop;
 
-/// Number of triangles whose edges are looked at together.
+/// The number of triangles whose edges are examined together.
 pub(super) const LOT: usize = 64;
 
-/// Which edges are certainly straight enough, as far as that is told by one end.
+/// Which edges are certainly straight enough, as far as one end decides it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Straight {
-    /// ε · 8 · 3/4, less more than rounding: of all steps a few eps. Infinite where no edge is cut, NaN where it does not depend on flatness.
+    /// ε · 8 · 3/4, minus a margin above rounding: a few eps in total. Infinite if no edge is cut, NaN if that does not depend on
+    /// flatness.
     most: f64,
 }
 
@@ -44,15 +45,15 @@ impl Straight {
     /// None.
     pub const NEVER: Straight = Straight { most: f64::NAN };
 
-    /// Those that are off by at most so many pixels.
+    /// Edges with an error of at most this many pixels.
     pub fn within(pixels: f64) -> Self {
         Straight {
             most: (1.0 - 1e-9) * 6.0 * pixels,
         }
     }
 
-    /// Whether all edges of at most this length are that end in a point with this |c| and |c| |Δ/δ|, and have no more of that at their other ends;
-    /// not for NaN.
+    /// Whether all edges of at most this length are straight enough that end in a point with this |c| and |c| |Δ/δ|, and have no larger
+    /// value of that at their other ends; false for NaN.
     #[inline(always)]
     pub fn around(self, length: f64, longest: f64, scale: f64) -> bool {
         let near = length - longest;
@@ -67,7 +68,7 @@ pub(super) struct Edges {
     pub c: [[[f64; LOT]; 3]; 3],
     /// By corner, |c| |Δ/δ|.
     pub scale: [[f64; LOT]; 3],
-    /// How many parts the edges opposite to each corner need in all, and into how many they are cut now.
+    /// The number of parts that the edges opposite to each corner need in total, and into how many they are cut now.
     pub needed: [[f64; LOT]; 3],
     pub parts: [[f64; LOT]; 3],
 }
@@ -123,7 +124,7 @@ impl VectorLoop for Bend<'_> {
     }
 }
 
-/// A bound on how far points of an edge are drawn from their places, pixels. It is the same from either end.
+/// A bound on the displacement of points of an edge, pixels. It is the same from either end.
 #[inline(always)]
 fn bend(a: DVec3, b: DVec3, scale: f64) -> f64 {
     let e = b - a;

@@ -5,40 +5,39 @@ use std::str::FromStr;
 
 use crate::error::{Error, Result, Setting};
 
-/// How a picture is made.
+/// The rendering method.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Method {
-    /// By tracing rays: the reference.
+    /// Ray tracing: the reference.
     #[default]
     Trace,
-    /// By moving vertices to their apparent positions and rasterizing the triangles between them.
+    /// Vertices are moved to their apparent positions, and the triangles between them are rasterized.
     Raster(Raster),
-    /// By looking up each look direction in a picture that was taken from the same event at rest.
+    /// Each look direction is looked up in a picture taken from the same event at rest.
     Warp(Warp),
 }
 
 /// How triangles are rasterized.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Raster {
-    /// How they are divided before.
+    /// How they are divided first.
     pub tessellation: Tessellation,
-    /// Where times and wavelength ratios are worked out.
+    /// Where times and wavelength ratios are computed.
     pub attributes: Attributes,
 }
 
-/// How triangles are divided, so that straight lines between vertices are near enough to curves.
+/// How triangles are divided, so that straight lines between vertices are close enough to curves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Tessellation {
     /// Not at all.
     None,
     /// Until no edge is longer than this, metres in its rest frame.
     Uniform(f64),
-    /// Until no point is drawn farther from its place on the film than this, pixels, by the curvature of
-    /// edges.
+    /// Until no point is drawn farther from its true film point than this, pixels, by the curvature of edges.
     Adaptive(f64),
 }
 
-/// Where times and wavelength ratios are worked out.
+/// Where times and wavelength ratios are computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Attributes {
     /// At vertices: interpolated between them.
@@ -51,7 +50,7 @@ pub enum Attributes {
 /// How a picture is warped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Warp {
-    /// What the picture at rest looks like.
+    /// The form of the picture at rest.
     pub map: Map,
     /// How it is looked up.
     pub lookup: Lookup,
@@ -60,13 +59,13 @@ pub struct Warp {
 /// A picture of all directions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Map {
-    /// Six squares of so many texels to the side.
+    /// Six squares with this many texels per side.
     Cube(u32),
     /// Longitude and latitude: columns and rows.
     Panorama([u32; 2]),
 }
 
-/// How a value between texels is found.
+/// Reconstruction between texels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Lookup {
     /// That of the nearest texel.
@@ -76,7 +75,7 @@ pub enum Lookup {
     Bilinear,
 }
 
-/// The most texels of a map.
+/// The largest number of texels of a map.
 pub const MOST_TEXELS: u64 = 1 << 26;
 /// The most columns or rows: products of two are far below 2⁶⁴.
 const MOST_SIDE: u32 = 65_536;
@@ -196,7 +195,7 @@ impl Method {
 }
 
 impl Map {
-    /// How many texels.
+    /// The number of texels.
     pub fn texels(self) -> u64 {
         match self {
             Map::Cube(side) => 6 * u64::from(side) * u64::from(side),
@@ -236,7 +235,7 @@ impl Raster {
         }
     }
 
-    /// The same with times and ratios worked out by `attributes`.
+    /// The same with times and ratios computed by `attributes`.
     pub fn with(self, attributes: Attributes) -> Self {
         Raster { attributes, ..self }
     }

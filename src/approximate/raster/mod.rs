@@ -68,9 +68,9 @@ use crate::render::progress::Progress;
 /// Renders a prepared scene by `method` on rayon's current thread pool.
 ///
 /// # Errors
-/// What the method cannot do: rasterizers and warps need a camera all of whose rays leave one event, and
-/// objects slower than light in the medium, and colours of no sampled spectra; warps need objects that rest in the world. Numbers that no text of a method could have.
-/// Triangles cut at more than 2²⁴ points. [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
+/// Scenes that the method does not support: rasterizers and warps need a camera whose rays all leave one event, objects slower than light
+/// in the medium, and colours without sampled spectra; warps need objects that rest in the world. Parameters that no text of a method
+/// could have. Triangles cut at more than 2²⁴ points. [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
 pub fn render(scene: &Prepared, method: &Method, progress: &dyn Progress) -> Result<Film> {
     method.check_numbers()?;
     let light = scene.light.time_resolved();

@@ -14,7 +14,7 @@ use crate::render::prepare::object_mesh;
 use crate::scene::model::Scene;
 
 impl Method {
-    /// Plans a picture that is made so: what the ray tracer needs for it, and what this method holds beside.
+    /// Plans a picture by this method: what the ray tracer needs for it, and what this method holds in addition.
     ///
     /// # Errors
     /// As [`Plan::new`] and [`Method::added_to`].
@@ -22,8 +22,8 @@ impl Method {
         self.added_to(Plan::new(scene, request)?)
     }
 
-    /// The plan with the vertices, triangles or texels that this method holds. At how many points triangles will be cut
-    /// shows only once they are loaded: a note says how many there may be.
+    /// The plan with the vertices, triangles or texels that this method holds. The number of points at which triangles will be cut is
+    /// known only once they are loaded: a note gives the limit.
     ///
     /// # Errors
     /// What [`Method::check`] refuses, and more than the memory limit.
@@ -103,7 +103,7 @@ impl Method {
         Ok(())
     }
 
-    /// What it holds beside what the ray tracer does for `plan`, bytes: to the end, and until the film is complete.
+    /// The memory that it holds in addition to the ray tracer for `plan`, bytes: to the end, and until the film is complete.
     fn bytes(&self, plan: &Plan) -> [u64; 2] {
         match self {
             Method::Trace => [0, 0],
@@ -121,10 +121,10 @@ impl Method {
         }
     }
 
-    /// Refuses what the method cannot do of `plan`, before anything is loaded.
+    /// Refuses features of `plan` that the method does not support, before anything is loaded.
     ///
     /// # Errors
-    /// A camera whose rays leave events of their own; for warps, objects that move; numbers that no text of a method could have.
+    /// A camera whose rays leave separate events; for warps, objects that move; parameters that no text of a method could have.
     pub fn check(&self, plan: &Plan) -> Result<()> {
         self.check_numbers()?;
         if *self == Method::Trace {

@@ -13,18 +13,18 @@ use crate::spacetime::{Boost, CameraFrame, Direction, Rest, World};
 /// Number of samples whose W are worked out together.
 const LANES: usize = 16;
 
-/// A camera all of whose rays leave one event.
+/// A camera whose rays all leave one event.
 #[derive(Debug)]
 pub(super) struct CameraRatios<'a> {
     film: &'a AnyProjection,
-    /// None for a camera that rests in the world.
+    /// `None` for a camera that rests in the world.
     world_from_camera: Option<Boost<World, CameraFrame>>,
-    /// Whether directions of the camera are taken as the world's.
+    /// Whether directions of the camera are used as the world's.
     is_unaberrated: bool,
 }
 
 impl<'a> CameraRatios<'a> {
-    /// Those of `camera`; none where rays have events of their own.
+    /// The ratios for `camera`; `None` if rays have their own events.
     pub fn of(camera: &'a Camera) -> Option<Self> {
         let shot = &camera.shot;
         let (moves, is_unaberrated) = match camera.view.point()? {

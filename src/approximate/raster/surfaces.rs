@@ -19,7 +19,7 @@ use crate::approximate::projection::ApparentProjection;
 use crate::render::film::Tile;
 use crate::render::trace::Dependence;
 
-/// A small triangle that is seen, as functions of the point (x, y, 1) of the tile.
+/// A small visible triangle, as functions of the point (x, y, 1) of the tile.
 #[derive(Debug)]
 pub(super) struct Surface {
     /// Σ eᵢ.
@@ -147,7 +147,7 @@ impl Default for SurfaceLots {
 }
 
 impl SurfaceLots {
-    /// Adds what is seen of `triangles` of `tile`, whose numbers are `seen`: their functions as far as they are needed.
+    /// Adds the visible ones of `triangles` of `tile`, whose numbers are `seen`: their functions as far as they are needed.
     pub fn add(&mut self, all: &Triangles, tile: Tile, triangles: &[Gathered], seen: &[u32]) {
         let corner = tile.corner.map(f64::from);
         for seen in seen.chunks(LOT) {
@@ -224,7 +224,7 @@ impl Surface {
         [u, v.max(0.0).min(1.0 - u)]
     }
 
-    /// Whether it is there at the point (x, y) of the tile, and not a hole.
+    /// Whether it exists at the point (x, y) of the tile, rather than having a hole there.
     pub fn is_opaque(&self, all: &Triangles, x: f64, y: f64) -> bool {
         let p = DVec3::new(x, y, 1.0);
         let weights = self.barycentric(p / self.sum.dot(p));

@@ -19,10 +19,10 @@ use crate::spacetime::Direction;
 
 /// Texels of one batch of rays: part of a row, which is coherent.
 const RUN: usize = 256;
-/// What a texel takes.
+/// The memory of a texel.
 pub(super) const TEXEL_BYTES: u64 = size_of::<Option<SurfaceHit>>() as u64;
 
-/// What is met in all directions from the event of the shot.
+/// The hits in all directions from the event of the shot.
 #[derive(Debug)]
 pub(super) struct Warped {
     map: Map,
@@ -31,7 +31,7 @@ pub(super) struct Warped {
 }
 
 impl Warped {
-    /// Traces all texels of the map that `warp` asks for.
+    /// Traces all texels of the map of `warp`.
     pub fn new(scene: &Prepared, warp: &Warp, progress: &dyn Progress) -> Result<Self> {
         let moving = scene.frames.iter().find(|f| !f.frame.velocity().is_rest());
         if let Some(frame) = moving {

@@ -17,7 +17,7 @@ const TITLE: f64 = 1.35;
 /// Between cells, and around them, em.
 const SPACE: f64 = 1.2;
 
-/// A page: everything has its place.
+/// The layout of a page.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Layout {
@@ -31,7 +31,7 @@ pub struct Layout {
     pub scale: u32,
 }
 
-/// The place of a panel.
+/// The layout of a panel.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Cell {
@@ -43,16 +43,16 @@ pub struct Cell {
     pub label: Vec<TextLine>,
 }
 
-/// A panel by the size of its picture.
+/// A panel, given the size of its picture.
 #[derive(Debug, Clone, Copy)]
 pub struct Size<'a> {
     /// Columns of pixels.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// What stands beneath it.
+    /// Its label.
     pub label: &'a str,
-    /// Whether it begins a row.
+    /// Whether it starts a new row.
     pub new_row: bool,
 }
 
@@ -82,20 +82,20 @@ pub struct Rect {
 }
 
 impl Layout {
-    /// Finds a place for everything.
+    /// Computes the layout.
     ///
     /// # Errors
-    /// As [`compose`](super::compose) has them.
+    /// Those of [`compose`](super::compose).
     pub fn new(panels: &[Panel], options: &SheetOptions) -> Result<Layout> {
         panels.iter().try_for_each(check)?;
         let sizes: Vec<Size> = panels.iter().map(Size::of).collect();
         Layout::of_sizes(&sizes, options)
     }
 
-    /// The same of pictures that are not there yet: whether a page has room for them is known before they are rendered.
+    /// The same for pictures that do not exist yet: whether they fit on a page is known before they are rendered.
     ///
     /// # Errors
-    /// As [`compose`](super::compose) has them.
+    /// Those of [`compose`](super::compose).
     pub fn of_sizes(panels: &[Size], options: &SheetOptions) -> Result<Layout> {
         let largest = |side: fn(&Size) -> u32| panels.iter().map(side).max().unwrap_or(0);
         let (width, height) = (largest(|p| p.width), largest(|p| p.height));

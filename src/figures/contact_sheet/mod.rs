@@ -23,23 +23,23 @@ use crate::io::image::RgbImage;
 pub use layout::{Cell, Layout, Rect, Size};
 pub use lines::TextLine;
 
-/// A picture and what stands beneath it.
+/// A picture and its label.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Panel {
     /// The picture.
     pub picture: RgbImage,
     /// In Latin or Greek letters, digits and the signs of physics; may be empty.
     pub label: String,
-    /// Whether it begins a row, however many panels are in the row before.
+    /// Whether it starts a new row, however many panels are in the row before.
     pub new_row: bool,
 }
 
-/// How panels are put on a page.
+/// How panels are arranged on a page.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct SheetOptions {
     /// Above the panels.
     pub title: Option<String>,
-    /// Panels side by side; none for as many as there are rows, or one more.
+    /// Panels per row; `None` for as many as there are rows, or one more.
     pub columns: Option<u32>,
 }
 

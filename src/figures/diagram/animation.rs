@@ -13,7 +13,7 @@ use super::model::{Boost, Colour, Diagram, Now, Reference, Sweep};
 use crate::spacetime::{Event, InertialFrame, Velocity, World};
 
 impl Diagram {
-    /// Picture `k` of the animation, counted from 0; the diagram as it stands where there is none.
+    /// Picture `k` of the animation, counted from 0; the unchanged diagram if there is none.
     pub fn picture(&self, k: u32) -> Diagram {
         let mut picture = self.clone();
         let Some(animation) = self.animation else {
@@ -28,7 +28,7 @@ impl Diagram {
         picture
     }
 
-    /// Has the view be a part of the way to a frame. Its own axes are not drawn: those of the frames move.
+    /// Moves the view a part of the way to a frame. Its own axes are not drawn: those of the frames move.
     fn boost(&mut self, boost: Boost, part: f64) {
         let first = self.views.first().copied().unwrap_or(0);
         let (Some(from), Some(to)) = (self.frames.get(first), self.frames.get(boost.to)) else {
@@ -42,8 +42,8 @@ impl Diagram {
         self.frames.push(passing);
     }
 
-    /// Has a boost leave `event` where it is: both frames begin there, and the pictures show, all along the way, where the light left that
-    /// comes to it. Without a boost, or where limits are given, nothing changes.
+    /// Makes a boost keep `event` in place: both frames have their origin there, and all pictures show where the light left that arrives
+    /// there. Without a boost, or if limits are given, nothing changes.
     pub fn boost_about(&mut self, event: Event<World>) {
         let animation = self.animation.and_then(|a| Some((a.frames, a.boost?)));
         let (Some((frames, boost)), Some(&first)) = (animation, self.views.first()) else {

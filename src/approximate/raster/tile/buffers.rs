@@ -33,9 +33,9 @@ pub(super) struct Pixels {
     /// Bounds on 1/z of the nearest so far, of all samples.
     pub least: [f32; PIXELS],
     pub most: [f32; PIXELS],
-    /// Whether samples may see several triangles, which are told one by one.
+    /// Whether samples may see different triangles, which are stored separately.
     pub is_mixed: [bool; PIXELS],
-    /// Which pixels are asked sample by sample.
+    /// Which pixels are evaluated sample by sample.
     pub is_sampled: [bool; PIXELS],
 }
 
@@ -70,7 +70,7 @@ impl Default for TileBuffers {
 }
 
 impl TileBuffers {
-    /// Forgets the triangles of the last tile.
+    /// Clears the triangles of the last tile.
     pub fn start(&mut self) {
         self.is_complete = false;
         self.triangles.clear();

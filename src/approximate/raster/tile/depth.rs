@@ -63,7 +63,7 @@ impl Samples {
     }
 }
 
-/// Replaces what lies behind a triangle in a block. Whether a depth is too close to another to tell.
+/// Replaces what is behind a triangle in a block. Returns whether a depth is too close to another to decide.
 #[inline(always)]
 pub(super) fn cover_block(of: &Functions, index: u32, samples: &mut Samples, block: usize) -> bool {
     let [a, b, c] = of.edges;

@@ -19,17 +19,17 @@ use crate::spacetime::units::Length;
     expecting = "a table like { title = \"Time dilation\" }"
 )]
 pub(super) struct Diagram {
-    /// A line above the diagram.
+    /// A title above the diagram.
     pub title: Option<At<String>>,
     /// What a number of this table means: "m", "mm", "cm", "km", or a time, of which a length is what
     /// light goes in it: "ps", "ns", "us", "ms", "s", "min", "h", "d", "yr". Default: metres, with no unit
     /// at the axes.
     pub unit: Option<At<Unit>>,
-    /// What the axes show of x, [from, to]. Default: by the contents.
+    /// The range of x on the axes, [from, to]. Default: to fit the contents.
     pub x: Option<At<Numbers<2>>>,
-    /// What the axes show of ct, [from, to]. Default: by the contents.
+    /// The range of ct on the axes, [from, to]. Default: to fit the contents.
     pub ct: Option<At<Numbers<2>>>,
-    /// What the axes show of y in a diagram of 2+1 dimensions, [from, to]. Default: by the contents.
+    /// The range of y on the axes of a 2+1-dimensional diagram, [from, to]. Default: to fit the contents.
     pub y: Option<At<Numbers<2>>>,
     /// "1+1": ct and x. "2+1": ct, x and y in oblique projection, with light cones as cones and what is
     /// simultaneous as planes. Default: "1+1".
@@ -43,7 +43,7 @@ pub(super) struct Diagram {
     /// The frame, or several side by side, in whose coordinates all is drawn: "world", "camera", or the
     /// name of one. Default: "world".
     pub view: Option<At<OneOrMany>>,
-    /// What stands at the view's own axes, of ct and of x. Default: "*ct*" and "*x*", with their unit.
+    /// The labels of the view's own axes, of ct and of x. Default: "*ct*" and "*x*", with their unit.
     pub labels: Option<At<[At<String>; 2]>>,
     /// Frames of reference.
     pub frame: Vec<At<DiagramFrame>>,
@@ -63,9 +63,9 @@ pub(super) struct Diagram {
     pub interval: Vec<At<Interval>>,
     /// Hyperbolae of constant interval, which calibrate the axes of frames.
     pub hyperbola: Vec<At<Hyperbola>>,
-    /// Curves that are nobody's world line.
+    /// Curves that are not world lines.
     pub curve: Vec<At<DrawnCurve>>,
-    /// World sheets: what lies between two world lines.
+    /// World sheets: the surfaces between two world lines.
     pub sheet: Vec<At<Sheet>>,
     /// Shaded regions.
     pub region: Vec<At<Region>>,
@@ -121,7 +121,7 @@ pub(super) enum Unit {
     expecting = "a table like { name = \"S'\", velocity = 0.6 }"
 )]
 pub(super) struct DiagramFrame {
-    /// Unique name; "world" is that of the scene's own frame.
+    /// Unique name; "world" is the scene's own frame.
     pub name: At<String>,
     /// Velocity: β along the diagram's direction, or a table as elsewhere. Excludes `of`.
     pub velocity: Option<At<Speed>>,
@@ -138,9 +138,9 @@ pub(super) struct DiagramFrame {
     pub axes: Option<bool>,
     /// Whether its lines of equal time and equal place are drawn. Default: false.
     pub grid: Option<bool>,
-    /// The distance of the ticks on its axes, above 0. Default: that of the diagram's.
+    /// The distance between the ticks on its axes, above 0. Default: as on the diagram's axes.
     pub ticks: Option<At<Number>>,
-    /// The colour. Default: one of its own.
+    /// The colour. Default: the next of the palette.
     pub colour: Option<Colour>,
 }
 
@@ -155,7 +155,7 @@ pub(super) struct DiagramFrame {
 pub(super) struct DiagramLine {
     /// Unique name.
     pub name: At<String>,
-    /// What stands beside it; "" is nothing. Default: the name.
+    /// Its label; "" for none. Default: the name.
     pub label: Option<At<String>>,
     // One of these ways: `of`; `at` with `velocity` and at most one kind of acceleration; `through`; `keyframes`. Which of them is
     // checked in `resolve`: an enum would lose the places of keys that exclude each other.
@@ -189,11 +189,11 @@ pub(super) struct DiagramLine {
     pub to: Option<At<Place>>,
     /// The world line at which it ends: the first that it meets after its own time 0 and after `from`. Excludes `to`.
     pub until: Option<At<String>>,
-    /// The distance of ticks of its own clock, above 0. Default: no ticks.
+    /// The distance between the ticks of its own clock, above 0. Default: no ticks.
     pub ticks: Option<At<Number>>,
     /// Whether the ticks have numbers. Default: false.
     pub numbers: Option<bool>,
-    /// The colour. Default: one of its own.
+    /// The colour. Default: the next of the palette.
     pub colour: Option<Colour>,
 }
 
@@ -205,7 +205,7 @@ pub(super) struct DiagramLine {
     expecting = "a table like { duration = 2, acceleration = 0.5 }"
 )]
 pub(super) struct LineSegment {
-    /// The own time that it takes, above 0. Only the last stretch may leave it out.
+    /// Its duration in proper time, above 0. Only the last stretch may leave it out.
     pub duration: Option<At<Number>>,
     /// Proper acceleration along the diagram's direction: per unit of length, or a quantity like "1 g". Default: none; it
     /// coasts.
@@ -222,7 +222,7 @@ pub(super) struct LineSegment {
 pub(super) struct LineCircle {
     /// Its radius, above 0.
     pub radius: At<Number>,
-    /// World time of a revolution, more than light takes to go round.
+    /// World time of a revolution, longer than light would take to go round.
     pub period: At<Number>,
 }
 
@@ -236,7 +236,7 @@ pub(super) struct LineCircle {
 pub(super) struct DiagramEvent {
     /// Unique name.
     pub name: At<String>,
-    /// What stands beside it; "" is nothing. Default: the name.
+    /// Its label; "" for none. Default: the name.
     pub label: Option<At<String>>,
     /// Where it is: [ct, x] in `frame`, or another event.
     pub at: Option<At<Place>>,
@@ -334,7 +334,7 @@ pub(super) struct Signal {
     pub count: Option<At<u32>>,
     /// The world line that receives it; of several the first sends it on to the next.
     pub to: At<OneOrMany>,
-    /// What stands beside it. Default: nothing.
+    /// Its label. Default: none.
     pub label: Option<At<String>>,
     /// The colour. Default: that of light.
     pub colour: Option<Colour>,
@@ -355,7 +355,7 @@ pub(super) struct Slice {
     /// The world line at which it ends; it goes there from the event, and for a line of equal place to the
     /// first crossing after the world line's time 0, or else the last before. Default: it has no ends.
     pub to: Option<At<String>>,
-    /// What stands beside it. Default: nothing.
+    /// Its label. Default: none.
     pub label: Option<At<String>>,
     /// The colour. Default: the frame's.
     pub colour: Option<Colour>,
@@ -373,7 +373,7 @@ pub(super) struct Interval {
     pub from: At<Place>,
     /// The other.
     pub to: At<Place>,
-    /// What stands beside it; "" is nothing. Default: its value.
+    /// Its label; "" for none. Default: its value.
     pub label: Option<At<String>>,
     /// The colour. Default: grey.
     pub colour: Option<Colour>,
@@ -392,7 +392,7 @@ pub(super) struct Hyperbola {
     pub proper_time: Option<At<Number>>,
     /// The proper distance from `about` to it, above 0 to the right and below 0 to the left.
     pub proper_length: Option<At<Number>>,
-    /// What stands beside it. Default: nothing.
+    /// Its label. Default: none.
     pub label: Option<At<String>>,
     /// The colour. Default: grey.
     pub colour: Option<Colour>,
@@ -410,7 +410,7 @@ pub(super) struct DrawnCurve {
     pub through: At<Vec<At<Place>>>,
     /// Whether it is dashed. Default: false.
     pub dashed: Option<bool>,
-    /// What stands beside it. Default: nothing.
+    /// Its label. Default: none.
     pub label: Option<At<String>>,
     /// The colour. Default: black.
     pub colour: Option<Colour>,
@@ -426,7 +426,7 @@ pub(super) struct DrawnCurve {
 pub(super) struct Sheet {
     /// The two world lines.
     pub between: At<[At<String>; 2]>,
-    /// What stands on it. Default: nothing.
+    /// Its label. Default: none.
     pub label: Option<At<String>>,
     /// The colour. Default: that of the first world line.
     pub colour: Option<Colour>,
@@ -442,7 +442,7 @@ pub(super) struct Sheet {
 pub(super) struct Region {
     /// Its corners, in order: 3 or more events.
     pub corners: At<Vec<At<Place>>>,
-    /// What stands on it. Default: nothing.
+    /// Its label. Default: none.
     pub label: Option<At<String>>,
     /// The colour. Default: grey.
     pub colour: Option<Colour>,
@@ -466,7 +466,7 @@ pub(super) struct Arrow {
     pub from: Option<At<Place>>,
     /// The event to which it goes. Excludes `of`.
     pub to: Option<At<Place>>,
-    /// What stands beside it. Default: nothing.
+    /// Its label. Default: none.
     pub label: Option<At<String>>,
     /// The colour. Default: that of the world line.
     pub colour: Option<Colour>,
@@ -485,7 +485,7 @@ pub(super) struct Wedge {
     pub of: At<Place>,
     /// Which: "right", "left", "future" or "past". Default: "right".
     pub side: Option<At<Side>>,
-    /// What stands on it. Default: nothing.
+    /// Its label. Default: none.
     pub label: Option<At<String>>,
     /// The colour. Default: grey.
     pub colour: Option<Colour>,

@@ -23,13 +23,13 @@ pub struct Diagram {
     pub unit: Unit,
     /// The unit vector of the world along which x is measured.
     pub direction: DVec3,
-    /// The unit vector across it along which y is measured; none for a diagram of 1+1 dimensions.
+    /// The unit vector across it along which y is measured; `None` in a diagram of 1+1 dimensions.
     pub across: Option<DVec3>,
     /// Along what x is, where that needs words at the view's axis; markup.
     pub meaning: Option<String>,
-    /// What stands at the view's own axes, of ct and of x, markup; none for what these are.
+    /// The labels of the view's own axes, of ct and of x, as markup; `None` for the default.
     pub labels: Option<[String; 2]>,
-    /// What the axes show of x, metres; none for as much as the contents need.
+    /// The range of x on the axes, metres; `None` to fit the contents.
     pub x: Option<[f64; 2]>,
     /// What the axes show of y, metres.
     pub y: Option<[f64; 2]>,
@@ -89,7 +89,7 @@ pub(crate) fn part_across(direction: DVec3, v: DVec3) -> Option<DVec3> {
 pub struct Unit {
     /// One of it, metres.
     pub metres: f64,
-    /// What stands at the time axis and at the space axis; none for no unit at all.
+    /// The units on the time axis and on the space axis; `None` to show no unit.
     pub names: Option<[&'static str; 2]>,
     /// Whether the time axis shows t (a unit of time) rather than ct.
     pub is_time: bool,
@@ -117,9 +117,9 @@ pub struct Reference {
     pub axes: bool,
     /// Whether its lines of equal time and place are drawn.
     pub grid: bool,
-    /// The distance of its ticks, metres; none for that of the diagram's own.
+    /// The distance between its ticks, metres; `None` for the diagram's own.
     pub ticks: Option<f64>,
-    /// The colour; none for one of its own.
+    /// The colour; `None` for the next of the palette.
     pub colour: Option<Colour>,
 }
 
@@ -151,15 +151,15 @@ impl Reference {
 pub struct NamedLine {
     /// Unique name.
     pub name: String,
-    /// What stands beside it.
+    /// Its label.
     pub label: Option<String>,
     /// Where it goes.
     pub track: Track,
-    /// The distance of ticks of its own clock, metres.
+    /// The distance between the ticks of its own clock, metres.
     pub ticks: Option<f64>,
     /// Whether these have numbers.
     pub numbers: bool,
-    /// The colour; none for one of its own.
+    /// The colour; `None` for the next of the palette.
     pub colour: Option<Colour>,
 }
 
@@ -170,7 +170,7 @@ pub struct Spot<P = Event<World>> {
     pub name: String,
     /// Where it is; of words, where their middle is.
     pub at: P,
-    /// What stands beside it, or there.
+    /// Its label, or the one there.
     pub label: Option<String>,
     /// Whether it has a dot.
     pub dot: bool,
@@ -183,9 +183,9 @@ pub struct Spot<P = Event<World>> {
 pub struct Segment<P = Event<World>> {
     /// Its ends; of light, the emission first.
     pub ends: [P; 2],
-    /// What stands beside it; of an interval, none for its value.
+    /// Its label; for an interval, `None` for its value.
     pub label: Option<String>,
-    /// The colour; none for its owner's, or that of its kind.
+    /// The colour; `None` for its owner's, or that of its kind.
     pub colour: Option<Colour>,
     /// The frame, or the world line whose four-velocity it is.
     pub owner: Option<usize>,
@@ -243,9 +243,9 @@ pub struct Slice {
     pub event: Event<World>,
     /// Where it ends, when it goes from `event` to somewhere; none where it has no ends.
     pub to: Option<Event<World>>,
-    /// What stands beside it.
+    /// Its label.
     pub label: Option<String>,
-    /// The colour; none for the frame's.
+    /// The colour; `None` for the frame's.
     pub colour: Option<Colour>,
 }
 
@@ -265,7 +265,7 @@ pub struct Hyperbola {
     pub about: Event<World>,
     /// The event on it that is at rest (or simultaneous) with `about` in the world.
     pub vertex: Event<World>,
-    /// What stands beside it.
+    /// Its label.
     pub label: Option<String>,
     /// The colour.
     pub colour: Option<Colour>,
@@ -278,7 +278,7 @@ pub struct DrawnCurve<P = Event<World>> {
     pub points: Vec<P>,
     /// Whether it is dashed.
     pub dashed: bool,
-    /// What stands beside it.
+    /// Its label.
     pub label: Option<String>,
     /// The colour; none for black.
     pub colour: Option<Colour>,
@@ -361,7 +361,7 @@ pub struct Sweep {
     pub frame: usize,
     /// Its times in the first and in the last picture, metres.
     pub times: [f64; 2],
-    /// The colour; none for the frame's.
+    /// The colour; `None` for the frame's.
     pub colour: Option<Colour>,
 }
 
@@ -374,7 +374,7 @@ pub struct Now {
     pub ct: f64,
     /// Decimals of the readings, in the diagram's unit.
     pub decimals: usize,
-    /// The colour; none for the frame's.
+    /// The colour; `None` for the frame's.
     pub colour: Option<Colour>,
 }
 

@@ -37,9 +37,9 @@ const MAX_LINES: f64 = 1000.0;
 /// How isochrones are drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IsochroneOptions {
-    /// ct between two lines, metres; none for a round number that gives 10 to 80 lines.
+    /// ct between two lines, metres; `None` for a round number that gives 10 to 80 lines.
     pub step: Option<f64>,
-    /// What the colours span, metres of ct, earliest first; none for what the picture has.
+    /// The range of the colours, metres of ct, earliest first; `None` for the range of the image.
     pub range: Option<[f64; 2]>,
     /// Speed of light, metres per second, for the legend's seconds.
     pub speed_of_light: f64,

@@ -144,7 +144,7 @@ impl Labels {
     }
 
     /// The middle of a level label of this width and height, points: the first of `places` on the page that is free of other labels and that no line
-    /// goes through, or that where the fewest lines do. Lines are interrupted there. None where no place is free.
+    /// goes through, or that where the fewest lines do. Lines are interrupted there. `None` if no place is free.
     pub fn level(&mut self, places: &[[f64; 2]], [width, height]: [f64; 2]) -> Option<[f64; 2]> {
         let ends = |[x, y]: [f64; 2]| [[x - 0.5 * width, y], [x + 0.5 * width, y]];
         let discs = |place: [f64; 2]| {

@@ -43,7 +43,7 @@ struct Entry {
     text: RichText,
 }
 
-/// What stands before the words.
+/// The sample before the words.
 enum Sample {
     Apparent,
     Instantaneous,

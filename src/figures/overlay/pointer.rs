@@ -31,7 +31,7 @@ pub enum Target {
 }
 
 impl Pointer {
-    /// That of the picture of `projection` at `shot`; none for a camera at rest.
+    /// The pointer for the image of `projection` at `shot`; `None` for a camera at rest.
     pub(super) fn of(shot: &Shot, projection: &AnyProjection) -> Option<Pointer> {
         let velocity = shot.frame.velocity();
         let n = velocity.rapidity().try_normalize()?;

@@ -100,7 +100,7 @@ pub(super) fn cone_fill(theme: &Theme) -> Colour {
     theme.light.with_alpha(theme.shade)
 }
 
-/// The tip of the head that a signal has about half way, and its size in that of others; none for a very short one.
+/// The tip of the head that a signal has about half way, and its size in that of others; `None` for a very short one.
 pub(super) fn head(panel: &Panel, map: &Map, ends: [Point; 2]) -> Option<(Point, f64)> {
     let [from, to] = panel.limits.segment(ends[0], ends[1])?;
     let height = map.at(to)[1] - map.at(from)[1];

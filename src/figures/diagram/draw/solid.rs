@@ -77,7 +77,7 @@ pub(super) fn shaded(panel: &Panel, theme: &Theme) -> Vec<(Vec<Point>, Colour)> 
 /// A text, its colour, and the points of the page that it may stand beside.
 type Wording<'a> = (&'a str, Colour, Vec<[f64; 2]>);
 
-/// What stands beside planes: at their corners, or half way between these.
+/// The labels of planes: at their corners, or half way between these.
 pub(super) fn plane_labels<'a>(
     panel: &'a Panel,
     map: &'a Map,

@@ -85,7 +85,7 @@ impl Theme {
     }
 }
 
-/// A colour of the palette on white or on black; none for that of the ink.
+/// A colour of the palette on white or on black; `None` for that of the ink.
 fn hue(name: Name, dark: bool) -> Option<Colour> {
     let (on_white, on_black) = match name {
         Name::Black => return None,

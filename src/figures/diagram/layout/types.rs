@@ -110,7 +110,7 @@ pub struct Axes {
     pub space: Axis,
     /// The y axis, in 2+1 dimensions.
     pub depth: Option<Axis>,
-    /// The colour; none for one of its own.
+    /// The colour; `None` for the next of the palette.
     pub colour: Option<Colour>,
 }
 
@@ -136,7 +136,7 @@ pub struct Tick {
     pub value: f64,
     /// The direction of the line that it is on.
     pub along: Point,
-    /// What stands beside it.
+    /// Its label.
     pub label: Option<String>,
 }
 
@@ -168,9 +168,9 @@ pub struct WorldLine {
     pub curve: Curve,
     /// Ticks of its own clock.
     pub ticks: Vec<Tick>,
-    /// What stands beside it.
+    /// Its label.
     pub label: Option<String>,
-    /// The colour; none for one of its own.
+    /// The colour; `None` for the next of the palette.
     pub colour: Option<Colour>,
 }
 
@@ -194,7 +194,7 @@ pub struct Cone {
 pub struct Hyperbola {
     /// Where it goes.
     pub curve: Curve,
-    /// What stands beside it.
+    /// Its label.
     pub label: Option<String>,
     /// The colour.
     pub colour: Option<Colour>,
@@ -236,7 +236,7 @@ pub struct Interval {
     pub squared: f64,
     /// Its kind.
     pub kind: Kind,
-    /// What stands beside it.
+    /// Its label.
     pub label: String,
     /// The colour.
     pub colour: Option<Colour>,
@@ -288,7 +288,7 @@ pub struct Bead {
     pub at: Point,
     /// What it shows, in the diagram's unit.
     pub proper_time: f64,
-    /// What stands beside it: the reading, where the world line has ticks.
+    /// Its label: the reading, where the world line has ticks.
     pub label: Option<String>,
 }
 
@@ -318,7 +318,7 @@ pub struct Plane {
     pub rise: [f64; 2],
     /// An event on it.
     pub event: Point,
-    /// What stands beside it.
+    /// Its label.
     pub label: Option<String>,
     /// The colour; none for the frame's.
     pub colour: Option<Colour>,

@@ -120,7 +120,7 @@ pub(super) fn limits(
     Err(cx.refuse(at, what, "give the smaller number first, like [-1, 4]"))
 }
 
-/// What stands at the axes.
+/// The labels of the axes.
 pub(super) fn labels(
     cx: &Context,
     at: &Option<At<[At<String>; 2]>>,

@@ -315,7 +315,7 @@ fn named(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<usize>> {
         let found = scene.objects.iter().position(|o| o.name == *name);
         found.ok_or_else(|| {
             let names: Vec<_> = scene.objects.iter().map(|o| o.name.as_str()).collect();
-            let what = "no object is called so";
+            let what = "there is no object of this name";
             let help = format!("one of {}", names.join(", "));
             refused(format!("--object {name}"), what, &help)
         })

@@ -608,7 +608,11 @@ fn what_cannot_be_baked_is_refused_and_leaves_no_file() {
             "give each cube a name of its own",
         ),
         // Of a wrong name it does not matter what moves.
-        (moving(), &["--object=nope"], "no object is called so"),
+        (
+            moving(),
+            &["--object=nope"],
+            "there is no object of this name",
+        ),
         (moving(), &["--object=chest"], "it moves relative to"),
     ] {
         let folder = Folder::empty();

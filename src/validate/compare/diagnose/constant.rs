@@ -96,7 +96,7 @@ fn only_number(case: &Case, name: &str, [r, c]: [Plane; 2]) -> Option<Only> {
     let is_told = !is_object || number >= 0.0 && low < 0.0;
     let is_clipped = is_light(name) && number == 1.0 && low >= 1.0;
     let is_stuck = varies && is_told && !is_clipped && wrong >= FEWEST;
-    (is_stuck && has_more_constants(case, name, &pixels)).then(|| Only {
+    (is_stuck && has_more_constants(case, name, &pixels)).then_some(Only {
         number,
         is_plain: wrong as f64 >= (1.0 - MOST) * pixels.len() as f64,
     })

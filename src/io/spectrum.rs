@@ -7,7 +7,7 @@ use std::io::{BufReader, Read};
 use std::path::Path;
 
 use super::open::open_regular;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, number};
 
 /// The most rows of a table: more than any spectrometer of visible light resolves, and few enough to integrate over.
 pub(crate) const MOST_ROWS: usize = 4096;
@@ -75,8 +75,8 @@ pub(crate) fn rows_of(text: &str) -> impl Iterator<Item = (usize, &str)> {
 /// A text that is no such table, with the line.
 pub fn parse(text: &str, path: &Path) -> Result<Vec<[f64; 2]>> {
     let mut rows: Vec<[f64; 2]> = Vec::new();
-    for (number, line) in rows_of(text) {
-        let refuse = |what: String, help| Err(refused(path, Some(number), what, help));
+    for (at, line) in rows_of(text) {
+        let refuse = |what: String, help| Err(refused(path, Some(at), what, help));
         if line.contains(';') && line.contains(',') {
             let what = "a comma in a number, beside a semicolon between numbers";
             return refuse(what.into(), "write decimals with a point, like 550; 0.82");
@@ -86,12 +86,14 @@ pub fn parse(text: &str, path: &Path) -> Result<Vec<[f64; 2]>> {
         };
         // Bounds so far off that nobody means more, and so near that products stay finite.
         if !(nanometres > 0.0 && nanometres <= 1e30) {
-            let what =
-                format!("a wavelength of {nanometres:?} nm is not above 0 and at most 1e30 nm");
+            let what = format!(
+                "a wavelength of {} nm is not above 0 and at most 1e30 nm",
+                number(nanometres)
+            );
             return refuse(what, FORM);
         }
         if !(0.0..=1e30).contains(&value) {
-            let what = format!("a value of {value:?} is not from 0 to 1e30");
+            let what = format!("a value of {} is not from 0 to 1e30", number(value));
             return refuse(what, FORM);
         }
         if let Some([before, _]) = rows.last()

@@ -24,7 +24,8 @@ fn killed(folder: &Folder, arguments: &[&str], after: Duration) -> bool {
 /// Starts a sequence, and waits for its first frame.
 fn started(folder: &Folder, sequence: &[&str]) -> Child {
     let mut command = folder.program(sequence);
-    let child = command.stdout(Stdio::piped()).spawn().unwrap();
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let child = command.spawn().unwrap();
     while !folder.path("f-00.png").exists() {
         sleep(Duration::from_millis(1));
     }

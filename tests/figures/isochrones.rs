@@ -302,7 +302,7 @@ fn times_of_a_flash_are_refused_of_what_moves() {
         (
             "",
             ", velocity = { beta = [0.1, 0, 0] }",
-            "and \"crate\" moves",
+            "but \"crate\" moves",
         ),
     ] {
         let error = parse(camera, object).unwrap_err().to_string();

@@ -423,7 +423,7 @@ fn refusals_name_the_field() {
         (
             good().mesh("a", Arc::new(triangle())),
             "object[1].name",
-            "two objects are called \"a\"",
+            "two objects are named \"a\"",
         ),
         (
             good().pulse("p", DVec3::Y, 0.0),

@@ -153,7 +153,7 @@ struct Done {
     black: u64,
     /// Of the first black frame.
     remark: String,
-    /// Frames of whose light nothing left in sight, and what is said of the first of them.
+    /// The number of frames whose light is all shifted out of sight, and the remark on the first of them.
     shifted: u64,
     shift: String,
     /// Frames that the precision of a file does not hold, and what is said of the first of them.
@@ -379,7 +379,7 @@ impl Sequence<'_> {
         self.say(&done.remark)?;
         if done.shifted > 1 {
             self.say(&format!(
-                "nothing in view of {} frames left in sight, the first of them:\n",
+                "in {} frames all light in view is shifted out of sight, the first of them:\n",
                 counted(done.shifted)
             ))?;
         }

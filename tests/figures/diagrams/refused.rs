@@ -105,7 +105,7 @@ fn limits_that_show_nothing_are_refused() {
     check(
         "ct = [2, 1]\n",
         "diagram.ct",
-        "hold nothing",
+        "span nothing",
         "smaller number first",
     );
 }

@@ -62,7 +62,7 @@ cases! { CAMERA:
     HFOV => "up = [0, 0, 0]" at "camera.up" "[0, 0, 0]": "parallel", "not zero";
     "eye = [0, 1, 5]" => "eye = [0, 1, 0]" at "camera.look_at" "[0, 0, 0]": "parallel", "`up`";
     HFOV => "gltf = \"a.glb\"" at "camera.eye" "[0, 1, 5]": "`gltf` and `eye` exclude each other", "keep one";
-    HFOV => "node = \"cam\"" at "camera.node" "\"cam\"": "there is none", "add gltf";
+    HFOV => "node = \"cam\"" at "camera.node" "\"cam\"": "no file is given", "add gltf";
     CAMERA_VELOCITY => "velocity = { beta = [0, 0, 1] }" at "camera.velocity.beta" "[0, 0, 1]": "|β| = 1 is not below 1", "one_minus_beta";
     CAMERA_VELOCITY => "velocity = { beta = -1.5, direction = [1, 0, 0] }" at "camera.velocity.beta" "-1.5": "|β| = 1.5", "below 1";
     CAMERA_VELOCITY => "velocity = { beta = 0.5 }" at "camera.velocity.beta" "0.5": "no direction of motion", "add direction";
@@ -78,7 +78,7 @@ cases! { CAMERA:
 cases! { OBJECTS:
     "node = \"Wheel\"" => "bad_vertices = \"keep\"" at "object[0].bad_vertices" "\"keep\"": "keep is not one of refuse, drop", "\"refuse\" the file";
     "colour = [1, 0.5, 0.25]" => "bad_vertices = \"drop\"" at "object[2].bad_vertices" "\"drop\"": "`shape` and `bad_vertices` exclude", "keep one";
-    "name = \"ship\"" => "name = \"floor\"" at "object[2].name" "\"floor\"": "two objects are called \"floor\"", "of its own";
+    "name = \"ship\"" => "name = \"floor\"" at "object[2].name" "\"floor\"": "two objects are named \"floor\"", "of its own";
     "name = \"ship\"" => "name = \" \"" at "object[2].name" "\" \"": "the name is empty", "leave the key out";
     "gltf = \"a.glb\"" => "gltf = \"missing.glb\"" at "object[0].gltf" "\"missing.glb\"": "cannot find this file", "relative to the scene file";
     "gltf = \"a.glb\"" => "gltf = \"folder.glb\"" at "object[0].gltf" "\"folder.glb\"": "not a regular file", "relative";
@@ -109,7 +109,7 @@ cases! { OBJECTS:
 }
 
 cases! { SOURCES:
-    "name = \"flash\"" => "name = \"data\"" at "source[1].name" "\"data\"": "two sources are called", "of its own";
+    "name = \"flash\"" => "name = \"data\"" at "source[1].name" "\"data\"": "two sources are named", "of its own";
     "objects = [\"floor\"]" => "objects = [\"flor\"]" at "source[1].objects[0]" "\"flor\"": "there is no object named \"flor\"", "did you mean \"floor\"?";
     "objects = [\"floor\"]" => "objects = []" at "source[1].objects" "[]": "empty", "leave the key out";
     "objects = [\"floor\"]" => "objects = [\"floor\", \"floor\"]" at "source[1].objects[1]" "\"floor\"": "named twice", "once";
@@ -148,9 +148,9 @@ cases! { SETTINGS:
     "wavelength = \"532 nm\"" => "" at "radiance.quantity" "\"line\"": "needs its wavelength", "wavelength = \"532 nm\"";
     "\"532 nm\"" => "\"0 nm\"" at "radiance.wavelength" "\"0 nm\"": "not above 0", "above 0";
     "quantity = \"line\"" => "quantity = \"photons\"" at "radiance.wavelength" "\"532 nm\"": "only the radiance of a spectral line", "quantity = \"line\"";
-    "exposure = \"98 %\"" => "luminances = [2, 1]" at "display.luminances" "[2, 1]": "span nothing", "[1e-4, 1e2]";
+    "exposure = \"98 %\"" => "luminances = [2, 1]" at "display.luminances" "[2, 1]": "is empty", "[1e-4, 1e2]";
     "exposure = \"98 %\"" => "luminances = [0, 1]" at "display.luminances" "[0, 1]": "not above 0", "[1e-4, 1e2]";
-    "exposure = \"98 %\"" => "logarithmic = [2, 1]" at "display.logarithmic" "[2, 1]": "span nothing", "lower one first";
+    "exposure = \"98 %\"" => "logarithmic = [2, 1]" at "display.logarithmic" "[2, 1]": "is empty", "lower one first";
     "exposure = \"98 %\"" => "exposure = \"98 %\"\nlogarithmic = [1, 2]" at "display.logarithmic" "[1, 2]": "exclude each other", "keep one";
     "exposure = \"98 %\"" => "isochrones = { flash = [0, 1, 0], clock = \"mine\" }" at "display.isochrones.clock" "\"mine\"": "mine", "capture camera";
     "\"98 %\"" => "\"0 %\"" at "display.exposure" "\"0 %\"": "not above 0 and at most 100 %", "99 %";
@@ -162,7 +162,7 @@ cases! { SETTINGS:
     "samples_per_pixel = 16" => "samples_per_pixel = 0" at "display.samples_per_pixel" "0": "0 samples", "1 to 65536";
     "samples_per_pixel = 16" => "samples_per_pixel = 65537" at "display.samples_per_pixel" "65537": "65537 samples", "1 to 65536";
     "[display]" => "[render]\nbounces = 65\n[display]" at "render.bounces" "65": "65 bounces", "0 to 64";
-    "[display]" => "[render]\nbounces = 1\n[effects]\nretardation = false\n[display]" at "render.bounces" "1": "takes no time", "effects.retardation";
+    "[display]" => "[render]\nbounces = 1\n[effects]\nretardation = false\n[display]" at "render.bounces" "1": "cannot be traced from surface to surface", "effects.retardation";
     "[display]" => "[effects]\ndoppler = 1\n[display]" at "effects.doppler" "1": "expected a boolean", "emitted wavelength";
 }
 

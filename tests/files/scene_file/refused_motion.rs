@@ -42,7 +42,7 @@ cases! { PATHS:
     PLACE => "look_at = [0, 0, 0]\nmotion.keyframes = [{ time = \"0 m\" }, { time = \"6 m\", position = [5, 0, 5] }]\n" at "camera.motion.keyframes[0]" "{ time": "the key `position` is missing", "World position";
     TIME => "motion.circle = { centre = [0, 0, 0], axis = [0, 1, 0], period = \"1 km\" }" at "camera.velocity" "{ beta": "`circle` and `velocity` exclude each other", "keep one";
     VELOCITY => "motion.circle = { centre = [0, 0, 0], axis = [0, 0, 0], period = \"1 km\" }" at "camera.motion.circle.axis" "[0, 0, 0]": "zero vector", "[0, 1, 0]";
-    VELOCITY => "motion.circle = { centre = [0, 7, 5], axis = [0, 1, 0], period = \"1 km\" }" at "camera.motion.circle.centre" "[0, 7, 5]": "goes through `eye`", "on the circle";
+    VELOCITY => "motion.circle = { centre = [0, 7, 5], axis = [0, 1, 0], period = \"1 km\" }" at "camera.motion.circle.centre" "[0, 7, 5]": "passes through `eye`", "on the circle";
     VELOCITY => "motion.circle = { centre = [0, 0, 0], axis = [0, 1, 0] }" at "camera.motion.circle" "{ centre": "no speed", "period = \"60 m\" or rate";
     VELOCITY => "motion.circle = { centre = [0, 0, 0], axis = [0, 1, 0], period = \"1 m\", rate = \"1 rad/m\" }" at "camera.motion.circle.rate" "\"1 rad/m\"": "`period` and `rate` exclude", "keep one";
     VELOCITY => "motion.circle = { centre = [0, 0, 0], axis = [0, 1, 0], period = \"0 m\" }" at "camera.motion.circle.period" "\"0 m\"": "`period` is 0", "above 0";
@@ -75,11 +75,11 @@ cases! { TIMES:
 cases! { SENSOR:
     TIME => "sensor.focal_length = \"-36 mm\"" at "camera.sensor.focal_length" "\"-36 mm\"": "-36 mm would put the pinhole behind the sensor", "above 0";
     TIME => "sensor.focal_length = \"0 mm\"" at "camera.sensor.focal_length" "\"0 mm\"": "`focal_length` is 0", "above 0";
-    TIME => "sensor.width = \"24 mm\"" at "camera.sensor" "sensor": "the key `focal_length` is missing", "From the sensor to the pinhole";
+    TIME => "sensor.width = \"24 mm\"" at "camera.sensor" "sensor": "the key `focal_length` is missing", "Distance from the sensor to the pinhole";
     TIME => "sensor = { focal_length = \"36 mm\", width = \"24 mm\" }" at "camera.sensor.width" "\"24 mm\"": "`hfov` and `sensor.width` exclude each other", "keep one";
     HFOV => "sensor = { focal_length = \"36 mm\", width = \"0 mm\" }" at "camera.sensor.width" "\"0 mm\"": "`width` is 0", "above 0";
     HFOV => "sensor = { focal_length = \"36 mm\", width = \"1e10 km\" }" at "camera.sensor.width" "\"1e10 km\"": "a field of view of 3.14159", "like \"24 mm\" at \"36 mm\"";
-    TIME => "sensor = { focal_length = \"36 mm\", assembly = \"ships\" }" at "camera.sensor.assembly" "\"ships\"": "ships is not one of rigid, world_length, bell", "What keeps";
+    TIME => "sensor = { focal_length = \"36 mm\", assembly = \"ships\" }" at "camera.sensor.assembly" "\"ships\"": "ships is not one of rigid, world_length, bell", "What fixes";
     TIME => "sensor = { focal_length = \"2 m\" }\nmotion.acceleration = { proper = \"0.5 /m\", direction = [0, -1, -5] }" at "camera.sensor.focal_length" "\"2 m\"": "at a proper acceleration of 0.5 /m a rigid body ends 2 m behind its pinhole", "assembly = \"bell\"";
     TIME => "sensor = { focal_length = \"3 m\" }\nmotion.segments = [{ duration = \"1 m\" }, { acceleration = { proper = \"0.5 /m\", direction = [0, 0, -1] } }]" at "camera.sensor.focal_length" "\"3 m\"": "a rigid body ends 2 m", "shorter focal length";
     TIME => "sensor = { focal_length = \"3 m\" }\nmotion.profile = [{ time = \"0 m\" }, { time = \"9 m\", acceleration = { proper = \"0.5 /m\", direction = [0, 0, -1] } }]" at "camera.sensor.focal_length" "\"3 m\"": "a rigid body ends 2 m", "shorter focal length";

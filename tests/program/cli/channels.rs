@@ -47,7 +47,7 @@ fn channels_of_infrared_and_ultraviolet_are_named_by_info_plan_and_metadata() {
         "{plan}"
     );
     assert!(
-        plan.contains("UV is its radiance from 100 to 360 nm; it is dark beyond"),
+        plan.contains("UV is its radiance from 100 to 360 nm; it is dark outside these"),
         "{plan}"
     );
     folder.ok(&["render", "channels.toml", "-o", "a.png"]);

@@ -140,10 +140,10 @@ fn a_turn_to_the_left_and_up_is_said_so() {
         forward * cos - to_right * sin,
     ];
     let found = diagnosed(&right, &bare(&shot(&scene)));
-    named(Kind::CameraTurned, &["+1.0000 to the left"], &found);
+    named(Kind::CameraTurned, &["yaw +1.0000 (left)"], &found);
     scene.camera.axes = [to_right, up * cos - forward * sin, forward * cos + up * sin];
     let found = diagnosed(&right, &bare(&shot(&scene)));
-    named(Kind::CameraTurned, &["+1.0000 up"], &found);
+    named(Kind::CameraTurned, &["pitch +1.0000 (up)"], &found);
 }
 
 #[test]

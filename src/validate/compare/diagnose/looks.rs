@@ -309,7 +309,7 @@ fn describe_turn(case: &Case, turn: DQuat, tally: &Tally) -> Diagnosis {
 pub(super) fn turned_in_words(known: Option<&KnownScene>, axis: DVec3, degrees: f64) -> String {
     let parts = known.map(|known| {
         let [up, left, over] = (degrees * known.view(axis)).to_array().map(rounded);
-        format!(": {left:+.4} to the left, {up:+.4} up and {over:+.4} over to the left")
+        format!(": yaw {left:+.4} (left), pitch {up:+.4} (up), roll {over:+.4} (over to the left)")
     });
     format!(
         "the camera is turned by {degrees:.4} degrees about {} (look_at or up){}",

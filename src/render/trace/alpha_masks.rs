@@ -15,7 +15,7 @@ use crate::mesh::{Mesh, TextureSampler};
 pub(crate) struct AlphaMask {
     /// Factor on alpha.
     pub factor: f64,
-    /// Its texture, the set of texture coordinates, and its sampler.
+    /// Alpha texture, the set of texture coordinates, and the sampler.
     pub texture: Option<(Arc<Texture>, usize, TextureSampler)>,
     /// The smallest alpha at which the surface exists.
     pub cutoff: f32,
@@ -26,17 +26,17 @@ pub(crate) struct AlphaMask {
 pub(crate) struct AlphaMasks {
     /// Runs of triangles with a mask, ascending.
     runs: Vec<MaskedRun>,
-    /// Those of the rest frame.
+    /// The meshes of the rest frame.
     meshes: Arc<[Mesh]>,
 }
 
 /// Triangles of one object with one mask.
 #[derive(Debug)]
 pub(crate) struct MaskedRun {
-    /// The first triangle, and the first one after them: indices in the frame's BVH.
+    /// The first triangle, and one past the last: indices in the frame's BVH.
     pub first: u32,
     pub end: u32,
-    /// The triangle that is triangle 0 of the object.
+    /// The triangle that is number 0 in the object.
     pub object_first: u32,
     /// Index of its mesh.
     pub mesh: u32,
@@ -60,7 +60,7 @@ impl AlphaMask {
 }
 
 impl AlphaMasks {
-    /// The masks of `runs`, which ascend; `None` without runs.
+    /// The masks of `runs`, which must be ascending; `None` if there are no runs.
     pub fn new(runs: Vec<MaskedRun>, meshes: Arc<[Mesh]>) -> Option<AlphaMasks> {
         (!runs.is_empty()).then_some(AlphaMasks { runs, meshes })
     }

@@ -10,38 +10,38 @@ use crate::accel::sincos::sincos_each;
 use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, Vectors, load};
 use crate::spacetime::{Boost, Direction, Rest, World, unit_and_length_or_nan};
 
-/// Shadow rays end at this fraction of the way to the shining surface, which does not shadow itself.
+/// Fraction of the way to the shining surface at which shadow rays end, so that the surface does not shadow itself.
 pub(super) const SHORTER: f64 = 1.0 - 1e-6;
 
-/// Light from area lights at the points of a run: one sample of all elements for each point.
+/// Samples of area lights at the points of a run: for each point, one sample of all elements.
 #[derive(Debug, Default)]
 pub(super) struct AreaDraws {
-    /// Which of the shining frames, if there are several, and with which probability.
+    /// The index of the shining frame, if there are several, and the probability of choosing it.
     pub frames: Vec<u32>,
     pub shares: Vec<f64>,
     /// For each shining frame, the points in its coordinates.
     pub seen: Vec<SeenPoints>,
-    /// Points for which one frame is chosen.
+    /// The points for which the current frame is chosen.
     pub chosen: Vec<u32>,
     /// The element.
     pub elements: Vec<u32>,
     /// Barycentrics of the sampled point.
     pub u: Vec<f64>,
     pub v: Vec<f64>,
-    /// The direction towards it in the point's rest frame, and in the world.
+    /// The direction to that point in the rest frame of the point that is lit, and in the world.
     pub l: Columns,
     pub d: Columns,
     /// The length of the shadow ray, metres of the world.
     pub distances: Vec<f64>,
     /// W.
     pub ratios: Vec<f64>,
-    /// cos θ_F over the density per solid angle of the element's frame; 0 where no light falls.
+    /// cos θ_F over the density per solid angle of the element's frame; 0 if no light arrives.
     pub factors: Vec<f64>,
-    /// Per solid angle of the point's rest frame.
+    /// Density per solid angle in the rest frame of the point that is lit.
     pub densities: Vec<f64>,
 }
 
-/// Points of a run in a frame: see [`Receiver`](super::light_tree::Receiver).
+/// The points of a run in a frame; see [`Receiver`](super::light_tree::Receiver).
 #[derive(Debug, Default)]
 pub(super) struct SeenPoints {
     pub x: Columns,
@@ -70,24 +70,24 @@ impl AreaDraws {
     }
 }
 
-/// The loop over points for which one frame is chosen.
+/// The loop over the points for which one frame is chosen.
 pub(super) struct Draws<'a> {
     pub tree: &'a LightTree,
-    /// The number of the tree's first triangle among all.
+    /// The tree's first triangle, in the numbering of all elements.
     pub first: u32,
     pub to_world: &'a Boost<World, Rest>,
-    /// `None` if nothing changes.
+    /// `None` if no boost is needed.
     pub from_world: Option<&'a Boost<Rest, World>>,
     /// The points in the frame.
     pub seen: &'a SeenPoints,
-    /// Normals in the frame of the points.
+    /// Normals in the rest frame of the points.
     pub normals: &'a Columns,
-    /// What is left of the first of two numbers, and the second.
+    /// What is left of the first of two random numbers, and the second.
     pub numbers: &'a [Vec<f64>; 2],
     pub draws: &'a mut AreaDraws,
 }
 
-/// Triangles side by side.
+/// Several triangles in arrays.
 struct Triangles {
     corner: Vectors,
     edges: [Vectors; 2],
@@ -142,7 +142,7 @@ impl VectorLoop for Draws<'_> {
         } = self;
         let mut begin = 0;
         while begin < draws.chosen.len() {
-            // Points and their numbers, side by side.
+            // Load a block of points and their random numbers.
             let count = (draws.chosen.len() - begin).min(BLOCK);
             let mut receivers = Receivers {
                 x: Vectors::ZERO,
@@ -162,7 +162,7 @@ impl VectorLoop for Draws<'_> {
                 lane += 1;
             }
 
-            // Their elements.
+            // Choose an element for each.
             let (mut chosen, mut shares) = ([0; BLOCK], [0.0; BLOCK]);
             tree.choose_each(&receivers, count, &mut x, (&mut chosen, &mut shares));
             let mut triangles = Triangles::NONE;
@@ -177,7 +177,7 @@ impl VectorLoop for Draws<'_> {
                 lane += 1;
             }
 
-            // Where on them, from what is left of the number that chose them.
+            // Sample a point on each, with what is left of the number that chose the element.
             let (mut us, mut vs) = ([0.0; BLOCK], [0.0; BLOCK]);
             for k in 0..BLOCK {
                 (us[k], vs[k]) = Triangle::draw_by_area([x[k], y[k]]);
@@ -205,7 +205,7 @@ impl VectorLoop for Draws<'_> {
             let (mut distances, mut ratios) = ([0.0; BLOCK], [0.0; BLOCK]);
             let (mut factors, mut densities) = ([0.0; BLOCK], [0.0; BLOCK]);
             for k in 0..BLOCK {
-                // k in G, where the element does not move.
+                // k in G, the frame in which the element rests.
                 let triangle = triangles.get(k);
                 let place = triangle.at((us[k], vs[k]));
                 let (in_light, distance) = unit_and_length_or_nan(place - receivers.x.get(k));
@@ -216,7 +216,7 @@ impl VectorLoop for Draws<'_> {
                 } else {
                     opposite
                 };
-                // Towards it in the world and in F, with ω_G/ω_world = 1/ratio.
+                // Directions to it in the world and in F, with ω_G/ω_world = 1/ratio.
                 let (d, ratio) = to_world.direction(Direction::from_unit(in_light));
                 let (l, rho) = match from_world {
                     Some(boost) => boost.direction(d),
@@ -231,7 +231,7 @@ impl VectorLoop for Draws<'_> {
                 ds.set(k, d.unit());
                 distances[k] = distance * ratio * SHORTER;
                 ratios[k] = w;
-                // Also for NaN, where the point is on the element.
+                // False for NaN too, if the point is on the element.
                 let falls = (cosine_there > 0.0) & (cosine > 0.0) & (density > 0.0);
                 factors[k] = if falls { cosine / density } else { 0.0 };
                 densities[k] = density / (w * w);
@@ -255,13 +255,13 @@ impl VectorLoop for Draws<'_> {
     }
 }
 
-/// The densities per area at a place of a triangle with which points of one frame draw it.
+/// Densities per area with which points of one frame sample a given place on a triangle.
 pub(super) struct DensitiesAt<'a> {
     pub tree: &'a LightTree,
-    /// The triangle, and the place.
+    /// The triangle, and the place on it.
     pub triangle: u32,
     pub y: DVec3,
-    /// Where the points are, the normals of their triangles, and what they are lifted by.
+    /// Positions of the points, normals of their triangles, and the offsets by which they are lifted.
     pub points: (&'a Columns, &'a Columns, &'a [f64]),
     pub densities: &'a mut Block,
 }
@@ -294,7 +294,7 @@ impl VectorLoop for DensitiesAt<'_> {
             let by_area = shares[k] / triangle.area();
             let is_wide = self.tree.is_wide(self.triangle, x);
             let by_both = if is_wide { by_angle } else { by_area };
-            // Also for NaN, of points on the triangle.
+            // NaN, for points on the triangle, becomes 0 too.
             *density = if by_both > 0.0 { by_both } else { 0.0 };
         }
     }

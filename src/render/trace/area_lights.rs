@@ -10,8 +10,8 @@
 //!
 //! If L changes with the proper time of the surface's object, it is evaluated at the event of emission: in G the time of X less η r_G.
 //!
-//! Every hit samples one point of all elements, as [`shining_frames`](super::shining_frames) says. Obstacles are black: light is traced
-//! one step only.
+//! Every hit samples one point on one of all elements, as described in [`shining_frames`](super::shining_frames). Obstacles are black:
+//! light is traced for one step only.
 
 use glam::DVec3;
 
@@ -34,10 +34,10 @@ use crate::light::lamp::{self, Incident};
 use crate::light::reflection::Reflection;
 use crate::spacetime::unit_and_length_or_nan;
 
-/// Dimensions of a hit's random numbers, beside those of [`sky_light`](super::sky_light).
+/// Dimensions of a hit's random numbers, in addition to those of [`sky_light`](super::sky_light).
 const AREA: u32 = 0;
 
-/// The approximate number of triangles checked for their times of emission.
+/// The approximate number of triangles whose emission times are checked.
 const MOST_TIMED: usize = 32;
 
 /// Surfaces that shine.
@@ -45,9 +45,9 @@ const MOST_TIMED: usize = 32;
 pub struct AreaLights {
     /// By frame and triangle.
     elements: Vec<Element>,
-    /// Their triangles, for sampling.
+    /// Their triangles, arranged for sampling.
     shining: ShiningFrames,
-    /// How surfaces receive their light.
+    /// How surfaces receive the elements' light.
     received: Received,
 }
 
@@ -64,7 +64,7 @@ pub struct Element {
     pub radiance: BaseColour,
     /// The spectrum that the mean of the channels multiplies, if it has one.
     pub spectrum: Option<std::sync::Arc<ColourTable>>,
-    /// Whether its back shines too.
+    /// Whether its back shines, too.
     pub two_sided: bool,
     /// Whether other surfaces cast shadows in its light.
     pub shadows: bool,
@@ -89,9 +89,9 @@ impl Element {
 
 /// A sampled point of an area light, for a point in the same rest frame.
 pub(super) struct AreaDraw<'a> {
-    /// How bright it is by its proper time.
+    /// Brightness as a function of proper time.
     pub emission: &'a lamp::Emission,
-    /// The frame's time at which that is 0.
+    /// The frame's time at which the proper time is 0.
     pub clock_zero: f64,
     pub triangle: u32,
     pub distance: f64,
@@ -100,22 +100,22 @@ pub(super) struct AreaDraw<'a> {
     pub sent: Sent,
 }
 
-/// Light of a sampled area light, for computing its weight.
+/// A sample of area lights, reduced to what its weight depends on.
 pub(super) struct Sent {
-    /// Towards it in the point's rest frame.
+    /// Direction to the sampled point, in the rest frame of the point that is lit.
     pub l: DVec3,
-    /// Whether other surfaces shadow it.
+    /// Whether other surfaces block it.
     pub shadows: bool,
-    /// Per solid angle of the point's rest frame.
+    /// Density per solid angle in the rest frame of the point that is lit.
     pub density: f64,
 }
 
 impl AreaLights {
-    /// The elements that have an area and shine; `None` if none does.
+    /// Keeps the elements that have an area and shine; `None` if there are none.
     pub fn new(elements: Vec<Element>, received: Received) -> Option<AreaLights> {
         let shines = |e: &Element| e.power() > 0.0 && e.power().is_finite();
         let mut elements: Vec<_> = elements.into_iter().filter(shines).collect();
-        // In an order that does not depend on trees for other purposes.
+        // The order must not depend on trees built for other purposes.
         elements.sort_by_key(|e| (e.frame, e.triangle));
         let sum: f64 = elements.iter().map(Element::power).sum();
         if !(sum > 0.0 && sum.is_finite()) {
@@ -136,7 +136,7 @@ impl AreaLights {
         })
     }
 
-    /// Adds what falls on the points of `run`, in a medium of index `index`.
+    /// Adds the light of all elements at the points of `run`, in a medium of index `index`.
     pub(super) fn illuminate(
         &self,
         base: &BaseColours,
@@ -156,7 +156,7 @@ impl AreaLights {
         self.illuminate_by(|_, _| 1.0, base, run, index, emitted, meter);
     }
 
-    /// The same by `emitted.numbers`, each point's light weighted by `weight`.
+    /// The same with the random numbers in `emitted.numbers`, and the light at each point weighted by `weight`.
     pub(super) fn illuminate_by(
         &self,
         weight: impl Fn(Option<&Reflection>, &Sent) -> f64,
@@ -167,7 +167,7 @@ impl AreaLights {
         meter: &mut Meter,
     ) {
         self.shining.draw(run, emitted);
-        // Elements with and without shadows separately: the rays of a batch are either all traced or all unoccluded.
+        // Elements with and without shadows are handled separately: the rays of a batch are either all traced or all unoccluded.
         for shadows in [true, false] {
             let Emitted {
                 draws,
@@ -203,7 +203,7 @@ impl AreaLights {
                 let radiance = Self::radiance_of(base, place);
                 let (w, factor) = (draws.ratios[k], draws.factors[k]);
                 let incident = self.incident_of(element, radiance, w, factor, spectral.at(k));
-                // Lines are added to what is sampled.
+                // Lines are added to the sampled light.
                 if let Some(table) = element.spectrum.as_ref().filter(|_| spectral.is_sampled()) {
                     let factor = w * w * factor * mean(radiance) * weight * shines;
                     let lines = table.spectrum().lines();
@@ -216,7 +216,7 @@ impl AreaLights {
                 queries.push_to(k, draws.d.get(k), draws.distances[k], end);
             }
             reflect_unblocked(Reflection::value, run, shadows, index, emitted, meter);
-            // Usually nothing is left for a second turn.
+            // Usually nothing is left for the second pass.
             if self.elements.iter().all(|e| e.shadows) {
                 break;
             }
@@ -246,8 +246,8 @@ impl AreaLights {
         }
     }
 
-    /// What falls on a point that sees `element` with this radiance at W and with the factor cos θ_y cos θ_F/r² over the density: by channel, or at
-    /// `wavelengths`, at which no line is.
+    /// The light that arrives at a point that sees `element` with this radiance at W; `factor` is cos θ_y cos θ_F/r² over the density. The result
+    /// is by channel, or at `wavelengths`, without the spectrum's lines.
     fn incident_of(
         &self,
         element: &Element,
@@ -276,13 +276,13 @@ impl AreaLights {
         Incident::new(irradiance, self.received.wavelength_scale(w))
     }
 
-    /// Whether any of them changes with time.
+    /// Whether the brightness of any element changes with time.
     pub(super) fn changes(&self) -> bool {
         self.elements.iter().any(|e| e.radiance.profile.is_some())
     }
 
-    /// Calls `each` with the objects that have an emission profile, the profile, and when the light from their corners to `point` was
-    /// emitted.
+    /// Calls `each` with every object that has an emission profile, the profile, and the time at which the light from the corners of its
+    /// elements to `point` was emitted.
     pub(crate) fn times_at(
         &self,
         surfaces: &Surfaces,
@@ -306,8 +306,8 @@ impl AreaLights {
         }
     }
 
-    /// A point of all elements by two numbers in [0, 1), as it is seen from the lifted point `x` of the same rest frame, which is the only one, of a surface
-    /// and a triangle of these normals; none where it does not shine there, or always does.
+    /// Samples a point of all elements with two numbers in [0, 1), for the lifted point `x` in the scene's only rest frame, with the normals of its surface
+    /// and of its triangle. `None` if no light arrives from the sampled point, or if its emission does not change with time.
     pub(super) fn drawn_from(
         &self,
         (base, rest): (&BaseColours, &RestFrame),
@@ -328,7 +328,7 @@ impl AreaLights {
         let cosine = normal.dot(l);
         let density = drawn.density;
         let density = density.per_solid_angle(distance * distance, cosine_there);
-        // Also for NaN, where the point is on the element.
+        // True for NaN too, if the point is on the element.
         if !(cosine_there > 0.0 && cosine > 0.0 && density > 0.0) {
             return None;
         }
@@ -348,8 +348,8 @@ impl AreaLights {
         })
     }
 
-    /// The density with which `point`, which was met along a ray from a triangle of rest frame and normal `from`, is drawn there, where it shines, and whether
-    /// other surfaces shadow it.
+    /// The density with which `point`, which was hit by a ray from a triangle with rest frame and normal `from`, would have been sampled there, if it shines,
+    /// and whether other surfaces block it.
     pub(super) fn density(
         &self,
         surfaces: &Surfaces,
@@ -360,7 +360,7 @@ impl AreaLights {
         Some((density, self.elements[element as usize].shadows))
     }
 
-    /// The same of a place on a triangle of the only rest frame, for a ray that leaves a triangle of this normal from there.
+    /// The same for a place on a triangle of the only rest frame, for a ray that leaves a triangle with this normal.
     pub(super) fn density_at(
         &self,
         triangle: u32,
@@ -370,7 +370,7 @@ impl AreaLights {
         Some((density, self.elements[element as usize].shadows))
     }
 
-    /// The same per area at `y` for points of a block, normals of their triangles and what they are lifted by, and whether other surfaces shadow it.
+    /// The same per area at `y`, for a block of points, given the normals of their triangles and the offsets by which they are lifted.
     pub(super) fn densities_at(
         &self,
         triangle: u32,
@@ -383,7 +383,7 @@ impl AreaLights {
     }
 }
 
-/// The proper time of `element`'s object at which it sent what comes to point `k` of `run` from its place (u, v).
+/// The proper time of `element`'s object at which the light was emitted that goes from its point (u, v) to point `k` of `run`.
 fn proper_time(run: &Run, element: &Element, (u, v): (f64, f64), k: usize, index: f64) -> f64 {
     let surfaces = run.traced.surfaces;
     let Some(point) = run.point(k) else {

@@ -1,4 +1,4 @@
-//! Colours and finishes of surfaces, by patch and place, and how they reflect.
+//! Colours and finishes of surfaces by patch and position, and how they reflect.
 
 use std::sync::Arc;
 
@@ -14,14 +14,14 @@ use crate::light::lamp;
 use crate::light::reflection::{Reflection, bent};
 use crate::mesh::TextureSampler;
 
-/// What the radiance of a point depends on, beside its wavelength ratio: each variant includes all previous ones.
+/// What the radiance of a point depends on, apart from its wavelength ratio: each variant includes all previous ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Dependence {
-    /// On the patch alone.
+    /// Only the patch.
     Patch,
-    /// On the place and the time of emission, and on the triangle.
+    /// The place and time of emission, and the triangle.
     Event,
-    /// On barycentric weights on the triangle.
+    /// The barycentric weights on the triangle.
     Weights,
 }
 
@@ -32,11 +32,11 @@ pub struct BaseColour {
     pub factor: [f64; 3],
     /// Its texture.
     pub texture: Option<TextureLookup>,
-    /// Whether the mesh's colours are a factor too.
+    /// Whether the mesh's vertex colours are a factor, too.
     pub vertex_colours: bool,
     /// The observer's response, if it differs from the common one.
     pub response: Option<Response>,
-    /// A factor by the proper time of the object; `None` if it is always 1.
+    /// A factor as a function of the object's proper time; `None` if it is always 1.
     pub(crate) profile: Option<Arc<lamp::Emission>>,
 }
 
@@ -54,7 +54,7 @@ pub struct TextureLookup {
 /// How a surface reflects and shines.
 #[derive(Debug, Clone)]
 pub struct Finish {
-    /// Index of its colour among the base colours.
+    /// Index of its colour in the base colours.
     pub colour: usize,
     /// Metalness and roughness; `None` for a diffuse surface.
     pub gloss: Option<Gloss>,
@@ -62,7 +62,7 @@ pub struct Finish {
     pub glass: Option<Glass>,
     /// Its own emission.
     pub emission: Option<BaseColour>,
-    /// Whether meshes have normals of vertices for it.
+    /// Whether meshes with this finish may have vertex normals.
     pub is_smooth: bool,
 }
 
@@ -70,18 +70,18 @@ pub struct Finish {
 type Place<'a> = (&'a RestFrame, &'a Patch, &'a Hit);
 
 impl Finish {
-    /// The normal for diffuse reflection at a hit, on the side of `geometric`, the triangle's own.
+    /// The normal for diffuse reflection at a hit, on the same side as `geometric`, the triangle's normal.
     fn diffuse_normal(&self, (rest, patch, hit): Place, geometric: DVec3) -> DVec3 {
         let smooth = self.is_smooth.then(|| rest.vertex_normal(patch, hit));
         match smooth.flatten() {
-            // Winding decides which side is outside: some exporters write normals for the other side.
+            // Winding decides which side is outside: some exporters write normals for the opposite side.
             Some(normal) if normal.dot(geometric) < 0.0 => -normal,
             Some(normal) => normal,
             None => geometric,
         }
     }
 
-    /// The normal for reflection at a hit towards `view`, on the side of `geometric`, the triangle's own.
+    /// The normal for reflection at a hit towards `view`, on the same side as `geometric`, the triangle's normal.
     pub(super) fn normal(
         &self,
         place: Place,
@@ -120,7 +120,7 @@ impl BaseColour {
             .map_or(1.0, |profile| profile.at(proper_time()))
     }
 
-    /// Fills `factors` with the factors at the points of `run`, with none where they are always 1.
+    /// Fills `factors` with the factors at the points of `run`, or empties it if they are always 1.
     pub(super) fn factors(&self, run: &Run, factors: &mut Vec<f64>) {
         factors.clear();
         if let Some(profile) = &self.profile {
@@ -136,9 +136,9 @@ impl BaseColour {
 pub struct Glass {
     /// The transmitted fraction of the light that is not reflected.
     pub transmission: f64,
-    /// Refractive index of the body that it bounds.
+    /// Refractive index of the body that the surface bounds.
     pub index: f64,
-    /// Whether it bounds a body, rather than being a film without thickness.
+    /// Whether the surface bounds a body; otherwise it is a film without thickness.
     pub solid: bool,
 }
 
@@ -169,7 +169,7 @@ pub struct BaseColours {
 impl BaseColours {
     /// What the factors of `finish` depend on.
     pub(super) fn dependence_of(&self, finish: &Finish) -> Dependence {
-        // Its own colour and its emission count like colours; the rest is how it reflects.
+        // Its colour and its emission count as colours; the rest determines how it reflects.
         let is_textured = finish.gloss.is_some_and(|gloss| gloss.texture.is_some());
         let colours = [Some(&self.colours[finish.colour]), finish.emission.as_ref()];
         let all = colours.into_iter().flatten().map(BaseColour::dependence);
@@ -185,7 +185,7 @@ impl BaseColours {
         self.colour_at(&self.colours[index], run.rest, run.patch, hit)
     }
 
-    /// What `base` is at a hit on `patch` of the frame `rest`.
+    /// The value of `base` at a hit on `patch` of the frame `rest`.
     pub(super) fn colour_at(
         &self,
         base: &BaseColour,
@@ -197,7 +197,7 @@ impl BaseColours {
         if let Some(lookup) = base.texture
             && let Some(uv) = rest.uv(patch, lookup.uv_set, hit)
         {
-            // glTF multiplies factor, texture and vertex colours, all linear.
+            // glTF multiplies factor, texture and vertex colours, all of them linear.
             let texel = self.textures[lookup.texture].sample(uv.to_array(), lookup.sampler);
             colour = std::array::from_fn(|c| base.factor[c] * texel[c]);
         }
@@ -230,8 +230,8 @@ impl BaseColours {
         [gloss.metallic * metallic, gloss.roughness * roughness]
     }
 
-    /// How a surface of this finish reflects at a hit, towards `view` on the side of its triangle's normal `geometric`, where the observer is
-    /// in a medium of the index `near`, over that of the scene's medium.
+    /// How a surface with this finish reflects at a hit, towards `view`, on the side of its triangle's normal `geometric`. `near` is the
+    /// index of the medium of the observer relative to that of the scene's medium.
     #[inline]
     pub(super) fn reflection(
         &self,
@@ -248,7 +248,7 @@ impl BaseColours {
         }
     }
 
-    /// The same by the normal that stands for the triangle's.
+    /// The same with a given shading normal.
     #[inline]
     fn reflection_by(
         &self,
@@ -266,7 +266,7 @@ impl BaseColours {
         let reflection =
             Reflection::metallic_roughness(normal, view, colour, look, gloss.dielectric);
         match &finish.glass {
-            // From within, the other side is the scene's medium: bodies of glass do not touch.
+            // Seen from inside, the other side is the scene's medium: bodies of glass do not touch.
             Some(glass) if glass.solid => {
                 let (near, far) = match hit.front {
                     true => (near, glass.index),
@@ -284,7 +284,7 @@ impl BaseColours {
         }
     }
 
-    /// The diffuse part alone of how it does.
+    /// The diffuse part of the reflection only.
     pub(super) fn diffuse_part(
         &self,
         finish: &Finish,
@@ -304,10 +304,10 @@ impl BaseColours {
         Reflection::diffuse(normal, colour.map(|c| c * part)).on(geometric)
     }
 
-    /// What colour `index` emits at the points of `run`.
+    /// Fills in what colour `index` emits at the points of `run`.
     pub(super) fn fill(&self, index: usize, run: &Run, emitted: &mut Emitted) {
         let base = &self.colours[index];
-        // The same everywhere: no hit has to be rebuilt.
+        // A constant colour: no hit needs to be reconstructed.
         match base {
             BaseColour {
                 texture: None,
@@ -321,7 +321,7 @@ impl BaseColours {
                 emitted.radiance.extend(radiance);
             }
         }
-        // Steady colours have no factors: the loop ends at once and leaves radiance as it is.
+        // Steady colours have no factors: the loop ends at once and leaves the radiance unchanged.
         base.factors(run, &mut emitted.times);
         for (radiance, factor) in emitted.radiance.iter_mut().zip(&emitted.times) {
             *radiance = radiance.map(|c| c * factor);

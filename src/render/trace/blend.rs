@@ -3,7 +3,7 @@
 use crate::light::time_texture::{Coverage, Sampled};
 use crate::scene::model::CaptureChoice;
 
-/// The rounding error of the weights of taps, which sum to 1 (2⁻⁵³ each): a smaller deficit does not count as missing.
+/// Rounding error of the weights of taps, which sum to 1 (2⁻⁵³ each): a smaller deficit does not count as missing data.
 const ROUNDING: f64 = 1e-9;
 
 /// The values of a surface's captures at one point.
@@ -12,9 +12,9 @@ pub(super) struct Blend {
     /// Weighted sum of radiance, and the sum of the weights.
     radiance: [f64; 3],
     weight: f64,
-    /// The capture that contributes most, with its weight; index into the emitter's.
+    /// Index of the capture that contributes most, in the emitter's list, and its weight.
     most: Option<(usize, f64)>,
-    /// The best substitute from those that do not contain the point, and its rank.
+    /// The best substitute from captures that do not contain the point, and its rank.
     stand_in: (f64, Sampled),
 }
 
@@ -33,7 +33,7 @@ impl Blend {
                 if choice == CaptureChoice::First && self.weight > 0.0 {
                     return;
                 }
-                // The first is taken with all its bits.
+                // The first capture is used bit for bit.
                 let counts = match choice {
                     CaptureChoice::Blend => weight,
                     CaptureChoice::First => 1.0,
@@ -47,7 +47,7 @@ impl Blend {
                 }
             }
             None => {
-                // A camera that saw the point at another time is better than one that did not, and that is better than one that looked
+                // A camera that saw the point at another time is better than one that did not see it, which is better than one that looked
                 // elsewhere.
                 let good = match weight {
                     Some(_) => 2.0 + sampled.coverage.held,
@@ -72,7 +72,7 @@ impl Blend {
         }
     }
 
-    /// The capture that contributes most to the point; `None` if none contains it.
+    /// The capture that contributes most to the point; `None` if none contains the point.
     pub fn most(&self) -> Option<usize> {
         self.most.map(|(index, _)| index)
     }

@@ -17,11 +17,11 @@ use crate::render::sampler::{
 #[derive(Debug, Default)]
 pub struct CameraRays {
     pixels: Vec<u64>,
-    /// Sources of random numbers: the keys of the pixels, for this replicate.
+    /// The keys of the pixels for this replicate, from which random numbers are derived.
     keys: Vec<u64>,
-    /// The sample of the replicate, the first if there are several.
+    /// The sample index in the replicate; the first, if there are several samples.
     index: u32,
-    /// By ray, where there are several.
+    /// Sample index by ray, if there are several samples.
     indices: Vec<u32>,
     in_pixel: u32,
     offsets: [Vec<f64>; 2],
@@ -31,7 +31,7 @@ pub struct CameraRays {
     pub(crate) directions: Vec<DVec3>,
     /// W for a source at rest in the world.
     pub(crate) ratios: Vec<f64>,
-    /// Where each ray leaves; empty if all leave the event of the shot.
+    /// The event at which each ray leaves; empty if all leave at the event of the shot.
     origins: Vec<RayOrigin>,
 }
 
@@ -40,22 +40,22 @@ pub struct CameraRays {
 pub struct Rays<'a> {
     /// Look directions, unit vectors of the world.
     pub directions: &'a [DVec3],
-    /// Where each leaves; `None` if all leave the event of the shot.
+    /// The event at which each ray leaves; `None` if all leave at the event of the shot.
     pub origins: Option<&'a [RayOrigin]>,
-    /// W of the resting world for each ray's observer: the camera, or the frame of a surface.
+    /// W for a source at rest in the world, as each ray's observer sees it: the camera, or the frame of a surface.
     pub ratios: &'a [f64],
-    /// The wavelengths that each ray's observer samples; empty if there are none, or samples choose them.
+    /// The wavelengths that each ray's observer samples; empty if there are none, or if samples choose them.
     pub wavelengths: &'a [Wavelengths],
-    /// The triangle that each leaves, and cannot hit again; empty if they leave none.
+    /// The triangle that each ray leaves, and cannot hit again; empty if the rays leave no triangles.
     pub left: &'a [LeftTriangle],
-    /// How they are traced.
+    /// How the rays are traced.
     pub method: Traversal,
     /// The source of random numbers at their hits.
     pub samples: Samples<'a>,
 }
 
 impl<'a> Rays<'a> {
-    /// Rays that all leave the event of the shot, without random choices at their hits.
+    /// Rays that all leave at the event of the shot, without random choices at their hits.
     pub fn from_shot(directions: &'a [DVec3], method: Traversal) -> Self {
         Rays {
             directions,
@@ -78,40 +78,40 @@ pub struct LeftTriangle {
     pub slot: u32,
 }
 
-/// Which samples of which pixels the rays of a batch are.
+/// Which samples of which pixels the rays of a batch belong to.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Samples<'a> {
-    /// For each ray, the key of its pixel and replicate; beyond the end, the ray's own number.
+    /// The key of each ray's pixel and replicate; past the end, the number of the ray.
     pub pixels: &'a [u64],
-    /// The common sample index.
+    /// The sample index, if all rays share it.
     pub index: u32,
-    /// For each ray, its own sample index; empty if all share one.
+    /// The sample index of each ray; empty if all share one.
     pub indices: &'a [u32],
     /// The number of samples per pixel.
     pub in_pixel: u32,
     /// The number of surfaces that the rays have left so far.
     pub depth: u32,
-    /// The parts of an exposure that they represent, if data are integrated over these.
+    /// The parts of an exposure that the rays stand for, if data are integrated over them.
     pub exposure: Option<Exposure<'a>>,
     /// Their cells, if lookups are means over footprints.
     pub cells: Option<Cells<'a>>,
 }
 
-/// An exposure whose samples represent equal parts of it.
+/// An exposure, divided equally among its samples.
 #[derive(Debug, Clone, Copy)]
 pub struct Exposure<'a> {
-    /// How long it takes, metres of the camera's own time.
+    /// Duration in metres of the camera's proper time.
     pub duration: f64,
-    /// How many samples a pixel has.
+    /// The number of samples per pixel.
     pub samples: u32,
-    /// By ray, the moment of the exposure, 0 to 1.
+    /// The moment within the exposure of each ray, 0 to 1.
     pub moments: &'a [f64],
-    /// By ray, W for sources at rest in the world.
+    /// W for sources at rest in the world, by ray.
     pub ratios: &'a [f64],
 }
 
 impl Exposure<'_> {
-    /// Camera time from the moment of a ray to both ends of the part that it stands for, metres.
+    /// The two ends of the part of the exposure that a ray stands for, relative to the ray's moment, metres of camera time.
     pub(super) fn part(&self, ray: usize) -> [f64; 2] {
         let (moment, count) = (self.moments[ray], f64::from(self.samples));
         let part = (moment * count).floor();
@@ -119,28 +119,28 @@ impl Exposure<'_> {
     }
 }
 
-/// The cells that the rays of a batch represent.
+/// The cells that the rays of a batch stand for.
 #[derive(Debug, Clone, Copy)]
 pub struct Cells<'a> {
     /// The rays.
     pub(crate) rays: &'a CameraRays,
-    /// Rays slightly offset from each of them along x, along y, and, for an integrated exposure, in time.
+    /// Rays slightly offset from these along x, along y, and, for an integrated exposure, in time.
     pub(crate) beside: &'a [CameraRays],
-    /// Width and height of a cell, pixels, and the part of the exposure that it is.
+    /// Width and height of a cell in pixels, and its fraction of the exposure.
     pub(crate) size: [f64; 3],
 }
 
-/// What comes after the axes of the film.
+/// The axis after those of the film.
 pub(crate) const TIME: usize = 2;
 
-/// The offset of a neighbouring ray, pixels or exposures: small enough for a derivative, and much larger than rounding.
+/// The offset of a neighbouring ray, in pixels or exposures: small enough for a derivative, and much larger than rounding errors.
 const BESIDE: f64 = 1.0 / 1024.0;
 
 /// The largest number of pairs of random numbers used at one surface of a path.
 const DRAWN_AT_A_SURFACE: u32 = 8;
 
 impl Samples<'_> {
-    /// Two numbers in [0, 1) of ray `ray` for what `dimension` counts, the `number`-th of `count`.
+    /// Two numbers in [0, 1) of ray `ray` for purpose `dimension`, the `number`-th pair of `count`.
     #[inline]
     pub(super) fn one_of(&self, ray: usize, dimension: u32, number: u32, count: u32) -> [f64; 2] {
         let index = self.index(ray).wrapping_mul(count).wrapping_add(number);
@@ -148,14 +148,14 @@ impl Samples<'_> {
         sobol_among(self.pixel(ray), index, in_pixel, dimension)
     }
 
-    /// Two numbers in [0, 1) of the only ray, or of the first, for what `dimension` counts at the surface that it hits.
+    /// Two numbers in [0, 1) of the only ray, or of the first, for purpose `dimension` at the surface that it hits.
     #[inline]
     pub(super) fn on_path(&self, dimension: u32) -> [f64; 2] {
         let dimension = self.depth * DRAWN_AT_A_SURFACE + dimension;
         sobol(self.pixel(0), self.index(0), dimension)
     }
 
-    /// The same of rays with these keys and, where they have them, indices.
+    /// The same for rays with these keys and, if they have them, sample indices.
     pub(super) fn each_on_path(
         &self,
         (keys, indices): (&[u64], &[u32]),
@@ -169,13 +169,13 @@ impl Samples<'_> {
         }
     }
 
-    /// Two numbers in [0, 1) of sample `index` of this key for what `dimension` counts.
+    /// Two numbers in [0, 1) of sample `index` with this key for purpose `dimension`.
     pub(super) fn of_key(&self, key: u64, index: u32, dimension: u32) -> [f64; 2] {
         let dimension = self.depth * DRAWN_AT_A_SURFACE + dimension;
         sobol(key, index, dimension)
     }
 
-    /// The sample of ray `ray`.
+    /// The sample index of ray `ray`.
     #[inline]
     pub(crate) fn index(&self, ray: usize) -> u32 {
         self.indices.get(ray).copied().unwrap_or(self.index)
@@ -189,7 +189,7 @@ impl Samples<'_> {
 }
 
 impl Rays<'_> {
-    /// Where ray `ray` leaves.
+    /// The event at which ray `ray` leaves.
     #[inline(always)]
     pub(crate) fn origin(&self, ray: usize) -> RayOrigin {
         self.origins.map_or(RayOrigin::AT_SHOT, |all| all[ray])
@@ -203,7 +203,7 @@ impl Rays<'_> {
 }
 
 impl CameraRays {
-    /// The exposure of `duration` of which the rays are one of `samples` samples of each pixel.
+    /// The exposure of the given duration; each ray is one of `samples` samples of its pixel.
     pub(crate) fn exposure(&self, duration: f64, samples: u32) -> Option<Exposure<'_>> {
         (self.moments.len() == self.directions.len()).then_some(Exposure {
             duration,
@@ -213,22 +213,22 @@ impl CameraRays {
         })
     }
 
-    /// Where in its pixel sample `ray` lies.
+    /// The position of sample `ray` in its pixel.
     pub(crate) fn offset(&self, ray: usize) -> [f64; 2] {
         [self.offsets[0][ray], self.offsets[1][ray]]
     }
 
-    /// The same of all samples, by axis.
+    /// The positions of all samples, by axis.
     pub(crate) fn offsets(&self) -> [&[f64]; 2] {
         self.offsets.each_ref().map(Vec::as_slice)
     }
 
-    /// The same along an axis of the film, or in the exposure for [`TIME`].
+    /// The position along an axis of the film, or the moment in the exposure for [`TIME`].
     pub(super) fn place(&self, ray: usize, axis: usize) -> f64 {
         self.offsets.get(axis).unwrap_or(&self.moments)[ray]
     }
 
-    /// The rays, to be traced by `method`.
+    /// The rays, traced by `method`.
     pub(crate) fn rays(&self, method: Traversal) -> Rays<'_> {
         Rays {
             directions: &self.directions,
@@ -249,12 +249,12 @@ impl CameraRays {
         }
     }
 
-    /// Where ray `ray` leaves.
+    /// The event at which ray `ray` leaves.
     pub(super) fn origin(&self, ray: usize) -> RayOrigin {
         self.origins.get(ray).copied().unwrap_or(RayOrigin::AT_SHOT)
     }
 
-    /// The rays of `view` at the offsets and moments that are known. The projection is matched here, and not at each ray.
+    /// Generates the rays of `view` at the known offsets and moments. The projection is matched here, not for each ray.
     fn look_through<V: View>(&mut self, view: &V) {
         match view.film() {
             AnyProjection::Perspective(film) => self.look(view, film),
@@ -262,7 +262,7 @@ impl CameraRays {
         }
     }
 
-    /// The rays of `view`, whose projection is `film`, at the offsets and moments that are known.
+    /// Generates the rays of `view`, whose projection is `film`, at the known offsets and moments.
     fn look<V: View, P: Projection + Sync>(&mut self, view: &V, film: &P) {
         let [x, y] = &mut self.film;
         dispatch(Generate {
@@ -292,12 +292,12 @@ impl CameraRays {
     }
 }
 
-/// What generates rays by the batch.
+/// A generator of rays by the batch.
 pub trait RayGenerator: Sync {
-    /// Generates the rays of `samples` of every pixel of `tile`, sample by sample.
+    /// Generates the rays of `samples` for every pixel of `tile`, sample by sample.
     fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, samples: Range<u32>);
 
-    /// Says where the same samples are, pixel by pixel, without the keys of random numbers at what they hit.
+    /// Sets the positions of the same samples, pixel by pixel, without the keys of random numbers at their hits.
     fn place_by_pixel(
         &self,
         rays: &mut CameraRays,
@@ -306,18 +306,18 @@ pub trait RayGenerator: Sync {
         samples: Range<u32>,
     );
 
-    /// Generates the rays of samples whose places are known.
+    /// Generates the rays of samples whose positions are set.
     fn look(&self, rays: &mut CameraRays);
 
-    /// Generates the rays a little beside those of `of` along an axis of the film, towards the middles of their pixels, or for
-    /// [`TIME`] a little towards the middle of the exposure.
+    /// Generates rays slightly offset from those of `of` along an axis of the film, towards the centres of their pixels, or for [`TIME`]
+    /// slightly towards the middle of the exposure.
     fn beside(&self, rays: &mut CameraRays, of: &CameraRays, axis: usize);
 
-    /// Generates the rays through these points of the film, pixels, half way through the exposure.
+    /// Generates the rays through these film points, in pixels, half-way through the exposure.
     fn through(&self, rays: &mut CameraRays, points: &[[f64; 2]]);
 }
 
-/// The view of whatever kind, matched once per batch, whose loops are compiled for its kind.
+/// The ray generator of a view. The kind of view is matched once per batch, and its loops are compiled for that kind.
 pub fn generator(view: &AnyView) -> &dyn RayGenerator {
     match view {
         AnyView::Still(view) => view,
@@ -331,7 +331,7 @@ pub fn generator(view: &AnyView) -> &dyn RayGenerator {
     }
 }
 
-/// Says where `samples` of every pixel of `tile` are, sample by sample.
+/// Sets the positions of `samples` for every pixel of `tile`, sample by sample.
 fn place<V: View>(
     view: &V,
     rays: &mut CameraRays,
@@ -351,7 +351,7 @@ fn place<V: View>(
         let of_sample = begin..begin + pixels;
         let rows = rays.pixels[of_sample.clone()].chunks_mut(tile.size[0].max(1) as usize);
         for (row, pixels) in (top..).zip(rows) {
-            // Keys of neighbours follow one another.
+            // The keys of pixels in a row are consecutive.
             let first = pixel_key(left, row);
             for (column, pixel) in pixels.iter_mut().enumerate() {
                 *pixel = first + column as u64;
@@ -491,15 +491,15 @@ impl<V: View, P: Projection> VectorLoop for Generate<'_, V, P> {
     }
 }
 
-/// Film points in pixels: the corner of each pixel and the offset in it.
+/// Film points in pixels: the corner of each pixel plus the offset in it.
 #[inline(always)]
 fn film_points(pixels: &[u64], in_x: &[f64], in_y: &[f64], x: &mut [f64], y: &mut [f64]) {
     let count = pixels.len();
-    // Slices of one length have no checks of bounds within the loop, which then goes in vectors.
+    // Slices of one length need no bounds checks within the loop, which is then vectorised.
     let (in_x, in_y) = (&in_x[..count], &in_y[..count]);
     let (x, y) = (&mut x[..count], &mut y[..count]);
     for k in 0..count {
-        // A key has the column in its lower half and the row in its upper one.
+        // The lower half of a key is the column, the upper half the row.
         let [column, row] = halves(pixels[k]);
         (x[k], y[k]) = (column + in_x[k], row + in_y[k]);
     }
@@ -513,7 +513,7 @@ mod tests {
     use crate::camera::Camera;
     use crate::scene::{Overrides, parse};
 
-    /// The view of a camera at this speed, with what else is said of it and of the scene.
+    /// The view of a camera at this speed, with additional lines for the camera and the scene.
     fn view(beta: f64, camera: &str, more: &str) -> AnyView {
         let text = format!(
             "[camera]\neye = [1, 2, 3]\nlook_at = [0, 0.5, -1]\nhfov = \"80 deg\"\nsize = [90, 70]\n\

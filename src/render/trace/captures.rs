@@ -1,19 +1,20 @@
-//! Several captures of one surface: which of them give a point its radiance.
+//! Combines several captures of one surface into the radiance of a point.
 //!
-//! A capture contains a point if its camera sees it, by [`TimeTexture::locate`] and without an obstacle, and if it has data for the time
-//! at which the light of the point arrived there. Those that contain it are weighted by
+//! A capture contains a point if its camera sees it, by [`TimeTexture::locate`] and without an obstacle, and if it has data for the time at
+//! which the light of the point arrived at the camera. The captures that contain it are weighted by
 //!
 //! ```text
 //! w = s e (cos θ / a)⁴
 //! ```
 //!
-//! - a / cos θ is the width on the surface of one of its pixels along its tilt: a the width of a pixel at the point's distance, θ the
-//!   angle between the normal and the direction to the camera. A pixel is a mean over that width, whose error for a smooth surface is ∝
-//!   (a / cos θ)² by Taylor expansion: w is the inverse of the squared error, as for means of least variance.
+//! - a / cos θ is the width on the surface of one of the capture's pixels along its tilt: a is the width of a pixel at the point's
+//! distance, θ the
+//! angle between the normal and the direction to the camera. A pixel is a mean over that width, whose error for a smooth surface is ∝
+//! (a / cos θ)² by Taylor expansion: w is the inverse of the squared error, as for means of least variance.
 //! - s is the fraction of the bilinear weights whose pixels saw the surface, and e the distance from the edge of the image in pixels, at
-//!   most 1: no seam where a capture ends. Both are never 0, so a point that one camera sees has its value.
+//! most 1: this avoids seams where a capture ends. Neither is ever 0, so a point that only one camera sees still has its value.
 //!
-//! With [`CaptureChoice::First`] it is the first in the order of the scene that contains the point.
+//! With [`CaptureChoice::First`] the first capture of the scene that contains the point is used.
 
 use std::cell::Cell;
 
@@ -29,8 +30,8 @@ use crate::accel::Segment;
 use crate::light::time_texture::{Capture, CapturePoint, CaptureView, Located, Near, TimeTexture};
 
 impl TimeResolved {
-    /// The recorded light of `captures` at the points of `run`, from the cubes selected by `cube`, if they saw them. The captures rest in
-    /// the points' frame, and so does everything that can be in between.
+    /// The recorded light of `captures` at the points of `run`, from the cubes selected by `cube`, if they saw the points. The captures
+    /// rest in the points' frame, and so does everything that can occlude.
     pub(super) fn blend(
         &self,
         captures: &[CapturedCube],
@@ -45,7 +46,7 @@ impl TimeResolved {
         blends.resize(run.count(), Blend::default());
         emitted.points.fill_places(run);
         let read = Cell::new(0);
-        // For each capture: what it may have seen, then obstacles, then the lookups.
+        // For each capture: find what it may have seen, then obstacles, then do the lookups.
         for (index, captured) in captures.iter().enumerate() {
             let (texture, capture) = (
                 &self.cubes[cube(captured)],
@@ -69,7 +70,7 @@ impl TimeResolved {
             let (segments, blocked) = (&emitted.segments, &mut emitted.blocked);
             any_hit(&run.rest.bvh, method, segments, blocked, counts);
             let means = run.spans(captured.clock, &mut emitted.spans);
-            // Only points in the camera's image have a segment: by point, whether it is blocked.
+            // Only points in the camera's image have a segment. Convert the answers to one flag per point.
             let mut answers = emitted.blocked.iter();
             let seen = emitted.located.iter().map(Located::is_seen);
             let blocked: Vec<bool> = seen
@@ -106,7 +107,7 @@ impl TimeResolved {
         emitted.blends = blends;
     }
 
-    /// What `captures` say of one point.
+    /// The blended data of `captures` at one point.
     pub(super) fn blend_at(&self, captures: &[CapturedCube], point: &SurfacePoint) -> Blend {
         let mut blend = Blend::default();
         let at = captured_point(point);
@@ -142,7 +143,7 @@ fn weight(
     Some(texture.seen_part(located) * fineness * fineness)
 }
 
-/// A point as its captures look at it.
+/// A point in the form that captures look up.
 pub(super) fn captured_point(point: &SurfacePoint) -> CapturePoint {
     CapturePoint {
         position: point.rest_event().x,
@@ -150,7 +151,7 @@ pub(super) fn captured_point(point: &SurfacePoint) -> CapturePoint {
     }
 }
 
-/// From a point to the pinhole of a capture camera.
+/// The segment from a point to the pinhole of a capture camera.
 pub(super) fn towards(point: &SurfacePoint, at: &CapturePoint, capture: &Capture) -> Segment {
     let from = at.position;
     Segment {

@@ -6,7 +6,7 @@ use crate::render::aov::{Aov, Combine};
 use crate::render::film::TileFilm;
 use crate::spacetime::{Direction, World};
 
-/// Records `channels`, those of the film in order, of a sample at `offset` in `pixel` that looks along `d`, if it sees anything.
+/// Records `channels`, the film's channels in order, for a sample at `offset` in `pixel` that looks along `d`, if it sees anything.
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn record(
     channels: &[Aov],
@@ -44,7 +44,7 @@ pub(crate) fn record(
                     film.add_aov(channel, pixel, value);
                 }
             }
-            // The film makes these from radiance and its parts.
+            // The film computes these from radiance and its parts.
             Combine::Coverage | Combine::Missing(_) | Combine::StandardError | Combine::Samples => {
             }
         }
@@ -59,7 +59,7 @@ fn value(
     observed: Option<&ObservedPoint>,
 ) -> Option<f64> {
     let point = observed.map(|o| &o.point);
-    // Each is computed only if a channel needs it: most pictures have none of them.
+    // Each is computed only if a channel needs it: most pictures have none of these channels.
     let uv = || Some(point?.uv(0).unwrap_or(glam::DVec2::NAN));
     let event = || Some(point?.event());
     let object_event = || point.map(|p| p.rest_event() - p.patch.object_origin);
@@ -91,7 +91,7 @@ fn value(
         Aov::CaptureFootprint => Some(capture()?.footprint),
         Aov::CaptureCosine => Some(capture()?.cosine),
         Aov::CaptureSource => Some(radiance.capture_source(point?)? as f64),
-        // Masks count from 1, as 0 is what no object covers.
+        // Masks count from 1, as 0 means that no object covers the sample.
         Aov::ObjectId => Some(point.map_or(0.0, |p| f64::from(p.patch.object) + 1.0)),
         Aov::Alpha => Some(f64::from(observed.is_some())),
         Aov::Coverage

@@ -1,26 +1,26 @@
 //! Which rest frames a batch of rays can hit at all.
 //!
-//! An object within a sphere of radius r about c, seen from the origin of its rest frame, has look directions d′ with d′·ĉ ≥ cos α, sin α
-//! = r/|c|. With past-directed null vectors k′ = ω (−1, d′) this is
+//! An object within a sphere of radius r about c, seen from the origin of its rest frame, has look directions d′ with d′·ĉ ≥ cos α, sin α =
+//! r/|c|. With past-directed null vectors k′ = ω (−1, d′) this is
 //!
 //! ```text
 //! k′·N′ ≥ 0,   N′ = (−cos α, ĉ),   signature (−, +, +, +),
 //! ```
 //!
-//! and holds in every frame (Penrose, "The apparent shape of a relativistically moving sphere", 1959). With N boosted to the
-//! world the directions d are again those of a cone, about N_x and of the half-angle a with
+//! and holds in every frame (Penrose, "The apparent shape of a relativistically moving sphere", 1959). With N boosted to the world, the
+//! directions d again form a cone, with axis N_x and half-angle a, where
 //!
 //! ```text
 //! |N_x| cos a = −N_ct,   |N_x| sin a = sin α,   since   N_x² − N_ct² = N′² = sin² α.
 //! ```
 //!
-//! Directions within an angle b of a middle m miss the sphere if m is farther than a + b from the axis:
+//! Directions within an angle b of a central direction m miss the sphere if m is farther than a + b from the axis:
 //!
 //! ```text
 //! N_x·m < |N_x| cos(a + b) = −N_ct cos b − sin α sin b,
 //! ```
 //!
-//! as long as a + b < π, which is sin α cos b − N_ct sin b > 0.
+//! as long as a + b < π, that is, sin α cos b − N_ct sin b > 0.
 //!
 //! Light in a medium is not null, and rays with their own origins share no event: neither is culled.
 
@@ -29,13 +29,13 @@ use glam::DVec3;
 use super::rest_frame::RestFrame;
 use crate::spacetime::{Displacement, Event, Rest, World};
 
-/// A bound above all rounding: of N at most γ (1 + φ) times some 2⁻⁵⁰, with φ < 710.
+/// A bound on all rounding errors: those of N are at most γ (1 + φ) times about 2⁻⁵⁰, with φ < 710.
 const SLACK: f64 = 1e-11;
 
-/// What sin α is widened by: c and the box round by some 2⁻⁵¹ of their coordinates, which are up to 10⁶ times their distance.
+/// Added to sin α: the rounding errors of c and the box are about 2⁻⁵¹ of their coordinates, which are at most 10⁶ times their distance.
 const ROUNDING: f64 = 1e-9;
 
-/// The directions in which a rest frame is seen from one event: N, sin α and the slack.
+/// The directions in which a rest frame is visible from one event: N, sin α and the slack.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct VisibleCone {
     normal: Displacement<World>,
@@ -44,9 +44,9 @@ pub(super) struct VisibleCone {
 }
 
 impl VisibleCone {
-    /// `None` if every direction may hit something, or nothing is known.
+    /// `None` if any direction may hit something, or if nothing is known.
     pub fn of(rest: &RestFrame, camera: Event<Rest>, index: f64) -> Option<VisibleCone> {
-        // The sphere about the bounding box: centre c from the camera, radius half the diagonal.
+        // The sphere about the bounding box: centre c relative to the camera, radius half the diagonal.
         let (lo, hi) = rest.bvh.bounds()?;
         let centre = (lo + hi) * 0.5 - camera.x;
         let distance = centre.length();
@@ -74,7 +74,7 @@ impl VisibleCone {
             cosine,
             sine,
         } = bounds;
-        // Both by more than rounding; false for NaN.
+        // Both with a margin for rounding; false for NaN.
         let farthest = -self.normal.ct * cosine - self.sine * sine;
         let is_below_pi = self.sine * cosine - self.normal.ct * sine > self.slack;
         is_below_pi & (self.normal.x.dot(*middle) < farthest - self.slack)
@@ -82,14 +82,14 @@ impl VisibleCone {
 }
 
 impl VisibleCone {
-    /// Puts those of `directions` that may hit something into `chosen`, by their numbers.
+    /// Puts the indices of those `directions` that may hit something into `chosen`.
     pub fn choose(&self, directions: &[DVec3], chosen: &mut Vec<u32>) {
         chosen.clear();
         chosen.resize(directions.len(), 0);
         let least = -self.slack - self.normal.ct;
         let mut count = 0;
         for (ray, d) in directions.iter().enumerate() {
-            // Written so that NaN takes this branch, too.
+            // NaN counts as a possible hit, too.
             let misses = self.normal.x.dot(*d) < least;
             chosen[count] = ray as u32;
             count += usize::from(!misses);
@@ -98,23 +98,23 @@ impl VisibleCone {
     }
 }
 
-/// Directions within an angle of a middle.
+/// A cone that contains a set of directions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DirectionBounds {
     middle: DVec3,
-    /// Of the angle, which is below 90°; NaN where it is not.
+    /// Cosine of the angle, which is below 90°; NaN if it is not.
     cosine: f64,
     sine: f64,
 }
 
 impl DirectionBounds {
-    /// Of unit vectors.
+    /// The bounds of a set of unit vectors.
     pub fn of(directions: &[DVec3]) -> DirectionBounds {
         let sum = directions.iter().fold(DVec3::ZERO, |sum, d| sum + *d);
         let middle = sum.normalize_or_zero();
         let square = |d: &DVec3| (*d - middle).length_squared();
         let largest = directions.iter().map(square).fold(0.0, f64::max);
-        // The chord 2 sin(b/2), and more than its rounding.
+        // The chord 2 sin(b/2), enlarged by more than its rounding error.
         let chord = largest.sqrt() * (1.0 + 1e-9);
         let cosine = 1.0 - 0.5 * chord * chord;
         let sine = chord * (1.0 - 0.25 * chord * chord).sqrt();
@@ -152,7 +152,7 @@ mod tests {
         }
     }
 
-    /// How many bodies were met, and how many of those not met were known to be missed.
+    /// The number of bodies that were hit, and the number of the others that were known to be missed.
     fn count(rapidity: f64) -> [usize; 2] {
         let next = &mut numbers(7);
         let mut counts = [0; 2];

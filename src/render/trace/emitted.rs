@@ -33,13 +33,13 @@ pub struct Emission {
     pub radiance: [f64; 3],
     /// Radiance that replaces missing data and is shown as it is.
     pub unscaled: [f64; 3],
-    /// How much of it is covered by data.
+    /// How much of the radiance is covered by data.
     pub coverage: Coverage,
     /// Emitted wavelength over that of the declared line.
     pub wavelength_scale: f64,
 }
 
-/// The observer's response to emitted radiance; resolved from quantity and switches beforehand.
+/// The observer's response to emitted radiance; determined beforehand from the quantity and the switches.
 #[derive(Debug, Clone)]
 pub struct Response {
     /// The factor on the radiance.
@@ -53,9 +53,9 @@ pub struct Response {
 pub enum Scaling {
     /// 1: the searchlight effect is off, or included in the colouring.
     None,
-    /// That of a quantity.
+    /// The factor of a quantity.
     Of(Quantity),
-    /// W⁴: removes the searchlight effect from a colouring that includes it, and keeps its hue.
+    /// W⁴: cancels the searchlight effect that the colouring includes, and keeps its hue.
     HueAlone,
 }
 
@@ -70,11 +70,11 @@ pub enum Colouring {
     UnshiftedLine(f64),
     /// The channels are linear RGB of a spectrum, whose shift includes the searchlight effect.
     Rgb(&'static RgbShift, Eye),
-    /// The same with infrared and ultraviolet beside them.
+    /// The same, together with infrared and ultraviolet.
     Companions(&'static CompanionShift, Eye),
     /// The mean of the channels multiplies a spectrum, whose colours include the searchlight effect.
     Spectrum(Arc<ColourTable>, Eye),
-    /// The channels are radiances at wavelengths that differ from point to point; colours include the searchlight effect.
+    /// The channels are radiances at wavelengths that differ between points; colours include the searchlight effect.
     Sampled(Eye),
 }
 
@@ -91,7 +91,7 @@ pub struct Eye {
 }
 
 impl Eye {
-    /// The human one.
+    /// The human eye.
     pub const HUMAN: Eye = Eye {
         inverse: 1.0,
         gain: 1.0,
@@ -106,7 +106,7 @@ impl Eye {
         }
     }
 
-    /// W for the human eye's tables.
+    /// The ratio at which to look up W in the human eye's tables.
     #[inline(always)]
     pub(super) fn ratio(self, w: f64) -> f64 {
         w * self.inverse
@@ -117,13 +117,13 @@ impl Eye {
         wavelength * self.inverse
     }
 
-    /// The wavelength that it sees as the human eye sees this one.
+    /// The wavelength that this eye sees as the human eye sees the given one.
     #[inline(always)]
     pub(super) fn seen_as(self, wavelength: f64) -> f64 {
         wavelength / self.inverse
     }
 
-    /// Linear sRGB, in the mean over x, of the radiances at the wavelengths of x.
+    /// Linear sRGB, in the mean over x, for radiances at the wavelengths of x.
     #[inline]
     pub(super) fn colour_of_sampled(self, x: f64, radiance: [f64; 3]) -> [f64; 3] {
         // ∫ L′(λ) m(λ/s) dλ = s ∫ L′(sλ) m(λ) dλ.
@@ -142,25 +142,25 @@ impl Eye {
     }
 }
 
-/// What leaves the points of a run towards the camera, point by point.
+/// The radiance that leaves the points of a run towards the camera, point by point.
 #[derive(Debug)]
 pub struct Emitted {
-    /// The observer's response to it.
+    /// The observer's response.
     pub(super) response: Response,
     /// Radiance to which the factors apply, per channel.
     pub(super) radiance: Vec<[f64; 3]>,
-    /// Infrared and ultraviolet of each point, where its response has them; empty otherwise.
+    /// Infrared and ultraviolet of each point, if the response includes them; empty otherwise.
     pub(super) companions: Vec<[f64; 2]>,
-    /// Further details of some points, in order.
+    /// Details of points that need more than a radiance, in the order of the points.
     pub(super) details: Vec<Detail>,
-    /// Where light is sampled at wavelengths.
+    /// Data for light that is sampled at wavelengths.
     pub(super) spectral: Box<SpectralPoints>,
     pub(super) lookups: Box<Lookups>,
     /// Occlusion queries.
     pub(super) queries: OcclusionQueries,
     pub(super) segments: Vec<Segment>,
     pub(super) blocked: Vec<bool>,
-    /// The points in arrays, where light falls on them.
+    /// The points in arrays, if light falls on them.
     pub(super) points: Points,
     /// Directions towards the observer, if needed.
     pub(super) views: Columns,
@@ -170,24 +170,24 @@ pub struct Emitted {
     pub(super) by_cosine: Columns,
     /// Normals of the points from which paths go on.
     pub(super) normals: Columns,
-    /// Keys of the points' pixels, their samples where each has its own, and two random numbers of each.
+    /// Keys of the points' pixels, sample indices if each point has its own, and two random numbers for each point.
     pub(super) keys: Vec<u64>,
     pub(super) indices: Vec<u32>,
     pub(super) numbers: [Vec<f64>; 2],
-    /// What is drawn of area lights.
+    /// Samples of area lights.
     pub(super) draws: Box<AreaDraws>,
-    /// Of one light that is drawn, by the point that it may fall on, and the direction towards it in the rest frame.
+    /// For one sampled light: the points it may reach, the incident light, and the direction to the light in the rest frame.
     pub(super) arriving: Vec<(usize, Incident, DVec3)>,
-    /// Of all lamps, by point.
+    /// Light of all lamps, by point.
     pub(super) incident: Gathered,
-    /// How points reflect, where they are not diffuse: for loops over lamps, where all are glossy, and one by one.
+    /// How non-diffuse points reflect: in arrays for loops over lamps if all points are glossy, and one by one.
     pub(super) glosses: Glosses,
     pub(super) reflections: Vec<Reflection>,
-    /// What points that are not diffuse reflect.
+    /// What non-diffuse points reflect.
     pub(super) added: Columns,
-    /// Whether no light has come yet to the points of the run: then `added`, or the sum of `incident`, is to be overwritten.
+    /// Whether no light has reached the points of the run yet: then `added`, or the sum of `incident`, will be overwritten.
     pub(super) is_unlit: bool,
-    /// Points as a capture camera sees them, from where on rays to it count, whether those are blocked, and a batch of lookups.
+    /// Points as a capture camera sees them, the start of each ray to it, whether the rays are blocked, and a batch of lookups.
     pub(super) seen: CapturePoints,
     pub(super) leaving: Leaving,
     pub(super) starts: Vec<f64>,
@@ -196,36 +196,36 @@ pub struct Emitted {
     /// The other points, and bricks for their lookups.
     pub(super) rest: Vec<u32>,
     pub(super) near: Near,
-    /// Where points lie in the image of a capture camera, where there are several.
+    /// Positions of the points in the image of a capture camera, if there are several cameras.
     pub(super) located: Vec<Located>,
-    /// How capture cameras look at points, where there are several.
+    /// How capture cameras see the points, if there are several cameras.
     pub(super) capture_views: Vec<Option<CaptureView>>,
-    /// What the parts of an exposure span, from these times, and W of the points.
+    /// Time spans of the parts of an exposure, relative to the emission times.
     pub(super) spans: Vec<[f64; 2]>,
-    /// What several captures say of points.
+    /// Blended data of several captures, by point.
     pub(super) blends: Vec<Blend>,
     /// Times of emission.
     pub(super) times: Vec<f64>,
-    /// Factors on what points shine of their own, where light is followed that was also drawn there; empty for 1.
+    /// Weights of the points' own emission, if followed rays and light samples can both find it; empty if they are all 1.
     pub(super) own_weights: Vec<f64>,
-    /// Paths that go on from the points.
+    /// Paths that continue from the points.
     pub(super) paths: Option<Box<Paths>>,
 }
 
-/// Some points of a run, from which light goes to one place.
+/// Some points of a run, from which rays go to one place.
 #[derive(Debug, Default)]
 pub(super) struct Leaving {
-    /// Which they are.
+    /// Indices of the points.
     pub points: Vec<u32>,
-    /// Where, and their triangles.
+    /// Their positions and triangles.
     pub from: Columns,
     pub triangles: Vec<u32>,
-    /// From where on what is in the way counts.
+    /// The ray parameters from which obstacles count.
     pub s_min: Vec<f64>,
 }
 
 impl Leaving {
-    /// Makes room for `count` points, or keeps so many.
+    /// Makes room for `count` points, or truncates to that number.
     pub fn resize(&mut self, count: usize) {
         self.points.resize(count, 0);
         self.from.resize(count);
@@ -233,7 +233,7 @@ impl Leaving {
         self.s_min.resize(count, 0.0);
     }
 
-    /// Makes them those of `points` with these numbers, for ways to `end`; `starts` is a buffer.
+    /// Takes over the points of `points` with these indices, for rays to `end`; `starts` is a buffer.
     pub fn fill(&mut self, points: &Points, numbers: &[u32], end: DVec3, starts: &mut Vec<f64>) {
         shadow_starts(points, end, starts);
         self.points.clear();
@@ -247,7 +247,7 @@ impl Leaving {
         self.s_min.extend(numbers().map(|k| starts[k]));
     }
 
-    /// The ways to `end`.
+    /// The segments from the points to `end`.
     pub fn towards(&self, end: DVec3) -> Converging<'_> {
         Converging {
             end,
@@ -259,42 +259,42 @@ impl Leaving {
     }
 }
 
-/// Paths from the points of a run: for each surface that they meet after it, a level of all their rays.
+/// Paths from the points of a run: one level of rays for each further surface.
 #[derive(Debug, Default)]
 pub(super) struct Paths {
     pub levels: Vec<Level>,
-    /// Rays by what they hit.
+    /// Rays sorted by the patch that they hit.
     pub order: Vec<MetPatch>,
     /// The rays of one patch.
     pub members: Vec<u32>,
-    /// W of each of them.
+    /// W of each of these rays.
     pub wavelength_ratios: Vec<f64>,
-    /// Lines that paths have found, by the point of the run that they leave.
+    /// Spectral lines that paths have found, by the point of the run at which the path starts.
     pub lines: Vec<(usize, Line)>,
-    /// What leaves the points of one patch.
+    /// The radiance that leaves the points of one patch.
     pub emitted: Emitted,
-    /// Where paths are shared, the groups that share them, the points from which they go on, and the points of one group.
+    /// If paths are shared: the groups, the points from which paths continue, and the points of one group.
     pub groups: Groups,
     pub chosen: Vec<Chosen>,
     pub receivers: Receivers,
 }
 
-/// A point from which a path goes on.
+/// A point from which a path continues.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Chosen {
-    /// The point of the run.
+    /// The index of the point in the run.
     pub point: u32,
-    /// Its place in its group.
+    /// Its index in its group.
     pub at: u32,
-    /// What random numbers come from, and which.
+    /// The key of its random numbers, and the sample index.
     pub key: u64,
     pub index: u32,
 }
 
-/// The patch that a ray has met.
+/// The patch that a ray has hit.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MetPatch {
-    /// Its frame in the upper half, and its first triangle.
+    /// The frame in the upper half, the patch's first triangle in the lower one.
     pub place: u64,
     pub ray: u32,
     pub emitter: u32,
@@ -310,59 +310,59 @@ impl MetPatch {
     }
 }
 
-/// Rays that go on from points of surfaces, and what they meet.
+/// Rays that continue from surfaces, and what they hit.
 #[derive(Debug, Default)]
 pub(super) struct Level {
-    /// How many surfaces came before those that they meet.
+    /// The number of surfaces before the ones that these rays hit.
     pub depth: u32,
-    /// Where each comes from.
+    /// The origin of each ray.
     pub drawn: Vec<Drawn>,
     /// Look directions in the world, unit vectors.
     pub directions: Vec<DVec3>,
-    /// Where they leave.
+    /// The event at which each ray leaves.
     pub origins: Vec<RayOrigin>,
     /// The triangles that they leave.
     pub left: Vec<LeftTriangle>,
-    /// ω_world/ω_F of their light, F the rest frame of the points that they leave.
+    /// ω_world/ω_F of their light, where F is the rest frame of the points that they leave.
     pub ratios: Vec<f64>,
-    /// Keys of their pixels, and their samples where each has its own.
+    /// Keys of their pixels, and sample indices if each ray has its own.
     pub pixels: Vec<u64>,
     pub indices: Vec<u32>,
-    /// Wavelengths in the frames of the points that they leave, where light is sampled at some.
+    /// Wavelengths in the frames of the points that they leave, if light is sampled at wavelengths.
     pub wavelengths: Vec<Wavelengths>,
-    /// Weights by red, green and blue, where there are lines.
+    /// Weights for red, green and blue, if there are lines.
     pub rgb_weights: Vec<[f64; 3]>,
-    /// From which on they are shared, if any are.
+    /// The index of the first shared ray, if any are shared.
     pub shared_from: Option<usize>,
     /// Their nearest hits.
     pub hits: HitBuffer,
-    /// What each has met.
+    /// What each ray has hit.
     pub met: Vec<Met>,
 }
 
-/// A direction drawn at a point.
+/// A sampled direction at a point.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Drawn {
-    /// The point: its place in the run, or the ray of the level before that has met it.
+    /// The point: its index in the run, or the ray of the previous level that hit it.
     pub from: u32,
-    /// Its rest frame.
+    /// The point's rest frame.
     pub frame: u32,
     /// The normal of its triangle there, and n·l.
     pub normal: DVec3,
     pub cosine: f64,
-    /// Of one that is shared, the place of the point in its group.
+    /// For a shared ray, the index of the point in its group.
     pub at: u32,
     pub scattered: Scattered,
 }
 
-/// What a ray has met.
+/// What a ray has hit.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Met {
-    /// Nothing that sends light.
+    /// Nothing that emits or reflects light.
     Nothing,
-    /// Light that is known.
+    /// Light that is fully known.
     Light(Incident),
-    /// A surface that reflects what comes to it, some of which may not yet be known.
+    /// A surface that reflects incident light, some of which may not be known yet.
     Surface(MetSurface),
 }
 
@@ -371,21 +371,21 @@ pub(super) enum Met {
 pub(super) struct MetSurface {
     /// Index of its emitter.
     pub emitter: u32,
-    /// W of its light where the ray comes from.
+    /// W of its light at the origin of the ray.
     pub ratio: f64,
-    /// What it reflects of the light that is known so far, and what it shines of its own.
+    /// The reflected part of the incident light known so far, and the surface's own emission.
     pub reflected: [f64; 3],
     pub own: [f64; 3],
-    /// Whether what it reflects is the same in all directions.
+    /// Whether the surface reflects equally in all directions.
     pub is_diffuse: bool,
-    /// Of the light that is known so far.
+    /// The incident light known so far.
     pub incident: Irradiance,
 }
 
-/// A point whose radiance is not fully known, or has another wavelength than the response says.
+/// A point whose radiance is not fully known, or whose wavelength differs from the response's.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Detail {
-    /// The point's place in the run.
+    /// The point's index in the run.
     pub at: usize,
     /// As in [`Emission`].
     pub unscaled: [f64; 3],
@@ -463,7 +463,7 @@ impl Emission {
 }
 
 impl Emitted {
-    /// Forgets the last run, and begins one of this response.
+    /// Clears the last run and starts one with this response.
     pub fn start(&mut self, response: Response) {
         self.response = response;
         self.radiance.clear();
@@ -471,7 +471,7 @@ impl Emitted {
         self.details.clear();
     }
 
-    /// Takes the radiance of all points of the run, which is grey, as that of a band, and begins the run again.
+    /// Stores the radiance of all points of the run, which is grey, as that of a band, and restarts the run.
     pub(super) fn set_aside(&mut self, band: usize) {
         self.companions.resize(self.radiance.len(), [0.0; 2]);
         for (companions, [grey, ..]) in self.companions.iter_mut().zip(&self.radiance) {
@@ -487,9 +487,9 @@ impl Emitted {
         self.companions.get(at).copied().unwrap_or_default()
     }
 
-    /// Notes the wavelengths of the light of lamps that points reflect, all of whose radiance is known.
+    /// Records the wavelengths of the lamp light that the points reflect. The radiance of these points must be fully known.
     pub(super) fn note_wavelengths(&mut self) {
-        // Nothing but the colour of a line depends on them.
+        // Only the colour of a line depends on them.
         if !matches!(self.response.colour, Colouring::ShiftedLine(_)) {
             return;
         }
@@ -512,7 +512,7 @@ impl Emitted {
         self.put(self.radiance.len() - 1, emission);
     }
 
-    /// Sets what point `at` emits, of which nothing was known; the details are to be in the order of points at the end.
+    /// Sets the emission of point `at`, which must not have been set before; in the end, the details must be in the order of the points.
     #[inline]
     pub(super) fn put(&mut self, at: usize, emission: Emission) {
         self.radiance[at] = emission.radiance;

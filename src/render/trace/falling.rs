@@ -1,4 +1,4 @@
-//! Light that falls on the points of a run, by point.
+//! Light that falls on the points of a run.
 
 use crate::accel::vectors::{BLOCK, Columns};
 use crate::light::lamp::{Arrivals, Incidence, Incident, Irradiance};
@@ -8,18 +8,18 @@ use crate::light::lamp::{Arrivals, Incidence, Incident, Irradiance};
 pub(super) struct Falling {
     pub arrivals: Arrivals,
     pub incidence: Incidence,
-    /// The lamp's intensity as it is seen at W, where that differs.
+    /// The lamp's intensity as seen at W, if it depends on W.
     pub colours: Columns,
-    /// Points that it shines on, and f there where surfaces are none of one kind.
+    /// The points that it lights, and the value of f there if the surfaces are not of one kind.
     pub lit: Vec<u32>,
     pub values: Columns,
 }
 
-/// The light of all lamps: as [`Irradiance`], in columns of whole blocks.
+/// The light of all lamps, like [`Irradiance`], in columns of whole blocks.
 #[derive(Debug, Default)]
 pub(super) struct Gathered {
     pub sum: Columns,
-    /// Empty where wavelengths are not weighed.
+    /// Empty if wavelengths are not averaged.
     pub weight: Vec<f64>,
     pub weighted: Vec<f64>,
     /// Whether anything depends on the wavelengths.
@@ -27,13 +27,13 @@ pub(super) struct Gathered {
 }
 
 impl Gathered {
-    /// No light at `count` points, whose wavelengths are to be weighed or not.
+    /// Starts with no light at `count` points; `weighs` says whether wavelengths are averaged.
     pub fn start(&mut self, count: usize, weighs: bool) {
         self.start_unlit(count, weighs);
         self.sum.fill(count, glam::DVec3::ZERO);
     }
 
-    /// The same where the first light overwrites the sum.
+    /// The same, but the first light will overwrite the sum.
     pub fn start_unlit(&mut self, count: usize, weighs: bool) {
         self.weighs = weighs;
         self.sum.resize(count);
@@ -44,7 +44,7 @@ impl Gathered {
         }
     }
 
-    /// That of point `k`.
+    /// The light of point `k`.
     #[inline]
     pub fn get(&self, k: usize) -> Irradiance {
         let sum = self.sum.get(k).to_array();
@@ -55,7 +55,7 @@ impl Gathered {
         Irradiance::from_parts(sum, weights)
     }
 
-    /// Adds light to that of point `k`.
+    /// Adds light to point `k`.
     #[inline]
     pub fn add(&mut self, k: usize, light: &Incident) {
         let mut all = self.get(k);
@@ -63,7 +63,7 @@ impl Gathered {
         self.set(k, &all);
     }
 
-    /// Overwrites that of point `k`.
+    /// Overwrites the light of point `k`.
     #[inline]
     pub fn set(&mut self, k: usize, light: &Irradiance) {
         let (sum, weights) = light.parts();

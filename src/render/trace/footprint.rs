@@ -1,50 +1,48 @@
 //! Sample footprints on surfaces: `reconstruction = "footprint"`.
 //!
-//! A sample at film point (x, y) stands for its cell of the pixel, a × b pixels (all of it, where there is one sample). The
-//! camera's own rays through (x + h, y) and (x, y + h), h = ±2⁻¹⁰ towards the middle of the pixel, are carried into the
-//! rest frame of what the sample hit, and meet the plane of the triangle at events X_x and X_y, each at its own retarded
-//! time. (X_x − X)/h and (X_y − X)/h are the derivatives of the seen event by the place on the film (Igehy, "Tracing ray
-//! differentials", SIGGRAPH 1999, with differences for differentials). Distance, tilt, aberration, the motion of either and
-//! of the pinhole itself are in them, of whatever camera. With (ξ₀, υ₀) the sample's place in its cell, from 0 to 1, the
-//! cell shows to first order
+//! A sample at film point (x, y) stands for its cell of the pixel, a × b pixels (the whole pixel if there is one sample). The camera's own
+//! rays through (x + h, y) and (x, y + h), h = ±2⁻¹⁰ towards the middle of the pixel, are transformed to the rest frame of the surface that
+//! the sample hit. They intersect the plane of the triangle at events X_x and X_y, each at its own retarded time. (X_x − X)/h and (X_y −
+//! X)/h are the derivatives of the seen event with respect to the film point (Igehy, "Tracing ray differentials", SIGGRAPH 1999, with
+//! finite differences for differentials). They include distance, tilt, aberration, and the motion of the object, the camera and the pinhole
+//! itself, for any camera. With (ξ₀, υ₀) the sample's position in its cell, from 0 to 1, the cell shows to first order
 //!
 //! ```text
 //! X(ξ, υ) = X + (ξ − ξ₀) a ∂X/∂x + (υ − υ₀) b ∂X/∂y,   0 ≤ ξ, υ ≤ 1.
 //! ```
 //!
-//! The mean over it is that of n × m lookups at ((i + ½)/n, (j + ½)/m), each at its own position and time: n and m are the lengths of the
-//! two sides in texels, rounded up, so that lookups, which interpolate linearly, are at most a texel apart. Along a tilted surface only
-//! one of them is large: the filter is anisotropic. The cells of a pixel's samples add up to the pixel. A side shorter than a texel is
-//! not filtered; if both are, the result is the single lookup at the sample.
+//! The mean over the cell is computed from n × m lookups at ((i + ½)/n, (j + ½)/m), each at its own position and time: n and m are the
+//! lengths of the two sides in texels, rounded up, so that lookups, which interpolate linearly, are at most a texel apart. On a tilted
+//! surface only one of the two numbers is large: the filter is anisotropic. The cells of a pixel's samples add up to the pixel. A side
+//! shorter than a texel is not filtered; if both are, the result is the single lookup at the sample.
 //!
-//! **Time.** The light that a cell shows left at different times. With a pinhole at rest at distance r of a surface at rest,
-//! index η, it left at t − ηr, and from the place X to X + ∂X dx it is earlier by
+//! **Time.** The light that a cell shows left at different times. For a pinhole at rest at distance r from a surface at rest, in a medium
+//! of index η, the light left at t − ηr. Between the positions X and X + ∂X dx it is earlier by
 //!
 //! ```text
 //! dt = η dr = η d̂ · ∂X dx = η r tan θ dφ        (d̂ the look direction, θ its angle with the normal, dφ that between rays)
 //! ```
 //!
-//! which the differences above hold, with all that motion adds to it: the times of X_x and X_y are those of the rays
-//! themselves. A part of the cell, 1/n × 1/m of it, thus spans the times
+//! The differences above contain this and all contributions of motion, as the times of X_x and X_y are those of the rays themselves. A part
+//! of the cell, 1/n × 1/m of it, thus spans the times
 //!
 //! ```text
 //! t + u α + v β,   |u|, |v| ≤ ½,   α = (a/n) ∂t/∂x,  β = (b/m) ∂t/∂y,
 //! ```
 //!
-//! and where |α| + |β| is no more than a bin, it is read at t. Where it is more, the mean over (u, v) is that with a trapezoid
-//! in time, the convolution of boxes as long as α and β. The longer box is the mean over a span, by prefix sums however many
-//! bins it has; the side of the shorter one is split into parts of a bin, up to 16: then the slopes of the trapezoid are
-//! stairs of 16 steps, which leave less than 2/(12·16²) < 1/1000 of the variance of noise from bin to bin. Where bins differ in width there are no such means
-//! over spans: all sides are split into parts of a mean bin, up to 64.
+//! If |α| + |β| is at most one bin, the part is read at t. Otherwise the mean over (u, v) is that with a trapezoid in time, the convolution of boxes with
+//! lengths α and β. The longer box is the mean over a span, by prefix sums, for any number of bins. The side of the shorter one is split into parts of one
+//! bin, up to 16: then the slopes of the trapezoid become stairs of 16 steps, which leave less than 2/(12·16²) < 1/1000 of the variance of noise between
+//! bins. If bins differ in width, such means over spans do not exist: all sides are split into parts of a mean bin, up to 64.
 //!
-//! **Exposures.** Where samples take means over an exposure, the camera's time is a third side, with a ray through the same place on the
-//! film 2⁻¹⁰ of the exposure sooner or later: where camera and object move relative to each other the seen point slides, and the
-//! side has a length in texels, and the times of its ends are those at which the light left *there*. In time it is a third box.
-//! Samples stand for boxes in (x, y, time) that together have to be all of the pixel and all of the exposure. The cells of n = a b
-//! samples, 1/a × 1/b of the pixel, are not, each with its own n-th of the time: these are n of n² boxes, and noise from bin to bin or texel to
-//! texel is that of 1/n of what there is to average. But of the samples of each column of cells one lies in each b-th of the time
-//! ([`Sampler::moment`](crate::render::sampler::Sampler::moment)): a column, of the pixel's full height, and a b-th of the time are a
-//! box for each sample, and the boxes are all. Along the height what is first order in one sample stays so with many.
+//! **Exposures.** If samples average over an exposure, the camera's time is a third side, from a ray through the same film point 2⁻¹⁰ of the
+//! exposure sooner or later. If camera and object move relative to each other, the seen point slides: the side has a length in texels, and the
+//! times of its ends are those at which the light left *there*. In time it is a third box. Samples stand for boxes in (x, y, time) that
+//! together must fill the whole pixel and the whole exposure. The cells of n = a b samples, 1/a × 1/b of the pixel, each with its own n-th of
+//! the time, do not: these are n of n² boxes, and average noise between bins or texels over only 1/n of the data. But of the samples in each
+//! column of cells, one lies in each b-th of the time ([`Sampler::moment`](crate::render::sampler::Sampler::moment)): each sample then stands
+//! for a column, with the pixel's full height, during a b-th of the time, and these boxes fill everything. Along the height, a first-order
+//! approximation for one sample stays one for many.
 
 use std::cell::Cell;
 use std::ops::{Add, Mul};
@@ -60,37 +58,37 @@ use crate::light::time_texture::{Capture, CapturePoint, Located, Near, Sampled, 
 use crate::scene::model::Reconstruction;
 use crate::spacetime::{Direction, NullRay, World};
 
-/// The most lookups along a side.
+/// The maximum number of lookups along a side.
 const MOST: f64 = 64.0;
 
-/// The most that a box in time is split into, where a longer one smooths over its parts.
+/// The maximum number of parts of a box in time, if a longer box smooths over the parts.
 const STEPS: f64 = 16.0;
 
-/// What rounding may put on a length of a whole number of parts, of which there are up to MOST: it must not make one part more.
+/// Bounds the rounding error of a length that is a whole number of parts, up to MOST: it must not add a part.
 const ROUNDING: f64 = 1e-9;
 
-/// What a sample stands for.
+/// The cell that a sample stands for.
 pub(super) struct Footprint {
-    /// Where in its cell the sample lies, from 0 to 1.
+    /// The sample's position in its cell, from 0 to 1.
     within: [f64; 3],
-    /// Across, down, and in time; nothing where no exposure is integrated over.
+    /// Sides across, down, and in time; the last is zero if no exposure is integrated over.
     sides: [Side; 3],
-    /// Whether one is.
+    /// Whether an exposure is integrated over.
     is_exposed: bool,
 }
 
-/// From one side of a cell to the other.
+/// The displacement from one side of a cell to the other.
 #[derive(Debug, Clone, Copy, Default)]
 struct Side {
-    /// In the rest frame, metres.
+    /// Position in the rest frame, metres.
     position: DVec3,
-    /// In barycentric coordinates of the triangle.
+    /// Barycentric coordinates in the triangle.
     barycentric: DVec2,
-    /// Of emission, by the clock that was asked for, metres.
+    /// Emission time by the requested clock, metres.
     time: f64,
 }
 
-/// Where a ray meets a plane.
+/// The intersection of a ray with a plane.
 struct Meeting {
     position: DVec3,
     barycentric: DVec2,
@@ -98,13 +96,13 @@ struct Meeting {
 }
 
 impl Run<'_> {
-    /// Whether lookups in `texture` are means over what samples stand for.
+    /// Whether lookups in `texture` are means over footprints.
     pub(super) fn filters(&self, texture: &TimeTexture) -> bool {
         texture.reconstruction() == Reconstruction::Footprint
             && self.traced.rays.samples.cells.is_some()
     }
 
-    /// What member `k` stands for, with times by `clock`; none where a ray beside it does not meet its plane.
+    /// The footprint of member `k`, with times by `clock`; `None` if a neighbouring ray does not intersect the member's plane.
     pub(super) fn footprint(&self, k: usize, clock: EmissionClock) -> Option<Footprint> {
         let cells = self.traced.rays.samples.cells.as_ref()?;
         let (hit, ray) = (self.hit(k)?, self.members[k] as usize);
@@ -130,7 +128,7 @@ impl Run<'_> {
         Some(footprint)
     }
 
-    /// Where ray `ray` of `rays` meets the plane of the triangle with these corners.
+    /// The intersection of ray `ray` of `rays` with the plane of the triangle with these corners.
     fn meeting(
         &self,
         rays: &CameraRays,
@@ -145,7 +143,7 @@ impl Run<'_> {
         let local = self.rest.frame.ray_from_world(event, d, index);
         let (e1, e2) = (b - a, c - a);
         let normal = e1.cross(e2);
-        // The parameter is the same in all frames.
+        // The ray parameter is the same in all frames.
         let s = normal.dot(a - local.origin.x) / normal.dot(local.tangent.x);
         if !(s > 0.0 && s.is_finite()) {
             return None;
@@ -167,28 +165,28 @@ impl Run<'_> {
     }
 }
 
-/// Into what the mean over a cell is split.
+/// How the mean over a cell is split.
 struct Split {
-    /// How many parts the sides have.
+    /// The number of parts of each side.
     count: [usize; 3],
-    /// The one of these whose parts are read as spans of time; the others' are read in the middle.
+    /// The side whose parts are read as spans of time, if any; parts of the others are read at their middles.
     span: Option<usize>,
-    /// Whether its parts are read by how long they take.
+    /// Whether parts are chosen by their duration.
     in_time: bool,
 }
 
 /// One part of a cell.
 struct Part {
-    /// Of the sides, what is added to the place of the sample.
+    /// The offset along each side from the sample's position.
     sides: [f64; 3],
-    /// How much later than the sample its light leaves.
+    /// How much later than the sample's light the light of this part leaves.
     later: f64,
-    /// From where to where it reaches about that, if it is read as a span.
+    /// The span of time around that, if it is read as a span.
     span: Option<[f64; 2]>,
 }
 
 impl Footprint {
-    /// The mean of `look_up` over the cell, whose sides are so many texels long; none where one lookup will do.
+    /// The mean of `look_up` over the cell, whose sides have these lengths in texels; `None` if a single lookup is enough.
     fn mean(
         &self,
         texture: &TimeTexture,
@@ -200,7 +198,7 @@ impl Footprint {
         if n * m * l == 1 && !split.in_time && !self.is_exposed {
             return None;
         }
-        // Parts of equal size: the plain mean, at their middles.
+        // Parts of equal size: their mean, at their middles, without weights.
         let mut sum = Sampled::default();
         for (e, j, i) in
             (0..l).flat_map(|e| (0..m).flat_map(move |j| (0..n).map(move |i| (e, j, i))))
@@ -223,7 +221,7 @@ impl Footprint {
     fn split(&self, texture: &TimeTexture, texels: [f64; 3]) -> Split {
         let parts = |length: f64, most: f64| (length - ROUNDING).ceil().clamp(1.0, most);
         let [across, down] = [parts(texels[0], MOST), parts(texels[1], MOST)];
-        // Of many places, few are enough of each as it slides.
+        // With many positions, few parts of the slide are needed for each.
         let sliding = parts(texels[TIME], (MOST * MOST / (across * down)).min(MOST));
         let mut count = [across, down, sliding];
         let bins = self.sides.map(|side| texture.bins_in(side.time.abs()));
@@ -249,7 +247,7 @@ impl Footprint {
     }
 
     fn part(&self, split: &Split, number: [usize; 3]) -> Part {
-        // A side of the film that is not split stays where the sample is, unless times are averaged.
+        // A side in the film that is not split stays at the sample's position, unless times are averaged.
         let sides: [f64; 3] =
             std::array::from_fn(|k| match split.count[k] > 1 || split.in_time || k == TIME {
                 true => (number[k] as f64 + 0.5) / split.count[k] as f64 - self.within[k],
@@ -269,7 +267,7 @@ impl Footprint {
     }
 }
 
-/// From a place so much of each side on.
+/// `from`, moved by these fractions of each side.
 fn along<V: Copy + Mul<f64, Output = V> + Add<Output = V>>(
     from: V,
     sides: &[V; 3],
@@ -281,8 +279,8 @@ fn along<V: Copy + Mul<f64, Output = V> + Add<Output = V>>(
         .fold(from, |at, (side, part)| at + *side * part)
 }
 
-/// What `texture` holds by texture coordinates of what the points of `run` stand for. Places beyond the edges of a texture
-/// that the sample itself is on count as those on its edges.
+/// Looks up `texture`, by texture coordinates, for the footprints of the points of `run`. Positions beyond the edges of the texture count
+/// as those on its edges if the sample itself is inside.
 pub(super) fn look_up(
     texture: &TimeTexture,
     set: usize,
@@ -300,7 +298,7 @@ pub(super) fn look_up(
     texture.look_up_each(&near, run.count(), |k| {
         let hit = run.hit(k);
         let front = hit.is_none_or(|hit| hit.front);
-        // Linear beyond the triangle's edges, too: parts of a footprint lie in its plane.
+        // Extrapolated linearly beyond the triangle's edges: parts of a footprint lie in its plane.
         let at = |u: f64, v: f64| {
             let hit = hit.map(|hit| crate::accel::Hit { u, v, ..hit })?;
             run.rest.uv(run.patch, set, &hit)
@@ -342,7 +340,7 @@ pub(super) fn look_up(
                 })
             });
         let sampled = mean.unwrap_or_else(|| one(uv, time, span));
-        // While bricks are only being asked for there is nothing to keep.
+        // While bricks are only being requested, there are no results to keep.
         if !near.is_asking() {
             emitted.push(Emission::stored(sampled));
         }
@@ -351,7 +349,7 @@ pub(super) fn look_up(
     meter.count(Counter::TextureBytes, read);
 }
 
-/// One point of a run as a capture saw it, with what its lookup takes.
+/// One point of a run as a capture saw it, with the data that a lookup needs.
 pub(super) struct Recorded<'a> {
     pub texture: &'a TimeTexture,
     pub capture: &'a Capture,
@@ -359,17 +357,17 @@ pub(super) struct Recorded<'a> {
     pub point: CapturePoint,
     pub located: &'a Located,
     pub time: f64,
-    /// From where to where an exposure reaches about that.
+    /// The span of the exposure around that time.
     pub span: Option<[f64; 2]>,
     pub blocked: bool,
-    /// Bricks that are at hand.
+    /// Bricks in memory.
     pub near: &'a Near,
-    /// Bytes that lookups have read, where they are counted.
+    /// The number of bytes that lookups have read, if counted.
     pub read: Option<&'a Cell<u64>>,
 }
 
 impl Recorded<'_> {
-    /// What was recorded of what member `k` of `run` stands for.
+    /// The recorded radiance of the footprint of member `k` of `run`.
     pub fn look_up(&self, run: &Run, k: usize) -> Sampled {
         let is_seen = self.located.is_seen() && !self.blocked;
         let mean = match is_seen && run.filters(self.texture) {
@@ -409,7 +407,7 @@ impl Recorded<'_> {
                 ..self.point
             };
             let located = self.texture.locate(self.capture, &point);
-            // Beyond the end of the surface, or where another hides it, the sample's own place stands in.
+            // Beyond the end of the surface, or if another surface hides the position, use the sample's own.
             let located = if located.is_seen() {
                 located
             } else {

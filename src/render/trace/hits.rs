@@ -1,4 +1,4 @@
-//! The nearest hits of a batch so far, and its rays in the last rest frame that was intersected.
+//! The nearest hits of a batch so far, and its rays in the rest frame that was intersected last.
 
 use glam::DVec3;
 
@@ -22,11 +22,11 @@ pub struct SurfaceHit {
 /// Buffers of one tile, reused from batch to batch.
 #[derive(Debug, Default)]
 pub struct HitBuffer {
-    /// The nearest hit of each ray; empty where nobody asks for more than `alike` says.
+    /// The nearest hit of each ray; empty if only `alike` is needed.
     hits: Vec<Option<Hit>>,
-    /// Rays in a row that hit one side of one triangle, or nothing, where that is known: where they end, and what they hit.
+    /// Runs of consecutive rays that hit the same side of one triangle, or nothing, if known: the end of each run, and its hit.
     alike: Vec<(u32, Option<SurfaceHit>)>,
-    /// Its rest frame; empty where there is one.
+    /// The rest frame of each hit; empty if there is only one frame.
     frames: Vec<u32>,
     /// Index of the medium along each ray.
     indices: Vec<f64>,
@@ -38,10 +38,10 @@ pub struct HitBuffer {
     chosen: Vec<u32>,
     chosen_directions: Vec<DVec3>,
     chosen_hits: Vec<Option<Hit>>,
-    /// Where each ray leaves, in the frame that was intersected last; empty where all leave one event.
+    /// The origin of each ray in the frame that was intersected last; empty if all leave at one event.
     origins: Vec<DVec3>,
     origin_times: Vec<f64>,
-    /// Places of the triangles of that frame that rays leave; empty where they leave none of any frame.
+    /// Slots of the triangles of that frame that rays leave; empty if no ray leaves a triangle in any frame.
     left: Vec<u32>,
 }
 
@@ -57,8 +57,7 @@ impl HitBuffer {
         }
     }
 
-    /// Forgets all hits, and begins to take those of several rest frames over that were found without
-    /// [`Surfaces::nearest`](super::Surfaces).
+    /// Clears all hits, before hits in several rest frames are added that were found without [`Surfaces::nearest`](super::Surfaces).
     pub(crate) fn clear(&mut self) {
         self.hits.clear();
         self.alike.clear();
@@ -66,14 +65,14 @@ impl HitBuffer {
         self.origins.clear();
     }
 
-    /// Takes over what the next ray hits.
+    /// Adds the hit of the next ray.
     #[inline(always)]
     pub(crate) fn push(&mut self, hit: Option<SurfaceHit>) {
         self.hits.push(hit.map(|found| found.hit));
         self.frames.push(hit.map_or(0, |found| found.frame));
     }
 
-    /// Takes over what the next `rays` rays hit, all of them at the same place or at nothing.
+    /// Adds the hits of the next `rays` rays, which all hit the same point or nothing.
     #[inline(always)]
     pub(crate) fn push_alike(&mut self, hit: Option<SurfaceHit>, rays: usize) {
         let count = self.hits.len() + rays;
@@ -83,7 +82,7 @@ impl HitBuffer {
             .resize(count, hit.map_or(0, |found| found.frame));
     }
 
-    /// The same for rays that hit one triangle, each at its own distance and weights.
+    /// Adds the hits of rays on one triangle, each with its own distance and weights.
     #[inline(always)]
     pub(crate) fn push_places(&mut self, found: SurfaceHit, s: &[f64], [u, v]: [&[f64]; 2]) {
         self.push_run(Some(found), s.len());
@@ -98,7 +97,7 @@ impl HitBuffer {
         self.frames.resize(self.hits.len(), found.frame);
     }
 
-    /// Says that some rays hit nothing after all, when all have been taken over.
+    /// Removes the hits of some rays, after all hits have been added.
     pub(crate) fn remove(&mut self, rays: impl Iterator<Item = usize>) {
         for ray in rays {
             (self.hits[ray], self.frames[ray]) = (None, 0);
@@ -106,26 +105,26 @@ impl HitBuffer {
         }
     }
 
-    /// The same in a buffer of which nobody asks what a single ray hits.
+    /// The same as [`HitBuffer::push_alike`] for a buffer in which hits of single rays are not needed.
     #[inline(always)]
     pub(crate) fn push_run(&mut self, hit: Option<SurfaceHit>, rays: usize) {
         let begin = self.alike.last().map_or(0, |(end, _)| *end);
         self.alike.push((begin + rays as u32, hit));
     }
 
-    /// Where rays in a row that hit one side of one triangle end, and what they hit; empty where that is not known.
+    /// The ends and hits of runs of consecutive rays that hit the same side of one triangle; empty if not known.
     pub(super) fn alike(&self) -> &[(u32, Option<SurfaceHit>)] {
         &self.alike
     }
 
-    /// Says how far the hit of ray `ray` is.
+    /// Sets the distance of the hit of ray `ray`.
     pub(crate) fn set_distance(&mut self, ray: usize, s: f64) {
         if let Some(hit) = &mut self.hits[ray] {
             hit.s = s;
         }
     }
 
-    /// Chooses the rays along `directions` that are within `cone`, and says how many they are.
+    /// Chooses those of the rays along `directions` that are within `cone`, and returns their number.
     pub(super) fn choose(&mut self, cone: &VisibleCone, directions: &[DVec3]) -> usize {
         cone.choose(directions, &mut self.chosen);
         self.chosen.len()
@@ -144,7 +143,7 @@ impl HitBuffer {
         self.chosen_directions = directions;
     }
 
-    /// Intersects the chosen rays, which were boosted last, as [`HitBuffer::intersect`] does all.
+    /// Intersects the chosen rays, which were boosted last, as [`HitBuffer::intersect`] does with all rays.
     pub(super) fn intersect_chosen(
         &mut self,
         frame: u32,
@@ -163,7 +162,7 @@ impl HitBuffer {
         } = self;
         chosen_hits.clear();
         chosen_hits.extend(chosen.iter().map(|ray| hits[*ray as usize]));
-        // Where there is one rest frame, no record is kept of which was hit.
+        // If there is only one rest frame, no record is kept of which frame was hit.
         let replaced = |k: usize| {
             if let Some(known) = frames.get_mut(chosen[k] as usize) {
                 *known = frame;
@@ -227,8 +226,8 @@ impl HitBuffer {
         }
     }
 
-    /// Intersects `rays` with the surfaces of `frame`, from `origin` if they share one, and keeps what is nearer
-    /// than the hits so far: along `directions`, or along the tangents that were boosted last.
+    /// Intersects `rays` with the surfaces of `frame`, from `origin` if they share one, along `directions` or, without these, along the
+    /// tangents that were boosted last. Keeps the hits that are nearer than those so far.
     pub(super) fn intersect(
         &mut self,
         frame: u32,
@@ -259,7 +258,7 @@ impl HitBuffer {
             }
         };
         let directions = directions.unwrap_or(&self.local);
-        // The traversal is compiled with counting and without.
+        // The traversal is compiled both with and without counting.
         match meter.visibility() {
             None => bvh.closest_by(
                 rays.method,
@@ -275,7 +274,7 @@ impl HitBuffer {
         }
     }
 
-    /// Ray `ray` in the frame that was boosted into last, and ω_rest/ω_world of its light.
+    /// Ray `ray` in the frame into which rays were boosted last, and ω_rest/ω_world of its light.
     #[inline(always)]
     pub(super) fn boosted(&self, ray: usize, origin: Event<Rest>) -> (NullRay<Rest>, f64) {
         let boosted = NullRay {
@@ -297,7 +296,7 @@ impl HitBuffer {
         &self.ratios
     }
 
-    /// Where ray `ray` leaves in that frame, if not at `origin`.
+    /// The event at which ray `ray` leaves in that frame; `origin` if all rays leave at one event.
     #[inline(always)]
     pub(super) fn origin(&self, ray: usize, origin: Event<Rest>) -> Event<Rest> {
         match self.origins.get(ray) {
@@ -306,7 +305,7 @@ impl HitBuffer {
         }
     }
 
-    /// The nearest hit of each ray of the batch, but for those that hit [alike](Self::push_run).
+    /// The nearest hit of each ray of the batch, except those added by [`push_run`](Self::push_run).
     #[inline]
     pub fn hits(&self) -> &[Option<Hit>] {
         &self.hits

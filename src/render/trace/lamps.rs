@@ -1,7 +1,7 @@
-//! Illumination by lamps: what [`Lamp`] gives, minus shadows.
+//! Illumination by lamps: the light of each [`Lamp`], minus shadows.
 //!
-//! All points of a run are lit together, in loops over arrays; only colours of spectra are looked up point by point, where light arrives.
-//! Shadows are tested before that, for all points together.
+//! All points of a run are lit together, in loops over arrays; only colours of spectra are looked up point by point, for points that are
+//! lit. Shadows are tested beforehand, for all points together.
 
 use glam::DVec3;
 
@@ -16,7 +16,7 @@ use crate::accel::vectors::{
 use crate::light::lamp::{Incident, Kept, Lamp};
 use crate::light::reflection::{Coefficients, Glosses, Reflection};
 
-/// Adds the light of one lamp to what falls on the points of `run`, in a medium of index `index`.
+/// Adds the light of one lamp to the points of `run`, in a medium of index `index`.
 pub(super) fn illuminate(
     run: &Run,
     lamp: &Lamp,
@@ -42,7 +42,7 @@ pub(super) fn illuminate(
     } = emitted;
     let surfaces = run.traced.surfaces;
 
-    // What comes to each point, and how it falls there.
+    // The light that arrives at each point, and its angle of incidence.
     let Falling {
         arrivals,
         incidence,
@@ -52,7 +52,7 @@ pub(super) fn illuminate(
     } = falling;
     let boost = surfaces.boost(run.frame);
     let (on_rays, normals) = (points.on_rays(), &points.normals);
-    // Shadow rays need the ways to the lamp, but for those that all end in one point of the frame.
+    // Shadow rays need directions to the lamp, unless they all end at one point of the frame.
     let end = surfaces.at_rest().zip(lamp.place());
     let is_matte = glosses.is_empty() && reflections.is_empty();
     let needs_ways = lamp.shadows && end.is_none();
@@ -66,7 +66,7 @@ pub(super) fn illuminate(
         lamp.incidence(arrivals, boost, normals, incidence);
     }
 
-    // Less what comes from below a surface that is smooth by its vertices.
+    // Remove light from below a surface with vertex normals.
     if points.is_smooth() {
         for k in 0..points.count() {
             if points.is_below(k, incidence.l(arrivals).get(k)) {
@@ -75,7 +75,7 @@ pub(super) fn illuminate(
         }
     }
 
-    // Less what is in shadow.
+    // Remove light that is blocked.
     if lamp.shadows {
         find_lit(incidence.factors(), lit);
         let blocked = match end {
@@ -98,7 +98,7 @@ pub(super) fn illuminate(
         }
     }
 
-    // Lines are followed each by itself.
+    // Lines are followed one by one.
     if lamp.is_of_lines() && spectral.is_sampled() {
         find_lit(incidence.factors(), lit);
         for k in lit.iter().map(|k| *k as usize) {
@@ -112,7 +112,7 @@ pub(super) fn illuminate(
         return;
     }
 
-    // Each kind of surface in a loop of its own: matte ones reflect the sum later, others each light by itself.
+    // A separate loop for each kind of surface: matte surfaces reflect the sum later, others each light by itself.
     if constant.is_none() {
         colours.resize(points.count());
         let seen = incidence.ratios().iter().zip(incidence.factors());
@@ -167,7 +167,7 @@ pub(super) fn illuminate(
     }
 }
 
-/// Makes `lit` the numbers of the factors that are not 0.
+/// Fills `lit` with the indices of nonzero factors.
 fn find_lit(factors: &[f64], lit: &mut Vec<u32>) {
     lit.resize(factors.len(), 0);
     let mut count = 0;
@@ -178,7 +178,7 @@ fn find_lit(factors: &[f64], lit: &mut Vec<u32>) {
     lit.truncate(count);
 }
 
-/// Adds the light that is arriving and that nothing stands in the way of, as far as `shadows` are asked for; `value` is f.
+/// Adds the arriving light that is not blocked, testing for obstacles if `shadows` is set; `value` is f.
 pub(super) fn reflect_unblocked(
     value: impl Fn(&Reflection, DVec3) -> [f64; 3],
     run: &Run,
@@ -208,7 +208,7 @@ pub(super) fn reflect_unblocked(
             continue;
         }
         match reflections.get(*k) {
-            // A matte surface multiplies its colour once, later; any other needs the direction of the light.
+            // A matte surface multiplies by its colour once, later; all others need the direction of the light.
             None => incident.add(*k, light),
             Some(reflection) => {
                 let value = DVec3::from_array(value(reflection, *l));
@@ -226,7 +226,7 @@ pub(super) fn reflect_unblocked(
     spectral.arriving = lines;
 }
 
-/// Adds what is reflected of `light` by point `k`, whose surface has this value of f.
+/// Adds the reflection of `light` at point `k`, whose surface has this value of f.
 #[inline(always)]
 fn reflect(k: usize, light: &Incident, value: DVec3, gathered: &mut Gathered, added: &mut Columns) {
     let mut all = gathered.get(k);
@@ -241,24 +241,24 @@ fn reflect(k: usize, light: &Incident, value: DVec3, gathered: &mut Gathered, ad
 /// The light of one lamp at points of surfaces.
 #[derive(Clone, Copy)]
 struct Light<'a> {
-    /// The lamp's intensity as it is seen: everywhere, or by point.
+    /// The lamp's intensity as seen: the same everywhere, or by point.
     constant: Option<DVec3>,
     colours: &'a Columns,
-    /// Wavelengths over those of the lamp; none where colours have that in them.
+    /// Wavelengths relative to the lamp's; `None` if the colours already include the shift.
     ratios: Option<&'a [f64]>,
     /// Factors on the intensity; 0 where no light falls.
     factors: &'a [f64],
 }
 
 impl<'a> Light<'a> {
-    /// The factors of a block, if any light falls there, where they lie or in `last`.
+    /// The factors of a block, if any light arrives there: in place, or copied to `last`.
     #[inline(always)]
     fn factors<'b>(&self, begin: usize, last: &'b mut Block) -> Option<&'b Block>
     where
         'a: 'b,
     {
         let factors = block_of(self.factors, begin, last);
-        // Bits, as they are put together in fewer instructions than answers.
+        // Bits are combined in fewer instructions than comparisons.
         let mut bits = 0;
         for factor in factors {
             bits |= factor.to_bits();
@@ -266,7 +266,7 @@ impl<'a> Light<'a> {
         (bits != 0).then_some(factors)
     }
 
-    /// Makes `irradiance` that at a block of points that has these factors.
+    /// Sets `irradiance` to the irradiance at a block of points with these factors.
     #[inline(always)]
     fn irradiate(&self, begin: usize, factors: &Block, irradiance: &mut Vectors) {
         match self.constant {
@@ -284,7 +284,7 @@ impl<'a> Light<'a> {
         }
     }
 
-    /// The wavelengths of a block.
+    /// The wavelength scales of a block.
     #[inline(always)]
     fn scales(&self, begin: usize, factors: &Block) -> Block {
         let ratios = match self.ratios {
@@ -293,7 +293,7 @@ impl<'a> Light<'a> {
         };
         let mut scales = [0.0; BLOCK];
         for k in 0..BLOCK {
-            // Without light W may be no number.
+            // W may be NaN for points without light.
             scales[k] = if factors[k] != 0.0 { ratios[k] } else { 0.0 };
         }
         scales
@@ -301,7 +301,7 @@ impl<'a> Light<'a> {
 }
 
 impl Gathered {
-    /// Adds to the weights of a block that has these factors, where they are asked for, in the order of
+    /// Adds to the weights of a block with these factors, if they are needed, in the order of
     /// [`Irradiance::weigh`](crate::light::lamp::Irradiance::weigh).
     #[inline(always)]
     fn weigh(&mut self, begin: usize, light: &Light, factors: &Block, irradiance: &Vectors) {
@@ -321,10 +321,10 @@ impl Gathered {
     }
 }
 
-/// Adds light to what falls on matte surfaces.
+/// The loop that adds light at matte surfaces.
 struct Gather<'a> {
     light: Light<'a>,
-    /// Whether it is the first, and what is there does not count.
+    /// Whether this is the first light, and previous contents are ignored.
     is_first: bool,
     gathered: &'a mut Gathered,
 }
@@ -352,7 +352,7 @@ impl VectorLoop for Gather<'_> {
                 begin += BLOCK;
                 continue;
             };
-            // Of one colour it is added where the sum lies, channel by channel.
+            // Light of one colour is added to the sum in place, channel by channel.
             if let (Some(colour), Some(sum)) = (plain, gathered.sum.block_mut(begin)) {
                 for (sum, intensity) in sum.into_iter().zip(colour.to_array()) {
                     if is_first {
@@ -379,7 +379,7 @@ impl VectorLoop for Gather<'_> {
     }
 }
 
-/// What `sum` holds before light is added: nothing yet if that is the first.
+/// The contents of `sum` before light is added: zero for the first light.
 #[inline(always)]
 fn before(sum: &Columns, is_first: bool, begin: usize) -> VectorsRef<'_> {
     const NOTHING: &Vectors = &Vectors::ZERO;
@@ -389,16 +389,16 @@ fn before(sum: &Columns, is_first: bool, begin: usize) -> VectorsRef<'_> {
     }
 }
 
-/// Adds what glossy surfaces reflect of light.
+/// The loop that adds light reflected by glossy surfaces.
 struct Gloss<'a> {
     light: Light<'a>,
     glosses: &'a Glosses,
     normals: &'a Columns,
-    /// What is times this towards the observer.
+    /// Vectors which, multiplied by the factor, point to the observer.
     views: (&'a Columns, f64),
     l: &'a Columns,
     gathered: &'a mut Gathered,
-    /// Whether it is the first, and what was added does not count.
+    /// Whether this is the first light, and previous contents are ignored.
     is_first: bool,
     added: &'a mut Columns,
 }
@@ -410,7 +410,7 @@ struct Glossy<'a> {
     l: VectorsRef<'a>,
 }
 
-/// How each of a block reflects.
+/// Reflection parameters of a block.
 struct Looks<'a> {
     colours: VectorsRef<'a>,
     metallic: &'a Block,
@@ -420,8 +420,8 @@ struct Looks<'a> {
 }
 
 impl Glossy<'_> {
-    /// Makes `sum` what is `before` and what they reflect of light of this colour times these factors, all of them alike; `ROUGHEST` and
-    /// `METAL` as [`Coefficients::kind`] says.
+    /// Sets `sum` to `before` plus what the points reflect of light of this colour times these factors, if all points have the same
+    /// coefficients; `ROUGHEST` and `METAL` as in [`Coefficients::kind`].
     #[inline(always)]
     fn add_alike<const ROUGHEST: bool, const METAL: bool>(
         &self,
@@ -433,13 +433,14 @@ impl Glossy<'_> {
         for (k, factor) in factors.iter().enumerate() {
             let value = self.value::<ROUGHEST, METAL>(&of, k);
             let more = before.get(k) + value * (colour * *factor);
-            // Without light f may be no number.
+            // f may be NaN for points without light.
             let is_lit = *factor != 0.0;
             sum.set(k, if is_lit { more } else { before.get(k) });
         }
     }
 
-    /// The same of any `irradiance`, whose factors these are, where each has a look of its own; `ROUGHEST` says that all roughnesses are 1.
+    /// The same for any `irradiance` with these factors, where points have different coefficients; `ROUGHEST` says that all roughnesses are
+    /// 1.
     #[inline(always)]
     fn add_each<const ROUGHEST: bool>(
         &self,
@@ -500,7 +501,7 @@ impl VectorLoop for Gloss<'_> {
                 l: l.block(begin),
             };
             let before = before(added, is_first, begin);
-            // The roughest surfaces, as all are that say nothing of it, take fewer roots.
+            // The roughest surfaces, as is the default, need fewer square roots.
             match shared.zip(light.constant) {
                 Some(((of, kind), colour)) => {
                     let light = (colour, factors);
@@ -551,7 +552,7 @@ mod tests {
         (k * n % 103) as f64 / 51.0 - 1.0
     }
 
-    /// More than a block of factors, many of them 0.
+    /// More than one block of factors, many of them 0.
     fn factors() -> Vec<f64> {
         (0..150).map(|k| part(k, 7).max(0.0)).collect()
     }
@@ -654,7 +655,7 @@ mod tests {
             columns(|k| -unit(k, 5)),
             columns(|k| unit(k, 11)),
         );
-        // No light comes to the second of three blocks.
+        // No light arrives at the second of three blocks.
         let mut factors = factors();
         factors[BLOCK..2 * BLOCK].fill(0.0);
         let (none, mut glosses) = (Columns::default(), Glosses::default());

@@ -1,16 +1,15 @@
 //! Tracing a batch: one sample of every pixel of a tile.
 //!
-//! Camera ray → nearest hit over all rest frames → retarded event → radiance × factor. The rays of a batch
-//! are coherent, and those of a point camera share the event from which they leave. Each stage goes over the
-//! whole batch, in plain loops for the widest vectors:
+//! Camera ray → nearest hit over all rest frames → retarded event → radiance × factor. The rays of a batch are coherent, and the rays of a
+//! point camera share one origin event. Each stage processes the whole batch, in plain loops for the widest vectors:
 //!
 //! ```text
 //! camera rays → hits (boosts, nearest hits) → shading: runs of points of one patch
 //!                                             → emit (lookups, shadows, all of a run together) → factors → film
 //! ```
 //!
-//! The kinds of cameras, surfaces and [`Radiance`] are matched once per batch or run, so that loops over rays
-//! do without. Buffers are kept from batch to batch: nothing is allocated for a ray.
+//! The kinds of cameras, surfaces and [`Radiance`] are matched once per batch or run, so that loops over rays contain no such branches.
+//! Buffers are reused from batch to batch: nothing is allocated per ray.
 
 mod alpha_masks;
 mod area_draws;

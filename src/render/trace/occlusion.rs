@@ -1,4 +1,4 @@
-//! Occlusion between points of surfaces and events in the past, for many of them at a time.
+//! Occlusion between points of surfaces and events in the past, for many points at a time.
 
 use glam::DVec3;
 
@@ -8,21 +8,21 @@ use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, store};
 use crate::accel::{Bvh, Converging, Counts, NoTally, Ray, Segment, Traversal};
 use crate::spacetime::{Boost, Direction, Rest, World};
 
-/// Occlusion queries and their answers: whether a ray from a point of a run along a direction of the world hits anything
-/// but the triangle of the point itself within a distance.
+/// Occlusion queries and their answers: whether a ray from a point of a run along a direction in the world hits anything but the point's
+/// own triangle within a distance.
 #[derive(Debug, Default)]
 pub struct OcclusionQueries {
-    /// The point of the run.
+    /// Index of the point in the run.
     points: Vec<u32>,
-    /// The directions.
+    /// Directions.
     d: Columns,
-    /// Metres of the world.
+    /// Distances, metres of the world.
     distance: Vec<f64>,
-    /// Frame and triangle at which each ends; none where there are none.
+    /// Frame and triangle at which each ray ends; empty if they do not end on triangles.
     ends: Vec<(u32, u32)>,
     /// The answers, in the same order.
     blocked: Vec<bool>,
-    /// Those that are not blocked yet, and their points: their rays in the frame that is asked.
+    /// Queries that are not blocked yet, their points, and their rays in the current frame.
     open: Vec<u32>,
     open_points: Vec<u32>,
     towards: Columns,
@@ -33,22 +33,22 @@ pub struct OcclusionQueries {
     answers: Vec<bool>,
 }
 
-/// Whose surfaces may be in the way, and how points and directions are seen there.
+/// The surfaces of a frame that may block rays, and how points and directions appear in it.
 pub(super) struct Obstacles<'a, S> {
     pub bvh: &'a Bvh,
     /// Index of their frame.
     pub frame: u32,
-    /// From the world to the frame where they rest, and the index of the medium; none where they rest in the world.
+    /// The boost from the world to the rest frame of the surfaces, and the index of the medium; `None` if they rest in the world.
     pub boost: Option<(&'a Boost<Rest, World>, f64)>,
-    /// Where the points are in that frame.
+    /// The positions of the points in that frame.
     pub places: S,
-    /// By point, triangles that are no obstacle: of the frame itself.
+    /// For each point, the triangle of this frame that does not block it.
     pub own: Option<&'a [u32]>,
 }
 
-/// Where points of a run are in a rest frame.
+/// Positions of the points of a run in a rest frame.
 pub(super) trait Places {
-    /// Fills `from` with where `points` are, and `eyes` with where the rays leave that saw them.
+    /// Fills `from` with the positions of `points`, and `eyes` with the origins of the rays that hit them.
     fn find(&self, points: &[u32], eyes: &mut Columns, from: &mut Columns);
 }
 
@@ -66,7 +66,7 @@ impl Places for &Points {
 }
 
 impl OcclusionQueries {
-    /// Forgets the last ones.
+    /// Clears all queries.
     pub(super) fn clear(&mut self) {
         self.points.clear();
         self.d.clear();
@@ -75,7 +75,7 @@ impl OcclusionQueries {
         self.blocked.clear();
     }
 
-    /// Asks about the ways from `points` alone, by point along `d` and as far as `distance` says.
+    /// Replaces the queries by one from each of `points`, along `d`, with these distances.
     pub(super) fn fill(&mut self, points: &[u32], d: &Columns, distance: &[f64]) {
         self.clear();
         self.points.extend_from_slice(points);
@@ -84,7 +84,7 @@ impl OcclusionQueries {
         self.distance.extend(distances);
     }
 
-    /// Asks about the way from point `point` along `d`.
+    /// Adds a query from point `point` along `d`.
     #[inline(always)]
     pub(super) fn push(&mut self, point: usize, d: DVec3, distance: f64) {
         self.points.push(point as u32);
@@ -92,14 +92,14 @@ impl OcclusionQueries {
         self.distance.push(distance);
     }
 
-    /// The same about the way to triangle `end` of a frame, which is not in the way itself. All queries have an end, or none.
+    /// The same for a ray that ends on triangle `end` of a frame, which does not block it. Either all queries have an end or none has.
     #[inline(always)]
     pub(super) fn push_to(&mut self, point: usize, d: DVec3, distance: f64, end: (u32, u32)) {
         self.push(point, d, distance);
         self.ends.push(end);
     }
 
-    /// A box of the world about all of them, in a medium of index `index`.
+    /// A box in the world around all query segments, in a medium of index `index`.
     pub(super) fn bundle(&self, points: &Points, index: f64) -> Bundle {
         let mut bundle = Bundle::NONE;
         for (k, point) in self.points.iter().enumerate() {
@@ -115,13 +115,13 @@ impl OcclusionQueries {
         &self.blocked
     }
 
-    /// Whether anything is in the way of query `at`; nothing is where no one was asked.
+    /// Whether query `at` is blocked; never, if there were no queries.
     #[inline(always)]
     pub(super) fn is_blocked(&self, at: usize) -> bool {
         self.blocked.get(at) == Some(&true)
     }
 
-    /// Asks `obstacles` about those that are not blocked yet.
+    /// Tests the queries that are not blocked yet against `obstacles`.
     pub(super) fn ask<S: Places>(
         &mut self,
         obstacles: &Obstacles<S>,
@@ -138,11 +138,11 @@ impl OcclusionQueries {
             }
         }
         self.towards.gather(&self.d, &self.open);
-        // Where the rays start, in the frame of the obstacles.
+        // The origins of the rays in the frame of the obstacles.
         obstacles
             .places
             .find(&self.open_points, &mut self.eyes, &mut self.from);
-        // Directions are boosted as they are, not made unit vectors: along each the parameter stays metres of the world.
+        // Directions are boosted without normalisation: the ray parameter stays metres of the world.
         if let Some((boost, index)) = obstacles.boost {
             dispatch(BoostDirections {
                 boost,
@@ -150,7 +150,7 @@ impl OcclusionQueries {
                 directions: &mut self.towards,
             });
         }
-        // From where on a ray can meet anything: where it enters the ball about the obstacles, or never.
+        // Where a ray can hit anything first: where it enters the ball about the obstacles, or never.
         self.starts.resize(self.open.len(), 0.0);
         dispatch(Starts {
             ball: Ball::about(obstacles.bvh),
@@ -160,7 +160,7 @@ impl OcclusionQueries {
             starts: &mut self.starts,
         });
 
-        // Those that pass the obstacles by stay open.
+        // Queries that miss the ball stay open.
         self.segments.clear();
         let mut near = 0;
         for k in 0..self.open.len() {
@@ -185,7 +185,7 @@ impl OcclusionQueries {
             });
         }
         self.open.truncate(near);
-        // Answers come in the order of the segments, which is that of `open` by now.
+        // Answers come in the order of the segments, which is now also that of `open`.
         any_hit(
             obstacles.bvh,
             method,
@@ -199,7 +199,7 @@ impl OcclusionQueries {
     }
 }
 
-/// Directions of the world to those of a rest frame, per metre of the world.
+/// The loop that transforms directions from the world to a rest frame, per metre of the world.
 struct BoostDirections<'a> {
     boost: &'a Boost<Rest, World>,
     index: f64,
@@ -226,11 +226,11 @@ impl VectorLoop for BoostDirections<'_> {
 #[derive(Debug, Clone, Copy)]
 struct Ball(DVec3, f64);
 
-/// What balls are widened by, of their coordinates: 10⁷ times the rounding, 2⁻⁵³ each, of the few sums and products that make them.
+/// Relative enlargement of balls: 10⁷ times the rounding error, 2⁻⁵³ each, of the few sums and products that compute them.
 const ROUNDING: f64 = 1e-9;
 
 impl Ball {
-    /// With room for rounding.
+    /// The ball about `bvh`, with a margin for rounding.
     fn about(bvh: &Bvh) -> Ball {
         let (lo, hi) = bvh.bounds().unwrap_or((DVec3::NAN, DVec3::NAN));
         let size = lo.abs().max(hi.abs()).max_element();
@@ -238,8 +238,8 @@ impl Ball {
         Ball((lo + hi) * 0.5, radius * radius)
     }
 
-    /// Whether a ray from `from` along `d` passes it by: with p from the centre, it is nearest to that at p − (p·d) d/d², or
-    /// where it begins. Not for NaN.
+    /// Whether a ray from `from` along `d` misses the ball: with p the origin relative to the centre, the nearest point is p − (p·d) d/d²,
+    /// or p itself. False for NaN.
     #[inline(always)]
     fn is_missed(&self, from: DVec3, d: DVec3) -> bool {
         let Ball(centre, square) = *self;
@@ -252,7 +252,7 @@ impl Ball {
     }
 }
 
-/// Where rays begin to count; infinite for those that pass the obstacles by.
+/// The loop that computes start parameters of rays; infinite for those that miss the obstacles.
 struct Starts<'a> {
     ball: Ball,
     eyes: &'a Columns,
@@ -282,7 +282,7 @@ impl VectorLoop for Starts<'_> {
     }
 }
 
-/// Puts into `blocked` whether each of `segments` hits anything.
+/// Sets `blocked` to whether each of `segments` hits anything.
 pub(super) fn any_hit(
     bvh: &Bvh,
     method: Traversal,
@@ -298,7 +298,7 @@ pub(super) fn any_hit(
     }
 }
 
-/// The same for ways that all end in one point.
+/// The same for segments that all end at one point.
 pub(super) fn any_to_point(
     bvh: &Bvh,
     method: Traversal,
@@ -324,7 +324,7 @@ pub(super) fn shadow_ray(camera: DVec3, from: DVec3, direction: DVec3) -> Ray {
     }
 }
 
-/// Puts into `starts` from where on rays from `points` to one place of their rest frame count, along what lies between.
+/// Sets `starts` to the start parameters of rays from `points` to one place of their rest frame.
 pub(super) fn shadow_starts(points: &Points, to: DVec3, starts: &mut Vec<f64>) {
     starts.clear();
     starts.resize(points.count(), 0.0);
@@ -362,24 +362,24 @@ impl VectorLoop for StartsTowards<'_> {
     }
 }
 
-/// From where on a ray along `direction` counts that leaves a surface, by [`shadow_size`].
+/// The parameter at which a ray along `direction` starts when it leaves a surface; `size` is given by [`shadow_size`].
 ///
-/// The point is rounded to some 2⁻⁵³ of these coordinates, to one side of its surface or the other. On
-/// the edge of a triangle the ray could hit the neighbour right there; what is nearer than 2⁻⁴² of the
-/// coordinates (10⁻¹² of a metre in a scene of metres) therefore does not count.
+/// The point is rounded by about 2⁻⁵³ of these coordinates, to one side of its surface or the other. On the edge of a triangle the ray
+/// could hit the neighbour right there; hits nearer than 2⁻⁴² of the coordinates (10⁻¹² m in a scene of metres) are therefore ignored.
 #[inline(always)]
 pub(super) fn shadow_start(size: f64, direction: DVec3) -> f64 {
     const CLEARANCE: f64 = 1.0 / (1u64 << 42) as f64;
     CLEARANCE * size / direction.length()
 }
 
-/// `x`, off its surface as far as rays go on from there: whatever rounding did to it, no triangle of the surface is above that.
+/// `x`, lifted off its surface by as much as rays are that leave it: beyond any rounding error, so that no triangle of the surface is above
+/// it.
 #[inline(always)]
 pub(super) fn lifted(size: f64, x: DVec3, normal: DVec3) -> DVec3 {
     x + normal * shadow_start(size, normal)
 }
 
-/// The coordinates by which the point `from` was rounded that was seen from `camera`.
+/// The magnitude of the coordinates that determine the rounding error of point `from`, seen from `camera`.
 #[inline(always)]
 pub(super) fn shadow_size(camera: DVec3, from: DVec3) -> f64 {
     camera.abs().max_element() + from.abs().max_element()

@@ -1,7 +1,7 @@
-//! Rays from surfaces onwards: which points emit them, and where they go.
+//! Rays that continue from surfaces: which points emit them, and in which directions.
 //!
-//! Directions are sampled as the material reflects, and transformed to the world with the clearance that [`paths`](super::paths) derives;
-//! points whose paths are shared are chosen as [`sharing`](super::sharing) describes.
+//! Directions are sampled according to the material's reflection, and transformed to the world with the clearance that
+//! [`paths`](super::paths) derives; points whose paths are shared are chosen as described in [`sharing`](super::sharing).
 
 use super::camera_rays::{LeftTriangle, Rays, Samples};
 use super::emitted::{Chosen, Drawn, Emitted, Level};
@@ -12,11 +12,11 @@ use crate::camera::RayOrigin;
 use crate::light::reflection::{Scattered, each_by_cosine};
 use crate::spacetime::{Direction, Displacement, Rest, World};
 
-/// What random numbers at a surface are for, beside those of [`paths`](super::paths).
+/// Purposes of random numbers at a surface, in addition to those of [`paths`](super::paths).
 pub(super) const ONWARD: u32 = 2;
 pub(super) const CHOICE: u32 = 3;
 
-/// Level `at`, which is there from now on.
+/// Level `at`, created if missing.
 pub(super) fn level(levels: &mut Vec<Level>, at: usize) -> &mut Level {
     if levels.len() <= at {
         levels.resize_with(at + 1, Level::default);
@@ -25,7 +25,7 @@ pub(super) fn level(levels: &mut Vec<Level>, at: usize) -> &mut Level {
 }
 
 impl Level {
-    /// Forgets all rays; those to come have left `depth` surfaces behind.
+    /// Clears all rays; the next ones have left `depth` surfaces.
     pub(super) fn start(&mut self, depth: u32) {
         self.depth = depth;
         self.drawn.clear();
@@ -40,7 +40,7 @@ impl Level {
         self.shared_from = None;
     }
 
-    /// Its rays, which are traced as those `before` them.
+    /// The rays of the level, traced like those `before` them.
     pub(super) fn rays<'a>(&'a self, before: &TracedRays<'a>) -> Rays<'a> {
         Rays {
             directions: &self.directions,
@@ -61,7 +61,7 @@ impl Level {
         }
     }
 
-    /// Draws a direction at each of the `chosen` points of `run`, of which those of `groups` come last and are shared.
+    /// Samples a direction at each of the `chosen` points of `run`; those of `groups` come last and are shared.
     pub(super) fn draw_chosen(
         &mut self,
         run: &Run,
@@ -99,7 +99,7 @@ impl Level {
                 true => reflection.scattered(by_cosine.get(k)),
                 false => reflection.sample([numbers[0][k], numbers[1][k]]),
             };
-            // A black point that is chosen sends a path for those that are not.
+            // A black point that is chosen still emits a path for points that are not black.
             let shows = |drawn: &Scattered| is_shared || drawn.weight.iter().any(|w| *w > 0.0);
             let Some(scattered) = drawn.filter(shows) else {
                 return;
@@ -128,7 +128,7 @@ impl Level {
         }
     }
 
-    /// Draws a direction at each point of `run`, which `emitted` knows; `from`: what levels know the points by.
+    /// Samples a direction at each point of `run`, whose data are in `emitted`; `from` gives the index by which levels refer to a point.
     pub(super) fn draw(&mut self, run: &Run, emitted: &mut Emitted, from: impl Fn(usize) -> u32) {
         let buffers = (&mut emitted.keys, &mut emitted.indices);
         run.each_on_path(ONWARD, buffers, &mut emitted.numbers);
@@ -143,13 +143,13 @@ impl Level {
         each_by_cosine(&points.normals, numbers, by_cosine);
         let gamma = run.rest.frame.velocity().gamma();
         for (k, reflection) in reflections.iter().enumerate() {
-            // Diffuse directions were drawn in a vector loop above, from the same numbers.
+            // Diffuse directions were sampled in a vector loop above, from the same numbers.
             let drawn = match reflection.is_diffuse() {
                 true => reflection.scattered(by_cosine.get(k)),
                 false => reflection.sample([numbers[0][k], numbers[1][k]]),
             };
             let is_any = |weight: [f64; 3]| weight.iter().any(|w| *w > 0.0);
-            // Lines may be reflected where nothing is at the wavelengths of the sample.
+            // Lines may be reflected even if nothing is reflected at the wavelengths of the sample.
             let in_rgb = |drawn: &Scattered| {
                 let of = spectral.in_rgb.get(k);
                 of.map(|of| of.weight_of(drawn, reflection))
@@ -178,13 +178,13 @@ impl Level {
         }
     }
 
-    /// Adds the ray from the k-th of `points`, which are those of `run` in a frame of this γ, along `drawn`.
+    /// Adds the ray from the k-th of `points`, those of `run` in a frame with this γ, along `drawn`.
     fn push(&mut self, k: usize, drawn: &Scattered, (run, gamma): (&Run, f64), points: &Points) {
-        // As that of shadow rays: above what rounding the event and the point can do.
+        // As for shadow rays: larger than the rounding errors of the event and the point.
         const CLEARANCE: f64 = 1.0 / (1u64 << 42) as f64;
         let world_from_rest = run.rest.frame.world_from_frame();
         let (d, ratio, delay) = along(run, drawn);
-        // From the event of the shot to the point, and off its surface.
+        // From the event of the shot to the point, lifted off its surface.
         let ray = run.members[k] as usize;
         let way = run.traced.rays.origin(ray).displacement + points.offset(k);
         let size = gamma * (way.ct.abs() + way.x.abs().max_element())
@@ -210,7 +210,7 @@ impl Level {
     }
 }
 
-/// Groups the points of `run` that are diffuse, and chooses those from which paths go on; those that are not diffuse come first.
+/// Groups the diffuse points of `run`, and chooses those from which paths continue; non-diffuse points come first.
 pub(super) fn choose(
     run: &Run,
     emitted: &Emitted,
@@ -226,7 +226,7 @@ pub(super) fn choose(
         is_diffuse.then(|| emitted.points.normals.get(k))
     };
     groups.clear();
-    // Points of one sample share paths, which are numbered by it.
+    // Points of one sample share paths, which are numbered by the sample index.
     let sample = |k: usize| samples.index(run.members[k] as usize);
     let mut begin = 0;
     for members in run
@@ -267,7 +267,7 @@ pub(super) fn choose(
     }
 }
 
-/// The look direction in the world of a ray that goes on along `drawn`, ω_world/ω_rest of light from there, and the factor on its delay.
+/// The look direction in the world of a ray that continues along `drawn`, ω_world/ω_rest of its light, and the factor on its delay.
 fn along(run: &Run, drawn: &Scattered) -> (Direction<World>, f64, f64) {
     let frame = &run.rest.frame;
     let l = Direction::<Rest>::from_unit(drawn.l);
@@ -275,12 +275,12 @@ fn along(run: &Run, drawn: &Scattered) -> (Direction<World>, f64, f64) {
         let (d, ratio) = frame.world_from_frame().direction(l);
         return (d, ratio, 1.0);
     }
-    // In glass (−n, l) in its rest frame; the ray that all frames know goes one metre of the world at s = 1.
+    // In glass (−n, l) in its rest frame; rays that all frames share travel one metre of the world at s = 1.
     let index = run.traced.index * drawn.index;
     let tangent = frame.world_from_frame().tangent(index, l);
     let length = tangent.x.length();
     let d = Direction::from_unit(tangent.x / length);
-    // Light keeps its frequency in glass: W of what is met there at rest is 1.
+    // Light keeps its frequency in glass: W of surfaces at rest that it hits there is 1.
     let (_, rho) = frame.frame_from_world().direction(d);
     (d, 1.0 / rho, -tangent.ct / (length * run.traced.index))
 }

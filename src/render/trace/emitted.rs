@@ -168,7 +168,7 @@ pub struct Emitted {
     pub(super) falling: Falling,
     /// Cosine-distributed directions about the points' normals.
     pub(super) by_cosine: Columns,
-    /// Normals of the points from which paths go on.
+    /// Normals of the points from which paths continue.
     pub(super) normals: Columns,
     /// Keys of the points' pixels, sample indices if each point has its own, and two random numbers for each point.
     pub(super) keys: Vec<u64>,

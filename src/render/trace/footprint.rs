@@ -171,7 +171,7 @@ struct Split {
     count: [usize; 3],
     /// The side whose parts are read as spans of time, if any; parts of the others are read at their middles.
     span: Option<usize>,
-    /// Whether parts are chosen by their duration.
+    /// Whether sides are split by time, because the times within a part span more than a bin.
     in_time: bool,
 }
 

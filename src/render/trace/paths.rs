@@ -2,17 +2,17 @@
 //!
 //! # The equation
 //!
-//! Let F be the rest frame of a surface, X an event on it, n its normal, v the direction to the observer and d a look
-//! direction from X, towards where light comes from. What leaves X towards v is
+//! Let F be the rest frame of a surface, X an event on it, n its normal, v the direction to the observer and d a look direction from X,
+//! towards the origin of the light. The radiance that leaves X towards v is
 //!
 //! ```text
 //! L_o(X, v) = L_e(X, v) + ∫ f(d, v) L_i(X, d) n·d dω_F,                                      (1)
 //! ```
 //!
-//! all of it in F, where the surface rests and does not know of other velocities. L_i is the light of the surface that
-//! the null ray from X along d meets first, going into the past, at the event Y; let G be its rest frame, k the null vector Y − X, and u
-//! the four-velocities. The number of photons in a cell of phase space is the same for all observers, and is as L_ν/ν³
-//! (Misner, Thorne, Wheeler, § 22.6); frequencies are as k·u. So
+//! all of it in F, where the surface rests and other velocities do not matter. L_i is the light of the first surface that the null ray from
+//! X along d, going into the past, hits, at the event Y; let G be the rest frame of that surface, k the null vector Y − X, and u the
+//! four-velocities. The number of photons in a cell of phase space is the same for all observers and is proportional to L_ν/ν³ (Misner,
+//! Thorne, Wheeler, § 22.6); frequencies are proportional to k·u. So
 //!
 //! ```text
 //! W = λ_F/λ_G = ν_G/ν_F = (k·u_G)/(k·u_F)
@@ -20,45 +20,45 @@
 //! ```
 //!
 //! since dν_F = dν_G/W and dλ_F = W dλ_G. Linear RGB has M(W) in place of the power ([`Received`]). (1) with (2) at every surface is the whole
-//! equation: along a path X₀, X₁, … radiance is multiplied by f₀ M(W₁) f₁ M(W₂) …, and W₁ W₂ … Wₙ is the ratio
-//! of wavelengths of the whole way, as ratios of k·u on null rays that meet in a frame telescope wherever that frame does not change.
-//! The event Y is on the past light cone of X, so that each path has the times of its own: delays, shadows of what moves and light that is
-//! still on its way need nothing more.
+//! equation: along a path X₀, X₁, … radiance is multiplied by f₀ M(W₁) f₁ M(W₂) …, and W₁ W₂ … Wₙ is the wavelength ratio of the whole path,
+//! as the ratios of k·u on null rays that meet in a frame telescope if that frame does not change. The event Y is on the past light cone of X,
+//! so each path has its own times: delays, shadows of moving objects and light that is still on its way need no further treatment.
 //!
 //! # Densities
 //!
-//! d³p/E = p dp dω is invariant, and dp/p is the same for all observers of one beam, so that ν² dω is invariant:
+//! d³p/E = p dp dω is invariant, and dp/p is the same for all observers of one beam, so ν² dω is invariant:
 //!
 //! ```text
 //! dω_F = W² dω_G,                                                                            (3)
 //! ```
 //!
-//! and an element dA of a surface at rest in G, whose normal is at the angle θ_y to the ray there, r_G = k·u_G away, fills
+//! and an element dA of a surface at rest in G, whose normal makes the angle θ_y with the ray there, at distance r_G = k·u_G, subtends
 //!
 //! ```text
 //! dω_F = W² cos θ_y dA/r_G².                                                                 (4)
 //! ```
 //!
-//! A direction drawn in F by the material has a density per dω_F and needs no factor; a point drawn on a shining surface with the density p_A has
-//! p_A r_G²/(W² cos θ_y) per dω_F by (4), and one that is drawn with p_ω per dω_G has p_ω/W² by (3); so has a direction of the sky with p_ω per dω of the world.
+//! A direction sampled in F according to the material has a density per dω_F and needs no factor. A point sampled on a shining surface with the density p_A has
+//! p_A r_G²/(W² cos θ_y) per dω_F by (4). A direction sampled with p_ω per dω_G has p_ω/W² by (3), and so has a direction of the sky sampled with p_ω per dω of
+//! the world.
 //!
-//! # How it is estimated
+//! # The estimator
 //!
-//! At every surface a direction is sampled with a density p_f as the material reflects, and the ray continues along it. Light of lamps
-//! without extent is added directly (`lamps`); one point of everything that shines and, if the sky is not uniform, one direction of it
-//! are sampled with densities p_l in F. Contributions that both can find are weighted by p/(p_f + p_l) (the balance heuristic: Veach and
-//! Guibas, "Optimally combining sampling techniques for Monte Carlo rendering", SIGGRAPH 1995); a mirror's direction can only be sampled
-//! by the mirror. After the last surface one more ray looks for emission. There is no Russian roulette: N bounces are N bounces, and the
-//! mean has no bias. Numbers are Owen-scrambled Sobol' points, by pixel, sample and dimension ([`sampler`](crate::render::sampler)): the
-//! same on any number of threads.
+//! At every surface a direction is sampled with a density p_f according to the material's reflection, and the ray continues along it. Light
+//! of lamps without extent is added directly (`lamps`); one point on all shining surfaces and, if the sky is not uniform, one direction of
+//! it are sampled with densities p_l in F. Contributions that both techniques can find are weighted by p/(p_f + p_l) (the balance
+//! heuristic: Veach and Guibas, "Optimally combining sampling techniques for Monte Carlo rendering", SIGGRAPH 1995); the direction of a
+//! mirror can only be sampled by the mirror. After the last surface one more ray looks for emission. There is no Russian roulette: N
+//! bounces are N bounces, and the mean has no bias. Numbers are Owen-scrambled Sobol' points, by pixel, sample and dimension
+//! ([`sampler`](crate::render::sampler)): the same on any number of threads.
 //!
 //! Rays start at 2⁻⁴² of the coordinates involved above their surface, 10⁻¹² m in a scene of metres: rounding displaces events by 2⁻⁵³ of
 //! their coordinates, multiplied by γ in boosts, to either side of the surface.
 //!
 //! In one rest frame with constant light, neighbouring diffuse points share what paths find beyond them: [`sharing`](super::sharing).
 //!
-//! If light is sampled at wavelengths, each ray has those of its path in the frame that it leaves, and lines are carried back along it:
-//! [`spectral`](super::spectral).
+//! If light is sampled at wavelengths, each ray carries the wavelengths of its path in the frame that it leaves, and lines are carried back
+//! along the path: [`spectral`](super::spectral).
 //!
 //! # Glass
 //!
@@ -100,29 +100,30 @@ use crate::light::reflection::{Reflection, Scattered};
 use crate::light::sky::FromSky;
 use crate::light::time_texture::CaptureView;
 
-/// What random numbers at a surface are for.
+/// Purposes of random numbers at a surface.
 pub(super) const AREA: u32 = 0;
 const SKY: u32 = 1;
 
-/// Lights of all kinds, and surfaces that pass their light on.
+/// Light of all kinds, and surfaces that reflect it.
 #[derive(Debug)]
 pub struct PathTraced {
     /// The lights and the surfaces.
     pub light: TimeResolved,
-    /// How many more times light is reflected after the first surface.
+    /// The number of reflections after the first surface.
     bounces: u32,
-    /// By emitter, what surfaces receive of its radiance.
+    /// By emitter, the form in which surfaces receive its radiance.
     received: Vec<Received>,
-    /// Whether there is light that rays can only find by meeting it.
+    /// Whether there is light that only rays that hit it can find.
     shines: bool,
-    /// By emitter, the first that the same lamps light; none of those that lamps do not light.
+    /// By emitter, the first emitter that is lit by the same lamps; `None` for emitters that lamps do not light.
     alike: Vec<Option<u32>>,
-    /// Whether and how neighbours share paths.
+    /// How neighbours share paths; `None` if they do not.
     sharing: Option<Sharing>,
 }
 
 impl PathTraced {
-    /// `light`, reflected `bounces` more times by what rests in `frames`; `received`: by emitter, what surfaces receive of its radiance.
+    /// `light`, reflected `bounces` more times by everything at rest in `frames`; `received` is, by emitter, the form in which surfaces
+    /// receive its radiance.
     pub fn new(
         light: TimeResolved,
         bounces: u32,
@@ -130,7 +131,7 @@ impl PathTraced {
         frames: &[RestFrame],
     ) -> Self {
         let sharing = match frames {
-            // Neighbours have wavelengths of their own, and share nothing.
+            // With sampled wavelengths, neighbours have different ones, and share nothing.
             [rest] if light.spectra.is_none() && light.is_steady_for(rest) => {
                 Some(Sharing::new(light.is_diffuse()))
             }
@@ -161,11 +162,11 @@ impl PathTraced {
     }
 }
 
-/// Points of a run that are on one patch: runs of paths go over all patches of a frame that the same lamps light.
+/// The points of a run on one patch: runs of paths span all patches of a frame that the same lamps light.
 struct Part<'a> {
     patch: &'a Patch,
     finish: &'a Finish,
-    /// Which points.
+    /// The range of points.
     points: Range<usize>,
 }
 
@@ -207,7 +208,7 @@ impl Radiance for PathTraced {
 }
 
 impl PathTraced {
-    /// Forgets the light of the last run, and notes how the points of `run` reflect, part by part.
+    /// Clears the light of the last run, and records how the points of `run` reflect, part by part.
     fn start(&self, parts: &[Part], run: &Run, emitted: &mut Emitted) {
         emitted.points.fill(run);
         emitted.incident.start(run.count(), true);
@@ -240,7 +241,7 @@ impl PathTraced {
         }
     }
 
-    /// The index on the side from which point `k` of `run` is seen, over that of the scene's medium.
+    /// The index of the medium from which point `k` of `run` is seen, relative to that of the scene's medium.
     fn near(&self, run: &Run, k: usize) -> f64 {
         let traced = run.traced;
         let ray = run.members[k] as usize;
@@ -254,7 +255,7 @@ impl PathTraced {
         -local.tangent.ct / (local.tangent.x.length() * self.light.index)
     }
 
-    /// Adds the light that comes to the points of `run` from lamps, and that is drawn of what shines and of the sky.
+    /// Adds the light of lamps at the points of `run`, and samples of shining surfaces and of the sky.
     fn illuminate(&self, lamps: &[usize], run: &Run, emitted: &mut Emitted, meter: &mut Meter) {
         let TimeResolved {
             lamps: all,
@@ -267,7 +268,7 @@ impl PathTraced {
         for lamp in lamps.iter().filter_map(|k| all[*k].as_ref()) {
             lamps::illuminate(run, lamp, *index, emitted, meter);
         }
-        // Followed rays do not find what casts no shadow where something is in the way: it is drawn alone.
+        // If an obstacle is in the way, followed rays do not find shining surfaces whose light ignores shadows: only light samples do.
         let weight = |reflection: Option<&Reflection>, l, density, shadows| match shadows {
             true => balance(density, reflection.map_or(0.0, |r| r.density(l))),
             false => 1.0,
@@ -299,13 +300,13 @@ impl PathTraced {
         }
     }
 
-    /// Whether rays go on from surfaces that as many as `depth` come before.
+    /// Whether rays continue from surfaces that have `depth` surfaces before them.
     fn goes_on(&self, depth: u32) -> bool {
         depth < self.bounces || (depth == self.bounces && self.shines)
     }
 
-    /// Adds the light that is found along one drawn direction from each point of `run`, and from there on: level by level, so that the
-    /// rays of each are many, and then back.
+    /// Adds the light that is found along one sampled direction from each point of `run`, and from there on: level by level, so that each
+    /// level has many rays, and then back.
     fn follow(&self, run: &Run, emitted: &mut Emitted, meter: &mut Meter) {
         let depth = run.traced.rays.samples.depth;
         if !self.goes_on(depth) {
@@ -332,7 +333,7 @@ impl PathTraced {
             self.meet(&mut paths, count, run.traced, meter);
             count += 1;
         }
-        // What the last surfaces send is known; it makes known what those before them do.
+        // The light that the last surfaces send is known; it completes the light of the surfaces before them.
         for at in (1..count).rev() {
             let (before, after) = paths.levels.split_at_mut(at);
             for (drawn, met) in after[0].drawn.iter().zip(&after[0].met) {
@@ -368,7 +369,7 @@ impl PathTraced {
         emitted.paths = Some(paths);
     }
 
-    /// Traces the rays of level `at`, takes down what they meet, and draws those of the next.
+    /// Traces the rays of level `at`, records what they hit, and samples the rays of the next level.
     fn meet(&self, paths: &mut Paths, at: usize, before: &TracedRays, meter: &mut Meter) {
         let Paths {
             levels,
@@ -422,7 +423,7 @@ impl PathTraced {
                 }
             }
         }
-        // Rays that have met surfaces of one frame that the same lamps light, together; and those that have met one of other patches.
+        // Process rays that hit surfaces of one frame that the same lamps light together, and rays on other patches patch by patch.
         let by_patch: Vec<&[MetPatch]> = order.chunk_by(|a, b| a.place == b.place).collect();
         let patch = |group: &[MetPatch]| {
             let place = group[0];
@@ -480,7 +481,7 @@ impl PathTraced {
                     }
                 }
                 other => {
-                    // With a spectrum, it may be drawn.
+                    // With a spectrum, it may be found by light samples.
                     let shines = matches!(other, Emitter::Base(_));
                     let points = (&run, 0..run.count());
                     self.weigh_own(points, shines, this, wavelength_ratios, emitted);
@@ -497,8 +498,7 @@ impl PathTraced {
         (levels[at].hits, levels[at].met) = (hits, met);
     }
 
-    /// Gathers the light that comes to the points of `run` straight from lamps, from what shines and from the sky; after the last surface
-    /// none.
+    /// Gathers the direct light at the points of `run` from lamps, shining surfaces and the sky; nothing after the last surface.
     fn receive(
         &self,
         parts: &[Part],
@@ -515,7 +515,7 @@ impl PathTraced {
         }
     }
 
-    /// Takes down the points of `run`, their W and the light that `emitted` has gathered at them.
+    /// Records the points of `run`, their W and the light that `emitted` has gathered for them.
     fn note_surfaces(
         &self,
         parts: &[Part],
@@ -546,7 +546,7 @@ impl PathTraced {
         }
     }
 
-    /// Takes down the light of the points of `run`, whose W are `ratios`.
+    /// Records the light of the points of `run`, whose W are `ratios`.
     fn note_light(&self, run: &Run, (ratios, emitted): (&[f64], &Emitted), met: &mut [Met]) {
         let emitter = run.patch.emitter as usize;
         let mut details = emitted.details.iter().peekable();
@@ -570,7 +570,7 @@ impl PathTraced {
         }
     }
 
-    /// The light that comes along a ray that has met this.
+    /// The light that arrives along a ray that has hit this.
     fn sent(&self, met: &Met) -> Option<Incident> {
         match met {
             Met::Nothing => None,
@@ -580,14 +580,14 @@ impl PathTraced {
                 let radiance = std::array::from_fn(|c| point.reflected[c] + point.own[c]);
                 let scale = point.incident.wavelength_scale();
                 let response = &self.light.emitters[emitter].1;
-                // What reflects has no companions.
+                // Reflecting surfaces have no companions.
                 let light = (radiance, [0.0; 2], scale);
                 Some(self.arriving(emitter, response, point.ratio, light))
             }
         }
     }
 
-    /// What arrives of the radiance that leaves a surface of emitter `emitter`, seen at W.
+    /// The incident light due to the radiance that leaves a surface of emitter `emitter`, seen at W.
     pub(super) fn arriving(
         &self,
         emitter: usize,
@@ -608,7 +608,8 @@ impl PathTraced {
         Incident::new(light, wavelength_scale * received.wavelength_scale(w))
     }
 
-    /// What arrives at some wavelengths of linear RGB, or of a spectrum without its lines, that leaves a surface of emitter `emitter`, seen at W.
+    /// The incident light, at given wavelengths, due to linear RGB or to a spectrum without its lines that leaves a surface of emitter `emitter`,
+    /// seen at W.
     fn arriving_at(
         &self,
         emitter: usize,
@@ -627,7 +628,7 @@ impl PathTraced {
         Incident::new(light, 1.0)
     }
 
-    /// What arrives of the sky along `drawn`, where the ray that goes on along it meets nothing; not weighted where that `is_shared`.
+    /// The incident light of the sky along `drawn`, if the ray that continues along it hits nothing; not weighted if the ray `is_shared`.
     fn escaped(
         &self,
         drawn: &Drawn,
@@ -652,7 +653,7 @@ impl PathTraced {
             wavelengths,
         };
         let radiance = if density.is_infinite() {
-            // A mirror shows the sun, whose light as that of a lamp it does not reflect.
+            // A mirror shows the sun, which it does not reflect as a lamp.
             boosted.radiance_with_sun(&from)
         } else if is_shared {
             boosted.mean_radiance(&from)
@@ -668,7 +669,7 @@ impl PathTraced {
         Incident::new(radiance, boosted.received().wavelength_scale(w))
     }
 
-    /// Calls `each` with the lines of the sky that arrive along `drawn`, where the ray that goes on along it meets nothing.
+    /// Calls `each` with the sky's lines that arrive along `drawn`, if the ray that continues along it hits nothing.
     fn escaped_lines(&self, light: &SkyLight, drawn: &Drawn, mut each: impl FnMut(Line)) {
         let Scattered { l, density, .. } = drawn.scattered;
         let boosted = &light.frames[drawn.frame as usize];
@@ -684,8 +685,8 @@ impl PathTraced {
         }
     }
 
-    /// Notes what `points` of `run` shine of their own counts for, if they do, where each was met along a ray of `level` and could have been
-    /// drawn itself; `ratios` are W. Of rays that are shared each that shares weighs it.
+    /// Records the weights of the emission of `points` of `run`, if they emit: each was hit by a ray of `level` and could have been found by
+    /// light samples, too. `ratios` are W. Emission on shared rays is weighted by each point that shares them.
     fn weigh_own(
         &self,
         (run, points): (&Run, Range<usize>),
@@ -717,7 +718,7 @@ impl PathTraced {
                 None => 1.0,
                 Some((_, false)) => 0.0,
                 Some((by_area, true)) => {
-                    // (4), with r_G = s |k| in the frame where what shines rests.
+                    // (4), with r_G = s |k| in the rest frame of the shining surface.
                     let k = point.local.tangent.x;
                     let (r, w) = (point.hit.s * k.length(), ratios[at]);
                     let cosine = -point.facing_normal().dot(k) / k.length();
@@ -730,7 +731,7 @@ impl PathTraced {
         }
     }
 
-    /// What point `at` of `run` shines of its own, as far as it counts.
+    /// The emission of point `at` of `run`, times its weight.
     fn own(
         &self,
         (finish, patch): (&Finish, &Patch),
@@ -743,7 +744,7 @@ impl PathTraced {
         };
         let base = &self.light.base;
         let own = base.colour_at(emission, run.rest, patch, &hit);
-        // At its own time there.
+        // At the object's proper time.
         let factor = emission.factor_at(|| match run.point(at) {
             Some(point) => point.rest_event().ct - patch.object_origin.ct,
             None => f64::NAN,
@@ -752,12 +753,12 @@ impl PathTraced {
         own.map(|c| weight * factor * c)
     }
 
-    /// Ends the points of `run`: what they reflect, and what they shine of their own.
+    /// Completes the points of `run`: what they reflect, and their own emission.
     fn add_own(&self, finish: &Finish, run: &Run, emitted: &mut Emitted) {
         for k in 0..run.count() {
             let mut own = self.own((finish, run.patch), run, k, emitted);
             if let Some(spectra) = &self.light.spectra {
-                // It is seen as it is.
+                // Emission seen directly is exact.
                 spectra.see_rgb(k, own, &mut emitted.spectral);
                 own = [0.0; 3];
             }
@@ -774,7 +775,7 @@ impl PathTraced {
     }
 }
 
-/// Calls `each` with the lines of what the points of `run` shine of their own, whose W are `ratios`, as they come along their rays.
+/// Calls `each` with the lines that the points of `run` emit, whose W are `ratios`, as they arrive along their rays.
 fn note_lines(run: &Run, (ratios, emitted): (&[f64], &Emitted), mut each: impl FnMut(u32, Line)) {
     let Colouring::Spectrum(table, _) = &emitted.response.colour else {
         return;
@@ -788,7 +789,8 @@ fn note_lines(run: &Run, (ratios, emitted): (&[f64], &Emitted), mut each: impl F
     }
 }
 
-/// A line that comes along a ray of the last of `levels`, as it leaves the first surface of the ray's path; and which point that is.
+/// A line that arrives along a ray of the last of `levels`, carried back to where it leaves the first surface of the path, and the index of
+/// that point.
 fn carried_back(levels: &[Level], ray: u32, line: Line) -> Option<(usize, Line)> {
     let (mut ray, mut line) = (ray as usize, line);
     let (last, before) = levels.split_last()?;
@@ -814,7 +816,7 @@ fn mean([r, g, b]: [f64; 3]) -> f64 {
     (r + g + b) / 3.0
 }
 
-/// What counts of the sky's light along `l` of frame `frame`, found with the density of its cosine.
+/// The weight of the sky's light along `l` of frame `frame`, found by a cosine-distributed direction of this density.
 pub(super) fn sky_weight(light: &SkyLight, frame: u32, l: DVec3, density: f64) -> f64 {
     let boosted = &light.frames[frame as usize];
     match (light.shadows, boosted.is_uneven()) {
@@ -827,7 +829,7 @@ pub(super) fn sky_weight(light: &SkyLight, frame: u32, l: DVec3, density: f64) -
     }
 }
 
-/// Puts the rays that have met something into `order`, by patch. Black backs are nothing that shines.
+/// Puts the rays that have hit something into `order`, by patch. Black backs do not count.
 fn sort(traced: &TracedRays, order: &mut Vec<MetPatch>) {
     order.clear();
     for (ray, hit) in traced.hits.hits().iter().enumerate() {
@@ -844,11 +846,11 @@ fn sort(traced: &TracedRays, order: &mut Vec<MetPatch>) {
             });
         }
     }
-    // By one number, which needs no branch.
+    // Comparing a single number needs no branch.
     order.sort_unstable_by_key(|met| u128::from(met.place) << 32 | u128::from(met.ray));
 }
 
-/// Adds what arrives to what a point reflects that gives it this weight.
+/// Adds incident light to what a point reflects with this weight.
 pub(super) fn add(
     (reflected, incident): (&mut [f64; 3], &mut Irradiance),
     weight: [f64; 3],
@@ -861,7 +863,7 @@ pub(super) fn add(
     incident.weigh(&light.scaled(PI));
 }
 
-/// The share of what is drawn with density `own`, where it could be drawn with density `other` too.
+/// The weight of a sample drawn with density `own` that could also be drawn with density `other`.
 #[inline]
 pub(super) fn balance(own: f64, other: f64) -> f64 {
     match own > 0.0 {

@@ -1,4 +1,4 @@
-//! Points of surfaces that rays have hit.
+//! Points of surfaces that rays hit.
 
 use glam::{DVec2, DVec3};
 
@@ -20,13 +20,13 @@ pub struct SurfacePoint<'a> {
     pub hit: Hit,
     /// The world ray.
     pub ray: NullRay<World>,
-    /// Where it leaves, relative to the event of the shot.
+    /// The origin of the ray, relative to the event of the shot.
     pub origin: RayOrigin,
     /// The same ray in the rest frame.
     pub local: NullRay<Rest>,
 }
 
-/// A surface point and the wavelength ratio with which the camera sees it.
+/// A surface point and the wavelength ratio at which the camera sees it.
 #[derive(Debug)]
 pub struct ObservedPoint<'a> {
     /// The point.
@@ -42,10 +42,10 @@ impl SurfacePoint<'_> {
         self.ray.at(self.hit.s)
     }
 
-    /// The emission event in the frame in which the object rests: the world's axes, boosted without rotation by its velocity. All objects of
-    /// one velocity share that frame, whose origin is that of the first of them in the scene
+    /// The emission event in the rest frame of the object: the world's axes, boosted without rotation by its velocity. All objects with one
+    /// velocity share that frame, whose origin is that of the first of them in the scene
     /// ([`Object::origin`](crate::scene::model::Object::origin)). On the object's own clock and from its own origin the event is
-    /// `rest_event() - patch.object_origin`, as the channels `object_event` have it.
+    /// `rest_event() - patch.object_origin`, as in the channels `object_event`.
     #[inline]
     pub fn rest_event(&self) -> Event<Rest> {
         self.local.at(self.hit.s)
@@ -64,7 +64,7 @@ impl SurfacePoint<'_> {
         if self.hit.front { normal } else { -normal }
     }
 
-    /// Texture coordinates of set `set`, where the object has them.
+    /// Texture coordinates of set `set`, if the object has them.
     pub fn uv(&self, set: usize) -> Option<DVec2> {
         self.rest.uv(self.patch, set, &self.hit)
     }
@@ -75,7 +75,7 @@ impl SurfacePoint<'_> {
 pub enum EmissionClock {
     /// World time.
     World,
-    /// The own time of the object that the point is on.
+    /// The proper time of the point's object.
     Object,
 }
 

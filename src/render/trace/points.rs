@@ -11,47 +11,47 @@ use crate::spacetime::{Displacement, Event, World};
 /// The points of a run, by member.
 #[derive(Debug)]
 pub(super) struct Points {
-    /// Their triangles and their places in the tree, unless nothing but lamps without shadows asks for the points.
+    /// Triangles and their slots in the tree, unless the points are only used for lamps without shadows.
     pub triangles: Vec<u32>,
     pub slots: Vec<u32>,
-    /// Where they are in their rest frame.
+    /// Positions in the rest frame.
     pub positions: Columns,
-    /// Unit normals there, on the side that the camera sees.
+    /// Unit normals, on the side that the camera sees.
     pub normals: Columns,
-    /// Those of the triangles, where others stand for them.
+    /// Normals of the triangles, if shading normals differ.
     geometric: Columns,
     is_smooth: bool,
-    /// Tangents of the rays that hit them, in the rest frame, where the whole points were taken over.
+    /// Tangents of the rays that hit the points, in the rest frame, if all data of the points were taken over.
     tangents: Columns,
     /// Whether those are unit vectors.
     are_unit: bool,
-    /// Directions of those rays, where they are asked for.
+    /// Directions of these rays in the world, if needed.
     directions: Columns,
-    /// Where the rays leave that hit them, in the rest frame: one for all, or each.
+    /// Origins of the rays that hit the points, in the rest frame: a common one, or one for each.
     eye: DVec3,
     eyes: Columns,
-    /// How far along the rays the points are.
+    /// Distances of the points along the rays.
     pub s: Vec<f64>,
-    /// Where the rays leave in the world, and the index that delays them.
+    /// The event of the shot in the world, and the refractive index that delays the rays.
     shot: Event<World>,
     index: f64,
-    /// Whether rays leave each from its own event: then these, and the ways from there to the points.
+    /// Whether each ray has its own origin event: then these events, and the displacements from there to the points.
     own_origins: bool,
     origins: EventColumns,
     offsets: EventColumns,
 }
 
-/// What of points is taken over.
+/// Which data of points are taken over.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Taken {
-    /// Where they are, and how the rays came that hit them.
+    /// Their positions, and the tangents of the rays that hit them.
     All,
     Positions,
     Tangents,
 }
 
 impl Points {
-    /// Point `k` as its capture cameras look at it.
+    /// Point `k` in the form that captures look up.
     pub(super) fn captured(&self, k: usize) -> CapturePoint {
         CapturePoint {
             position: self.positions.get(k),
@@ -59,12 +59,12 @@ impl Points {
         }
     }
 
-    /// Takes over the points of `run`.
+    /// Takes over the points of `run`, with all data.
     pub(super) fn fill(&mut self, run: &Run) {
         self.fill_all(run, Taken::All);
     }
 
-    /// The same, but for positions where they are not at hand: where nothing can be in the way of light.
+    /// The same, but without positions if these need computing: for light that nothing can block.
     pub(super) fn fill_unshadowed(&mut self, run: &Run) {
         self.fill_all(run, Taken::Tangents);
     }
@@ -82,7 +82,7 @@ impl Points {
 
         self.index = run.traced.index;
 
-        // Where they are in the world from where their rays leave. In a frame that rests in the world tangents are directions.
+        // Displacements in the world from the origins of the rays. In a frame at rest in the world, tangents are directions.
         let Some(origins) = rays.origins else {
             if surfaces.at_rest().is_none() {
                 self.directions.resize(run.count());
@@ -107,7 +107,7 @@ impl Points {
         }
     }
 
-    /// Takes over the points of `run` as they are in their rest frame, and nothing of the world.
+    /// Takes over the points of `run` in their rest frame only, without data in the world.
     pub(super) fn fill_places(&mut self, run: &Run) {
         self.fill_rest(run, Taken::Positions);
     }
@@ -122,7 +122,7 @@ impl Points {
         self.are_unit = surfaces.at_rest().is_some();
         let shared = surfaces.shared_origin(rays, run.traced.hits);
         let hits = run.traced.hits.hits();
-        // Tangents of rays in a row lie one after another.
+        // Tangents of consecutive rays are consecutive in memory.
         let all = shared.filter(|_| with_tangents);
         let row = all.and_then(|(_, all)| all.get(in_a_row(run.members)?));
         if let Some(row) = row {
@@ -131,7 +131,7 @@ impl Points {
         let (mut slots, mut sides) = ([0; BLOCK], [0.0; BLOCK]);
         for (block, members) in run.members.chunks(BLOCK).enumerate() {
             let begin = block * BLOCK;
-            // What the hits say, and the normals of their triangles on the side that is seen.
+            // Data of the hits, and the normals of their triangles on the visible side.
             let of = self.s[begin..].iter_mut().zip(&mut slots).zip(&mut sides);
             for (ray, ((s, slot), side)) in members.iter().zip(of) {
                 let Some(hit) = &hits[*ray as usize] else {
@@ -165,7 +165,7 @@ impl Points {
                 }
             }
 
-            // Where they are: in one frame, whose rays are at hand, in a loop that does nothing else.
+            // Positions, in one frame whose rays are available, in a loop that does nothing else.
             if let (Some((eye, tangents)), true) = (shared, with_tangents) {
                 self.eye = eye;
                 if row.is_none()
@@ -224,7 +224,7 @@ impl Points {
         self.is_smooth = true;
     }
 
-    /// Whether other normals may stand for those of triangles.
+    /// Whether shading normals may differ from those of the triangles.
     #[inline(always)]
     pub(super) fn is_smooth(&self) -> bool {
         self.is_smooth
@@ -239,13 +239,13 @@ impl Points {
         }
     }
 
-    /// Whether light from `l`, which falls on point `k` by its normal, comes from below the triangle.
+    /// Whether light from direction `l`, which is above the shading normal's horizon at point `k`, comes from below the triangle.
     #[inline(always)]
     pub(super) fn is_below(&self, k: usize, l: DVec3) -> bool {
         self.is_smooth && self.geometric.get(k).dot(l) <= 0.0
     }
 
-    /// Tangents of the rays in the rest frame, where they are unit vectors: the opposite of [`Points::views`].
+    /// Tangents of the rays in the rest frame, if they are unit vectors: the opposite of [`Points::views`].
     pub(super) fn unit_tangents(&self) -> Option<&Columns> {
         self.are_unit.then_some(&self.tangents)
     }
@@ -260,12 +260,12 @@ impl Points {
         });
     }
 
-    /// How many points.
+    /// The number of points.
     pub(super) fn count(&self) -> usize {
         self.triangles.len()
     }
 
-    /// Where the rays leave that hit points from `begin` on, in the rest frame.
+    /// Origins of the rays that hit a block of points from `begin` on, in the rest frame.
     #[inline(always)]
     pub(super) fn load_eyes(&self, begin: usize) -> Vectors {
         match self.own_origins {
@@ -274,13 +274,13 @@ impl Points {
         }
     }
 
-    /// Where all rays leave in the rest frame, if from one place.
+    /// The common origin of all rays in the rest frame, if they have one.
     #[inline(always)]
     pub(super) fn shared_eye(&self) -> Option<DVec3> {
         (!self.own_origins).then_some(self.eye)
     }
 
-    /// Where the ray leaves that hit point `k`, in the rest frame.
+    /// The origin of the ray that hit point `k`, in the rest frame.
     #[inline(always)]
     pub(super) fn eye(&self, k: usize) -> DVec3 {
         match self.own_origins {
@@ -289,7 +289,7 @@ impl Points {
         }
     }
 
-    /// From where its ray leaves to point `k`, in the world.
+    /// The displacement from the origin of its ray to point `k`, in the world.
     #[inline(always)]
     pub(super) fn offset(&self, k: usize) -> Displacement<World> {
         match self.own_origins {
@@ -301,7 +301,7 @@ impl Points {
         }
     }
 
-    /// Directions in the world of rays that leave the shot.
+    /// Directions in the world of the rays, which leave at the event of the shot.
     #[inline(always)]
     fn directions(&self) -> &Columns {
         match self.are_unit {
@@ -310,7 +310,7 @@ impl Points {
         }
     }
 
-    /// Point `k` in the world, at the emission of its light.
+    /// Event of point `k` in the world, at the emission of its light.
     #[inline(always)]
     pub(super) fn event(&self, k: usize) -> Event<World> {
         let offset = self.offset(k);
@@ -320,7 +320,7 @@ impl Points {
         }
     }
 
-    /// Where they are in the world.
+    /// The points in the world.
     pub(super) fn on_rays(&self) -> PointsOnRays<'_> {
         let start = match self.own_origins {
             true => Start::Own {
@@ -374,7 +374,7 @@ impl Default for Points {
     }
 }
 
-/// Rays from one place to the points that they hit, in a block.
+/// The loop that computes a block of points from rays with a common origin.
 struct Along<'a> {
     eye: DVec3,
     tangents: &'a Columns,
@@ -396,7 +396,7 @@ impl VectorLoop for Along<'_> {
     }
 }
 
-/// Tangents of rays to unit vectors back along them.
+/// The loop that computes unit vectors to the observer from tangents of rays.
 struct Views<'a> {
     tangents: &'a Columns,
     are_unit: bool,

@@ -1,5 +1,5 @@
-//! Radiance of surfaces: what points emit at their retarded events, in their own rest frames. Base colours,
-//! which need no time, and time-resolved sources.
+//! Radiance of surfaces: the light that points emit at their retarded events, in their own rest frames. Both base colours, which need no
+//! time, and time-resolved sources.
 
 use std::cell::Cell;
 use std::f64::consts::FRAC_1_PI;
@@ -24,10 +24,10 @@ use crate::light::time_texture::{BATCH, Capture, CaptureView, Coverage, TimeText
 
 /// Radiance of surfaces, run by run.
 ///
-/// A radiance of one's own is a type with two functions: [`emit`](Radiance::emit), which says what leaves each point in the frame in which its
-/// object rests (the camera's Doppler factor comes after it, by the [`Response`](super::Response)), and [`has_gaps`](Radiance::has_gaps).
-/// [`Prepared::set_radiance`](crate::render::prepare::Prepared::set_radiance) puts it in place of what the scene says. Stripes that wander
-/// along a moving sphere by its own clock, of which nothing is known before its time −3.3:
+/// A custom radiance is a type with two functions: [`emit`](Radiance::emit), which computes the light that leaves each point in the rest frame
+/// of its object (the [`Response`](super::Response) then applies the camera's Doppler factor), and [`has_gaps`](Radiance::has_gaps).
+/// [`Prepared::set_radiance`](crate::render::prepare::Prepared::set_radiance) replaces the radiance of the scene by it. This example shows
+/// stripes that move along a moving sphere in its proper time, without data before its time −3.3:
 ///
 /// ```
 /// use nullray::light::time_texture::Coverage;
@@ -81,41 +81,40 @@ use crate::light::time_texture::{BATCH, Capture, CaptureView, Coverage, TimeText
 /// # Ok::<(), nullray::Error>(())
 /// ```
 pub trait Radiance: Debug + Send + Sync {
-    /// What radiance depends on: of all else, hits need not tell. Channels may ask for more.
+    /// What radiance depends on: data of hits beyond this need not be computed. Channels may need more.
     fn dependence(&self) -> Dependence {
         Dependence::Weights
     }
 
-    /// By emitter, its radiance, and the factor that an observer puts on all of them: where each shines alike everywhere, at all times and in all
-    /// directions, and channels are colours as they stand.
+    /// The radiance by emitter, and the observer's factor common to all of them, if every emitter is uniform in position, time and direction, and
+    /// channels are plain colours; otherwise `None`.
     fn even(&self) -> Option<(Scaling, Vec<[f64; 3]>)> {
         None
     }
 
-    /// Whether coverage can be other than full: then the film counts it.
+    /// Whether coverage can be less than full: then the film records it.
     fn has_gaps(&self) -> bool;
 
-    /// Whether what emitter `emitter` shines with is read from data, which may lack some of it.
+    /// Whether the radiance of emitter `emitter` is read from data, which may have gaps.
     fn has_data(&self, _emitter: u32) -> bool {
         self.has_gaps()
     }
 
-    /// How many samples of each pixel of a tile are best shaded together.
+    /// The number of samples of each pixel of a tile that are best shaded together.
     fn samples_at_once(&self) -> u32 {
         1
     }
 
-    /// Fills `emitted` with what leaves the points of `run` towards the camera: [`Emitted::start`], then
+    /// Fills `emitted` with the radiance that leaves the points of `run` towards the camera: call [`Emitted::start`], then
     /// [`Emitted::push`] for each point.
     fn emit(&self, run: &Run, emitted: &mut Emitted, meter: &mut Meter);
 
-    /// How the camera that captured the radiance of `point` looks at it; none where no camera did.
+    /// How the camera that captured the radiance of `point` sees it; `None` if no camera captured it.
     fn capture(&self, _point: &SurfacePoint) -> Option<CaptureView> {
         None
     }
 
-    /// Index in the scene of the source, a capture, that gives the point most of its radiance; none where no capture
-    /// holds the point.
+    /// Scene index of the source, a capture, that contributes most to the point's radiance; `None` if no capture contains the point.
     fn capture_source(&self, _point: &SurfacePoint) -> Option<usize> {
         None
     }
@@ -150,7 +149,7 @@ impl Radiance for BaseColours {
 
 impl Radiance for TimeResolved {
     fn dependence(&self) -> Dependence {
-        // Random numbers of lights that are drawn from are not known to depend on less.
+        // Lights that are sampled use random numbers, which may depend on everything.
         if self.areas.is_some() || self.sky.is_some() {
             return Dependence::Weights;
         }
@@ -202,7 +201,7 @@ impl Radiance for TimeResolved {
         emitted.start(response.clone());
         match emitter {
             Emitter::Base(colour) => self.base.fill(*colour, run, emitted),
-            // Companions first: what they hold is set aside, and what stays is that of the colours.
+            // Companions first: their values are stored, and those of the colours stay.
             Emitter::Uv {
                 cube,
                 companions,
@@ -227,7 +226,7 @@ impl Radiance for TimeResolved {
                     project(texture, by, means, run, emitted, meter);
                 }
                 several => {
-                    // Captures of one surface have the same companions.
+                    // All captures of one surface have the same companions.
                     for (band, _) in present(several.first().map_or([None; 2], |c| c.companions)) {
                         let cube = |one: &CapturedCube| one.companions[band].unwrap_or(one.cube);
                         self.blend(several, cube, run, emitted, meter);
@@ -243,13 +242,13 @@ impl Radiance for TimeResolved {
     }
 }
 
-/// The companions that there are, by band: 0 is the infrared, 1 the ultraviolet.
+/// The companions that exist, by band: 0 is infrared, 1 ultraviolet.
 fn present(companions: [Option<usize>; 2]) -> impl Iterator<Item = (usize, usize)> {
     let numbered = companions.into_iter().enumerate();
     numbered.filter_map(|(band, cube)| Some((band, cube?)))
 }
 
-/// What `texture` holds at the points of `run`.
+/// Looks up `texture` at the points of `run`.
 fn look_up(
     texture: &TimeTexture,
     set: usize,
@@ -261,7 +260,7 @@ fn look_up(
     if run.filters(texture) {
         return footprint::look_up(texture, set, clock, run, emitted, meter);
     }
-    // Exposures that data are integrated over: the mean from the beginning to the end of each sample's part.
+    // Data integrated over an exposure: the mean from the beginning to the end of each sample's part.
     if run.spans(clock, &mut emitted.spans) {
         emitted.times.resize(run.count(), 0.0);
         run.times(clock, 0, &mut emitted.times);
@@ -287,7 +286,7 @@ fn look_up(
         emitted.near = near;
         return;
     }
-    // Otherwise by batches, whose times and lookups go in vectors.
+    // Otherwise in batches, whose times and lookups are vectorised.
     let mut begin = 0;
     while begin < run.count() {
         let count = (run.count() - begin).min(BATCH);
@@ -307,7 +306,7 @@ fn look_up(
         emitted
             .radiance
             .extend(radiance.map(|[r, g, b, _]| [*r, *g, *b]));
-        // Only lookups that are not wholly within the data say more than their radiance.
+        // Only lookups that are not wholly within the data have more than a radiance.
         let details = lookups.others.iter().map(|(at, sampled)| Detail {
             at: begin + at,
             unscaled: sampled.unscaled,
@@ -322,8 +321,8 @@ fn look_up(
     }
 }
 
-/// Where the points of `run` lie in the image of a capture camera, and whether the scene blocks the way to it. The capture camera rests
-/// in the points' frame, and so does all that can stand between them. Says whether lookups are means over spans of time.
+/// Positions of the points of `run` in the image of a capture camera, and whether the scene blocks their view of it. The capture camera
+/// rests in the points' frame, and so does everything that can block. Returns whether lookups are means over spans of time.
 fn locate(
     texture: &TimeTexture,
     capture: &Capture,
@@ -334,7 +333,7 @@ fn locate(
 ) -> bool {
     emitted.points.fill_places(run);
     let count = run.count();
-    // Means over exposures and footprints are looked up one by one, all else together where the data hold it.
+    // Means over exposures and footprints are looked up one by one, all others in batches if the data contain them.
     let means = run.spans(clock, &mut emitted.spans);
     let singly = means || run.filters(texture);
     let Emitted {
@@ -348,7 +347,7 @@ fn locate(
     } = emitted;
     let columns = (&points.positions, &points.normals);
     seen.locate(texture, capture, columns, singly);
-    // What stands between the points that a pixel may have seen and the pinhole.
+    // Obstacles between the pinhole and the points that a pixel may have seen.
     let eye = capture.eye();
     shadow_starts(points, eye, starts);
     let (bvh, method, counts) = (&run.rest.bvh, run.traced.rays.method, meter.occlusion());
@@ -374,7 +373,7 @@ fn locate(
     });
     leaving.resize(left);
     any_to_point(bvh, method, leaving.towards(eye), blocked, counts);
-    // By point, whether it is blocked; those that no pixel saw are not.
+    // Whether each point is blocked; points that no pixel saw are not.
     answers.clear();
     answers.resize(count, false);
     for (point, blocked) in leaving.points.iter().zip(blocked) {
@@ -383,7 +382,8 @@ fn locate(
     means
 }
 
-/// What the capture camera recorded of the points of `run`, which were located, as far as it saw them; `means` over spans of time.
+/// Looks up what the capture camera recorded of the points of `run`, which were located before, if it saw them; `means` says that lookups
+/// are means over spans of time.
 fn project(
     texture: &TimeTexture,
     (capture, clock): (&Capture, EmissionClock),
@@ -394,7 +394,7 @@ fn project(
 ) {
     let count = run.count();
     let singly = means || run.filters(texture);
-    // Points all of whose taps hold data, a whole batch at a time.
+    // Points all of whose taps are within the data, a whole batch at a time.
     let room = count.next_multiple_of(BATCH);
     emitted.times.resize(room, 0.0);
     run.times(clock, 0, &mut emitted.times[..count]);
@@ -416,7 +416,7 @@ fn project(
         for k in 0..batch {
             let at = begin + k;
             let Some((radiance, held)) = emitted.captured.answer(k) else {
-                // Of some it is known that there are no data, and what stands in for them.
+                // For some, there are known to be no data, and the substitute is known.
                 let other = others.next_if(|(other, _)| *other as usize == at);
                 let is_blocked = emitted.answers[at];
                 let stand_in = match other {
@@ -455,7 +455,7 @@ fn project(
         return;
     }
 
-    // The others one by one.
+    // The remaining points, one by one.
     let read = Cell::new(0);
     let near = std::mem::take(&mut emitted.near);
     let rest = std::mem::take(&mut emitted.rest);
@@ -466,7 +466,7 @@ fn project(
         if n == 0 {
             others = all.others().iter().peekable();
         }
-        // Plain points whose times the data do not hold are located anew.
+        // Plain points whose times are outside the data are located again.
         while others
             .next_if(|(other, _)| (*other as usize) < at)
             .is_some()
@@ -493,13 +493,13 @@ fn project(
             emitted.put(at, Emission::stored(sampled));
         }
     });
-    // In the order of the points.
+    // Sort by point.
     emitted.details.sort_unstable_by_key(|detail| detail.at);
     (emitted.near, emitted.rest, emitted.seen) = (near, rest, all);
     meter.count(Counter::TextureBytes, read.get());
 }
 
-/// Puts normals of vertices in the place of those of triangles, at the points of `run`, which were taken over.
+/// Replaces normals of triangles by vertex normals, at the points of `run`, which must have been taken over.
 fn smooth(finish: &Finish, run: &Run, emitted: &mut Emitted) {
     let Emitted { points, views, .. } = emitted;
     if finish.gloss.is_some() {
@@ -516,7 +516,7 @@ fn smooth(finish: &Finish, run: &Run, emitted: &mut Emitted) {
 }
 
 impl TimeResolved {
-    /// Reflects light at the points of `run`: that of `lamps`, and in lit scenes all other.
+    /// Reflects light at the points of `run`: that of `lamps`, and in lit scenes all other light.
     fn reflect(
         &self,
         finish: &Finish,
@@ -527,7 +527,7 @@ impl TimeResolved {
     ) {
         let mut lamps_that_shine = lamps.iter().filter_map(|k| self.lamps[*k].as_ref());
         let has_shadows = lamps_that_shine.any(|lamp| lamp.shadows);
-        // Drawn points of areas and of the sky start from where points are, too.
+        // Samples of area lights and of the sky need the points' positions, too.
         match has_shadows || self.areas.is_some() || self.sky.is_some() {
             true => emitted.points.fill(run),
             false => emitted.points.fill_unshadowed(run),
@@ -539,11 +539,11 @@ impl TimeResolved {
             spectra.begin(run, &mut emitted.spectral);
         }
         self.start(finish, run, emitted);
-        // Matte surfaces gather irradiance here and take their colour once, below; others reflect light as it arrives.
+        // Matte surfaces gather irradiance here and are multiplied by their colour once, below; others reflect light as it arrives.
         for lamp in lamps.iter().filter_map(|k| self.lamps[*k].as_ref()) {
             lamps::illuminate(run, lamp, self.index, emitted, meter);
         }
-        // Without any, nothing has been written yet.
+        // Without light, nothing has been written yet.
         if std::mem::take(&mut emitted.is_unlit) {
             match finish.gloss {
                 Some(_) => emitted.added.fill(run.count(), DVec3::ZERO),
@@ -568,7 +568,7 @@ impl TimeResolved {
                 match (albedo, &self.spectra) {
                     (Some(_), _) => {}
                     (None, None) => self.colours(finish, run, &mut emitted.glosses.colours),
-                    // Which lines have made use of as they are.
+                    // Lines need them unsampled, and have used them by now.
                     (None, Some(_)) => emitted.spectral.sample(&mut emitted.glosses.colours),
                 }
                 dispatch(Matte {
@@ -615,9 +615,10 @@ impl TimeResolved {
         }
     }
 
-    /// Forgets the light of the last run, and notes how the points of `run`, which were taken over, reflect where they are not diffuse.
+    /// Clears the light of the last run, and records how the points of `run`, which must have been taken over, reflect if they are not
+    /// diffuse.
     fn start(&self, finish: &Finish, run: &Run, emitted: &mut Emitted) {
-        // Nothing but the colour of a line depends on wavelengths.
+        // Only the colour of a line depends on wavelengths.
         let is_line = matches!(emitted.response.colour, Colouring::ShiftedLine(_));
         emitted.incident.start_unlit(run.count(), is_line);
         emitted.is_unlit = true;
@@ -641,7 +642,7 @@ impl TimeResolved {
             spectral,
             ..
         } = emitted;
-        // What is drawn of areas and of the sky asks points one by one; loops over lamps do with one block where all look alike.
+        // Samples of areas and of the sky need the reflection of each point; loops over lamps need only one block if all points are alike.
         let has_lines = self.spectra.is_some_and(|spectra| spectra.has_lines);
         let by_point = self.areas.is_some() || self.sky.is_some() || has_lines;
         added.resize(run.count());
@@ -692,9 +693,9 @@ impl TimeResolved {
     }
 }
 
-/// From what falls on matte surfaces to what they reflect: albedo E_F/π.
+/// The loop from irradiance on matte surfaces to their radiance: albedo E_F/π.
 struct Matte<'a> {
-    /// Everywhere, or else by point.
+    /// The albedo, if it is constant; otherwise by point.
     albedo: Option<DVec3>,
     albedos: &'a Columns,
     light: &'a mut Columns,
@@ -705,7 +706,7 @@ impl VectorLoop for Matte<'_> {
     fn run(self) {
         let mut begin = 0;
         while begin < self.light.len() {
-            // Where the light lies, channel by channel.
+            // In place, channel by channel.
             let Some(light) = self.light.block_mut(begin) else {
                 return;
             };

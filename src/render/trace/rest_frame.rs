@@ -18,22 +18,22 @@ pub struct RestFrame {
     pub frame: InertialFrame<Rest>,
     /// All triangles, in rest-frame coordinates relative to the frame's origin.
     pub bvh: Bvh,
-    /// Unit normals by slot of the tree, where many points ask for them; otherwise empty.
+    /// Unit normals by slot of the tree, if many points need them; otherwise empty.
     pub(crate) normals: Pages<DVec3>,
-    /// Runs of triangles that look alike, ascending by first triangle.
+    /// Runs of triangles with the same appearance, ascending by first triangle.
     pub patches: Vec<Patch>,
-    /// Per object of the frame: triangles, texture coordinates and normals of vertices, where something needs them.
+    /// By object of the frame: triangles, texture coordinates and vertex normals, if needed.
     pub meshes: Arc<[Mesh]>,
-    /// The corners without repetitions, from when they are first asked for.
+    /// The corners without repetitions, computed on first use.
     pub(crate) vertices: OnceLock<SharedVertices>,
 }
 
-/// The corners of all triangles of a tree, each place once.
+/// The corners of all triangles of a tree, without repetitions.
 #[derive(Debug)]
 pub(crate) struct SharedVertices {
-    /// Metres in the rest frame, in the order in which slots first have them.
+    /// In metres, in the rest frame, in order of first use by slots.
     pub positions: Vec<DVec3>,
-    /// By slot, the index of each corner.
+    /// By slot, the indices of its corners.
     pub corners: Vec<[u32; 3]>,
     /// By position, the length of the longest edge that ends there.
     pub longest: Vec<f64>,
@@ -50,7 +50,7 @@ pub struct Patch {
     pub mesh: u32,
     /// Triangle of the frame's BVH that is triangle 0 of the object.
     pub object_first: u32,
-    /// The object's origin event in the frame: subtract it for the object's own coordinates.
+    /// The object's origin event in the frame: subtract it to get the object's own coordinates.
     pub object_origin: Event<Rest>,
     /// Index into the emitters.
     pub emitter: u32,
@@ -90,10 +90,10 @@ impl SharedVertices {
     }
 }
 
-/// Makes [`PlaceHasher`]s.
+/// Builds [`PlaceHasher`]s.
 pub(crate) type BuildPlaceHasher = BuildHasherDefault<PlaceHasher>;
 
-/// A quick hash of few words, which need not withstand anybody.
+/// A fast hash of a few words, without protection against adversaries.
 #[derive(Default)]
 pub(crate) struct PlaceHasher(u64);
 
@@ -108,7 +108,7 @@ impl Hasher for PlaceHasher {
 
     #[inline]
     fn write_u64(&mut self, word: u64) {
-        // Coordinates often end in zeros: the upper half of the product goes into the lower.
+        // Coordinates often end in zeros: mix the upper half of the product into the lower.
         let mixed = (self.0.rotate_left(23) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         self.0 = mixed ^ (mixed >> 32);
     }
@@ -119,13 +119,13 @@ impl Hasher for PlaceHasher {
 }
 
 impl RestFrame {
-    /// The corners of its triangles, each place once.
+    /// The corners of its triangles, without repetitions.
     pub(crate) fn shared_vertices(&self) -> &SharedVertices {
         self.vertices.get_or_init(|| SharedVertices::of(&self.bvh))
     }
 
-    /// Unit normals of triangles by their slot in the tree, on the side from which their corners run counter-clockwise; none where few
-    /// points ask for them.
+    /// Unit normals of triangles by slot in the tree, on the side from which their corners run counter-clockwise; empty if few points need
+    /// them.
     pub fn normals(&self) -> &[DVec3] {
         &self.normals
     }
@@ -140,7 +140,7 @@ impl RestFrame {
     #[inline]
     pub(super) fn patch_and_end(&self, triangle: u32) -> (&Patch, u32) {
         let is_begun = |patch: &Patch| patch.first <= triangle;
-        // Of few patches all are asked, without a branch that could be mispredicted.
+        // A few patches are searched linearly, without a branch that could be mispredicted.
         let after = match self.patches.len() {
             0..=16 => self.patches.iter().map(|p| usize::from(is_begun(p))).sum(),
             _ => self.patches.partition_point(is_begun),
@@ -150,21 +150,21 @@ impl RestFrame {
         (&self.patches[after - 1], end)
     }
 
-    /// Texture coordinates of set `set` at a hit on `patch`, where the object has them.
+    /// Texture coordinates of set `set` at a hit on `patch`, if the object has them.
     #[inline(always)]
     pub(crate) fn uv(&self, patch: &Patch, set: usize, hit: &Hit) -> Option<DVec2> {
         let mesh = self.meshes.get(patch.mesh as usize)?;
         mesh.uv(set, hit.triangle - patch.object_first, [hit.u, hit.v])
     }
 
-    /// The unit normal between those of vertices at a hit on `patch`, outward, where the object has them.
+    /// The interpolated vertex normal at a hit on `patch`, a unit vector that points outward, if the object has them.
     #[inline]
     pub(super) fn vertex_normal(&self, patch: &Patch, hit: &Hit) -> Option<DVec3> {
         let mesh = self.meshes.get(patch.mesh as usize)?;
         mesh.normal(hit.triangle - patch.object_first, [hit.u, hit.v])
     }
 
-    /// The colour of vertices at a hit on `patch`, linear RGBA, where the object has them.
+    /// The interpolated vertex colour at a hit on `patch`, linear RGBA, if the object has them.
     #[inline]
     pub(super) fn vertex_colour(&self, patch: &Patch, hit: &Hit) -> Option<[f64; 4]> {
         let mesh = self.meshes.get(patch.mesh as usize)?;

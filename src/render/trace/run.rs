@@ -1,4 +1,4 @@
-//! Runs: points of one patch that consecutive rays of a batch have hit.
+//! Runs: points of one patch that rays of a batch have hit.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ use crate::spacetime::{Boost, Direction, Event, NullRay, Rest, WavelengthRatio, 
 /// Rays of a batch with their hits.
 #[derive(Debug)]
 pub struct TracedRays<'a> {
-    /// What there is to hit.
+    /// The surfaces that they may hit.
     pub surfaces: &'a Surfaces<'a>,
     /// The rays.
     pub rays: Rays<'a>,
@@ -24,7 +24,7 @@ pub struct TracedRays<'a> {
     pub hits: &'a HitBuffer,
     /// The event of the shot.
     pub event: Event<World>,
-    /// Refractive index that delays the rays.
+    /// The refractive index that delays the rays.
     pub index: f64,
 }
 
@@ -33,7 +33,7 @@ pub struct TracedRays<'a> {
 pub struct Run<'a> {
     /// The batch.
     pub(super) traced: &'a TracedRays<'a>,
-    /// Which of its rays hit them.
+    /// The rays that hit them.
     pub(super) members: &'a [u32],
     /// The patch.
     pub patch: &'a Patch,
@@ -85,7 +85,7 @@ impl<'a> TracedRays<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// How many points.
+    /// The number of points.
     #[inline(always)]
     pub fn count(&self) -> usize {
         self.members.len()
@@ -114,7 +114,7 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// The times of emission of members `begin` and on.
+    /// The emission times of members from `begin` on.
     pub(super) fn times(&self, clock: EmissionClock, begin: usize, times: &mut [f64]) {
         match clock {
             EmissionClock::World => self.world_times(begin, times),
@@ -122,7 +122,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// World times of the emission events of members `begin` and on.
+    /// World times of the emission events of members from `begin` on.
     #[inline(always)]
     fn world_times(&self, begin: usize, times: &mut [f64]) {
         for (k, time) in (begin..).zip(times) {
@@ -133,7 +133,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// The object's own times there.
+    /// Proper times of the object at these events.
     #[inline(always)]
     fn object_times(&self, begin: usize, times: &mut [f64]) {
         let zero = self.patch.object_origin.ct;
@@ -145,7 +145,7 @@ impl<'a> Run<'a> {
         });
     }
 
-    /// W of all members, whose W for sources at rest in the world is in `world`, by ray.
+    /// W of all members; `world` is W for sources at rest in the world, by ray.
     #[inline(always)]
     pub(super) fn ratios(&self, world: &[f64], ratios: &mut Vec<f64>) {
         ratios.clear();
@@ -154,7 +154,7 @@ impl<'a> Run<'a> {
         if let Some(known) = surfaces.ratios(hits) {
             return ratios.extend(members().map(|ray| world[ray] * known[ray]));
         }
-        // At rest in the world there is no second part.
+        // At rest in the world there is no second factor.
         if surfaces.at_rest().is_some() {
             return match in_a_row(self.members).and_then(|rays| world.get(rays)) {
                 Some(row) => ratios.extend_from_slice(row),
@@ -175,11 +175,11 @@ impl<'a> Run<'a> {
         });
     }
 
-    /// Fills `spans` with how long before and after the times of emission the parts of the exposure reach for which the
-    /// members stand, by `clock`; whether there is such an exposure.
+    /// Fills `spans` with the start and end of each member's part of the exposure, relative to its emission time, by `clock`. Returns
+    /// whether there is such an exposure.
     ///
-    /// The point that a member meets is taken for all of the part: of light that it sends in its own time dτ the camera
-    /// gets W dτ. In the world dt = γ dτ.
+    /// The point that a member hits stands for the whole part: light that it emits in its proper time dτ arrives at the camera within W dτ.
+    /// In the world dt = γ dτ.
     pub(super) fn spans(&self, clock: EmissionClock, spans: &mut Vec<[f64; 2]>) -> bool {
         let Some(exposure) = &self.traced.rays.samples.exposure else {
             return false;
@@ -208,13 +208,14 @@ impl<'a> Run<'a> {
         surfaces.each_local(self.frame, members, rays, hits, each);
     }
 
-    /// Two numbers in [0, 1) of member `k` for what `dimension` counts.
+    /// Two numbers in [0, 1) of member `k` for purpose `dimension`.
     #[inline]
     pub(super) fn random(&self, k: usize, dimension: u32) -> [f64; 2] {
         self.one_random_of(k, dimension, 0, 1)
     }
 
-    /// Fills `numbers` with two in [0, 1) of each member for what `dimension` counts at this surface of its path; `keys` and `indices` are buffers.
+    /// Fills `numbers` with two numbers in [0, 1) of each member for purpose `dimension` at this surface of its path; `keys` and `indices` are
+    /// buffers.
     pub(super) fn each_on_path(
         &self,
         dimension: u32,
@@ -231,7 +232,7 @@ impl<'a> Run<'a> {
         samples.each_on_path((keys, indices), dimension, numbers);
     }
 
-    /// The same as [`Run::random`], one of `count` for each sample.
+    /// The same as [`Run::random`], for number `number` of `count` per sample.
     #[inline]
     pub(super) fn one_random_of(
         &self,
@@ -246,7 +247,7 @@ impl<'a> Run<'a> {
     }
 }
 
-/// The loop over members that multiplies their ratios by those of a rest frame.
+/// The loop over members that multiplies their ratios by those of the rest frame.
 struct Ratios<'a> {
     boost: &'a Boost<Rest, World>,
     directions: &'a [DVec3],
@@ -274,10 +275,10 @@ impl VectorLoop for Ratios<'_> {
     }
 }
 
-/// The rays that `members` are, where they are some in a row, as where all rays of a batch meet one patch.
+/// The range of rays that `members` are, if they are consecutive: for example, if all rays of a batch hit one patch.
 pub(super) fn in_a_row(members: &[u32]) -> Option<Range<usize>> {
     let first = *members.first()?;
-    // Without an early end, so that the loop goes in vectors.
+    // Without early exit, so that the loop is vectorised.
     let numbers = members.iter().zip(first..);
     let are_others = numbers.fold(false, |others, (ray, n)| others | (*ray != n));
     (!are_others).then(|| first as usize..first as usize + members.len())

@@ -16,29 +16,29 @@ use crate::light::time_texture::Coverage;
 use crate::render::film::TileFilm;
 use crate::spacetime::Quantity;
 
-/// Where the radiance of the rays of a batch goes.
+/// The destination of the radiance of the rays of a batch.
 pub trait RadianceSink {
     /// Adds the radiance of ray `ray`.
     fn add(&mut self, ray: usize, radiance: [f64; 3]);
-    /// Adds the radiance of as many rays in a row, the first of them `first`, times their factors.
+    /// Adds the radiance of consecutive rays from `first` on, times their factors.
     fn add_scaled(&mut self, first: usize, radiance: &[[f64; 3]], factors: &[f64]) {
         for ((ray, rgb), factor) in (first..).zip(radiance).zip(factors) {
             self.add(ray, rgb.map(|c| factor * c));
         }
     }
-    /// Adds the radiance of as many rays in a row, the first of them `first`.
+    /// Adds the radiance of consecutive rays from `first` on.
     fn add_row(&mut self, first: usize, radiance: &[[f64; 3]]) {
         for (ray, rgb) in (first..).zip(radiance) {
             self.add(ray, *rgb);
         }
     }
-    /// Notes that no light gets to the element of the sensor of ray `ray`.
+    /// Records that no light reaches the sensor element of ray `ray`.
     fn add_blind(&mut self, ray: usize);
-    /// Notes rays whose radiance is fully known, without data.
+    /// Records rays whose radiance is fully known and does not come from data.
     fn add_held(&mut self, rays: &[u32]);
-    /// Adds how much of the radiance of `rays` the data hold that their surface has: all, but for some of them.
+    /// Adds how much of the radiance of `rays`, whose surface has data, the data cover: full coverage, except for `parts`.
     fn cover(&mut self, rays: &[u32], parts: impl Iterator<Item = (usize, Coverage)>);
-    /// Notes rays that hit nothing.
+    /// Records rays that hit nothing.
     fn add_unmet(&mut self, rays: u64);
 }
 
@@ -74,39 +74,39 @@ impl RadianceSink for TileFilm {
     }
 }
 
-/// What rays see that meet nothing.
+/// What rays see that hit nothing.
 #[derive(Debug, Clone)]
 pub enum Background {
-    /// This radiance, whatever moves: it is as observed.
+    /// A constant radiance, as observed, whatever moves.
     Observed([f64; 3]),
     /// A sky at rest in the world.
     Sky {
         /// The sky.
         sky: Arc<Sky>,
-        /// What an observer makes of its radiance.
+        /// How the observer responds to its radiance.
         response: Response,
-        /// What an observer makes of its spectra, where it has any.
+        /// How the observer sees its spectra, if it has any.
         spectra: Option<SkySpectra>,
         /// The angle between samples at rest in the camera's frame, radians.
         angle: f64,
-        /// That between pixels, where it is widest.
+        /// The angle between pixels, where it is largest.
         pixel: f64,
     },
 }
 
-/// What an observer makes of a sky's spectra.
+/// How an observer sees a sky's spectra.
 #[derive(Debug, Clone, Copy)]
 pub struct SkySpectra {
     /// The factor on their colours.
     pub scaled: Scaling,
     /// Whether wavelengths are shifted.
     pub shifted: bool,
-    /// What the observer sees.
+    /// The observer's eye.
     pub eye: Eye,
 }
 
 impl SkySpectra {
-    /// At which ratio of wavelengths a sky is looked up that is seen at W.
+    /// The wavelength ratio at which to look up a sky that is seen at W.
     #[inline]
     fn ratio(&self, w: f64) -> f64 {
         self.eye.ratio(if self.shifted { w } else { 1.0 })
@@ -116,22 +116,22 @@ impl SkySpectra {
 /// Buffers for shading one tile.
 #[derive(Debug, Default)]
 pub struct Shading {
-    /// Rays that meet nothing, where there is a sky.
+    /// Rays that hit nothing, if there is a sky.
     escaped: Vec<u32>,
     /// Those of them that look at a star.
     starlit: Vec<u32>,
-    /// Rays that hit a surface that shines, by patch.
+    /// Rays that hit a visible surface, by patch.
     lit: Vec<u32>,
     /// The same in another order.
     reordered: Vec<u32>,
-    /// Other rays whose radiance is fully known without asking the surface: of a background that is no sky, and black backs.
+    /// Other rays whose radiance is known without evaluating a surface: a background that is not a sky, and black backs.
     plain: Vec<u32>,
     runs: Vec<Span>,
     emitted: Emitted,
-    /// W of each point of a run, and the factor on its radiance.
+    /// W of each point of a run, and the factors on their radiance.
     ratios: Vec<f64>,
     factors: Vec<f64>,
-    /// Look directions in the world of rays that meet nothing.
+    /// Look directions in the world of rays that hit nothing.
     directions: Columns,
 }
 
@@ -157,7 +157,7 @@ struct PatchSpan {
 }
 
 impl PatchSpan {
-    /// None yet.
+    /// The initial value, without triangles.
     const NONE: PatchSpan = PatchSpan {
         frame: u32::MAX,
         first: 0,
@@ -165,13 +165,13 @@ impl PatchSpan {
         black_back: false,
     };
 
-    /// Whether `hit`, in this frame, is on it.
+    /// Whether `hit`, in this frame, is on the patch.
     #[inline(always)]
     fn contains(&self, hit: &Hit, frame: u32) -> bool {
         frame == self.frame && (self.first..self.end).contains(&hit.triangle)
     }
 
-    /// Whether it is on a side of it that has colours.
+    /// Whether it is on a side of the patch that is not black.
     #[inline(always)]
     fn shows(&self, hit: &Hit, frame: u32) -> bool {
         self.contains(hit, frame) && (hit.front || !self.black_back)
@@ -214,7 +214,7 @@ impl Shading {
             };
             radiance.emit(&run, &mut self.emitted, meter);
             meter.lap(Stage::Radiance);
-            // W in two parts: camera over world, and world over the rest frame.
+            // W in two factors: camera over world, and world over rest frame.
             run.ratios(ratios, &mut self.ratios);
             weigh(
                 self.emitted.response.scaled,
@@ -244,7 +244,7 @@ impl Shading {
         }
     }
 
-    /// Adds the radiance of the sky to rays that meet nothing.
+    /// Adds the radiance of the sky to rays that hit nothing.
     fn see_sky(
         &mut self,
         traced: &TracedRays,
@@ -267,13 +267,13 @@ impl Shading {
         if sky.takes_columns() {
             take_directions(escaped, traced, &mut self.directions);
         }
-        // A pixel sees an angle of the world that is 1/W as wide.
+        // In the world, a pixel's angle is 1/W as wide.
         let pixels = PixelAngles {
             angle: *angle,
             pixel: *pixel,
             ratios: &[],
         };
-        // Between stars there may be nothing to see.
+        // There may be nothing to see between stars.
         let only_stars = sky.only_stars();
         if let Some(stars) = only_stars {
             self.starlit.clear();
@@ -321,8 +321,8 @@ impl Shading {
         });
     }
 
-    /// Finds the runs, and adds the radiance of rays that hit nothing or the black back of something. `weight` says
-    /// what a ray's radiance counts for; 0 for an element of the sensor that no light reaches.
+    /// Finds the runs, and adds the radiance of rays that hit nothing or a black back. `weight` gives the weight of a ray's radiance; 0 for
+    /// a sensor element that no light reaches.
     #[inline(always)]
     fn sort(
         &mut self,
@@ -338,7 +338,7 @@ impl Shading {
         let mut unmet = 0;
         let mut patch = PatchSpan::NONE;
         let scene = (traced, background);
-        // Rays with weights of their own come one by one.
+        // Rays with individual weights are handled one by one.
         let (alike, hits) = match (traced.hits.alike(), traced.hits.hits()) {
             (alike, []) => (alike, [].as_slice()),
             (alike, _) if !alike.is_empty() && traced.rays.origins.is_none() => {
@@ -360,7 +360,7 @@ impl Shading {
             let (of_ray, rays) = (weight(ray), ray as u32..ray as u32 + 1);
             unmet += self.take(scene, rays, hit, of_ray, &mut patch, sink);
             ray += 1;
-            // Those after it that hit the same patch are most of them, and are taken together.
+            // Most of the following rays hit the same patch, and are handled together.
             let begin = ray;
             while let Some(Some(hit)) = hits.get(ray)
                 && patch.shows(hit, traced.hits.frame(ray))
@@ -376,7 +376,7 @@ impl Shading {
         sink.add_unmet(unmet);
     }
 
-    /// Takes rays in a row that hit alike, `patch` having been hit last, and says how many met nothing.
+    /// Adds consecutive rays with the same hit, where `patch` was hit last; returns how many hit nothing.
     #[inline(always)]
     fn take(
         &mut self,
@@ -388,7 +388,7 @@ impl Shading {
         sink: &mut impl RadianceSink,
     ) -> u64 {
         let count = u64::from(rays.end - rays.start);
-        // Elements of the sensor to which no light gets.
+        // Sensor elements that no light reaches.
         if weight == 0.0 {
             for ray in rays {
                 sink.add_blind(ray as usize);
@@ -409,7 +409,7 @@ impl Shading {
             }
             return count;
         };
-        // Another patch begins another run.
+        // Another patch starts another run.
         if !patch.contains(hit, frame) {
             let (found, end) = traced.surfaces.rest(frame).patch_and_end(hit.triangle);
             *patch = PatchSpan {
@@ -431,7 +431,7 @@ impl Shading {
         0
     }
 
-    /// Puts the rays of each patch together: the longer a run, the more of it goes in vectors.
+    /// Merges the runs of each patch: the longer a run, the more of it is vectorised.
     fn merge(&mut self) {
         let is_after =
             |pair: &[Span]| (pair[0].frame, pair[0].patch) < (pair[1].frame, pair[1].patch);
@@ -462,7 +462,7 @@ impl Shading {
         std::mem::swap(&mut self.lit, &mut self.reordered);
     }
 
-    /// Ends a run where the next begins.
+    /// Starts a new run, which ends the previous one.
     fn begin(&mut self, frame: u32, patch: u32, triangle: u32) {
         let begin = self.lit.len();
         match self.runs.last_mut() {
@@ -482,7 +482,7 @@ impl Shading {
     }
 }
 
-/// Makes `directions` the look directions in the world of `rays`.
+/// Sets `directions` to the look directions in the world of `rays`.
 fn take_directions(rays: &[u32], traced: &TracedRays, directions: &mut Columns) {
     directions.resize(rays.len());
     for (block, rays) in rays.chunks(BLOCK).enumerate() {
@@ -495,7 +495,7 @@ fn take_directions(rays: &[u32], traced: &TracedRays, directions: &mut Columns) 
     }
 }
 
-/// Those of `all` that are of `rays`, where they lie or gathered.
+/// The elements of `all` for `rays`, in place or gathered.
 fn those_of<'a>(rays: &[u32], all: &'a [f64], gathered: &'a mut Vec<f64>) -> &'a [f64] {
     match in_a_row(rays).and_then(|rays| all.get(rays)) {
         Some(row) => row,
@@ -520,7 +520,7 @@ pub(crate) fn weigh(scaled: Scaling, ratios: &[f64], factors: &mut Vec<f64>) {
     }
 }
 
-/// Ratios to factors.
+/// The loop from ratios to factors.
 struct Powers<'a> {
     quantity: Quantity,
     factors: &'a mut [f64],
@@ -533,7 +533,7 @@ impl VectorLoop for Powers<'_> {
     }
 }
 
-/// Adds the radiance of a run, times `factors`, to the pixels of its members. What `emitted` has of radiance may be overwritten.
+/// Adds the radiance of a run, times `factors`, to the pixels of its members. May overwrite the radiance in `emitted`.
 fn add_colours(
     emitted: &mut Emitted,
     ratios: &[f64],
@@ -562,7 +562,7 @@ fn add_colours(
             return;
         }
         (Colouring::Channels, details) => {
-            // Between points of which there is more to know as if there were none.
+            // Stretches between points with details are added as if there were none.
             let mut begin = 0;
             for Detail { at, unscaled, .. } in details {
                 let (known, at) = (begin..*at, *at);
@@ -582,7 +582,7 @@ fn add_colours(
         }
         _ => {}
     }
-    // Details are ascending by point: each is taken when its point comes.
+    // Details are ascending by point: each is used when its point comes.
     let mut details = emitted.details.iter().peekable();
     for (k, ray) in members.iter().enumerate() {
         let mut unscaled = [0.0; 3];
@@ -618,7 +618,7 @@ fn add_colours(
                 std::array::from_fn(|c| power * seen[c] + points.beside[k][c])
             }
         };
-        // Stand-ins for missing data are shown as they are; all else gets the observer's factor.
+        // Substitutes for missing data are shown unchanged; everything else gets the observer's factor.
         let factor = factors[k];
         let [r, g, b] = colour;
         let [r0, g0, b0] = unscaled;
@@ -629,7 +629,7 @@ fn add_colours(
     }
 }
 
-/// Adds radiance times `factors`, and nothing else.
+/// Adds radiance times `factors`, without further details.
 fn add_scaled(
     radiance: &[[f64; 3]],
     factors: &[f64],
@@ -644,7 +644,7 @@ fn add_scaled(
     }
 }
 
-/// Takes linear RGB to what an eye sees of it at W `ratios`, times `factors`.
+/// Transforms linear RGB to what an eye sees of it at W `ratios`, times `factors`.
 fn shift_all(
     shift: &RgbShift,
     eye: Eye,
@@ -669,7 +669,7 @@ fn shift_all(
         if !is_beyond {
             continue;
         }
-        // Where no matrix is tabulated.
+        // Ratios for which no matrix is tabulated.
         let rays = radiance.iter_mut().zip(ratios.iter().zip(factors));
         for ((rgb, (w, factor)), at) in rays.zip(&at) {
             if *at >= shift.matrices().len() as u64 {
@@ -680,7 +680,7 @@ fn shift_all(
     }
 }
 
-/// W of a block to where M(W) is, and whether that is beyond the table for some.
+/// The loop from a block of W to positions in the table of M(W), and whether any is beyond the table.
 struct Places<'a> {
     shift: &'a RgbShift,
     eye: Eye,
@@ -703,7 +703,7 @@ impl VectorLoop for Places<'_> {
     }
 }
 
-/// Adds the colours of a line as they are seen at W `ratios`, times `factors`, and nothing else.
+/// Adds the colours of a line as seen at W `ratios`, times `factors`, without further details.
 fn add_lines(
     wavelength: f64,
     emitted: &Emitted,
@@ -728,7 +728,7 @@ fn mean([r, g, b]: [f64; 3]) -> f64 {
     (r + g + b) / 3.0
 }
 
-/// Adds how much of the radiance of a run the data hold.
+/// Adds how much of the radiance of a run is covered by data.
 fn cover(details: &[Detail], members: &[u32], sink: &mut impl RadianceSink) {
     let parts = details.iter().map(|detail| (detail.at, detail.coverage));
     sink.cover(members, parts);

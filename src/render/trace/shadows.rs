@@ -9,7 +9,7 @@ use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, load};
 use crate::spacetime::Direction;
 
 impl Surfaces<'_> {
-    /// Answers `queries` about the points of `run`, which are `points`, in a medium of index `index`.
+    /// Answers `queries` about the points of `run`, which are in `points`, in a medium of index `index`.
     pub(super) fn occlude(
         &self,
         queries: &mut OcclusionQueries,
@@ -20,7 +20,7 @@ impl Surfaces<'_> {
     ) {
         let method = run.traced.rays.method;
         match &self.0 {
-            // All rests in the world: no boost, and the surface that a ray leaves is passed by its number.
+            // Everything rests in the world: no boost is needed, and the triangle that a ray leaves is skipped by its number.
             Frames::Still(only) => {
                 let obstacles = Obstacles {
                     bvh: &only.rest.bvh,
@@ -31,7 +31,7 @@ impl Surfaces<'_> {
                 };
                 queries.ask(&obstacles, method, meter.occlusion());
             }
-            // One frame that moves: directions and delays are those of its own axes.
+            // One moving frame: directions and delays are in its own axes.
             Frames::One(only) => {
                 let obstacles = Obstacles {
                     bvh: &only.rest.bvh,
@@ -43,15 +43,15 @@ impl Surfaces<'_> {
                 queries.ask(&obstacles, method, meter.occlusion());
             }
             Frames::Many(Many { frames, tubes, .. }) => {
-                // Several frames: each is asked about what no frame before it blocks, and not at all where all rays pass by the
-                // tube that its bodies sweep.
+                // Several frames: each is tested for the queries that no frame before it blocks, and skipped if all rays miss the tube that
+                // its bodies sweep.
                 let bundle = queries.bundle(points, index);
                 for (k, frame) in frames.iter().enumerate() {
                     if !tubes.may_meet(k, &bundle) {
                         continue;
                     }
                     let (bvh, boost) = (&frame.rest.bvh, Some((frame.boost(), index)));
-                    // In their own frame the points are there already, with the triangles that they lie on.
+                    // In their own frame the positions of the points are known, and the triangles on which they lie.
                     if k as u32 == run.frame {
                         let obstacles = Obstacles {
                             bvh,
@@ -77,7 +77,7 @@ impl Surfaces<'_> {
     }
 }
 
-/// Points of a run in a rest frame that is not theirs.
+/// Points of a run in another rest frame than their own.
 struct InOther<'a> {
     frame: &'a Frame<'a>,
     run: &'a Run<'a>,
@@ -98,7 +98,7 @@ impl Places for InOther<'_> {
             }
             return;
         }
-        // Of rays that share the shot first the directions, and where on them the points are.
+        // Rays that share the shot: first the directions, and the points' distances along them.
         let mut s = Vec::new();
         for k in points {
             from.push(rays.directions[self.run.members[k] as usize]);
@@ -113,7 +113,7 @@ impl Places for InOther<'_> {
     }
 }
 
-/// Look directions of the world to places on the rays from the shot.
+/// The loop from look directions in the world to positions on the rays from the shot.
 struct AlongRays<'a> {
     frame: &'a Frame<'a>,
     s: &'a [f64],

@@ -1,4 +1,5 @@
-//! Light found by paths that several points of a run share: (1) of [`sharing`](super::sharing), by the loops of [`paths`](super::paths).
+//! Adds the light found by paths that several points of a run share: (1) of [`sharing`](super::sharing), by the loops of
+//! [`paths`](super::paths).
 
 use std::f64::consts::PI;
 
@@ -13,7 +14,7 @@ use crate::accel::vectors::{Block, VectorLoop, dispatch};
 use crate::light::lamp::{Incident, Irradiance};
 
 impl PathTraced {
-    /// Adds what the paths of groups have found to the points of `run` that share it: (1) of [`sharing`](super::sharing).
+    /// Adds the light found by the paths of groups to the points of `run` that share them: (1) of [`sharing`](super::sharing).
     pub(super) fn share(
         &self,
         paths: &mut Paths,
@@ -72,7 +73,7 @@ impl PathTraced {
                     }
                     _ => None,
                 };
-                // What points could have drawn themselves is weighed against that, by each of them.
+                // Emission that light samples could find as well is weighted against these, for each point.
                 let densities = &receivers.densities;
                 let parts = match (end, is_drawn, sky) {
                     (End::On { .. }, None, _) | (End::Open(_), _, None) => [1.0; MOST],
@@ -90,7 +91,7 @@ impl PathTraced {
                     weights: &receivers.weights,
                     shared: &mut shared,
                 });
-                // Other light than diffuse is found by the point that it comes to.
+                // Light of non-diffuse surfaces only goes to the point from which the path continued.
                 if !sent.is_diffuse {
                     let part = group.count() as f64 / group.paths() as f64;
                     shared.add(own, sent.reflected.scaled(part));
@@ -109,7 +110,7 @@ impl PathTraced {
         }
     }
 
-    /// What a path that is shared has found, whose light is not weighted; none where it is dark.
+    /// The light found by a shared path, not weighted; `None` if it is dark.
     fn sent_in_parts(&self, met: &Met) -> Option<Sent> {
         let dark = |light: &Incident| light.irradiance == [0.0; 3];
         let sent = match met {
@@ -138,19 +139,19 @@ impl PathTraced {
     }
 }
 
-/// What a path that is shared has found, as it arrives.
+/// The light found by a shared path.
 struct Sent {
-    /// What its end shines of its own.
+    /// The emission of its end.
     own: Incident,
-    /// What that reflects, and whether it does so in all directions alike.
+    /// The light reflected there, and whether equally in all directions.
     reflected: Incident,
     is_diffuse: bool,
 }
 
-/// What falls on the points of a group, as a radiance, and what its wavelength is found from.
+/// Light that falls on the points of a group, as a radiance, and the sums from which its wavelength is computed.
 struct Shared {
     radiance: [Block; 3],
-    /// The weights without and with the wavelength.
+    /// The sums of weights, without and with the wavelength.
     weights: [Block; 2],
 }
 
@@ -160,14 +161,14 @@ impl Shared {
         weights: [[0.0; MOST]; 2],
     };
 
-    /// What falls on point `at`.
+    /// The light that falls on point `at`.
     fn of(&self, at: usize) -> (DVec3, Irradiance) {
         let radiance = self.radiance.each_ref().map(|channel| channel[at]);
         let weights = self.weights.each_ref().map(|weights| weights[at]);
         (radiance.into(), Irradiance::from_parts([0.0; 3], weights))
     }
 
-    /// Adds light to that of point `at` alone.
+    /// Adds light to point `at` only.
     fn add(&mut self, at: usize, light: Incident) {
         let (radiance, mut incident) = self.of(at);
         let mut radiance = radiance.to_array();
@@ -182,10 +183,10 @@ impl Shared {
     }
 }
 
-/// Adds what a path has found to what falls on the points of its group, by their weights.
+/// The loop that adds the light found by a path to the points of its group, by their weights.
 struct Share<'a> {
     sent: &'a Sent,
-    /// How much of what its end shines of its own counts.
+    /// The weights of the emission of its end.
     parts: &'a Block,
     weights: &'a Block,
     shared: &'a mut Shared,
@@ -208,7 +209,7 @@ impl VectorLoop for Share<'_> {
             for k in 0..MOST {
                 let (part, weight) = (self.parts[k], self.weights[k]);
                 let light = (part * own + counts * reflected) * weight;
-                // Light without bounds does not fall where nothing does.
+                // Infinite light must not turn a zero weight into NaN.
                 let light = if weight > 0.0 { light } else { 0.0 };
                 sums[k] += light;
                 // As an irradiance, like that of lamps.

@@ -1,4 +1,4 @@
-//! Paths shared by several surface points: what a path finds at its second surface also lights the first surfaces of its neighbours.
+//! Paths shared by several surface points: the light that a path finds at its second surface also falls on neighbours of its first surface.
 //!
 //! # The estimator
 //!
@@ -9,30 +9,30 @@
 //! p_k(y) = (n_k·d) (−n_y·d)/(π d⁴) V(x_k, y),
 //! ```
 //!
-//! the density, per area at y, of a direction that is drawn with the cosine at x_k; V is 1 where they see each other. M of the N points are chosen, each with
-//! the probability q = M/N; a path goes on from each of them and finds the light L_i that leaves y_i. All N points receive it: x_j
+//! the density, per area at y, of a direction sampled by the cosine at x_k; V is 1 if they see each other. M of the N points are chosen, each with the
+//! probability q = M/N; a path continues from each of them and finds the light L_i that leaves y_i. All N points receive it: x_j reflects
 //!
 //! ```text
 //! albedo_j Σ_i L_i w_j(y_i),    w_j(y) = p_j(y)/(q Σ_k p_k(y)).                                     (1)
 //! ```
 //!
-//! The mean of that over directions, and over what is chosen, is albedo_j Σ_k q ∫ p_k L p_j/(q Σ p) dA = albedo_j ∫ p_j L dA, what x_j reflects of all:
-//! the balance heuristic over N ways to find y (Bekaert, Sbert, Halton, "Accelerating path tracing by re-using paths", EGWR 2002), of which
-//! some are left out at random. The sum in the denominator is over all N, chosen or not, or what only points that were not chosen see would be lost.
-//! For points near one another w is about 1/M: each has the noise of M paths at the cost of M/N of a path and M shadow rays, which all end in
-//! one point. No w is above 1/q.
+//! Averaged over directions, and over the choice of points, this is albedo_j Σ_k q ∫ p_k L p_j/(q Σ p) dA = albedo_j ∫ p_j L dA, all that x_j reflects:
+//! the balance heuristic over N ways to find y (Bekaert, Sbert, Halton, "Accelerating path tracing by re-using paths", EGWR 2002), some of which are
+//! left out at random. The sum in the denominator is over all N points, chosen or not: otherwise, light that only points that were not chosen see would
+//! be lost. For points near one another w is about 1/M: each has the noise of M paths at the cost of M/N of a path and M shadow rays, which all end at
+//! one point. w is never above 1/q.
 //!
-//! What y shines of its own is shared likewise; where x_j draws it as a light too (`area_lights`), with the density p_l per area, that counts for p_l/(p_j + p_l) there,
-//! and (1) for the rest, p_j/(p_j + p_l). Directions that meet nothing but the sky are as points at infinity: p_k is (n_k·l)/π V.
+//! The emission of y is shared in the same way. If x_j samples it as a light too (`area_lights`), with the density p_l per area, the light sample has the weight
+//! p_l/(p_j + p_l), and (1) has the rest, p_j/(p_j + p_l). Directions that hit nothing but the sky act as points at infinity: p_k is (n_k·l)/π V.
 //!
-//! # Its numbers
+//! # Groups and random numbers
 //!
-//! Groups are made of the points of one patch of a tile whose normals are alike: where they are more than 64, of one of
-//! each 2 × 2 pixels, so that neighbours are in different groups and edges of groups do not show. Which are
-//! chosen is decided by one number in [0, 1) of the group: the first of every N/M points in a row, moved by it. Paths take their other numbers from a
-//! sequence of the tile, path by path and group after group, so that those that a point receives in all samples fill all directions evenly, and so do
-//! those of all points. The noise of points of a group is that of the same paths, and so correlated: pictures that are made smaller afterwards, or looked at
-//! from afar, keep more of it than of noise of their pixels' own. Samples of a texel are means over one place, and would gain nothing by it.
+//! A group consists of points of one patch of a tile with similar normals. If these are more than 64, each group takes one of each 2 × 2 pixels, so that
+//! neighbours are in different groups and edges of groups do not show. One number in [0, 1) per group decides which points are chosen: the first of every
+//! N/M consecutive points, shifted by it. Paths take their other numbers from a sequence of the tile, path by path and group by group, so that the paths
+//! that a point receives in all samples fill all directions evenly, and so do those of all points. Points of a group have the noise of the same paths, so
+//! their noise is correlated: pictures that are scaled down afterwards, or viewed from afar, keep more of it than of independent noise per pixel. Samples of
+//! a texel are means over one place and would gain nothing from sharing.
 
 use std::f64::consts::{FRAC_1_PI, PI};
 use std::ops::Range;
@@ -43,25 +43,25 @@ use super::occlusion::{any_hit, any_to_point, shadow_ray, shadow_size, shadow_st
 use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, dispatch, load, store};
 use crate::accel::{Bvh, Converging, Counts, Ray, Segment, Traversal};
 
-/// Most points of a group.
+/// The maximum number of points in a group.
 pub(super) const MOST: usize = BLOCK;
-/// Paths that go on from a group, if it has as many points.
+/// The number of paths that continue from a group, if it has that many points.
 const PATHS: usize = 8;
-/// Samples of a pixel whose paths are followed together: where 8 paths go on from 64 points, those of 4 samples of a tile of 256 pixels are
-/// two whole packets of 64 rays at every surface. Measured in a Cornell box, two take 1.07 times as long, one by one 1.25 times, and eight
+/// The number of samples per pixel whose paths are followed together: with 8 paths for 64 points, 4 samples of a tile of 256 pixels give
+/// two whole packets of 64 rays at every surface. Measured in a Cornell box, two samples take 1.07 times as long, one 1.25 times, and eight
 /// 0.99 times, with twice the memory.
 pub(crate) const AT_ONCE: u32 = 4;
 
 /// How paths are shared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Sharing {
-    /// Most points of a group.
+    /// The maximum number of points in a group.
     group: usize,
 }
 
 impl Sharing {
-    /// `all_diffuse`: whether all surfaces are. Light of others is not shared, and is found by the point alone from which a path goes on:
-    /// then one goes on from all.
+    /// `all_diffuse` says whether all surfaces are diffuse. Light of other surfaces is not shared, and only goes to the point from which
+    /// the path continued: in scenes with such surfaces, a path continues from every point.
     pub fn new(all_diffuse: bool) -> Sharing {
         Sharing {
             group: if all_diffuse { MOST } else { PATHS },
@@ -72,34 +72,34 @@ impl Sharing {
 /// Points that share paths.
 #[derive(Debug)]
 pub(super) struct Group {
-    /// Their places in the order of [`Groups`].
+    /// Their indices in the order of [`Groups`].
     pub points: Range<usize>,
-    /// What random numbers come from, and where its own begin among them.
+    /// The key of the group's random numbers, and the index of its first one.
     pub key: u64,
     first: u32,
-    /// The paths that go on from them, by the rays that begin them.
+    /// The first rays of the paths that continue from the points.
     pub rays: Range<usize>,
 }
 
 impl Group {
-    /// How many points.
+    /// The number of points.
     pub fn count(&self) -> usize {
         self.points.len()
     }
 
-    /// How many paths go on from it.
+    /// The number of paths that continue from the group.
     pub fn paths(&self) -> usize {
         self.count().min(PATHS)
     }
 
-    /// Places in the group of the points from which paths go on, by a number in [0, 1).
+    /// Indices in the group of the points from which paths continue, by a number in [0, 1).
     pub fn chosen(&self, number: f64) -> impl Iterator<Item = usize> + use<> {
         let (count, paths) = (self.count(), self.paths());
         let step = count as f64 / paths as f64;
         (0..paths).map(move |k| (((k as f64 + number) * step) as usize).min(count - 1))
     }
 
-    /// The number of path `path` of sample `index` in the sequence of the group.
+    /// The index of path `path` of sample `index` in the sequence of the group.
     pub fn number(&self, index: u32, path: usize) -> u32 {
         let number = index.wrapping_mul(PATHS as u32).wrapping_add(path as u32);
         self.first.wrapping_add(number)
@@ -109,44 +109,44 @@ impl Group {
 /// Points by group.
 #[derive(Debug, Default)]
 pub(super) struct Groups {
-    /// The points that are in groups, group by group.
+    /// The points in groups, group by group.
     pub order: Vec<u32>,
     pub all: Vec<Group>,
-    /// By point, which bucket it is in.
+    /// The bucket of each point.
     buckets: Vec<u8>,
 }
 
-/// Points to be grouped: some of a run.
+/// Points of a run that are to be grouped.
 pub(super) struct Ungrouped<'a, N, P> {
     pub points: Range<usize>,
-    /// What tells their patch.
+    /// Identifies their patch.
     pub patch: u32,
-    /// By point, the normal; none for those that share nothing.
+    /// The normal of a point; `None` if it shares nothing.
     pub normal: N,
-    /// By point, the key of its pixel.
+    /// The key of a point's pixel.
     pub pixel: P,
-    /// How many samples a pixel has.
+    /// The number of samples per pixel.
     pub in_pixel: u32,
     pub sharing: &'a Sharing,
 }
 
-/// What is left of the key of a pixel in a tile.
+/// Mask for the position of a pixel in a tile.
 const IN_TILE: u64 = 15 | 15 << 32;
-/// Interleaved lattices of pixels, and classes of normals.
+/// The numbers of interleaved lattices of pixels, and of classes of normals.
 const LATTICES: usize = 4;
 const CLASSES: usize = 6;
 const BUCKETS: usize = LATTICES * CLASSES;
-/// The bucket of no group.
+/// The bucket of points without a group.
 const ALONE: u8 = BUCKETS as u8;
 
 impl Groups {
-    /// Forgets all groups.
+    /// Removes all groups.
     pub fn clear(&mut self) {
         self.order.clear();
         self.all.clear();
     }
 
-    /// Adds groups of `some` points.
+    /// Adds groups for `some` points.
     pub fn add<N, P>(&mut self, some: Ungrouped<N, P>)
     where
         N: Fn(usize) -> Option<DVec3>,
@@ -160,7 +160,7 @@ impl Groups {
             self.buckets.push(bucket);
             ends[bucket as usize] += 1;
         }
-        // Where each bucket begins, and then each point to its place.
+        // Find where each bucket begins, then put each point in its place.
         let mut sum = self.order.len();
         for end in &mut ends[..BUCKETS] {
             sum += std::mem::replace(end, sum);
@@ -177,7 +177,7 @@ impl Groups {
         for class in 0..CLASSES {
             let lattices = class * LATTICES..(class + 1) * LATTICES;
             let all = begins[lattices.start]..ends[lattices.end - 1];
-            // Few are one group, whatever lattice they are on.
+            // A small number of points form one group, whatever their lattices.
             if all.len() <= most {
                 self.cut(all, (class, 0), &some);
                 continue;
@@ -188,7 +188,7 @@ impl Groups {
         }
     }
 
-    /// Cuts points of one bucket into groups.
+    /// Splits the points of one bucket into groups.
     fn cut<N, P>(
         &mut self,
         points: Range<usize>,
@@ -205,7 +205,7 @@ impl Groups {
             let name = u64::from(some.patch) << 16 | (class as u64) << 12 | part;
             // Odd multiples of a large number differ from each other and from zero in all digits.
             let name = (2 * name + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            // Lattices take parts of one sequence.
+            // Lattices use different parts of one sequence.
             let room = some.in_pixel.wrapping_mul(PATHS as u32);
             let room = room.checked_next_power_of_two().unwrap_or(0);
             part += 1;
@@ -219,13 +219,13 @@ impl Groups {
     }
 }
 
-/// The bucket of a point of this normal.
+/// The bucket of a point with this normal.
 fn bucket(pixel: u64, normal: DVec3) -> u8 {
-    // Of each 2 × 2 pixels one is on each lattice, which one as chance has it: the eye would see regular lattices.
+    // Of each 2 × 2 pixels, one is on each lattice, assigned at random: regular lattices would be visible.
     let quad = (pixel >> 1 & 0x7fff_ffff | pixel >> 33 << 32).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let chance = (quad ^ quad >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 62;
     let lattice = ((pixel & 1 | (pixel >> 32 & 1) << 1) ^ chance) as u8;
-    // Not quite the cube about the axes: on faces at 45 degrees rounding does not decide.
+    // Slightly different from a cube aligned with the axes, so that rounding does not decide for faces at 45 degrees.
     let [x, y, z] = normal.to_array();
     let (x, y, z) = (x, y * 1.037, z * 1.019);
     let (axis, sign) = match (x.abs(), y.abs(), z.abs()) {
@@ -236,38 +236,38 @@ fn bucket(pixel: u64, normal: DVec3) -> u8 {
     (2 * axis + u8::from(sign < 0.0)) * LATTICES as u8 + lattice
 }
 
-/// Where a path has ended that is shared.
+/// The end of a shared path.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum End {
-    /// On this triangle, with its normal on the side that was met.
+    /// On this triangle.
     On {
-        /// Where.
+        /// Position.
         y: DVec3,
-        /// Unit normal.
+        /// Unit normal, on the side that was hit.
         normal: DVec3,
-        /// Its id.
+        /// Index of the triangle.
         triangle: u32,
     },
-    /// Nowhere, in this direction.
+    /// At infinity, in this direction.
     Open(DVec3),
 }
 
-/// The points of a group, and what each receives of a path.
+/// The points of a group, and how much each receives of a path.
 #[derive(Debug)]
 pub(super) struct Receivers {
     positions: Columns,
     normals: Columns,
-    /// Those of their triangles, where others stand for them; empty otherwise.
+    /// Normals of the triangles, if shading normals differ; empty otherwise.
     geometric: Columns,
-    /// What shadow rays from them begin by, and their triangles.
+    /// The coordinates that determine where shadow rays from the points start, and the triangles of the points.
     sizes: Vec<f64>,
     triangles: Vec<u32>,
     starts: Vec<f64>,
     segments: Vec<Segment>,
     blocked: Vec<bool>,
-    /// By place in the group, p per area at y, or per solid angle; 0 for points that do not see the end.
+    /// By index in the group: p per area at y, or per solid angle; 0 for points that do not see the end.
     pub densities: Block,
-    /// w of (1).
+    /// w in (1).
     pub weights: Block,
 }
 
@@ -289,7 +289,7 @@ impl Default for Receivers {
 }
 
 impl Receivers {
-    /// Forgets the last group.
+    /// Clears the last group.
     pub fn clear(&mut self) {
         self.positions.clear();
         self.normals.clear();
@@ -306,12 +306,12 @@ impl Receivers {
         self.triangles.push(triangle);
     }
 
-    /// Says the normal of the triangle of the point that was added last, where another stands for it.
+    /// Sets the triangle normal of the point that was added last, if its shading normal differs.
     pub fn push_geometric(&mut self, normal: DVec3) {
         self.geometric.push(normal);
     }
 
-    /// Where they are, the normals of their triangles, and what they are lifted by.
+    /// Positions, normals of the triangles, and the offsets by which the points are lifted.
     pub fn places(&self) -> (&Columns, &Columns, &[f64]) {
         let normals = match self.geometric.len() {
             0 => &self.normals,
@@ -320,7 +320,7 @@ impl Receivers {
         (&self.positions, normals, &self.sizes)
     }
 
-    /// Finds what each receives of a path that point `own` has sent to `end`; `paths` go on from the group.
+    /// Computes how much each point receives of a path that point `own` has sent to `end`; `paths` paths continue from the group.
     pub fn find(
         &mut self,
         end: End,
@@ -337,7 +337,7 @@ impl Receivers {
             densities: &mut self.densities,
         });
         self.densities[count..].fill(0.0);
-        // No direction is drawn that goes below a surface.
+        // Directions below a surface are never sampled.
         for k in 0..self.geometric.len().min(count) {
             let d = match end {
                 End::On { y, .. } => y - self.positions.get(k),
@@ -347,7 +347,7 @@ impl Receivers {
                 self.densities[k] = 0.0;
             }
         }
-        // Nearly always all points may see the end, and are asked as they are, with the own one, which has seen it.
+        // Usually all points may see the end, and all are tested without selection, including point `own`, which does see it.
         let mut others = self.densities[..count].iter().enumerate();
         if others.any(|(at, density)| *density > 0.0 && at != own) {
             match end {
@@ -376,7 +376,7 @@ impl Receivers {
         });
     }
 
-    /// Asks whether anything stands between the points and y, just off its surface as paths leave it.
+    /// Tests for obstacles between the points and y, slightly off its surface like the paths that leave it.
     fn ask_towards(
         &mut self,
         (y, normal, triangle): (DVec3, DVec3, u32),
@@ -404,7 +404,7 @@ impl Receivers {
         any_to_point(bvh, method, segments, &mut self.blocked, counts);
     }
 
-    /// Asks whether anything is in the way along `l`.
+    /// Tests for obstacles along `l`.
     fn ask_along(&mut self, l: DVec3, bvh: &Bvh, method: Traversal, counts: Option<&mut Counts>) {
         self.segments.clear();
         for (at, size) in self.sizes.iter().enumerate() {
@@ -423,7 +423,7 @@ impl Receivers {
     }
 }
 
-/// Where shadow rays from the points of a group to `end` begin.
+/// The loop that computes start parameters of shadow rays from the points of a group to `end`.
 struct StartsTowards<'a> {
     positions: &'a Columns,
     sizes: &'a [f64],
@@ -443,7 +443,7 @@ impl VectorLoop for StartsTowards<'_> {
     }
 }
 
-/// w of (1) by p: 0 for all where Σ p is no number, or no light is found by it.
+/// The loop that computes w of (1) from p: 0 for all points if Σ p is NaN or infinite, or if it is 0.
 struct Weights<'a> {
     densities: &'a Block,
     points_per_path: f64,
@@ -453,7 +453,7 @@ struct Weights<'a> {
 impl VectorLoop for Weights<'_> {
     #[inline(always)]
     fn run(self) {
-        // Eight sums, and the sum of those: so as vectors of any width add.
+        // Eight partial sums, then their sum: the order in which vectors of any width add.
         const SUMS: usize = 8;
         let mut sums = [0.0; SUMS];
         let mut begin = 0;
@@ -466,7 +466,7 @@ impl VectorLoop for Weights<'_> {
         let [a, b, c, d, e, f, g, h] = sums;
         let sum = ((a + b) + (c + d)) + ((e + f) + (g + h));
         let factor = self.points_per_path / sum;
-        // In this form also for NaN.
+        // NaN becomes 0, too.
         let factor = match factor > 0.0 && factor.is_finite() {
             true => factor,
             false => 0.0,
@@ -477,7 +477,7 @@ impl VectorLoop for Weights<'_> {
     }
 }
 
-/// p of all points of a group, with V = 1; 0 where they do not face the end.
+/// The loop that computes p of all points of a group, with V = 1; 0 if a point and the end do not face each other.
 struct Densities<'a> {
     positions: &'a Columns,
     normals: &'a Columns,
@@ -496,7 +496,7 @@ impl VectorLoop for Densities<'_> {
                     let (cosine, there) = (normals.get(k).dot(d), -normal.dot(d));
                     let square = d.dot(d);
                     let p = cosine * there / (PI * square * square);
-                    // Also for NaN, where both are one point.
+                    // NaN, if both are the same point, becomes 0 too.
                     let faces = (cosine > 0.0) & (there > 0.0) & (p > 0.0);
                     *density = if faces { p } else { 0.0 };
                 }

@@ -1,9 +1,9 @@
-//! The shining triangles, by rest frame, and the sampling of a point on them for a point that they light.
+//! Shining triangles, by rest frame, and sampling of a point on them for a point that they light.
 //!
-//! First a frame is chosen by the importances of the roots of their trees, I of (1) of [`light_tree`](super::light_tree), times W⁻⁴ of energies towards the
-//! middle of the tree, W² of solid angles and the W that κ leaves out; then a triangle of that frame by its tree, and a point on it evenly in solid angle or in
-//! area, as [`spherical_triangle`](super::spherical_triangle) says. One of two random numbers makes all choices, and what is left of it is the first of the
-//! point's. Whoever asks for the density with which a point is drawn gets it by the same functions.
+//! First a frame is chosen by the importances of the roots of the frames' trees, I in (1) of [`light_tree`](super::light_tree), times W⁻⁴ for energies towards
+//! the middle of the tree, W² for solid angles, and the W that κ leaves out. Then a triangle of that frame is chosen by its tree, and a point on it, uniform in
+//! solid angle or in area, as described in [`spherical_triangle`](super::spherical_triangle). The first of two random numbers makes all choices; what is left
+//! of it and the second sample the point. The density with which a point is sampled is computed by the same functions.
 
 use glam::DVec3;
 
@@ -19,24 +19,24 @@ use super::surfaces::Surfaces;
 use crate::accel::vectors::{Block, Columns, dispatch};
 use crate::spacetime::{Displacement, Rest};
 
-/// Triangles that shine, by rest frame.
+/// Shining triangles, by rest frame.
 #[derive(Debug)]
 pub(super) struct ShiningFrames(Vec<FrameLights>);
 
-/// Those of one rest frame.
+/// The shining triangles of one rest frame.
 #[derive(Debug)]
 struct FrameLights {
     frame: u32,
-    /// The number of the first among those of all frames.
+    /// The index of the first of them among all frames.
     first: u32,
     /// Their indices in the frame's BVH, ascending.
     triangles: Vec<u32>,
     tree: LightTree,
 }
 
-/// A point that is drawn.
+/// A sampled point.
 pub(super) struct DrawnPlace<'a> {
-    /// The number of the triangle among those of all frames.
+    /// The index of the triangle among all frames.
     pub element: u32,
     pub triangle: &'a Triangle,
     /// Barycentrics.
@@ -45,7 +45,7 @@ pub(super) struct DrawnPlace<'a> {
 }
 
 impl ShiningFrames {
-    /// `all`: frame, index in the frame's BVH and triangle of each, ascending.
+    /// `all`: frame, index in the frame's BVH, and triangle, in ascending order.
     pub fn new(all: &[(u32, u32, Shining)]) -> ShiningFrames {
         let mut first = 0;
         let frames = all.chunk_by(|a, b| a.0 == b.0).map(|of_frame| {
@@ -61,7 +61,7 @@ impl ShiningFrames {
         ShiningFrames(frames.collect())
     }
 
-    /// Draws a point of all elements for each of the points of `run`, by `emitted.numbers`.
+    /// Samples one point of all elements for each point of `run`, using `emitted.numbers`.
     pub fn draw(&self, run: &Run, emitted: &mut Emitted) {
         let Emitted {
             points,
@@ -100,7 +100,7 @@ impl ShiningFrames {
         }
     }
 
-    /// Takes down how the frames that shine see the points of `run`.
+    /// Computes how the points of `run` appear in the shining frames.
     fn look(&self, run: &Run, points: &Points, draws: &mut AreaDraws) {
         let surfaces = run.traced.surfaces;
         draws.seen.resize_with(self.0.len(), SeenPoints::default);
@@ -128,7 +128,7 @@ impl ShiningFrames {
         }
     }
 
-    /// Chooses a frame for each of the points of `run`, and leaves the rest of each number.
+    /// Chooses a frame for each point of `run`, and replaces each number by what is left of it.
     fn choose_frames(&self, run: &Run, numbers: &mut [f64], draws: &mut AreaDraws) {
         draws.frames.clear();
         draws.frames.resize(run.count(), 0);
@@ -159,7 +159,7 @@ impl ShiningFrames {
         }
     }
 
-    /// A point by two numbers in [0, 1) for a lifted point of the only rest frame and the normal of its triangle.
+    /// Samples a point with two numbers in [0, 1), for a lifted point in the only rest frame and the normal of its triangle.
     pub fn draw_one(
         &self,
         (x, normal): (DVec3, DVec3),
@@ -175,7 +175,7 @@ impl ShiningFrames {
         }
     }
 
-    /// The lights of a frame and the number of a triangle among them, if it is one.
+    /// The lights of a frame, and the index of a triangle among them, if it is one of them.
     fn find(&self, frame: u32, triangle: u32) -> Option<(&FrameLights, u32)> {
         let at = self.0.binary_search_by_key(&frame, |lights| lights.frame);
         let lights = &self.0[at.ok()?];
@@ -183,8 +183,8 @@ impl ShiningFrames {
         Some((lights, k as u32))
     }
 
-    /// The number and the density of `point`, if it is on one of the triangles, for the triangle of rest frame and normal `from` that the ray leaves that
-    /// has met it.
+    /// The index and the density of `point`, if it is on a shining triangle. `from` is the rest frame and the normal of the triangle from which the ray
+    /// came that hit it.
     pub fn density(
         &self,
         surfaces: &Surfaces,
@@ -210,14 +210,14 @@ impl ShiningFrames {
         Some((lights.first + k, lights.tree.density(k, share, own.x)))
     }
 
-    /// The same of a place on a triangle of the only rest frame, for a ray that leaves a triangle of this normal from there.
+    /// The same for a point on a triangle of the only rest frame, for a ray from x on a triangle with this normal.
     pub fn density_at(&self, triangle: u32, (x, normal): (DVec3, DVec3)) -> Option<(u32, Density)> {
         let (lights, k) = self.find(0, triangle)?;
         let share = lights.tree.share(k, &at_rest(x, normal));
         Some((k, lights.tree.density(k, share, x)))
     }
 
-    /// The same per area at `y` for points of a block, normals of their triangles and what they are lifted by.
+    /// The same per area at `y`, for a block of points, given the normals of their triangles and the offsets by which they are lifted.
     pub fn densities_at(
         &self,
         triangle: u32,
@@ -238,16 +238,16 @@ impl ShiningFrames {
 }
 
 impl FrameLights {
-    /// About what comes from them to a receiver whose frame moves so in theirs.
+    /// The approximate light from these triangles at a receiver whose frame has this motion in theirs.
     fn importance(&self, receiver: &Receiver, motion: &Displacement<Rest>) -> f64 {
         let (importance, l) = self.tree.importance(receiver);
-        // 1/W towards the middle; NaN from there.
+        // 1/W towards the middle; NaN if the receiver is at the middle.
         let inverse = motion.ct + motion.x.dot(l);
         importance * if inverse > 0.0 { inverse } else { 1.0 }
     }
 }
 
-/// A receiver in the frame of what shines.
+/// A receiver at rest in the frame of the shining triangles.
 fn at_rest(x: DVec3, normal: DVec3) -> Receiver {
     Receiver {
         x,
@@ -256,14 +256,14 @@ fn at_rest(x: DVec3, normal: DVec3) -> Receiver {
     }
 }
 
-/// How rest frame `to` sees a receiver at its place `x` whose normal in rest frame `from` is `normal`.
+/// The receiver in rest frame `to`, at position `x` there, with normal `normal` in rest frame `from`.
 fn receiver(surfaces: &Surfaces, (from, normal): (u32, DVec3), to: u32, x: DVec3) -> Receiver {
     if surfaces.shares_places(to, from) {
         return at_rest(x, normal);
     }
     let seen = surfaces.displacement(from, to, Displacement::new(0.0, normal));
     let gamma = |frame| surfaces.rest(frame).frame.velocity().gamma();
-    // What rounding of both boosts may make of it.
+    // A bound on the rounding errors of both boosts.
     let rounding = 16.0 * f64::EPSILON * gamma(from) * gamma(to);
     Receiver {
         x,

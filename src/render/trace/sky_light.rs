@@ -1,23 +1,24 @@
 //! Illumination by the sky.
 //!
-//! What falls on a hit with nothing in the way is known: E of [`BoostedSky::irradiance`]. What is in the way is found along drawn directions. With lᵢ their
-//! light by density, of the mean E, and vᵢ = 1 where nothing is in the way, else 0,
+//! The unoccluded irradiance on a hit is known: E of [`BoostedSky::irradiance`]. Obstacles are found along sampled directions. With lᵢ the light along
+//! these over its density, with mean E, and vᵢ = 1 if the direction is free, else 0, the estimator
 //!
 //! ```text
 //! c E + Σ (vᵢ − c) lᵢ/N
 //! ```
 //!
-//! has the mean Σ vᵢ lᵢ/N for every c that does not depend on the draws, and no noise where all is open and c = 1, or all is blocked and c = 0 (a control
-//! variate: Hammersley and Handscomb, "Monte Carlo Methods", 1964, 5.5). So two pairs of directions are drawn, independent of each other, and c is the part of the one
-//! pair that is open for the other: under the open sky there is no noise, in a closed box it is exactly dark, and the mean is right everywhere. Between them
-//! single samples may be below 0.
+//! has the mean Σ vᵢ lᵢ/N for every c that does not depend on the samples, and no noise if nothing is occluded and c = 1, or everything is and c = 0 (a control
+//! variate: Hammersley and Handscomb, "Monte Carlo Methods", 1964, 5.5). So two independent pairs of directions are sampled, and for each pair c is the unoccluded
+//! fraction of the other: under the open sky there is no noise, a closed box is exactly dark, and the mean is right everywhere. In between, single samples may be
+//! below 0.
 //!
-//! Where light is sampled at wavelengths ([`spectral`](super::spectral)) E is known of none of them, and c is 0.
+//! If light is sampled at wavelengths ([`spectral`](super::spectral)), E is not known at them, and c is 0.
 //!
-//! Surfaces that shine also directionally draw one direction more for that part. Where directions of the sky are drawn by its light, the N of above count in
-//! it, too, as they find small suns, which the one for the lobe rarely does: each by the balance heuristic (Veach, "Robust Monte Carlo Methods", 1997,
-//! 9.2.2). A direction that is drawn for the lobe with the density q and for the sky with p has the weight q/(q + N p) there and N p/(q + N p)
-//! here. Where the lobe is narrower than a texel the first has all of it, as it alone sees the picture. What is in the way is black: light is followed once.
+//! Surfaces with specular reflection sample one more direction for that part. If directions of the sky are sampled by its light, the N directions above
+//! contribute to it, too, as they find small suns, which the one for the lobe rarely does. Both are weighted by the balance heuristic (Veach, "Robust Monte
+//! Carlo Methods", 1997, 9.2.2): a direction sampled for the lobe with the density q and for the sky with p has the weight q/(q + N p) there and N p/(q + N
+//! p) here. If the lobe is narrower than a texel, the lobe's direction has the full weight, as only it sees the picture. Obstacles are black: light is
+//! traced for one step only.
 
 use glam::DVec3;
 
@@ -30,14 +31,14 @@ use crate::light::lamp::Incident;
 use crate::light::reflection::Reflection;
 use crate::light::sky::{BoostedSky, Sky, SkySample};
 
-/// What random numbers of a hit are for, beside that of [`area_lights`](super::area_lights).
+/// Purposes of random numbers of a hit, in addition to that of [`area_lights`](super::area_lights).
 const SKY: u32 = 1;
 const GLOSS: u32 = 2;
 
-/// What random numbers of the other pair are for, and directions of a pair.
+/// The purpose of random numbers of the second pair, and the number of directions in a pair.
 const OTHER_PAIR: u32 = 3;
 const PAIR: u32 = 2;
-/// Directions of both.
+/// Directions of both pairs.
 const DRAWS: usize = 4;
 
 /// The sky as a light of surfaces.
@@ -45,27 +46,27 @@ const DRAWS: usize = 4;
 pub struct SkyLight {
     /// The sky.
     pub sky: std::sync::Arc<Sky>,
-    /// By rest frame.
+    /// The sky as seen in each rest frame.
     pub frames: Vec<BoostedSky>,
-    /// Whether surfaces shadow it.
+    /// Whether surfaces block its light.
     pub shadows: bool,
 }
 
-/// Light from one direction, by its density.
+/// Light from one sampled direction.
 struct Drawn {
-    /// The point of the run, and which of its pairs of directions.
+    /// The index of the point in the run, and of its pair of directions.
     k: usize,
     pair: usize,
     l: DVec3,
-    /// Whether it comes from below the surface, by the normal of its triangle.
+    /// Whether the direction is below the surface, by the normal of its triangle.
     is_below: bool,
-    /// L cos θ over density, in parts of all that are drawn.
+    /// L cos θ over density, divided by the number of samples.
     light: [f64; 3],
-    /// How much of that counts in the specular part.
+    /// Its weight in the specular part.
     specular: f64,
 }
 
-/// The part of a pair of a point's directions along which nothing is in the way; all of it where none was drawn.
+/// The unoccluded fraction of one pair of a point's directions; 1 if none was sampled.
 fn open_part(drawn: &[Drawn], pair: usize, blocked: impl Fn(usize) -> bool) -> f64 {
     let of_pair = || drawn.iter().enumerate().filter(|(_, d)| d.pair == pair);
     let open = of_pair().filter(|(i, _)| !blocked(*i)).count();
@@ -75,8 +76,8 @@ fn open_part(drawn: &[Drawn], pair: usize, blocked: impl Fn(usize) -> bool) -> f
     }
 }
 
-/// Draws the directions of both pairs for each point of `run`, and calls `each` with the point, which pair it is, the direction, and the cosine over its
-/// density, in parts of all that are drawn.
+/// Samples the directions of both pairs for each point of `run`, and calls `each` with the point, the index of the pair, the direction, and the cosine
+/// over its density, divided by the number of samples.
 fn draw(
     boosted: &BoostedSky,
     run: &Run,
@@ -97,9 +98,9 @@ fn draw(
     }
 }
 
-/// The weight of the direction of `sample`, which has the density with which the sky draws it, where it is drawn for the specular part.
+/// The weight of the direction of `sample`, which has the density with which the sky samples it, if it is sampled for the specular part.
 fn own_part(reflection: &Reflection, boosted: &BoostedSky, sample: &SkySample) -> f64 {
-    // A sky without suns is drawn by cosine, which finds less of any lobe than the lobe itself.
+    // A sky without suns is sampled by cosine, which finds less of any lobe than the lobe itself.
     if !boosted.is_uneven() {
         return 1.0;
     }
@@ -110,7 +111,7 @@ fn own_part(reflection: &Reflection, boosted: &BoostedSky, sample: &SkySample) -
     }
 }
 
-/// f for light from `l`, which was drawn of the sky, with this part of its gloss.
+/// f for light from `l`, which was sampled for the sky, with this weight of the specular part.
 fn drawn_value(reflection: &Reflection, l: DVec3, part: f64) -> [f64; 3] {
     let diffuse = reflection.diffuse_value(l);
     if part == 0.0 {
@@ -121,7 +122,7 @@ fn drawn_value(reflection: &Reflection, l: DVec3, part: f64) -> [f64; 3] {
 }
 
 impl SkyLight {
-    /// Adds what the points of `run` reflect of the sky, in a medium of index `index`.
+    /// Adds the reflection of the sky at the points of `run`, in a medium of index `index`.
     pub(super) fn illuminate(
         &self,
         run: &Run,
@@ -146,8 +147,8 @@ impl SkyLight {
         }
     }
 
-    /// Adds the light of one drawn direction to each point of `run`, drawn by `emitted.numbers` and weighted by `weight` of how the
-    /// point reflects, the direction and its density.
+    /// Adds the light of one sampled direction at each point of `run`, sampled with `emitted.numbers` and weighted by `weight` of the
+    /// point's reflection, the direction and its density.
     pub(super) fn illuminate_by(
         &self,
         weight: impl Fn(Option<&Reflection>, DVec3, f64) -> f64,
@@ -177,7 +178,7 @@ impl SkyLight {
         reflect_unblocked(Reflection::value, run, self.shadows, index, emitted, meter);
     }
 
-    /// Lets the light of a direction drawn for the point `k` arrive where nothing is in the way: times `factor`, and with this scale of wavelengths.
+    /// Adds the light of a direction sampled for point `k`, to be tested for obstacles: times `factor`, and with this scale of wavelengths.
     fn arrive(
         &self,
         boosted: &BoostedSky,
@@ -197,8 +198,8 @@ impl SkyLight {
         emitted.queries.push(k, sample.d.unit(), f64::INFINITY);
     }
 
-    /// Adds what falls on the points, as it is reflected diffusely and by the part of gloss that these directions have, where it is sampled at wavelengths: what falls from all of the sky at one of them
-    /// is not tabulated, so that drawn directions say all of it.
+    /// Adds the light at the points, reflected diffusely and by these directions' part of the specular reflection, if light is sampled at wavelengths: the irradiance from the whole sky at one
+    /// wavelength is not tabulated, so all of it comes from sampled directions.
     fn illuminate_sampled(
         &self,
         boosted: &BoostedSky,
@@ -221,7 +222,7 @@ impl SkyLight {
         reflect_unblocked(value, run, self.shadows, index, emitted, meter);
     }
 
-    /// Adds what falls on the points between what is in the way, as it is reflected diffusely and by the part of gloss that these directions have.
+    /// Adds the unoccluded light at the points, reflected diffusely and by these directions' part of the specular reflection.
     fn illuminate_open(
         &self,
         boosted: &BoostedSky,
@@ -258,7 +259,7 @@ impl SkyLight {
             let irradiance = boosted.irradiance(emitted.points.normals.get(k));
             let c = 0.5 * (open[0] + open[1]);
             let reflection = emitted.reflections.get(k);
-            // The diffuse value is its mean over directions, with which c E is reflected, and that of each direction drawn.
+            // c E is reflected with the mean of the diffuse value over directions, and so is each sampled direction in its control variate.
             let mean = reflection.map_or([1.0; 3], Reflection::mean_diffuse_value);
             let mut sum: [f64; 3] = std::array::from_fn(|i| c * irradiance[i] * mean[i]);
             for (i, drawn) in drawn.iter().enumerate() {
@@ -280,7 +281,7 @@ impl SkyLight {
         }
     }
 
-    /// Adds the specular part, by one direction drawn for it.
+    /// Adds the specular part, from one direction sampled for it.
     fn gloss(
         &self,
         boosted: &BoostedSky,
@@ -304,7 +305,7 @@ impl SkyLight {
             let from = sample.of(&self.sky, spectral.at(k));
             let radiance = boosted.reflected_radiance(&from, density);
             let light: [f64; 3] = std::array::from_fn(|c| part * weight[c] * radiance[c]);
-            // Lines by the same direction, which does not depend on colours.
+            // Lines from the same direction, which does not depend on colours.
             let in_rgb = spectral.in_rgb.get(k);
             let in_rgb = in_rgb.and_then(|of| of.sample_specular(run.random(k, GLOSS)));
             if let Some((_, weight)) = in_rgb {

@@ -1,14 +1,15 @@
-//! Light at wavelengths of each sample, in place of red, green and blue: [`Wavelengths`] in the frame of each point of a path, and lines.
+//! Light at the wavelengths of each sample, in place of red, green and blue: [`Wavelengths`] in the frame of each point of a path, and
+//! lines.
 //!
-//! The camera's wavelengths of a sample (derived, with their weights, in `colour/sampled.rs`) are divided by W at each surface of a path. All
-//! that has channels then is of these: albedos Σ c_j b_j(λ), light that comes with W⁻⁵ L(λ/W), and so all loops stay what they are. At the
-//! camera their radiances are weighed by what the eye sees, with W⁻⁵. What needs no product of spectra is exact as before: what surfaces shine
-//! of their own, where the camera sees it, has M(W).
+//! The camera's wavelengths of a sample (derived, with their weights, in `colour/sampled.rs`) are divided by W at each surface of a path.
+//! Everything with three channels then refers to these wavelengths: albedos are Σ c_j b_j(λ), incident light is W⁻⁵ L(λ/W), and all loops stay
+//! the same. At the camera the radiances are weighted by the eye's response, with W⁻⁵. What needs no product of spectra is exact as before:
+//! emission seen directly by the camera has M(W).
 //!
-//! A line of λ₀ is at none of the wavelengths. From a lamp at w to a surface it has λ₀ w and w⁻⁴ of its radiance, is reflected by what the
-//! albedo is there, and so from surface to surface back to the camera: it is no wider than it is, and has no noise but that of paths. That
-//! costs as many products as there are surfaces before, for each lamp, line and surface. Along paths f is taken as linear in the base colour, which it
-//! is but for F (1 − m) c of metalness m between 0 and 1.
+//! A line at λ₀ coincides with none of the wavelengths. From a lamp at w it arrives at a surface at λ₀ w with w⁻⁴ of its radiance, is multiplied by
+//! the albedo there, and so on from surface to surface back to the camera: it is not widened, and has no noise but that of paths. This costs one
+//! product for each surface before, for each lamp, line and surface. Along paths f is taken as linear in the base colour, which it is except for F (1
+//! − m) c with a metalness m between 0 and 1.
 
 use super::emitted::Eye;
 use super::run::Run;
@@ -16,23 +17,23 @@ use super::spectral_points::SpectralPoints;
 use crate::colour::{Line, RgbShift, basis_at, wavelengths_of};
 use crate::light::reflection::Reflection;
 
-/// What random numbers at the first surface are for, beside those of [`area_lights`](super::area_lights), [`sky_light`](super::sky_light) and
-/// [`paths`](super::paths).
+/// The purpose of random numbers at the first surface, in addition to those of [`area_lights`](super::area_lights),
+/// [`sky_light`](super::sky_light) and [`paths`](super::paths).
 const WAVELENGTH: u32 = 7;
 
 /// How light is sampled at wavelengths.
 #[derive(Debug, Clone, Copy)]
 pub struct SampledSpectra {
-    /// What the camera sees.
+    /// The camera's eye.
     pub eye: Eye,
-    /// How linear RGB of spectra is seen.
+    /// The shift of spectra given as linear RGB.
     pub shift: &'static RgbShift,
-    /// Whether any light is in lines.
+    /// Whether any light has lines.
     pub has_lines: bool,
 }
 
 impl SampledSpectra {
-    /// Draws the wavelengths of points that the camera sees.
+    /// Samples the wavelengths of points that the camera sees.
     pub(super) fn begin(&self, run: &Run, to: &mut SpectralPoints) {
         run.ratios(run.traced.rays.ratios, &mut to.ratios);
         to.numbers.clear();
@@ -47,7 +48,7 @@ impl SampledSpectra {
         to.beside.resize(run.count(), [0.0; 3]);
     }
 
-    /// Takes the wavelengths of points that rays of a path have met, whose W are `ratios`.
+    /// Computes the wavelengths of points that rays of a path have hit, whose W are `ratios`.
     pub(super) fn go_on(&self, run: &Run, ratios: &[f64], to: &mut SpectralPoints) {
         to.wavelengths.clear();
         let before = run.traced.rays.wavelengths;
@@ -56,7 +57,7 @@ impl SampledSpectra {
         }
     }
 
-    /// Makes `reflections` of points those at their wavelengths, and keeps them in red, green and blue for lines.
+    /// Converts `reflections` of points to their wavelengths, and keeps the originals in red, green and blue for lines.
     pub(super) fn reflect(&self, reflections: &mut [Reflection], points: &mut SpectralPoints) {
         if self.has_lines {
             points.in_rgb.extend_from_slice(reflections);
@@ -66,7 +67,7 @@ impl SampledSpectra {
         }
     }
 
-    /// What is sampled of the linear RGB `radiance` of point `k`.
+    /// The linear RGB `radiance` of point `k` at the sampled wavelengths.
     pub(super) fn of_rgb(&self, k: usize, radiance: [f64; 3], points: &SpectralPoints) -> [f64; 3] {
         match points.at(k) {
             Some(wavelengths) => self.shift.at(1.0, radiance, *wavelengths),

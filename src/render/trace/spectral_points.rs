@@ -6,45 +6,45 @@ use crate::accel::vectors::Columns;
 use crate::colour::{Line, Wavelengths, basis_at, reflectances};
 use crate::light::reflection::Reflection;
 
-/// By point; all are empty where channels are red, green and blue.
+/// Data by point; all are empty if channels are red, green and blue.
 #[derive(Debug, Default)]
 pub(super) struct SpectralPoints {
     /// Wavelengths in the points' rest frame, one for each channel.
     pub wavelengths: Vec<Wavelengths>,
-    /// Of points that the camera sees, the numbers that its wavelengths come from, and W.
+    /// For points that the camera sees: the numbers from which its wavelengths are sampled, and W.
     pub numbers: Vec<f64>,
     pub ratios: Vec<f64>,
-    /// Of these, linear RGB that the camera sees beside what is sampled.
+    /// Also for these: linear RGB that the camera sees in addition to the samples.
     pub beside: Vec<[f64; 3]>,
-    /// How points reflect by red, green and blue, where there are lines and they are not matte.
+    /// The points' reflection in red, green and blue, if there are lines and the points are not matte.
     pub in_rgb: Vec<Reflection>,
-    /// Lines of light that is drawn, by its place in the list of that.
+    /// Lines of sampled light, by its index in the list of incident light.
     pub arriving: Vec<(usize, Line)>,
-    /// Radiance in lines that leaves points.
+    /// Lines in the radiance that leaves points.
     pub leaving: Vec<(usize, Line)>,
 }
 
 impl SpectralPoints {
-    /// The wavelengths of point `k`, where there are any.
+    /// The wavelengths of point `k`, if there are any.
     #[inline]
     pub fn at(&self, k: usize) -> Option<&Wavelengths> {
         self.wavelengths.get(k)
     }
 
-    /// Whether light is sampled.
+    /// Whether light is sampled at wavelengths.
     #[inline]
     pub fn is_sampled(&self) -> bool {
         !self.wavelengths.is_empty()
     }
 
-    /// Forgets the light of the last run.
+    /// Clears the light of the last run.
     pub fn start(&mut self) {
         self.in_rgb.clear();
         self.arriving.clear();
         self.leaving.clear();
     }
 
-    /// Makes linear RGB reflectances by point those at its wavelengths.
+    /// Converts linear RGB reflectances to those at the wavelengths of each point.
     pub fn sample(&self, colours: &mut Columns) {
         for (k, wavelengths) in self.wavelengths.iter().enumerate() {
             let basis = basis_at(*wavelengths);
@@ -53,7 +53,7 @@ impl SpectralPoints {
         }
     }
 
-    /// Reflects irradiance in a line that comes to point `k`, whose colour is among `colours` if it is matte; otherwise `value` is f.
+    /// Reflects irradiance in a line at point `k`, whose colour is in `colours` if it is matte; otherwise `value` is f.
     pub fn reflect(
         &mut self,
         k: usize,

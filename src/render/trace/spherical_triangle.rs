@@ -9,38 +9,38 @@
 //! ```
 //!
 //! (van Oosterom and Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed. Eng. 30, 1983), where det(A, B, C) is −A·N with the normal N
-//! as long as twice the area: no difference of nearly equal numbers, however far the triangle is.
+//! of length twice the area: no difference of nearly equal numbers, however far the triangle is.
 //!
-//! # Drawing
+//! # Sampling
 //!
-//! As Arvo does ("Stratified sampling of spherical triangles", SIGGRAPH 1995): a point c′ of the arc from a to c is found for which
-//! the triangle (a, b, c′) has the part ξ of all area, and on the arc from b to c′ a point evenly in the cosine from b. The first goes without his angles:
-//! let c′ = a cos φ + u sin φ, where u is the unit vector of c⊥ = c − (a·c) a, and τ = tan φ/2. In (1) all four terms of the denominator are linear in
-//! c′, so that it is (1 + cos φ)(1 + a·b) + sin φ b·u, and the determinant is sin φ det(a, b, u). Hence, with T = tan ξΩ/2,
+//! The method of Arvo ("Stratified sampling of spherical triangles", SIGGRAPH 1995): find a point c′ on the arc from a to c for which the triangle (a, b,
+//! c′) has the fraction ξ of the whole area, and on the arc from b to c′ a point uniform in the cosine from b. The first step does not need his angles:
+//! let c′ = a cos φ + u sin φ, where u is the unit vector of c⊥ = c − (a·c) a, and τ = tan φ/2. In (1) all four terms of the denominator are linear in c′,
+//! so that it is (1 + cos φ)(1 + a·b) + sin φ b·u, and the determinant is sin φ det(a, b, u). Hence, with T = tan ξΩ/2,
 //!
 //! ```text
 //! T = τ det(a, b, u)/(1 + a·b + τ b·u),    τ = T (1 + a·b)/(det(a, b, u) − T b·u),
 //! ```
 //!
 //! and, with p = cos(ξΩ/2) det(a, b, c) − sin(ξΩ/2) b·c⊥ and q = sin(ξΩ/2)(1 + a·b), c′ = ((p² − q² c⊥²) a + 2 p q c⊥)/(p² + q² c⊥²): one
-//! sine, one cosine and one arctangent for a draw (compare Peters, "BRDF importance sampling for polygonal lights", ACM TOG 40(4), 2021).
+//! sine, one cosine and one arctangent per sample (compare Peters, "BRDF importance sampling for polygonal lights", ACM TOG 40(4), 2021).
 
 use glam::DVec3;
 
 use crate::accel::arctan::upper_angle;
 use crate::spacetime::unit_and_length_or_nan;
 
-/// A triangle is seen as wide where its ball is nearer than so many of its radii, squared. Beyond, the solid angle of equal areas, as 1/r³ in a
-/// plane, differs from that in the middle by less than 3/32, and a draw by area is as good.
+/// A triangle appears wide if its ball is nearer than this many of its radii, squared. Beyond that, the solid angle per area, proportional to
+/// 1/r³ in a plane, differs from that in the middle by less than 3/32, and sampling by area is as good.
 const WIDE: f64 = 32.0 * 32.0;
 
 /// A triangle in its rest frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Triangle {
-    /// A corner, and the edges from there.
+    /// A corner, and the edges from it.
     pub corner: DVec3,
     pub edges: [DVec3; 2],
-    /// Along the normal, and as long as twice the area.
+    /// The normal with a length of twice the area, and that length.
     pub normal: DVec3,
     pub twice: f64,
 }
@@ -66,13 +66,13 @@ impl Triangle {
         [self.corner, self.corner + e1, self.corner + e2]
     }
 
-    /// The place of these barycentrics.
+    /// The point with these barycentrics.
     #[inline(always)]
     pub fn at(&self, (u, v): (f64, f64)) -> DVec3 {
         self.corner + self.edges[0] * u + self.edges[1] * v
     }
 
-    /// Half of the solid angle that it fills for a point `x`; 0 from behind, unless it `is_two_sided`, which is 1 or 0.
+    /// Half of the solid angle that the triangle subtends at `x`; 0 from behind, unless it `is_two_sided`, which is 1 or 0.
     #[inline(always)]
     pub fn half_angle(&self, x: DVec3, is_two_sided: f64) -> f64 {
         let a = self.corner - x;
@@ -85,15 +85,15 @@ impl Triangle {
         upper_angle(above_zero(seen), sum)
     }
 
-    /// Barycentrics of a point that is drawn evenly in area by two numbers in [0, 1).
+    /// Barycentrics of a point sampled uniformly in area with two numbers in [0, 1).
     #[inline(always)]
     pub fn draw_by_area([x, y]: [f64; 2]) -> (f64, f64) {
         let root = x.sqrt();
         (root * (1.0 - y), root * y)
     }
 
-    /// Barycentrics of a point that is drawn evenly in the solid angle for a point `x`, whose half is h: by the sine and the cosine of ξ h and by
-    /// another number in [0, 1).
+    /// Barycentrics of a point sampled uniformly in the solid angle at `x`, half of which is h: with the sine and the cosine of ξ h and another
+    /// number in [0, 1).
     #[inline(always)]
     pub fn draw_by_angle(&self, x: DVec3, (sine, cosine): (f64, f64), number: f64) -> (f64, f64) {
         let to_a = self.corner - x;
@@ -101,7 +101,7 @@ impl Triangle {
         let (a, ra) = unit_and_length_or_nan(to_a);
         let (b, rb) = unit_and_length_or_nan(to_b);
         let (c, rc) = unit_and_length_or_nan(to_c);
-        // c′ on the arc from a to c. Parts across a come from differences, which are small where the triangle is.
+        // c′ on the arc from a to c. Components across a are computed from differences, which are small if the triangle is.
         let (ab, ac) = (b - a, c - a);
         let (b_across, c_across) = (ab - a * a.dot(ab), ac - a * a.dot(ac));
         let determinant = self.normal.dot(to_a).abs() / (ra * rb * rc);
@@ -109,14 +109,14 @@ impl Triangle {
         let q = sine * (1.0 + a.dot(b));
         let (p2, q2) = (p * p, q * q * c_across.dot(c_across));
         let on_arc = (a * (p2 - q2) + c_across * (2.0 * p * q)) / (p2 + q2);
-        // From b towards it, evenly in 1 − cos.
+        // From b towards c′, uniform in 1 − cos.
         let towards = on_arc - b;
         let less = number * 0.5 * towards.dot(towards);
         let across = towards - b * b.dot(towards);
         let sine = (less * (2.0 - less)).sqrt();
         let (along, _) = unit_and_length_or_nan(across);
         let d = b * (1.0 - less) + along * sine;
-        // d in parts of A, B and C: none is below 0 but by rounding, and of NaN, where x is on the plane, corners are left.
+        // d as a combination of A, B and C: coefficients are below 0 only by rounding; NaN, if x is in the plane, becomes a corner.
         let side = if self.normal.dot(to_a) < 0.0 {
             -1.0
         } else {
@@ -132,13 +132,13 @@ impl Triangle {
     }
 }
 
-/// x, or 0 where it is below and of NaN.
+/// x, or 0 if x is negative or NaN.
 #[inline(always)]
 pub(super) fn above_zero(x: f64) -> f64 {
     if x > 0.0 { x } else { 0.0 }
 }
 
-/// Whether what is in a ball of radius √`radius2` is seen as wide from the distance √`distance2` of its middle.
+/// Whether a ball of radius √`radius2` appears wide from the distance √`distance2` of its centre.
 #[inline(always)]
 pub(super) fn is_wide(radius2: f64, distance2: f64) -> bool {
     distance2 < WIDE * radius2
@@ -174,12 +174,12 @@ mod tests {
         }
     }
 
-    /// The moments of unit vectors that points on a triangle are seen along, ∫ d dω, are ½ Σ θ n over its edges (Lambert's formula).
+    /// The moment of unit vectors towards points of a triangle, ∫ d dω, is ½ Σ θ n over its edges (Lambert's formula).
     #[test]
     fn points_are_drawn_evenly_in_solid_angle() {
         let mut next = numbers(7);
         for case in 0..60 {
-            // Close, flat, thin and far ones.
+            // Close, flat, thin and distant triangles.
             let size = [1.0, 1.0, 0.1, 1e-3][case % 4];
             let middle = random(&mut next) * 0.7 + DVec3::Z;
             let mut corners = [(); 3].map(|()| middle + random(&mut next) * size);
@@ -216,7 +216,7 @@ mod tests {
             let [a, b, c] = [(); 3].map(|()| random(&mut next) + 0.5 * DVec3::Z);
             let triangle = Triangle::new([a, b, c]);
             let half = triangle.half_angle(DVec3::ZERO, 1.0);
-            // Cut from C to the middle of AB: there the barycentrics of A and B are equal.
+            // Cut from C to the midpoint of AB: there the barycentrics of A and B are equal.
             let expected = Triangle::new([a, (a + b) * 0.5, c]).half_angle(DVec3::ZERO, 1.0) / half;
             let n = 300;
             let mut count = 0;

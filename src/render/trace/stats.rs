@@ -1,7 +1,7 @@
-//! What a picture costs: counts and the time per stage.
+//! The cost of a picture: counts and the time per stage.
 //!
-//! A [`Meter`] accompanies every batch. If it is on, it reads the clock between stages, once per batch and not per ray. The times of all
-//! threads are summed: a stage on two threads at once counts twice. Time in which the system runs other processes counts, too.
+//! A [`Meter`] accompanies every batch. If it is on, it reads the clock between stages, once per batch, not per ray. The times of all
+//! threads are summed: a stage on two threads at once counts twice. Time during which the system runs other processes is included.
 
 use std::time::{Duration, Instant};
 
@@ -11,13 +11,13 @@ use crate::io::cube::BytesRead;
 /// The stages of a batch, in order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// Samples in pixels, and the camera's rays through them.
+    /// Sample positions in pixels, and camera rays through them.
     CameraRays,
-    /// Directions and origins of rays into the rest frames.
+    /// Transformation of the rays' directions and origins to the rest frames.
     Boosts,
-    /// The nearest hits.
+    /// Finding the nearest hits.
     Visibility,
-    /// Hits to surface points, and what they emit: texture coordinates, times, lookups, shadows.
+    /// From hits to surface points and their radiance: texture coordinates, times, lookups, shadows.
     Radiance,
     /// Factors, colours, sums per pixel, auxiliary channels.
     Film,
@@ -45,14 +45,14 @@ impl Stage {
     }
 }
 
-/// What is counted.
+/// Counted quantities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Counter {
     /// Rays from the camera.
     Rays,
-    /// Those that hit a surface.
+    /// Camera rays that hit a surface.
     Hits,
-    /// Bytes of time-resolved data that lookups in batches have read.
+    /// Bytes of time-resolved data read by lookups in batches.
     TextureBytes,
 }
 
@@ -63,15 +63,15 @@ pub struct Stats {
     pub rays: u64,
     /// Those that hit a surface.
     pub hits: u64,
-    /// The work of rays from the camera, once per rest frame.
+    /// Traversal work for camera rays, once per rest frame.
     pub visibility: Counts,
-    /// The work of rays towards pulses and capture cameras.
+    /// Traversal work for rays towards pulses and capture cameras.
     pub occlusion: Counts,
-    /// Bytes of time-resolved data that were read.
+    /// Bytes of time-resolved data that lookups read.
     pub texture_bytes: u64,
-    /// What of it was read from the disk meanwhile, where cubes are not loaded whole.
+    /// The part of it that was read from disk in the meantime, if cubes are not loaded whole.
     pub disk: BytesRead,
-    /// Time by [`Stage::ALL`], summed over threads, seconds.
+    /// Time by stage, in the order of [`Stage::ALL`], summed over threads, seconds.
     pub seconds: [f64; Stage::ALL.len()],
     last: Option<Instant>,
 }
@@ -82,7 +82,7 @@ impl Stats {
         self.seconds.iter().sum()
     }
 
-    /// Adds what another has noted.
+    /// Adds the statistics of another meter.
     pub fn merge(&mut self, other: Self) {
         self.rays += other.rays;
         self.hits += other.hits;
@@ -97,49 +97,49 @@ impl Stats {
     }
 }
 
-/// Goes along with batches and notes what they cost, if it is on.
+/// Accompanies batches and records their cost, if it is on.
 #[derive(Debug, Default)]
 pub struct Meter(Option<Stats>);
 
 impl Meter {
-    /// Notes nothing.
+    /// A meter that records nothing.
     pub fn off() -> Self {
         Meter(None)
     }
 
-    /// Notes everything if `on`.
+    /// A meter that records everything if `on`.
     pub fn new(on: bool) -> Self {
         Meter(on.then(Stats::default))
     }
 
-    /// What was noted.
+    /// The recorded statistics.
     pub(crate) fn into_stats(self) -> Option<Stats> {
         self.0
     }
 
-    /// Whether anything is noted.
+    /// Whether the meter records anything.
     pub(super) fn is_on(&self) -> bool {
         self.0.is_some()
     }
 
-    /// The work of rays from the camera.
+    /// The traversal work of camera rays.
     pub(super) fn visibility(&mut self) -> Option<&mut Counts> {
         self.0.as_mut().map(|stats| &mut stats.visibility)
     }
 
-    /// The work of rays that ask whether something stands between two events.
+    /// The traversal work of rays that test for obstacles between two events.
     pub(super) fn occlusion(&mut self) -> Option<&mut Counts> {
         self.0.as_mut().map(|stats| &mut stats.occlusion)
     }
 
-    /// A batch begins.
+    /// Starts a batch.
     pub(crate) fn start(&mut self) {
         if let Some(stats) = &mut self.0 {
             stats.last = Some(Instant::now());
         }
     }
 
-    /// What was done since the last call, or the start, belongs to `stage`.
+    /// Attributes the time since the last call, or the start, to `stage`.
     #[inline]
     pub(crate) fn lap(&mut self, stage: Stage) {
         if let Some(stats) = &mut self.0 {
@@ -150,7 +150,7 @@ impl Meter {
         }
     }
 
-    /// So many more.
+    /// Adds `more` to a counter.
     #[inline]
     pub(crate) fn count(&mut self, counter: Counter, more: u64) {
         if let Some(stats) = &mut self.0 {

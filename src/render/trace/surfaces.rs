@@ -1,9 +1,8 @@
 //! What rays can hit: static meshes in their rest frames, as seen from one event.
 //!
-//! All objects at rest relative to each other share one [`RestFrame`] with one BVH. A world ray is
-//! boosted into each frame with its parameter unchanged, so the nearest hit over all frames is the
-//! For a single frame the boosted rays are kept for shading, and one at rest in the world needs no boost; with several frames a ray is
-//! boosted again into the one that it hit.
+//! All objects at rest relative to each other share one [`RestFrame`] with one BVH. A world ray is boosted into each frame with its
+//! parameter unchanged, so the nearest hit over all frames is the one with the smallest s. For a single frame the boosted rays are kept for
+//! shading, and a frame at rest in the world needs no boost; with several frames a ray is boosted again into the one that it hit.
 
 use glam::DVec3;
 
@@ -16,15 +15,15 @@ use super::stats::{Meter, Stage};
 use super::tubes::Tubes;
 use crate::spacetime::{Boost, Direction, Displacement, Event, NullRay, Rest, World};
 
-/// The surfaces of all rest frames, as they are seen from one event.
+/// The surfaces of all rest frames, as seen from one event.
 #[derive(Debug)]
 pub struct Surfaces<'a>(pub(super) Frames<'a>);
 
 #[derive(Debug)]
 pub(super) enum Frames<'a> {
-    /// One rest frame, at rest in the world: nothing is boosted.
+    /// One rest frame, at rest in the world: no boosts.
     Still(Frame<'a>),
-    /// One rest frame, which moves: its rays stay in the hit buffer.
+    /// One moving rest frame: its rays stay in the hit buffer.
     One(Frame<'a>),
     /// Any number of rest frames.
     Many(Many<'a>),
@@ -34,9 +33,9 @@ pub(super) enum Frames<'a> {
 #[derive(Debug)]
 pub(super) struct Many<'a> {
     pub frames: Vec<Frame<'a>>,
-    /// Where each is seen, as far as that is known.
+    /// The directions in which each frame is visible, if known.
     pub cones: Vec<Option<VisibleCone>>,
-    /// Where each is in the world.
+    /// The region of the world where each frame is.
     pub tubes: Tubes,
 }
 
@@ -44,13 +43,13 @@ pub(super) struct Many<'a> {
 #[derive(Debug)]
 pub(super) struct Frame<'a> {
     pub rest: &'a RestFrame,
-    /// The event of the shot in it.
+    /// The event of the shot in this frame.
     pub shot: Event<Rest>,
     pub index: f64,
 }
 
 impl<'a> Surfaces<'a> {
-    /// `rests` seen from the event `shot` in a medium of index `index`, by rays that [`Surfaces::nearest`] traces.
+    /// `rests` as seen from the event `shot` in a medium of index `index`, for rays traced by [`Surfaces::nearest`].
     pub fn new(rests: &'a [RestFrame], shot: Event<World>, index: f64) -> Self {
         match rests {
             [rest] if !rest.frame.velocity().is_rest() => {
@@ -60,7 +59,7 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// The same for hits that may come from elsewhere: nothing but the hits is read from the hit buffer.
+    /// The same for hits that may come from elsewhere: only the hits are read from the hit buffer.
     pub fn unbuffered(rests: &'a [RestFrame], shot: Event<World>, index: f64) -> Self {
         if let [rest] = rests
             && rest.frame.velocity().is_rest()
@@ -101,7 +100,7 @@ impl<'a> Surfaces<'a> {
             }
             Frames::Many(Many { frames, cones, .. }) => {
                 hits.start(count, frames.len());
-                // The cones hold for rays from the event of the shot alone.
+                // The cones only hold for rays from the event of the shot.
                 let bounds = match rays.origins {
                     None => Some(DirectionBounds::of(rays.directions)),
                     Some(_) => None,
@@ -119,7 +118,7 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// The rest frame of index `frame`.
+    /// The rest frame with index `frame`.
     #[inline]
     pub fn rest(&self, frame: u32) -> &'a RestFrame {
         match &self.0 {
@@ -128,8 +127,8 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// Ray `ray` of `rays`, whose nearest hits are in `hits`, in the coordinates of rest frame `frame`, in
-    /// which it has hit something, and ω_rest/ω_world of its light.
+    /// Ray `ray` of `rays`, whose nearest hits are in `hits`, in the coordinates of rest frame `frame`, where it has hit something, and
+    /// ω_rest/ω_world of its light.
     #[inline(always)]
     pub(super) fn local(
         &self,
@@ -145,7 +144,7 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// The frame in which all rest, where that is at rest in the world.
+    /// The only rest frame, if it is at rest in the world.
     #[inline(always)]
     pub(super) fn at_rest(&self) -> Option<&'a RestFrame> {
         match &self.0 {
@@ -154,7 +153,7 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// Where rays that share their event leave in the only rest frame, and all their tangents there, where they are at hand.
+    /// The common origin of the rays in the only rest frame, and all their tangents there, if available.
     #[inline(always)]
     pub(super) fn shared_origin<'b>(
         &self,
@@ -169,7 +168,7 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// ω_rest/ω_world of all rays, where they are at hand.
+    /// ω_rest/ω_world of all rays, if available.
     #[inline(always)]
     pub(super) fn ratios<'b>(&self, hits: &'b HitBuffer) -> Option<&'b [f64]> {
         match &self.0 {
@@ -178,8 +177,8 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// Calls `each` with what [`Surfaces::local`] gives for each of `members`, all of which have hit `frame`: the
-    /// kind of surfaces is matched once.
+    /// Calls `each` with the result of [`Surfaces::local`] for each of `members`, all of which have hit `frame`. The kind of surfaces is
+    /// matched once.
     #[inline(always)]
     pub(super) fn each_local(
         &self,
@@ -213,7 +212,7 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// Look direction in rest frame `frame`, and ω_rest/ω_world of light from there.
+    /// The look direction in rest frame `frame`, and ω_rest/ω_world of light from there.
     #[inline]
     pub fn direction(&self, frame: u32, d: Direction<World>) -> (Direction<Rest>, f64) {
         match &self.0 {
@@ -223,7 +222,7 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// Whether points of frame `own` are where they are in frame `frame`, too.
+    /// Whether points of frame `own` have the same positions in frame `frame`.
     pub(super) fn shares_places(&self, frame: u32, own: u32) -> bool {
         !matches!(&self.0, Frames::Many(_)) || frame == own
     }
@@ -244,7 +243,7 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// Where the ray that has hit `point` leaves in rest frame `frame`.
+    /// The origin in rest frame `frame` of the ray that has hit `point`.
     pub(super) fn origin(&self, frame: u32, point: &SurfacePoint) -> DVec3 {
         match &self.0 {
             Frames::Many(many) if frame != point.frame => {
@@ -255,7 +254,7 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// `d` of rest frame `from` in rest frame `to`.
+    /// Transforms `d` from rest frame `from` to rest frame `to`.
     pub(super) fn displacement(
         &self,
         from: u32,
@@ -272,7 +271,7 @@ impl<'a> Surfaces<'a> {
             .displacement(in_world)
     }
 
-    /// The boost from the world to rest frame `frame`; none where that changes nothing.
+    /// The boost from the world to rest frame `frame`; `None` if it is the identity.
     pub(super) fn boost(&self, frame: u32) -> Option<&'a Boost<Rest, World>> {
         let boost = match &self.0 {
             Frames::Still(_) => return None,
@@ -297,7 +296,7 @@ impl<'a> Frame<'a> {
         self.rest.frame.frame_from_world()
     }
 
-    /// Intersects `rays` with this frame, which has index `frame`.
+    /// Intersects `rays` with this frame, whose index is `frame`.
     fn intersect(&self, frame: u32, rays: &Rays, hits: &mut HitBuffer, meter: &mut Meter) {
         hits.boost_tangents(self.boost(), self.index, rays);
         hits.boost_origins(self.boost(), self.shot, rays);
@@ -306,7 +305,7 @@ impl<'a> Frame<'a> {
         meter.lap(Stage::Visibility);
     }
 
-    /// The same for rays that share the event of the shot, of which those outside `cone` hit nothing in this frame.
+    /// The same for rays from the event of the shot; those outside `cone` hit nothing in this frame.
     fn intersect_within(
         &self,
         cone: &VisibleCone,
@@ -345,7 +344,7 @@ impl<'a> Frame<'a> {
         (NullRay { origin, tangent }, rho)
     }
 
-    /// The event `displacement` from that of the shot; bit for bit the same where there is none.
+    /// The event at `displacement` from the event of the shot; bit-identical to the shot if there is none.
     #[inline(always)]
     fn origin(&self, displacement: Option<Displacement<World>>) -> Event<Rest> {
         match displacement {

@@ -19,35 +19,35 @@ use crate::scene::model::CaptureChoice;
 pub struct TimeResolved {
     /// By emitter index.
     pub emitters: Vec<(Emitter, Response)>,
-    /// Base colours (also albedos of what lamps light).
+    /// Base colours (also albedos of surfaces lit by lamps).
     pub base: BaseColours,
     /// Cubes with their time axes.
     pub cubes: Vec<TimeTexture>,
-    /// The source of the scene that each of them is.
+    /// The index in the scene of the source of each cube.
     pub cube_sources: Vec<usize>,
-    /// Which of several captures of one surface is taken.
+    /// How several captures of one surface are combined.
     pub choice: CaptureChoice,
     /// Capture cameras and what they saw.
     pub captures: Vec<Capture>,
-    /// By source of the scene: pulses; then the scene's lights without extent.
+    /// Pulses by source of the scene, then the scene's lights without extent.
     pub lamps: Vec<Option<Lamp>>,
     /// Surfaces that shine.
     pub areas: Option<Box<AreaLights>>,
-    /// Objects that are area lights, and which light each is, counted as `lamps` are.
+    /// Objects that are area lights, and the index of each light, counted like `lamps`.
     pub area_lights: Vec<(u32, usize)>,
-    /// The sky, where it lights.
+    /// The sky, if it lights the scene.
     pub sky: Option<SkyLight>,
-    /// How light that surfaces reflect is sampled at wavelengths; none where it is by red, green and blue.
+    /// How reflected light is sampled at wavelengths; `None` if it is computed in red, green and blue.
     pub spectra: Option<SampledSpectra>,
     /// Refractive index of the medium.
     pub index: f64,
 }
 
 impl TimeResolved {
-    /// Whether all light at what rests in `rest`, and nothing else is there, is always the same.
+    /// Whether all light on the objects at rest in `rest`, the only frame of the scene, is constant in time.
     pub(super) fn is_steady_for(&self, rest: &RestFrame) -> bool {
         let velocity = rest.frame.velocity();
-        // In a medium that streams past, light does not take the same time both ways; that is left alone.
+        // In a streaming medium, light does not take the same time both ways; this case is not supported.
         let is_still = self.index == 1.0 || velocity.is_rest();
         let steady = |colour: &BaseColour| colour.profile.is_none();
         let emits = |(emitter, _): &(Emitter, Response)| match emitter {
@@ -62,7 +62,7 @@ impl TimeResolved {
             && !self.areas.as_ref().is_some_and(|areas| areas.changes())
     }
 
-    /// Whether all that reflects is diffuse.
+    /// Whether all reflection is diffuse.
     pub(super) fn is_diffuse(&self) -> bool {
         self.emitters.iter().all(|(emitter, _)| match emitter {
             Emitter::Lit { finish, .. } => finish.gloss.is_none() && finish.glass.is_none(),
@@ -70,7 +70,7 @@ impl TimeResolved {
         })
     }
 
-    /// The cubes that are read from disk, each once.
+    /// The cubes that are read from disk, without repetitions.
     pub(crate) fn on_disk(&self) -> impl Iterator<Item = &Bricks> {
         let bricks = |at: usize| self.cubes[at].cube().on_disk();
         let is_first = move |at: &usize| {
@@ -82,16 +82,16 @@ impl TimeResolved {
     }
 }
 
-/// Where the radiance of a patch comes from.
+/// The source of the radiance of a patch.
 #[derive(Debug, Clone)]
 pub enum Emitter {
     /// A base colour.
     Base(usize),
-    /// A cube by texture coordinates.
+    /// A cube in texture coordinates.
     Uv {
         /// Index of the cube.
         cube: usize,
-        /// Those of its infrared and its ultraviolet, where they are seen.
+        /// The cubes of its infrared and ultraviolet, if they are visible.
         companions: [Option<usize>; 2],
         /// TEXCOORD set.
         set: usize,
@@ -100,11 +100,11 @@ pub enum Emitter {
     },
     /// Cubes projected from their capture cameras, one or more.
     Captured(Vec<CapturedCube>),
-    /// The light of lamps, reflected, and also that of shining surfaces and of the sky.
+    /// Reflected light of lamps, shining surfaces and the sky.
     Lit {
-        /// How it is reflected.
+        /// How the surface reflects.
         finish: Box<Finish>,
-        /// Which lamps.
+        /// The lamps that light it.
         lamps: Vec<usize>,
     },
 }
@@ -114,10 +114,10 @@ pub enum Emitter {
 pub struct CapturedCube {
     /// Index of the cube.
     pub cube: usize,
-    /// Those of its infrared and its ultraviolet, where they are seen.
+    /// The cubes of its infrared and ultraviolet, if they are visible.
     pub companions: [Option<usize>; 2],
     /// Index of the capture camera.
     pub capture: usize,
-    /// The clock before the delay to the capture camera.
+    /// The clock of the cube before the delay to the capture camera.
     pub clock: EmissionClock,
 }

@@ -1,21 +1,21 @@
 //! Paths of light with their delays, among surfaces and lamps at rest relative to each other.
 //!
-//! In the frame in which all rest, only the emission of lamps depends on time. Light that reaches the detector at the time t along a path
-//! x₀, x₁, …, xₙ of surfaces left xₙ at t − D, where D = Σ η |xₖ₊₁ − xₖ| plus the detector's delay, and a lamp at y at its proper time
+//! In the common rest frame, only the emission of lamps depends on time. Light that reaches the detector at the time t along a path x₀, x₁,
+//! …, xₙ of surfaces left xₙ at t − D, where D = Σ η |xₖ₊₁ − xₖ| plus the detector's delay, and a lamp at y at its proper time
 //!
 //! ```text
 //! τ = t − D − η |xₙ − y| − (the time at which the lamp's clock shows 0).
 //! ```
 //!
-//! So one path serves all times: what it carries of a lamp, f₀ … fₙ E(xₙ)/(densities), goes with the emission of the lamp as a
-//! function of t, moved by its delay, and into a bin from a to b goes the integral of the emission from τ(a) to τ(b), which is exact.
-//! Every surface of a path is lit by all lamps (next-event estimation), so that the direct light and all bounces come from one set of paths.
-//! Surfaces that shine are found as in [`paths`](super::paths): one point of all of them is drawn at each surface, paths that meet one carry what it
-//! shines, and the balance heuristic weighs both; their proper time is that of their object, and D ends at the point that shines. What shines steadily
-//! has no place in bins of time and is left out.
-//! What is found beyond the second surface of a path does not depend on who looks, but for a delay: it is shared as in [`sharing`](super::sharing),
-//! whatever emission depends on time, and what x_j receives of y_i is later by η |x_j − y_i|.
-//! Directions are drawn as for [`paths`](super::paths), where densities and random numbers are told; W is 1 throughout. Many paths are followed
+//! So one path serves all times: its contribution for a lamp, f₀ … fₙ E(xₙ)/(densities), is multiplied by the lamp's emission as a function of t,
+//! shifted by its delay. A bin from a to b receives the integral of the emission from τ(a) to τ(b), which is exact. Every surface of a path is lit by
+//! all lamps (next-event estimation), so that the direct light and all bounces come from one set of paths. Shining surfaces are found as in
+//! [`paths`](super::paths): at each surface, one point on all of them is sampled, paths that hit one carry its emission, and the balance heuristic
+//! weights both; the proper time is that of their object, and D ends at the shining point. Steady emission has no place in time bins and is left out.
+//! What is found beyond the second surface of a path does not depend on the observer, except for a delay: it is shared as in
+//! [`sharing`](super::sharing), even if emission depends on time, and the light that x_j receives from y_i is delayed by η |x_j − y_i|. Directions are
+//! sampled as in [`paths`](super::paths), which describes densities and random numbers; W is 1 throughout. Many paths are followed together, surface
+//! by surface, so that their rays are traced in packets.
 //! together, surface by surface, so that their rays are traced in packets.
 //!
 //! Source: Jarabo, Marco, Muñoz, Buisan, Jarosz, Gutierrez, "A framework for transient rendering", ACM TOG 33(6), 2014.
@@ -43,61 +43,61 @@ use crate::spacetime::{Direction, Event, NullRay, Rest};
 pub(crate) struct TimedPaths<'a> {
     pub rest: &'a RestFrame,
     pub light: &'a TimeResolved,
-    /// How many more times light is reflected after the first surface.
+    /// The number of reflections after the first surface.
     pub bounces: u32,
     /// How rays are traced.
     pub method: Traversal,
 }
 
-/// Where a path begins.
+/// The start of a path.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Start {
-    /// What is met first.
+    /// The first hit.
     pub hit: Hit,
-    /// How.
+    /// How it is seen.
     pub seen: Seen,
-    /// The key of its pixel, and the sample of that.
+    /// The key of its pixel, and the sample index.
     pub sample: (u64, u32),
 }
 
 /// How the first surface of a path is seen.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Seen {
-    /// From this point along a unit vector of the rest frame. Delays are up to the point.
+    /// From this point along a unit vector of the rest frame. Delays include the way to the point.
     From(DVec3, DVec3),
-    /// What leaves the side of the hit by diffuse reflection. Delays are up to the surface.
+    /// By diffuse reflection from the side of the hit. Delays end at the surface.
     Diffuse,
 }
 
 /// A surface of a path.
 struct Vertex<'a> {
-    /// Which path, by its start.
+    /// The index of the path's start.
     path: usize,
     hit: Hit,
     /// In the rest frame.
     x: DVec3,
-    /// Where the path came from.
+    /// The origin of the ray that hit it.
     from: DVec3,
     reflection: Reflection,
     /// The lamps that light it.
     lamps: &'a [usize],
-    /// f₀ … over the densities, and the delay, up to here.
+    /// The product of f₀ … over the densities, and the delay, up to this surface.
     carried: [f64; 3],
     delay: f64,
 }
 
-/// What a path carries of a lamp or a surface that shines.
+/// The contribution of a lamp or a shining surface along a path.
 struct Found<'a> {
     path: usize,
     emission: &'a Emission,
     light: [f64; 3],
-    /// The time at the start of the path less the proper time of emission.
+    /// The time at the start of the path minus the proper time of emission.
     delay: f64,
-    /// Whether it is what the end of a path that is shared shines of its own.
+    /// Whether this is the emission of the second surface of a shared path.
     is_end: bool,
 }
 
-/// First surfaces of paths, and what they share.
+/// First surfaces of paths, and the paths that they share.
 #[derive(Default)]
 struct Shared<'a> {
     firsts: Vec<Vertex<'a>>,
@@ -105,25 +105,25 @@ struct Shared<'a> {
     chosen: Vec<Beginning>,
 }
 
-/// The beginning of a path that is shared.
+/// The beginning of a shared path.
 struct Beginning {
-    /// The group, and the place in it of the surface that it goes on from.
+    /// The group, and the index in it of the surface from which the path continues.
     group: usize,
     at: usize,
     met: Option<MetEnd>,
 }
 
-/// The second surface of a path that is shared.
+/// The second surface of a shared path.
 #[derive(Clone, Copy)]
 struct MetEnd {
     y: DVec3,
-    /// On the side that was met.
+    /// On the side that was hit.
     normal: DVec3,
     triangle: u32,
     is_diffuse: bool,
 }
 
-/// Rays that go on from surfaces.
+/// Rays that continue from surfaces.
 #[derive(Default)]
 struct Onward {
     paths: Vec<Drawn>,
@@ -132,27 +132,27 @@ struct Onward {
     slots: Vec<u32>,
 }
 
-/// A path, how it goes on, what it carries there, and its delay so far.
+/// A path, how it continues, the throughput after that, and the delay so far.
 type Drawn = (usize, Leaving, [f64; 3], f64);
 
-/// The normal of a triangle, and the direction in which a path goes on from there.
+/// The normal of a triangle, and the direction in which a path leaves it.
 struct Leaving {
     normal: DVec3,
     drawn: Scattered,
 }
 
 impl Onward {
-    /// Adds path `path` from `vertex` on along a direction that is drawn by two numbers.
+    /// Continues path `path` from `vertex`, along a direction sampled with two numbers.
     fn draw(&mut self, vertex: &Vertex, path: usize, numbers: [f64; 2]) {
         let Some(drawn) = vertex.reflection.sample(numbers) else {
             return;
         };
         let carried = std::array::from_fn(|c| vertex.carried[c] * drawn.weight[c]);
-        // What is shared goes on from black surfaces too, for others that are not.
+        // Shared paths continue from black surfaces too, for other surfaces that are not black.
         if carried == [0.0; 3] && path == vertex.path {
             return;
         }
-        // As far from the surface as in `paths`.
+        // The same offset from the surface as in `paths`.
         let off = shadow_ray(vertex.from, vertex.x, drawn.l).s_min;
         let normal = vertex.reflection.geometric_normal();
         let side = if normal.dot(drawn.l) < 0.0 { -off } else { off };
@@ -164,7 +164,8 @@ impl Onward {
     }
 }
 
-/// What a path meets: where it leaves, along which unit vector, through which index, and what it carries, after which delay.
+/// A hit of a path: the index of the path, the hit, the ray's origin and unit direction, its refractive index, the throughput and the
+/// delay.
 struct Meeting {
     path: usize,
     hit: Hit,
@@ -175,16 +176,17 @@ struct Meeting {
     delay: f64,
 }
 
-/// Light of a lamp at a surface, if nothing is in the way.
+/// Light of a lamp at a surface, if it is not blocked.
 struct Falling<'a> {
     found: Found<'a>,
-    /// What may be in the way.
+    /// The segment to be tested for obstacles.
     way: Option<Segment>,
 }
 
 impl TimedPaths<'_> {
-    /// Follows the paths that begin so, `in_pixel` samples of each pixel in all, and calls `found` with the path, the emission of each lamp
-    /// or surface that it finds, what it carries of it, and its delay: the time at its start less the proper time of emission.
+    /// Follows the paths from `starts`, with `in_pixel` samples per pixel in all, and calls `found` for each lamp or shining surface that
+    /// they find, with the path, the emission, the path's contribution, and its delay: the time at the start of the path minus the proper
+    /// time of emission.
     pub fn follow(
         &self,
         starts: &[Start],
@@ -203,7 +205,7 @@ impl TimedPaths<'_> {
             .collect();
         let mut samples: Vec<_> = starts.iter().map(|start| start.sample).collect();
         let mut shared = Shared::default();
-        // Samples of a texel have nothing to share but with one another.
+        // Samples of a texel could only share with one another, and gain nothing.
         let shares = |start: &Start| matches!(start.seen, Seen::From(..));
         let shares = starts.first().is_some_and(shares);
         for depth in 0..=self.bounces {
@@ -211,7 +213,7 @@ impl TimedPaths<'_> {
             if shines {
                 self.light_up_by_areas(&vertices, (&samples, depth), &mut all);
             }
-            // After the last surface one more ray looks for what shines.
+            // After the last surface, one more ray looks for shining surfaces.
             if depth == 0 && shares && (depth < self.bounces || shines) {
                 vertices.sort_by_key(|vertex| self.rest.patch(vertex.hit.triangle).first);
                 shared = self.choose(vertices, in_pixel, &mut samples);
@@ -229,7 +231,7 @@ impl TimedPaths<'_> {
         self.share(&shared, starts.len(), &all[own..], found);
     }
 
-    /// Groups the first surfaces of paths that are diffuse, chooses those from which a path goes on, and adds the samples of those paths.
+    /// Groups the diffuse first surfaces of paths, chooses those from which a path continues, and adds the samples of those paths.
     fn choose<'a>(
         &self,
         firsts: Vec<Vertex<'a>>,
@@ -239,7 +241,7 @@ impl TimedPaths<'_> {
         let sharing = Sharing::new(self.light.is_diffuse());
         let mut groups = Groups::default();
         let patch = |vertex: &Vertex| self.rest.patch(vertex.hit.triangle).first;
-        // Points of one sample share paths, which are numbered by it.
+        // Points of one sample share paths, which are numbered by the sample index.
         let sample = |vertex: &Vertex| samples[vertex.path].1;
         let are_alike = |a: &Vertex, b: &Vertex| patch(a) == patch(b) && sample(a) == sample(b);
         let mut begin = 0;
@@ -279,7 +281,7 @@ impl TimedPaths<'_> {
         }
     }
 
-    /// The second surfaces of all paths: of those that are shared, what they carry and delays begin there.
+    /// The second surfaces of all paths. The throughputs and delays of shared paths start there.
     fn begin<'a>(
         &'a self,
         shared: &mut Shared,
@@ -331,7 +333,8 @@ impl TimedPaths<'_> {
         next
     }
 
-    /// Calls `found` with what all points of groups receive of the paths that they share, which have found `all`: those from `starts` on.
+    /// Calls `found` with the light that the points of groups receive from the paths that they share, numbered from `starts` on, which have
+    /// found `all`.
     fn share(
         &self,
         shared: &Shared,
@@ -397,7 +400,7 @@ impl TimedPaths<'_> {
                         (true, Some(false)) => 0.0,
                         (true, Some(true)) => weight * balance(density, by_area[at]),
                         (false, _) if end.is_diffuse => weight,
-                        // Other light than diffuse is found by the point that it comes to.
+                        // Light of non-diffuse surfaces only goes to the point from which the path continued.
                         (false, _) if at == beginning.at => alone,
                         (false, _) => continue,
                     };
@@ -438,7 +441,7 @@ impl TimedPaths<'_> {
         self.vertex(&meeting)
     }
 
-    /// What a surface shines of its own, met by a path that carries this after this delay.
+    /// The emission of a surface, hit by a path with this throughput and this delay.
     fn own(&self, path: usize, hit: &Hit, carried: [f64; 3], delay: f64) -> Option<Found<'_>> {
         let patch = self.rest.patch(hit.triangle);
         if patch.black_back && !hit.front {
@@ -450,7 +453,7 @@ impl TimedPaths<'_> {
         let (_, response) = &self.light.emitters[patch.emitter as usize];
         let radiance = match &response.colour {
             Colouring::Spectrum(table, _) => {
-                // A spectrum has the colour; that of the surface only dims it.
+                // The colour is that of the spectrum; the surface's colour only dims it.
                 let factor = (radiance[0] + radiance[1] + radiance[2]) / 3.0;
                 table.colour(1.0).map(|c| c * factor)
             }
@@ -465,7 +468,7 @@ impl TimedPaths<'_> {
         })
     }
 
-    /// With what a surface shines of its own, apart from the light of cubes.
+    /// The emission of a surface, apart from the light of cubes.
     fn shines(&self, patch: &Patch) -> Option<&BaseColour> {
         match &self.light.emitters[patch.emitter as usize].0 {
             Emitter::Lit { finish, .. } => finish.emission.as_ref(),
@@ -474,7 +477,7 @@ impl TimedPaths<'_> {
         }
     }
 
-    /// An object that shines for ever, by its index in the scene: paths pass over its light.
+    /// The scene index of an object that shines steadily, if any: paths ignore its light.
     pub fn steady_object(&self) -> Option<u32> {
         let is_steady = |colour: &BaseColour| colour.profile.is_none() && colour.factor != [0.0; 3];
         let mut patches = self.rest.patches.iter();
@@ -482,12 +485,12 @@ impl TimedPaths<'_> {
         found.map(|patch| patch.object)
     }
 
-    /// Whether light may come to the back of any of these triangles, by their slots: where one shines itself, or a lamp or a corner of what
-    /// shines or reflects lies behind its plane. Light arrives from the side on which it falls, whatever is in the way.
+    /// Whether light may reach the back of any of these triangles, given by slots: if one shines itself, or if a lamp or a corner of a
+    /// shining or reflecting surface lies behind its plane. Obstacles are ignored.
     pub fn may_light_backs(&self, slots: impl Iterator<Item = u32>) -> bool {
-        /// Corners that are looked at: some 0.1 s. After so many, light may come.
+        /// The maximum number of corners tested, about 0.1 s. Beyond it, the answer is yes.
         const MOST: usize = 30_000_000;
-        /// Of the size of all, what rounding makes of corners in one plane.
+        /// The rounding error of corners in one plane, relative to the size of the scene.
         const NEAR: f64 = 1e-12;
         let bvh = &self.rest.bvh;
         let Some((low, high)) = bvh.bounds() else {
@@ -502,7 +505,7 @@ impl TimedPaths<'_> {
             if self.shines(patch).is_some_and(|own| own.factor != [0.0; 3]) {
                 return true;
             }
-            // Others reflect nothing, and triangles without an area have no light.
+            // Other surfaces reflect nothing, and triangles without area receive no light.
             let (Emitter::Lit { lamps, .. }, Some(back)) = (
                 &self.light.emitters[patch.emitter as usize].0,
                 (c - a).cross(b - a).try_normalize(),
@@ -512,7 +515,7 @@ impl TimedPaths<'_> {
             if self.is_lit_along(back, a, lamps) {
                 return true;
             }
-            // The corner of the box around all that lies farthest behind, and else all corners.
+            // Test the corner of the scene's bounding box that lies farthest behind, then all corners.
             let lies_behind = |p: DVec3| (p - a).dot(back) > near;
             let farthest = DVec3::select(back.cmpgt(DVec3::ZERO), high, low);
             if !surfaces_light || !lies_behind(farthest) {
@@ -527,14 +530,14 @@ impl TimedPaths<'_> {
         false
     }
 
-    /// Whether light of any of these lamps arrives at `x` on the side to which `normal` points.
+    /// Whether light of any of these lamps arrives at `x` from the side to which `normal` points.
     fn is_lit_along(&self, normal: DVec3, x: DVec3, lamps: &[usize]) -> bool {
         let event = Event::<Rest>::new(0.0, x);
         let event = self.rest.frame.event_to_world(event);
         let at = NullRay::new(event, Direction::from_unit(DVec3::X), self.light.index);
         let lamps = lamps.iter().filter_map(|k| self.light.lamps[*k].as_ref());
         let mut arrivals = lamps.map(|lamp| lamp.arrival_at_peak(&at, 0.0, self.light.index));
-        // Where it cannot be told, as at the place of the lamp, it may.
+        // If this is undefined, as at the position of the lamp, light may arrive.
         arrivals.any(|arrival| {
             arrival.is_none_or(|(arrival, _)| {
                 let (l, _) = self.rest.frame.frame_from_world().direction(arrival.d);
@@ -543,7 +546,7 @@ impl TimedPaths<'_> {
         })
     }
 
-    /// The same of one that begins on a surface.
+    /// The same for a path that begins on a surface.
     fn first_diffuse(&self, path: usize, hit: Hit) -> Option<Vertex<'_>> {
         let [a, b, c] = self.rest.bvh.corners(hit.slot);
         let x = a + (b - a) * hit.u + (c - a) * hit.v;
@@ -566,7 +569,7 @@ impl TimedPaths<'_> {
         })
     }
 
-    /// Adds what `vertices` reflect of lamps to `all`.
+    /// Adds the reflection of lamps at `vertices` to `all`.
     fn light_up<'a>(&'a self, vertices: &[Vertex], all: &mut Vec<Found<'a>>) {
         let mut falling = Vec::new();
         for vertex in vertices {
@@ -579,7 +582,7 @@ impl TimedPaths<'_> {
         self.add_open(falling, &segments, all);
     }
 
-    /// Adds what `vertices`, which `depth` others come before, reflect of points that are drawn on surfaces that shine.
+    /// Adds the reflection at `vertices`, which have `depth` surfaces before them, of points sampled on shining surfaces.
     fn light_up_by_areas<'a>(
         &'a self,
         vertices: &[Vertex],
@@ -604,7 +607,7 @@ impl TimedPaths<'_> {
             if !vertex.reflection.is_open(draw.sent.l) {
                 continue;
             }
-            // What followed paths can meet, too, is weighed against that.
+            // Emission that followed paths can hit as well is weighted against that.
             let (l, density) = (draw.sent.l, draw.sent.density);
             let weight = match draw.sent.shadows {
                 true => balance(density, vertex.reflection.density(l)),
@@ -635,7 +638,7 @@ impl TimedPaths<'_> {
         self.add_open(falling, &segments, all);
     }
 
-    /// Adds those that nothing is in the way of.
+    /// Adds the contributions that are not blocked.
     fn add_open<'a>(
         &self,
         falling: Vec<Falling<'a>>,
@@ -652,7 +655,7 @@ impl TimedPaths<'_> {
         all.extend(open.map(|falling| falling.found));
     }
 
-    /// The next surfaces along directions that are drawn at `vertices`, which `depth` others come before; what they shine is added to `all`.
+    /// The next surfaces along directions sampled at `vertices`, which have `depth` surfaces before them; their emission is added to `all`.
     fn go_on<'a>(
         &'a self,
         vertices: Vec<Vertex<'_>>,
@@ -670,7 +673,7 @@ impl TimedPaths<'_> {
             .collect()
     }
 
-    /// What rays meet, of those that meet anything.
+    /// The hits of the rays that hit anything.
     fn met(&self, onward: Onward) -> Vec<(Meeting, Leaving)> {
         let Onward {
             paths,
@@ -710,7 +713,7 @@ impl TimedPaths<'_> {
         meetings.collect()
     }
 
-    /// The surface that a path meets, which left another so, if it reflects; what it shines is added to `all`.
+    /// The surface that a path hits after leaving another in this way, if it reflects; its emission is added to `all`.
     fn meet<'a>(
         &'a self,
         meeting: &Meeting,
@@ -728,8 +731,8 @@ impl TimedPaths<'_> {
         self.vertex(meeting)
     }
 
-    /// What counts of the light of a surface that shines, met by a path that left another so, where it could have been drawn
-    /// itself: (4) of [`paths`](super::paths), with W = 1.
+    /// The weight of the emission of a shining surface that was hit by a path, if light samples could find it, too: (4) of
+    /// [`paths`](super::paths), with W = 1.
     fn weight_of_own(&self, meeting: &Meeting, leaving: &Leaving) -> f64 {
         let density = leaving.drawn.density;
         let areas = self.light.areas.as_ref();
@@ -747,7 +750,7 @@ impl TimedPaths<'_> {
         }
     }
 
-    /// The surface that a path meets; none where nothing is reflected.
+    /// The surface that a path hits; `None` if it does not reflect.
     fn vertex(&self, meeting: &Meeting) -> Option<Vertex<'_>> {
         let Meeting {
             path,
@@ -766,7 +769,7 @@ impl TimedPaths<'_> {
         let Emitter::Lit { finish, lamps } = &self.light.emitters[patch.emitter as usize].0 else {
             return None;
         };
-        // The normal on the side that the path came to.
+        // The normal on the side that was hit.
         let normal = self.rest.bvh.normal(&hit);
         let normal = if hit.front { normal } else { -normal };
         let place = (self.rest, patch, &hit);
@@ -785,9 +788,9 @@ impl TimedPaths<'_> {
         })
     }
 
-    /// What the surface reflects of a lamp of emission 1, where nothing is in the way.
+    /// The reflection of a lamp of emission 1 at the surface, if it is not blocked.
     fn falling<'a>(&self, vertex: &Vertex, lamp: &'a Lamp) -> Option<Falling<'a>> {
-        // The lamp's proper time for the frame's time 0 at the surface.
+        // The lamp's proper time that corresponds to the frame's time 0 at the surface.
         let event = self
             .rest
             .frame
@@ -806,7 +809,7 @@ impl TimedPaths<'_> {
         if light.iter().all(|c| *c == 0.0) {
             return None;
         }
-        // Distances are as frequencies: r_F/r_world = ω_F/ω_world.
+        // Distances transform like frequencies: r_F/r_world = ω_F/ω_world.
         let way = lamp.shadows.then(|| Segment {
             ray: shadow_ray(vertex.from, vertex.x, l),
             s_max: arrival.distance * rho,
@@ -823,7 +826,7 @@ impl TimedPaths<'_> {
         Some(Falling { found, way })
     }
 
-    /// What a clock shows at the frame's time 0 on `patch`: the world's where the frame rests in it, else the object's own.
+    /// The reading of a clock on `patch` at the frame's time 0: the world's clock if the frame rests in it, else the object's own.
     pub fn clock(&self, patch: &Patch) -> f64 {
         match self.rest.frame.velocity().is_rest() {
             true => self.rest.frame.origin().ct,
@@ -832,7 +835,7 @@ impl TimedPaths<'_> {
     }
 }
 
-/// The numbers of a path's surface that `depth` others come before.
+/// Random numbers at a path's surface that has `depth` surfaces before it.
 fn samples(pixels: &[u64; 1], index: u32, depth: u32) -> Samples<'_> {
     Samples {
         pixels,

@@ -1,19 +1,19 @@
-//! Which rest frames light paths between surfaces can hit at all.
+//! Which rest frames light paths between surfaces can hit.
 //!
-//! What rests in a frame within a sphere of radius r about c is, at the world time t, within r of x(t) = x₀ + β (t − t₀), with
-//! (t₀, x₀) the world event of c at the frame's time 0: motion shortens, and lengthens nothing. Between two world times it
-//! therefore stays in a box: the interval of each coordinate of x(t), and r on either side. Light paths of a bundle stay, in
-//! the same times, in the box about their ends. Where the two boxes are apart, none of the paths meets the frame.
+//! Objects that rest in a frame within a sphere of radius r about c are, at the world time t, within r of x(t) = x₀ + β (t − t₀), with (t₀,
+//! x₀) the world event of c at the frame's time 0: motion contracts lengths and never stretches them. Between two world times they
+//! therefore stay in a box: the interval of each coordinate of x(t), extended by r on either side. The light paths of a bundle stay, during
+//! the same times, in the box about their ends. If the two boxes are disjoint, none of the paths hits the frame.
 
 use glam::DVec3;
 
 use super::rest_frame::RestFrame;
 use crate::spacetime::Event;
 
-/// What boxes are widened by, of their coordinates: 10⁷ times the rounding, 2⁻⁵³ each, of the few products and sums that make them.
+/// Relative enlargement of boxes: 10⁷ times the rounding error, 2⁻⁵³ each, of the few products and sums that compute them.
 const SLACK: f64 = 1e-9;
 
-/// Where the surfaces of each rest frame are in the world, by coordinate: x(0), β, r.
+/// The regions of the world where the surfaces of each rest frame are, by coordinate: x(0), β, r.
 #[derive(Debug, Default)]
 pub(super) struct Tubes {
     at_zero: [Vec<f64>; 3],
@@ -21,7 +21,7 @@ pub(super) struct Tubes {
     radius: Vec<f64>,
 }
 
-/// A box about light paths of the world, and the times in which they pass it, metres.
+/// A box around light paths in the world, and the range of times of these paths, metres.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bundle {
     lo: DVec3,
@@ -30,7 +30,7 @@ pub(super) struct Bundle {
 }
 
 impl Tubes {
-    /// Those of `rests`.
+    /// The tubes of `rests`.
     pub fn of(rests: &[RestFrame]) -> Tubes {
         let mut tubes = Tubes::default();
         for rest in rests {
@@ -50,7 +50,7 @@ impl Tubes {
         tubes
     }
 
-    /// Whether a path of `bundle` may meet frame `k`.
+    /// Whether a path of `bundle` may hit frame `k`.
     #[inline(always)]
     pub fn may_meet(&self, k: usize, bundle: &Bundle) -> bool {
         let [from, to] = bundle.times;
@@ -59,7 +59,7 @@ impl Tubes {
             let (at_zero, beta) = (self.at_zero[axis][k], self.beta[axis][k]);
             let (a, b) = (at_zero + beta * from, at_zero + beta * to);
             let margin = self.radius[k] + SLACK * (a.abs() + b.abs());
-            // In this form not for NaN.
+            // False for NaN.
             apart |= a.max(b) + margin < bundle.lo[axis];
             apart |= a.min(b) - margin > bundle.hi[axis];
         }
@@ -68,17 +68,17 @@ impl Tubes {
 }
 
 impl Bundle {
-    /// No path.
+    /// A bundle without paths.
     pub const NONE: Bundle = Bundle {
         lo: DVec3::INFINITY,
         hi: DVec3::NEG_INFINITY,
         times: [f64::INFINITY, f64::NEG_INFINITY],
     };
 
-    /// Adds the path from the event (`ct`, `x`) over the way `along`, on which light takes `delay`. Both may be infinite.
+    /// Adds the path from the event (`ct`, `x`) along the displacement `along`, for which light takes `delay`. Both may be infinite.
     #[inline(always)]
     pub fn add(&mut self, ct: f64, x: DVec3, along: DVec3, delay: f64) {
-        // 0 · ∞, of a coordinate in which the path does not move.
+        // 0 · ∞, for a coordinate along which the path does not move.
         let end = x + DVec3::select(along.is_nan_mask(), DVec3::ZERO, along);
         self.lo = self.lo.min(x.min(end));
         self.hi = self.hi.max(x.max(end));
@@ -86,7 +86,7 @@ impl Bundle {
         self.times[1] = self.times[1].max(ct);
     }
 
-    /// The same with room for the rounding of its coordinates.
+    /// The same, with a margin for the rounding of its coordinates.
     pub fn widened(self) -> Bundle {
         let room = |a: f64| if a.is_finite() { SLACK * a.abs() } else { 0.0 };
         let [lo, hi] = [self.lo, self.hi].map(|corner| corner.to_array());

@@ -6,17 +6,17 @@ use glam::DVec3;
 
 use super::{CHILDREN, LightTree, Node, Shining};
 
-/// Places between which an axis is cut.
+/// The number of bins along each axis.
 const BINS: usize = 12;
 
-/// Some triangles in a row of the order in which the tree has them.
+/// A range of triangles, in the order of the tree, that is still to be partitioned.
 struct Open {
     node: usize,
     begin: usize,
     end: usize,
 }
 
-/// A box, the power and the normals in it, of some triangles.
+/// The bounding box, power and normals of some triangles.
 #[derive(Clone, Copy)]
 struct Sum {
     count: usize,
@@ -65,7 +65,7 @@ impl Sum {
         let area = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
         let cosine = (2.0 * self.normals.length() / self.area - 1.0).clamp(-1.0, 1.0);
         let most = libm::acos(cosine);
-        // All directions within θ_o, and those within π/2 of those by their cosine.
+        // All directions within θ_o, and those within π/2 of these, weighted by their cosine.
         let end = (most + FRAC_PI_2).min(PI);
         let sine = libm::sin(most);
         let beside = 2.0 * end * sine - libm::cos(most - 2.0 * end) - 2.0 * most * sine + cosine;
@@ -78,7 +78,7 @@ impl Shining {
         self.triangle.area() * self.brightness
     }
 
-    /// The normal, of what shines on both sides that along `axis`.
+    /// The normal; for a two-sided triangle, the one on the side of `axis`.
     fn normal_along(&self, axis: DVec3) -> DVec3 {
         let normal = self.triangle.normal;
         match self.two_sided && normal.dot(axis) < 0.0 {
@@ -114,7 +114,7 @@ pub(super) fn tree(all: Vec<Shining>) -> LightTree {
             leaves[only as usize] = at as u32;
             continue;
         }
-        // The child that matters most is split again, until there are enough.
+        // Split the most expensive part again, until there are enough children.
         let mut parts = vec![(nodes[at], begin, end)];
         while parts.len() < CHILDREN {
             let extent = |(part, begin, end): &(Node, usize, usize)| match end - begin {
@@ -148,7 +148,7 @@ pub(super) fn tree(all: Vec<Shining>) -> LightTree {
     LightTree { nodes, leaves, all }
 }
 
-/// The ball, the cone and the power of these triangles.
+/// The node with the ball, cone and power of these triangles.
 fn node(all: &[Shining], chosen: &[u32], parent: u32) -> Node {
     let chosen = || chosen.iter().map(|k| &all[*k as usize]);
     let mut sum = Sum::NONE;
@@ -158,7 +158,7 @@ fn node(all: &[Shining], chosen: &[u32], parent: u32) -> Node {
     let centre = (sum.lo + sum.hi) * 0.5;
     let corners = chosen().flat_map(|shining| shining.triangle.corners());
     let radius2 = corners.map(|corner| (corner - centre).length_squared());
-    // Rounding of each corner's coordinates, twice over.
+    // A margin of twice the rounding errors of the corners' coordinates.
     let size = sum.lo.abs().max(sum.hi.abs()).max_element();
     let radius = radius2.fold(0.0, f64::max).sqrt() + 4.0 * f64::EPSILON * size;
     let axis = sum.normals.normalize_or_zero();
@@ -167,7 +167,7 @@ fn node(all: &[Shining], chosen: &[u32], parent: u32) -> Node {
         let cosine = shining.triangle.normal.dot(axis) / shining.triangle.twice;
         if two_sided { cosine.abs() } else { cosine }
     });
-    // Without an axis, all directions.
+    // Without an axis, the cone contains all directions.
     let cosine = match axis == DVec3::ZERO {
         true => -1.0,
         false => nearest.fold(1.0, f64::min).max(-1.0),
@@ -186,7 +186,7 @@ fn node(all: &[Shining], chosen: &[u32], parent: u32) -> Node {
     }
 }
 
-/// Parts triangles in two, and says how many are in the first part.
+/// Partitions triangles into two parts, and returns the number in the first part.
 fn split(all: &[Shining], chosen: &mut [u32], axis: DVec3) -> usize {
     let middles = || chosen.iter().map(|k| all[*k as usize].middle());
     let (lo, hi) = middles().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), m| {
@@ -207,7 +207,7 @@ fn split(all: &[Shining], chosen: &mut [u32], axis: DVec3) -> usize {
         for k in (0..BINS).rev() {
             after[k] = after[k + 1].with(&bins[k]);
         }
-        // Thin boxes are cut across their longest edge.
+        // Penalise cuts along the short edges of thin boxes.
         let thin = size.max_element() / size[along];
         let mut before = Sum::NONE;
         for k in 1..BINS {
@@ -227,7 +227,7 @@ fn split(all: &[Shining], chosen: &mut [u32], axis: DVec3) -> usize {
         return half;
     }
     let is_before = |k: &u32| bin(all[*k as usize].middle(), along, lo, size) < cut;
-    // In two turns, so that both parts keep their order.
+    // In two passes, so that both parts keep their order.
     let (first, second): (Vec<u32>, Vec<u32>) = chosen.iter().copied().partition(|k| is_before(k));
     chosen[..first.len()].copy_from_slice(&first);
     chosen[first.len()..].copy_from_slice(&second);

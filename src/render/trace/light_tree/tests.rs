@@ -18,7 +18,7 @@ fn shining(corners: [DVec3; 3], brightness: f64, two_sided: bool) -> Shining {
     }
 }
 
-/// Triangles of all sizes, radiances and sides, here and there.
+/// Random triangles of all sizes and radiances, one- and two-sided.
 fn soup(count: usize, next: &mut impl FnMut() -> f64) -> Vec<Shining> {
     let triangle = |k: usize| {
         let (middle, size) = (random(next), 0.02 + 0.3 * next().powi(4));
@@ -28,7 +28,7 @@ fn soup(count: usize, next: &mut impl FnMut() -> f64) -> Vec<Shining> {
     (0..count).map(triangle).collect()
 }
 
-/// A ball of radius 1 about the origin that shines outwards, of 8 · 4ⁿ triangles.
+/// A ball of radius 1 about the origin that shines outwards, made of 8 · 4ⁿ triangles.
 fn ball(halvings: usize) -> Vec<Shining> {
     let mut all = Vec::new();
     for signs in 0..8 {
@@ -52,7 +52,7 @@ fn ball(halvings: usize) -> Vec<Shining> {
         .collect()
 }
 
-/// A square panel of 2 · n² triangles at height 0 that shines down, as wide as this.
+/// A square panel of this width, made of 2 · n² triangles at height 0, that shines down.
 fn panel(n: usize, width: f64, two_sided: bool) -> Vec<Shining> {
     let at = |i: usize, k: usize| {
         let [x, z] = [i, k].map(|k| width * (k as f64 / n as f64 - 0.5));
@@ -74,10 +74,10 @@ fn receiver(x: DVec3, normal: DVec3) -> Receiver {
     }
 }
 
-/// A point of any frame: N of any boost is a spacelike unit vector.
+/// A receiver in any frame: N is a spacelike unit vector for any boost.
 fn anywhere(next: &mut impl FnMut() -> f64) -> Receiver {
     let rapidity = 3.0 * next();
-    // Every third rests.
+    // Every third is at rest.
     let tilt = if rapidity.abs() < 1.0 {
         0.0
     } else {
@@ -88,7 +88,7 @@ fn anywhere(next: &mut impl FnMut() -> f64) -> Receiver {
     Receiver { x, normal, tilt }
 }
 
-/// N·k of the way to y; 0 from the side that does not shine.
+/// N·k for the direction to y; 0 from the side that does not shine.
 fn cosine(receiver: &Receiver, shining: &Shining, y: DVec3) -> f64 {
     let l = (y - receiver.x).normalize();
     let faces = shining.two_sided || shining.triangle.normal.dot(l) < 0.0;
@@ -109,7 +109,7 @@ fn every_triangle_from_which_light_can_come_has_a_share_and_shares_are_those_of_
             let shares: Vec<f64> = (0..count as u32)
                 .map(|k| tree.share(k, &receiver))
                 .collect();
-            // What nodes promise and their children do not keep is lost: the rest of all.
+            // Probability is lost if a node has an importance and its children have none: what is missing from a sum of 1.
             let sum: f64 = shares.iter().sum();
             assert!((0.0..1.0 + 1e-12).contains(&sum), "{sum}");
             for (k, share) in shares.iter().enumerate() {
@@ -133,7 +133,7 @@ fn every_triangle_from_which_light_can_come_has_a_share_and_shares_are_those_of_
                     drawn[k] += 1.0 / f64::from(draws);
                 }
             }
-            // Numbers that choose one triangle are an interval.
+            // The numbers that choose one triangle form an interval.
             for (drawn, share) in drawn.iter().zip(&shares) {
                 let off = (drawn - share).abs();
                 assert!(off < 1.01 / f64::from(draws), "{drawn} {share}");
@@ -144,7 +144,7 @@ fn every_triangle_from_which_light_can_come_has_a_share_and_shares_are_those_of_
 
 #[test]
 fn the_tree_of_a_ball_loses_little_and_finds_what_is_seen() {
-    // Of a ball of many triangles seen from near its surface most are hidden by their own sides.
+    // Seen from near its surface, most of a ball of many triangles is hidden by the ball itself.
     let tree = LightTree::new(ball(3));
     let receiver = receiver(DVec3::X * 1.1, -DVec3::X);
     let share = |k: u32| tree.share(k, &receiver);
@@ -152,7 +152,7 @@ fn the_tree_of_a_ball_loses_little_and_finds_what_is_seen() {
     assert!(all > 0.7, "{all}");
 }
 
-/// The importances and choices of a block at once.
+/// The importances and choices of a block in one call.
 struct Both<'a>(
     &'a LightTree,
     &'a Receivers,
@@ -205,7 +205,7 @@ fn blocks_have_the_bits_of_single_points() {
 
 #[test]
 fn densities_add_up_to_one_over_all_that_shines() {
-    // ∫ p dA by the midpoints of 4096 parts of each triangle, p per area as cos θ/r² times that per solid angle.
+    // ∫ p dA by the midpoint rule on 4096 parts of each triangle, p per area from cos θ/r² times p per solid angle.
     let mut next = numbers(13);
     let parts = 64;
     for (all, x) in [
@@ -246,7 +246,7 @@ fn densities_add_up_to_one_over_all_that_shines() {
     }
 }
 
-/// The mean of the irradiance that draws of a point each find at `receiver`, and their variance: by the tree, or by power and area alone.
+/// The mean and the variance of single-sample estimates of the irradiance at `receiver`: sampled by the tree, or by power and area only.
 fn drawn(tree: &LightTree, receiver: &Receiver, by_tree: bool) -> [f64; 2] {
     let power: f64 = tree
         .all
@@ -256,7 +256,7 @@ fn drawn(tree: &LightTree, receiver: &Receiver, by_tree: bool) -> [f64; 2] {
     let count: i32 = 1 << 18;
     let (mut sum, mut squares) = (0.0, 0.0);
     for i in 0..count {
-        // Hammersley's points.
+        // Hammersley points.
         let first = (f64::from(i) + 0.5) / f64::from(count);
         let second = f64::from((i as u32).reverse_bits()) / 2f64.powi(32);
         let (k, place, density) = if by_tree {
@@ -304,8 +304,8 @@ fn drawn(tree: &LightTree, receiver: &Receiver, by_tree: bool) -> [f64; 2] {
     [mean, squares / f64::from(count) - mean * mean]
 }
 
-/// E under the middle of a square panel of width w at the distance h, with radiance 1: 4 E of a quarter over its corner, by Lambert's formula
-/// 2 a/√(1 + a²) arctan(a/√(1 + a²)), a = w/2h.
+/// E under the centre of a square panel of width w at the distance h, with radiance 1: 4 times E of a quarter below its corner, by Lambert's
+/// formula 2 a/√(1 + a²) arctan(a/√(1 + a²)), a = w/2h.
 fn under_panel(width: f64, height: f64) -> f64 {
     let a = width / (2.0 * height);
     let root = (1.0 + a * a).sqrt();
@@ -327,7 +327,7 @@ fn light_of_a_close_panel_is_lamberts_with_little_noise() {
             let [by_power, most] = drawn(&tree, &below, false);
             assert!((by_power / expected - 1.0).abs() < 2e-2, "{by_power}");
             assert!(variance < part * most, "{n} {height}: {variance} of {most}");
-            // From behind it is dark.
+            // It is dark behind the panel.
             let above = receiver(DVec3::Y * height, -DVec3::Y);
             assert_eq!(drawn(&tree, &above, true), [0.0, 0.0]);
         }
@@ -347,7 +347,7 @@ fn a_sheet_that_shines_on_both_sides_lights_both_alike() {
 
 #[test]
 fn light_of_a_ball_is_as_its_solid_angle_with_little_noise() {
-    // E = π L R²/d² towards the middle. Chords of 8192 triangles lie 5·10⁻⁴ below the ball.
+    // E = π L R²/d² towards the centre. Chords of 8192 triangles are up to 5·10⁻⁴ inside the ball.
     let tree = LightTree::new(ball(5));
     for (distance, part) in [(1.05, 0.02), (1.5, 0.05), (4.0, 0.1)] {
         let point = receiver(

@@ -1,4 +1,4 @@
-//! The whole image: tiles over threads, the same bits on any number of them.
+//! The whole image: tiles are spread over threads, with the same bits for any number of them.
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -20,12 +20,12 @@ use crate::spacetime::Direction;
 /// Renders a prepared scene on rayon's current thread pool.
 ///
 /// # Errors
-/// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
+/// [`Error::Cancelled`](crate::Error::Cancelled) if `progress` cancels.
 pub fn render(scene: &Prepared, progress: &dyn Progress) -> Result<Film> {
     render_tiles(scene, 0..Tile::count(scene.layout.size), progress)
 }
 
-/// The same picture, and what it has cost.
+/// The same picture, and its cost.
 ///
 /// # Errors
 /// As [`render`].
@@ -43,8 +43,8 @@ pub fn render_with_stats(scene: &Prepared, progress: &dyn Progress) -> Result<(F
     Ok((film, total))
 }
 
-/// Renders some tiles of the image alone, by [`Tile::of_image`], each with the bits that it has in the whole;
-/// the rest of the film stays empty.
+/// Renders only some tiles of the image, numbered as in [`Tile::of_image`], each with the same bits as in the whole image; the rest of the
+/// film stays empty.
 ///
 /// # Errors
 /// As [`render`].
@@ -63,7 +63,7 @@ pub(super) fn render_every(scene: &Prepared, step: u64, progress: &dyn Progress)
     tiles_with(scene, tiles, progress, None)
 }
 
-/// The same; what it costs is added to `total`.
+/// The same; the cost is added to `total`.
 fn tiles_with(
     scene: &Prepared,
     tiles: impl IntoParallelIterator<Item = u64>,
@@ -82,7 +82,7 @@ fn tiles_with(
                 let mut meter = Meter::new(total.is_some());
                 let samples = 0..layout.samples;
                 pipeline.samples(samples, buffers, tile_film, progress, &mut meter)?;
-                // A poisoned lock means a panic elsewhere, which rayon passes on.
+                // A poisoned lock means a panic in another thread, which rayon propagates.
                 let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
                 film.place(tile_film);
                 if let (Some(total), Some(stats)) = (total, meter.into_stats()) {
@@ -104,7 +104,7 @@ pub(super) struct Pipeline<'a> {
     surfaces: Surfaces<'a>,
 }
 
-/// Buffers of one thread's tile.
+/// Buffers for one thread's tile.
 #[derive(Debug, Default)]
 pub(super) struct Buffers {
     camera_rays: CameraRays,
@@ -125,7 +125,7 @@ impl<'a> Pipeline<'a> {
     /// Renders `samples` of every pixel of the tile of `film`.
     ///
     /// # Errors
-    /// [`Error::Cancelled`] when `progress` says so, and where data cannot be read.
+    /// [`Error::Cancelled`] if `progress` cancels, and errors of reading data.
     pub(super) fn samples(
         &self,
         samples: Range<u32>,
@@ -151,7 +151,7 @@ impl<'a> Pipeline<'a> {
         Ok(())
     }
 
-    /// Renders `samples` of every pixel together.
+    /// Renders `samples` of every pixel in one batch.
     fn batch(
         &self,
         samples: Range<u32>,
@@ -166,14 +166,14 @@ impl<'a> Pipeline<'a> {
             hits,
             shading,
         } = buffers;
-        // Camera rays, and where footprints are asked for also those beside them along both axes of the film.
+        // Camera rays and, if footprints are needed, rays slightly offset along both axes of the film.
         meter.start();
         let generator = generator(&scene.camera.view);
         generator.generate(camera_rays, &self.sampler, tile, samples);
         let exposure = scene
             .integrated_exposure
             .and_then(|duration| camera_rays.exposure(duration, self.sampler.samples()));
-        // Along the axes of the film, and in time where that is integrated over.
+        // Offset along the axes of the film, and in time if that is integrated over.
         let (beside, size) = match exposure {
             Some(_) => (&mut beside[..], self.sampler.cell_in_time()),
             None => {
@@ -199,12 +199,12 @@ impl<'a> Pipeline<'a> {
         let traced = scene.trace(surfaces, rays, hits, meter);
         let (radiance, ratios) = (scene.light.radiance(), &camera_rays.ratios);
         shading.shade(radiance, &traced, &scene.background, ratios, film, meter);
-        // Channels last: they are of the same rays, and most pictures have none.
+        // Channels last: they use the same rays, and most pictures have none.
         let channels = scene.layout.channels.as_slice();
         if !channels.is_empty() {
             for (ray, ratio) in ratios.iter().enumerate() {
                 let sees = traced.rays.origin(ray).sees();
-                // An element of a sensor that sees nothing has hits all the same, which no channel shows.
+                // A sensor element that no light reaches has hits all the same, but no channel shows them.
                 let observed = traced.observed(ray, *ratio).filter(|_| sees);
                 let d = sees.then(|| Direction::from_unit(camera_rays.directions[ray]));
                 let offset = camera_rays.offset(ray);
@@ -235,7 +235,7 @@ mod tests {
     use crate::render::progress::Silent;
     use crate::scene::{Overrides, parse};
 
-    /// A corner with a box of this finish, lit by a panel, of 7 samples; the last tiles are smaller.
+    /// A corner with a box of this finish, lit by a panel, with 7 samples; the last tiles are smaller.
     fn corner(finish: &str) -> Prepared {
         let text = format!(
             "[render]\nbounces = 2\n[display]\nsamples_per_pixel = 7\nback_faces = \"two_sided\"\n\
@@ -257,7 +257,7 @@ mod tests {
         Prepared::new(&scene, &Plan::new(&scene, &request).unwrap(), &Silent).unwrap()
     }
 
-    /// The film of `scene`, so many samples together.
+    /// The film of `scene`, rendered `at_once` samples at a time.
     fn film(scene: &Prepared, at_once: u32) -> Film {
         let layout = &scene.layout;
         let pipeline = Pipeline::new(scene, scene.sampler);
@@ -279,7 +279,7 @@ mod tests {
 
     #[test]
     fn samples_that_are_shaded_together_are_those_that_are_shaded_one_by_one() {
-        // Random numbers are the same, and sums of a pixel go in another order where its samples meet several surfaces.
+        // The random numbers are the same, but a pixel's sum has another order if its samples hit several surfaces.
         for finish in ["colour = [0.2, 0.6, 0.3]", "metallic = 1\nroughness = 0.3"] {
             let scene = corner(finish);
             let alone = film(&scene, 1);
@@ -295,7 +295,7 @@ mod tests {
                     }
                 }
                 for channel in [Aov::Distance, Aov::Object] {
-                    // Distances are no number where nothing is met.
+                    // Distances are NaN if nothing is hit.
                     let bits = |film: &Film| -> Vec<u64> {
                         film.aov(channel)
                             .unwrap()

@@ -15,7 +15,7 @@
 //! ```
 //!
 //! A look direction d′ is the null vector k = (−1, d′). With c∥ = n·d′, the smaller of the two numbers 1 ± c∥ is |d⊥|²/(1 + |c∥|), and d⊥
-//! is that of the small difference d′ ∓ n, so that nothing cancels:
+//! is computed from the small difference d′ ∓ n, so that nothing cancels:
 //!
 //! ```text
 //! W  = ½ (e^−φ (1 + c∥) + e^φ (1 − c∥)),   W d∥ = ½ (e^−φ (1 + c∥) − e^φ (1 − c∥)),   W d⊥ = d⊥.
@@ -28,7 +28,7 @@
 //!
 //! The boost of a frame at rest is the identity, bit for bit.
 //!
-//! Only quantities of the frame named second are accepted:
+//! Only quantities of the second frame are accepted:
 //!
 //! ```
 //! use nullray::spacetime::{Boost, CameraFrame, Direction, Displacement, Velocity, World};
@@ -111,7 +111,7 @@ impl<To: Frame, From: Frame> Boost<To, From> {
         }
     }
 
-    /// The boost back.
+    /// The inverse boost.
     pub fn inverse(self) -> Boost<From, To> {
         Boost {
             n: -self.n,
@@ -136,8 +136,7 @@ impl<To: Frame, From: Frame> Boost<To, From> {
 
     /// A displacement in the other frame's coordinates.
     ///
-    /// Each component is right to a few eps (1 + φ) times the sum of its terms' absolute values, at
-    /// most γ (|Δct| + |Δx|).
+    /// Each component is accurate to a few eps (1 + φ) times the sum of its terms' absolute values, at most γ (|Δct| + |Δx|).
     #[inline(always)]
     pub fn displacement(&self, d: Displacement<From>) -> Displacement<To> {
         if self.is_identity() {
@@ -167,7 +166,7 @@ impl<To: Frame, From: Frame> Boost<To, From> {
         )
     }
 
-    /// The same where both are false.
+    /// The same if both are false.
     #[inline(always)]
     pub(crate) fn displacement_of_fast(&self, d: Displacement<From>) -> Displacement<To> {
         let along = self.n.dot(d.x);
@@ -183,8 +182,8 @@ impl<To: Frame, From: Frame> Boost<To, From> {
         Displacement::new(plus + minus, across + self.n * (plus - minus))
     }
 
-    /// The look direction d of `To` for the look direction d′ of `From`, and the ratio ω_To/ω_From
-    /// of the frequencies that the two frames see in that light.
+    /// The look direction d in `To` for the look direction d′ in `From`, and the ratio ω_To/ω_From of the light's frequencies in the two
+    /// frames.
     ///
     /// For camera → world the ratio is W = γ(1 − β·d′) = λ′/λ of a world-static source.
     #[inline(always)]
@@ -195,7 +194,7 @@ impl<To: Frame, From: Frame> Boost<To, From> {
         self.direction_of_moving(d)
     }
 
-    /// The same with 1 over the ratio beside it.
+    /// The same, together with the reciprocal of the ratio.
     #[inline(always)]
     pub(crate) fn direction_and_inverse(&self, d: Direction<From>) -> (Direction<To>, [f64; 2]) {
         if self.is_identity() {
@@ -211,7 +210,7 @@ impl<To: Frame, From: Frame> Boost<To, From> {
         (d, ratio)
     }
 
-    /// The same with 1 over the ratio beside it.
+    /// The same, together with the reciprocal of the ratio.
     #[inline(always)]
     pub(crate) fn direction_and_inverse_of_moving(
         &self,
@@ -229,15 +228,15 @@ impl<To: Frame, From: Frame> Boost<To, From> {
         (Direction::from_unit(unit), [ratio, inverse])
     }
 
-    /// Of the null vector (−r, r d), of length `length` = r along `v` = r d, the parts r′ d′ and r′ in `To`: [`Boost::direction`] without a
-    /// division. Where [`Boost::is_slow`] is true, r′ is no small difference.
+    /// The parts r′ d′ and r′, in `To`, of the null vector (−r, r d) with `length` = r and `v` = r d: [`Boost::direction`] without a
+    /// division. If [`Boost::is_slow`] is true, r′ is not a small difference.
     #[inline(always)]
     pub(crate) fn null_of_slow(&self, v: DVec3, length: f64) -> (DVec3, f64) {
         let null = self.displacement_of_slow(Displacement::new(-length, v));
         (null.x, -null.ct)
     }
 
-    /// The same where it is false.
+    /// The same if it is false.
     #[inline(always)]
     pub(crate) fn null_of_fast(&self, v: DVec3, length: f64) -> (DVec3, f64) {
         let parts = Parts::of_length(v, length, self.n);
@@ -249,7 +248,7 @@ impl<To: Frame, From: Frame> Boost<To, From> {
 
     /// The tangent (−η, d) of a light path in `To`, with the same parameter.
     ///
-    /// In vacuum (η = 1) it is ω (−1, d) of [`Boost::direction`], with ω the ratio, to the same digits.
+    /// In vacuum (η = 1) it is ω (−1, d) with d and the ratio ω of [`Boost::direction`], to the same digits.
     #[inline(always)]
     pub fn tangent(&self, index: f64, d: Direction<From>) -> Displacement<To> {
         self.tangent_and_ratio(index, d).0
@@ -264,7 +263,7 @@ impl<To: Frame, From: Frame> Boost<To, From> {
         self.tangent_of_moving(index, d)
     }
 
-    /// [`Boost::tangent_and_ratio`] where [`Boost::is_identity`] is false.
+    /// [`Boost::tangent_and_ratio`] if [`Boost::is_identity`] is false.
     #[inline(always)]
     fn tangent_of_moving(&self, index: f64, d: Direction<From>) -> (Displacement<To>, f64) {
         let Boost { n, up, down, .. } = *self;
@@ -289,14 +288,14 @@ pub(crate) struct Tangents<'a> {
 }
 
 impl<To: Frame, From: Frame> Boost<To, From> {
-    /// Boosts light paths along the unit vectors `directions` in media of index `index`; all slices are of one
-    /// length. A plain loop, to be compiled for wide vectors.
+    /// Boosts light paths along the unit vectors `directions` in media with these indices; all slices must have the same length. A plain
+    /// loop, to be compiled for wide vectors.
     #[inline(always)]
     pub(crate) fn tangents(&self, index: &[f64], directions: &[DVec3], to: Tangents) {
         let count = directions.len();
         let (index, space) = (&index[..count], &mut to.space[..count]);
         let (time, ratio) = (&mut to.time[..count], &mut to.ratio[..count]);
-        // Test once: a branch at each direction would keep the loop from vectorizing.
+        // Test once: a branch for each direction would prevent vectorization.
         if self.is_identity() {
             space.copy_from_slice(directions);
             for i in 0..count {

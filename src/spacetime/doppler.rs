@@ -56,7 +56,7 @@ macro_rules! quantities {
         }
 
         impl QuantityKind {
-            /// Its word in files.
+            /// Its name in files.
             pub fn name(self) -> &'static str {
                 match self {
                     $(QuantityKind::$variant => $name,)*
@@ -151,7 +151,7 @@ impl Quantity {
             4 => factors::<4>(ratios),
             3 => factors::<3>(ratios),
             2 => factors::<2>(ratios),
-            // Not unrolled, and so slower.
+            // Not unrolled, and therefore slower.
             p => ratios.iter_mut().for_each(|w| *w = 1.0 / power(*w, p)),
         }
     }
@@ -160,20 +160,20 @@ impl Quantity {
     /// in the source's, `w` the ratio of wavelengths surface / source.
     #[inline]
     pub fn irradiance_factor(self, w: WavelengthRatio) -> f64 {
-        // dΩ′ = W² dΩ gives two of the powers back.
+        // dΩ′ = W² dΩ compensates two of the powers.
         1.0 / power(w.0, self.exponent() - 2)
     }
 
-    /// [`Quantity::irradiance_factor`] by the inverse of the wavelength ratio.
+    /// [`Quantity::irradiance_factor`], computed from the inverse of the wavelength ratio.
     #[inline(always)]
     pub(crate) fn irradiance_power(self, inverse: f64) -> f64 {
         power(inverse, self.exponent() - 2)
     }
 
-    /// [`Quantity::irradiance_power`] of each of `inverses`. A plain loop, to be compiled for wide vectors.
+    /// [`Quantity::irradiance_power`] for each of `inverses`. A plain loop, to be compiled for wide vectors.
     #[inline(always)]
     pub(crate) fn irradiance_powers<const N: usize>(self, inverses: &[f64; N], to: &mut [f64; N]) {
-        // Without the two powers that are of the solid angle.
+        // Without the two powers that belong to the solid angle.
         match self.exponent() - 2 {
             3 => powers::<3, N>(inverses, to),
             2 => powers::<2, N>(inverses, to),
@@ -189,7 +189,7 @@ impl Quantity {
     /// Energy (or photons) received per exposure for a flash of time integral 1 at the emitter.
     #[inline]
     pub fn exposure_factor(self, w: WavelengthRatio) -> f64 {
-        // dt′ = W dt gives one of the powers back.
+        // dt′ = W dt compensates one of the powers.
         1.0 / power(w.0, self.exponent() - 1)
     }
 }

@@ -100,26 +100,26 @@ impl<F: Frame> Displacement<F> {
         }
     }
 
-    /// The invariant interval s² = Δct² − |Δx|², square metres: positive where timelike.
+    /// The invariant interval s² = Δct² − |Δx|², square metres: positive if timelike.
     pub fn interval(self) -> f64 {
         // (Δct − |Δx|)(Δct + |Δx|) keeps the digits of a nearly null displacement.
         let r = self.x.length();
         (self.ct - r) * (self.ct + r)
     }
 
-    /// Whether it leads to the causal future, the light cone included.
+    /// Whether it leads to the causal future, which includes the light cone.
     pub(super) fn is_causal(self) -> bool {
         self.ct >= self.x.length()
     }
 }
 
 impl<F: Frame> Direction<F> {
-    /// The direction of `v`, or none where `v` is zero or not finite.
+    /// The direction of `v`; `None` if `v` is zero or not finite.
     pub fn new(v: DVec3) -> Option<Self> {
         unit_and_length(v).map(|(unit, _)| Self::from_unit(unit))
     }
 
-    /// A vector that is known to be of unit length.
+    /// The direction of a vector that is known to have unit length.
     pub(crate) const fn from_unit(unit: DVec3) -> Self {
         Direction {
             unit,
@@ -133,13 +133,13 @@ impl<F: Frame> Direction<F> {
     }
 }
 
-/// The unit vector along `v` and |v|, or none where `v` is zero or not finite.
+/// The unit vector along `v` and |v|; `None` if `v` is zero or not finite.
 pub(super) fn unit_and_length(v: DVec3) -> Option<(DVec3, f64)> {
     let (unit, length) = unit_and_length_or_nan(v);
     (!unit.x.is_nan()).then_some((unit, length))
 }
 
-/// The same without a branch, for loops over many: NaN where `v` is zero or not finite.
+/// The same without a branch, for loops: NaN if `v` is zero or not finite.
 #[inline(always)]
 pub(crate) fn unit_and_length_or_nan(v: DVec3) -> (DVec3, f64) {
     let (v, back) = with_squares(v);
@@ -147,14 +147,14 @@ pub(crate) fn unit_and_length_or_nan(v: DVec3) -> (DVec3, f64) {
     (v / length, length * back)
 }
 
-/// `v` times a power of two, so that its squares are within f64's range, and what takes its length back; NaN for ∞. 0/0 is NaN.
+/// `v` times a power of two for which its squares are within f64's range, and the factor that restores its length; NaN for ∞. 0/0 is NaN.
 #[inline(always)]
 fn with_squares(v: DVec3) -> (DVec3, f64) {
     /// 2⁶⁰⁰ and its inverse.
     const UP: f64 = f64::from_bits((1023 + 600) << 52);
     const DOWN: f64 = f64::from_bits((1023 - 600) << 52);
     let largest = v.abs().max_element();
-    // Squares of what lies between are normal numbers, and so is the sum of three.
+    // Squares of numbers in between are normal, and so is the sum of three.
     let (scale, back) = if largest < 1e-140 {
         (UP, DOWN)
     } else {
@@ -190,16 +190,16 @@ impl Parts {
         Parts::of_length(d, 1.0, n)
     }
 
-    /// The same of a vector `d` of this length, which is times all of them.
+    /// The same for a vector `d` of this length; all parts are multiplied by the length.
     #[inline(always)]
     pub fn of_length(d: DVec3, length: f64, n: DVec3) -> Self {
         let along = n.dot(d);
-        // d − n and d + n have the same d⊥ as d; the shorter of them has less else to take away.
+        // d − n and d + n have the same d⊥ as d; the shorter of them has the smaller component along n to subtract.
         let to_end = n * length;
         let near = if along > 0.0 { d - to_end } else { d + to_end };
         let across = near - n * n.dot(near);
         let large = length + along.abs();
-        // length² − along² = |d⊥|²: the small factor by the large one, without a difference.
+        // length² − along² = |d⊥|²: the small factor from the large one, without a difference.
         let small = across.length_squared() / large;
         let (one_plus, one_minus) = if along > 0.0 {
             (large, small)

@@ -9,7 +9,7 @@
 //! - A look direction points *out of* the camera, against the light's propagation. The past-directed
 //!   null vector of a ray is k = (−ω, ω d).
 //!
-//! Nothing here knows of images, meshes or files.
+//! Nothing here depends on images, meshes or files.
 
 #[doc = include_str!("guide.md")]
 pub mod guide {}

@@ -5,20 +5,19 @@
 //! says how it differs from the exact counterpart.
 //!
 //! Conventions: c = 1, times are ct in metres, accelerations in 1/m; β is signed, γ = 1/√(1 − β²); primes mark
-//! the camera frame. The angle θ is that between the motion and the *propagation* of the light. The paper
-//! calls it the angle of the view, but its Eqs. 2 and 5 hold for π minus that; with this reading its D is the
-//! wavelength ratio W = λ′/λ of this crate.
+//! the camera frame. The angle θ is that between the motion and the *propagation* of the light. The paper calls it the angle of the view,
+//! but its Eqs. 2 and 5 hold for π minus that; with this reading its D is the wavelength ratio W = λ′/λ of this crate.
 
 /// γ = 1/√(1 − β²).
 pub fn lorentz_factor(beta: f64) -> f64 {
-    // 1 − β² by its factors, of which 1 − |β| keeps its digits.
+    // 1 − β² as a product, whose factor 1 − |β| keeps its digits.
     1.0 / ((1.0 - beta) * (1.0 + beta)).sqrt()
 }
 
 /// Eq. 1: t′ = t + zη, when light emitted at `time` at depth z = `depth` is captured, in a medium of
 /// refractive index η = `index`; all metres.
 ///
-/// Exact with the distance to the pinhole in place of the depth along the axis.
+/// Exact if the distance to the pinhole replaces the depth along the axis.
 pub fn capture_time(time: f64, depth: f64, index: f64) -> f64 {
     time + depth * index
 }
@@ -46,10 +45,9 @@ pub fn emitted_wavelength(observed: f64, doppler_factor: f64) -> f64 {
 
 /// D⁻⁵: observed radiance for an emitted one of 1.
 ///
-/// Exact for radiance per wavelength in any direction of motion, though the paper restricts it to motion along
-/// the sensor's normal. It uses the same for a spectral line, and for radiance over the spectrum, whose
-/// exponent is −4; energies per exposure of camera time have one power less, see
-/// [`Quantity`](super::Quantity).
+/// Exact for radiance per wavelength in any direction of motion, though the paper restricts it to motion along the sensor's normal. The
+/// paper uses the same for a spectral line, and for radiance over the spectrum, for both of which the exponent is −4; energies per exposure
+/// of camera time have one power less, see [`Quantity`](super::Quantity).
 pub fn radiance_factor(doppler_factor: f64) -> f64 {
     let square = doppler_factor * doppler_factor;
     1.0 / (square * square * doppler_factor)
@@ -109,7 +107,7 @@ pub fn speed_after(g: f64, elapsed: f64) -> f64 {
 
 /// Eq. 14: x − x₀ = (√(1 + g²t²) − 1)/g, the distance covered in world time t = `elapsed` from rest.
 ///
-/// Exact. Evaluated as g t²/(√(1 + g²t²) + 1), which has no difference and takes g = 0.
+/// Exact. Evaluated as g t²/(√(1 + g²t²) + 1), which has no difference and allows g = 0.
 pub fn position_after(g: f64, elapsed: f64) -> f64 {
     let u = g * elapsed;
     u * elapsed / (libm::sqrt(1.0 + u * u) + 1.0)
@@ -129,8 +127,8 @@ pub fn world_time(g: f64, proper_time: f64) -> f64 {
 /// Eq. 16: d′ = (1/g)(1 − √((1 − v² + (gd)²v²)/(1 − v²))) + γd, the distance from sensor to pinhole in the
 /// sensor's frame at speed v = `beta`, both with proper acceleration g from rest at distance d (Bell's ships).
 ///
-/// Differs from special relativity by a sign: it is that of a sensor that *leads* its pinhole. Exact for a pinhole ahead of the sensor:
-/// γd + (√(1 + (gdγβ)²) − 1)/g, which this function gives for −g.
+/// Differs from special relativity by a sign: the equation is for a sensor that *leads* its pinhole. Exact for a pinhole ahead of the
+/// sensor: γd + (√(1 + (gdγβ)²) − 1)/g, which this function gives for −g.
 pub fn comoving_separation(g: f64, separation: f64, beta: f64) -> f64 {
     let gamma = lorentz_factor(beta);
     // (1 − v² + (gd)²v²)/(1 − v²) = 1 + (gdγv)², and the difference is that of position_after.
@@ -139,20 +137,20 @@ pub fn comoving_separation(g: f64, separation: f64, beta: f64) -> f64 {
 
 /// Eq. 17: β = (βᵢ + βⱼ)/(1 + βᵢβⱼ), the speeds of camera and object composed.
 ///
-/// Differs from special relativity as the velocity of one relative to the other, for which it is used: exact is (βⱼ − βᵢ)/(1 − βᵢβⱼ),
+/// Differs from special relativity: the paper uses it as the velocity of one relative to the other, for which (βⱼ − βᵢ)/(1 − βᵢβⱼ) is exact
 /// along one line, and [`Velocity::relative_to`](super::Velocity::relative_to) in general.
 pub fn composed_speed(first: f64, second: f64) -> f64 {
     (first + second) / (1.0 + first * second)
 }
 
-/// 1 + β cos θ, by the half angle whose square is added.
+/// 1 + β cos θ, from the half angle whose square is added.
 fn one_plus(beta: f64, angle: f64) -> f64 {
     let half = if beta > 0.0 {
         libm::cos(0.5 * angle)
     } else {
         libm::sin(0.5 * angle)
     };
-    // cos θ = 2 cos²(θ/2) − 1 = 1 − 2 sin²(θ/2), whichever leaves no difference.
+    // cos θ = 2 cos²(θ/2) − 1 = 1 − 2 sin²(θ/2), whichever avoids a difference.
     (1.0 - beta.abs()) + 2.0 * beta.abs() * half * half
 }
 

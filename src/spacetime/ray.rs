@@ -1,9 +1,9 @@
 //! Light paths into the past.
 //!
-//! A ray leaves the observer's event P against the light: x(s) = P + s (−η, d), with s the world distance in metres. In vacuum (η = 1)
-//! that is a null ray. In a medium of refractive index η that rests in the world it is the path of light at speed c/η: η lengthens the
-//! delay, and nothing else (directions at the camera are those of vacuum, as in Jarabo et al. 2015). η = 0 is light without delay:
-//! everything is hit where it is "now" in the world.
+//! A ray leaves the observer's event P against the light: x(s) = P + s (−η, d), with s the world distance in metres. In vacuum (η = 1) it
+//! is a null ray. In a medium of refractive index η at rest in the world it is the path of light at speed c/η: η only lengthens the delay
+//! (directions at the camera are those of vacuum, as in Jarabo et al. 2015). η = 0 is light without delay: everything is hit where it is
+//! "now" in the world.
 //!
 //! In another frame the same path is P′ + s V′ with V′ = Λ(−η, d), *not* normalised: s stays the
 //! world distance, so hits in different rest frames compare directly.

@@ -1,13 +1,12 @@
 //! Quantities with units, as used in scene files and on the command line.
 //!
-//! Inside, all times are ct in metres and all angles radians, as plain `f64`. Outside, every quantity
-//! is a text with its unit: `"2 ps"`, `"0.6 m"`, `"60 deg"`. A number without a unit is refused.
+//! Inside, all times are ct in metres and all angles radians, as plain `f64`. Outside, every quantity is text with its unit: `"2 ps"`,
+//! `"0.6 m"`, `"60 deg"`. A number without a unit is refused.
 //!
-//! A time may be given in seconds or, as optical path length, in metres: Δ(ct) = c Δt with the speed
-//! of light *of the scene*, so that converting waits until that is known ([`Time::metres`]).
+//! A time may be given in seconds or, as optical path length, in metres: Δ(ct) = c Δt with the speed of light *of the scene*. Conversion
+//! therefore waits until that is known ([`Time::metres`]).
 //!
-//! Decimal units are applied as one correctly rounded multiplication or division: "12 cm" is the f64
-//! nearest to 0.12.
+//! Decimal units are applied as one correctly rounded multiplication or division: "12 cm" is the f64 nearest to 0.12.
 
 use std::f64::consts::PI;
 use std::fmt;
@@ -26,7 +25,7 @@ pub struct Measure<D> {
     dimension: PhantomData<D>,
 }
 
-/// Why a text is not a measure, and what would be right.
+/// Why a text is not a valid measure, and what would be right.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct UnitError(String);
@@ -43,15 +42,15 @@ impl<D: Dimension> Measure<D> {
         }
     }
 
-    /// `factor` times this, to four digits, in the same unit: a bound to name in a message.
+    /// This measure times `factor`, to four digits, in the same unit: a bound to name in a message.
     pub(crate) fn scaled(self, factor: f64) -> Self {
         let product = self.number * factor;
-        // Through its text, so that it prints with no more digits than that.
+        // Via its text, so that it prints without further digits.
         let number = format!("{product:.3e}").parse().unwrap_or(product);
         Measure { number, ..self }
     }
 
-    /// In base units, seconds turned into metres with the speed of light `c` in metres per second.
+    /// The value in base units, with seconds converted to metres by the speed of light `c` in metres per second.
     fn with_light(self, c: f64) -> f64 {
         let base = self.base();
         match self.unit.light {
@@ -62,9 +61,9 @@ impl<D: Dimension> Measure<D> {
         }
     }
 
-    /// In base units: metres, radians, m/s, per cent; where the unit has seconds, with seconds.
+    /// The value in base units: metres, radians, m/s, per cent; seconds in the unit stay seconds.
     fn base(self) -> f64 {
-        // One rounding where one will do: "12 cm" is the f64 nearest to 0.12.
+        // One rounding if one is enough: "12 cm" is the f64 nearest to 0.12.
         if self.unit.times == 1.0 {
             self.number / self.unit.over
         } else {
@@ -90,7 +89,7 @@ impl<D: Dimension> Measure<D> {
             .flat_map(|unit| std::iter::once(unit.symbol).chain(unit.spellings.iter().copied()))
     }
 
-    /// What is wrong with `number` alone, and what would be right.
+    /// The error for `number` without a unit, and what would be right.
     pub(crate) fn without_unit(number: impl fmt::Display) -> UnitError {
         let (name, symbol, units) = (D::NAME, D::UNITS[0].symbol, Self::units());
         UnitError(format!(
@@ -107,14 +106,14 @@ impl Time {
 }
 
 impl Acceleration {
-    /// a/c² in 1/m, with the speed of light `c` in metres per second.
+    /// a/c² in 1/m, for the speed of light `c` in metres per second.
     pub fn per_metre(self, c: f64) -> f64 {
         self.with_light(c)
     }
 }
 
 impl AngularRate {
-    /// Ω/c in radians per metre, with the speed of light `c` in metres per second.
+    /// Ω/c in radians per metre, for the speed of light `c` in metres per second.
     pub fn radians_per_metre(self, c: f64) -> f64 {
         self.with_light(c)
     }
@@ -227,7 +226,7 @@ fn find_unit<D: Dimension>(symbol: &str) -> Result<&'static Unit, UnitError> {
     })
 }
 
-/// A text in quotes, control characters escaped, shortened for a message.
+/// A text in quotes, with control characters escaped, shortened for a message.
 pub(crate) fn quoted(text: &str) -> String {
     let short: String = text.chars().take(60).collect();
     let dots = if short.len() < text.len() { "…" } else { "" };
@@ -249,7 +248,7 @@ fn split_number(text: &str) -> (&str, &str) {
     if is(end, b"eE") {
         let exponent = end + 1 + usize::from(is(end + 1, b"+-"));
         let last = digits(exponent);
-        // An e without digits after it is no exponent, but begins the unit.
+        // An e without digits after it is not an exponent, but the start of the unit.
         end = if last > exponent { last } else { end };
     }
     let (number, rest) = text.split_at(end);
@@ -284,7 +283,7 @@ const fn seconds(symbol: &'static str, over: f64) -> Unit {
     }
 }
 
-/// A unit whose base is 1/s, and becomes 1/m by 1/c.
+/// A unit with base 1/s, which 1/c converts to 1/m.
 const fn per_second(symbol: &'static str, times: f64, over: f64) -> Unit {
     Unit {
         light: -1,
@@ -392,7 +391,7 @@ const ANGULAR_RATES: [Unit; 6] = [
     },
 ];
 
-/// What a measure measures, and the units that it may have.
+/// The kind of quantity of a measure, and its units.
 pub trait Dimension: Copy + fmt::Debug + PartialEq + 'static {
     /// With its article, for messages: "a time".
     const NAME: &'static str;

@@ -1,19 +1,18 @@
 //! Velocities below that of light, held as rapidity vectors.
 //!
-//! w = artanh(β) β̂. Rapidity stays exact where β rounds to 1: at γ = 10⁸, 1 − β is 5·10⁻¹⁷, below
-//! the spacing of f64 at 1. Conversions avoid the subtraction that would lose it:
-//! γ − 1 = 2 sinh²(|w|/2), both ways; from 1 − β = q, |w| = ½ (ln(2 − q) − ln q), or artanh(1 − q)
-//! where q is near 1.
+//! w = artanh(β) β̂. Rapidity stays exact even if β rounds to 1: at γ = 10⁸, 1 − β is 5·10⁻¹⁷, below the spacing of f64 at 1. Conversions
+//! avoid the subtraction that would lose it: γ − 1 = 2 sinh²(|w|/2), both ways; from 1 − β = q, |w| = ½ (ln(2 − q) − ln q), or artanh(1 −
+//! q) if q is near 1.
 
 use glam::DVec3;
 
 use super::event::{Parts, unit_and_length};
 
-/// The largest rapidity accepted; γ = 1.2·10¹⁷. Beyond it a metre of one frame is less than the
-/// rounding of a metre in the other, and no digit of a boosted event is left.
+/// The largest rapidity accepted; γ = 1.2·10¹⁷. Beyond it a metre in one frame is less than the rounding error of a metre in the other, and
+/// a boosted event has no digits left.
 pub const MAX_RAPIDITY: f64 = 40.0;
 
-/// A velocity slower than light: that of a frame, relative to the world.
+/// A velocity slower than light, of a frame relative to the world.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Velocity {
     rapidity: DVec3,
@@ -70,7 +69,7 @@ impl Velocity {
         Ok(Velocity { rapidity })
     }
 
-    /// From β = v/c, |β| < 1. Near 1 few digits of 1 − β are left in β: prefer γ or 1 − β there.
+    /// From β = v/c, |β| < 1. Near 1, β retains few digits of 1 − β: use γ or 1 − β there.
     ///
     /// # Errors
     /// A vector that is not finite, or not shorter than 1.
@@ -88,7 +87,7 @@ impl Velocity {
     /// From γ ≥ 1 and a direction (any length but 0).
     ///
     /// # Errors
-    /// Numbers that are not finite, γ < 1, a rapidity above [`MAX_RAPIDITY`], no direction but for γ = 1.
+    /// Numbers that are not finite, γ < 1, a rapidity above [`MAX_RAPIDITY`], or a zero direction unless γ = 1.
     pub fn from_gamma(gamma: f64, direction: DVec3) -> Result<Self, VelocityError> {
         if !gamma.is_finite() {
             return Err(VelocityError::NotFinite);
@@ -103,7 +102,7 @@ impl Velocity {
     /// From 1 − β in (0, 1] and a direction (any length but 0).
     ///
     /// # Errors
-    /// 1 − β out of its range, a rapidity above [`MAX_RAPIDITY`], a direction that is not finite or, but for 1 − β = 1, none.
+    /// 1 − β out of range, a rapidity above [`MAX_RAPIDITY`], a direction that is not finite, or a zero direction unless 1 − β = 1.
     pub fn from_one_minus_beta(q: f64, direction: DVec3) -> Result<Self, VelocityError> {
         if !(q > 0.0 && q <= 1.0) {
             return Err(VelocityError::OneMinusBeta(q));
@@ -117,10 +116,10 @@ impl Velocity {
         Self::from_rapidity_along(magnitude, direction)
     }
 
-    /// From the rapidity artanh β and a direction (any length but 0), against which the motion is where the rapidity is negative.
+    /// From the rapidity artanh β and a direction (any length but 0); a negative rapidity is motion against the direction.
     ///
     /// # Errors
-    /// Numbers that are not finite, a rapidity beyond ±[`MAX_RAPIDITY`], no direction but for a rapidity of 0.
+    /// Numbers that are not finite, a rapidity beyond ±[`MAX_RAPIDITY`], or a zero direction unless the rapidity is 0.
     pub fn from_rapidity_along(rapidity: f64, direction: DVec3) -> Result<Self, VelocityError> {
         if !direction.is_finite() || !rapidity.is_finite() {
             return Err(VelocityError::NotFinite);
@@ -139,8 +138,7 @@ impl Velocity {
 
     /// This velocity as seen from a frame that moves with `observer`, both relative to the world.
     ///
-    /// Components refer to the axes of that frame, which are the world's, boosted without rotation.
-    /// Collinear rapidities subtract.
+    /// Components refer to the axes of that frame, which are the world's, boosted without rotation. Collinear rapidities subtract.
     ///
     /// # Errors
     /// A relative rapidity above [`MAX_RAPIDITY`].
@@ -148,7 +146,7 @@ impl Velocity {
         if observer.is_rest() {
             return Ok(self);
         }
-        // γ′β′ = Λ⁻¹ (γ, γβ), its part along the observer's motion from sinh of φ ∓ ψ.
+        // γ′β′ = Λ⁻¹ (γ, γβ); its component along the observer's motion is computed from sinh(φ ∓ ψ).
         let (n, phi) = self.split();
         let (m, psi) = observer.split();
         let parts = Parts::of(n, m);
@@ -187,7 +185,7 @@ impl Velocity {
         2.0 * s * s
     }
 
-    /// Whether this is the world's own rest.
+    /// Whether this is rest in the world.
     pub fn is_rest(self) -> bool {
         self.rapidity == DVec3::ZERO
     }
@@ -311,7 +309,7 @@ mod tests {
 
     #[test]
     fn collinear_rapidities_subtract_and_a_frame_is_at_rest_in_itself() {
-        // An axis: at γ = 10⁸, rounding any other direction differently is a relative motion.
+        // Along an axis: at γ = 10⁸, different rounding in any other direction would be a relative motion.
         let n = DVec3::NEG_Z;
         for (a, b) in [(20.0, 19.5), (3.0, -4.0), (1e-9, 2e-9), (0.0, 17.0)] {
             let v = Velocity::from_rapidity_along(a, n).unwrap();

@@ -1,4 +1,4 @@
-//! What a film has to hold, and the tiles that it is made of.
+//! What a film stores, and the tiles that it consists of.
 
 use serde::Serialize;
 
@@ -38,7 +38,7 @@ impl Tile {
         (self.corner[1] / TILE) as u64 * across + (self.corner[0] / TILE) as u64
     }
 
-    /// The index of the tile of an image of `size` pixels that holds this pixel.
+    /// The index of the tile that contains this pixel, in an image of `size` pixels.
     pub(crate) fn holding(size: [u32; 2], [column, row]: [u32; 2]) -> u64 {
         let corner = [column / TILE * TILE, row / TILE * TILE];
         let tile = Tile {
@@ -48,12 +48,12 @@ impl Tile {
         tile.index(size)
     }
 
-    /// How many tiles cover an image of `size` pixels.
+    /// The number of tiles that cover an image of `size` pixels.
     pub fn count(size: [u32; 2]) -> u64 {
         size[0].div_ceil(TILE) as u64 * size[1].div_ceil(TILE) as u64
     }
 
-    /// How many pixels.
+    /// The number of pixels.
     pub fn pixels(self) -> usize {
         (self.size[0] * self.size[1]) as usize
     }
@@ -69,16 +69,16 @@ impl Tile {
     }
 }
 
-/// What the film has to hold.
+/// What a film stores.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Layout {
     /// Columns and rows.
     pub size: [u32; 2],
     /// Samples per pixel.
     pub samples: u32,
-    /// Whether the one sample of each pixel is at its centre.
+    /// Whether there is only one sample per pixel, at its centre.
     pub pixel_centers: bool,
-    /// What visibility is worth.
+    /// The precision of visibility.
     pub precision: Precision,
     /// Auxiliary channels.
     pub channels: Vec<Aov>,
@@ -89,22 +89,22 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Bytes of a film of this layout.
+    /// The bytes of a film with this layout.
     pub fn bytes(&self) -> u64 {
-        // The radiance, three numbers of 8 bytes, and one of each channel.
+        // The radiance, three numbers of 8 bytes, and one number per channel.
         let pixel = 24 + 8 * self.channels.len();
         self.size[0] as u64 * self.size[1] as u64 * pixel as u64
     }
 
-    /// Bytes of the sums of all tiles, where they are kept from pass to pass.
+    /// The bytes of the sums of all tiles, if they are kept between passes.
     pub(crate) fn bytes_of_passes(&self) -> u64 {
-        // Radiance, its halves and their spread; what is missing and its parts; hits, what sees nothing, and the nearest.
+        // Radiance, its halves and their spread; missing radiance and its fractions; hits, blind samples, and the nearest distance.
         let pixel = 24 + 48 + 40 + 40 + 16 + 8 * self.channels.len();
         self.size[0] as u64 * self.size[1] as u64 * pixel as u64
     }
 
-    /// Samples of each of the independent parts of a pixel: all of them, unless the standard error is asked for, which takes 8 parts, or as
-    /// many more as divide the samples, or one for each sample.
+    /// The number of samples in each of the independent parts of a pixel: all of them, unless the standard error is needed. That takes 8
+    /// parts, or the next higher number that divides the samples, or one per sample.
     pub fn samples_per_part(&self) -> u32 {
         const PARTS: u32 = 8;
         if !self.channels.contains(&Aov::StandardError) {

@@ -1,7 +1,7 @@
 //! The film: sums of samples per pixel, box filter, in f64 and in a fixed order.
 //!
-//! A tile is rendered by one thread, each of its pixels sample by sample; tiles do not overlap. So the
-//! film's bits do not depend on the number of threads.
+//! A tile is rendered by one thread, each of its pixels sample by sample, and tiles do not overlap. So the film's bits do not depend on the
+//! number of threads.
 
 mod layout;
 mod tile;
@@ -19,34 +19,34 @@ use crate::render::aov::Aov;
 pub struct Film {
     layout: Layout,
     radiance: Vec<[f64; 3]>,
-    /// Sum over pixels of the part of their samples that met nothing, times the samples of the layout.
+    /// Sum over pixels of the fraction of their samples that hit nothing, times the samples of the layout.
     unmet: f64,
-    /// Passes of that many samples, and the relative error that they were to reach.
+    /// The number of passes of `layout.samples` samples, and the relative error requested.
     passes: u32,
     error: Option<f64>,
-    /// Independent parts of the samples of the tile that has the fewest.
+    /// The number of independent parts in the tile that has the fewest.
     parts: Option<u32>,
-    /// Per tile, the same sum of its coverage: added up in the order of tiles, whoever rendered them.
+    /// Coverage by tile: summed in the order of tiles, whichever threads rendered them.
     coverage: Vec<TileCoverage>,
     aovs: Vec<Vec<f64>>,
 }
 
-/// What is known of the radiance of a tile, as sums over samples.
+/// How much of a tile's radiance is known, as sums over samples.
 #[derive(Debug, Clone, Copy, Default)]
 struct TileCoverage {
-    /// Of those that hit surfaces with data.
+    /// Sum over samples that hit surfaces with data.
     sum: Coverage,
-    /// How many these are, and how many the sensor hides.
+    /// The number of these samples, and the number that the sensor blocks.
     from_data: f64,
     hidden: f64,
 }
 
-/// A film on which tiles are placed, in any order.
+/// A film on which tiles are placed in any order.
 #[derive(Debug)]
 pub(crate) struct FilmBuilder(Film);
 
 impl FilmBuilder {
-    /// A film that nothing has been placed on: it is black.
+    /// An empty film, which is black.
     pub fn new(layout: Layout) -> Self {
         let n = layout.size[0] as usize * layout.size[1] as usize;
         let tiles = if layout.has_gaps {
@@ -71,7 +71,7 @@ impl FilmBuilder {
         self.0.place(tile);
     }
 
-    /// The film; what no tile was placed on is black.
+    /// The film; black outside the tiles placed.
     pub fn finish(self) -> Film {
         self.0
     }
@@ -83,7 +83,7 @@ impl Film {
         let samples = tile.taken(&self.layout);
         let parts = tile.parts().map(|parts| parts.taken);
         self.parts = self.parts.into_iter().chain(parts).min();
-        // 1 where there is one pass.
+        // 1 if there is one pass.
         let share = f64::from(self.layout.samples) / f64::from(samples);
         self.unmet += tile.unmet as f64 * share;
         let index = tile.tile.index(self.layout.size) as usize;
@@ -123,30 +123,31 @@ impl Film {
         }
     }
 
-    /// Samples per pixel of each pass.
+    /// The number of samples per pixel in each pass.
     pub fn samples(&self) -> u32 {
         self.layout.samples
     }
 
-    /// The most passes that any pixel has had.
+    /// The maximum number of passes of any pixel.
     pub fn passes(&self) -> u32 {
         self.passes
     }
 
-    /// The relative error that tiles were to reach, where they were.
+    /// The relative error that tiles were to reach, if requested.
     pub(crate) fn error_asked_for(&self) -> Option<f64> {
         self.error
     }
 
-    /// The degrees of freedom of standard errors, where they were asked for and there are any: an error over its standard error is distributed as Student's t
-    /// of as many, as far as noise is normal. Of tiles that took passes until they had an error, those of the one with the fewest.
+    /// The degrees of freedom of standard errors, if these were requested and can be computed: if noise is normal, an error over its standard error is
+    /// distributed as Student's t with this number of degrees of freedom. If tiles took passes until they reached an error, this is the number for the tile
+    /// with the fewest.
     pub fn degrees_of_freedom(&self) -> Option<f64> {
         let parts = self.parts.filter(|parts| *parts > 1)?;
         self.aov(Aov::StandardError)?;
         Some(tile::degrees_of_freedom(parts))
     }
 
-    /// The same film, of so many passes that were to reach this error.
+    /// The same film, after this number of passes that were to reach this error.
     pub(super) fn with_passes(self, passes: u32, error: Option<f64>) -> Self {
         Film {
             passes,
@@ -155,7 +156,7 @@ impl Film {
         }
     }
 
-    /// Whether the one sample of each pixel is at its centre.
+    /// Whether there is only one sample per pixel, at its centre.
     pub(crate) fn is_centred(&self) -> bool {
         self.layout.pixel_centers
     }
@@ -181,41 +182,41 @@ impl Film {
         ([height, width, 3], self.radiance().as_flattened())
     }
 
-    /// An auxiliary channel as an array of shape (height, width), where it was asked for.
+    /// An auxiliary channel as an array of shape (height, width), if it was requested.
     pub fn aov_array(&self, aov: Aov) -> Option<([usize; 2], &[f64])> {
         let [width, height] = self.size().map(|n| n as usize);
         Some(([height, width], self.aov(aov)?))
     }
 
-    /// The values of an auxiliary channel, where it was asked for.
+    /// The values of an auxiliary channel, if it was requested.
     pub fn aov(&self, aov: Aov) -> Option<&[f64]> {
         let channel = self.layout.channels.iter().position(|c| *c == aov)?;
         Some(&self.aovs[channel])
     }
 
-    /// The part of all samples that hit a surface, 0 to 1.
+    /// The fraction of samples that hit a surface, 0 to 1.
     pub fn met(&self) -> f64 {
         1.0 - self.unmet / self.samples_of_all()
     }
 
-    /// Mean coverage over the samples that hit surfaces with data, those that cubes light; or none where none does. Background and
+    /// Mean coverage over the samples that hit surfaces with data, that is, surfaces lit by cubes; `None` if no sample does. Background and
     /// surfaces that need no data do not count.
     pub fn mean_coverage(&self) -> Option<Coverage> {
         let TileCoverage { sum, from_data, .. } = self.coverage();
         (from_data > 0.0).then(|| sum * (1.0 / from_data))
     }
 
-    /// The part of all samples that hit surfaces with data, 0 to 1.
+    /// The fraction of samples that hit surfaces with data, 0 to 1.
     pub fn from_data(&self) -> f64 {
         self.coverage().from_data / self.samples_of_all()
     }
 
-    /// The part of all samples that the sensor hides from its own pinhole, 0 to 1.
+    /// The fraction of samples that the sensor blocks from its own pinhole, 0 to 1.
     pub fn hidden(&self) -> f64 {
         self.coverage().hidden / self.samples_of_all()
     }
 
-    /// The sums of all tiles, in their order.
+    /// The sums over all tiles, in tile order.
     fn coverage(&self) -> TileCoverage {
         let mut all = TileCoverage::default();
         for tile in &self.coverage {
@@ -230,7 +231,7 @@ impl Film {
         self.radiance.len() as f64 * self.layout.samples as f64
     }
 
-    /// The film as named channels: radiance and those of `channels` that were asked for.
+    /// The film as named channels: radiance and those of `channels` that were requested.
     pub fn channels(&self, channels: &[Aov]) -> Vec<Channel> {
         let rgb = (0..3).map(|c| {
             let values = self.radiance.iter().map(|rgb| rgb[c]).collect();

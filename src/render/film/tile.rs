@@ -2,45 +2,48 @@
 //!
 //! # The standard error
 //!
-//! Samples of a pixel are strata that are spread evenly, so that their variance tells nothing of the error of their mean. It is told by R
-//! parts of the samples that are independent of each other ([`sampler`](crate::render::sampler)): with the means m₁ … m_R and their mean m,
+//! The samples of a pixel are evenly spread strata, so their variance says nothing about the error of their mean. The error is estimated
+//! from R parts of the samples that are independent of each other ([`sampler`](crate::render::sampler)): with the means m₁ … m_R and their
+//! mean m,
 //!
 //! ```text
 //! standard error² = Σ (m_k − m)²/(R (R − 1)),                                                     (1)
 //! ```
 //!
-//! whose expectation is the variance of m, whatever the distribution. Where the means are normal, the error over the standard error is
-//! distributed as Student's t with R − 1 degrees of freedom: of R = 8, 65 % are below 1 and 91 % below 2, where 68 % and 95 % of normal errors are.
-//! Light that few samples find is worse: parts that have all missed it differ little, and say a small error where their mean is too low.
+//! whose expectation is the variance of m, whatever the distribution. If the means are normal, the error over the standard error is distributed as
+//! Student's t with R − 1 degrees of freedom: for R = 8, 65 % are below 1 and 91 % below 2, while 68 % and 95 % of normal errors are. Light that
+//! few samples find is worse: parts that have all missed it differ little, and suggest a small error although their mean is too low.
 //!
-//! Neighbours know more of it. With s² the variance of a pixel's parts and n the mean of those of the 5 × 5 pixels around it, what is told is
+//! Neighbours improve the estimate. With s² the variance of a pixel's parts and n the mean of those of the 5 × 5 pixels around it, the
+//! reported error is
 //!
 //! ```text
 //! standard error² = ((R − 1) s² + D n)/((R − 1 + D) R),    D = 4:                                 (2)
 //! ```
 //!
-//! the mean of a variance of which its own parts have R − 1 degrees of freedom and what is known before, that it is near n, is worth D more (Smyth, "Linear models and empirical Bayes
-//! methods", Stat. Appl. Genet. Mol. Biol. 3(1), 2004). In place of pixels beyond the edge of the tile the pixel counts itself, so that all weights are symmetric: the mean square over
-//! a tile is exactly that of (1). It is 0 where the samples of each of the 25 pixels are equal, and as R grows (2) becomes (1). Where 25 variances are alike, and independent, (2) has
+//! the mean of a variance for which the pixel's own parts have R − 1 degrees of freedom and the prior knowledge that it is near n is worth D more (Smyth, "Linear models and empirical
+//! Bayes methods", Stat. Appl. Genet. Mol. Biol. 3(1), 2004). The pixel itself takes the place of pixels beyond the edge of the tile, so that all weights are symmetric: the mean
+//! square over a tile is exactly that of (1). It is 0 if the samples of each of the 25 pixels are equal, and as R grows (2) approaches (1). If 25 variances are alike, and independent,
+//! (2) has
 //!
 //! ```text
 //! (R − 1)/(a² + 2 a b/25 + b²/25) degrees of freedom,    a = (R − 1)/(R − 1 + D), b = 1 − a,      (3)
 //! ```
 //!
-//! 16 of R = 8, with which 67 % are below 1 and 94 % below 2. The price: pixels with little noise of their own beside an edge, or in the rim of a shadow, are told a part of that of
-//! their neighbours. Decisions on passes, below, take (1) as it is.
+//! 16 for R = 8, with which 67 % are below 1 and 94 % below 2. The price: pixels with little noise of their own next to an edge, or at the rim of a shadow, report a part of their
+//! neighbours' error. Decisions on passes, below, use (1) itself.
 //!
 //! # How many passes a tile takes
 //!
-//! A number of samples that depends on their own values gives a mean with a bias. So the parts are two halves, those of even and of odd
-//! number, and *each decides how many of the other count*: with K_A a function of the values of B alone, and independent of those of A,
+//! If a number of samples depends on the samples' values, their mean is biased. So the parts form two halves, the even and the odd ones,
+//! and *each half decides how many parts of the other count*: with K_A a function only of the values of B, and independent of those of A,
 //! the mean of the first K_A parts of A has no bias, nor has that of the first K_B parts of B. The pixel is the mean of both, and
 //!
 //! ```text
 //! standard error² = s²/4 (1/K_A + 1/K_B),   s² the variance of all parts that were taken,               (4)
 //! ```
 //!
-//! with the neighbours' as in (2). Parts that were taken while the other half had not decided are counted in s² alone.
+//! with the neighbours' as in (2). Parts that were taken after their own half was settled, while the other was not, count only in s².
 
 use std::ops::Range;
 
@@ -56,23 +59,23 @@ pub struct TileFilm {
     pub(super) radiance: Vec<[f64; 3]>,
     /// Samples that hit nothing.
     pub(super) unmet: u64,
-    /// Of the samples of the tile that hit surfaces with data.
+    /// Sums over the samples of the tile that hit surfaces with data.
     pub(super) coverage: Coverage,
-    /// How many these are.
+    /// The number of these samples.
     pub(super) from_data: f64,
-    /// How many samples the sensor itself hides.
+    /// The number of samples that the sensor itself blocks.
     pub(super) hidden: f64,
-    /// Whether it can.
+    /// Whether the sensor can do that.
     covers_itself: bool,
-    /// Σ of the known parts, for the channel.
+    /// Σ of the known fractions, for the channel.
     held: Vec<f64>,
-    /// Σ of the missing parts by reason, for the channels.
+    /// Σ of the missing fractions by reason, for the channels.
     missing: Vec<Missing>,
-    /// The parts that are done, where there are several.
+    /// The completed parts, if the samples have several.
     pub(super) parts: Option<Parts>,
     /// Samples that hit a surface.
     hits: Vec<u32>,
-    /// Samples at which the film sees nothing.
+    /// Samples for which the film sees nothing.
     blind: Vec<u32>,
     /// Squared distance from the pixel's centre of the nearest sample so far.
     nearest: Vec<f64>,
@@ -82,27 +85,27 @@ pub struct TileFilm {
 /// Independent parts of the samples of a tile: the even ones and the odd ones.
 #[derive(Debug)]
 pub(in crate::render) struct Parts {
-    /// Samples of each.
+    /// Samples of each part.
     samples: u32,
-    /// How many are done.
+    /// The number of completed parts.
     pub(in crate::render) taken: u32,
-    /// By half, how many of it count in the radiance.
+    /// By half, the number of parts that count in the radiance.
     pub(in crate::render) counted: [u32; 2],
-    /// By half, whether that is settled.
+    /// By half, whether that number is settled.
     pub(in crate::render) settled: [bool; 2],
-    /// By half and pixel, Σ of the means of those that count.
+    /// By half and pixel, Σ of the means of the parts that count.
     pub(in crate::render) halves: [Vec<[f64; 3]>; 2],
     /// With m the mean of R, G, B of a part: m₀ of the first, and by half Σ (m − m₀) and Σ (m − m₀)². Equal parts give exactly 0.
     pub(in crate::render) spread: Vec<[f64; 5]>,
 }
 
-/// D of (2): it brings the errors of eight parts nearest to 68.3 % below 1 and 95.4 % below 2 in eight small scenes.
+/// D in (2): this value brings the errors of eight parts nearest to 68.3 % below 1 and 95.4 % below 2 in eight small scenes.
 const PRIOR: f64 = 4.0;
-/// How far the pixels are from which n is, in columns and rows, and how many they are.
+/// How many columns and rows the pixels that n averages extend in each direction, and their number.
 const REACH: usize = 2;
 const AROUND: f64 = ((2 * REACH + 1) * (2 * REACH + 1)) as f64;
 
-/// The degrees of freedom of standard errors from so many parts: (3).
+/// The degrees of freedom of standard errors from this number of parts: (3).
 pub(super) fn degrees_of_freedom(parts: u32) -> f64 {
     let own = f64::from(parts.saturating_sub(1));
     let a = own / (own + PRIOR);
@@ -110,7 +113,7 @@ pub(super) fn degrees_of_freedom(parts: u32) -> f64 {
     own / (a * a + (2.0 * a * b + b * b) / AROUND)
 }
 
-/// The mean of `values`, so many in a row, over the 5 × 5 around one of them, which counts in place of those that are not there, or not finite.
+/// The mean of `values`, `across` per row, over the 5 × 5 around one of them, which replaces neighbours that do not exist or are not finite.
 fn around(values: &[f64], across: usize, at: usize) -> f64 {
     let (row, column) = (at / across, at % across);
     let near = |at: usize, count: usize| at.saturating_sub(REACH)..(at + REACH + 1).min(count);
@@ -138,7 +141,7 @@ impl Parts {
 
     /// Adds the sums of a part.
     fn add(&mut self, radiance: &[[f64; 3]]) {
-        // Parts go to the two halves in turn.
+        // Parts go to the two halves alternately.
         let half = (self.taken % 2) as usize;
         let scale = 1.0 / f64::from(self.samples);
         let counts = !self.settled[half];
@@ -149,7 +152,7 @@ impl Parts {
                     *sum += part;
                 }
             }
-            // Differences from the first, so that no digits cancel in the variance.
+            // Differences from the first part, so that no digits cancel in the variance.
             let m = mean(part);
             let spread = &mut self.spread[pixel];
             if self.taken == 0 {
@@ -167,7 +170,7 @@ impl Parts {
         let [a, b] = self.counted.map(f64::from);
         let [x, y] = std::array::from_fn(|half| self.halves[half][pixel]);
         match self.settled.contains(&true) {
-            // Weights that depend on no value.
+            // These weights depend on no value.
             true => std::array::from_fn(|c| 0.5 * (x[c] / a + y[c] / b)),
             false => std::array::from_fn(|c| (x[c] + y[c]) / (a + b)),
         }
@@ -181,7 +184,7 @@ impl Parts {
         (((aa + bb) - (a + b) * (a + b) / n) / (n - 1.0)).max(0.0)
     }
 
-    /// The variance of the mean of a pixel, by that of a part: 1/R, or as of (4) where a half is settled.
+    /// The variance of the mean of a pixel, relative to that of a part: 1/R, or as in (4) if a half is settled.
     fn share(&self) -> f64 {
         match self.settled.contains(&true) {
             // The variance of a mean of two is a quarter of the sum of theirs.
@@ -190,7 +193,7 @@ impl Parts {
         }
     }
 
-    /// The square of the standard error of a pixel by its own parts alone: (1).
+    /// The square of the standard error of a pixel from its own parts only: (1).
     pub(in crate::render) fn own_error_square(&self, pixel: usize) -> f64 {
         match self.taken < 2 {
             true => f64::NAN,
@@ -198,7 +201,7 @@ impl Parts {
         }
     }
 
-    /// The standard errors of all pixels, of which so many are in a row: (2).
+    /// The standard errors of all pixels, `across` per row: (2).
     fn standard_errors(&self, across: usize) -> Vec<f64> {
         if self.taken < 2 {
             return vec![f64::NAN; self.spread.len()];
@@ -215,18 +218,19 @@ impl Parts {
         squares.map(f64::sqrt).collect()
     }
 
-    /// What one half says of a pixel: its mean radiance, and the square of the standard error of as many parts again beside it.
+    /// The estimates of one half for a pixel: its mean radiance, and the squared standard error of these parts together with as many of the
+    /// other half.
     fn judgement(&self, half: usize, pixel: usize) -> [f64; 2] {
-        // The halves take turns: either has as many.
+        // The halves alternate: both have equally many.
         let n = f64::from(self.taken / 2);
         let spread = &self.spread[pixel];
         let (sum, squares) = (spread[1 + 2 * half], spread[2 + 2 * half]);
         let variance = ((squares - sum * sum / n) / (n - 1.0)).max(0.0);
-        // Of these n parts and as many of the other half.
+        // For these n parts and as many of the other half.
         [spread[0] + sum / n, variance / (2.0 * n)]
     }
 
-    /// The mean radiance that one half has of the tile, and its standard error as the root of the mean square over pixels.
+    /// The estimates of one half for the tile: its mean radiance, and its standard error as the root of the mean square over pixels.
     pub(in crate::render) fn tile_judgement(&self, half: usize) -> [f64; 2] {
         let count = self.spread.len() as f64;
         let mut sums = [0.0; 2];
@@ -243,7 +247,7 @@ impl Parts {
     }
 }
 
-/// Σ of the parts of the samples whose radiance is missing, by reason.
+/// Σ of the missing fractions of the samples' radiance, by reason.
 #[derive(Debug, Clone, Copy, Default)]
 struct Missing {
     before: f64,
@@ -254,7 +258,7 @@ struct Missing {
 
 impl Missing {
     fn add(&mut self, coverage: Coverage) {
-        // Taken apart by name: a reason that is forgotten here does not compile.
+        // Destructured, so that a forgotten reason does not compile.
         let Coverage {
             held: _,
             before,
@@ -303,7 +307,7 @@ impl TileFilm {
         }
     }
 
-    /// An empty film of `tile`, in the room of `kept` where that has as many pixels of this layout.
+    /// An empty film of `tile`, which reuses `kept` if that has as many pixels of this layout.
     pub(crate) fn reused<'a>(
         kept: &'a mut Option<TileFilm>,
         tile: Tile,
@@ -317,9 +321,9 @@ impl TileFilm {
         kept.get_or_insert_with(|| TileFilm::new(tile, layout))
     }
 
-    /// Makes it the empty film of `tile`, which has as many pixels.
+    /// Turns this into the empty film of tile `of`, which must have as many pixels.
     fn clear(&mut self, of: Tile) {
-        // Taken apart by name: a field that is forgotten here does not compile.
+        // Destructured, so that a forgotten field does not compile.
         let TileFilm {
             tile,
             radiance,
@@ -347,18 +351,18 @@ impl TileFilm {
         aovs.iter_mut().for_each(|aov| aov.fill(0.0));
     }
 
-    /// The pixel of ray `ray`: there is one for each pixel, sample by sample.
+    /// The pixel of ray `ray`: each sample has one ray per pixel.
     #[inline]
     fn pixel(&self, ray: usize) -> usize {
         let pixels = self.radiance.len();
-        // Most batches are of one sample, and need no division.
+        // Most batches have one sample, and need no division.
         if ray < pixels { ray } else { ray % pixels }
     }
 
     /// Adds the radiance of ray `ray` to its pixel.
     #[inline]
     pub fn add(&mut self, ray: usize, radiance: [f64; 3]) {
-        // The box filter: every sample of the pixel counts alike.
+        // The box filter: all samples of the pixel have equal weight.
         let pixel = self.pixel(ray);
         let sum = &mut self.radiance[pixel];
         for (sum, value) in sum.iter_mut().zip(radiance) {
@@ -366,13 +370,13 @@ impl TileFilm {
         }
     }
 
-    /// The sum of the radiance of a pixel, to be added to sample by sample.
+    /// The sum of the radiance of a pixel, for adding sample by sample.
     #[inline(always)]
     pub(crate) fn sum_mut(&mut self, pixel: usize) -> &mut [f64; 3] {
         &mut self.radiance[pixel]
     }
 
-    /// Adds the radiance of one sample of a pixel after the other.
+    /// Adds the radiance of samples of one pixel, one after the other.
     pub(crate) fn add_samples(&mut self, pixel: usize, samples: &[[f64; 3]]) {
         let mut sum = self.radiance[pixel];
         for sample in samples {
@@ -383,9 +387,9 @@ impl TileFilm {
         self.radiance[pixel] = sum;
     }
 
-    /// Adds the radiance of as many rays in a row, the first of them `first`, each to its pixel.
+    /// Adds the radiance of consecutive rays from `first` on, each to its pixel.
     pub(crate) fn add_row(&mut self, first: usize, radiance: &[[f64; 3]]) {
-        // Rays of one sample are so many pixels in a row.
+        // Consecutive rays of one sample are consecutive pixels.
         let pixels = first..first + radiance.len();
         match self.radiance.get_mut(pixels) {
             Some(sums) => {
@@ -400,10 +404,10 @@ impl TileFilm {
         }
     }
 
-    /// Adds the radiance of as many rays in a row, the first of them `first`, times their factors, each to its pixel.
+    /// Adds the radiance of consecutive rays from `first` on, times their factors, each to its pixel.
     pub(crate) fn add_scaled(&mut self, first: usize, radiance: &[[f64; 3]], factors: &[f64]) {
         let pixels = first..first + radiance.len();
-        // Rays of one sample are so many pixels in a row.
+        // Consecutive rays of one sample are consecutive pixels.
         if let Some(sums) = self.radiance.get_mut(pixels) {
             return dispatch(AddScaled {
                 sums,
@@ -416,7 +420,7 @@ impl TileFilm {
         }
     }
 
-    /// An empty film of `tile` for any number of passes, each of them a part.
+    /// An empty film of `tile` for any number of passes, each of which is a part.
     pub(in crate::render) fn of_passes(tile: Tile, layout: &Layout) -> Self {
         TileFilm {
             parts: Some(Parts::new(tile.pixels(), layout.samples)),
@@ -424,7 +428,7 @@ impl TileFilm {
         }
     }
 
-    /// The first of `samples` that can be added before any is ended, at most `most` of them.
+    /// The first ones of `samples`, at most `most`, that can be added before any of them is completed.
     pub(crate) fn together(&self, samples: Range<u32>, most: u32) -> Range<u32> {
         let first = samples.start;
         // Samples of different parts are kept apart.
@@ -435,7 +439,7 @@ impl TileFilm {
         first..samples.end.min(first.saturating_add(left.min(most)))
     }
 
-    /// Ends `samples` of all pixels, which are of one part.
+    /// Completes `samples` of all pixels, which belong to one part.
     pub(crate) fn end_samples(&mut self, samples: Range<u32>) {
         if let Some(parts) = &mut self.parts
             && samples.end.is_multiple_of(parts.samples)
@@ -445,12 +449,12 @@ impl TileFilm {
         }
     }
 
-    /// The parts, where there are several.
+    /// The parts, if there are several.
     pub(in crate::render) fn parts(&self) -> Option<&Parts> {
         self.parts.as_ref()
     }
 
-    /// The same, to be changed.
+    /// The same, mutable.
     pub(in crate::render) fn parts_mut(&mut self) -> Option<&mut Parts> {
         self.parts.as_mut()
     }
@@ -460,13 +464,13 @@ impl TileFilm {
         self.tile
     }
 
-    /// All that is kept from pass to pass, in a fixed order: numbers by `f64`s, and counts by `u64`s.
+    /// Everything that is kept between passes, in a fixed order: numbers as `f64`s, and counts as `u64`s.
     pub(in crate::render) fn each_sum(
         &mut self,
         numbers: &mut dyn FnMut(&mut [f64]),
         counts: &mut dyn FnMut(&mut u64),
     ) {
-        // Taken apart by name: a field that is forgotten here does not compile.
+        // Destructured, so that a forgotten field does not compile.
         let Coverage {
             held,
             before,
@@ -494,7 +498,7 @@ impl TileFilm {
         numbers(&mut self.nearest);
         self.aovs.iter_mut().for_each(|aov| numbers(aov));
         counts(&mut self.unmet);
-        // Files hold counts as 64 bits; in memory 32 are enough.
+        // Files store counts as 64 bits; in memory 32 are enough.
         for samples in self.hits.iter_mut().chain(&mut self.blind) {
             let mut count = u64::from(*samples);
             counts(&mut count);
@@ -520,12 +524,12 @@ impl TileFilm {
         }
     }
 
-    /// Notes samples that hit nothing.
+    /// Records samples that hit nothing.
     pub(crate) fn add_unmet(&mut self, samples: u64) {
         self.unmet += samples;
     }
 
-    /// Adds how much of the radiance of ray `ray` the data hold that its surface has; it counts as so much of a sample.
+    /// Adds how much of the radiance of ray `ray` is covered by its surface's data; it counts as `part` of a sample.
     #[inline]
     pub(crate) fn add_coverage(&mut self, ray: usize, coverage: Coverage, part: f64) {
         self.coverage += coverage;
@@ -533,8 +537,8 @@ impl TileFilm {
         self.add_to_pixel(ray, coverage);
     }
 
-    /// Notes an element of the sensor at ray `ray` to which no light gets: hidden by the sensor itself, or with nothing to see beyond
-    /// the edge of a fisheye's picture, as where the background is.
+    /// Records a sensor element, for ray `ray`, that no light reaches: either the sensor itself blocks it, or there is nothing to see
+    /// beyond the edge of a fisheye's picture, which counts as background.
     pub(crate) fn add_blind(&mut self, ray: usize) {
         match self.covers_itself {
             true => {
@@ -545,7 +549,7 @@ impl TileFilm {
         }
     }
 
-    /// Adds to what the channels of a pixel say.
+    /// Adds to the coverage channels of a pixel.
     #[inline]
     pub(crate) fn add_to_pixel(&mut self, ray: usize, coverage: Coverage) {
         let pixel = self.pixel(ray);
@@ -557,7 +561,7 @@ impl TileFilm {
         }
     }
 
-    /// Notes `rays` whose radiance is fully known, without data.
+    /// Records `rays` whose radiance is fully known and does not come from data.
     pub(crate) fn add_held(&mut self, rays: &[u32]) {
         if !self.held.is_empty() {
             for ray in rays {
@@ -567,14 +571,15 @@ impl TileFilm {
         }
     }
 
-    /// Adds how much of the radiance of `rays` the data hold that their surface has: all, but for some of them, which come in order.
+    /// Adds how much of the radiance of `rays`, whose surface has data, the data cover: full coverage, except for `parts`, which are in
+    /// order.
     #[inline]
     pub(crate) fn cover(&mut self, rays: &[u32], parts: impl Iterator<Item = (usize, Coverage)>) {
         let mut begin = 0;
         self.from_data += rays.len() as f64;
         let has_channels = !self.held.is_empty() || !self.missing.is_empty();
-        // Without channels only the sum is asked for: it stays in registers. What is held is counted rather than added up: exact,
-        // however many.
+        // Without channels only the sum is needed: it stays in registers. Fully covered samples are counted rather than added up: this is
+        // exact, however many there are.
         let mut sum = self.coverage;
         for (at, coverage) in parts {
             if has_channels {
@@ -592,12 +597,12 @@ impl TileFilm {
         self.coverage = sum;
     }
 
-    /// Notes a sample in `pixel` at which the film sees nothing.
+    /// Records a sample in `pixel` for which the film sees nothing.
     pub(crate) fn add_blind_sample(&mut self, pixel: usize) {
         self.blind[pixel] += 1;
     }
 
-    /// Notes a sample at `offset` in `pixel`; true if it is the nearest to the centre so far.
+    /// Records a sample at `offset` in `pixel`; true if it is the nearest to the centre so far.
     pub(crate) fn is_nearest_to_centre(
         &mut self,
         pixel: usize,
@@ -605,7 +610,7 @@ impl TileFilm {
         hit: bool,
     ) -> bool {
         self.hits[pixel] += hit as u32;
-        // Of equal distances the earlier sample counts.
+        // If distances are equal, the earlier sample counts.
         let [x, y] = offset.map(|o| o - 0.5);
         let distance = x * x + y * y;
         let nearest = distance < self.nearest[pixel];
@@ -635,7 +640,7 @@ impl TileFilm {
                 let held = self.held.get(pixel);
                 held.map_or(1.0, |held| held / samples as f64)
             }),
-            // None are kept where nothing can be missing.
+            // These sums are not kept if nothing can be missing.
             Combine::Missing(why) => each(&|pixel| {
                 let sums = self.missing.get(pixel);
                 sums.map_or(0.0, |sums| sums.of(why) / samples as f64)
@@ -649,24 +654,24 @@ impl TileFilm {
                 vec![f64::from(counted.unwrap_or(samples)); sums.len()]
             }
             Combine::MeanOfAll => each(&|pixel| sums[pixel] / samples as f64),
-            // 0/0 = NaN where the film sees nothing.
+            // 0/0 = NaN if the film sees nothing.
             Combine::MeanOfSeeing => {
                 each(&|pixel| sums[pixel] / (samples - self.blind[pixel]) as f64)
             }
             Combine::Nearest | Combine::NearestIdentity => sums.clone(),
-            // 0/0 = NaN where nothing was hit.
+            // 0/0 = NaN if nothing was hit.
             Combine::MeanOfHits => each(&|pixel| sums[pixel] / self.hits[pixel] as f64),
         }
     }
 
-    /// Samples that were taken of each pixel.
+    /// The number of samples taken of each pixel.
     pub(super) fn taken(&self, layout: &Layout) -> u32 {
         let parts = self.parts.as_ref();
         parts.map_or(layout.samples, |parts| parts.taken * parts.samples)
     }
 }
 
-/// The loop that adds radiance, times its factors, to as many sums.
+/// The loop that adds radiance, times its factors, to the sums.
 struct AddScaled<'a> {
     sums: &'a mut [[f64; 3]],
     radiance: &'a [[f64; 3]],
@@ -676,7 +681,7 @@ struct AddScaled<'a> {
 impl VectorLoop for AddScaled<'_> {
     #[inline(always)]
     fn run(self) {
-        // Eight at a time: their numbers fill whole vectors, each with its factor beside it.
+        // Eight at a time: their numbers fill whole vectors, each aligned with its factor.
         let (sums, last_sums) = self.sums.as_chunks_mut::<8>();
         let (radiance, last) = self.radiance.as_chunks::<8>();
         let (factors, last_factors) = self.factors.as_chunks::<8>();
@@ -728,11 +733,11 @@ mod tests {
             .map(|k| [1.0, 0.1, 0.7].map(|c| c / f64::from(k)))
             .collect();
         let factors: Vec<f64> = (1..20).map(|k| 1.0 + 0.3 / f64::from(k)).collect();
-        // Some rays of the first sample, the last one of it, and rays of both samples.
+        // Some rays of the first sample, its last ray, and rays of both samples.
         for (first, count) in [(0, 15), (3, 4), (14, 1), (10, 19), (20, 3), (2, 0)] {
             let tile = Tile::of_image(layout.size, 0);
             let [mut together, mut alone] = [(); 2].map(|()| TileFilm::new(tile, &layout));
-            // Twice, so that there are sums.
+            // Twice, so that the sums are not zero.
             for _ in 0..2 {
                 together.add_scaled(first, &radiance[..count], &factors[..count]);
                 for k in 0..count {

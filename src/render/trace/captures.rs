@@ -8,11 +8,10 @@
 //! ```
 //!
 //! - a / cos θ is the width on the surface of one of the capture's pixels along its tilt: a is the width of a pixel at the point's
-//! distance, θ the
-//! angle between the normal and the direction to the camera. A pixel is a mean over that width, whose error for a smooth surface is ∝
-//! (a / cos θ)² by Taylor expansion: w is the inverse of the squared error, as for means of least variance.
+//!   distance, θ the angle between the normal and the direction to the camera. A pixel is a mean over that width, whose error for a
+//!   smooth surface is ∝ (a / cos θ)² by Taylor expansion: w is the inverse of the squared error, as for means of least variance.
 //! - s is the fraction of the bilinear weights whose pixels saw the surface, and e the distance from the edge of the image in pixels, at
-//! most 1: this avoids seams where a capture ends. Neither is ever 0, so a point that only one camera sees still has its value.
+//!   most 1: this avoids seams where a capture ends. Neither is ever 0, so a point that only one camera sees still has its value.
 //!
 //! With [`CaptureChoice::First`] the first capture of the scene that contains the point is used.
 

@@ -61,7 +61,7 @@ pub(crate) enum Counter {
 pub struct Stats {
     /// Rays from the camera.
     pub rays: u64,
-    /// Those that hit a surface.
+    /// Camera rays that hit a surface.
     pub hits: u64,
     /// Traversal work for camera rays, once per rest frame.
     pub visibility: Counts,

@@ -20,14 +20,14 @@ use crate::spacetime::{CameraFrame, Displacement, Event, InertialFrame, Velocity
 /// A stretch of constant proper acceleration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
-    /// Proper time that it takes, metres; infinite for the last.
+    /// Its proper time, metres; infinite for the last.
     pub duration: f64,
     /// Proper acceleration, 1/m, in axes that are carried along without rotation from proper time 0 on, where they are
     /// the comoving frame's; zero is coasting.
     pub acceleration: DVec3,
 }
 
-/// Arcs in the order of proper time; they cover all proper times.
+/// Arcs in the order of proper time; together they cover all proper times.
 #[derive(Debug, Clone)]
 pub(super) struct Arcs {
     arcs: Vec<Arc>,
@@ -36,14 +36,14 @@ pub(super) struct Arcs {
 /// A stretch of constant proper acceleration.
 #[derive(Debug, Clone)]
 struct Arc {
-    /// The state at its beginning; proper time 0 where it has none.
+    /// The state at its beginning; at proper time 0 if it has no beginning.
     begin: State,
-    /// The state at its end, still accelerating; the same as `begin` where it has none.
+    /// The state at its end, still accelerating; the same as `begin` if it has no end.
     end: State,
 }
 
 impl Arc {
-    /// An arc without an end of its own, by one of its states.
+    /// An arc without beginning and end, from one of its states.
     fn eternal(state: State) -> Self {
         Arc {
             begin: state,
@@ -60,7 +60,7 @@ impl Arcs {
         }
     }
 
-    /// One arc of constant proper acceleration, straight where that is zero.
+    /// One arc of constant proper acceleration, straight if the acceleration is zero.
     pub fn hyperbolic(
         velocity: Velocity,
         zero: Event<World>,
@@ -82,7 +82,7 @@ impl Arcs {
             return Err(WorldLineError::TooMany(segments.len()));
         }
         let mut state = State::new(0.0, zero, velocity, DVec3::ZERO);
-        // The gyroscope's axes in those of the comoving frame.
+        // The gyroscope's axes, in components of the comoving frame's axes.
         let mut axes = DVec3::AXES;
         let mut arcs = vec![Arc::eternal(state)];
         for (index, segment) in segments.iter().enumerate() {
@@ -94,7 +94,7 @@ impl Arcs {
                 break;
             }
             state = end(&begin, segment.duration, index)?;
-            // Meanwhile the gyroscope turns against axes that are boosted without rotation.
+            // During the segment, the gyroscope rotates relative to axes that are boosted without rotation.
             axes = axes.map(|axis| hyperbola::turned(&begin, segment.duration, axis));
             arcs.push(Arc { begin, end: state });
             if index + 1 == segments.len() {
@@ -104,7 +104,7 @@ impl Arcs {
         Ok(Arcs { arcs })
     }
 
-    /// The state at a proper time, or none where it is too fast for [`Velocity`].
+    /// The state at a proper time; `None` if it is too fast for [`Velocity`].
     pub fn state(&self, proper_time: f64) -> Option<State> {
         let begin = &self.arcs[self.index(proper_time)].begin;
         let elapsed = proper_time - begin.proper_time;
@@ -124,18 +124,18 @@ impl Arcs {
         hyperbola::place_after(begin, elapsed)
     }
 
-    /// The one frame in which it rests for ever.
+    /// The frame in which the line rests for ever, if there is one.
     pub fn frame(&self) -> Option<InertialFrame<CameraFrame>> {
         let inertial = self.arcs.iter().all(|arc| arc.begin.thrust.is_none());
         inertial.then(|| *self.arcs[0].begin.frame())
     }
 
-    /// The arc that holds a proper time, the later one where two meet.
+    /// The arc that contains a proper time, the later one where two join.
     fn index(&self, proper_time: f64) -> usize {
         self.arcs[1..].partition_point(|arc| arc.begin.proper_time <= proper_time)
     }
 
-    /// The arc that the past light cone crosses whose apex is at `from(event)` from each event.
+    /// The arc that a past light cone crosses; `from` is the displacement from an event to the cone's apex.
     fn crossed(&self, from: impl Fn(Event<World>) -> Displacement<World>) -> usize {
         self.arcs[1..].partition_point(|arc| from(arc.begin.event).is_causal())
     }
@@ -149,7 +149,7 @@ impl Arcs {
         Vicinity::new(*near, since)
     }
 
-    /// What there is between two proper times, within one arc; events count from `reference`.
+    /// The stretch between two proper times, within one arc; its events are relative to `reference`.
     pub fn stretch(&self, times: [f64; 2], reference: Event<World>) -> Option<Stretch> {
         let [first, last] = times.map(|time| self.index(time));
         let g = self.arcs[first].begin.thrust.g;
@@ -157,7 +157,7 @@ impl Arcs {
         (first == last).then(stretch).flatten()
     }
 
-    /// The crossing, its displacement counted from `near`, a state of this line.
+    /// The crossing, with its displacement relative to `near`, a state of this line.
     #[inline]
     pub fn past_cone(&self, near: &State, offset: Displacement<World>) -> Option<Crossing> {
         if self.arcs.len() == 1 {
@@ -167,7 +167,7 @@ impl Arcs {
     }
 
     fn past_cone_among(&self, near: &State, offset: Displacement<World>) -> Option<Crossing> {
-        // Does the light cone cross the arc of `near` itself? Mostly it does.
+        // Usually the light cone crosses the arc of `near` itself.
         let from = |event| (near.event - event) + offset;
         let seen = |arc: &Arc| from(arc.begin.event).is_causal();
         let own = self.index(near.proper_time);
@@ -176,8 +176,8 @@ impl Arcs {
         if begun && !ended {
             return past_cone(near, offset);
         }
-        // Along the own arc to its end that is nearer, from there to that of the other, and on: each way keeps
-        // the digits of a short one.
+        // Along this arc to its nearer end, from there to the nearer end of the target arc, and on: each displacement keeps the digits of a
+        // short one.
         let target = self.crossed(from);
         let (leave, enter) = if target < own {
             (&self.arcs[own].begin, &self.arcs[target].end)
@@ -190,7 +190,7 @@ impl Arcs {
         Some(crossing.counted_from(near.event, crossing.displacement + way))
     }
 
-    /// The crossing, its displacement counted from `apex` itself.
+    /// The crossing, with its displacement relative to `apex` itself.
     pub fn past_cone_of(&self, apex: Event<World>) -> Option<Crossing> {
         let begin = &self.arcs[self.crossed(|event| apex - event)].begin;
         let offset = apex - begin.event;

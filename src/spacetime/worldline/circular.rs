@@ -51,7 +51,7 @@ impl Circular {
         let (axis, _) = unit_and_length(axis).ok_or(WorldLineError::NoAxis)?;
         let arm = zero.x - centre;
         let radial = arm - axis * axis.dot(arm);
-        // What rounding leaves of an arm along the axis is no radius.
+        // The rounding error of an arm along the axis is not a radius.
         let noise = 8.0 * f64::EPSILON * (zero.x.abs() + centre.abs()).max_element();
         let radius = radial.length();
         if radius <= noise {
@@ -72,7 +72,7 @@ impl Circular {
         })
     }
 
-    /// Of a revolution, proper time; none at rest.
+    /// The proper time of a revolution; `None` at rest.
     pub fn period(&self) -> Option<f64> {
         let period = std::f64::consts::TAU / (self.rate.abs() * self.gamma);
         period.is_finite().then_some(period)
@@ -103,7 +103,7 @@ impl Circular {
     }
 
     pub fn past_cone_of(&self, apex: Event<World>) -> Option<Crossing> {
-        // From where the line is at the apex's own time.
+        // Start from the line's position at the apex's own time.
         let elapsed = apex.ct - self.zero.ct;
         let moved = self.chord(self.radial, self.phase(elapsed));
         let offset = Displacement::new(0.0, (apex.x - self.zero.x) - moved);
@@ -112,8 +112,8 @@ impl Circular {
         Some(Crossing::new(apex, displacement - offset, elapsed))
     }
 
-    /// World time and displacement from where the line is `radial` from the axis to where it crosses the
-    /// past light cone of the event at `offset` from there.
+    /// World time and displacement from the point where the line is `radial` from the axis to the point where it crosses the past light
+    /// cone of the event at `offset` from there.
     fn crossed(
         &self,
         radial: DVec3,
@@ -127,10 +127,10 @@ impl Circular {
         (s, self.way(radial, s).0)
     }
 
-    /// T − R − s changes by |ΩR| |s| at most on the way to s, and by 2R.
+    /// T − R − s changes by at most |ΩR| |s| up to s, and by at most 2R.
     fn bracket(&self, offset: Displacement<World>) -> [f64; 2] {
         let left = offset.ct - offset.x.length();
-        // s = left/(1 ± |ΩR|) at most and at least, and left ± 2R; widened by what rounding adds.
+        // s is between left/(1 ± |ΩR|), and between left ± 2R; widened by the rounding errors.
         let (near, far) = (left / (1.0 + self.speed), left / (1.0 - self.speed));
         let diameter = 2.0 * self.radial.length();
         let slack = 4.0 * f64::EPSILON * (offset.ct.abs() + offset.x.length() + diameter);
@@ -140,7 +140,7 @@ impl Circular {
         ]
     }
 
-    /// The way from where the line is `radial` from the axis, and the tangent per world time at its end.
+    /// The displacement from the point where the line is `radial` from the axis, and the tangent per world time at its end.
     fn way(&self, radial: DVec3, s: f64) -> (Displacement<World>, Displacement<World>) {
         let chord = self.chord(radial, self.phase(s));
         let velocity = self.axis.cross(radial + chord) * self.rate;
@@ -159,7 +159,7 @@ impl Circular {
         self.radial + self.chord(self.radial, self.phase(elapsed))
     }
 
-    /// What a turn by a phase adds to the position at `radial` from the axis.
+    /// The change of the position at `radial` from the axis when rotated by a phase.
     fn chord(&self, radial: DVec3, (phase, error): (f64, f64)) -> DVec3 {
         let (sin, cos) = libm::sincos(0.5 * phase);
         // To second order: at 10¹⁰ radians the error is 10⁻⁶.

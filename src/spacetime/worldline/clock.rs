@@ -1,14 +1,14 @@
-//! Proper time along a curve that is given by world time: τ = ∫ √(1 − |v|²) dct.
+//! Proper time along a curve given as a function of world time: τ = ∫ √(1 − |v|²) dct.
 //!
 //! Ten-point Gauss quadrature on cells that are bisected until both halves add up to the whole. Near the speed of light the root bends
-//! sharply, and cells become short there. Within a cell the same rule, on a part of it, gives the time from its beginning. A rate r is
-//! known to eps/r, since 1 − |v|² is a difference: cells are not bisected for differences that this alone can explain.
+//! sharply, and cells become short there. Within a cell the same rule, on a part of it, gives the time since its beginning. A rate r is
+//! known to eps/r, since 1 − |v|² is a difference: cells are not bisected for differences that this error alone can explain.
 //!
 //! Source: Abramowitz and Stegun, table 25.4.
 
 use super::root::{self, Sample};
 
-/// Abscissae and weights of Gauss's rule on [−1, 1], those of one side.
+/// Abscissae and weights of Gauss's rule on [−1, 1], of one side.
 const GAUSS: [(f64, f64); 5] = [
     (0.148_874_338_981_631_2, 0.295_524_224_714_752_87),
     (0.433_395_394_129_247_2, 0.269_266_719_309_996_36),
@@ -17,13 +17,13 @@ const GAUSS: [(f64, f64); 5] = [
     (0.973_906_528_517_171_7, 0.066_671_344_308_688_14),
 ];
 
-/// How often a cell is halved.
+/// The maximum number of bisections of a cell.
 const HALVINGS: u32 = 40;
 
-/// Cells per span of the curve, on average, beyond which none is halved any more.
+/// Average number of cells per span of the curve at which bisection stops.
 const CELLS: usize = 64;
 
-/// What the halves of a cell may differ from the whole, relative.
+/// The tolerance for the difference between the halves and the whole of a cell, relative.
 const TOLERANCE: f64 = 1e-15;
 
 /// Cells of world time, with the proper time at which each begins.
@@ -31,26 +31,26 @@ const TOLERANCE: f64 = 1e-15;
 pub(super) struct Clock {
     /// Ends of the cells, ascending.
     ends: Vec<End>,
-    /// So many ends at most, while cells are made.
+    /// The maximum number of ends while cells are made.
     most: usize,
 }
 
-/// Where a cell begins, and the one before it ends.
+/// The boundary between two cells.
 #[derive(Debug, Clone, Copy)]
 struct End {
     /// World time.
     ct: f64,
-    /// The span of the curve that the cell is in, and where in it the cell begins: counted from the node before, a rate keeps
-    /// its digits however late it is.
+    /// The span of the curve that the cell is in, and the cell's beginning relative to the node before: this way a rate keeps its digits
+    /// however late it is.
     span: usize,
     from: f64,
-    /// What the clock shows there.
+    /// The clock's reading there.
     proper_time: f64,
 }
 
 impl Clock {
-    /// The clock that shows 0 at the first of `nodes` (ascending world times) and runs at the rate dτ/dct, which is smooth in
-    /// each span between two of them: `rate` gets the span and the world time since its beginning.
+    /// The clock that reads 0 at the first of `nodes` (ascending world times) and runs at the rate dτ/dct, which must be smooth in each
+    /// span between two nodes: `rate` takes the span and the world time since its beginning.
     pub fn new(nodes: &[f64], rate: impl Fn(usize, f64) -> f64) -> Self {
         let first = End {
             ct: nodes[0],
@@ -65,7 +65,7 @@ impl Clock {
         for (span, ends) in nodes.windows(2).enumerate() {
             let rate = |s| rate(span, s);
             let length = ends[1] - ends[0];
-            // On average over the spans so far, and as many more as `CELLS` spans may have.
+            // On average over the spans so far, plus a reserve for `CELLS` spans.
             clock.most = CELLS * (span + CELLS);
             clock.add(
                 ends[0],
@@ -74,7 +74,7 @@ impl Clock {
                 HALVINGS,
                 &rate,
             );
-            // What follows begins in the next span.
+            // The next cell begins in the next span.
             let last = clock.ends.len() - 1;
             clock.ends[last] = End {
                 ct: ends[1],
@@ -86,7 +86,7 @@ impl Clock {
         clock
     }
 
-    /// Adds the cells of `from` to `to`, counted from the node at the world time `node`; the last end is that of `from`.
+    /// Adds the cells from `from` to `to`, relative to the node at the world time `node`; the last end so far is that of `from`.
     fn add(
         &mut self,
         node: f64,
@@ -99,7 +99,7 @@ impl Clock {
         let halves = [gauss(rate, from, middle), gauss(rate, middle, to)];
         let apart = (halves[0] + halves[1] - whole).abs();
         let width = to - from;
-        // A rate r is known to eps/r (head of this file), and so are the halves and the whole.
+        // A rate r is known to eps/r (see the module), and so are the halves and the whole.
         let noise = 4.0 * f64::EPSILON * width * (width / whole);
         let is_exact = apart <= TOLERANCE * whole + noise;
         // World times within a cell must differ from those of its ends.
@@ -130,13 +130,13 @@ impl Clock {
         begin.proper_time + gauss(&rate, begin.from, begin.from + (ct - begin.ct))
     }
 
-    /// The world time at which the clock shows `proper_time`.
+    /// The world time at which the clock reads `proper_time`.
     pub fn world_time(&self, proper_time: f64, rate: impl Fn(usize, f64) -> f64) -> f64 {
         let cell = self.cell(|end| end.proper_time <= proper_time);
         let (begin, end) = (self.ends[cell], self.ends[cell + 1]);
         let rate = |s| rate(begin.span, s);
         let (whole, elapsed) = (end.ct - begin.ct, proper_time - begin.proper_time);
-        // As if the clock ran evenly within the cell.
+        // Start as if the clock ran uniformly within the cell.
         let start = whole * elapsed / (end.proper_time - begin.proper_time);
         let ct = root::decreasing([0.0, whole], start, |s| Sample {
             value: elapsed - gauss(&rate, begin.from, begin.from + s),
@@ -146,7 +146,7 @@ impl Clock {
         begin.ct + ct
     }
 
-    /// The cell that holds what `before` tells from the ends of cells; the later one at an end.
+    /// The cell that `before` selects by the ends of cells; the later one at an end.
     fn cell(&self, before: impl Fn(&End) -> bool) -> usize {
         self.ends[1..self.ends.len() - 1].partition_point(before)
     }

@@ -1,30 +1,27 @@
 //! The intersection of constant proper acceleration with a light cone, in closed form.
 //!
-//! In the frame comoving at the start, with proper acceleration g along n and z = e^(gτ), y = (z − 1)/g, the
-//! hyperbola of [`super::thrust`] is in light-cone coordinates simply t + x∥ = y and t − x∥ = y/z.
-//! The past light cone of the event (T, X∥ = X, X⊥), p = T + X and q = T − X, is met where
-//! (p − y)(q − y/z) = X⊥² with p ≥ y. With P = 1 + gp, Q = 1 − gq and I = T² − X² − X⊥² = pq − X⊥², that is
+//! In the frame comoving at the start, with proper acceleration g along n and z = e^(gτ), y = (z − 1)/g, the hyperbola of [`super::thrust`]
+//! is simply t + x∥ = y and t − x∥ = y/z in light-cone coordinates. It crosses the past light cone of the event (T, X∥ = X, X⊥), p = T + X
+//! and q = T − X, where (p − y)(q − y/z) = X⊥² with p ≥ y. With P = 1 + gp, Q = 1 − gq and I = T² − X² − X⊥² = pq − X⊥², that is
 //!
 //! ```text
 //! Q y² − 2by + I = 0,    b = A + q/2,    A = ½ (pQ + g X⊥²),
 //! Q z² − 2mz + P = 0,    m = ½ (1 + PQ + g²X⊥²),
 //! ```
 //!
-//! whose roots share S = √(X⊥² + (A − q/2)²), as b² − QI = S² and m² − QP = g²S². The retarded ones are
+//! whose roots have S = √(X⊥² + (A − q/2)²) in common, as b² − QI = S² and m² − QP = g²S². The retarded ones are
 //!
 //! ```text
 //! y = I/(b + S) or (b − S)/Q,     z = P/(m + gS) or (m − gS)/Q,
 //! ```
 //!
-//! the first forms for b, m > 0 and the others else, so that like signs add. Since p ≥ y and 1 + gy > 0
-//! there is one exactly if P > 0: the hyperbola has a horizon, p = −1/g, and no light from it
-//! ever comes to what lies before that. For g → 0 it is y = T − R, the crossing of a straight line, of itself.
-//! No exponential and no logarithm is needed; the proper time is ln z/g.
+//! the first forms for b, m > 0, and otherwise the second ones, so that terms of equal sign are added. Since p ≥ y and 1 + gy > 0, there is
+//! a crossing exactly if P > 0: the hyperbola has a horizon, p = −1/g, and none of its light ever reaches events beyond it. For g → 0 this
+//! becomes y = T − R, the crossing with a straight line. No exponential and no logarithm is needed; the proper time is ln z/g.
 //!
-//! Near the start y keeps its digits, and z = 1 + gy follows; far from it z does, and y = (z − 1)/g. P and Q are
-//! small differences near a horizon, and are formed without rounding. Each coordinate is right to a few
-//! eps of the largest coordinate involved; where n is not an axis, or the start is not at rest in the world,
-//! rounding X and X⊥ to eps of it counts 1/P or 1/Q times near a horizon.
+//! Near the start y keeps its digits, and z = 1 + gy follows; far from it z does, and y = (z − 1)/g. P and Q are small differences near a
+//! horizon, and are computed without rounding. Each coordinate is accurate to a few eps of the largest coordinate involved; if n is not
+//! along an axis, or the start is not at rest in the world, rounding errors of X and X⊥ are magnified by 1/P or 1/Q near a horizon.
 //!
 //! Source: light-cone coordinates of a uniformly accelerated observer, e.g. Misner, Thorne, Wheeler, Gravitation,
 //! ch. 6; the arrangement is ours.
@@ -35,13 +32,12 @@ use super::state::{Crossing, State};
 use super::thrust::Thrust;
 use crate::spacetime::{CameraFrame, Displacement, World};
 
-/// Where the line through `near`, with its acceleration for ever, meets the past light cone of the event at
-/// `offset` from there.
+/// The crossing of the line through `near`, with its acceleration for ever, and the past light cone of the event at `offset` from there.
 #[inline]
 pub(super) fn past_cone(near: &State, offset: Displacement<World>) -> Option<Crossing> {
     let apex = near.frame().frame_from_world().displacement(offset);
     let light = crossed(near, apex, offset.interval())?;
-    // From the comoving frame by its two basis vectors that matter.
+    // From the comoving frame to the world, with the two basis vectors that matter.
     let (ct, along) = light.place(near.thrust.g);
     let moved = near.ahead * ct + near.aside * along;
     let start = near.proper_time;
@@ -55,8 +51,7 @@ pub(super) fn past_cone(near: &State, offset: Displacement<World>) -> Option<Cro
     (largest < f64::INFINITY).then(|| Crossing::new(near.event, moved, elapsed))
 }
 
-/// T − R: the proper time of the crossing with a line at rest. The interval is invariant, and keeps the
-/// digits of the world's coordinates.
+/// T − R: the proper time of the crossing with a line at rest. The interval is invariant, and keeps the digits of the world's coordinates.
 #[inline]
 fn straight(apex: Displacement<CameraFrame>, interval: f64) -> f64 {
     let distance = apex.x.length();
@@ -101,8 +96,8 @@ struct Apex {
     interval: f64,
 }
 
-/// The crossing with a straight line or a hyperbola, or none beyond its horizon, for an apex in the frame
-/// comoving at `near`, and its interval, which the world's coordinates may tell better.
+/// The crossing with a straight line or a hyperbola, `None` beyond its horizon, for an apex in the frame comoving at `near`, and its
+/// interval, which may be more accurate in the world's coordinates.
 #[inline]
 fn crossed(near: &State, apex: Displacement<CameraFrame>, interval: f64) -> Option<Light> {
     let Thrust { g, n, .. } = near.thrust;
@@ -130,7 +125,7 @@ fn crossed(near: &State, apex: Displacement<CameraFrame>, interval: f64) -> Opti
     }
 }
 
-/// g (|T| + |X∥|) below which no horizon is near, and neither P nor Q a small difference.
+/// g (|T| + |X∥|) below which no horizon is near, and neither P nor Q is a small difference.
 const CLOSE: f64 = 0.125;
 
 impl Apex {
@@ -138,7 +133,7 @@ impl Apex {
     fn close(&self, g: f64) -> Light {
         let (p, q) = (self.t + self.along, self.t - self.along);
         let big_q = 1.0 - g * q;
-        // A, A − q/2 and S, with P and Q no small differences here.
+        // A, A − q/2 and S; P and Q are not small differences here.
         let half = 0.5 * (p * big_q + g * self.across);
         let skew = half - 0.5 * q;
         let s = (self.across + skew * skew).sqrt();
@@ -162,7 +157,7 @@ impl Apex {
         Light {
             y,
             z: 1.0 + g * y,
-            // y/z, without waiting for either.
+            // y/z, independent of both divisions.
             minus: over / (under + g * over),
         }
     }
@@ -177,7 +172,7 @@ impl Apex {
         }
         let (product, lift) = (big_p * big_q, 0.5 * g * self.across);
         let half = 0.5 * p * big_q + lift;
-        // A − q/2 = ½ (PQ − 1)/g + ½ g X⊥²: with a small P and a large Q that is the better difference.
+        // A − q/2 = ½ (PQ − 1)/g + ½ g X⊥²: with a small P and a large Q this difference is more accurate.
         let skew = if (g * q).abs() > 1.0 {
             0.5 * (product - 1.0) / g + lift
         } else {
@@ -185,7 +180,7 @@ impl Apex {
         };
         let s = (self.across + skew * skew).sqrt();
         let light = self.through(self.y(half + 0.5 * q, s, big_q), g);
-        // Near the start y has the digits; far from it z has.
+        // Near the start y has the digits; far from it z does.
         if is_near(light.z) {
             return Some(light);
         }

@@ -1,8 +1,8 @@
-//! Proper time as light cones give it, converted to a number only on demand.
+//! Proper time in the form that light cones give, converted to a number only on demand.
 
 use super::thrust::SMALL;
 
-/// Proper time since a start, as the closed form gives it.
+/// Proper time since a start, in the closed form's terms.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Elapsed {
     /// Proper time at the start.
@@ -28,7 +28,7 @@ impl Elapsed {
 
     pub fn proper_time(&self) -> f64 {
         let Elapsed { start, y, z, g } = *self;
-        // ln(1 + u)/g: by its series for small u, and from whichever of y and z has the digits.
+        // ln(1 + u)/g: by its series for small u, otherwise from y or z, whichever has the digits.
         let u = g * y;
         start
             + if u.abs() < SMALL {
@@ -42,7 +42,7 @@ impl Elapsed {
     }
 }
 
-/// Whether z = e^(gτ) follows from y, and not y from z.
+/// Whether z = e^(gτ) is computed from y, rather than y from z.
 #[inline]
 pub(super) fn is_near(z: f64) -> bool {
     (0.5..2.0).contains(&z)

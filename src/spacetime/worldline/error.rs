@@ -2,18 +2,17 @@
 
 use crate::spacetime::MAX_RAPIDITY;
 
-/// The most segments, knots or key events of one world line.
+/// The maximum number of segments, knots or key events of one world line.
 pub const MAX_ENTRIES: usize = 100_000;
 
-/// The largest proper acceleration, 1/m. Beyond it its square times that of a length leaves f64's range.
+/// The largest proper acceleration, 1/m. Beyond it the product of its square and that of a length exceeds f64's range.
 pub const MAX_ACCELERATION: f64 = 1e100;
 
-/// The largest speed between key events. 1 − |v|² is what the difference of rounded numbers leaves: nearer to
-/// the speed of light than this, γ would keep fewer than four digits.
+/// The largest speed between key events. 1 − |v|² is a difference of rounded numbers: nearer to the speed of light than this, γ would keep
+/// fewer than four digits.
 pub const MAX_KEYFRAME_SPEED: f64 = 1.0 - 5e-13;
 
-/// Why something is not a world line. An `index` counts from 0, in the order of the list that was given; messages
-/// count from 1.
+/// Why something is not a valid world line. An `index` counts from 0, in the order of the given list; messages count from 1.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WorldLineError {
@@ -23,13 +22,13 @@ pub enum WorldLineError {
     /// A value of a list is NaN or infinite.
     #[error("entry {} of the world line must be finite", .index + 1)]
     EntryNotFinite {
-        /// Which segment, knot or key event.
+        /// The index of the segment, knot or key event.
         index: usize,
     },
     /// Above [`MAX_ACCELERATION`].
     #[error("a proper acceleration of {acceleration} per metre is above {MAX_ACCELERATION:e}")]
     TooStrong {
-        /// Which segment or knot; none where there is only one acceleration.
+        /// The index of the segment or knot; `None` if there is only one acceleration.
         index: Option<usize>,
         /// Its magnitude, 1/m.
         acceleration: f64,
@@ -40,15 +39,15 @@ pub enum WorldLineError {
     /// More than [`MAX_ENTRIES`].
     #[error("a world line has at most {MAX_ENTRIES} entries, but this one has {0}")]
     TooMany(usize),
-    /// A segment of no duration, or of one that does not end before the next.
+    /// A segment whose duration is zero, or which does not end before the next.
     #[error("segment {} lasts {duration} m of proper time: it must be above 0, and finite unless it is the last", .index + 1)]
     Duration {
-        /// Which segment.
+        /// The index of the segment.
         index: usize,
         /// Its duration, metres.
         duration: f64,
     },
-    /// The time of an entry is not after that of the one before.
+    /// The time of an entry is not after that of the previous one.
     #[error("entry {} is at {time} m, which is not after {before} m, the time of the previous one", .index + 1)]
     NotAscending {
         /// The later entry in the list.
@@ -58,7 +57,7 @@ pub enum WorldLineError {
         /// That of the entry before it, metres.
         before: f64,
     },
-    /// Proper time 0, at which the state is given, is not within the profile.
+    /// Proper time 0, for which the state is given, is not within the profile.
     #[error(
         "the profile must hold proper time 0, at which the velocity is given, and goes from {first} m to {last} m"
     )]
@@ -68,23 +67,23 @@ pub enum WorldLineError {
         /// Its last proper time, metres.
         last: f64,
     },
-    /// The acceleration leads beyond [`MAX_RAPIDITY`].
+    /// The acceleration would exceed [`MAX_RAPIDITY`].
     #[error(
         "the acceleration of stretch {} exceeds rapidity {MAX_RAPIDITY} near proper time {proper_time} m: make it weaker or shorter", .index + 1
     )]
     TooFast {
-        /// The segment, or the knot at which the stretch of the profile begins.
+        /// The index of the segment, or of the knot at which the stretch of the profile begins.
         index: usize,
-        /// Proper time near which that happens, metres.
+        /// Proper time near which this happens, metres.
         proper_time: f64,
     },
-    /// The velocity changes more often than can be followed.
+    /// The velocity changes too often to be followed.
     #[error(
         "the acceleration of stretch {} is too strong to be followed beyond proper time {proper_time} m: \
          make it weaker or shorter", .index + 1
     )]
     TooLong {
-        /// The knot at which the stretch begins.
+        /// The index of the knot at which the stretch begins.
         index: usize,
         /// Proper time reached, metres.
         proper_time: f64,
@@ -95,11 +94,11 @@ pub enum WorldLineError {
          give it more time there, or less distance", .index + 1, .index + 2
     )]
     Superluminal {
-        /// The event at which the span begins.
+        /// The index of the event at which the span begins.
         index: usize,
         /// World time at which the speed is largest, metres.
         ct: f64,
-        /// The speed there, in units of that of light.
+        /// The speed there, in units of the speed of light.
         speed: f64,
     },
     /// The axis of a circle is the zero vector.
@@ -121,7 +120,7 @@ pub enum WorldLineError {
 crate::error::value_errors!(WorldLineError);
 
 impl WorldLineError {
-    /// The segment, knot or key event to point at, counted from 0; for a span the one at which it begins.
+    /// The index of the segment, knot or key event to point at, from 0; for a span, of its beginning.
     pub fn index(&self) -> Option<usize> {
         use WorldLineError::*;
         match *self {
@@ -152,7 +151,7 @@ pub(super) fn check_count(count: usize) -> Result<(), WorldLineError> {
     }
 }
 
-/// Refuses times that do not ascend.
+/// Refuses times that are not ascending.
 pub(super) fn check_ascending(times: impl Iterator<Item = f64>) -> Result<(), WorldLineError> {
     let mut before = f64::NEG_INFINITY;
     for (index, time) in times.enumerate() {

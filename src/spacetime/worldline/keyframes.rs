@@ -7,9 +7,9 @@
 //! a = γ² w + γ⁴/(1 + γ) (v·w) v,    γ² = 1/((1 − |v|)(1 + |v|)).
 //! ```
 //!
-//! A line that follows an animation rests at its first event before it, and at its last one after it: there it is an inertial line, x =
-//! x_k, ct = ct_k + τ − τ_k, which crosses the past light cone of (T, X) at ct = T − |X − x_k|. Its velocity jumps at both ends, its
-//! position does not, so that every past light cone crosses it once. At the ends themselves it has the velocity of the part between.
+//! The line of an animation rests at its first event before that, and at its last one after that: there it is an inertial line, x = x_k, ct
+//! = ct_k + τ − τ_k, which crosses the past light cone of (T, X) at ct = T − |X − x_k|. Its velocity jumps at both ends, its position does
+//! not, so every past light cone crosses it once. At the ends themselves it has the velocity of the part in between.
 
 use glam::DVec3;
 
@@ -23,12 +23,12 @@ use super::spline;
 use super::state::{Crossing, State};
 use crate::spacetime::{Displacement, Event, Velocity, World};
 
-/// A curve by world time, and its clock.
+/// A curve as a function of world time, and its clock.
 #[derive(Debug, Clone)]
 pub(super) struct Keyframes {
     series: Series,
     clock: Clock,
-    /// Whether it rests before its first event and after its last one; otherwise it is not there then.
+    /// Whether the line rests before its first event and after its last one; otherwise it does not exist then.
     rests: bool,
 }
 
@@ -60,7 +60,7 @@ impl Keyframes {
         })
     }
 
-    /// The same line, which rests at its ends for ever.
+    /// The same line, at rest for ever before and after its ends.
     pub fn resting(self) -> Self {
         Keyframes {
             rests: true,
@@ -75,7 +75,7 @@ impl Keyframes {
         }
     }
 
-    /// The proper times before and after which it rests.
+    /// The proper times before and after which the line rests.
     pub fn rests(&self) -> Option<[f64; 2]> {
         self.rests.then(|| self.keys())
     }
@@ -85,7 +85,7 @@ impl Keyframes {
         [0.0, self.clock.end()]
     }
 
-    /// The event at which it rests at a proper time, and the proper time of that, where it rests.
+    /// The event at which the line rests at a proper time, and the proper time of that event; `None` if it does not rest then.
     fn rest_at(&self, proper_time: f64) -> Option<(Event<World>, f64)> {
         let [first, last] = self.rests()?;
         let events = &self.series.events;
@@ -96,7 +96,7 @@ impl Keyframes {
         }
     }
 
-    /// The same by the past light cone that crosses it, whose apex is at `from(event)` from each event.
+    /// The same for the crossing with a past light cone; `from` is the displacement from an event to the cone's apex.
     fn rest_seen(
         &self,
         from: impl Fn(Event<World>) -> Displacement<World>,
@@ -105,7 +105,7 @@ impl Keyframes {
         let (begin, end) = (*self.series.events.first()?, *self.series.events.last()?);
         let to_end = from(end);
         match () {
-            // Its first event is not seen yet; or its last one has been seen before.
+            // Its first event is not visible yet, or its last one already was.
             () if !from(begin).is_causal() => Some((begin, first)),
             () if to_end.ct > to_end.x.length() => Some((end, last)),
             () => None,
@@ -128,7 +128,7 @@ impl Keyframes {
         let (event, tangent) = self.series.at(ct);
         let (v, w) = (tangent.x, self.series.second(ct));
         let speed = v.length();
-        // γ² and γ⁴/(1 + γ) (v·w), the factors of a.
+        // γ² and γ⁴/(1 + γ) (v·w), the factors in a.
         let gamma_squared = 1.0 / ((1.0 - speed) * (1.0 + speed));
         let along = gamma_squared * gamma_squared / (1.0 + gamma_squared.sqrt()) * v.dot(w);
         let velocity = Velocity::from_beta(v).ok()?;
@@ -139,7 +139,7 @@ impl Keyframes {
     pub fn past_cone(&self, near: &State, offset: Displacement<World>) -> Option<Crossing> {
         let own = self.rest_at(near.proper_time);
         if let Some((event, time)) = self.rest_seen(|node| (near.event - node) + offset) {
-            // From a state of the same rest, without the way to its end, which may be long.
+            // From a state at the same rest, without the displacement to its end, which may be long.
             if own.is_some_and(|(_, own)| own == time) {
                 return past_cone(near, offset);
             }
@@ -153,7 +153,7 @@ impl Keyframes {
             ));
         }
         if let Some((event, _)) = own {
-            // From rest into the curve: by the end of it that is next.
+            // From rest into the curve: via the nearest end of the curve.
             let to_end = event - near.event;
             let found = self
                 .series

@@ -17,12 +17,12 @@
 //! are given in the gyroscope's axes, so that splitting a stretch anywhere does not change the path; those of a profile may also be given
 //! in the others ([`Axes`]).
 //!
-//! For a line slower than light, t_E − t(τ) − |x_E − x(τ)| strictly decreases with τ, so that the past light cone of an event E crosses
-//! the line at most once. It may not cross at all: a line that accelerates for ever has a horizon, and one with a beginning and an end
-//! does not exist before and after.
+//! For a line slower than light, t_E − t(τ) − |x_E − x(τ)| strictly decreases with τ, so the past light cone of an event E crosses the line
+//! at most once. It may not cross it at all: a line that accelerates for ever has a horizon, and a line with a beginning and an end does
+//! not exist before and after.
 //!
-//! [`WorldLine::on_past_light_cone`] works with differences from a nearby state, so that the displacement from a sensor to its pinhole
-//! keeps its digits wherever in the world the camera is.
+//! [`WorldLine::on_past_light_cone`] uses differences from a nearby state, so that the displacement from a sensor to its pinhole keeps its
+//! digits wherever in the world the camera is.
 //!
 //! ```
 //! use glam::DVec3;
@@ -33,11 +33,11 @@
 //! let later = ship.state(2.0).unwrap();
 //! assert_eq!(later.event.ct, f64::sinh(2.0));
 //!
-//! // Where it is seen from a metre behind.
+//! // The event at which it is seen from a metre behind.
 //! let seen = ship.on_past_light_cone(&later, Displacement::new(0.0, -DVec3::X)).unwrap();
 //! assert!(seen.proper_time() < 2.0);
 //!
-//! // No light of it comes to what it leaves behind its horizon.
+//! // None of its light reaches events beyond its horizon.
 //! assert!(ship.on_past_light_cone_of(Event::new(-3.0, DVec3::ZERO)).is_none());
 //! # Ok(())
 //! # }

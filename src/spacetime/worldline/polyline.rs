@@ -1,7 +1,7 @@
 //! Straight paths at constant velocity from event to event, with short turns.
 //!
-//! A jump of the velocity would be an infinite acceleration. About each event between the first and the last, from w before it to w after
-//! it, the velocity changes linearly from v before it to v′ after it:
+//! A jump in the velocity would be an infinite acceleration. Around each inner event, from w before it to w after it, the velocity changes
+//! linearly from v before it to v′ after it:
 //!
 //! ```text
 //! x(u) = x(0) + 2w v u + w (v′ − v) u²,    u from 0 to 1;    w = 1/16 of the shorter of the two times between events.
@@ -14,10 +14,10 @@ use super::error::{MAX_KEYFRAME_SPEED, WorldLineError};
 use super::series::{Piece, Series};
 use crate::spacetime::{Displacement, Event, World};
 
-/// Part of the time between two events within which the velocity changes at each.
+/// Fraction of the time between two events within which the velocity changes at each of them.
 const TURN: f64 = 1.0 / 16.0;
 
-/// The ways between `events`, which ascend in time, with world time as parameter.
+/// The paths between `events`, which must ascend in time, with world time as parameter.
 pub(super) fn polyline(events: &[Event<World>]) -> Result<Series, WorldLineError> {
     let ways: Vec<Displacement<World>> = events.windows(2).map(|e| e[1] - e[0]).collect();
     check_speed(events, &ways)?;
@@ -32,7 +32,7 @@ pub(super) fn polyline(events: &[Event<World>]) -> Result<Series, WorldLineError
         let w = TURN * pair[0].ct.min(pair[1].ct);
         let turn = events[i + 1];
         add(&mut series, turn + Displacement::new(-w, before * -w), &[]);
-        // At u in [0, 1] it is 2w·before·u + w·(after − before)·u² on: the velocity changes evenly.
+        // At u in [0, 1] it has moved by 2w·before·u + w·(after − before)·u²: the velocity changes linearly.
         let bend = (after - before) * w;
         let end = turn + Displacement::new(w, after * w);
         add(&mut series, end, &[before * (2.0 * w), bend]);
@@ -41,7 +41,7 @@ pub(super) fn polyline(events: &[Event<World>]) -> Result<Series, WorldLineError
     Ok(series)
 }
 
-/// A piece from where the series ends to `end`, by the coefficients of its position, or straight.
+/// Adds a piece from the end of the series to `end`, with these coefficients of its position, or a straight one.
 fn add(series: &mut Series, end: Event<World>, coefficients: &[glam::DVec3]) {
     let centre = series.events.len() - 1;
     let way = end - series.events[centre];
@@ -65,7 +65,7 @@ fn add(series: &mut Series, end: Event<World>, coefficients: &[glam::DVec3]) {
     series.events.push(end);
 }
 
-/// Refuses ways that are not slower than light, with the fastest of them.
+/// Refuses paths that are not slower than light, reporting the fastest.
 fn check_speed(
     events: &[Event<World>],
     ways: &[Displacement<World>],

@@ -15,7 +15,7 @@ use super::state::{Crossing, State};
 use super::taylor::{self, Step};
 use crate::spacetime::{Displacement, Event, MAX_RAPIDITY, Velocity, World};
 
-/// The most steps in either direction: at most 120 MB of coefficients.
+/// The maximum number of steps in either direction: at most 120 MB of coefficients.
 const MAX_STEPS: usize = 150_000;
 
 /// The axes to which accelerations refer.
@@ -32,7 +32,7 @@ pub enum Axes {
     World,
 }
 
-/// Knots and the motion between them, by proper time.
+/// Knots and the motion between them, as functions of proper time.
 #[derive(Debug, Clone)]
 pub(super) struct Profile {
     axes: Axes,
@@ -92,7 +92,7 @@ impl Profile {
 
     pub fn past_cone(&self, near: &State, offset: Displacement<World>) -> Option<Crossing> {
         let start = near.proper_time;
-        // As if the acceleration stayed what it is at `near`.
+        // As if the acceleration stayed the same as at `near`.
         let guess = past_cone(near, offset).map_or(f64::NAN, |c| c.proper_time() - start);
         let found = self.series.past_cone(near.event, start, offset, guess)?;
         Some(crossing(near.event, found))
@@ -108,7 +108,7 @@ fn crossing(reference: Event<World>, found: SeriesCrossing) -> Crossing {
     Crossing::new(reference, found.displacement, elapsed)
 }
 
-/// The span of the knots that holds a proper time, the later one at a knot.
+/// The span of the knots that contains a proper time, the later one at a knot.
 fn span_at(knots: &[(f64, DVec3)], proper_time: f64) -> usize {
     knots[1..knots.len() - 1].partition_point(|(time, _)| *time <= proper_time)
 }
@@ -142,7 +142,7 @@ fn integrate(
     Ok(joined(before, after))
 }
 
-/// A sum of many terms, with what rounding leaves out.
+/// A sum of many terms, and its accumulated rounding error.
 struct Sum {
     value: DVec4,
     rest: DVec4,
@@ -164,16 +164,16 @@ impl Sum {
     }
 }
 
-/// Steps from proper time 0 on, in either direction.
+/// The steps from proper time 0 on, in one direction.
 struct Walk {
-    /// Proper time and event after each step, and before the first.
+    /// Proper time and event before the first step, and after each one.
     nodes: Vec<(f64, Event<World>)>,
     steps: Vec<Step>,
     /// (x, y, z, ct) after the last step.
     position: Sum,
     /// U after the last step.
     u: Sum,
-    /// The axes of the accelerations then, and whether they are carried along.
+    /// The axes of the accelerations there, and whether they are carried along.
     axes: [DVec3; 3],
     carried: bool,
 }
@@ -190,7 +190,7 @@ impl Walk {
         }
     }
 
-    /// Walks to proper time `target` within the span `index` of the knots.
+    /// Steps to proper time `target` within span `index` of the knots.
     fn along(
         &mut self,
         knots: &[(f64, DVec3)],
@@ -205,7 +205,7 @@ impl Walk {
             // One step of the series, cut at the knot.
             let u = self.u.value.truncate();
             let step = taylor::step(u, (self.axes, self.carried), a, slope, target - time);
-            // The last step ends at the knot itself, not at the rounded sum of steps.
+            // The last step ends at the knot itself, not at a rounded sum of steps.
             let whole = step.length == target - time;
             let next = if whole { target } else { time + step.length };
             if next == time || self.steps.len() == MAX_STEPS {
@@ -229,7 +229,7 @@ impl Walk {
     }
 
     fn take(&mut self, step: Step, time: f64) {
-        // The small terms first.
+        // Small terms first.
         self.position.add(step.coefficients.iter().rev().sum());
         self.u.add(step.gained.extend(0.0));
         self.axes = step.axes;
@@ -240,9 +240,9 @@ impl Walk {
     }
 }
 
-/// The walk to the beginning, reversed, and that to the end.
+/// The walk to the beginning, reversed, followed by that to the end.
 fn joined(before: Walk, after: Walk) -> Series {
-    // Both walks begin with the event at proper time 0: it is taken once.
+    // Both walks begin with the event at proper time 0: use it once.
     let nodes = before.nodes.iter().skip(1).rev().chain(&after.nodes);
     let (parameters, events) = nodes.copied().unzip();
     let mut series = Series {
@@ -250,7 +250,7 @@ fn joined(before: Walk, after: Walk) -> Series {
         events,
         ..Series::default()
     };
-    // A piece of the past has its centre at its end.
+    // A piece in the past has its centre at its end.
     for (number, step) in before.steps.iter().rev().enumerate() {
         push(&mut series, number + 1, step);
     }

@@ -1,11 +1,11 @@
 //! Sums and products with their rounding errors.
 //!
-//! sinh(gτ) from the rounded product loses gτ/2 units in the last place: 15 at gτ = 30. Near a horizon
-//! 1 + g(t + x) is the small difference of rounded numbers. Both keep all digits with the errors carried along.
+//! sinh(gτ) from the rounded product loses gτ/2 units in the last place: 15 at gτ = 30. Near a horizon 1 + g(t + x) is a small difference
+//! of rounded numbers. Both keep all digits if the errors are carried along.
 
 use glam::DVec3;
 
-/// a + b rounded, and what rounding left out, exactly.
+/// a + b rounded, and the exact rounding error.
 #[inline]
 pub(super) fn sum(a: f64, b: f64) -> (f64, f64) {
     // Two-Sum (Knuth), for any order of sizes.
@@ -14,15 +14,15 @@ pub(super) fn sum(a: f64, b: f64) -> (f64, f64) {
     (s, (a - (s - of_b)) + (b - of_b))
 }
 
-/// a b rounded, and what rounding left out, exactly (but for underflow).
+/// a b rounded, and the exact rounding error (except for underflow).
 #[inline]
 pub(super) fn product(a: f64, b: f64) -> (f64, f64) {
     let p = a * b;
-    // The fused product is rounded once, after p is taken away: what is left is the error.
+    // The fused product is rounded once, after p is subtracted: what is left is the error.
     (p, a.mul_add(b, -p))
 }
 
-/// 1 + g (a + b), to a rounding or two of the result.
+/// 1 + g (a + b), to one or two rounding errors of the result.
 #[inline]
 pub(super) fn one_plus(g: f64, a: f64, b: f64) -> f64 {
     let (length, length_error) = sum(a, b);
@@ -31,7 +31,7 @@ pub(super) fn one_plus(g: f64, a: f64, b: f64) -> f64 {
     total + (total_error + (scaled_error + g * length_error))
 }
 
-/// |v| − `length`, where `length` is |v| rounded; 0 where the squares leave f64's range.
+/// |v| − `length`, where `length` is |v| rounded; 0 if the squares exceed f64's range.
 pub(super) fn length_error(v: DVec3, length: f64) -> f64 {
     if !(1e-140..1e140).contains(&length) {
         return 0.0;
@@ -45,15 +45,15 @@ pub(super) fn length_error(v: DVec3, length: f64) -> f64 {
         rest = total;
         errors += error + left_out;
     }
-    // |v| + length is 2 length, but for terms of second order.
+    // |v| + length is 2 length, up to terms of second order.
     (rest + errors) / (2.0 * length)
 }
 
-/// v divided by `length` + `error`, each component to half a unit in its last place.
+/// v divided by `length` + `error`, each component to half a unit in the last place.
 pub(super) fn quotient(v: DVec3, length: f64, error: f64) -> DVec3 {
     let component = |a: f64| {
         let q = a / length;
-        // What is left of a after q (length + error).
+        // The remainder of a after q (length + error).
         q + ((-q).mul_add(length, a) - q * error) / length
     };
     DVec3::from_array(v.to_array().map(component))

@@ -1,15 +1,14 @@
-//! World lines as polynomials, piece by piece, in a parameter of their own.
+//! World lines as piecewise polynomials in a parameter of their own.
 //!
-//! On a piece the displacement from the event at its centre s₀ is D(u) = Σ cₖ uᵏ, k ≥ 1, u = (s − s₀)/h. The displacement between two
-//! parameters is taken from the divided difference,
+//! On a piece, the displacement from the event at its centre s₀ is D(u) = Σ cₖ uᵏ, k ≥ 1, u = (s − s₀)/h. The displacement between two
+//! parameters is computed from the divided difference,
 //!
 //! ```text
 //! D(u₂) − D(u₁) = (u₂ − u₁) Q(u₂),    Q(u) = Σ bₖ uᵏ,    bₖ₋₁ = cₖ + u₁ bₖ,
 //! ```
 //!
-//! so that a small one keeps its digits. The crossing with a light cone is the root of
-//! F(s) = T − t(s) − |X − x(s)|, which strictly decreases; the piece is found by which of its ends lies in
-//! the causal past of the cone's apex.
+//! so that a small one keeps its digits. The crossing with a light cone is the root of F(s) = T − t(s) − |X − x(s)|, which strictly
+//! decreases; the piece is the one of which only the beginning lies in the causal past of the cone's apex.
 
 use glam::{DVec3, DVec4};
 
@@ -21,11 +20,11 @@ use crate::spacetime::{Displacement, Event, World};
 pub(super) struct Piece {
     /// The node (an end of the piece) at its centre, where u = 0.
     pub centre: usize,
-    /// Length of u's unit in the parameter; negative where the piece ends at its centre.
+    /// The parameter interval that corresponds to 1 in u; negative if the piece ends at its centre.
     pub scale: f64,
-    /// Where its coefficients c₁, c₂, … begin.
+    /// The index of its first coefficient, c₁.
     pub first: usize,
-    /// How many there are.
+    /// The number of coefficients.
     pub count: usize,
 }
 
@@ -34,21 +33,21 @@ pub(super) struct Piece {
 pub(super) struct Series {
     /// Parameters at the ends of the pieces, ascending.
     pub parameters: Vec<f64>,
-    /// Events there.
+    /// Events at these parameters.
     pub events: Vec<Event<World>>,
-    /// One fewer than the nodes.
+    /// One fewer than nodes.
     pub pieces: Vec<Piece>,
     pub coefficients: Vec<DVec4>,
 }
 
-/// A way along the line: its displacement, and the tangent (per unit of the parameter) at its end.
+/// A displacement along the line, and the tangent (per unit of the parameter) at its end.
 #[derive(Debug, Clone, Copy)]
 struct Way {
     moved: Displacement<World>,
     tangent: Displacement<World>,
 }
 
-/// A crossing: displacement from the reference, and parameter.
+/// A crossing: displacement from the reference event, and parameter.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SeriesCrossing {
     pub displacement: Displacement<World>,
@@ -61,7 +60,7 @@ impl Series {
         [self.parameters[0], self.parameters[self.pieces.len()]]
     }
 
-    /// The piece that holds a parameter, the later one at a node.
+    /// The piece that contains a parameter, the later one at a node.
     pub fn piece(&self, parameter: f64) -> usize {
         let inner = &self.parameters[1..self.pieces.len()];
         inner.partition_point(|node| *node <= parameter)
@@ -94,13 +93,13 @@ impl Series {
         sum.truncate() / (piece.scale * piece.scale)
     }
 
-    /// The way on a piece from the parameter `from`, `s` on.
+    /// The displacement on a piece from the parameter `from` to `from` + `s`.
     fn way(&self, piece: usize, from: f64, s: f64) -> Way {
         let piece = self.pieces[piece];
         let first = (from - self.parameters[piece.centre]) / piece.scale;
         let step = s / piece.scale;
         let second = first + step;
-        // Horner three times over: bₖ at u₁, and Q and D′ at u₂.
+        // Horner's scheme for three: bₖ at u₁, and Q and D′ at u₂.
         let [mut b, mut q, mut slope] = [DVec4::ZERO; 3];
         for k in (1..=piece.count).rev() {
             let c = self.coefficients[piece.first + k - 1];
@@ -114,8 +113,8 @@ impl Series {
         }
     }
 
-    /// The crossing with the past light cone of the event at `offset` from `near`, the event of the line
-    /// at `parameter`; displacement from `near`. `guess` is where a straight line would be met.
+    /// The crossing with the past light cone of the event at `offset` from `near`, the event of the line at `parameter`; the displacement
+    /// is from `near`. `guess` is the crossing of a straight line.
     pub fn past_cone(
         &self,
         near: Event<World>,
@@ -128,7 +127,7 @@ impl Series {
         if target == own {
             return Some(self.on_piece(own, parameter, offset, guess));
         }
-        // From node to node, and from there on.
+        // From node to node, and on from there.
         let (leave, enter) = if target > own {
             (own + 1, target)
         } else {
@@ -144,11 +143,11 @@ impl Series {
         })
     }
 
-    /// The crossing with the past light cone of `apex`; displacement from `apex`.
+    /// The crossing with the past light cone of `apex`; the displacement is from `apex`.
     pub fn past_cone_of(&self, apex: Event<World>) -> Option<SeriesCrossing> {
         let piece = self.crossed(0, |node| apex - node)?;
         let offset = apex - self.events[piece];
-        // Nothing to guess from: the root is looked for from the middle of the piece on.
+        // Without a guess, the search starts at the middle of the piece.
         let found = self.on_piece(piece, self.parameters[piece], offset, f64::NAN);
         Some(SeriesCrossing {
             displacement: found.displacement - offset,
@@ -156,8 +155,7 @@ impl Series {
         })
     }
 
-    /// The piece that the past light cone crosses whose apex is at `from(node)` from each node; `likely` is
-    /// asked first.
+    /// The piece that a past light cone crosses; `from` is the displacement from a node to the cone's apex. `likely` is tested first.
     fn crossed(
         &self,
         likely: usize,
@@ -170,14 +168,14 @@ impl Series {
         }
         let count = self.events.partition_point(seen);
         if count == self.events.len() {
-            // Seen exactly at its end, but no later.
+            // Seen exactly at the line's end, and no later.
             let last = from(self.events[count - 1]);
             return (last.ct == last.x.length()).then(|| count - 2);
         }
         count.checked_sub(1)
     }
 
-    /// The crossing on a piece, `offset` and displacement counted from the event at parameter `from`.
+    /// The crossing on a piece; `offset` and displacement are relative to the event at parameter `from`.
     fn on_piece(
         &self,
         piece: usize,
@@ -205,7 +203,7 @@ pub(super) fn delay_left(
 ) -> Sample {
     let left = offset - moved;
     let distance = left.x.length();
-    // −d|X − x|/ds: by how much the distance shrinks. At the apex it has a kink, and 0 lies between its slopes.
+    // −d|X − x|/ds: the rate at which the distance shrinks. It has a kink at the apex, where 0 lies between both slopes.
     let closing = if distance > 0.0 {
         left.x.dot(tangent.x) / distance
     } else {
@@ -214,7 +212,7 @@ pub(super) fn delay_left(
     Sample {
         value: left.ct - distance,
         slope: closing - tangent.ct,
-        // One rounding of each number that the value is made of.
+        // One rounding error of each number in the value.
         noise: f64::EPSILON * (left.ct.abs() + distance + moved.ct.abs() + moved.x.length()),
     }
 }

@@ -6,8 +6,8 @@
 //! hᵢ₋₁ Mᵢ₋₁ + 2 (hᵢ₋₁ + hᵢ) Mᵢ + hᵢ Mᵢ₊₁ = 6 (Δxᵢ/hᵢ − Δxᵢ₋₁/hᵢ₋₁),    M = 0 at both ends.
 //! ```
 //!
-//! On a span |v|² is a polynomial of degree 4. Its coefficients in Bernstein's basis bound it from above;
-//! halving the span makes the bound as close as is needed to prove that the curve is slower than light.
+//! On a span |v|² is a polynomial of degree 4. Its coefficients in Bernstein's basis bound it from above; bisecting the span tightens the
+//! bound as far as needed to prove that the curve is slower than light.
 //!
 //! Source: e.g. Stoer and Bulirsch, Introduction to Numerical Analysis, 2.4; Farin, Curves and Surfaces for
 //! CAGD, for Bernstein's basis.
@@ -18,10 +18,10 @@ use super::error::{MAX_KEYFRAME_SPEED, WorldLineError};
 use super::series::{Piece, Series};
 use crate::spacetime::{Event, World};
 
-/// How often a span is halved to prove that it is slower than light; it is not where that does not do.
+/// The maximum number of bisections of a span to prove that it is slower than light; if they are not enough, the proof fails.
 const HALVINGS: u32 = 40;
 
-/// The spline through `events`, which ascend in time, with world time as parameter.
+/// The spline through `events`, which must ascend in time, with world time as parameter.
 pub(super) fn natural(events: &[Event<World>]) -> Result<Series, WorldLineError> {
     let bends = second_derivatives(events);
     let mut series = Series {
@@ -38,7 +38,7 @@ pub(super) fn natural(events: &[Event<World>]) -> Result<Series, WorldLineError>
             first: series.coefficients.len(),
             count: coefficients.len(),
         });
-        // World time goes evenly with u.
+        // World time is linear in u.
         let times = [way.ct, 0.0, 0.0];
         let with_time = coefficients.iter().zip(times).map(|(c, t)| c.extend(t));
         series
@@ -56,20 +56,20 @@ fn span(h: f64, dx: DVec3, m0: DVec3, m1: DVec3) -> [DVec3; 3] {
     [dx - m0 * 2.0 - m1, m0 * 3.0, m1 - m0]
 }
 
-/// d²x/dct² at each event: the tridiagonal system by elimination, which is stable as its diagonal dominates.
+/// d²x/dct² at each event: elimination in the tridiagonal system, which is stable as its diagonal dominates.
 fn second_derivatives(events: &[Event<World>]) -> Vec<DVec3> {
     let mut bends = vec![DVec3::ZERO; events.len()];
-    // Row i says Mᵢ = right − above · Mᵢ₊₁.
+    // Row i means Mᵢ = right − above · Mᵢ₊₁.
     let mut above = vec![0.0; events.len()];
     for i in 1..events.len() - 1 {
         let (before, after) = (events[i] - events[i - 1], events[i + 1] - events[i]);
-        // Row i less hᵢ₋₁ times the solved row i − 1.
+        // Row i minus hᵢ₋₁ times the solved row i − 1.
         let pivot = 2.0 * (before.ct + after.ct) - before.ct * above[i - 1];
         let jump = (after.x / after.ct - before.x / before.ct) * 6.0;
         above[i] = after.ct / pivot;
         bends[i] = (jump - bends[i - 1] * before.ct) / pivot;
     }
-    // Back from the last: Mₙ = 0.
+    // Back substitution from the last: Mₙ = 0.
     for i in (1..events.len() - 1).rev() {
         let next = bends[i + 1];
         bends[i] -= next * above[i];
@@ -77,7 +77,7 @@ fn second_derivatives(events: &[Event<World>]) -> Vec<DVec3> {
     bends
 }
 
-/// Refuses a curve that is not slower than light, with the fastest of the spans that are not.
+/// Refuses a curve that is not slower than light, reporting the fastest of its spans.
 fn check_speed(series: &Series) -> Result<(), WorldLineError> {
     let velocities = series.pieces.iter().map(|piece| velocity(series, piece));
     let too_fast = velocities
@@ -100,9 +100,9 @@ fn velocity(series: &Series, piece: &Piece) -> [DVec3; 3] {
     [c1, c1 + c2, c1 + c2 * 2.0 + c3 * 3.0]
 }
 
-/// Whether the velocity with Bernstein coefficients `v` (degree 2) is below the limit throughout.
+/// Whether the velocity with Bernstein coefficients `v` (degree 2) is below the limit everywhere.
 fn is_slow(v: [DVec3; 3], halvings: u32) -> bool {
-    // |v|² in Bernstein's basis of degree 4 lies below its largest coefficient.
+    // |v|² is bounded by its largest Bernstein coefficient of degree 4.
     let limit = MAX_KEYFRAME_SPEED * MAX_KEYFRAME_SPEED;
     let [a, b, c] = v;
     let middle = (a.dot(c) + 2.0 * b.dot(b)) / 3.0;
@@ -119,8 +119,8 @@ fn is_slow(v: [DVec3; 3], halvings: u32) -> bool {
     is_slow([a, ab, half], halvings - 1) && is_slow([half, bc, c], halvings - 1)
 }
 
-/// Where in [0, 1] the speed is largest, and how large, for the message: by samples, then by thirds about the
-/// best of them.
+/// The position in [0, 1] of the highest speed, and that speed, for the message: by sampling, then by ternary search around the best
+/// sample.
 fn fastest([a, b, c]: [DVec3; 3]) -> (f64, f64) {
     let speed = |u: f64| (a.lerp(b, u)).lerp(b.lerp(c, u), u).length();
     let sample = |i: u32| f64::from(i) / 64.0;

@@ -1,4 +1,4 @@
-//! States of a world line, and where it meets a light cone.
+//! States of a world line, and its crossings with light cones.
 
 use glam::DVec3;
 
@@ -6,7 +6,7 @@ use super::elapsed::Elapsed;
 use super::thrust::Thrust;
 use crate::spacetime::{CameraFrame, Displacement, Event, InertialFrame, Velocity, World};
 
-/// A world line at one of its proper times.
+/// A world line at one proper time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State {
     /// Proper time, metres.
@@ -52,18 +52,18 @@ impl State {
         }
     }
 
-    /// The momentarily comoving inertial frame. Its clock and coordinates are zero at this event: add
-    /// [`State::proper_time`] for the time that a clock on the world line shows.
+    /// The momentarily comoving inertial frame. Its clock and coordinates are zero at this event: add [`State::proper_time`] to get the
+    /// reading of a clock on the world line.
     pub fn frame(&self) -> &InertialFrame<CameraFrame> {
         &self.frame
     }
 }
 
-/// Where a world line crosses the past light cone of an event.
+/// The crossing of a world line and the past light cone of an event.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
-    /// From the event of reference (that of the near state, or the light cone's own apex: see the
-    /// function that returned this) to the crossing.
+    /// From the reference event (that of the nearby state, or the light cone's own apex: see the function that returned this) to the
+    /// crossing.
     pub displacement: Displacement<World>,
     /// The crossing, rounded to world coordinates.
     pub event: Event<World>,
@@ -85,12 +85,12 @@ impl Crossing {
         }
     }
 
-    /// Proper time of the world line at the crossing, metres. Costs a logarithm where it accelerates.
+    /// Proper time of the world line at the crossing, metres. Costs a logarithm if the line accelerates.
     pub fn proper_time(&self) -> f64 {
         self.elapsed.proper_time()
     }
 
-    /// The same crossing, at `displacement` from `reference`.
+    /// The same crossing, relative to `reference`, at `displacement`.
     pub(super) fn counted_from(
         self,
         reference: Event<World>,

@@ -1,46 +1,46 @@
-//! A stretch of constant proper acceleration, for evaluation at very many moments.
+//! A stretch of constant proper acceleration, for evaluation at very many proper times.
 //!
-//! In the frame comoving at one moment of it, the anchor, the line is the hyperbola of [`super::thrust`]. After proper time σ
-//! more it moves there with the rapidity φ = gσ along n. Anchors lie so close that |φ| ≤ ¼, where with q = φ²
+//! In the frame comoving at one of its proper times, the anchor, the line is the hyperbola of [`super::thrust`]. After further proper time
+//! σ it moves there with the rapidity φ = gσ along n. Anchors are so close that |φ| ≤ ¼. With q = φ²
 //!
 //! ```text
 //! sinh φ       = φ (1 + q/6 (1 + q/20 (1 + q/42 (1 + q/72 (1 + q/110))))),
 //! cosh φ − 1   = ½ q (1 + q/12 (1 + q/30 (1 + q/56 (1 + q/90 (1 + q/132))))):
 //! ```
 //!
-//! the next terms, q⁶/13! and 2q⁶/14!, are below 10⁻¹⁷. From there on only roots and quotients are needed.
+//! the next terms, q⁶/13! and 2q⁶/14!, are below 10⁻¹⁷. Everything else needs only roots and quotients.
 //!
-//! A direction c of the comoving frame's axes, which are the world's boosted without rotation, is first turned to those that
-//! were carried along from the anchor without rotation, by the inverse of [`super::hyperbola`]'s rotation: with
-//! t₀ = tanh(w₀/2) m of the anchor and t₁ = tanh(φ/2) n, where tanh(φ/2) = sinh φ/(cosh φ + 1), by the Gibbs vector
-//! b = t₀ × t₁/(1 + t₀·t₁). Then it is boosted twice: from the moment to the anchor, and from there to the world.
+//! A direction c in the comoving frame's axes, which are the world's boosted without rotation, is first converted to the axes that were
+//! carried along from the anchor without rotation, by the inverse of [`super::hyperbola`]'s rotation: with t₀ = tanh(w₀/2) m of the anchor
+//! and t₁ = tanh(φ/2) n, where tanh(φ/2) = sinh φ/(cosh φ + 1), its Gibbs vector is b = t₀ × t₁/(1 + t₀·t₁). Then it is boosted twice: from
+//! the comoving frame to the anchor, and from there to the world.
 
 use glam::DVec3;
 
 use super::state::State;
 use crate::spacetime::{Boost, CameraFrame, Direction, Displacement, Event, World};
 
-/// The largest |φ| between an anchor and a moment, for which the series of the head of this file are exact to rounding.
+/// The largest |φ| between an anchor and a proper time, for which the series above are exact to rounding.
 const REACH: f64 = 0.25;
 
-/// Most anchors of a stretch: more than [`crate::spacetime::MAX_RAPIDITY`] and back needs.
+/// The maximum number of anchors of a stretch: more than needed for [`crate::spacetime::MAX_RAPIDITY`] and back.
 const MOST_ANCHORS: f64 = 512.0;
 
 /// A stretch of a world line along which its proper acceleration is constant.
 #[derive(Debug, Clone)]
 pub struct Stretch {
-    /// Proper time where it begins.
+    /// Proper time at its beginning.
     begin: f64,
     /// Anchors per metre of proper time.
     density: f64,
     anchors: Vec<Anchor>,
 }
 
-/// A moment of a stretch, for those around it.
+/// A state of a stretch, for evaluation at proper times around it.
 #[derive(Debug, Clone)]
 pub struct Anchor {
     proper_time: f64,
-    /// The event, counted from the stretch's reference.
+    /// The event, relative to the stretch's reference.
     moved: Displacement<World>,
     world_from_comoving: Boost<World, CameraFrame>,
     /// Magnitude of the proper acceleration, 1/m, and its direction.
@@ -63,8 +63,8 @@ struct Series {
 }
 
 impl Stretch {
-    /// The stretch between two proper times, whose states are those of `state`; events count from `reference`. `g` is
-    /// its proper acceleration. None where there is no state, or it goes on for too long.
+    /// The stretch between two proper times, whose states are given by `state`; events are relative to `reference`. `g` is its proper
+    /// acceleration. `None` if there is no state, or if it lasts too long.
     pub(super) fn new(
         [begin, end]: [f64; 2],
         g: f64,
@@ -72,7 +72,7 @@ impl Stretch {
         state: impl Fn(f64) -> Option<State>,
     ) -> Option<Self> {
         let duration = end - begin;
-        // An anchor serves a rapidity of `REACH` to either side.
+        // An anchor covers a rapidity of `REACH` on either side.
         let count = (g * duration / (2.0 * REACH)).ceil().max(1.0);
         let usable = duration > 0.0 && count <= MOST_ANCHORS;
         if !usable {
@@ -81,7 +81,7 @@ impl Stretch {
         let middles = (0..count as usize).map(|k| begin + duration * (k as f64 + 0.5) / count);
         let anchors = middles.map(|middle| Some(Anchor::new(&state(middle)?, reference)));
         let mut anchors: Vec<Anchor> = anchors.collect::<Option<_>>()?;
-        // Where the stretch begins it is where its state is, to the last digit.
+        // At its beginning the stretch agrees with its state to the last digit.
         let first = &mut anchors[0];
         let back = first.way(begin - first.proper_time);
         first.moved = (state(begin)?.event - reference) + back * -1.0;
@@ -95,12 +95,12 @@ impl Stretch {
     /// The anchor nearest to a proper time of the stretch.
     #[inline(always)]
     pub fn nearest(&self, proper_time: f64) -> &Anchor {
-        // A time just before the beginning, by rounding, is a negative number, which the cast makes 0.
+        // A time slightly before the beginning, due to rounding, is negative, and the cast makes it 0.
         let nearest = ((proper_time - self.begin) * self.density) as usize;
         &self.anchors[nearest.min(self.anchors.len() - 1)]
     }
 
-    /// The anchor, where there is but one.
+    /// The anchor, if there is only one.
     pub fn only(&self) -> Option<&Anchor> {
         match self.anchors.as_slice() {
             [anchor] => Some(anchor),
@@ -127,8 +127,8 @@ impl Anchor {
         }
     }
 
-    /// What is seen along `seen` of the comoving frame at a proper time near this one: from the reference to the
-    /// line's event then, the look direction in the world, and ω_world/ω_comoving of light from there.
+    /// The view along `seen` in the comoving frame at a proper time near this one: the displacement from the reference to the line's event
+    /// then, the look direction in the world, and ω_world/ω_comoving of light from there.
     #[inline(always)]
     pub fn look(
         &self,
@@ -149,7 +149,7 @@ impl Anchor {
     ) -> (Direction<CameraFrame>, f64) {
         let since = proper_time - self.proper_time;
         let Series { phi, q, odd, even } = self.series(since);
-        // To the axes that were carried along.
+        // Convert to the axes that were carried along.
         let (sinh, rise) = (phi * odd, 0.5 * q * even);
         let tanh_of_half = sinh / (2.0 + rise);
         let c = seen.unit();
@@ -170,25 +170,25 @@ impl Anchor {
         &self.world_from_comoving
     }
 
-    /// From the stretch's reference to the line's event at a proper time near this one.
+    /// The displacement from the stretch's reference to the line's event at a proper time near this one.
     #[inline(always)]
     pub(crate) fn event(&self, proper_time: f64) -> Displacement<World> {
         self.moved + self.way(proper_time - self.proper_time)
     }
 
-    /// From the anchor's event to that of `since` after it.
+    /// The displacement from the anchor's event to the one `since` later.
     #[inline(always)]
     fn way(&self, since: f64) -> Displacement<World> {
         let Series { phi, odd, even, .. } = self.series(since);
         self.ahead * (since * odd) + self.aside * (0.5 * since * phi * even)
     }
 
-    /// The series of the head of this file.
+    /// The series in the head of this file.
     #[inline(always)]
     fn series(&self, since: f64) -> Series {
         let phi = self.g * since;
         let q = phi * phi;
-        // Quotients of neighbouring terms: of sinh φ/φ 1/(2·3), 1/(4·5), …, of (cosh φ − 1)/(φ²/2) 1/(3·4), 1/(5·6), …
+        // Ratios of successive terms: for sinh φ/φ 1/(2·3), 1/(4·5), …, for (cosh φ − 1)/(φ²/2) 1/(3·4), 1/(5·6), …
         Series {
             phi,
             q,
@@ -220,7 +220,7 @@ mod tests {
     use super::*;
     use crate::spacetime::Velocity;
 
-    /// Places and look directions are those of the line's states, whichever way it accelerates.
+    /// Events and look directions agree with those of the line's states, for any direction of acceleration.
     #[test]
     fn a_stretch_has_the_states_of_its_line() {
         let velocities = [
@@ -242,7 +242,7 @@ mod tests {
                     let t = span[0] + (span[1] - span[0]) * f64::from(k) / 40.0;
                     let state = line.state(t).unwrap();
                     let boost = state.frame().world_from_frame();
-                    // Rounding of states: eps times the largest coordinate, and times γ for directions.
+                    // Rounding errors of states: eps times the largest coordinate, and times γ for directions.
                     let gamma = state.velocity.gamma();
                     for c in seen {
                         let c = Direction::new(c).unwrap();

@@ -6,34 +6,34 @@
 //! U̇ = a + s V,   γ̇ = s,   s = U·a,   V = U D,   D = 1/(1 + γ),   Ḋ = −D² s,   ẋ = U,   ct˙ = γ.
 //! ```
 //!
-//! Where a is given in axes eᵢ that are carried along without rotation, these turn against the boosted ones (Thomas),
+//! If a is given in axes eᵢ that are carried along without rotation, these rotate relative to the boosted ones (Thomas),
 //!
 //! ```text
 //! a = Σ aᵢ eᵢ,   ėᵢ = Ω × eᵢ,   Ω = a × V.
 //! ```
 //!
-//! All right-hand sides are products, whose coefficients are sums of products of earlier ones. A step begins
-//! with |a| h ≤ 1 and is shortened until the last two coefficients of U and of the axes are below rounding: the nearest
-//! singularities, those of D, lie at |a| h = π for constant a. γ² = 1 + U² is set anew at each step.
+//! All right-hand sides are products, whose coefficients are sums of products of earlier ones. A step begins with |a| h ≤ 1 and is
+//! shortened until the last two coefficients of U and of the axes are below rounding: the nearest singularities, those of D, are at |a| h =
+//! π for constant a. γ² = 1 + U² is recomputed at each step.
 //!
-//! Sources: the Taylor-series method of recurrent power series, e.g. Jorba and Zou, Exp. Math. 14 (2005); Thomas precession
-//! ω = γ²/(γ + 1) v̇ × v as in Jackson, Classical Electrodynamics, 11.8, of which Ω is that per proper time.
+//! Sources: the Taylor-series method of recurrent power series, e.g. Jorba and Zou, Exp. Math. 14 (2005); Thomas precession ω = γ²/(γ + 1)
+//! v̇ × v as in Jackson, Classical Electrodynamics, 11.8; Ω is the same per proper time.
 
 use glam::{DVec3, DVec4};
 
 /// The order of the series.
 const ORDER: usize = 24;
 
-/// What the last coefficients may be, in units of γ.
+/// The tolerance for the last coefficients, in units of γ.
 const TOLERANCE: f64 = 1e-18;
 
 /// One step of the motion.
 pub(super) struct Step {
-    /// Its length in proper time, of the sign of what was asked for.
+    /// Its length in proper time, with the sign of the requested length.
     pub length: f64,
     /// Coefficients c₁, c₂, … of (x, y, z, ct) in u = τ/length, from the step's beginning.
     pub coefficients: Vec<DVec4>,
-    /// What it adds to U.
+    /// The change of U.
     pub gained: DVec3,
     /// The axes in which accelerations are given, at its end.
     pub axes: [DVec3; 3],
@@ -43,7 +43,7 @@ pub(super) struct Step {
 struct Motion {
     u: [DVec3; ORDER + 1],
     gamma: [f64; ORDER + 1],
-    /// Those of the axes, where they turn.
+    /// Series of the axes, if they rotate.
     axes: [[DVec3; ORDER + 1]; 3],
 }
 
@@ -53,8 +53,8 @@ pub(super) fn combined(axes: [DVec3; 3], a: DVec3) -> DVec3 {
     x * a.x + y * a.y + z * a.z
 }
 
-/// A step from U = `start`, `length` long or less, with proper acceleration `a` + `slope` τ, whose components refer to
-/// `axes`, given in the boosted ones; those turn where they are `carried` along.
+/// A step from U = `start`, of at most this length, with proper acceleration `a` + `slope` τ, whose components refer to `axes`. These are
+/// given in the boosted axes, and rotate relative to them if they are `carried` along.
 pub(super) fn step(
     start: DVec3,
     (axes, carried): ([DVec3; 3], bool),
@@ -62,7 +62,7 @@ pub(super) fn step(
     slope: DVec3,
     mut length: f64,
 ) -> Step {
-    // |a| h ≤ 1 at both ends, and so between them: a is linear.
+    // |a| h ≤ 1 at both ends, and so in between, as a is linear.
     while length.abs() * a.length().max((a + slope * length).length()) > 1.0 {
         length *= 0.5;
     }
@@ -77,14 +77,14 @@ pub(super) fn step(
     Step {
         length,
         coefficients: motion.positions(length),
-        // The small terms first.
+        // Small terms first.
         gained: (1..=ORDER).rev().map(|k| motion.u[k]).sum(),
         axes: motion.axes.map(|axis| axis.iter().rev().sum()),
     }
 }
 
 impl Motion {
-    /// With proper acceleration `a` + `slope` u in the boosted axes.
+    /// The series for proper acceleration `a` + `slope` u in the boosted axes.
     fn new(start: DVec3, axes: [DVec3; 3], a: DVec3, slope: DVec3) -> Self {
         let mut u = [DVec3::ZERO; ORDER + 1];
         let [mut gamma, mut d] = [[0.0; ORDER + 1]; 2];
@@ -115,7 +115,7 @@ impl Motion {
         Motion { u, gamma, axes }
     }
 
-    /// With proper acceleration `a` + `slope` u in axes that are carried along, `axes` at the beginning.
+    /// The series for proper acceleration `a` + `slope` u in axes that are carried along and start as `axes`.
     fn carried(start: DVec3, axes: [DVec3; 3], a: DVec3, slope: DVec3) -> Self {
         let mut motion = Motion::new(start, axes, DVec3::ZERO, DVec3::ZERO);
         let Motion { u, gamma, axes } = &mut motion;
@@ -147,7 +147,7 @@ impl Motion {
         motion
     }
 
-    /// The factor on u that brings the last coefficients below rounding.
+    /// The factor on u for which the last coefficients are below rounding.
     fn shortening(&self) -> f64 {
         let factor = |k: usize| {
             let turned = self.axes.iter().map(|axis| axis[k].length());
@@ -171,7 +171,7 @@ impl Motion {
         }
     }
 
-    /// The series of (x, y, z, ct), without the coefficients that are below rounding.
+    /// The series of (x, y, z, ct), without coefficients below rounding.
     fn positions(&self, length: f64) -> Vec<DVec4> {
         // ẋ = U and ct˙ = γ, integrated over τ = length · u.
         let own = |k: usize| self.u[k].extend(self.gamma[k]) * (length / (k + 1) as f64);

@@ -14,26 +14,26 @@
 //! t = −r² w/(w² − h²),   x∥ = r² h/(w² − h²),
 //! ```
 //!
-//! as long as w > h: for T = 0, until 1 + ga = 0, the horizon. Where T < 0, w is (r² + h(2a + h))/(S − T), so
-//! that nothing cancels before a horizon is near.
+//! as long as w > h: for T = 0, until 1 + ga = 0, the horizon. If T < 0, w is (r² + h(2a + h))/(S − T), so that nothing cancels unless a
+//! horizon is near.
 
 use glam::DVec3;
 
 use super::state::State;
 use crate::spacetime::{CameraFrame, Displacement, World};
 
-/// The part of a world line around a state, as far as its proper acceleration is constant.
+/// The part of a world line around a state along which its proper acceleration is constant.
 #[derive(Debug, Clone, Copy)]
 pub struct Vicinity {
     near: State,
     g: f64,
     n: DVec3,
-    /// t + x∥ where it begins, in the comoving frame.
+    /// t + x∥ at its beginning, in the comoving frame.
     begin: f64,
 }
 
 impl Vicinity {
-    /// That of `near`, since `elapsed` ≤ 0 of proper time.
+    /// The vicinity of `near`, from proper time `elapsed` ≤ 0 relative to it.
     pub(super) fn new(near: State, elapsed: f64) -> Self {
         let g = near.thrust.g;
         Vicinity {
@@ -48,9 +48,9 @@ impl Vicinity {
         }
     }
 
-    /// Where the line crosses the past light cone of the event at `apex` from the state in the comoving frame,
-    /// counted from the state; none beyond a horizon, or before the acceleration changed. `square` is
-    /// r² = |x|² − t² > 0 of the apex, which other frames may know better.
+    /// The crossing of the line and the past light cone of the event at `apex`, both relative to the state in the comoving frame; `None`
+    /// beyond a horizon, or before the acceleration changed. `square` is r² = |x|² − t² > 0 of the apex, which may be more accurate from
+    /// other frames.
     #[inline(always)]
     pub fn crossing(
         &self,
@@ -61,14 +61,14 @@ impl Vicinity {
         crosses.then_some(crossing)
     }
 
-    /// The same and whether it is there, without a branch, for loops.
+    /// The same, and whether it exists, without a branch, for loops.
     #[inline(always)]
     pub fn crossing_or_not(
         &self,
         apex: Displacement<CameraFrame>,
         square: f64,
     ) -> (Displacement<CameraFrame>, bool) {
-        // a, X⊥², h, S and w of the head of this file.
+        // a, X⊥², h, S and w in the head of this file.
         let along = self.n.dot(apex.x);
         let across = (apex.x - self.n * along).length_squared();
         let h = 0.5 * self.g * square;
@@ -87,8 +87,7 @@ impl Vicinity {
         (Displacement::new(ct, self.n * ahead), crosses)
     }
 
-    /// A displacement of the comoving frame by `ct` and `x` = n x∥, as [`Vicinity::crossing`] gives them, in
-    /// the world.
+    /// Transforms a displacement of the comoving frame by `ct` and `x` = n x∥, as returned by [`Vicinity::crossing`], to the world.
     #[inline(always)]
     pub fn in_world(&self, crossing: Displacement<CameraFrame>) -> Displacement<World> {
         let ahead = self.n.dot(crossing.x);

@@ -32,8 +32,8 @@ impl WorldLine {
         Kind::Arcs(Arcs::inertial(velocity, zero)).into()
     }
 
-    /// With constant proper acceleration for ever: a hyperbola in the frame comoving at proper time 0, in
-    /// whose axes `acceleration` is given (1/m). Without acceleration it is inertial.
+    /// With constant proper acceleration for ever: a hyperbola in the frame comoving at proper time 0, in whose axes `acceleration` is
+    /// given (1/m). Without acceleration it is inertial.
     ///
     /// # Errors
     /// An acceleration that is not finite, or above [`MAX_ACCELERATION`](super::MAX_ACCELERATION).
@@ -45,12 +45,11 @@ impl WorldLine {
         Ok(Kind::Arcs(Arcs::hyperbolic(velocity, zero, acceleration)?).into())
     }
 
-    /// One stretch of constant proper acceleration after the other from proper time 0 on; without acceleration
-    /// before and after them.
+    /// Successive stretches of constant proper acceleration from proper time 0 on; without acceleration before and after them.
     ///
     /// # Errors
-    /// More than [`MAX_ENTRIES`](super::MAX_ENTRIES) segments, one of no duration or of an acceleration that
-    /// [`hyperbolic`](WorldLine::hyperbolic) refuses, and one that leads beyond [`MAX_RAPIDITY`](crate::spacetime::MAX_RAPIDITY).
+    /// More than [`MAX_ENTRIES`](super::MAX_ENTRIES) segments, a segment of zero duration or with an acceleration that
+    /// [`hyperbolic`](WorldLine::hyperbolic) refuses, and a segment that exceeds [`MAX_RAPIDITY`](crate::spacetime::MAX_RAPIDITY).
     pub fn segments(
         velocity: Velocity,
         zero: Event<World>,
@@ -59,13 +58,12 @@ impl WorldLine {
         Ok(Kind::Arcs(Arcs::segments(velocity, zero, segments)?).into())
     }
 
-    /// With the proper acceleration given at knots of proper time, as components along `axes`, and linear between
-    /// them; from the first knot to the last.
-    /// `velocity` and `zero` are the state at proper time 0, which must be among these times.
+    /// With the proper acceleration given at knots of proper time, as components along `axes`, and linear between them; from the first knot
+    /// to the last. `velocity` and `zero` are the state at proper time 0, which must be within these times.
     ///
     /// # Errors
-    /// Fewer than two knots or more than [`MAX_ENTRIES`](super::MAX_ENTRIES), times that do not ascend or do not hold 0, and accelerations as
-    /// [`segments`](WorldLine::segments) refuses them.
+    /// Fewer than two knots or more than [`MAX_ENTRIES`](super::MAX_ENTRIES), times that do not ascend or do not include 0, and accelerations
+    /// that [`segments`](WorldLine::segments) refuses.
     pub fn profile(
         velocity: Velocity,
         zero: Event<World>,
@@ -77,32 +75,32 @@ impl WorldLine {
 
     /// The natural cubic spline x(ct) through `events`, from the first, at proper time 0, to the last.
     ///
-    /// Of all curves through them it has the least ∫|x″|² dct; velocity and acceleration are continuous, and
-    /// the latter is zero at both ends.
+    /// Of all curves through them it has the least ∫|x″|² dct; velocity and acceleration are continuous, and the acceleration is zero at
+    /// both ends.
     ///
     /// # Errors
     /// Fewer than two events or more than [`MAX_ENTRIES`](super::MAX_ENTRIES), numbers that are not finite, times that do not ascend, and a curve
-    /// that is somewhere faster than [`MAX_KEYFRAME_SPEED`](super::MAX_KEYFRAME_SPEED).
+    /// that is faster somewhere than [`MAX_KEYFRAME_SPEED`](super::MAX_KEYFRAME_SPEED).
     pub fn keyframes(events: &[Event<World>]) -> Result<WorldLine, WorldLineError> {
         Ok(Kind::Keyframes(Keyframes::smooth(events)?).into())
     }
 
     /// Straight at constant velocity from each of `events` to the next, from the first, at proper time 0, to the last.
     ///
-    /// About each event between, the velocity changes within 1/16 of the shorter of the two times beside it, before
-    /// and after, at a constant rate in world time.
+    /// Around each inner event, the velocity changes at a constant rate in world time, from before to after the event by 1/16 of the
+    /// shorter of the two adjacent times.
     ///
     /// # Errors
-    /// As [`keyframes`](WorldLine::keyframes).
+    /// As for [`keyframes`](WorldLine::keyframes).
     pub fn polyline(events: &[Event<World>]) -> Result<WorldLine, WorldLineError> {
         Ok(Kind::Keyframes(Keyframes::straight(events)?).into())
     }
 
-    /// As an animation goes: through `events` straight ([`WorldLine::polyline`]) or smoothly ([`WorldLine::keyframes`]), and at rest
-    /// at the first of them before it and at the last one after it. The velocity jumps at both; proper time is 0 at the first.
+    /// The line of an animation: through `events`, straight ([`WorldLine::polyline`]) or smoothly ([`WorldLine::keyframes`]), and at rest
+    /// before the first of them and after the last one. The velocity jumps at both; proper time is 0 at the first.
     ///
     /// # Errors
-    /// As [`keyframes`](WorldLine::keyframes).
+    /// As for [`keyframes`](WorldLine::keyframes).
     pub fn animation(
         events: &[Event<World>],
         is_straight: bool,
@@ -114,11 +112,11 @@ impl WorldLine {
         Ok(Kind::Keyframes(line.resting()).into())
     }
 
-    /// At constant speed around the axis through the point `centre` along `axis` (of any length but 0), with
-    /// `rate` radians per metre of world time, right-handed about it; at `zero` at proper time 0.
+    /// At constant speed around the axis through the point `centre` along `axis` (of any length but 0), at `rate` radians per metre of
+    /// world time, right-handed about it; at `zero` at proper time 0.
     ///
     /// # Errors
-    /// Numbers that are not finite, no axis, `zero` on the axis, and a speed that is not below that of light.
+    /// Numbers that are not finite, a zero axis, `zero` on the axis, and a speed that is not below that of light.
     pub fn circular(
         zero: Event<World>,
         centre: DVec3,
@@ -128,7 +126,7 @@ impl WorldLine {
         Ok(Kind::Circular(Circular::new(zero, centre, axis, rate)?).into())
     }
 
-    /// The first and the last proper time, metres; infinite where the line has no end.
+    /// The first and the last proper time, metres; infinite if the line has no end.
     pub fn span(&self) -> [f64; 2] {
         match &self.kind {
             Kind::Arcs(_) | Kind::Circular(_) => [f64::NEG_INFINITY, f64::INFINITY],
@@ -137,7 +135,7 @@ impl WorldLine {
         }
     }
 
-    /// The proper times before and after which it rests, where it follows an animation: its velocity jumps there.
+    /// The proper times before and after which the line rests, if it follows an animation: its velocity jumps there.
     pub fn rests(&self) -> Option<[f64; 2]> {
         match &self.kind {
             Kind::Keyframes(line) => line.rests(),
@@ -145,7 +143,7 @@ impl WorldLine {
         }
     }
 
-    /// The proper time of a revolution, where it goes round a circle.
+    /// The proper time of a revolution, if the line is a circle.
     pub fn period(&self) -> Option<f64> {
         match &self.kind {
             Kind::Circular(line) => line.period(),
@@ -153,11 +151,11 @@ impl WorldLine {
         }
     }
 
-    /// The state at a proper time, metres. None outside [`WorldLine::span`], and where coordinates leave
-    /// f64's range or the rapidity is above [`MAX_RAPIDITY`](crate::spacetime::MAX_RAPIDITY).
+    /// The state at a proper time, metres. `None` outside [`WorldLine::span`], if coordinates exceed f64's range, or if the rapidity is
+    /// above [`MAX_RAPIDITY`](crate::spacetime::MAX_RAPIDITY).
     pub fn state(&self, proper_time: f64) -> Option<State> {
         let [first, last] = self.span();
-        // NaN is neither below nor above anything, so it is asked for by itself.
+        // NaN is neither below nor above anything, so it is tested separately.
         if !proper_time.is_finite() || proper_time < first || proper_time > last {
             return None;
         }
@@ -170,19 +168,18 @@ impl WorldLine {
         state.filter(|s| s.event.ct.is_finite() && s.event.x.is_finite())
     }
 
-    /// Event and velocity of the state at a proper time, as [`WorldLine::state`] has them, and none where it
-    /// has none: cheaper where nothing else is needed.
+    /// Event and velocity of [`WorldLine::state`] at a proper time, `None` if that is `None`: cheaper if nothing else is needed.
     pub fn place(&self, proper_time: f64) -> Option<(Event<World>, Velocity)> {
         let Kind::Arcs(line) = &self.kind else {
             let state = self.state(proper_time)?;
             return Some((state.event, state.velocity));
         };
-        // Arcs have no end, so only a time that is not finite is outside their span.
+        // Arcs have no ends, so only a time that is not finite is outside their span.
         let place = line.place(proper_time).filter(|_| proper_time.is_finite());
         place.filter(|(event, _)| event.ct.is_finite() && event.x.is_finite())
     }
 
-    /// The frame whose clock shows proper time, where the line is inertial for ever.
+    /// The frame whose clock shows proper time, if the line is inertial for ever.
     pub fn frame(&self) -> Option<InertialFrame<CameraFrame>> {
         match &self.kind {
             Kind::Arcs(line) => line.frame(),
@@ -190,12 +187,10 @@ impl WorldLine {
         }
     }
 
-    /// Where the line crosses the past light cone of the event at `offset` from that of `near`, a state of
-    /// this line: the event at which it is seen from there. The displacement of the crossing is counted from
-    /// `near.event`, and keeps the digits of a small `offset`.
+    /// The crossing of the line and the past light cone of the event at `offset` from that of `near`, a state of this line: the event at
+    /// which it is seen from there. The displacement of the crossing is relative to `near.event`, and keeps the digits of a small `offset`.
     ///
-    /// None where it does not cross: beyond the horizon of a line that accelerates for ever, before the line
-    /// begins or after it ends.
+    /// `None` if there is no crossing: beyond the horizon of a line that accelerates for ever, before the line begins or after it ends.
     #[inline]
     pub fn on_past_light_cone(
         &self,
@@ -210,7 +205,7 @@ impl WorldLine {
         }
     }
 
-    /// What there is around `near`, a state of this line, where its proper acceleration is constant there.
+    /// The part of the line around `near`, a state of this line, along which its proper acceleration is constant, if there is one.
     pub fn vicinity(&self, near: &State) -> Option<Vicinity> {
         match &self.kind {
             Kind::Arcs(line) => Some(line.vicinity(near)),
@@ -218,8 +213,8 @@ impl WorldLine {
         }
     }
 
-    /// What there is between two proper times, where the proper acceleration is constant from one to the other; its events
-    /// count from `reference`. None elsewhere, and where [`WorldLine::state`] has none.
+    /// The stretch between two proper times, if the proper acceleration is constant from one to the other; its events are relative to
+    /// `reference`. `None` otherwise, and if [`WorldLine::state`] is `None` there.
     pub fn stretch(&self, times: [f64; 2], reference: Event<World>) -> Option<Stretch> {
         match &self.kind {
             Kind::Arcs(line) => line.stretch(times, reference),
@@ -227,8 +222,8 @@ impl WorldLine {
         }
     }
 
-    /// Where the line crosses the past light cone of `apex`, as [`WorldLine::on_past_light_cone`]. The
-    /// displacement of the crossing is counted from `apex` itself: a null vector into the past.
+    /// The crossing of the line and the past light cone of `apex`, like [`WorldLine::on_past_light_cone`]. The displacement of the crossing
+    /// is relative to `apex` itself: a null vector into the past.
     pub fn on_past_light_cone_of(&self, apex: Event<World>) -> Option<Crossing> {
         match &self.kind {
             Kind::Arcs(line) => line.past_cone_of(apex),

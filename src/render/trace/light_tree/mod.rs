@@ -50,8 +50,7 @@ const SLACK: f64 = 1.0 / (1u64 << 23) as f64;
 /// A point that is lit, as seen in the frame of the triangles.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Receiver {
-    /// Lifted off its surface in the receiver's own frame if it rests with the triangles; otherwise where its ray leaves, so that the share
-    /// of a triangle that a ray has hit can be computed from the same point.
+    /// If it rests with the triangles, lifted off its surface: the share of a triangle that a ray has hit is computed from the origin of that ray.
     pub x: DVec3,
     /// **N** and N⁰, from the normal of the receiver's triangle.
     pub normal: DVec3,
@@ -69,7 +68,7 @@ pub(super) struct Receivers {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shining {
     pub triangle: Triangle,
-    /// Radiance, in parts that make the power of all lights 1.
+    /// Radiance, scaled so that the power of all lights is 1.
     pub brightness: f64,
     pub two_sided: bool,
 }

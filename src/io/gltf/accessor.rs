@@ -1,8 +1,8 @@
 //! Accessors (glTF 2.0 §3.6.2): typed arrays in buffers, checked before anything is read, then read as f64, which holds every component
 //! exactly.
 //!
-//! A [`Layout`] is an accessor whose bytes are all known to be inside its buffer views, and those inside the declared lengths of their
-//! buffers. Only layouts are read.
+//! A [`Layout`] is an accessor whose bytes are all known to be inside its buffer views, which in turn are inside the declared lengths of
+//! their buffers. Only layouts are read.
 
 use ::gltf::json::accessor::{Accessor, ComponentType, Type, sparse};
 use ::gltf::json::validation::Checked;
@@ -12,10 +12,11 @@ use super::buffers::{Buffers, Range, view_range};
 use super::document::Document;
 use crate::Result;
 
-/// Bytes that are read at a time.
+/// The number of bytes read at a time.
 const PIECE: u64 = 1 << 16;
 
-/// Elements without data that an accessor may have in any case, and per stored element: of a mesh they are all one point.
+/// The number of elements without data that any accessor may have, and the number it may have per stored element: in a mesh they are all at
+/// one point.
 const FEW_ZEROS: u64 = 1 << 20;
 const ZEROS_OF_ONE: u64 = 64;
 
@@ -27,7 +28,7 @@ pub(super) enum Purpose {
     Positions,
     TexCoords,
     Normals,
-    /// RGB, or RGBA where `alpha` is set.
+    /// RGB, or RGBA if `alpha` is set.
     Colours {
         alpha: bool,
     },
@@ -36,7 +37,7 @@ pub(super) enum Purpose {
     Vectors,
     /// Quaternions.
     Rotations,
-    /// Of an animation, seconds.
+    /// Keyframe times of an animation, seconds.
     Times,
 }
 
@@ -45,17 +46,17 @@ pub(super) enum Purpose {
 pub(super) struct Layout {
     /// Its index in the document.
     pub accessor: usize,
-    /// How many elements, at least 1.
+    /// The number of elements, at least 1.
     pub count: u64,
-    /// Where it stands, for messages: `mesh 2 "wheel", primitive 0, accessor 5`.
+    /// Where it is in the file, for messages: `mesh 2 "wheel", primitive 0, accessor 5`.
     pub place: String,
     pub format: Format,
-    /// Zeros where absent (which only a sparse accessor may be).
+    /// Dense elements; zeros if absent, which is allowed only for sparse accessors.
     pub dense: Option<Strided>,
     pub sparse: Option<Sparse>,
 }
 
-/// What an element is made of.
+/// The format of an element.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Format {
     pub component: ComponentType,
@@ -110,8 +111,8 @@ impl Check<'_, '_> {
         if count == 0 {
             return Err(self.invalid("it has no elements", "count must be at least 1"));
         }
-        // Without a buffer view elements are zeros (§3.6.2.3), which makes sense of what a vertex has besides its place: there are no
-        // more of them than of positions, which have data. Of others some have to be replaced.
+        // Without a buffer view elements are zeros (§3.6.2.3). That makes sense for vertex attributes other than positions: there are no
+        // more of them than positions, which have data. For all others, some elements must be replaced by sparse ones.
         let dense = match self.accessor.buffer_view {
             Some(view) => {
                 let offset = self.accessor.byte_offset.unwrap_or_default().0;
@@ -121,7 +122,7 @@ impl Check<'_, '_> {
                 self.check_zeros(count, sparse.count.0)?;
                 None
             }
-            // Zeros, of as many vertices as there are places in the file.
+            // Zeros, for as many vertices as there are positions in the file.
             None if matches!(
                 purpose,
                 Purpose::TexCoords | Purpose::Normals | Purpose::Colours { .. }
@@ -145,7 +146,7 @@ impl Check<'_, '_> {
         })
     }
 
-    /// Refuses more zeros than make sense, which cost memory and no byte of the file.
+    /// Refuses implausible numbers of zeros, which cost memory but no bytes of the file.
     fn check_zeros(&self, count: u64, given: u64) -> Result<()> {
         if count <= FEW_ZEROS.max(given.saturating_mul(ZEROS_OF_ONE)) {
             return Ok(());
@@ -167,7 +168,7 @@ impl Check<'_, '_> {
             ));
         };
         let (component, normalized) = (component.0, self.accessor.normalized);
-        // Types by purpose: those of §3.7.2.1 and §3.11, and as the extension widens them.
+        // Types by purpose: those of §3.7.2.1 and §3.11, extended by KHR_mesh_quantization.
         let quantized = self.document.uses("KHR_mesh_quantization");
         let (right, needed) = match (purpose, component) {
             (Purpose::Indices, U8 | U16 | U32) => (*kind == Type::Scalar && !normalized, ""),
@@ -217,12 +218,12 @@ impl Check<'_, '_> {
             .get(view, "buffer view", &self.place)?
             .byte_stride;
         let stride = stride.map_or(element, |stride| stride.0 as u64);
-        // The specification allows 252 at most. Elements that overlap would let a small file claim a large mesh.
+        // The specification allows at most 252. Overlapping elements would let a small file declare a large mesh.
         if stride < element || stride > element.max(252) {
             let what = format!("elements of {element} bytes lie {stride} bytes apart");
             return Err(self.invalid(&what, "byteStride must be from the element's size to 252"));
         }
-        // The last element needs no stride after it. Counts of hostile files overflow.
+        // The last element needs no stride after it. Counts in hostile files may overflow.
         let needed = (count - 1)
             .checked_mul(stride)
             .and_then(|bytes| bytes.checked_add(element))
@@ -264,7 +265,7 @@ impl Check<'_, '_> {
             component: index.0,
             normalized: false,
         };
-        // Values have the format of the accessor, indices their own, and both are packed.
+        // Values have the format of the accessor, indices their own format, and both are packed.
         let (indices, values) = (&sparse.indices, &sparse.values);
         Ok(Sparse {
             index_format,
@@ -283,7 +284,7 @@ impl Check<'_, '_> {
     }
 }
 
-/// The end of a message about integers as coordinates.
+/// The end of a message about integer coordinates.
 const Q: &str = " without KHR_mesh_quantization";
 
 impl Purpose {
@@ -327,14 +328,14 @@ impl Purpose {
 }
 
 impl Format {
-    /// Bytes of a component.
+    /// Bytes per component.
     pub fn size(self) -> u64 {
         self.component.size() as u64
     }
 
     /// The component at the start of `bytes` (glTF 2.0 §3.6.2.2 and §3.11 for normalized ones).
     fn decode(self, bytes: &[u8]) -> f64 {
-        // Little-endian. Of a normalized integer the greatest value is 1, and −1 the least: −128 is −1 as −127 is.
+        // Little-endian. A normalized integer maps its greatest value to 1, and is at least −1: both −127 and −128 become −1.
         let byte = |at: usize| bytes.get(at).copied().unwrap_or_default();
         let (two, four) = ([byte(0), byte(1)], [byte(0), byte(1), byte(2), byte(3)]);
         let (value, greatest) = match self.component {
@@ -357,8 +358,7 @@ impl Format {
     }
 }
 
-/// Gives every element of `layout` to `sink` with its index; an element that is sparse is given a
-/// second time, with its final value.
+/// Passes every element of `layout` to `sink`, with its index; a sparse element is passed a second time, with its final value.
 pub(super) fn read<const N: usize>(
     buffers: &mut Buffers,
     layout: &Layout,
@@ -371,7 +371,7 @@ pub(super) fn read<const N: usize>(
     let Some(sparse) = &layout.sparse else {
         return Ok(());
     };
-    // Indices fit in memory: there are no more than elements, which the caller has a budget for.
+    // Indices fit in memory: there are no more than elements, for which the caller has a budget.
     let indices = sparse_indices(buffers, layout, sparse)?;
     each(
         buffers,
@@ -396,7 +396,7 @@ fn sparse_indices(buffers: &mut Buffers, layout: &Layout, sparse: &Sparse) -> Re
         layout,
         &mut |at, [index]| {
             let index = index as u64;
-            // Only the first is told. Reading goes on, as `each` cannot be stopped from here.
+            // Only the first bad index is reported. Reading continues, as `each` cannot be stopped from here.
             if index >= layout.count || indices.last().is_some_and(|&last| last >= index) {
                 bad.get_or_insert((at, index));
             }
@@ -421,7 +421,7 @@ fn each<const N: usize>(
     layout: &Layout,
     sink: &mut dyn FnMut(u64, [f64; N]),
 ) -> Result<()> {
-    // As many whole elements as a piece holds, so that memory does not grow with the file.
+    // As many whole elements as fit in a piece, so that memory does not grow with the file.
     let element = format.size() * N as u64;
     let (stride, count) = (from.stride, (from.range.length - element) / from.stride + 1);
     let per_piece = (PIECE / stride).max(1);
@@ -429,7 +429,7 @@ fn each<const N: usize>(
     let mut first = 0;
     while first < count {
         let elements = per_piece.min(count - first);
-        // The buffer may end with the last element: what would follow it is not read.
+        // The buffer may end with the last element: do not read beyond it.
         let bytes = &mut piece[..((elements - 1) * stride + element) as usize];
         let range = Range {
             offset: from.range.offset + first * stride,

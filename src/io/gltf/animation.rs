@@ -1,6 +1,6 @@
 //! Animations of nodes (glTF 2.0 §3.11): the position of a node over time.
 //!
-//! Each channel sets translation, rotation or scale of a node by a sampler: values at ascending times, interpolated in between. With t
+//! Each channel sets translation, rotation or scale of a node through a sampler: values at ascending times, interpolated in between. With t
 //! the fraction of the interval from time k to k + 1, d its length in seconds, a and b the values at its ends,
 //!
 //! ```text
@@ -36,19 +36,20 @@ pub struct GltfTrack {
     /// Whether the node moves straight from each point to the next, at constant velocity: this is so if the animation only translates
     /// nodes, linearly. Otherwise the points lie on a curve.
     pub is_straight: bool,
-    /// Whether it also rotates on its path.
+    /// Whether the node also rotates along its path.
     pub turns: bool,
 }
 
-/// Subdivisions of the path between two times if it is curved.
+/// Number of segments between two times if the path is curved.
 const PIECES: usize = 8;
-/// By more than this part of its length an axis differs that turns: ten times what f32 rounds.
+/// A node turns if an axis changes by more than this relative amount: ten times the rounding error of f32.
 const TURN: f64 = 1e-6;
-/// The most points of a track.
+/// The maximum number of points of a track.
 const MOST: usize = 100_000;
-/// The most values of all channels together, 40 bytes each with their times: keys that several channels share are read for each of them.
+/// The maximum number of values of all channels together, 40 bytes each with their times: keys that several channels share are read for
+/// each of them.
 const MOST_VALUES: usize = 1_000_000;
-/// The most transforms from which a track is made, a second's work or two: at all points those of 100 nodes or channels.
+/// The maximum number of transforms from which a track is computed, a second or two of work: those of 100 nodes or channels at all points.
 const MOST_STEPS: usize = 100 * MOST;
 
 /// The values of a channel.
@@ -57,11 +58,11 @@ struct Channel {
     property: Property,
     interpolation: Interpolation,
     times: Vec<f64>,
-    /// As many as times; of splines three for each: in-tangent, value, out-tangent.
+    /// One value per time; for splines three: in-tangent, value, out-tangent.
     values: Vec<[f64; 4]>,
 }
 
-/// The path of the origin of the node `node`, by the animation `animation` or the only one.
+/// The path of the origin of the node named `node`, in the animation named `animation` or the only one.
 pub(super) fn track(
     document: &mut Document,
     node: &str,
@@ -95,7 +96,7 @@ pub(super) fn track(
         );
         return Err(document.invalid(place, what, help));
     }
-    // In the order of the file, of which the last one counts where two set the same.
+    // In the order of the file: if two channels set the same property, the last one wins.
     let mut by_node = BTreeMap::<usize, Vec<&Channel>>::new();
     for channel in &channels {
         by_node.entry(channel.node).or_default().push(channel);
@@ -108,7 +109,7 @@ pub(super) fn track(
     for seconds in times {
         let world = (posed.iter()).fold(DAffine3::IDENTITY, |world, node| world * node.at(seconds));
         points.push((seconds, world.translation));
-        // Scale turns nothing.
+        // Scale does not turn anything.
         axes.push([world.matrix3.y_axis, world.matrix3.z_axis].map(DVec3::normalize_or_zero));
     }
     if !points.iter().all(|(_, x)| x.is_finite()) {
@@ -125,7 +126,7 @@ pub(super) fn track(
     })
 }
 
-/// The animation of this name, or the only one.
+/// The animation with this name, or the only one.
 fn chosen(document: &Document, name: Option<&str>) -> Result<usize> {
     let all = &document.root.animations;
     let is_called = |a: &Animation| name.is_none() || a.name.as_deref() == name;
@@ -155,9 +156,9 @@ fn animation_label(document: &Document, index: usize) -> String {
     )
 }
 
-/// A node and those above it, the root first.
+/// A node and its ancestors, starting at the root.
 fn chain(document: &Document, node: usize) -> Result<Vec<usize>> {
-    // The hierarchy has no cycles once it is known.
+    // Building the hierarchy proves that it has no cycles.
     Hierarchy::new(document, &mut Warnings::default())?;
     let parents = parents(document);
     let above = |&node: &usize| parents.get(node).copied().flatten();
@@ -169,7 +170,7 @@ fn chain(document: &Document, node: usize) -> Result<Vec<usize>> {
 /// The channels of an animation that move one of the nodes.
 fn channels(document: &mut Document, animation: usize, nodes: &[usize]) -> Result<Vec<Channel>> {
     let name = animation_label(document, animation);
-    // Taken out of the document first, as reading accessors borrows it.
+    // Copied from the document first, as reading accessors borrows it.
     let nodes: BTreeSet<usize> = nodes.iter().copied().collect();
     let described = document.root.animations[animation].channels.iter();
     let described: Vec<_> = described
@@ -185,11 +186,11 @@ fn channels(document: &mut Document, animation: usize, nodes: &[usize]) -> Resul
             let help = "\"translation\", \"rotation\", \"scale\" or \"weights\"";
             return Err(document.invalid(place, "its path is not one that glTF defines", help));
         };
-        // Weights move no node.
+        // Weights do not move nodes.
         if property == Property::MorphTargetWeights {
             continue;
         }
-        // What it holds would have to be taken apart, and glTF 2.0 (§3.11) has no such nodes.
+        // The matrix would have to be decomposed, and glTF 2.0 (§3.11) does not allow such nodes.
         if document.root.nodes[node].matrix.is_some() {
             let what = "the node has a `matrix`, which animated nodes must not have in glTF";
             let help = "give the node `translation`, `rotation` and `scale` in its place";
@@ -240,7 +241,7 @@ fn read(
     let [input, output] = [(input, Purpose::Times), (output, purpose)]
         .map(|(index, purpose)| Layout::new(document, index, purpose, place));
     let (input, output) = (input?, output?);
-    // A cubic spline has a tangent before and one behind each value (glTF 2.0, appendix C).
+    // A cubic spline has a tangent before and after each value (glTF 2.0, appendix C).
     let per_time = match interpolation {
         Interpolation::CubicSpline => 3,
         _ => 1,
@@ -250,7 +251,7 @@ fn read(
         let help = format!("{per_time} values for each time, and at most {MOST} times");
         return Err(document.invalid(place, what, help));
     }
-    // `MOST` bounds both counts by now, whatever the file says, and `MOST_VALUES` the sum of all channels.
+    // At this point `MOST` bounds both counts, whatever the file says, and `MOST_VALUES` bounds the sum over all channels.
     let Some(rest) = left.checked_sub(output.count as usize) else {
         let what = format!("with it the channels have more than {MOST_VALUES} values");
         let help = "export fewer keys, or without those of nodes that stay where they are";
@@ -293,14 +294,14 @@ fn read(
     })
 }
 
-/// Whether the way is straight between the times of all channels: a sum of linear translations, by constant rotations and scales.
+/// Whether the path is straight between the times of all channels: a sum of linear translations, with constant rotations and scales.
 fn is_straight(channels: &[Channel]) -> bool {
     channels
         .iter()
         .all(|c| c.property == Property::Translation && c.interpolation == Interpolation::Linear)
 }
 
-/// All times at which a channel has values, and some between them where the way bends.
+/// All times at which a channel has values, and some in between where the path is curved.
 fn times(channels: &[Channel]) -> Vec<f64> {
     let mut times: Vec<f64> = channels
         .iter()
@@ -320,9 +321,9 @@ fn times(channels: &[Channel]) -> Vec<f64> {
     all
 }
 
-/// A node, and what moves it.
+/// A node and the channels that move it.
 struct Posed<'c> {
-    /// Its own transform where nothing does.
+    /// Its own transform if no channel moves it.
     rest: DAffine3,
     translation: DVec3,
     rotation: [f64; 4],
@@ -404,7 +405,7 @@ impl Channel {
     }
 }
 
-/// Along the shorter arc between two unit quaternions.
+/// Interpolates along the shorter arc between two unit quaternions.
 fn slerp(a: [f64; 4], b: [f64; 4], t: f64) -> [f64; 4] {
     let dot: f64 = (0..4).map(|i| a[i] * b[i]).sum();
     let angle = libm::acos(dot.abs().min(1.0));
@@ -415,7 +416,7 @@ fn slerp(a: [f64; 4], b: [f64; 4], t: f64) -> [f64; 4] {
     std::array::from_fn(|i| from * a[i] + to * b[i] * dot.signum())
 }
 
-/// What [`track`] gives of the file at `path`.
+/// The result of [`track`] for the file at `path`.
 pub(super) fn load(path: &Path, node: &str, animation: Option<&str>) -> Result<GltfTrack> {
     track(&mut Document::open(path)?, node, animation)
 }

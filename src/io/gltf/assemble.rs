@@ -1,4 +1,4 @@
-//! From checked headers to the mesh: reads the data, makes triangles, gathers materials and images.
+//! From checked headers to the mesh: reads the data, builds triangles, collects materials and images.
 
 use std::collections::BTreeMap;
 
@@ -51,7 +51,7 @@ struct Builder<'d, 'a> {
 }
 
 impl Builder<'_, '_> {
-    /// The instances of a placement, each where it is.
+    /// The instances of a placement, with their transforms.
     fn instances(&mut self, at: &Placement) -> Result<Vec<Placement>> {
         let Some(instances) = &at.instances else {
             return Ok(vec![at.clone()]);
@@ -90,7 +90,7 @@ impl Builder<'_, '_> {
         Ok(())
     }
 
-    /// Makes the triangles; a mirroring transform turns the winding back.
+    /// Adds the triangles; if the transform mirrors, their winding is restored.
     fn add_triangles(&mut self, at: &Placement, piece: &Piece, base: u32) -> Result<()> {
         let corners = corners(&mut self.buffers, piece)?;
         let mirrored = at.placed.world.matrix3.determinant() < 0.0;
@@ -148,7 +148,7 @@ fn corners(buffers: &mut Buffers, piece: &Piece) -> Result<Vec<u32>> {
     let Some(layout) = &piece.indices else {
         return Ok((0..vertices as u32).collect());
     };
-    // Through the list, because a sparse accessor gives some indices twice.
+    // Via the list, because a sparse accessor passes some indices twice.
     let mut corners = vec![0; layout.count as usize];
     accessor::read::<1>(buffers, layout, &mut |at, [index]| {
         corners[at as usize] = index as u32;
@@ -178,7 +178,7 @@ struct Palette {
 }
 
 impl Palette {
-    /// The number of a material in the import; a new one is added, with its image.
+    /// The index of a material in the import; a new one is added, with its images.
     fn number(
         &mut self,
         buffers: &mut Buffers,

@@ -1,5 +1,5 @@
-//! Bytes of buffers, wherever they are stored. Only requested ranges are read, and only on demand, so that memory follows what is used of
-//! a file and not what it claims.
+//! Bytes of buffers, wherever they are stored. Only requested ranges are read, on demand, so that memory use depends on what is needed of a
+//! file and not on what it declares.
 
 use std::io::{Read, Seek, SeekFrom};
 
@@ -12,7 +12,7 @@ use crate::io::open::open_regular;
 use crate::spacetime::units::quoted;
 use crate::{Error, Result};
 
-/// A range of a buffer that has been checked against what the document says of it.
+/// A range of a buffer that has been checked against the document.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Range {
     pub buffer: usize,
@@ -27,13 +27,13 @@ pub(super) struct Buffers<'d, 'a> {
 }
 
 enum Blob {
-    /// In the document's own storage, from this offset.
+    /// In the document's own storage, at this offset.
     Chunk(u64),
     File(Reader),
     Memory(Vec<u8>),
 }
 
-/// The range of buffer view `view`, checked against the length that its buffer declares.
+/// The range of buffer view `view`, checked against its buffer's declared length.
 pub(super) fn view_range(
     document: &Document,
     view: json::Index<json::buffer::View>,
@@ -70,7 +70,7 @@ impl<'d, 'a> Buffers<'d, 'a> {
         }
     }
 
-    /// Fills `bytes` from `range.offset`.
+    /// Fills `bytes` with data from `range.offset` on.
     pub fn fill(&mut self, range: Range, bytes: &mut [u8], place: &str) -> Result<()> {
         if self.opened.len() <= range.buffer {
             self.opened.resize_with(range.buffer + 1, || None);
@@ -92,9 +92,9 @@ impl<'d, 'a> Buffers<'d, 'a> {
         read.map_err(Error::io(&self.document.file, "cannot read a buffer"))
     }
 
-    /// All of a range, as of an image.
+    /// The bytes of a whole range, for example of an image.
     pub fn bytes(&mut self, range: Range, place: &str) -> Result<Vec<u8>> {
-        // Opening checks the declared length against the real one before memory is asked for.
+        // Opening checks the declared length against the real one before memory is allocated.
         self.fill(Range { length: 0, ..range }, &mut [], place)?;
         let length = usize::try_from(range.length).unwrap_or(usize::MAX);
         let mut bytes = Vec::new();
@@ -108,7 +108,7 @@ impl<'d, 'a> Buffers<'d, 'a> {
         Ok(bytes)
     }
 
-    /// Where the bytes of a buffer are: in memory, in a file of their own, or in the GLB's chunk, which only buffer 0 may use.
+    /// The location of the bytes of a buffer: in memory, in a separate file, or in the GLB's chunk, which only buffer 0 may use.
     fn open(&self, index: usize, place: &str) -> Result<Blob> {
         let document = &*self.document;
         let place = format!("{place}, buffer {index}");
@@ -155,7 +155,7 @@ fn read_at(
     data.read_exact(bytes)
 }
 
-/// What a URI gives: data, or an open file and its length.
+/// The resource at a URI: data, or an open file and its length.
 pub(super) enum Resource {
     Data(Vec<u8>),
     File(Reader, u64),

@@ -10,7 +10,7 @@ use super::nodes::{Hierarchy, named};
 use super::warnings::Warnings;
 use crate::Result;
 
-/// A perspective camera, placed.
+/// A perspective camera with its position and axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct GltfCamera {
@@ -26,7 +26,7 @@ pub struct GltfCamera {
     pub aspect: Option<f64>,
 }
 
-/// Names of the cameras: of their nodes, or else of the cameras themselves.
+/// Names of the cameras: those of their nodes, or else of the cameras themselves.
 pub(super) fn names(document: &Document) -> Vec<String> {
     let nodes = document.root.nodes.iter();
     nodes
@@ -43,7 +43,7 @@ fn camera_name(document: &Document, node: &Node) -> Option<String> {
     Some(shortened(&node.name.clone().or(own).unwrap_or_default()))
 }
 
-/// The camera of this name, or the only one.
+/// The camera with this name, or the only one.
 pub(super) fn find(document: &Document, name: Option<&str>) -> Result<GltfCamera> {
     let hierarchy = Hierarchy::new(document, &mut Warnings::default())?;
     match candidates(document, &hierarchy, name)?.as_slice() {
@@ -52,7 +52,7 @@ pub(super) fn find(document: &Document, name: Option<&str>) -> Result<GltfCamera
     }
 }
 
-/// The nodes with a camera that `name` may mean.
+/// The nodes with a camera to which `name` may refer.
 fn candidates(
     document: &Document,
     hierarchy: &Hierarchy,
@@ -68,7 +68,7 @@ fn candidates(
         .filter(|&node| is_called(document, node, name))
         .collect();
     if called.is_empty() && nodes.iter().any(|node| node.name.as_deref() == Some(name)) {
-        // Some exporters hang the camera below the node that carries its name.
+        // Some exporters put the camera below the node that has its name.
         let below = hierarchy.with_all_below(vec![named(document, name)?], &mut |_| true);
         let below = below.iter().map(|placed| placed.node);
         return Ok(below.filter(has_camera).collect());
@@ -104,7 +104,7 @@ fn not_one(document: &Document, name: Option<&str>, count: usize) -> crate::Erro
     document.invalid(place, what, help)
 }
 
-/// The camera of a node: glTF gives the vertical angle, and the horizontal one only where there is an aspect.
+/// The camera of a node: glTF gives the vertical angle, and the horizontal one only if there is an aspect ratio.
 fn placed(document: &Document, node: usize, world: DAffine3) -> Result<GltfCamera> {
     let place = document.node_label(node);
     let index = document.root.nodes.get(node).and_then(|node| node.camera);
@@ -153,7 +153,7 @@ fn perspective<'c>(
     }
 }
 
-/// Right, up, forward: −Z keeps its direction, +Y is made perpendicular to it; scale drops out.
+/// Right, up, forward: −Z keeps its direction, +Y is made perpendicular to it; scale is removed.
 fn axes(document: &Document, world: DAffine3, place: &str) -> Result<[DVec3; 3]> {
     let axes = world.matrix3;
     let mirrors = axes.determinant() < 0.0;
@@ -169,7 +169,7 @@ fn axes(document: &Document, world: DAffine3, place: &str) -> Result<[DVec3; 3]>
     }
 }
 
-/// `v` at length 1; scaled first, since the square of a small number may vanish.
+/// `v` normalized; scaled first, since the square of a small number may underflow.
 fn unit(v: DVec3) -> Option<DVec3> {
     let scale = v.abs().max_element();
     let v = (scale > 0.0 && scale.is_finite()).then(|| v / scale)?;

@@ -1,25 +1,25 @@
-//! The outside of a file: JSON text, or the binary container (GLB) with JSON and one chunk of data.
+//! The container of a file: JSON text, or the binary container (GLB) with JSON and one chunk of data.
 //!
-//! GLB (glTF 2.0 §4.4): twelve bytes `glTF`, version, total length; then chunks of length, type,
-//! data. The first chunk is JSON, the second may be the binary buffer, others are ignored.
+//! GLB (glTF 2.0 §4.4): twelve bytes with `glTF`, version and total length; then chunks of length, type and data. The first chunk is JSON,
+//! the second may be the binary buffer, others are ignored.
 
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::{Error, Result};
 
-/// The most JSON that is read: longer text cannot be a scene's description.
+/// The maximum length of JSON: longer text cannot be a scene description.
 const MOST_JSON: u64 = 1 << 29;
 
 const JSON: [u8; 4] = *b"JSON";
 const BIN: [u8; 4] = *b"BIN\0";
 const COPY_AGAIN: &str = "copy the file again, or export it again";
 
-/// Anything that a document can be read from.
+/// Anything from which a document can be read.
 pub(super) trait Storage: Read + Seek {}
 impl<T: Read + Seek> Storage for T {}
 
-/// What a file holds, before its JSON is understood.
+/// The contents of a file before its JSON is parsed.
 pub(super) struct Container {
     pub json: Vec<u8>,
     /// Offset and length of the binary chunk in the file.
@@ -59,7 +59,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// `bytes` bytes at `offset`, which lie within the file.
+    /// `bytes` bytes at `offset`, which must lie within the file.
     fn take(&mut self, offset: u64, bytes: u64, place: &str) -> Result<Vec<u8>> {
         if bytes > MOST_JSON {
             return Err(self.invalid(
@@ -68,7 +68,7 @@ impl Reader<'_> {
                 "keep vertex data in a .bin or .glb file, not in data URIs",
             ));
         }
-        // Grows with what is there: a length that a broken file claims reserves nothing.
+        // Grows with the data read: a length that a broken file declares allocates nothing.
         let mut data = Vec::new();
         (self.storage.seek(SeekFrom::Start(offset)))
             .and_then(|_| (&mut *self.storage).take(bytes).read_to_end(&mut data))
@@ -126,7 +126,7 @@ impl Reader<'_> {
         Ok((kind == BIN).then_some((offset, length)))
     }
 
-    /// Type, offset and length of the data of the chunk at `offset`, checked against the file.
+    /// Type, offset and length of the data in the chunk at `offset`, checked against the file.
     fn chunk(&mut self, offset: u64, place: &str) -> Result<([u8; 4], u64, u64)> {
         let length = u64::from(u32::from_le_bytes(self.word(offset, place)?));
         let kind = self.word(offset + 4, place)?;

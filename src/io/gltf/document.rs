@@ -1,4 +1,4 @@
-//! A parsed document whose data are still in their files, and the names of its parts in messages.
+//! A parsed document whose data are still in their files, and labels for its parts in messages.
 
 use std::collections::BTreeSet;
 use std::io::{BufReader, Cursor};
@@ -17,16 +17,16 @@ use crate::io::open::open_regular;
 pub(super) struct Document<'a> {
     /// The file, for messages.
     pub file: PathBuf,
-    /// The directory that relative URIs start from; none for a document in memory.
+    /// The directory to which URIs are relative; `None` for a document in memory.
     pub directory: Option<PathBuf>,
     pub root: Root,
-    /// Animation and channel of each channel without a node, which are left out of `root`.
+    /// Animation and channel indices of channels without a node, which are left out of `root`.
     pub without_node: Vec<[usize; 2]>,
-    /// The extensions that the file says that it uses.
+    /// The extensions that the file declares as used.
     used: BTreeSet<String>,
-    /// Those that its parts name.
+    /// The extensions named in its parts.
     named: BTreeSet<String>,
-    /// Where the binary chunk lies in `storage`: offset and length.
+    /// Offset and length of the binary chunk in `storage`.
     pub bin: Option<(u64, u64)>,
     pub storage: Box<dyn Storage + 'a>,
 }
@@ -70,7 +70,7 @@ impl<'a> Document<'a> {
     fn check_version(&self) -> Result<()> {
         let asset = &self.root.asset;
         let needed = asset.min_version.as_deref().unwrap_or(&asset.version);
-        // Minor versions only add what readers may ignore, so without a least version any 2.x will do.
+        // Minor versions only add what readers may ignore, so without `minVersion` any 2.x is readable.
         let readable = match asset.min_version {
             Some(_) => needed == "2.0",
             None => needed.starts_with("2."),
@@ -100,7 +100,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// The extensions that the file uses and that are not read, each once, and whether it says that it uses them.
+    /// The extensions that the file uses and that are not read, without repetitions, and whether each is declared as used.
     pub fn unread_extensions(&self) -> impl Iterator<Item = (&str, bool)> {
         let declared = self.root.extensions_used.iter();
         let declared: BTreeSet<&str> = declared.map(String::as_str).collect();
@@ -112,7 +112,7 @@ impl<'a> Document<'a> {
         (declared.map(|name| (name, true))).chain(others.into_iter().map(|name| (name, false)))
     }
 
-    /// Whether the file says that it uses this extension.
+    /// Whether the file declares this extension as used.
     pub fn uses(&self, extension: &str) -> bool {
         self.used.contains(extension)
     }
@@ -162,9 +162,8 @@ impl<'a> Document<'a> {
     }
 }
 
-/// The document of a JSON text, and what is left out of it: animation channels whose target has no node, like those of materials with
-/// KHR_animation_pointer, must be ignored (glTF 2.0 §5.7), but the parser would refuse them.
-/// KHR_animation_pointer, are to be passed over (glTF 2.0 §5.7), and would be refused as they are.
+/// Parses JSON text, and returns what was left out of the document: animation channels whose target has no node, like those of materials
+/// with KHR_animation_pointer, must be ignored (glTF 2.0 §5.7), but the parser would refuse them.
 fn root(text: &[u8], file: &Path) -> Result<(Root, Vec<[usize; 2]>)> {
     let error = match Root::from_slice(text) {
         Ok(root) => return Ok((root, Vec::new())),
@@ -184,9 +183,9 @@ fn root(text: &[u8], file: &Path) -> Result<(Root, Vec<[usize; 2]>)> {
     Ok((root, found))
 }
 
-/// Animation and channel of each channel whose target has no node, ascending.
+/// Animation and channel indices of channels whose target has no node, ascending.
 fn channels_without_node(text: &[u8]) -> Vec<[usize; 2]> {
-    // Of a JSON of any size, no more than this is kept.
+    // Whatever the size of the JSON, only this is kept.
     #[derive(Deserialize)]
     struct Head {
         #[serde(default)]
@@ -217,14 +216,14 @@ fn channels_without_node(text: &[u8]) -> Vec<[usize; 2]> {
     found
 }
 
-/// Objects of a JSON, each of which takes some hundred bytes of memory: as many as these are read whatever they are.
+/// The number of JSON objects, each of which takes a few hundred bytes of memory, that is accepted in any case.
 const FEW_OBJECTS: usize = 1 << 17;
-/// The least text of an object that says something, like `{"a":0},`, bytes.
+/// The shortest text of an object with contents, like `{"a":0},`, bytes.
 const LEAST_OBJECT: usize = 8;
 
-/// Refuses a JSON of many empty objects, which takes hundreds of times as much memory as text.
+/// Refuses JSON with many empty objects, which takes hundreds of times as much memory as text.
 fn check_objects(text: &[u8], file: &Path) -> Result<()> {
-    // Braces in names count too, of which there are few.
+    // This counts braces in names too, of which there are few.
     let objects = text.iter().filter(|byte| **byte == b'{').count();
     if objects <= FEW_OBJECTS.max(text.len() / LEAST_OBJECT) {
         return Ok(());
@@ -237,9 +236,9 @@ fn check_objects(text: &[u8], file: &Path) -> Result<()> {
     Err(Error::invalid(file, "JSON", what, help))
 }
 
-/// What is wrong with a JSON that is not read as glTF.
+/// The error for JSON that cannot be read as glTF.
 fn unreadable(text: &[u8], error: &json::Error, file: &Path) -> Error {
-    // Of a JSON of any size, no more than this is kept.
+    // Whatever the size of the JSON, only this is kept.
     #[derive(Deserialize)]
     struct Head {
         asset: Option<Asset>,
@@ -259,7 +258,7 @@ fn unreadable(text: &[u8], error: &json::Error, file: &Path) -> Error {
     Error::invalid(file, "JSON", error.to_string(), help)
 }
 
-/// `kind 7 "name"`, or `kind 7` where there is no name.
+/// `kind 7 "name"`, or `kind 7` if there is no name.
 pub(super) fn label(kind: &str, index: usize, name: Option<&str>) -> String {
     match name {
         Some(name) if !name.is_empty() => format!("{kind} {index} {:?}", shortened(name)),
@@ -267,7 +266,7 @@ pub(super) fn label(kind: &str, index: usize, name: Option<&str>) -> String {
     }
 }
 
-/// A name from the file, cut to a length that suits a message.
+/// A name from the file, shortened for a message.
 pub(super) fn shortened(name: &str) -> String {
     const MOST: usize = 60;
     match name.char_indices().nth(MOST) {

@@ -1,4 +1,4 @@
-//! Everything that headers say about an import: what will be read, and that it can be.
+//! The result of checking all headers of an import: what will be read.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,7 +14,7 @@ use super::primitive::Wanted;
 use super::warnings::Warnings;
 use crate::Result;
 
-/// Materials by index in the document; none is the default material.
+/// Materials by index in the document; `None` is the default material.
 pub(super) type Materials = BTreeMap<Option<usize>, Resolved>;
 
 /// An import with checked headers, before its data are read.
@@ -22,7 +22,7 @@ pub(super) struct Draft {
     pub pieces: Pieces,
     pub materials: Materials,
     pub warnings: Warnings,
-    /// The nodes that are imported, top down.
+    /// The imported nodes, top down.
     pub nodes: Vec<usize>,
 }
 
@@ -57,7 +57,7 @@ impl Draft {
         })
     }
 
-    /// How many texture coordinate sets of the file are read: the highest number, plus one.
+    /// The number of texture coordinate sets of the file that are read: the highest number, plus one.
     pub fn uv_sets(&self) -> usize {
         let pieces = self.pieces.of_mesh.values().flatten();
         let sets = pieces.flat_map(|piece| piece.uvs.keys());
@@ -65,7 +65,7 @@ impl Draft {
     }
 }
 
-/// The most extensions that are named: a file of exporters' own has a few.
+/// The maximum number of extensions that are named in warnings: files with an exporter's own extensions have a few.
 const MOST_NAMED: usize = 20;
 
 /// The warning about a file's lights.
@@ -75,7 +75,7 @@ pub(crate) const LIGHTS_UNREAD: &str = "the lights of a scene are its [[light]] 
 pub(crate) const ANIMATIONS_UNREAD: &str =
     "no mesh moves with it; cameras and lights follow it if motion.animation names it";
 
-/// Reports features of the file that are ignored as a whole.
+/// Warns about features of the file that are ignored as a whole.
 fn warn_of_unread(document: &Document, placed: &[Placed], warnings: &mut Warnings) {
     let mut unread = document.unread_extensions();
     for (name, is_declared) in unread.by_ref().take(MOST_NAMED) {
@@ -132,12 +132,12 @@ fn warn_of_unread(document: &Document, placed: &[Placed], warnings: &mut Warning
     }
 }
 
-/// Animations that move or bend a mesh of these nodes: themselves, what they hang on, or the joints of a skin.
+/// Animations that move or deform a mesh of these nodes: those of the nodes themselves, of their ancestors, or of the joints of a skin.
 fn animations_of_meshes(document: &Document, placed: &[Placed]) -> Vec<usize> {
     let nodes = &document.root.nodes;
     let has_mesh = |node: usize| nodes.get(node).is_some_and(|node| node.mesh.is_some());
     let parents = parents(document);
-    // Nodes with a mesh at or below them; a hierarchy that was placed has no cycles.
+    // Nodes with a mesh at or below them; a hierarchy with placed nodes has no cycles.
     let mut carries = vec![false; nodes.len()];
     let mut is_skinned = false;
     for mesh in placed
@@ -163,7 +163,7 @@ fn animations_of_meshes(document: &Document, placed: &[Placed]) -> Vec<usize> {
         .collect()
 }
 
-/// Reports meshes that show textures as if they were white.
+/// Warns about meshes that show textures as if they were white.
 fn warn_of_missing_uvs(pieces: &Pieces, materials: &Materials, warnings: &mut Warnings) {
     for (_, piece) in pieces.all() {
         let material = materials.get(&piece.material);
@@ -177,7 +177,7 @@ fn warn_of_missing_uvs(pieces: &Pieces, materials: &Materials, warnings: &mut Wa
     }
 }
 
-/// The materials of the meshes of these nodes, each of which is there.
+/// The materials of the meshes of these nodes; checks that each exists.
 fn materials_of(document: &Document, nodes: &[usize]) -> Result<BTreeSet<Option<usize>>> {
     let root = &document.root;
     let mesh = |&node: &usize| Some(root.nodes.get(node)?.mesh?.value());

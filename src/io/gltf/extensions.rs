@@ -1,4 +1,4 @@
-//! Which extensions a file uses: those that it declares, and those that its parts name without that.
+//! The extensions that a file uses: those it declares, and those that its parts name without a declaration.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -7,8 +7,7 @@ use std::fmt;
 use serde::de::{DeserializeSeed, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::Deserializer;
 
-/// The extensions that may be required: what this program reads is complete without the others,
-/// or with these.
+/// The extensions that may be required: what this program reads is complete if these are ignored or applied.
 pub(super) const UNDERSTOOD: [&str; 10] = [
     "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
@@ -22,19 +21,19 @@ pub(super) const UNDERSTOOD: [&str; 10] = [
     "KHR_materials_volume",
 ];
 
-/// The names in all tables `extensions` of a JSON but those in `extras`, which are the application's own.
+/// The names in all `extensions` tables of a JSON text, except those in `extras`, which belong to the application.
 pub(super) fn named(text: &[u8]) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     let below = Below {
         names: &mut names,
         are_names: false,
     };
-    // Nothing is said of a JSON that cannot be read: reading it as glTF says why.
+    // Invalid JSON is not reported here: reading it as glTF gives the reason.
     let _ = below.deserialize(&mut Deserializer::from_slice(text));
     names
 }
 
-/// A value, of which the names of extensions are kept and nothing else.
+/// A value of which only the names of extensions are kept.
 struct Below<'n> {
     names: &'n mut BTreeSet<String>,
     /// Whether its keys are names of extensions.

@@ -1,7 +1,7 @@
 //! A mesh as binary glTF 2.0 (Khronos, "glTF 2.0 Specification", ISO/IEC 12113:2022).
 //!
-//! One node, one mesh, one buffer. All primitives share the list of vertices; their triangles follow each
-//! other in the order of the mesh, so that triangle i of the mesh is triangle i of all primitives in turn.
+//! One node, one mesh, one buffer. All primitives share the vertex list; their triangles follow each other in the order of the mesh, so
+//! that triangle i of the mesh is triangle i in the sequence of all primitives' triangles.
 
 use std::io::Write;
 use std::path::Path;
@@ -19,12 +19,13 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 
-/// Consecutive triangles with one material, all of whose corners have the same sets of texture coordinates, and normals or none.
+/// Consecutive triangles with one material whose corners all have the same sets of texture coordinates, and either all or none have
+/// normals.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Run {
     /// The first triangle.
     pub first: u32,
-    /// How many.
+    /// The number of triangles.
     pub count: u32,
     /// Index of the material.
     pub material: u32,
@@ -77,15 +78,15 @@ fn has_normals(mesh: &Mesh, triangle: u32) -> bool {
         .all(|v| normal(v).is_some_and(|normal| *normal != [0.0; 3]))
 }
 
-/// Whether the positions of `mesh` are what single precision makes of them.
+/// Whether all positions of `mesh` are representable in single precision.
 pub(crate) fn is_exact(mesh: &Mesh) -> bool {
     mesh.positions.iter().all(|p| p.as_vec3().as_dvec3() == *p)
 }
 
-/// Writes `mesh` to a `.glb` file, as a node called `name`. Positions become single precision.
+/// Writes `mesh` to a `.glb` file, as a node named `name`. Positions are rounded to single precision.
 ///
 /// # Errors
-/// The mesh is too large for the format, or beyond single precision; I/O errors.
+/// The mesh is too large for the format, or exceeds single precision; I/O errors.
 pub fn save(path: &Path, name: &str, mesh: &Mesh) -> FileResult<()> {
     let bytes = write(name, mesh, &runs(mesh), &[], |m| m.unlit)
         .map_err(|what| Error::unsupported(path, "", what, "write a part of it"))?;
@@ -96,7 +97,7 @@ pub fn save(path: &Path, name: &str, mesh: &Mesh) -> FileResult<()> {
 /// The GLB file of `mesh`, whose primitives are `runs`; `is_unlit` says which materials show their base colours under any light.
 ///
 /// # Errors
-/// Why there is none: too large, or beyond single precision.
+/// The reason why there is none: too large, or beyond single precision.
 pub fn write(
     name: &str,
     mesh: &Mesh,
@@ -146,7 +147,7 @@ pub fn write(
         "buffers": [{ "byteLength": file.bytes.len() }],
     });
     if let Value::Object(map) = &mut document {
-        // Lists may be left out, but not be empty.
+        // Lists may be absent, but must not be empty.
         map.retain(|_, value| value.as_array().is_none_or(|list| !list.is_empty()));
     }
     container(document.to_string().into_bytes(), file.bytes)
@@ -174,7 +175,7 @@ fn container(mut json: Vec<u8>, mut binary: Vec<u8>) -> Result<Vec<u8>, &'static
 fn materials(materials: &[Material], is_unlit: impl Fn(&Material) -> bool) -> Vec<Value> {
     let mut textures = 0;
     let material = |m: &Material| {
-        // glTF has no factors above 1; the bundle's own description has them.
+        // glTF has no factors above 1; the bundle's own description keeps them.
         let [r, g, b] = m.base_colour.map(|c| c.clamp(0.0, 1.0));
         let mut pbr = json!({ "baseColorFactor": [r, g, b, m.alpha], "metallicFactor": 0.0 });
         if let Some(texture) = &m.base_colour_texture {
@@ -213,7 +214,7 @@ fn sampler(material: &Material) -> Option<Value> {
     Some(json!({ "wrapS": s, "wrapT": t, "magFilter": filter, "minFilter": filter }))
 }
 
-/// The buffer, and what lies in it.
+/// The buffer, and the views and accessors into it.
 #[derive(Default)]
 struct File {
     bytes: Vec<u8>,
@@ -222,7 +223,7 @@ struct File {
 }
 
 impl File {
-    /// Adds a buffer view; its index.
+    /// Adds a buffer view and returns its index.
     fn view(&mut self, bytes: impl IntoIterator<Item = u8>, target: Option<u32>) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let offset = self.bytes.len();
@@ -259,7 +260,7 @@ impl File {
         })))
     }
 
-    /// Vertices without coordinates hold 0, and so do all of a set that none has: an accessor of nothing.
+    /// Vertices without coordinates get 0, and so do all vertices of a set that none has: an accessor without data.
     fn uvs(&mut self, set: &[[f32; 2]], vertices: usize) -> usize {
         if set.is_empty() {
             let zeros = json!({ "componentType": FLOAT, "count": vertices, "type": "VEC2" });
@@ -287,7 +288,7 @@ impl File {
         json!({ "bufferView": view, "mimeType": image.media_type, "name": image.place })
     }
 
-    /// Unit vectors; of vertices without one any.
+    /// Unit vectors; arbitrary ones for vertices without a normal.
     fn normals(&mut self, normals: &[[f32; 3]]) -> usize {
         let unit = |n: &[f32; 3]| DVec3::from(n.map(f64::from)).normalize_or(DVec3::Z);
         let bytes = normals
@@ -322,7 +323,7 @@ impl File {
         if let Some(colours) = colours {
             attributes["COLOR_0"] = colours.into();
         }
-        // Sets are numbered without gaps: one that is missing below another that is there holds zeros.
+        // Sets are numbered without gaps: a missing set below an existing one gets zeros.
         let last = run.uv_sets.last().map_or(0, |last| last + 1);
         for (set, accessor) in uvs.iter().enumerate().take(last) {
             attributes[format!("TEXCOORD_{set}")] = (*accessor).into();

@@ -1,4 +1,4 @@
-//! Encoded images, as they stand in the file; they are decoded elsewhere, under limits.
+//! Encoded images, as stored in the file; they are decoded elsewhere, within limits.
 
 use std::io::Read;
 
@@ -9,10 +9,10 @@ use super::document::{Document, label};
 use super::import::EncodedImage;
 use crate::{Error, Result};
 
-/// The most bytes of encoded images of one import: several images may name the same bytes.
+/// The maximum number of bytes of encoded images per import: several images may refer to the same bytes.
 pub(super) const MOST_BYTES: u64 = 1 << 30;
 
-/// The encoded bytes of image `index` of the document, of which `most` bytes may be read.
+/// The encoded bytes of image `index` of the document, at most `most` bytes.
 pub(super) fn read(buffers: &mut Buffers, index: usize, most: u64) -> Result<EncodedImage> {
     let document = &*buffers.document;
     let number = Index::<image::Image>::new(u32::try_from(index).unwrap_or(u32::MAX));
@@ -64,7 +64,7 @@ fn check_size(document: &Document, bytes: u64, most: u64, place: &str) -> Result
     }
 }
 
-/// By the first bytes: names and declared types are not to be relied on.
+/// From the first bytes: names and declared types are not reliable.
 fn media_type(bytes: &[u8]) -> Option<&'static str> {
     match bytes {
         [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => Some("image/png"),

@@ -6,40 +6,39 @@ use serde::{Deserialize, Serialize};
 
 use crate::mesh::Mesh;
 
-/// What to read besides positions and indices.
+/// What to read in addition to positions and indices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Want {
     /// All texture coordinate sets. Without it, only those that textures need are read.
     pub uvs: bool,
-    /// Base colours: the images of their textures, the coordinates that address them, and vertex colours.
-    /// Those of materials with a mask are read anyway.
+    /// Base colours: the images of their textures, the coordinates that address them, and vertex colours. Those of materials with a mask
+    /// are always read.
     pub textures: bool,
-    /// Further material properties under lamps: its textures of metalness and roughness, and of emission.
+    /// Further material properties for lighting: textures of metalness and roughness, and of emission.
     pub shading: bool,
-    /// Normals of vertices, for reflection.
+    /// Vertex normals, for reflection.
     pub normals: bool,
-    /// What to do about positions, texture coordinates and normals that are not finite. Dropped triangles keep their numbers: their
-    /// corners are collapsed to one point, so that no ray hits them.
+    /// What to do about positions, texture coordinates and normals that are not finite. Dropped triangles keep their indices: their corners
+    /// are collapsed to one point, so that no ray hits them.
     pub bad_vertices: BadVertices,
 }
 
-/// What was read.
+/// The imported mesh, with its images and warnings.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Imported {
-    /// The triangles, in the coordinates of the file's root, metres. Vertices of a primitive
-    /// without a texture coordinate set that others have hold NaN in it, which
-    /// [`Mesh::uv`] takes for none. Textures with transforms of their own
-    /// (KHR_texture_transform) have their coordinates in further lists after the file's sets. Vertices without
-    /// a colour that others have are white, and those without a normal that others have hold 0.
+    /// The triangles, in the coordinates of the file's root, metres. If a primitive lacks a texture coordinate set that others have, its
+    /// vertices have NaN in it, which [`Mesh::uv`] treats as missing. The coordinates of textures with their own transforms
+    /// (KHR_texture_transform) are in further lists after the file's sets. Likewise, vertices without a colour are white if others have
+    /// colours, and vertices without a normal have 0 if others have normals.
     pub mesh: Mesh,
     /// The number of texture coordinate sets in the file.
     pub uv_sets: usize,
-    /// Encoded images of the materials in use, if requested; [`TextureRef::image`] counts these.
+    /// Encoded images of the materials in use, if requested; [`TextureRef::image`] is an index into these.
     ///
     /// [`TextureRef::image`]: crate::mesh::TextureRef::image
     pub images: Vec<EncodedImage>,
-    /// Ignored features, a sentence each, with the place.
+    /// Ignored features, with their place, one sentence each.
     pub warnings: Vec<String>,
 }
 
@@ -59,10 +58,10 @@ pub enum BadVertices {
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct EncodedImage {
-    /// A PNG or JPEG file; only its first bytes have been looked at.
+    /// A PNG or JPEG file; only its first bytes have been checked.
     pub bytes: Vec<u8>,
-    /// Which of the two: "image/png" or "image/jpeg".
+    /// Either "image/png" or "image/jpeg".
     pub media_type: &'static str,
-    /// Where it stands, for messages: `image 2 "bricks"`.
+    /// Where it is in the file, for messages: `image 2 "bricks"`.
     pub place: String,
 }

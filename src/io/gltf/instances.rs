@@ -17,7 +17,7 @@ const HELP: &str = "export the model with its instances as nodes of their own";
 /// The instances of a node's mesh, checked.
 #[derive(Debug, Clone)]
 pub(super) struct Instances {
-    /// How many.
+    /// The number of instances.
     pub count: u64,
     translation: Option<Layout>,
     rotation: Option<Layout>,
@@ -26,7 +26,7 @@ pub(super) struct Instances {
 }
 
 impl Instances {
-    /// Those of a node; none where its mesh is placed once, as it stands.
+    /// The instances of a node; `None` if its mesh is placed once, without EXT_mesh_gpu_instancing.
     pub fn of(document: &Document, node: usize) -> Result<Option<Instances>> {
         let attributes = &extension(document, node, NAME)["attributes"];
         let Some(attributes) = attributes.as_object() else {
@@ -68,7 +68,7 @@ impl Instances {
         }))
     }
 
-    /// Their transforms, in order.
+    /// The transforms of the instances, in order.
     pub fn read(&self, buffers: &mut Buffers) -> Result<Vec<DAffine3>> {
         let count = self.count as usize;
         let mut translations = vec![DVec3::ZERO; count];

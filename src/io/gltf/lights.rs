@@ -1,6 +1,6 @@
-//! Lights of a file (KHR_lights_punctual): they shine along their node's local −Z. Candela and lux are taken as the
-//! power that they weigh, without a factor; a `range`, beyond which a program
-//! may take it for dark, is not applied: it is a hint, and light falls off as 1/r² at any distance.
+//! Lights of a file (KHR_lights_punctual): they shine along their node's local −Z. Candela and lux are taken as radiometric power, without
+//! a factor. A `range`, beyond which a program may ignore the light, is not applied: it is a hint, and light falls off as 1/r² at any
+//! distance.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -14,23 +14,23 @@ use super::warnings::Warnings;
 use crate::Result;
 use crate::spacetime::{Direction, World};
 
-/// A light, placed.
+/// A light with its position and direction.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct GltfLight {
-    /// The name of its node, or its own; "" where neither has one.
+    /// The name of its node, or its own name; "" if neither has one.
     pub name: String,
-    /// What it shines like.
+    /// How it shines.
     pub kind: GltfLightKind,
     /// Linear RGB: luminous intensity of a point or spot light in candela, illuminance of a directional one in lux.
     pub intensity: [f64; 3],
-    /// Where it is, metres, in the coordinates of the file's root.
+    /// Position, metres, in the coordinates of the file's root.
     pub position: DVec3,
-    /// Where it shines to: a unit vector.
+    /// The direction in which it shines: a unit vector.
     pub direction: DVec3,
 }
 
-/// What a light shines like.
+/// How a light shines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum GltfLightKind {
@@ -38,16 +38,16 @@ pub enum GltfLightKind {
     Point,
     /// In a cone.
     Spot {
-        /// Full within this angle of the axis, radians.
+        /// Full intensity within this angle of the axis, radians.
         inner: f64,
-        /// Dark from this angle on, radians, above `inner`, at most π/2.
+        /// Dark beyond this angle, radians, which is above `inner` and at most π/2.
         outer: f64,
     },
     /// Parallel light.
     Directional,
 }
 
-/// Which light a node has.
+/// The index of a node's light.
 pub(super) fn index_of(document: &Document, node: usize) -> Option<usize> {
     let node = document.root.nodes.get(node)?;
     let light = node.extensions.as_ref()?.khr_lights_punctual.as_ref()?;
@@ -60,7 +60,7 @@ fn all<'d>(document: &'d Document) -> &'d [Light] {
     lights.map_or(&[], |all| &all.lights)
 }
 
-/// Whether the light of a node says beyond which distance programs need not compute it.
+/// Whether the light of a node has a range beyond which programs may ignore it.
 pub(super) fn has_range(document: &Document, node: usize) -> bool {
     let light = index_of(document, node).and_then(|index| all(document).get(index));
     light.is_some_and(|light| light.range.is_some())

@@ -1,9 +1,8 @@
-//! Materials (glTF 2.0 §3.9): metallic-roughness factors and textures, emission with its strength
-//! (KHR_materials_emissive_strength), alpha, sides, whether light matters (KHR_materials_unlit), and glass: the part of light that
-//! goes through (KHR_materials_transmission), its index (KHR_materials_ior), and whether it bounds a body (KHR_materials_volume with a
-//! thickness above 0) or is a film.
+//! Materials (glTF 2.0 §3.9): metallic-roughness factors and textures, emission with its strength (KHR_materials_emissive_strength), alpha,
+//! sides, whether the material is unlit (KHR_materials_unlit), and glass: the transmitted fraction of light (KHR_materials_transmission),
+//! its index (KHR_materials_ior), and whether it bounds a body (KHR_materials_volume with a thickness above 0) or is a film.
 //!
-//! Normal and occlusion textures are not read, nor what a body of glass absorbs and where its transmission varies.
+//! Normal and occlusion textures are not read, nor absorption in a body of glass, nor textures of its transmission.
 
 use std::collections::BTreeMap;
 
@@ -22,20 +21,20 @@ use crate::mesh::{
     AlphaMode, MOST_INDEX, Material, TextureFilter, TextureRef, TextureSampler, Wrap,
 };
 
-/// A material as the mesh will hold it, and what its texture coordinates still need.
+/// A material as the mesh will store it, and the transforms that its texture coordinates still need.
 #[derive(Debug, Clone)]
 pub(super) struct Resolved {
-    /// In its textures `image` counts images of the *document*, and `uv_set` its sets; from
-    /// [`FIRST_TRANSFORMED`] on it counts `transforms`.
+    /// In its textures, `image` is an index in the *document*, and `uv_set` one of its sets; from [`FIRST_TRANSFORMED`] on, it is an index
+    /// into `transforms`.
     pub material: Material,
-    /// The sets that KHR_texture_transform changes, and how; different ones.
+    /// The sets that KHR_texture_transform changes, and how, without repetitions.
     pub transforms: Vec<(usize, UvTransform)>,
 }
 
-/// The extension of what goes through.
+/// The extension for transmission.
 const TRANSMISSION: &str = "KHR_materials_transmission";
 
-/// Where numbers of transforms begin among the sets of a [`Resolved`] material.
+/// The first set number that stands for a transform in a [`Resolved`] material.
 pub(super) const FIRST_TRANSFORMED: usize = MOST_SETS as usize;
 
 impl Resolved {
@@ -59,8 +58,8 @@ impl Resolved {
     }
 }
 
-/// uv ↦ offset + R(rotation) · scale · uv (KHR_texture_transform). With v pointing down, a positive
-/// rotation is counter-clockwise as seen on the image: R = [[cos, sin], [−sin, cos]].
+/// uv ↦ offset + R(rotation) · scale · uv (KHR_texture_transform). As v points down, a positive rotation is counter-clockwise as seen in
+/// the image: R = [[cos, sin], [−sin, cos]].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct UvTransform {
     offset: DVec2,
@@ -80,7 +79,7 @@ impl UvTransform {
     }
 }
 
-/// Resolves each of `used` (none is the default material), with the textures that `want` asks for.
+/// Resolves each of `used` (`None` is the default material), with the textures that `want` requests.
 pub(super) fn resolve(
     document: &Document,
     used: impl IntoIterator<Item = Option<usize>>,
@@ -102,7 +101,7 @@ pub(super) fn resolve(
 }
 
 fn one(document: &Document, index: usize, want: Want, warnings: &mut Warnings) -> Result<Resolved> {
-    // An index that does not fit 32 bits is out of any list, and is refused as that.
+    // An index that does not fit in 32 bits is out of range for any list, and is refused as such.
     let number = Index::<material::Material>::new(u32::try_from(index).unwrap_or(u32::MAX));
     let material = document.get(number, "material", "materials")?;
     let mut reader = Reader {
@@ -112,7 +111,7 @@ fn one(document: &Document, index: usize, want: Want, warnings: &mut Warnings) -
     };
     reader.warn(material, warnings);
     let pbr = &material.pbr_metallic_roughness;
-    // The alpha of a mask is in the texture of its base colour, so it is loaded even where colours are not wanted.
+    // The alpha of a mask is in the texture of its base colour, so it is loaded even if colours are not wanted.
     let alpha_mode = reader.alpha_mode(material)?;
     let [r, g, b, alpha] = pbr.base_color_factor.0;
     let masked = matches!(alpha_mode, AlphaMode::Mask { .. });
@@ -140,7 +139,7 @@ fn one(document: &Document, index: usize, want: Want, warnings: &mut Warnings) -
             solid: reader.number(material, "KHR_materials_volume", "thicknessFactor", 0.0) > 0.0,
             alpha: reader.fraction(alpha, "the alpha of its base colour")?,
             alpha_mode,
-            // The thickness is the whole sign of a body: without one the glass is a film, which does not refract.
+            // Only a thickness indicates a body: without it the glass is a film, which does not refract.
             unlit: (material.extensions.as_ref()).is_some_and(|all| all.unlit.is_some()),
             double_sided: material.double_sided,
         },
@@ -157,7 +156,7 @@ struct Reader<'d, 'a> {
 }
 
 impl Reader<'_, '_> {
-    /// Says what of it is passed over.
+    /// Warns about features of the material that are ignored.
     fn warn(&self, material: &material::Material, warnings: &mut Warnings) {
         if material.alpha_mode == Checked::Valid(JsonAlphaMode::Blend) {
             let what = "alpha blending is not supported: the surface is opaque";
@@ -219,7 +218,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Factor and strength.
+    /// The emission: factor times strength.
     fn emissive(&self, material: &material::Material) -> Result<[f32; 3]> {
         let extension = material.extensions.as_ref();
         let strength = extension.and_then(|all| all.emissive_strength.as_ref());
@@ -244,7 +243,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// A number of an extension of a material.
+    /// A number from an extension of a material.
     fn number(
         &self,
         material: &material::Material,
@@ -261,7 +260,7 @@ impl Reader<'_, '_> {
         let document = self.document;
         let place = format!("{}, texture {}", self.place, info.index.value());
         let texture = document.get(info.index, "texture", &place)?;
-        // The parser has this number for a texture without `source`.
+        // The parser uses this number for a texture without `source`.
         if texture.source.value() == u32::MAX as usize {
             return Err(document.unsupported(
                 place,
@@ -300,7 +299,7 @@ impl Reader<'_, '_> {
                 ));
             }
         };
-        // The extension may name another set than the texture does, so the limit is on that one.
+        // The extension may name another set than the texture, so the limit applies to that one.
         let (set, transform) = transform(document, info, &place)?;
         if set >= MOST_SETS {
             let what = format!("it uses TEXCOORD_{set}");
@@ -317,7 +316,7 @@ impl Reader<'_, '_> {
         })
     }
 
-    /// The number of a set as this transform changes it.
+    /// The number of a set with this transform applied.
     fn set(&mut self, set: usize, transform: Option<UvTransform>) -> usize {
         let Some(transform) = transform else {
             return set;
@@ -368,7 +367,7 @@ fn transform(document: &Document, info: &Info, place: &str) -> Result<(u32, Opti
         cos,
         sin,
     };
-    // The identity takes no set of its own: vertices keep their coordinates to the bit.
+    // The identity needs no set of its own: vertices keep their coordinates bit for bit.
     let identity = rotation == 0.0 && offset == [0.0; 2] && scale == [1.0; 2];
     Ok((set, (!identity).then_some(transform)))
 }
@@ -377,8 +376,8 @@ fn transform(document: &Document, info: &Info, place: &str) -> Result<(u32, Opti
 mod tests {
     use super::*;
 
-    /// The extension's own example: offset (0, 1), a quarter turn and scale ½ show the lower left
-    /// quarter of the image, which is u in [0, ½] and v in [½, 1].
+    /// The extension's own example: offset (0, 1), a quarter turn and scale ½ show the lower left quarter of the image, which is u in [0,
+    /// ½] and v in [½, 1].
     #[test]
     fn a_quarter_turn_shows_the_lower_left_quarter_of_the_image() {
         let (sin, cos) = libm::sincos(std::f64::consts::FRAC_PI_2);

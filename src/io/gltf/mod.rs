@@ -1,19 +1,17 @@
 //! glTF and GLB 2.0 (Khronos, "glTF 2.0 Specification", ISO/IEC 12113:2022).
 //!
-//! Axes, units and winding are the file's, which are also ours: right-handed, +Y up, metres,
-//! counter-clockwise front faces, texture v = 0 at the top row. All node transforms are applied in
-//! f64; a mirroring one turns the winding, so that front faces stay front faces.
+//! Axes, units and winding are the file's, which are also ours: right-handed, +Y up, metres, counter-clockwise front faces, texture v = 0
+//! at the top row. All node transforms are applied in f64; if a transform mirrors, the winding is reversed, so that front faces stay front
+//! faces.
 //!
-//! The crate `gltf` parses the JSON. Buffers and images are read here, because that crate's readers
-//! trust counts and offsets: here each is checked against what it lies in before anything is read,
-//! and only the bytes that are wanted are read at all.
+//! The crate `gltf` parses the JSON. Buffers and images are read here, because that crate's readers trust counts and offsets. Here each is
+//! checked against its container before anything is read, and only the bytes needed are read at all.
 //!
-//! Vertices are taken as they are, denormal numbers too, which f64 holds exactly. NaN and infinities are
-//! refused, or their triangles dropped, as the scene says.
+//! Vertices are used unchanged, including denormal numbers, which f64 holds exactly. NaN and infinities are refused, or their triangles
+//! dropped, as the scene specifies.
 //!
-//! Not read, each with a warning where it would be seen: skins, morph targets, blending by alpha, normal
-//! and occlusion maps, points and lines, animations, extensions that are not known. Extensions that a file
-//! *requires* and that are not known here are refused.
+//! Not read, each with a warning if it would be visible: skins, morph targets, alpha blending, normal and occlusion maps, points and lines,
+//! animations, unknown extensions. Unknown extensions that a file *requires* are refused.
 
 mod accessor;
 mod animation;
@@ -51,20 +49,17 @@ pub use summary::GltfSummary;
 use crate::error::{Message, Result, Setting};
 use document::Document;
 
-/// The triangles of the default scene of a `.gltf` or `.glb` file, or of the node called `node`
-/// and all below it (placed as in the whole scene).
+/// Loads the triangles of the default scene of a `.gltf` or `.glb` file, or of the node named `node` and everything below it (placed as in
+/// the whole scene).
 ///
 /// # Errors
-/// The file or one that it refers to cannot be read, or is not glTF 2.0; it requires an extension
-/// that is not known; any count, offset or index is out of range; a vertex is not finite (where these are
-/// refused); there
-/// are no triangles, or more than 2²⁶.
+/// The file or one that it refers to cannot be read, or is not glTF 2.0; it requires an unknown extension; a count, offset or index is out
+/// of range; a vertex is not finite (if these are refused); there are no triangles, or more than 2²⁶.
 pub fn load(path: &Path, node: Option<&str>, want: Want) -> Result<Imported> {
     assemble::load(&mut Document::open(path)?, node, want)
 }
 
-/// As [`load`], from bytes in memory; `name` stands for the file in messages. The document cannot
-/// refer to other files.
+/// Like [`load`], from bytes in memory; `name` stands for the file in messages. The document cannot refer to other files.
 ///
 /// # Errors
 /// As for [`load`].
@@ -72,11 +67,10 @@ pub fn load_bytes(bytes: &[u8], name: &str, node: Option<&str>, want: Want) -> R
     assemble::load(&mut Document::from_bytes(bytes, name)?, node, want)
 }
 
-/// What [`load`] would read, from JSON and headers only: no buffer or image is read, nor need they
-/// be there.
+/// What [`load`] would read, from JSON and headers only: buffers and images are not read, and need not exist.
 ///
 /// # Errors
-/// As for [`load`], as far as it shows without reading data.
+/// As for [`load`], if they can be detected without reading data.
 pub fn inspect(path: &Path, node: Option<&str>) -> Result<GltfSummary> {
     summary::summary(&Document::open(path)?, node)
 }
@@ -84,13 +78,13 @@ pub fn inspect(path: &Path, node: Option<&str>) -> Result<GltfSummary> {
 /// The lights of the default scene (KHR_lights_punctual), in the order of their nodes.
 ///
 /// # Errors
-/// The file cannot be read or is not glTF 2.0; a light that is not there, is not of glTF, or has no direction.
+/// The file cannot be read or is not glTF 2.0; a light does not exist, is not valid in glTF, or has no direction.
 pub fn lights(path: &Path) -> Result<Vec<GltfLight>> {
     lights::find(&Document::open(path)?)
 }
 
-/// The camera called `node` (the name of a node that has a camera, of the only one with a camera below
-/// it, or of a camera); without a name, the only camera of the file.
+/// The camera named `node`: the name of a node that has a camera, of a node with exactly one camera below it, or of a camera. Without a
+/// name, the only camera of the file.
 ///
 /// # Errors
 /// The file cannot be read or is not glTF 2.0; there is no such camera, or more than one; the
@@ -99,27 +93,27 @@ pub fn camera(path: &Path, node: Option<&str>) -> Result<GltfCamera> {
     camera::find(&Document::open(path)?, node)
 }
 
-/// Refuses a file that refers to others outside its own folder, before any of them is read.
+/// Refuses a file that refers to files outside its own folder, before any of them is read.
 ///
 /// # Errors
-/// It does, or it cannot be read or is not glTF 2.0.
+/// It does; or it cannot be read or is not glTF 2.0.
 pub(crate) fn refuse_outside(path: &Path) -> Result<()> {
     summary::refuse_outside(&Document::open(path)?, outside_help())
 }
 
-/// What to do where a file refers to others outside its folder.
+/// The remedy if a file refers to others outside its folder.
 pub(crate) fn outside_help() -> Message {
     Message::from("put the file beside it, or allow this (")
         + Setting::AllowOutside
         + ") if you trust the file"
 }
 
-/// The way of the origin of the node called `node`, by the animation called `animation`, or else by the only one of the file.
-/// Its data lie in the file, or in its folder.
+/// The path of the origin of the node named `node`, in the animation named `animation`, or else in the only one of the file. The data may
+/// be in the file, or in its folder.
 ///
 /// # Errors
-/// The file cannot be read or is not glTF 2.0; there is no such node or animation, or more than one; the animation does not
-/// move the node, or in steps; its data are not sound.
+/// The file cannot be read or is not glTF 2.0; there is no such node or animation, or more than one; the animation does not move the node,
+/// or moves it in steps; its data are invalid.
 pub fn track(path: &Path, node: &str, animation: Option<&str>) -> Result<GltfTrack> {
     animation::load(path, node, animation)
 }

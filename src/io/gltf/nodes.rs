@@ -1,8 +1,8 @@
-//! The node hierarchy (glTF 2.0 §3.5): world transforms, and which nodes are asked for.
+//! The node hierarchy (glTF 2.0 §3.5): world transforms, and the selection of nodes.
 //!
-//! A node's local transform is T·R·S or a matrix; its world transform is the product from the root
-//! down. The f32 numbers of the file are exact in f64, and all products are taken in f64. A rotation
-//! is used as the quaternion divided by its length, because f32 cannot hold a unit quaternion.
+//! A node's local transform is T·R·S or a matrix; its world transform is the product from the root down. The f32 numbers of the file are
+//! exact in f64, and all products are computed in f64. Rotation quaternions are normalized, because f32 cannot represent most unit
+//! quaternions exactly.
 
 use ::gltf::json::Value;
 use ::gltf::json::scene::Node;
@@ -12,16 +12,16 @@ use super::document::{Document, label, listed, shortened};
 use super::warnings::Warnings;
 use crate::Result;
 
-/// A node and where it is.
+/// A node and its world transform.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Placed {
     /// Index in the document.
     pub node: usize,
-    /// Coordinates of the file's root from those of the node.
+    /// From the node's coordinates to those of the file's root.
     pub world: DAffine3,
 }
 
-/// The hierarchy, known to be a forest.
+/// The hierarchy, checked to be a forest.
 pub(super) struct Hierarchy {
     /// World transform of every node.
     worlds: Vec<DAffine3>,
@@ -54,7 +54,7 @@ impl Hierarchy {
             reached[index] = true;
             stack.extend(hierarchy.below(index).iter().map(|&child| (child, world)));
         }
-        // Every node has one parent at most, so what no root leads to is in or below a cycle.
+        // Every node has at most one parent, so nodes that no root reaches are in or below a cycle.
         match reached.iter().position(|&reached| !reached) {
             None => Ok(hierarchy),
             Some(node) => Err(document.invalid(
@@ -76,13 +76,12 @@ impl Hierarchy {
         self.children.get(node).map_or(&[], Vec::as_slice)
     }
 
-    /// Where `node` is.
+    /// The world transform of `node`.
     pub fn world(&self, node: usize) -> DAffine3 {
         self.worlds.get(node).copied().unwrap_or(DAffine3::IDENTITY)
     }
 
-    /// The nodes of the default scene, or the node called `name` and all below it, in file order
-    /// from the top down.
+    /// The nodes of the default scene, or the node named `name` and everything below it, in file order from the top down.
     pub fn select(
         &self,
         document: &Document,
@@ -101,7 +100,7 @@ impl Hierarchy {
             }
             !hidden
         };
-        // What is asked for by its name is shown.
+        // A node requested by name is always shown.
         let tops = match name {
             Some(_) => tops,
             None => tops.into_iter().filter(&mut seen).collect(),
@@ -109,7 +108,7 @@ impl Hierarchy {
         Ok(self.with_all_below(tops, &mut seen))
     }
 
-    /// `tops` and all nodes below them that are `seen`, each before its children.
+    /// `tops` and all nodes below them that are `seen`, parents before children.
     pub fn with_all_below(
         &self,
         tops: Vec<usize>,
@@ -127,8 +126,7 @@ impl Hierarchy {
         placed
     }
 
-    /// The root nodes of the default scene; of the first where none is the default; all root nodes
-    /// where there is no scene.
+    /// The root nodes of the default scene; of the first scene if none is the default; all root nodes if there is no scene.
     fn scene(&self, document: &Document, warnings: &mut Warnings) -> Result<Vec<usize>> {
         let root = &document.root;
         let (index, scene) = match (root.scene, root.scenes.as_slice()) {
@@ -165,7 +163,7 @@ impl Hierarchy {
     }
 }
 
-/// What an extension says of a node; null where it says nothing.
+/// The data of an extension for a node; null if there are none.
 pub(super) fn extension<'d>(document: &'d Document, node: usize, name: &str) -> &'d Value {
     let node = document.root.nodes.get(node);
     let all = node.and_then(|node| node.extensions.as_ref());
@@ -173,7 +171,7 @@ pub(super) fn extension<'d>(document: &'d Document, node: usize, name: &str) -> 
     said.unwrap_or(&Value::Null)
 }
 
-/// Whether a node is hidden, with all below it.
+/// Whether a node is hidden, with everything below it.
 fn is_hidden(document: &Document, node: usize) -> bool {
     extension(document, node, "KHR_node_visibility")["visible"] == Value::Bool(false)
 }
@@ -182,7 +180,7 @@ const FINITE: &str = "transforms must be finite numbers, and so must their produ
 
 type Links = (Vec<Vec<usize>>, Vec<bool>);
 
-/// The children of every node, and whether it has a parent; no node may have two.
+/// The children of every node, and whether it has a parent; refuses nodes with two parents.
 fn links(document: &Document) -> Result<Links> {
     let nodes = &document.root.nodes;
     let mut has_parent = vec![false; nodes.len()];
@@ -207,7 +205,7 @@ fn links(document: &Document) -> Result<Links> {
     Ok((links, has_parent))
 }
 
-/// The parent of every node that has one; of several, which no hierarchy has, the last.
+/// The parent of every node that has one; the last if there are several, which no valid hierarchy has.
 pub(super) fn parents(document: &Document) -> Vec<Option<usize>> {
     let nodes = &document.root.nodes;
     let mut parents = vec![None; nodes.len()];
@@ -221,7 +219,7 @@ pub(super) fn parents(document: &Document) -> Vec<Option<usize>> {
     parents
 }
 
-/// The one node of this name.
+/// The only node with this name.
 pub(super) fn named(document: &Document, name: &str) -> Result<usize> {
     let nodes = &document.root.nodes;
     let is_named = |node: &Node| node.name.as_deref() == Some(name);
@@ -242,7 +240,7 @@ pub(super) fn named(document: &Document, name: &str) -> Result<usize> {
     }
 }
 
-/// The transform of the node itself.
+/// The local transform of the node.
 pub(super) fn local(
     document: &Document,
     node: &Node,
@@ -288,7 +286,7 @@ pub(super) fn local(
     ))
 }
 
-/// T·R·S, of the rotation by a quaternion and its squared length.
+/// T·R·S, with the rotation by a quaternion and its squared length.
 pub(super) fn placing(
     translation: DVec3,
     (quaternion, norm): ([f64; 4], f64),
@@ -301,7 +299,7 @@ pub(super) fn placing(
     }
 }
 
-/// The columns of the rotation by the quaternion `[x, y, z, w]` whose squared length is `norm`.
+/// The columns of the rotation matrix of the quaternion `[x, y, z, w]` whose squared length is `norm`.
 fn rotation([x, y, z, w]: [f64; 4], norm: f64) -> [DVec3; 3] {
     let s = 2.0 / norm;
     [

@@ -1,5 +1,5 @@
-//! The triangles that a document promises: its primitives, placed, with every header checked and no
-//! data read. Planning looks at these, and loading reads what they say.
+//! The triangles that a document declares: its primitives, placed, with every header checked and no data read. Planning uses these, and
+//! loading reads what they describe.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -11,37 +11,37 @@ use super::primitive::{Piece, Wanted, of_mesh};
 use super::warnings::Warnings;
 use crate::Result;
 
-/// The most triangles of one import. Nodes may repeat a mesh, so that a small file can ask for any
-/// number of them; the same holds for the next two.
+/// The maximum number of triangles of one import. Nodes may repeat a mesh, so a small file can request any number of them; the same holds
+/// for the next two limits.
 const MOST_TRIANGLES: u64 = 1 << 26;
 
-/// The most bytes of vertices (24 for a position, 8 for a pair of texture coordinates, 12 for a normal, 16 for a colour).
+/// The maximum number of bytes of vertices (24 for a position, 8 for a pair of texture coordinates, 12 for a normal, 16 for a colour).
 const MOST_VERTEX_BYTES: u64 = 1 << 31;
 
-/// The most primitives, counted at every node.
+/// The maximum number of primitives, counted at every node.
 const MOST_PARTS: u64 = 1 << 20;
 
-/// A mesh at a node. Meshes are checked once, however many nodes place them.
+/// A mesh at a node. Meshes are checked once, no matter how many nodes place them.
 #[derive(Debug, Clone)]
 pub(super) struct Placement {
-    /// The node, and where it is.
+    /// The node and its world transform.
     pub placed: Placed,
     /// Index of its mesh in the document.
     pub mesh: usize,
-    /// Where it is placed many times: how, before the node's own transform.
+    /// The transforms of instances, applied before the node's own, if it has several.
     pub instances: Option<Instances>,
-    /// Which of these it is, once they are read.
+    /// The index of the instance, once they are read.
     pub instance: u64,
 }
 
 impl Placement {
-    /// How often the mesh is there.
+    /// The number of times that the mesh is placed.
     pub fn count(&self) -> u64 {
         self.instances.as_ref().map_or(1, |all| all.count)
     }
 }
 
-/// The primitives of triangles of the meshes in use (by index of the mesh), and where they are.
+/// The triangle primitives of the meshes in use (by index of the mesh), and their placements.
 #[derive(Debug, Default)]
 pub(super) struct Pieces {
     pub of_mesh: BTreeMap<usize, Vec<Piece>>,
@@ -50,7 +50,7 @@ pub(super) struct Pieces {
 }
 
 impl Pieces {
-    /// The primitives of triangles of `placed`.
+    /// Checks the triangle primitives of `placed`.
     pub fn new(
         document: &Document,
         placed: &[Placed],
@@ -105,7 +105,7 @@ struct Totals {
 
 impl Totals {
     fn add(&mut self, pieces: &[Piece], instances: u64) -> &Self {
-        // Saturating: counts of a hostile file can be beyond u64, and are then refused as too many.
+        // Saturating: counts in a hostile file can exceed u64, and are then refused as too many.
         let parts = (pieces.len() as u64).saturating_mul(instances);
         self.parts = self.parts.saturating_add(parts);
         for piece in pieces {
@@ -146,7 +146,7 @@ fn nothing(document: &Document, placed: &[Placed]) -> crate::Error {
     )
 }
 
-/// The mesh that a node places.
+/// The index of the mesh that a node places.
 fn mesh_of(document: &Document, node: usize, warnings: &mut Warnings) -> Result<Option<usize>> {
     let Some(described) = document.root.nodes.get(node) else {
         return Ok(None);

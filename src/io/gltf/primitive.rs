@@ -1,4 +1,4 @@
-//! One primitive of a mesh (glTF 2.0 §3.7.2.1), its headers checked.
+//! One primitive of a mesh (glTF 2.0 §3.7.2.1), with its headers checked.
 
 use std::collections::BTreeMap;
 
@@ -11,10 +11,10 @@ use super::document::Document;
 use super::warnings::Warnings;
 use crate::Result;
 
-/// The most texture coordinate sets.
+/// The maximum number of texture coordinate sets.
 pub(super) const MOST_SETS: u32 = 16;
 
-/// A primitive of triangles.
+/// A triangle primitive.
 #[derive(Debug, Clone)]
 pub(super) struct Piece {
     pub topology: Topology,
@@ -24,7 +24,7 @@ pub(super) struct Piece {
     pub normals: Option<Layout>,
     pub colours: Option<Colours>,
     pub indices: Option<Layout>,
-    /// Index in the document; none is the default material.
+    /// Index in the document; `None` is the default material.
     pub material: Option<usize>,
     pub triangles: u64,
 }
@@ -37,18 +37,18 @@ pub(super) struct Colours {
     pub alpha: bool,
 }
 
-/// Which attributes are wanted besides positions, by material.
+/// The attributes wanted in addition to positions, by material.
 #[derive(Clone, Copy)]
 pub(super) struct Wanted<'w> {
-    /// Whether a texture coordinate set is.
+    /// Whether a texture coordinate set is wanted.
     pub set: &'w dyn Fn(Option<usize>, usize) -> bool,
-    /// Whether vertex colours are.
+    /// Whether vertex colours are wanted.
     pub colours: &'w dyn Fn(Option<usize>) -> bool,
-    /// Whether normals are, whatever the material.
+    /// Whether normals are wanted, for any material.
     pub normals: bool,
 }
 
-/// How corners make triangles.
+/// How corners form triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Topology {
     Triangles,
@@ -56,7 +56,7 @@ pub(super) enum Topology {
     Fan,
 }
 
-/// The primitives of triangles of a mesh.
+/// The triangle primitives of a mesh.
 pub(super) fn of_mesh(
     document: &Document,
     mesh: usize,
@@ -89,7 +89,7 @@ struct Place<'p, 'a> {
 }
 
 impl Place<'_, '_> {
-    /// How it makes triangles, or none where there is nothing to be seen.
+    /// How it forms triangles; `None` if nothing would be visible.
     fn topology(&self, warnings: &mut Warnings) -> Result<Option<Topology>> {
         let has = |semantic| (self.primitive.attributes).contains_key(&Checked::Valid(semantic));
         let topology = match self.primitive.mode {
@@ -129,7 +129,7 @@ impl Place<'_, '_> {
     fn piece(&self, topology: Topology, wanted: Wanted) -> Result<Piece> {
         let material = self.primitive.material.map(|material| material.value());
         let (positions, indices) = (self.positions()?, self.indices()?);
-        // Without indices the vertices are the corners, in their order.
+        // Without indices the vertices are the corners, in order.
         let corners = indices.as_ref().unwrap_or(&positions).count;
         Ok(Piece {
             topology,
@@ -245,11 +245,11 @@ impl Place<'_, '_> {
 }
 
 impl Topology {
-    /// Corners of triangle `i` of a list of corners (glTF 2.0 §3.7.2.1), all of one winding.
+    /// Corners of triangle `i` in a list of corners (glTF 2.0 §3.7.2.1), all with the same winding.
     pub fn corners(self, i: usize) -> [usize; 3] {
         match self {
             Topology::Triangles => [3 * i, 3 * i + 1, 3 * i + 2],
-            // Each odd triangle swaps two corners, or it would face the other way.
+            // Odd triangles swap two corners, or they would face the other way.
             Topology::Strip => [i, i + 1 + i % 2, i + 2 - i % 2],
             Topology::Fan => [i + 1, i + 2, 0],
         }

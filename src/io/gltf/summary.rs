@@ -1,4 +1,4 @@
-//! What a file holds, from its JSON alone.
+//! The contents of a file, from its JSON only.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -15,31 +15,31 @@ use super::uri::{self, Target};
 use crate::error::{Message, Result};
 use crate::mesh::{Factors, Material};
 
-/// What an import would give, and what else there is to choose from.
+/// What an import would read, and what else could be chosen.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct GltfSummary {
-    /// The program that wrote the file, where it says so.
+    /// The program that wrote the file, if stated.
     pub generator: Option<String>,
     /// Names of the nodes that would be imported, top down; "" for a node without one.
     pub nodes: Vec<String>,
-    /// How many different meshes they use.
+    /// The number of different meshes that they use.
     pub meshes: usize,
-    /// How many primitives of triangles they place.
+    /// The number of triangle primitives that they place.
     pub primitives: usize,
     /// Triangles.
     pub triangles: u64,
-    /// Vertices of all primitives (fewer are stored where primitives share them).
+    /// Vertices of all primitives (fewer are stored if primitives share them).
     pub vertices: u64,
     /// Names of the materials in use; "" for one without a name, and for the default material.
     pub materials: Vec<String>,
-    /// How each of them looks by its factors.
+    /// Material factors of each of them.
     pub factors: Vec<Factors>,
-    /// How many different images they use.
+    /// The number of different images that they use.
     pub images: usize,
     /// Whether a material has a texture of metalness and roughness.
     pub has_gloss_textures: bool,
-    /// Whether one of them has an alpha mask: holes.
+    /// Whether one of them has an alpha mask, that is, holes.
     pub has_masks: bool,
     /// Whether vertices have colours.
     pub has_colours: bool,
@@ -47,7 +47,7 @@ pub struct GltfSummary {
     pub has_normals: bool,
     /// Names of the materials that show their base colours under any light (KHR_materials_unlit).
     pub unlit: Vec<String>,
-    /// How many texture coordinate sets there are: the highest number, plus one.
+    /// The number of texture coordinate sets: the highest number, plus one.
     pub uv_sets: usize,
     /// Names of the lights (KHR_lights_punctual) that [`lights`](super::lights) finds; "" for one without a name.
     pub lights: Vec<String>,
@@ -55,16 +55,16 @@ pub struct GltfSummary {
     pub cameras: Vec<String>,
     /// Names of the animations of the whole file; "" for one without a name.
     pub animations: Vec<String>,
-    /// The files that the whole file refers to (buffers and images), each once; they need not be there.
+    /// The files to which the whole file refers (buffers and images), without repetitions; they need not exist.
     pub files: Vec<PathBuf>,
-    /// The least and the greatest corner of a box around all vertices, metres, as the file declares
-    /// it (which is not checked); none where it does not say.
+    /// The minimum and maximum corner of a box around all vertices, metres, as the file declares it (which is not checked); `None` if it
+    /// does not.
     pub bounds: Option<[DVec3; 2]>,
-    /// What would be passed over, a sentence each, with the place.
+    /// What would be ignored, with its place, one sentence each.
     pub warnings: Vec<String>,
 }
 
-/// What a file holds as it is placed by its nodes, by accessors' counts alone: instances count each time.
+/// The contents of a file as its nodes place them, from the counts of accessors only: instances count each time.
 pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<GltfSummary> {
     let want = Want {
         bad_vertices: BadVertices::Refuse,
@@ -74,7 +74,7 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<GltfSum
         normals: true,
     };
     let draft = Draft::new(document, node, want)?;
-    // Lights are those of the whole scene, whatever node is asked for.
+    // Lights are those of the whole scene, whichever node is requested.
     let lit = match node {
         None => draft.nodes.clone(),
         Some(_) => Draft::new(document, None, want).map_or_else(|_| Vec::new(), |all| all.nodes),
@@ -120,7 +120,7 @@ fn name(document: &Document, node: usize) -> String {
     node.and_then(|node| node.name.clone()).unwrap_or_default()
 }
 
-/// Other files that a document refers to.
+/// Other files to which a document refers.
 pub(super) fn files(document: &Document) -> Vec<PathBuf> {
     let Some(directory) = &document.directory else {
         return Vec::new();
@@ -136,9 +136,9 @@ pub(super) fn files(document: &Document) -> Vec<PathBuf> {
     paths.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
-/// Refuses a file that refers to others outside its own folder; `help` says what to do instead.
+/// Refuses a file that refers to files outside its own folder; `help` says what to do instead.
 pub(super) fn refuse_outside(document: &Document, help: impl Into<Message>) -> Result<()> {
-    // No name is the current folder.
+    // An empty name is the current folder.
     let real = |folder: &Path| match folder.as_os_str().is_empty() {
         true => Path::new(".").canonicalize().ok(),
         false => folder.canonicalize().ok(),
@@ -147,7 +147,7 @@ pub(super) fn refuse_outside(document: &Document, help: impl Into<Message>) -> R
         return Ok(());
     };
     for other in files(document) {
-        // Of a file that is not there, its folder tells.
+        // If a file does not exist, its folder decides.
         let in_folder = || Some(real(other.parent()?)?.join(other.file_name()?));
         let place = other.canonicalize().ok().or_else(in_folder);
         let place = place.unwrap_or_else(|| other.clone());
@@ -162,7 +162,7 @@ pub(super) fn refuse_outside(document: &Document, help: impl Into<Message>) -> R
     Ok(())
 }
 
-/// The materials of the pieces, each once, in order of their first use.
+/// The materials of the pieces, without repetitions, in order of first use.
 fn used_materials(draft: &Draft) -> Vec<&Material> {
     let mut seen = BTreeSet::new();
     (draft.pieces.all().map(|(_, piece)| piece.material))
@@ -172,18 +172,18 @@ fn used_materials(draft: &Draft) -> Vec<&Material> {
         .collect()
 }
 
-/// A box around the declared boxes of all pieces, placed.
+/// A box around the declared boxes of all pieces, after placement.
 fn bounds(document: &Document, pieces: &Pieces) -> Option<[DVec3; 2]> {
     let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     for (at, piece) in pieces.all() {
-        // Where instances are stands in a buffer, and no buffer is read here.
+        // The positions of instances are in a buffer, and no buffer is read here.
         if at.instances.is_some() {
             return None;
         }
         let accessor = document.root.accessors.get(piece.positions.accessor)?;
         let least = corner(accessor.min.as_ref()?)?;
         let greatest = corner(accessor.max.as_ref()?)?;
-        // A rotated box is held by the box around its eight corners.
+        // A rotated box is enclosed by the box around its eight corners.
         for which in 0..8 {
             let pick = |axis: usize| [least, greatest][which >> axis & 1][axis];
             let corner = DVec3::new(pick(0), pick(1), pick(2));

@@ -1,14 +1,14 @@
-//! Where a URI of a glTF file points: into itself (RFC 2397 data URI, base64 of RFC 4648) or to a
-//! file beside it (a relative reference, percent-encoded UTF-8 of RFC 3986).
+//! The target of a URI in a glTF file: data in the URI itself (RFC 2397 data URI, base64 of RFC 4648) or a file in the same folder or below
+//! (a relative reference, percent-encoded UTF-8 of RFC 3986).
 
 use std::path::{Path, PathBuf};
 
 use crate::spacetime::units::quoted;
 
-/// What a URI means.
+/// The target of a URI.
 #[derive(Debug, PartialEq)]
 pub(super) enum Target {
-    /// Data that the URI itself holds.
+    /// Data contained in the URI itself.
     Data(Vec<u8>),
     /// A relative path.
     File(PathBuf),
@@ -24,7 +24,7 @@ pub(super) struct BadUri {
 const RELATIVE: &str = "use a path relative to the glTF file, percent-encoded UTF-8, or embed the \
                         data (export as .glb)";
 
-/// Understands `uri`; nothing is read.
+/// Parses `uri`; nothing is read.
 pub(super) fn parse(uri: &str) -> Result<Target, BadUri> {
     if let Some(data) = uri.strip_prefix("data:") {
         return data_uri(data).map(Target::Data);
@@ -98,7 +98,7 @@ fn data_uri(text: &str) -> Result<Vec<u8>, BadUri> {
 fn base64(text: &str) -> Option<Vec<u8>> {
     let padding = text.bytes().rev().take_while(|&c| c == b'=').count();
     let digits = text.as_bytes().get(..text.len() - padding)?;
-    // Two or three digits may stand alone at the end, one cannot.
+    // Two or three digits may be left at the end, one cannot.
     if padding > 2 || digits.len() % 4 == 1 || padding > 0 && !text.len().is_multiple_of(4) {
         return None;
     }

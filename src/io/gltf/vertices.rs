@@ -1,4 +1,4 @@
-//! Vertices, read and placed; primitives of a node that name the same data share them.
+//! Vertices, read and transformed; primitives of a node that refer to the same data share them.
 
 use std::collections::BTreeMap;
 
@@ -14,29 +14,29 @@ use super::warnings::Warnings;
 use crate::Result;
 use crate::mesh::normal_matrix;
 
-/// What vertices without a colour have.
+/// The colour of vertices that have none.
 const WHITE: [f32; 4] = [1.0; 4];
 
-/// What vertices without a normal have.
+/// The normal of vertices that have none.
 const FLAT: [f32; 3] = [0.0; 3];
 
-/// The vertices of all that has been read so far.
+/// All vertices read so far.
 pub(super) struct Vertices {
     pub positions: Vec<DVec3>,
-    /// By set; shorter than `positions` where the last vertices lack the set.
+    /// By set; shorter than `positions` if the last vertices lack the set.
     pub uvs: Vec<Vec<[f32; 2]>>,
-    /// Unit vectors, or 0; shorter than `positions` where the last vertices lack them.
+    /// Unit vectors, or 0; shorter than `positions` if the last vertices lack them.
     pub normals: Vec<[f32; 3]>,
-    /// Shorter than `positions` where the last vertices lack colours.
+    /// Shorter than `positions` if the last vertices lack colours.
     pub colours: Vec<[f32; 4]>,
-    /// Where shared vertices start.
+    /// The index of the first vertex of each shared block.
     blocks: BTreeMap<BlockKey, u32>,
     /// The first list for coordinates of transformed textures: the one after the file's sets.
     pub transformed_set: usize,
     bad: BadVertices,
 }
 
-/// What makes two primitives share their vertices.
+/// Primitives share their vertices if all of these are equal.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct BlockKey {
     node: usize,
@@ -46,12 +46,12 @@ struct BlockKey {
     sets: Vec<(usize, usize)>,
     normals: Option<usize>,
     colours: Option<usize>,
-    /// The material, where it transforms coordinates.
+    /// The material, if it transforms coordinates.
     material: Option<usize>,
 }
 
 impl Vertices {
-    /// No vertices yet, of a file with this many sets.
+    /// No vertices yet, for a file with this number of sets.
     pub fn new(sets: usize, bad: BadVertices) -> Self {
         Vertices {
             positions: Vec::new(),
@@ -64,7 +64,7 @@ impl Vertices {
         }
     }
 
-    /// Where the vertices of a primitive start; reads them unless an earlier primitive did.
+    /// The index of the first vertex of a primitive; reads the vertices unless an earlier primitive did.
     pub fn of(
         &mut self,
         buffers: &mut Buffers,
@@ -87,7 +87,7 @@ impl Vertices {
         if let Some(&base) = self.blocks.get(&key) {
             return Ok(base);
         }
-        // Positions first: coordinates, normals and colours that are bad take a vertex away by its position.
+        // Positions first: a vertex with bad coordinates, normals or colours is marked by its position.
         let base = self.positions.len();
         self.read_positions(buffers, &piece.positions, at.placed.world)?;
         for (&set, uvs) in &piece.uvs {
@@ -109,7 +109,7 @@ impl Vertices {
         Ok(base as u32)
     }
 
-    /// Reads positions in the world of the file; one that is not finite is NaN, by which its triangles are dropped.
+    /// Reads positions and transforms them to the file's world; one that is not finite becomes NaN, which drops its triangles.
     fn read_positions(
         &mut self,
         buffers: &mut Buffers,
@@ -140,7 +140,8 @@ impl Vertices {
         }
     }
 
-    /// Reads set `set`, after its transform. A vertex without finite coordinates loses its position, by which its triangles are dropped.
+    /// Reads set `set` and applies its transform. If the coordinates of a vertex are not finite, its position becomes NaN, which drops its
+    /// triangles.
     fn read_uvs(
         &mut self,
         buffers: &mut Buffers,
@@ -155,7 +156,7 @@ impl Vertices {
         let uvs = &mut self.uvs[set];
         let positions = &mut self.positions[base..];
         let mut bad = None;
-        // Vertices before these that lack the set have no coordinates.
+        // Earlier vertices that lack the set have no coordinates.
         uvs.resize(base + layout.count as usize, [f32::NAN; 2]);
         accessor::read::<2>(buffers, layout, &mut |at, uv| {
             let placed = transform.map_or(uv, |transform| transform.apply(uv));
@@ -176,8 +177,8 @@ impl Vertices {
         }
     }
 
-    /// Reads normals, as they are in the world of the file. A vertex with one that is not finite loses its position, by which its triangles
-    /// are dropped; exporters write normals of length 0 where faces had no area: triangles of these are flat.
+    /// Reads normals and transforms them to the file's world. If a normal is not finite, the position of its vertex becomes NaN, which
+    /// drops its triangles. Exporters write normals of length 0 for faces without area: their triangles are shaded flat.
     fn read_normals(
         &mut self,
         buffers: &mut Buffers,
@@ -189,7 +190,7 @@ impl Vertices {
         let to_world = normal_matrix(world.matrix3);
         let (normals, positions) = (&mut self.normals, &mut self.positions[base..]);
         let mut bad = None;
-        // Primitives before this one that have no normals are flat.
+        // Earlier primitives without normals are flat.
         normals.resize(base + layout.count as usize, FLAT);
         accessor::read::<3>(buffers, layout, &mut |at, stored| {
             let normal = DVec3::from_array(stored);
@@ -214,12 +215,12 @@ impl Vertices {
         }
     }
 
-    /// Reads vertex colours. A vertex with one that is negative or not finite loses its position, by which its triangles are dropped.
+    /// Reads vertex colours. If a colour is negative or not finite, the position of its vertex becomes NaN, which drops its triangles.
     fn read_colours(&mut self, buffers: &mut Buffers, from: &Colours, base: usize) -> Result<()> {
         let Colours { layout, alpha } = from;
         let (colours, positions) = (&mut self.colours, &mut self.positions[base..]);
         let mut bad = None;
-        // Primitives before this one that have no colours are white.
+        // Earlier primitives without colours are white.
         colours.resize(base, WHITE);
         colours.resize(base + layout.count as usize, WHITE);
         let mut take = |at: u64, colour: [f64; 4]| {
@@ -246,18 +247,18 @@ impl Vertices {
         }
     }
 
-    /// Whether a vertex is no place, or has no place on its texture.
+    /// Whether a vertex is marked as bad.
     pub fn is_bad(&self, vertex: u32) -> bool {
         self.positions[vertex as usize].is_nan()
     }
 
-    /// Gives vertices that are no places, and that no triangle uses, one.
+    /// Gives bad vertices, which no triangle uses, a valid position.
     pub fn settle(&mut self) {
         let bad = self.positions.iter_mut().filter(|p| p.is_nan());
         bad.for_each(|position| *position = DVec3::ZERO);
     }
 
-    /// Brings every list that is in use to the number of vertices.
+    /// Extends every list in use to the number of vertices.
     pub fn pad(&mut self) {
         let vertices = self.positions.len();
         let used = self.uvs.iter_mut().filter(|set| !set.is_empty());

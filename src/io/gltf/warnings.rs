@@ -1,4 +1,4 @@
-//! What is passed over in a file, said once per kind, with the first place.
+//! Ignored features of a file, reported once per kind, with the first place.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -8,7 +8,7 @@ use std::collections::HashMap;
 pub(super) struct Warnings {
     /// In the order of their first places.
     entries: Vec<Entry>,
-    /// Where each is among them.
+    /// The index of each in `entries`.
     places: HashMap<Cow<'static, str>, usize>,
 }
 
@@ -20,12 +20,12 @@ struct Entry {
 }
 
 impl Warnings {
-    /// Notes that `what` is so at `place`.
+    /// Records that `what` occurs at `place`.
     pub fn add(&mut self, what: impl Into<Cow<'static, str>>, place: &str) {
         self.add_many(what, place, 1);
     }
 
-    /// Notes that `what` is so `count` times, first at `place`.
+    /// Records that `what` occurs `count` times, first at `place`.
     pub fn add_many(&mut self, what: impl Into<Cow<'static, str>>, place: &str, count: u64) {
         let what = what.into();
         match self.places.get(&what) {

@@ -146,7 +146,7 @@ impl Clock {
         begin.ct + ct
     }
 
-    /// The cell that `before` selects by the ends of cells; the later one at an end.
+    /// The cell for which `before` is true at its beginning and false at its end; the later one at an end.
     fn cell(&self, before: impl Fn(&End) -> bool) -> usize {
         self.ends[1..self.ends.len() - 1].partition_point(before)
     }

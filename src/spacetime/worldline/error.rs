@@ -39,7 +39,7 @@ pub enum WorldLineError {
     /// More than [`MAX_ENTRIES`].
     #[error("a world line has at most {MAX_ENTRIES} entries, but this one has {0}")]
     TooMany(usize),
-    /// A segment whose duration is zero, or which does not end before the next.
+    /// A segment whose duration is not above 0, or which is infinite although it is not the last.
     #[error("segment {} lasts {duration} m of proper time: it must be above 0, and finite unless it is the last", .index + 1)]
     Duration {
         /// The index of the segment.

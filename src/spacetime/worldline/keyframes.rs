@@ -7,7 +7,7 @@
 //! a = γ² w + γ⁴/(1 + γ) (v·w) v,    γ² = 1/((1 − |v|)(1 + |v|)).
 //! ```
 //!
-//! The line of an animation rests at its first event before that, and at its last one after that: there it is an inertial line, x = x_k, ct
+//! The line of an animation rests at its first event until then, and at its last one from then on: there it is an inertial line, x = x_k, ct
 //! = ct_k + τ − τ_k, which crosses the past light cone of (T, X) at ct = T − |X − x_k|. Its velocity jumps at both ends, its position does
 //! not, so every past light cone crosses it once. At the ends themselves it has the velocity of the part in between.
 

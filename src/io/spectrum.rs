@@ -1,7 +1,6 @@
 //! Spectra in text files: a wavelength in nanometres and a value per line, separated by a comma, a semicolon or blanks.
 //!
-//! Wavelengths ascend. Empty lines, lines that begin with `#`, and of the others a first one of words are left out; so is a byte order
-//! mark.
+//! Wavelengths must be ascending. Empty lines, lines that begin with `#`, a first line of column names and a byte order mark are skipped.
 
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -9,20 +8,20 @@ use std::path::Path;
 use super::open::open_regular;
 use crate::error::{Error, Result, number};
 
-/// The most rows of a table: more than any spectrometer of visible light resolves, and few enough to integrate over.
+/// The maximum number of rows of a table: more than any spectrometer of visible light resolves, and few enough to integrate over.
 pub(crate) const MOST_ROWS: usize = 4096;
 
-/// The longest file, bytes.
+/// The maximum length of a file, bytes.
 const LONGEST: u64 = 1 << 20;
 
-/// What would be right.
+/// The expected form, for messages.
 const FORM: &str = "each line holds a wavelength in nm and a value, like 550, 0.82";
 
-/// The rows of the file at `path`: wavelengths in metres, ascending, and values, as they stand there.
+/// The rows of the file at `path`: wavelengths in metres, ascending, and values as given.
 ///
 /// # Errors
-/// The file cannot be read; a line is not a wavelength above 0 and a finite value at least 0; wavelengths do not
-/// ascend; fewer than 2 rows, or more than 4096.
+/// The file cannot be read; a line is not a wavelength above 0 and a finite value of at least 0; wavelengths are not ascending; fewer than
+/// 2 rows, or more than 4096.
 pub fn load(path: &Path) -> Result<Vec<[f64; 2]>> {
     let (reader, _) = open_regular(path)?;
     let mut bytes = Vec::new();
@@ -41,7 +40,7 @@ pub fn load(path: &Path) -> Result<Vec<[f64; 2]>> {
     parse(&text_of(bytes, path, FORM)?, path)
 }
 
-/// The text of a table; `help` says what its lines hold.
+/// The text of a table; `help` describes its lines.
 pub(crate) fn text_of(bytes: Vec<u8>, path: &Path, help: &str) -> Result<String> {
     String::from_utf8(bytes).map_err(|error| {
         let before = error.utf8_error().valid_up_to();
@@ -51,9 +50,9 @@ pub(crate) fn text_of(bytes: Vec<u8>, path: &Path, help: &str) -> Result<String>
     })
 }
 
-/// The lines of a table that hold its rows, with their numbers: without empty ones, comments, and a first line that names the columns.
+/// The rows of a table with their line numbers: without empty lines, comments, and a first line with column names.
 pub(crate) fn rows_of(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    // Spreadsheets begin their files with it.
+    // Spreadsheets write a byte order mark first.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let lines = (1..).zip(text.lines().map(str::trim));
     let mut lines = lines
@@ -62,17 +61,17 @@ pub(crate) fn rows_of(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let is_header = |(_, line): &(usize, &str)| {
         let first = line.split([',', ';', ' ', '\t']).next().unwrap_or_default();
         let is_word = first.starts_with(|c: char| c.is_alphabetic() || c == '"');
-        // `nan` and `inf` are numbers, if none that are right.
+        // `nan` and `inf` are numbers, though not valid ones.
         is_word && first.parse::<f64>().is_err()
     };
     lines.next_if(is_header);
     lines
 }
 
-/// As [`load`], from a text; `path` stands for the file in messages.
+/// Like [`load`], from a text; `path` stands for the file in messages.
 ///
 /// # Errors
-/// A text that is no such table, with the line.
+/// A text that is not such a table, with the line.
 pub fn parse(text: &str, path: &Path) -> Result<Vec<[f64; 2]>> {
     let mut rows: Vec<[f64; 2]> = Vec::new();
     for (at, line) in rows_of(text) {
@@ -84,7 +83,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Vec<[f64; 2]>> {
         let Some([nanometres, value]) = numbers(line) else {
             return refuse("this is not two numbers".into(), FORM);
         };
-        // Bounds so far off that nobody means more, and so near that products stay finite.
+        // Bounds far beyond any practical value, but small enough that products stay finite.
         if !(nanometres > 0.0 && nanometres <= 1e30) {
             let what = format!(
                 "a wavelength of {} nm is not above 0 and at most 1e30 nm",
@@ -153,7 +152,7 @@ mod tests {
             [600.0 * 1e-9, 0.0],
         ];
         assert_eq!(rows, expected);
-        // As spreadsheets write it, with and without names of columns, and with these behind a comment.
+        // As spreadsheets write it, with and without column names, and with these after a comment.
         for text in [
             "\u{feff}400, 1\n500;2.5\n600\t0\n",
             "\u{feff}nm,W\r\n400,1\r\n500,2.5\r\n600,0\r\n",

@@ -1,5 +1,5 @@
-//! The target of a URI in a glTF file: data in the URI itself (RFC 2397 data URI, base64 of RFC 4648) or a file in the same folder or below
-//! (a relative reference, percent-encoded UTF-8 of RFC 3986).
+//! The target of a URI in a glTF file: data in the URI itself (RFC 2397 data URI, base64 of RFC 4648) or a file given by a relative
+//! reference (percent-encoded UTF-8 of RFC 3986).
 
 use std::path::{Path, PathBuf};
 

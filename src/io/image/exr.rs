@@ -44,13 +44,13 @@ use crate::io::budget::Budget;
 use crate::io::open::open_regular;
 use crate::io::sealed;
 
-/// The beginning of the name of the software that has written our files.
+/// The beginning of the software name in files written by this program.
 const OWN: &str = concat!(env!("CARGO_PKG_NAME"), " ");
-/// Before the keys of our attributes, so that none is taken for one of the standard's.
+/// The prefix of our attributes' keys, which keeps them apart from the standard's.
 const PREFIX: &str = "nullray.";
-/// The key of the attribute that lists channels of i32.
+/// The key of the attribute that lists the i32 channels.
 const SIGNED: &str = "signed";
-/// The layer whose R, G, B are the image's own.
+/// The layer whose R, G, B are the main image.
 const MAIN: &str = "radiance.";
 
 /// A channel's name in the file.
@@ -65,40 +65,39 @@ fn name_in_file(name: &str) -> &str {
     }
 }
 
-/// A channel's name in memory; `is_own` says that this program has written it.
+/// A channel's name in memory; `is_own` says that this program wrote the file.
 fn name_in_memory(name: &str, is_own: bool) -> String {
     match name {
         "R" | "G" | "B" => format!("{MAIN}{name}"),
-        // Elsewhere it may be measured along the axis.
+        // In other files it may be measured along the axis.
         "Z" if is_own => "distance".into(),
         "A" if is_own => "alpha".into(),
         _ => name.to_string(),
     }
 }
 
-/// What a file says and holds beyond its layers.
+/// Contents of a file beyond its layers, and its precision.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Options {
     /// Radiance (also grey, `Y`) and alpha in half precision.
     pub half: bool,
-    /// With a checksum of the whole file in it: [`sealed`].
+    /// Includes a checksum of the whole file: [`sealed`].
     pub sealed: bool,
-    /// Row-major matrices for points as rows, of the standard's attributes `worldToCamera` and `worldToNDC`.
+    /// Row-major matrices for row vectors, of the standard attributes `worldToCamera` and `worldToNDC`.
     pub matrices: [Option<[f32; 16]>; 2],
 }
 
-/// The lossless compressions make at most so many bytes of one (deflate: 1032, and chunks have their own offsets besides).
+/// The maximum expansion by the lossless compressions (deflate: 1032; chunks have their own offsets in addition).
 const LARGEST_EXPANSION: u64 = 1032;
 
 /// Reads an EXR file.
 ///
-/// Parts of one size become one list of channels, named `part.channel` where there are several. Half
-/// precision becomes f32. The data window is read, whatever the display window. Text attributes become
-/// metadata; those that this program wrote have their own keys again.
+/// Parts of equal size become one list of channels, named `part.channel` if there are several. Half precision becomes f32. The data window
+/// is read, regardless of the display window. Text attributes become metadata; those that this program wrote get their original keys.
 ///
 /// # Errors
-/// I/O errors; files that are not EXR or are broken; deep data, subsampled channels, parts of different
-/// sizes; more pixels than a file of that length can hold, or than `budget` has memory for.
+/// I/O errors; files that are not EXR or are broken; deep data, subsampled channels, parts of different sizes; more pixels than a file of
+/// this length can contain, or than `budget` has memory for.
 pub fn read(path: &Path, budget: &Budget) -> Result<Layers> {
     let (file, length) = open_regular(path)?;
     let mut file = BufReader::new(file);
@@ -106,7 +105,7 @@ pub fn read(path: &Path, budget: &Budget) -> Result<Layers> {
     let headers = settle(path, decoded)?.headers;
     check(path, &headers, length, budget)?;
     file.rewind().map_err(Error::io(path, "cannot read"))?;
-    // One thread: a panic of a pool's thread could not be caught.
+    // One thread: a panic in a thread of a pool could not be caught.
     let decoded = guarded(|| {
         ::exr::prelude::read()
             .no_deep_data()
@@ -120,10 +119,10 @@ pub fn read(path: &Path, budget: &Budget) -> Result<Layers> {
     convert(path, settle(path, decoded)?)
 }
 
-/// As [`read`], of a picture that is there as a whole: its data window is its display window.
+/// Like [`read`], for a complete picture: its data window must be its display window.
 ///
 /// # Errors
-/// As [`read`], and those of other windows.
+/// As for [`read`], and other data windows.
 pub fn read_whole(path: &Path, budget: &Budget) -> Result<Layers> {
     for header in headers(path)? {
         let shown = header.shared_attributes.display_window;
@@ -147,7 +146,7 @@ pub fn read_whole(path: &Path, budget: &Budget) -> Result<Layers> {
     read(path, budget)
 }
 
-/// The names of channels that the file holds in half precision; no pixel is decoded.
+/// The names of channels stored in half precision; no pixel is decoded.
 ///
 /// # Errors
 /// I/O errors; files that are not EXR or are broken.
@@ -163,7 +162,7 @@ pub fn half_channels(path: &Path) -> Result<Vec<String>> {
 /// The metadata of the first part; no pixel is decoded.
 ///
 /// # Errors
-/// As [`half_channels`].
+/// As for [`half_channels`].
 pub fn metadata(path: &Path) -> Result<Vec<(String, String)>> {
     let headers = headers(path)?;
     let first = headers.first().map(|first| texts(&first.own_attributes).0);
@@ -176,7 +175,7 @@ fn headers(path: &Path) -> Result<Headers> {
     Ok(settle(path, decoded)?.headers)
 }
 
-/// The result of a decoder that may have panicked (none).
+/// The result of a decoder; `None` if it panicked.
 fn settle<T>(path: &Path, decoded: Option<::exr::error::Result<T>>) -> Result<T> {
     use ::exr::error::Error as Exr;
     match decoded {
@@ -198,7 +197,7 @@ fn broken(path: &Path, what: &str) -> Error {
     Error::invalid(path, "", what, "an OpenEXR image without deep data")
 }
 
-/// Refuses what would not fit, before anything is allocated for it, in a file of `length` bytes.
+/// Checks, before anything is allocated, that the contents of a file of `length` bytes fit.
 fn check(path: &Path, headers: &[Header], length: u64, budget: &Budget) -> Result<()> {
     let Some(first) = headers.first() else {
         return Err(broken(path, "it has no part"));
@@ -229,7 +228,7 @@ fn check(path: &Path, headers: &[Header], length: u64, budget: &Budget) -> Resul
         for channel in &header.channels.list {
             let size = channel.sample_type.bytes_per_sample() as u64;
             stored = stored.saturating_add(pixels.saturating_mul(size));
-            // While it becomes single precision, a channel of half precision is there twice.
+            // During conversion to single precision, a channel of half precision is in memory twice.
             let widened = if size == 2 { 6 } else { 4 };
             bytes = bytes.saturating_add(pixels.saturating_mul(widened));
         }
@@ -241,9 +240,9 @@ fn check(path: &Path, headers: &[Header], length: u64, budget: &Budget) -> Resul
     budget.take(bytes, path)
 }
 
-/// Refuses colours of other primaries than those of Rec. 709 and D65, which are meant where nothing is said.
+/// Refuses colours with other primaries than those of Rec. 709 and D65, which are the default.
 fn refuse_other_primaries(path: &Path, header: &Header) -> Result<()> {
-    /// Chromaticities are written in three or four digits.
+    /// Chromaticities are written with three or four digits.
     const SAME: f32 = 1e-3;
     let Some(said) = header.shared_attributes.chromaticities else {
         return Ok(());
@@ -338,22 +337,22 @@ fn texts(attributes: &LayerAttributes) -> (Vec<(String, String)>, Vec<String>) {
     (entries, signed)
 }
 
-/// Lossless, by blocks of 16 lines. Of ZIP1, ZIP16 and PIZ it makes the smallest files of a frame with 25
-/// channels and is by far the fastest to read; PIZ takes three quarters of its time to write.
+/// Lossless, in blocks of 16 lines. Of ZIP1, ZIP16 and PIZ it gives the smallest files for a frame with 25 channels and is by far the
+/// fastest to read; PIZ takes three quarters of its time to write.
 const COMPRESSION: Compression = Compression::ZIP16;
 
 /// Writes `layers` to `path`, whole or not at all.
 ///
 /// # Errors
-/// Layers that fail [`Layers::check`] or have no channel; I/O errors.
+/// Layers that fail [`Layers::check`] or have no channels; I/O errors.
 pub fn write(path: &Path, layers: &Layers) -> Result<()> {
     write_with(path, layers, &Options::default())
 }
 
-/// As [`write()`], with what `options` say.
+/// Like [`write()`], with `options`.
 ///
 /// # Errors
-/// As [`write()`].
+/// As for [`write()`].
 pub fn write_with(path: &Path, layers: &Layers, options: &Options) -> Result<()> {
     layers.check()?;
     check_limits(path, layers)?;
@@ -369,14 +368,14 @@ pub fn write_with(path: &Path, layers: &Layers, options: &Options) -> Result<()>
     })
 }
 
-/// Compresses the blocks of `image` on the threads of the pool, some at a time, and writes them in order.
+/// Compresses the blocks of `image` on the threads of the pool, several at a time, and writes them in order.
 fn write_blocks(
     image: &Image<Layer<AnyChannels<FlatSamples>>>,
     to: impl Write + Seek,
 ) -> ::exr::error::UnitResult {
     let headers = image.write().infer_meta_data();
     let layers = image.layer_data.create_writer(&headers);
-    // No thread waits for long for the slowest of so many blocks, and few are in memory.
+    // With this number of blocks, threads do not wait long for the slowest one, and few blocks are in memory.
     let together = 4 * rayon::current_num_threads();
     ::exr::block::write(to, headers, true, |meta, file| {
         let blocks: Vec<_> = meta.enumerate_ordered_header_block_indices().collect();
@@ -402,7 +401,7 @@ fn sort(writer: &mut BufWriter<File>) -> std::io::Result<()> {
     sort_attributes(writer.get_mut())
 }
 
-/// What the format cannot hold.
+/// Refuses layers that the format cannot store.
 fn check_limits(path: &Path, layers: &Layers) -> Result<()> {
     let refuse = |what: &str| Err(Error::unsupported(path, "", what, ""));
     if layers.channels.is_empty() {
@@ -457,7 +456,7 @@ fn channel(channel: &Channel, half: bool) -> AnyChannel<FlatSamples> {
     AnyChannel::new(text(name_in_file(&channel.name)), samples)
 }
 
-/// The nearest half; the largest one in place of what is beyond it, which would become infinite.
+/// The nearest half-precision number; finite numbers beyond the largest become the largest rather than infinite.
 fn half_of(value: f64) -> f16 {
     let largest = f64::from(f16::MAX);
     match value.is_infinite() {
@@ -467,7 +466,7 @@ fn half_of(value: f64) -> f16 {
     }
 }
 
-/// The nearest single; the largest one in place of what is beyond it, which would become infinite.
+/// The nearest single-precision number; finite numbers beyond the largest become the largest rather than infinite.
 fn single_of(value: f64) -> f32 {
     let largest = f64::from(f32::MAX);
     match value.is_infinite() {
@@ -520,7 +519,7 @@ fn layer_attributes(layers: &Layers, options: &Options) -> LayerAttributes {
     attributes
 }
 
-/// UTF-8 as it stands: newer versions of the standard's own library say the same of strings.
+/// UTF-8, unchanged: newer versions of the standard's own library specify it for strings.
 fn text(text: &str) -> Text {
     Text::from_slice_unchecked(text.as_bytes())
 }
@@ -532,7 +531,7 @@ fn failure(path: &Path, error: ::exr::error::Error) -> Error {
     }
 }
 
-/// Sorts the attributes of a one-part file, in place.
+/// Sorts the attributes of a single-part file, in place.
 fn sort_attributes(file: &mut (impl Read + Write + Seek)) -> io::Result<()> {
     file.seek(SeekFrom::Start(8))?;
     let mut attributes = Vec::new();
@@ -549,7 +548,7 @@ fn sort_attributes(file: &mut (impl Read + Write + Seek)) -> io::Result<()> {
     Ok(())
 }
 
-/// The bytes of the next attribute, or none at the end of the header.
+/// The bytes of the next attribute; `None` at the end of the header.
 fn read_attribute(reader: &mut impl io::BufRead) -> io::Result<Option<Vec<u8>>> {
     let mut attribute = Vec::new();
     reader.read_until(0, &mut attribute)?;

@@ -1,8 +1,7 @@
-//! Files that appear whole or not at all.
+//! Atomic writing: files appear completely or not at all.
 //!
-//! The bytes go to a temporary file in the directory of the target, which takes the target's name when
-//! all is on the disk. Until then a file of that name stays as it was, and on any failure the temporary
-//! file is removed.
+//! The bytes go to a temporary file in the directory of the target, which takes the target's name when everything is on disk. Until then an
+//! existing file of that name is unchanged, and on any failure the temporary file is removed.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -11,10 +10,10 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Result};
 use crate::io::temporary::Temporary;
 
-/// Writes the file `path` through `write`, so that it appears whole or not at all.
+/// Writes the file `path` through `write`, so that it appears completely or not at all.
 ///
-/// The writer can seek, and the file can be read back. A symbolic link is followed. Writers of one path
-/// at the same time do not disturb each other: the last one to finish stays.
+/// The writer can seek, and the file can be read back. Symbolic links are followed. Concurrent writers of one path do not disturb each
+/// other: the last one to finish wins.
 ///
 /// # Errors
 /// Those of `write`; I/O errors of `path`; a target that is a directory or a device.
@@ -29,13 +28,13 @@ pub fn write_atomically(
     write(&mut writer)?;
     let file = writer.into_inner().map_err(|e| failed()(e.into_error()))?;
     file.sync_all().map_err(failed())?;
-    // The file stays open, and locked, until it has its name.
+    // The file stays open, and locked, until it has its final name.
     temporary.persist(&target).map_err(failed())?;
     sync_directory(&target);
     Ok(())
 }
 
-/// The file to replace: `path` with links followed, refused where it is there and is not a file, or is a link to nothing.
+/// The file to replace: `path` with links followed; refused if it exists and is not a regular file, or is a dangling link.
 fn target(path: &Path) -> Result<PathBuf> {
     let refused = |what: String, help| Err(Error::invalid(path, "", what, help));
     let target = match fs::canonicalize(path) {
@@ -57,7 +56,7 @@ fn target(path: &Path) -> Result<PathBuf> {
     }
 }
 
-/// Makes the new name itself durable, where the system can; the file is complete in any case.
+/// Makes the new name itself durable, if the system supports it; the file is complete in any case.
 fn sync_directory(target: &Path) {
     let directory = match target.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -73,7 +72,7 @@ pub(super) fn write_failed(path: &Path) -> impl FnOnce(io::Error) -> Error {
     Error::io(path, "cannot write")
 }
 
-/// Writes `bytes` with the error of `path`.
+/// Writes `bytes`; errors name `path`.
 pub(super) fn write_all(writer: &mut impl Write, path: &Path, bytes: &[u8]) -> Result<()> {
     writer.write_all(bytes).map_err(write_failed(path))
 }

@@ -1,15 +1,15 @@
-//! Films: pictures of one size, one after the other, as animated PNG or as raw video.
+//! Films: sequences of pictures of one size, as animated PNG or raw video.
 //!
-//! Animated PNG holds the pictures bit by bit. Raw video is YUV4MPEG2 of 8 bits without subsampling (C444), which ffmpeg and other
-//! encoders read from a pipe. Its components are those of BT.709 in the limited range; with R′, G′, B′ the codes of sRGB,
+//! Animated PNG stores the pictures exactly. Raw video is YUV4MPEG2 of 8 bits without subsampling (C444), which ffmpeg and other encoders
+//! read from a pipe. Its components are those of BT.709 in the limited range; with R′, G′, B′ the codes of sRGB,
 //!
 //! ```text
 //! Y′ = 0.2126 R′ + 0.7152 G′ + 0.0722 B′,   Cb = (B′ − Y′)/1.8556,   Cr = (R′ − Y′)/1.5748,
 //! codes: 16 + 219/255 Y′,   128 + 224/255 Cb,   128 + 224/255 Cr,   each rounded.
 //! ```
 //!
-//! Undone, each component of a picture is within 2 codes: the roundings make up to ½·255/219 + 1.8556·½·255/224 = 1.64 of B′,
-//! less of the others, and its own rounding to a code cannot make 3 of that.
+//! After decoding, each component of a picture is within 2 codes: rounding contributes up to ½·255/219 + 1.8556·½·255/224 = 1.64 to B′,
+//! less to the others, and the final rounding to a code cannot turn that into 3.
 //!
 //! Sources: ITU-R BT.709-6, 3; yuv4mpeg(5) of the MJPEG tools; the PNG specification, third edition, 11.3.6.
 
@@ -21,7 +21,7 @@ use super::RgbImage;
 use super::png::encoder;
 use crate::error::{Error, Result};
 
-/// How long a picture is shown, as a fraction of a second.
+/// The duration of a picture, as a fraction of a second.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Delay {
     /// The numerator.
@@ -31,10 +31,10 @@ pub struct Delay {
 }
 
 impl Delay {
-    /// That of so many pictures per second: in whole milliseconds where it is so many, or else the best fraction, like 1001/30000.
+    /// The delay for this number of pictures per second: in whole milliseconds if exact, otherwise the best fraction, like 1001/30000.
     ///
     /// # Errors
-    /// A rate that no fraction of numbers up to 65535 is within 1e-5 of: a second in a day.
+    /// A rate that no fraction of numbers up to 65535 approximates to 1e-5, which is a second per day.
     pub fn of_rate(fps: f64) -> Result<Delay> {
         let milliseconds = 1000.0 / fps;
         let is_whole = |x: f64| x == x.round() && (1.0..=f64::from(u16::MAX)).contains(&x);
@@ -59,11 +59,11 @@ impl Delay {
     }
 }
 
-/// What a rate may differ from the one that is asked for, relative.
+/// The maximum relative error of a rate.
 const RATE_ERROR: f64 = 1e-5;
 
-/// The last of the fractions that continued fractions give for `x` above 0 that two numbers up to 65535 hold; its parts may be 0 only
-/// where `x` is beyond all of these, or not finite.
+/// The last continued-fraction convergent of `x` above 0 whose parts are at most 65535; its parts may be 0 only if `x` is out of range or
+/// not finite.
 fn best_fraction(x: f64) -> [u16; 2] {
     let most = f64::from(u16::MAX);
     // Convergents p/q of [a₀; a₁, a₂ …]: p_k = a_k p_(k−1) + p_(k−2), and q alike.
@@ -72,12 +72,12 @@ fn best_fraction(x: f64) -> [u16; 2] {
     for _ in 0..64 {
         let whole = rest.floor();
         let next = [0, 1].map(|i| whole * last[i] + before[i]);
-        // Not so of NaN.
+        // False for NaN.
         if !next.iter().all(|n| *n <= most) {
             break;
         }
         (before, last) = (last, next);
-        // What is left is rounding where the fraction is that number.
+        // If the fraction equals the number, the rest is rounding error.
         if rest == whole || last[0] / last[1] == x {
             break;
         }
@@ -86,13 +86,13 @@ fn best_fraction(x: f64) -> [u16; 2] {
     last.map(|n| n as u16)
 }
 
-/// A film that is being written.
+/// A film being written.
 pub struct FilmWriter<W: Write> {
     format: Format<W>,
     size: [u32; 2],
-    /// Bytes of a pixel.
+    /// Bytes per pixel.
     samples: usize,
-    /// Pictures that it is to have, and has.
+    /// The number of pictures announced, and the number written.
     count: u32,
     done: u32,
 }
@@ -103,11 +103,11 @@ enum Format<W: Write> {
 }
 
 impl<W: Write> FilmWriter<W> {
-    /// An animated PNG of `count` pictures of this size, which repeats for ever. `text` entries become text chunks, as those of
+    /// An animated PNG of `count` pictures of this size, which repeats for ever. `text` entries become text chunks, like those of
     /// [`png::write`](super::png::write()).
     ///
     /// # Errors
-    /// A size, a count or a denominator of 0, keys that PNG does not hold, and I/O errors.
+    /// A size, a count or a denominator of 0, keys that PNG cannot store, and I/O errors.
     pub fn apng(
         writer: W,
         size: [u32; 2],
@@ -133,7 +133,7 @@ impl<W: Write> FilmWriter<W> {
     ) -> Result<Self> {
         checked(size, count, delay)?;
         let mut set_up = || {
-            // 0 plays: for ever. Each picture replaces the whole of the one before.
+            // 0 plays: for ever. Each picture replaces the whole previous one.
             encoder.set_animated(count, 0)?;
             encoder.set_frame_delay(delay.numerator, delay.denominator)?;
             encoder.set_dispose_op(DisposeOp::None)?;
@@ -157,7 +157,7 @@ impl<W: Write> FilmWriter<W> {
     pub fn y4m(mut writer: W, size: [u32; 2], count: u32, delay: Delay) -> Result<Self> {
         checked(size, count, delay)?;
         let [width, height] = size;
-        // The header has the rate, which is one over the delay.
+        // The header contains the rate, the reciprocal of the delay.
         let (numerator, denominator) = (delay.denominator, delay.numerator);
         writeln!(
             writer,
@@ -173,7 +173,7 @@ impl<W: Write> FilmWriter<W> {
         })
     }
 
-    /// The next picture.
+    /// Writes the next picture.
     ///
     /// # Errors
     /// Another size than the film's, more pictures than announced, and I/O errors.
@@ -181,7 +181,7 @@ impl<W: Write> FilmWriter<W> {
         self.pixels([picture.width, picture.height], &picture.rgb)
     }
 
-    /// The same of pixels in the film's own format.
+    /// The same for pixels in the film's own format.
     pub(crate) fn pixels(&mut self, size: [u32; 2], pixels: &[u8]) -> Result<()> {
         let [width, height] = self.size;
         let length = self.samples * width as usize * height as usize;
@@ -206,7 +206,7 @@ impl<W: Write> FilmWriter<W> {
         }
     }
 
-    /// Ends the film.
+    /// Finishes the film.
     ///
     /// # Errors
     /// Fewer pictures than announced, and I/O errors.
@@ -244,7 +244,7 @@ fn planes(rgb: &[u8]) -> Vec<u8> {
     let (blue, red) = chroma.split_at_mut(pixels.len());
     for (((pixel, y), cb), cr) in pixels.iter().zip(luma).zip(blue).zip(red) {
         let [r, g, b] = pixel.map(f64::from);
-        // Rec. 709 in the limited range: Y′, and Cb and Cr over 2 (1 − 0.0722) and 2 (1 − 0.2126).
+        // Rec. 709 in the limited range: Y′, and Cb and Cr divided by 2 (1 − 0.0722) and 2 (1 − 0.2126).
         let brightness = 0.2126 * r + 0.7152 * g + 0.0722 * b;
         let code = |offset: f64, value: f64| (offset + value + 0.5).floor() as u8;
         *y = code(16.0, 219.0 / 255.0 * brightness);

@@ -1,8 +1,8 @@
 //! Radiance HDR files (`.hdr`, RGBE): linear, read only.
 //!
-//! A text header that ends with an empty line, a line `-Y height +X width`, then scan lines of four bytes per pixel,
-//! run-length encoded by component or by pixel, or not at all. A pixel is (m + ½) 2^(e − 136) per mantissa m, and 0 where
-//! e is 0. Source: Ward, "Real Pixels", Graphics Gems II, 1991, and the reference decoder color.c of Radiance.
+//! A text header that ends with an empty line, a line `-Y height +X width`, then scan lines of four bytes per pixel, run-length encoded by
+//! component or by pixel, or not at all. A pixel is (m + ½) 2^(e − 136) per mantissa m, and 0 if e is 0. Source: Ward, "Real Pixels",
+//! Graphics Gems II, 1991, and the reference decoder color.c of Radiance.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -13,28 +13,27 @@ use crate::io::budget::Budget;
 /// The longest side, pixels, and the longest header, bytes.
 const MAX_SIDE: usize = 32_768;
 const MAX_HEADER: usize = 1 << 16;
-/// No head is longer, bytes.
+/// A bound on the length of the header with its resolution line, bytes.
 pub(super) const LONGEST_HEAD: usize = 2 * MAX_HEADER;
-/// The most pixels.
+/// The maximum number of pixels.
 const MAX_PIXELS: usize = 1 << 28;
 
-/// The primaries of Rec. 709 with its white, and with that of Radiance, which are meant where a file says nothing.
+/// The primaries of Rec. 709 with its white, and with that of Radiance, which are assumed if a file says nothing.
 const PRIMARIES: [f32; 6] = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06];
 const WHITES: [[f32; 2]; 2] = [[0.3127, 0.3290], [0.3333, 0.3333]];
-/// By no more than this do chromaticities differ that are the same: they are written in three digits, red of Radiance is 0.640 and green 0.290.
+/// The tolerance for equal chromaticities: they are written with three digits, red of Radiance is 0.640 and green 0.290.
 const SAME: f32 = 0.0101;
 
-/// Width, height and linear RGB by rows from the top of the file in `bytes`, with memory of `budget`; `path` is for
-/// messages.
+/// Width, height and linear RGB, row by row from the top, of the file in `bytes`, using memory from `budget`; `path` is for messages.
 ///
 /// # Errors
-/// What is no RGBE file, or a broken one; XYZE, other primaries and orientations; sides above 32768 pixels.
+/// Files that are not RGBE, or are broken; XYZE, other primaries and orientations; sides above 32768 pixels.
 pub fn read(bytes: &[u8], path: &Path, budget: &Budget) -> Result<([usize; 2], Vec<[f32; 3]>)> {
     let help = "a Radiance picture (.hdr) in RGBE, rows from the top";
     let refuse = |what| Error::invalid(path, "", what, help);
     let mut rest = bytes;
     let (size, factors) = header(&mut rest).map_err(refuse)?;
-    // A run of four bytes gives at most 255 pixels: what cannot be in the file is not allocated.
+    // A run of four bytes gives at most 255 pixels: refuse, before allocating, more than the file can contain.
     let missing = || refuse("some of its pixels are missing".into());
     if size[0] * size[1] / 256 > rest.len() {
         return Err(missing());
@@ -44,19 +43,19 @@ pub fn read(bytes: &[u8], path: &Path, budget: &Budget) -> Result<([usize; 2], V
     Ok((size, pixels.ok_or_else(missing)?))
 }
 
-/// Width and height by the first bytes of a file; none where they are no head.
+/// Width and height from the first bytes of a file; `None` if they are not a valid header.
 pub(super) fn size(mut head: &[u8]) -> Option<[usize; 2]> {
     header(&mut head).ok().map(|(size, _)| size)
 }
 
-/// What the values in a file are those of the scene times.
+/// The factors by which the values in a file differ from those of the scene.
 struct Factors {
     exposure: f32,
-    /// Of red, green and blue.
+    /// For red, green and blue.
     corrections: [f32; 3],
 }
 
-/// Width and height, and what the pixels are multiples of.
+/// Width and height, and the factors in the pixels.
 fn header(rest: &mut &[u8]) -> Result<([usize; 2], Factors), String> {
     let first = line(rest).unwrap_or_default();
     if !first.starts_with("#?") {
@@ -71,7 +70,7 @@ fn header(rest: &mut &[u8]) -> Result<([usize; 2], Factors), String> {
         if line.is_empty() {
             break;
         }
-        // Of other pictures that this one is made of, lines begin with a tab, and their keys say nothing here.
+        // Lines about other pictures from which this one was made begin with a tab, and their keys do not apply.
         let Some((key, value)) = line.split_once('=') else {
             continue;
         };
@@ -82,7 +81,7 @@ fn header(rest: &mut &[u8]) -> Result<([usize; 2], Factors), String> {
                 "32-bit_rle_xyze" => return Err("its pixels are XYZE".into()),
                 _ => return Err(wrong()),
             },
-            // Values in the file are those of the scene times all of these.
+            // Values in the file are those of the scene, multiplied by all of these.
             "EXPOSURE" => {
                 let [factor] = above_zero(value).ok_or_else(wrong)?;
                 factors.exposure *= factor;
@@ -120,14 +119,14 @@ fn header(rest: &mut &[u8]) -> Result<([usize; 2], Factors), String> {
     Ok(([width, height], factors))
 }
 
-/// The numbers of a line, which are so many.
+/// The N numbers of a line; `None` if it has another number of them.
 fn numbers<const N: usize>(text: &str) -> Option<[f32; N]> {
     let all: Option<Vec<f32>> = text.split_whitespace().map(|n| n.parse().ok()).collect();
     let all: [f32; N] = all?.try_into().ok()?;
     all.iter().all(|x| x.is_finite()).then_some(all)
 }
 
-/// The same, all above 0.
+/// The same, if all are above 0.
 fn above_zero<const N: usize>(text: &str) -> Option<[f32; N]> {
     numbers(text).filter(|all: &[f32; N]| all.iter().all(|x| *x > 0.0))
 }
@@ -146,7 +145,7 @@ fn decode(
     Some(pixels)
 }
 
-/// The next line, without its end. Comments in it may be of any encoding.
+/// The next line, without its end. Its comments may be in any encoding.
 fn line<'a>(rest: &mut &'a [u8]) -> Option<Cow<'a, str>> {
     let end = rest.iter().take(MAX_HEADER).position(|b| *b == b'\n')?;
     let text = &rest[..end];
@@ -165,7 +164,7 @@ fn take<'a>(rest: &mut &'a [u8], count: usize) -> Option<&'a [u8]> {
 fn scan_line(rest: &mut &[u8], row: &mut [[u8; 4]]) -> Option<()> {
     let width = row.len();
     match rest.get(..4)? {
-        // The mark of a line whose components follow one another, with its width.
+        // The mark of a line whose components are stored one after another, with its width.
         &[2, 2, high, low] if high < 128 => {
             *rest = &rest[4..];
             let said = usize::from(high) << 8 | usize::from(low);
@@ -178,7 +177,7 @@ fn scan_line(rest: &mut &[u8], row: &mut [[u8; 4]]) -> Option<()> {
     }
 }
 
-/// One component of a row, in runs (a count above 128 and a value) and stretches (a count and as many values).
+/// One component of a row, in runs (a count above 128 and a value) and literals (a count and that many values).
 fn run_lengths(rest: &mut &[u8], row: &mut [[u8; 4]], component: usize) -> Option<()> {
     let mut at = 0;
     while at < row.len() {
@@ -195,7 +194,7 @@ fn run_lengths(rest: &mut &[u8], row: &mut [[u8; 4]], component: usize) -> Optio
     Some(())
 }
 
-/// Pixels one by one; (1, 1, 1, n) repeats the one before n times, and 256 n times after another such.
+/// Pixels one by one; (1, 1, 1, n) repeats the previous one n times, and 256 n times after another such code.
 fn old_scan_line(rest: &mut &[u8], row: &mut [[u8; 4]]) -> Option<()> {
     let (mut at, mut shift) = (0, 0);
     while at < row.len() {
@@ -206,7 +205,7 @@ fn old_scan_line(rest: &mut &[u8], row: &mut [[u8; 4]]) -> Option<()> {
             row.get_mut(at..at.checked_add(count)?)?.fill(before);
             at += count;
             shift += 8;
-            // A count of 0 would go on for as long as there are bytes; that is an end too.
+            // Counts of 0 could continue as long as there are bytes; this stops them, too.
             if shift > 24 {
                 return None;
             }
@@ -223,7 +222,7 @@ fn linear([r, g, b, e]: [u8; 4], factors: &Factors) -> [f32; 3] {
     if e == 0 {
         return [0.0; 3];
     }
-    // The exponent's bias is 128, and mantissas are parts of 256; each stands for the middle of its step.
+    // The exponent's bias is 128, and mantissas are in units of 1/256; each stands for the middle of its step.
     let scale = libm::exp2f(f32::from(e) - 136.0) / factors.exposure;
     let [cr, cg, cb] = factors.corrections;
     [(r, cr), (g, cg), (b, cb)].map(|(m, c)| (f32::from(m) + 0.5) * scale / c)
@@ -268,7 +267,7 @@ mod tests {
             let pixels = b"\n\n-Y 1 +X 1\n\x80\x80\x80\x81";
             all(&[start, line, pixels].concat())
         };
-        // (128 + ½)/128, divided by what the values were multiplied by.
+        // (128 + ½)/128, divided by the factors in the values.
         let white = 1.003_906_3;
         let known: [(&[u8], [f32; 3]); 6] = [
             (b"FORMAT= 32-bit_rle_rgbe \r", [white; 3]),
@@ -278,7 +277,7 @@ mod tests {
                 b"PRIMARIES=0.640 0.330 0.290 0.600 0.150 0.060 0.333 0.333",
                 [white; 3],
             ),
-            // Of a picture that this one was made of.
+            // About a picture from which this one was made.
             (b"\tEXPOSURE=nothing", [white; 3]),
             // A name in Latin-1.
             (b"CAMERA=caf\xe9", [white; 3]),

@@ -10,17 +10,17 @@ const MAX_NAME: usize = 255;
 /// The longest key of a metadata entry, bytes (the PNG format's limit).
 const MAX_KEY: usize = 79;
 
-/// What a frame holds per pixel, and what it says about itself.
+/// The data of a frame per pixel, and its metadata.
 ///
-/// Channel names have the dotted form `layer.component`: `radiance.R`, `event.ct`, or `object` where a
-/// layer has one component. Row 0 is the top row; samples are in row-major order.
+/// Channel names have the dotted form `layer.component`: `radiance.R`, `event.ct`, or just `object` if a layer has one component. Row 0 is
+/// the top row; samples are in row-major order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layers {
     /// Pixels per row, at least 1.
     pub width: u32,
     /// Rows, at least 1.
     pub height: u32,
-    /// The channels, names unique.
+    /// The channels, with unique names.
     pub channels: Vec<Channel>,
     /// Keys and values for the file's header: keys unique, printable ASCII; values free of NUL.
     pub metadata: Vec<(String, String)>,
@@ -44,16 +44,15 @@ pub enum Samples {
     F64(Vec<f64>),
     /// Counts.
     U32(Vec<u32>),
-    /// Identifiers, −1 where there is none.
+    /// Identifiers; −1 if there is none.
     I32(Vec<i32>),
 }
 
 impl Layers {
-    /// Layers that have been checked: a size above 0, a sample per pixel in every channel, unique
-    /// names and keys.
+    /// Checked layers: a size above 0, one sample per pixel in every channel, unique names and keys.
     ///
     /// # Errors
-    /// What is not so.
+    /// Layers that violate this.
     pub fn new(
         width: u32,
         height: u32,
@@ -70,10 +69,10 @@ impl Layers {
         Ok(layers)
     }
 
-    /// Checks what [`Layers::new`] promises; every writer calls it.
+    /// Checks the guarantees of [`Layers::new`]; every writer calls it.
     ///
     /// # Errors
-    /// As [`Layers::new`].
+    /// As for [`Layers::new`].
     pub fn check(&self) -> Result<()> {
         let pixels = pixel_count(self.width, self.height)?;
         let mut names = HashSet::new();
@@ -93,12 +92,12 @@ impl Layers {
         Ok(())
     }
 
-    /// The channel of this name.
+    /// The channel with this name.
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
-    /// The pixels of `radiance.R`, `radiance.G`, `radiance.B`, or none where one of them is missing.
+    /// The pixels of `radiance.R`, `radiance.G`, `radiance.B`; `None` if one of them is missing.
     pub fn radiance(&self) -> Option<Vec<[f64; 3]>> {
         let r = self.channel("radiance.R")?.samples.to_f64();
         let g = self.channel("radiance.G")?.samples.to_f64();
@@ -109,7 +108,7 @@ impl Layers {
 }
 
 impl Samples {
-    /// How many samples.
+    /// The number of samples.
     pub fn len(&self) -> usize {
         match self {
             Samples::F32(v) => v.len(),
@@ -119,7 +118,7 @@ impl Samples {
         }
     }
 
-    /// Whether there is none.
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -135,10 +134,10 @@ impl Samples {
     }
 }
 
-/// width · height, where both are above 0 and the product can be addressed.
+/// width · height, if both are above 0 and the product is addressable.
 pub(super) fn pixel_count(width: u32, height: u32) -> Result<usize> {
     let pixels = (width as usize).checked_mul(height as usize);
-    // 16 bytes per pixel must be addressable too: the widest thing a writer makes of one.
+    // 16 bytes per pixel must be addressable too: the most that a writer needs.
     match pixels.filter(|&n| n > 0 && n <= isize::MAX as usize / 16) {
         Some(pixels) => Ok(pixels),
         None => Err(wrong(
@@ -174,10 +173,10 @@ pub(super) fn check_metadata(key: &str, value: &str) -> Result<()> {
     Ok(())
 }
 
-/// The most metadata entries of a file that is read.
+/// The maximum number of metadata entries of a file.
 const MOST_ENTRIES: usize = 10_000;
 
-/// Refuses a file of more metadata entries than are read.
+/// Refuses a file with too many metadata entries.
 pub(super) fn check_count(path: &Path, entries: usize) -> Result<()> {
     if entries <= MOST_ENTRIES {
         return Ok(());
@@ -187,7 +186,7 @@ pub(super) fn check_count(path: &Path, entries: usize) -> Result<()> {
     Err(Error::unsupported(path, "", what, help))
 }
 
-/// Leaves the first entry of each key.
+/// Keeps only the first entry of each key.
 pub(super) fn keep_first(metadata: &mut Vec<(String, String)>) {
     let mut known = HashSet::new();
     let is_new: Vec<bool> = (metadata.iter())

@@ -1,11 +1,10 @@
 //! Images in memory and in files.
 //!
-//! [`Layers`] holds what a frame has per pixel: named channels, each in the precision in which it was
-//! computed. The writers put them into `.exr` (linear, f32), `.npz` (numpy, f64) and `.png` (display).
-//! Every file appears at once and whole, or not at all ([`write_atomically`]). [`Texture`] is an image
-//! that surfaces show.
+//! [`Layers`] holds the data of a frame per pixel: named channels, each in the precision in which it was computed. The writers store them
+//! in `.exr` (linear, f32), `.npz` (NumPy, f64) and `.png` (display). Every file appears at once and complete, or not at all
+//! ([`write_atomically`]). [`Texture`] is an image on surfaces.
 //!
-//! This module is the only user of the crates `exr`, `png` and `zune-jpeg`, but for the PNG of drawings.
+//! This module is the only user of the crates `exr`, `png` and `zune-jpeg`, except for the PNG of drawings.
 
 mod decoder;
 pub mod exr;

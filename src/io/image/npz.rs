@@ -1,11 +1,10 @@
-//! Numpy archives: every channel in its own precision.
+//! NumPy archives: every channel in its own precision.
 //!
-//! `numpy.load` gives arrays of shape (H, W), one per channel, by the channel's name: `<f4`, `<f8`, `<u4`
-//! or `<i4`, C order, row 0 at the top. `radiance.R`, `.G`, `.B` become one array `radiance` of shape
-//! (H, W, 3). `metadata` is a text of JSON, an object of strings:
+//! `numpy.load` gives arrays of shape (H, W), one per channel, with the channel's name: `<f4`, `<f8`, `<u4` or `<i4`, C order, row 0 at the
+//! top. `radiance.R`, `.G`, `.B` become one array `radiance` of shape (H, W, 3). `metadata` is JSON text, an object of strings:
 //! `json.loads(archive["metadata"].item())`. Nothing needs pickle. The same layers give the same bytes.
 //!
-//! Formats: NEP 1 (npy 1.0) in a deflated zip archive, zip64 where an array needs it.
+//! Formats: NEP 1 (npy 1.0) in a deflated zip archive, zip64 if an array needs it.
 
 use std::cell::RefCell;
 use std::fs::File;
@@ -25,10 +24,10 @@ const RADIANCE: [&str; 3] = ["radiance.R", "radiance.G", "radiance.B"];
 
 type Archive<'a> = ZipWriter<Unfailing<'a>>;
 
-/// Writes `layers` to `path`, whole or not at all.
+/// Writes `layers` to `path`, completely or not at all.
 ///
 /// # Errors
-/// Layers that fail [`Layers::check`]; names that an archive cannot hold; I/O errors.
+/// Layers that fail [`Layers::check`]; names that an archive cannot store; I/O errors.
 pub fn write(path: &Path, layers: &Layers) -> Result<()> {
     write_with(path, layers, false)
 }
@@ -36,7 +35,7 @@ pub fn write(path: &Path, layers: &Layers) -> Result<()> {
 /// The same with a checksum of the whole file in the archive's comment: [`sealed`].
 ///
 /// # Errors
-/// As [`write()`].
+/// As for [`write()`].
 pub fn write_sealed(path: &Path, layers: &Layers) -> Result<()> {
     write_with(path, layers, true)
 }
@@ -69,7 +68,7 @@ fn seal(writer: &mut BufWriter<File>) -> io::Result<()> {
     sealed::seal(writer.get_mut())
 }
 
-/// Writes all members, or those before the one where writing has failed.
+/// Writes all members, or those before a failure.
 fn write_archive(
     mut archive: Archive,
     path: &Path,
@@ -88,7 +87,7 @@ fn write_archive(
     Ok(())
 }
 
-/// Writes `rows` to `path` as one array of shape (rows, 3) and type `<f8`, a .npy file, whole or not at all.
+/// Writes `rows` to `path` as one array of shape (rows, 3) and type `<f8`, a .npy file, completely or not at all.
 ///
 /// # Errors
 /// I/O errors.
@@ -102,7 +101,8 @@ pub(crate) fn write_vectors(path: &Path, rows: &[[f64; 3]]) -> Result<()> {
     })
 }
 
-/// Writes `cube` to `path` as one array of shape (H, W, T, C), a .npy file or, in an .npz file, the array `radiance`; whole or not at all.
+/// Writes `cube` to `path` as one array of shape (H, W, T, C), as a .npy file or as the array `radiance` of an .npz file; completely or not
+/// at all.
 ///
 /// # Errors
 /// I/O errors.
@@ -110,18 +110,18 @@ pub fn write_cube(path: &Path, cube: &Cube) -> Result<()> {
     write_cube_with(path, cube, &CubeOptions::default())
 }
 
-/// What is written with a cube, and how.
+/// Additional contents of a cube's file, and its precision.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct CubeOptions<'a> {
-    /// Single precision as half, rounded to the nearest.
+    /// Whether to store single precision as half, rounded to the nearest.
     pub half: bool,
-    /// More arrays, by name, shape and samples in C order; in an .npz file alone.
+    /// More arrays, with name, shape and samples in C order; only in an .npz file.
     pub arrays: &'a [(&'a str, &'a [usize], &'a [f64])],
-    /// What `metadata` holds; in an .npz file alone.
+    /// The contents of `metadata`; only in an .npz file.
     pub metadata: &'a [(String, String)],
 }
 
-/// The same with more in it.
+/// The same with `options`.
 ///
 /// # Errors
 /// I/O errors.
@@ -160,8 +160,8 @@ pub fn write_cube_with(path: &Path, cube: &Cube, options: &CubeOptions) -> Resul
     )
 }
 
-/// Writes an array that `write` gives as bytes, a `.npz` file in which it is called `radiance` or else a `.npy` file, whole or
-/// not at all. `shape` is as Python has it.
+/// Writes an array whose bytes `write` provides, as the array `radiance` of a `.npz` file or as a `.npy` file, completely or not at all.
+/// `shape` is in Python syntax.
 ///
 /// # Errors
 /// Those of `write`; I/O errors.
@@ -174,7 +174,7 @@ pub(crate) fn write_stream(
     write_arrays(path, (descriptor, shape), write, &CubeOptions::default())
 }
 
-/// The same, with what else `options` have in an archive.
+/// The same, and in an archive the additional contents of `options`.
 fn write_arrays(
     path: &Path,
     (descriptor, shape): (&str, &str),
@@ -192,7 +192,7 @@ fn write_arrays(
         }
         let failed = RefCell::new(None);
         let mut archive = ZipWriter::new(Unfailing::new(writer, &failed));
-        // How long it will be is not known: of any length.
+        // Its length is not known yet: allow any.
         start(&mut archive, path, "radiance", u64::MAX)?;
         write_all(&mut archive, path, &header)?;
         let written = write(&mut archive).and_then(|()| write_more(&mut archive, path, options));
@@ -204,7 +204,7 @@ fn write_arrays(
     })
 }
 
-/// Writes what an archive holds beside its cube.
+/// Writes the contents of an archive other than its cube.
 fn write_more(archive: &mut Archive, path: &Path, options: &CubeOptions) -> Result<()> {
     for (name, shape, values) in options.arrays {
         start(archive, path, name, values.len() as u64 * 8)?;
@@ -220,12 +220,12 @@ fn write_more(archive: &mut Archive, path: &Path, options: &CubeOptions) -> Resu
     }
 }
 
-/// A writer that keeps its first failure to itself and lets what follows go nowhere: an archive that meets a failure
-/// complains on standard error when it is dropped.
+/// A writer that keeps its first failure to itself and discards everything after it: an archive with a failed writer complains on standard
+/// error when it is dropped.
 struct Unfailing<'a> {
     writer: &'a mut BufWriter<File>,
     failure: &'a RefCell<Option<io::Error>>,
-    /// The place in the file, and the file's length, as they are without a failure.
+    /// The position in the file, and the file's length, as they would be without a failure.
     at: u64,
     length: u64,
 }
@@ -240,7 +240,7 @@ impl<'a> Unfailing<'a> {
         }
     }
 
-    /// Does `work` unless something has failed, and notes its failure.
+    /// Does `work` unless something has failed, and records its failure.
     fn attempt<T>(&mut self, work: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>) {
         let mut failure = self.failure.borrow_mut();
         if failure.is_none() {
@@ -276,13 +276,13 @@ impl Seek for Unfailing<'_> {
     }
 }
 
-/// An array of the archive: its name, and the channels whose samples alternate in it.
+/// An array of the archive: its name, and the channels whose samples are interleaved in it.
 struct Array<'a> {
     name: &'a str,
     channels: Vec<&'a Channel>,
 }
 
-/// One array per channel, but one for radiance where its three channels are of one kind.
+/// One array per channel, but a single one for radiance if its three channels have the same type.
 fn arrays(layers: &Layers) -> Vec<Array<'_>> {
     let rgb: Option<Vec<_>> = RADIANCE.iter().map(|name| layers.channel(name)).collect();
     let rgb = rgb.filter(|c| c.iter().all(|x| descriptor(x) == descriptor(c[0])));
@@ -332,7 +332,7 @@ fn write_array(archive: &mut Archive, path: &Path, layers: &Layers, array: &Arra
     write_samples(archive, path, &array.channels)
 }
 
-/// The samples of all channels in turn, pixel by pixel, little-endian, by blocks.
+/// The interleaved samples of all channels, pixel by pixel, little-endian, in blocks.
 fn write_samples(archive: &mut Archive, path: &Path, channels: &[&Channel]) -> Result<()> {
     const BLOCK: usize = 1 << 13;
     let pixels = channels.first().map_or(0, |c| c.samples.len());
@@ -354,7 +354,7 @@ fn write_samples(archive: &mut Archive, path: &Path, channels: &[&Channel]) -> R
     Ok(())
 }
 
-/// The metadata as JSON in a numpy text of UTF-32, shape ().
+/// The metadata as JSON in a NumPy text of UTF-32, shape ().
 fn write_metadata(archive: &mut Archive, path: &Path, metadata: &[(String, String)]) -> Result<()> {
     let entries = metadata.iter();
     let object: serde_json::Map<_, _> = entries
@@ -387,7 +387,7 @@ fn npy_header(descriptor: &str, shape: &str) -> Vec<u8> {
 fn start(archive: &mut Archive, path: &Path, name: &str, bytes: u64) -> Result<()> {
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
-        // Fast: of f64 samples the mantissas do not compress at any level.
+        // Fast: the mantissas of f64 samples do not compress at any level.
         .compression_level(Some(1))
         .last_modified_time(DateTime::default())
         .large_file(bytes > u64::from(u32::MAX) / 2);

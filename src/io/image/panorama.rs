@@ -1,4 +1,4 @@
-//! Pictures of skies (EXR and Radiance), by their heads.
+//! Headers of pictures of skies (EXR and Radiance).
 
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
@@ -9,7 +9,7 @@ use super::decoder::guarded;
 use super::hdr;
 use crate::io::files;
 
-/// What the head of a picture tells.
+/// The contents of a picture's header.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct PanoramaHead {
@@ -19,17 +19,17 @@ pub struct PanoramaHead {
     pub height: usize,
     /// The names of its channels.
     pub channels: Vec<String>,
-    /// Bytes that are held while its pixels are read, beside what stays.
+    /// Bytes needed while its pixels are read, in addition to what remains.
     pub reading: u64,
 }
 
-/// Whether the picture at `path` is one of Radiance, by its name.
+/// Whether the file at `path` is a Radiance picture, by its name.
 pub fn is_hdr(path: &Path) -> bool {
     path.extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("hdr"))
 }
 
-/// The head of the picture at `path`; none where it has none that can be read, which reading its pixels says in words.
+/// The header of the picture at `path`; `None` if it cannot be read, for which reading the pixels then gives the reason.
 pub fn head(path: &Path) -> Option<PanoramaHead> {
     let (mut file, length) = files::open(path).ok()?;
     if is_hdr(path) {

@@ -1,4 +1,4 @@
-//! PNG files: what a display shows.
+//! PNG files: pictures for displays.
 
 use std::io::{BufReader, Write};
 use std::path::Path;
@@ -18,13 +18,12 @@ use crate::io::budget::Budget;
 use crate::io::files::Reader;
 use crate::io::open::open_regular;
 
-/// Writes 8-bit sRGB pixels (3 bytes each, row 0 at the top) to `path`, whole or not at all.
+/// Writes 8-bit sRGB pixels (3 bytes each, row 0 at the top) to `path`, completely or not at all.
 ///
-/// `text` entries become text chunks, Latin-1 where they are ASCII and UTF-8 otherwise.
+/// `text` entries become text chunks, in Latin-1 if they are ASCII and in UTF-8 otherwise.
 ///
 /// # Errors
-/// A size of 0 or a `rgb` of another length than 3·width·height; keys that a text chunk cannot have;
-/// I/O errors.
+/// A size of 0, a `rgb` whose length is not 3·width·height; keys that a text chunk cannot have; I/O errors.
 pub fn write(
     path: &Path,
     width: u32,
@@ -38,7 +37,7 @@ pub fn write(
 /// The same with 16 bits per sample.
 ///
 /// # Errors
-/// As [`write()`].
+/// As for [`write()`].
 pub fn write_16(
     path: &Path,
     width: u32,
@@ -87,7 +86,7 @@ pub(crate) fn encoder<W: Write>(
     encoder
 }
 
-/// Writes RGB pixels, as many as the size says, with text chunks.
+/// Writes RGB pixels of this size, with text chunks.
 pub(crate) fn encode(
     writer: impl Write,
     size: [u32; 2],
@@ -117,10 +116,10 @@ fn failure(path: &Path, error: EncodingError) -> Error {
     }
 }
 
-/// The most memory that the header and the text of a file may take, bytes.
+/// The maximum memory for the header and the text of a file, bytes.
 const HEADER_MEMORY: usize = 64 << 20;
 
-/// What a PNG file says before its pixels.
+/// The contents of a PNG file before its pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct PngInfo {
@@ -139,7 +138,7 @@ pub struct PngInfo {
 /// Reads the header and the text of a PNG file; no pixel is decoded.
 ///
 /// # Errors
-/// I/O errors, and files that are not PNG or are broken as far as that shows before the pixels.
+/// I/O errors, and files that are not PNG or are broken, if this can be seen before the pixels.
 pub fn inspect(path: &Path) -> Result<PngInfo> {
     let (file, _) = open_regular(path)?;
     let limits = Limits {
@@ -163,9 +162,9 @@ pub fn inspect(path: &Path) -> Result<PngInfo> {
 
 /// Reads a PNG file as codes in [0, 1].
 ///
-/// Channels are `radiance.R`, `radiance.G`, `radiance.B`, three times the same for a grey picture, and `A`
-/// where there is alpha or a transparent colour. 8 and 16 bits are read, fewer are widened, palettes resolved. Texts become metadata
-/// as far as keys and values fit.
+/// Channels are `radiance.R`, `radiance.G`, `radiance.B`, three times the same for a grey picture, and `A` if there is alpha or a
+/// transparent colour. 8 and 16 bits are read, fewer are widened, palettes resolved. Texts become metadata if their keys and values are
+/// allowed.
 ///
 /// # Errors
 /// I/O errors; files that are not PNG or are broken; more pixels than `budget` has memory for.
@@ -178,17 +177,18 @@ pub fn read(path: &Path, budget: &Budget) -> Result<Layers> {
     layers(path, info, &settle(path, decoded)?)
 }
 
-/// What the pixels of a frame are: columns and rows, samples of each (1 of grey, 3 of colours), and what reading it takes, bytes.
+/// The format of a frame's pixels: columns and rows, samples per pixel (1 for grey, 3 for colours), and the memory needed to read it,
+/// bytes.
 pub(crate) struct FrameForm {
     pub size: [usize; 2],
     pub channels: usize,
     pub memory: u64,
 }
 
-/// That of a file, by its header.
+/// The format of a file, from its header.
 ///
 /// # Errors
-/// As [`inspect`].
+/// As for [`inspect`].
 pub(crate) fn frame_form(path: &Path) -> Result<FrameForm> {
     let info = inspect(path)?;
     let channels = if info.colour.starts_with("grey") {
@@ -198,7 +198,7 @@ pub(crate) fn frame_form(path: &Path) -> Result<FrameForm> {
     };
     let size = [info.width as usize, info.height as usize];
     let pixels = u64::from(info.width).saturating_mul(info.height.into());
-    // As it is decoded, with alpha, and as f32.
+    // The decoded samples, with alpha, and f32.
     let pixel = (channels + 1) * if info.bits > 8 { 2 } else { 1 } + 4 * channels;
     Ok(FrameForm {
         size,
@@ -207,10 +207,10 @@ pub(crate) fn frame_form(path: &Path) -> Result<FrameForm> {
     })
 }
 
-/// Reads a PNG file as samples by rows, colours fastest: what `linear` makes of codes in [0, 1].
+/// Reads a PNG file as samples in row order, colours fastest: the results of `linear` for codes in [0, 1].
 ///
 /// # Errors
-/// As [`read`].
+/// As for [`read`].
 pub(crate) fn read_frame(path: &Path, budget: &Budget, linear: fn(f64) -> f32) -> Result<Vec<f32>> {
     let form = frame_form(path)?;
     budget.take(form.memory, path)?;
@@ -218,7 +218,7 @@ pub(crate) fn read_frame(path: &Path, budget: &Budget, linear: fn(f64) -> f32) -
     let decoded = settle(path, guarded(|| decode(BufReader::new(file))))?;
     let [width, height] = form.size;
     decoded.check(path, width * height)?;
-    // A picture may have alpha after its colours, which is left out.
+    // A picture may have alpha after its colours, which is skipped.
     let places = (0..width * height).flat_map(|pixel| {
         let first = pixel * decoded.samples;
         first..first + form.channels
@@ -228,7 +228,7 @@ pub(crate) fn read_frame(path: &Path, budget: &Budget, linear: fn(f64) -> f32) -
     Ok(samples)
 }
 
-/// The result of a decoder that may have panicked (none).
+/// The result of a decoder; `None` if it panicked.
 fn settle(path: &Path, decoded: Option<Result<Decoded, DecodingError>>) -> Result<Decoded> {
     match decoded {
         Some(Ok(decoded)) => Ok(decoded),
@@ -237,21 +237,21 @@ fn settle(path: &Path, decoded: Option<Result<Decoded, DecodingError>>) -> Resul
     }
 }
 
-/// The most memory of a pixel: four samples of 16 bits as they are decoded, and as f32.
+/// The maximum memory per pixel: four samples of 16 bits as decoded, and as f32.
 const PIXEL_BYTES: u64 = 4 * (2 + 4);
 
 /// Decoded pixels.
 struct Decoded {
     /// Samples per pixel.
     samples: usize,
-    /// Those of all pixels, most significant byte first.
+    /// Samples of all pixels, most significant byte first.
     bytes: Vec<u8>,
-    /// Whether each has two bytes.
+    /// Whether each sample has two bytes.
     wide: bool,
 }
 
 impl Decoded {
-    /// Refuses other than so many pixels.
+    /// Refuses any other number of pixels.
     fn check(&self, path: &Path, pixels: usize) -> Result<()> {
         let size = if self.wide { 2 } else { 1 };
         match self.bytes.len() == pixels * self.samples * size {
@@ -289,7 +289,7 @@ fn decode(file: BufReader<Reader>) -> Result<Decoded, DecodingError> {
     })
 }
 
-/// The channels of a decoded picture as codes from 0 to 1; grey stands for red, green and blue alike.
+/// The channels of a decoded picture as codes from 0 to 1; grey is used for red, green and blue.
 fn layers(path: &Path, info: PngInfo, decoded: &Decoded) -> Result<Layers> {
     let pixels = pixel_count(info.width, info.height)?;
     decoded.check(path, pixels)?;
@@ -328,7 +328,7 @@ fn broken(path: &Path, what: &str) -> Error {
     Error::invalid(path, "", what, "copy or write the picture again")
 }
 
-/// The most memory that the texts of a file take once they are unpacked, bytes.
+/// The maximum memory for the decompressed texts of a file, bytes.
 const TEXT_MEMORY: usize = 16 << 20;
 
 fn describe(path: &Path, info: &::png::Info) -> Result<PngInfo> {
@@ -347,7 +347,7 @@ fn describe(path: &Path, info: &::png::Info) -> Result<PngInfo> {
     })
 }
 
-/// Keys and texts; one that is damaged is left out.
+/// Keys and texts; damaged ones are skipped.
 fn texts(path: &Path, info: &::png::Info) -> Result<Vec<(String, String)>> {
     let (latin, packed) = (&info.uncompressed_latin1_text, &info.compressed_latin1_text);
     check_count(path, latin.len() + packed.len() + info.utf8_text.len())?;
@@ -355,7 +355,7 @@ fn texts(path: &Path, info: &::png::Info) -> Result<Vec<(String, String)>> {
     let mut texts: Vec<_> = latin
         .map(|chunk| (chunk.keyword.clone(), chunk.text.clone()))
         .collect();
-    // Of a few bytes zlib makes a thousand times as many: all compressed texts share the memory.
+    // zlib can expand a few bytes a thousandfold: all compressed texts share the memory.
     let mut left = TEXT_MEMORY;
     for chunk in packed {
         let mut chunk = chunk.clone();
@@ -375,7 +375,7 @@ fn texts(path: &Path, info: &::png::Info) -> Result<Vec<(String, String)>> {
     Ok(texts)
 }
 
-/// A text that was unpacked into what is `left` of the memory; none of one that is damaged.
+/// A text, decompressed within the memory that is `left`; `None` if it is damaged.
 fn unpacked(
     path: &Path,
     text: Result<String, DecodingError>,
@@ -383,7 +383,7 @@ fn unpacked(
 ) -> Result<Option<String>> {
     let is_too_long = match &text {
         Ok(text) => text.len() > *left,
-        // The decoder has no other name for it.
+        // The decoder identifies this error only by its text.
         Err(error) => error.to_string().contains("decompression space"),
     };
     if is_too_long {

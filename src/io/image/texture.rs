@@ -1,10 +1,10 @@
-//! Images that surfaces show: sRGB texels, looked up in linear light.
+//! Images on surfaces: sRGB texels, looked up in linear light.
 //!
-//! Texel (j, i) of N × M has its centre at u = (j + ½)/N, v = (i + ½)/M, row 0 at v = 0. A lookup is
-//! bilinear between centres, after decoding: light adds, code values do not. Where the sampler asks for it, it is that of the nearest centre.
+//! Texel (j, i) of N × M has its centre at u = (j + ½)/N, v = (i + ½)/M, row 0 at v = 0. A lookup is bilinear between centres, after
+//! decoding: light adds, code values do not. If the sampler requests it, the nearest texel is used.
 //!
-//! PNG and JPEG are decoded by `png` and `zune-jpeg`, as the `image` crate does too; with `image` comes a library for
-//! colour management that nothing here uses, and the two of them took an eighth of a whole build.
+//! PNG and JPEG are decoded by `png` and `zune-jpeg`, as in the `image` crate. That crate also brings a library for colour management,
+//! which is not used here, and the two of them took an eighth of a whole build.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -22,14 +22,14 @@ use crate::colour::srgb_decode;
 use crate::error::{Error, Message, Result, Setting};
 use crate::mesh::{TextureFilter, TextureSampler, Wrap};
 
-/// The longest side of an image that is decoded, pixels.
+/// The longest side of an image, pixels.
 const MAX_SIDE: usize = 16_384;
-/// The most memory that a decoder may take, bytes.
+/// The maximum memory for a decoder, bytes.
 const MAX_BYTES: usize = 1 << 30;
 
-/// Linear light of 8-bit sRGB.
+/// Linear light for 8-bit sRGB codes.
 static LINEAR_8: LazyLock<Vec<f64>> = LazyLock::new(|| linear_table(u8::MAX.into()));
-/// Linear light of 16-bit sRGB.
+/// Linear light for 16-bit sRGB codes.
 static LINEAR_16: LazyLock<Vec<f64>> = LazyLock::new(|| linear_table(u16::MAX));
 
 fn linear_table(max: u16) -> Vec<f64> {
@@ -38,7 +38,7 @@ fn linear_table(max: u16) -> Vec<f64> {
     codes.map(|code| srgb_decode(code / max)).collect()
 }
 
-/// An image, as compact as it was stored. Alpha is ignored.
+/// An image, as compact as it was stored. Colours ignore alpha.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
     width: usize,
@@ -63,7 +63,7 @@ impl Texture {
         }
     }
 
-    /// Decodes a PNG or JPEG image, by its content. `file` and `place` are for messages.
+    /// Decodes a PNG or JPEG image, whose format is detected from its content. `file` and `place` are for messages.
     ///
     /// # Errors
     /// Other formats, broken images, sides above 16384 pixels, more than 1 GiB decoded.
@@ -71,10 +71,10 @@ impl Texture {
         Texture::decode_within(bytes, place, file, MAX_BYTES as u64)
     }
 
-    /// The same of an image whose texels take no more than `memory`, bytes, by its header.
+    /// The same for an image whose texels may take at most `memory` bytes, according to its header.
     ///
     /// # Errors
-    /// As [`Texture::decode`]; one that takes more.
+    /// As for [`Texture::decode`]; an image that takes more.
     pub fn decode_within(bytes: &[u8], place: &str, file: &Path, memory: u64) -> Result<Texture> {
         let help = "a PNG or JPEG image of at most 16384 × 16384 pixels";
         match guarded(|| decode(bytes, memory)) {
@@ -124,7 +124,7 @@ impl Texture {
         mix(row(v.0[0]), row(v.0[1]), v.1)
     }
 
-    /// The same of a texture whose values are no colours but linear, from 0 to 1.
+    /// The same for a texture whose values are not colours but linear, from 0 to 1.
     pub(crate) fn sample_linear(&self, uv: [f64; 2], sampler: TextureSampler) -> [f64; 3] {
         let [u, v] = self.taps(uv, sampler);
         let texel = |j, i| match &self.texels {
@@ -135,7 +135,7 @@ impl Texture {
         mix(row(v.0[0]), row(v.0[1]), v.1)
     }
 
-    /// The least value of the green channel, linear, from 0 to 1.
+    /// The minimum of the green channel, linear, from 0 to 1.
     pub(crate) fn least_green(&self) -> f64 {
         let [_, green, _] = self.channels(0, 0);
         match &self.texels {
@@ -146,7 +146,7 @@ impl Texture {
         }
     }
 
-    /// Alpha at `uv`, as [`Texture::sample`] has the colour; 1 where the image has none.
+    /// Alpha at `uv`, looked up like the colour in [`Texture::sample`]; 1 if the image has none.
     pub(crate) fn sample_alpha(&self, uv: [f64; 2], sampler: TextureSampler) -> f64 {
         // Alpha is the last of two or four samples.
         if !self.stride.is_multiple_of(2) {
@@ -173,7 +173,7 @@ impl Texture {
         ];
         match sampler.filter {
             TextureFilter::Linear => taps,
-            // The one that is nearer, twice: a blend with itself is that texel to the bit.
+            // The nearer one, twice: blending it with itself gives that texel bit for bit.
             TextureFilter::Nearest => taps.map(|([first, second], weight)| {
                 let nearer = if weight < 0.5 { first } else { second };
                 ([nearer; 2], 0.0)
@@ -181,14 +181,14 @@ impl Texture {
         }
     }
 
-    /// Where the samples of texel `j` of row `i` are, for red, green and blue.
+    /// The indices of the samples of texel `j` in row `i`, for red, green and blue.
     fn channels(&self, j: usize, i: usize) -> [usize; 3] {
         let first = (i * self.width + j) * self.stride;
         let offsets = if self.stride < 3 { [0; 3] } else { [0, 1, 2] };
         offsets.map(|k| first + k)
     }
 
-    /// Linear RGB of texel `j` of row `i`.
+    /// Linear RGB of texel `j` in row `i`.
     fn texel(&self, j: usize, i: usize) -> [f64; 3] {
         let channels = self.channels(j, i);
         match &self.texels {
@@ -198,12 +198,12 @@ impl Texture {
     }
 }
 
-/// The least of every `stride`-th sample from `first` on.
+/// The minimum of every `stride`-th sample from `first` on.
 fn least<T: Copy + Ord>(samples: &[T], first: usize, stride: usize) -> Option<T> {
     samples.iter().skip(first).step_by(stride).copied().min()
 }
 
-/// Why an image cannot be shown.
+/// Why an image is refused.
 enum Refused {
     Unsupported(String),
     Broken(String),
@@ -225,7 +225,7 @@ fn decode_png(bytes: &[u8], memory: u64) -> Result<Texture, Refused> {
     let info = decoder.read_header_info().map_err(broken)?;
     let size = [info.width, info.height].map(|side| side as usize);
     check_size(size)?;
-    // Palettes become colours, and less than 8 bits become 8; 16 bits stay.
+    // Palettes become colours, and fewer than 8 bits become 8; 16 bits stay.
     decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(broken)?;
     let length = reader.output_buffer_size();
@@ -252,13 +252,13 @@ fn decode_jpeg(bytes: &[u8], memory: u64) -> Result<Texture, Refused> {
         e => Refused::Broken(e.to_string()),
     };
     let options = DecoderOptions::default()
-        // Otherwise what is cut short or broken becomes grey without a word.
+        // Otherwise truncated or broken data silently become grey.
         .set_strict_mode(true)
         .set_max_width(MAX_SIDE)
         .set_max_height(MAX_SIDE);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(refused)?;
-    // Grey stays grey; all else becomes RGB.
+    // Grey stays grey; everything else becomes RGB.
     let colours = match decoder.input_colorspace() {
         Some(
             grey_or_rgb @ (ColorSpace::Luma
@@ -279,11 +279,11 @@ fn decode_jpeg(bytes: &[u8], memory: u64) -> Result<Texture, Refused> {
     Texture::new(size, colours.num_components(), texels)
 }
 
-/// Whether the data of a JPEG file have an end: the decoder does not miss it in the last row of blocks.
+/// Whether the data of a JPEG file have an end marker: the decoder does not notice if it is missing in the last row of blocks.
 fn ends(bytes: &[u8]) -> bool {
     const SCAN: u8 = 0xda;
     const END: [u8; 2] = [0xff, 0xd9];
-    // Segments up to the first scan have lengths, and may hold pictures with ends of their own.
+    // Segments before the first scan have lengths, and may contain pictures with their own end markers.
     let mut at = 2;
     while let Some(&[0xff, kind, high, low]) = bytes.get(at..at + 4) {
         match kind {
@@ -297,7 +297,7 @@ fn ends(bytes: &[u8]) -> bool {
     data.windows(2).any(|pair| pair == END)
 }
 
-/// Refuses texels that take more than what is left.
+/// Refuses texels that need more memory than is left.
 fn check_memory(bytes: usize, memory: u64) -> Result<(), Refused> {
     match bytes as u64 <= memory {
         true => Ok(()),
@@ -316,25 +316,25 @@ fn too_large() -> Refused {
     Refused::Broken("it is over the limit of 16384 × 16384 pixels and 1 GiB".into())
 }
 
-/// The two texels on either side of coordinate `x` among `n`, and the weight of the second.
+/// The two texels on either side of coordinate `x` among `n`, and the weight of the second one.
 fn taps(x: f64, n: usize, wrap: Wrap) -> ([usize; 2], f64) {
     let x = if x.is_finite() { x } else { 0.0 };
     let inside = match wrap {
         Wrap::Repeat => x - x.floor(),
         Wrap::Clamp => x.clamp(0.0, 1.0),
         Wrap::Mirror => {
-            // Every second repetition runs backwards.
+            // Every second repetition is mirrored.
             let period = x - 2.0 * (0.5 * x).floor();
             if period > 1.0 { 2.0 - period } else { period }
         }
     };
-    // The centres of texels are at halves.
+    // The centres of texels are at half-integers.
     let position = inside * n as f64 - 0.5;
     let first = position.floor();
     let index = |i: f64| match wrap {
         Wrap::Repeat if i < 0.0 => n - 1,
         Wrap::Repeat if i >= n as f64 => 0,
-        // A mirrored edge texel is its own neighbour, as a clamped one is.
+        // A mirrored edge texel is its own neighbour, like a clamped one.
         _ => (i.max(0.0) as usize).min(n - 1),
     };
     ([index(first), index(first + 1.0)], position - first)
@@ -348,7 +348,7 @@ fn mix(a: [f64; 3], b: [f64; 3], weight: f64) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// A grey JPEG of 64 × 64 pixels: a bit, 0, for no difference of each block's mean, and another for the end of the block.
+    /// A grey JPEG of 64 × 64 pixels: per block, one bit, 0, for an unchanged mean, and another for the end of the block.
     fn grey(data: &[u8], end: &[u8]) -> Vec<u8> {
         let table = |kind: u8| {
             let mut lengths = [0; 16];
@@ -375,7 +375,7 @@ mod tests {
         let whole = decode(grey(&[0; 16], &end)).unwrap();
         assert_eq!(whole.size(), [64, 64]);
         assert_eq!(whole.texels, Texels::Eight(vec![128; 4096]));
-        // In the last row of blocks, before it, and with bits that are no code.
+        // In the last row of blocks, before it, and with bits that are not a valid code.
         let broken: [(&[u8], &[u8]); 3] = [(&[0; 16], &[]), (&[0; 4], &[]), (&[0x55; 16], &end)];
         for (data, end) in broken {
             let error = decode(grey(data, end)).map(drop).unwrap_err().to_string();

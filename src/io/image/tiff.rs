@@ -1,5 +1,5 @@
-//! TIFF pictures, as cameras and scientific programs write them: grey or red, green and blue, of integers or floating-point
-//! numbers, in strips or tiles, without or with deflate, LZW or PackBits. The crate `tiff` reads them, within limits.
+//! TIFF pictures, as written by cameras and scientific programs: grey or RGB, integers or floating-point numbers, in strips or tiles,
+//! uncompressed or with deflate, LZW or PackBits. The crate `tiff` reads them, within limits.
 
 use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -18,16 +18,16 @@ pub struct Tiff {
     pub size: [usize; 2],
     /// 1 or 3.
     pub channels: usize,
-    /// By rows, colours fastest; integers as parts of the largest of their type.
+    /// Row by row, colours fastest; integers are divided by the largest of their type.
     pub samples: Vec<f32>,
-    /// Whether samples were integers: codes that stand for light by some transfer.
+    /// Whether samples were integers: codes that represent light by some transfer function.
     pub is_coded: bool,
 }
 
-/// The most pictures of a file.
+/// The maximum number of pictures in a file.
 const MOST: usize = 1 << 16;
 
-/// How many pictures of the size of the first stand at the beginning of a file: the frames of a stack, but no previews.
+/// The number of pictures at the beginning of a file that have the size of the first: the frames of a stack, without previews.
 ///
 /// # Errors
 /// The file cannot be read or is broken.
@@ -60,15 +60,15 @@ pub fn count(path: &Path) -> Result<usize> {
 
 /// Tags below this one are the format's own; the decoder reads no others.
 const OWN_TAGS: u16 = 700;
-/// Those that hold text: names, descriptions, makers, dates, inks, printers.
+/// Tags with text: names, descriptions, makers, dates, inks, printers.
 const TEXTS: [u16; 11] = [269, 270, 271, 272, 285, 305, 306, 315, 316, 333, 337];
 /// The type of text.
 const TEXT: u16 = 2;
 
-/// Refuses what the decoder would not refuse well, in the directories of the pictures up to `last`: text in place of numbers, on
-/// which it prints a line, and directories that overlap, of which a small file can hold more than anyone waits for.
+/// Refuses what the decoder would not refuse well, in the directories of the pictures up to `last`: text in place of numbers, for which it
+/// prints a line, and overlapping directories, of which a small file can contain more than anyone can wait for.
 ///
-/// Other mistakes are left to the decoder.
+/// Other errors are left to the decoder.
 fn check_directories(
     reader: &mut (impl Read + Seek),
     length: u64,
@@ -81,7 +81,7 @@ fn check_directories(
     };
     let read = (|| -> std::io::Result<Option<String>> {
         let header: [u8; 8] = bytes(reader)?;
-        // BigTIFF has 43 where TIFF has 42, and numbers of 8 bytes.
+        // BigTIFF has 43 in place of 42, and numbers of 8 bytes.
         let is_big = matches!(header[2..4], [43, 0] | [0, 43]);
         let numbers = Numbers {
             is_little: header.starts_with(b"II"),
@@ -116,7 +116,7 @@ fn check_directories(
                         format!("tag {tag} of picture {picture} holds text in place of numbers");
                     return Ok(Some(what));
                 }
-                // The count, and the value or where it lies.
+                // The count, and the value or its offset.
                 reader.seek_relative(2 * width as i64)?;
             }
             next = match is_big {
@@ -126,7 +126,7 @@ fn check_directories(
         }
         Ok(None)
     })();
-    // The decoder begins where the reader is.
+    // The decoder starts at the reader's position.
     reader.rewind().map_err(Error::io(path, "cannot read"))?;
     match read {
         Ok(Some(what)) => refuse(what),
@@ -143,7 +143,7 @@ fn bytes<const N: usize>(reader: &mut impl Read) -> std::io::Result<[u8; N]> {
     Ok(bytes)
 }
 
-/// Numbers in the file's order of bytes.
+/// Numbers in the file's byte order.
 struct Numbers {
     is_little: bool,
 }
@@ -158,7 +158,7 @@ impl Numbers {
     }
 }
 
-/// What is wrong with a file.
+/// The error for a broken file.
 fn broken(path: &Path, error: tiff::TiffError) -> Error {
     match error {
         tiff::TiffError::IoError(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => {
@@ -179,7 +179,7 @@ fn broken(path: &Path, error: tiff::TiffError) -> Error {
     }
 }
 
-/// Reads picture `number` of a file, the first being 0.
+/// Reads picture `number` of a file, counted from 0.
 ///
 /// # Errors
 /// The file cannot be read or is broken; it needs more memory than `budget` has; it is neither grey nor RGB.
@@ -204,7 +204,7 @@ pub fn read(path: &Path, number: usize, budget: &Budget) -> Result<Tiff> {
             return Err(Error::unsupported(path, "", what, "save it as grey or RGB"));
         }
     };
-    // No compression makes more than some thousand bytes of one.
+    // No compression expands a byte to more than a few thousand.
     let count = u64::from(width) * u64::from(height) * stored;
     if count > length.saturating_mul(5000) {
         let what = format!("{width} × {height} pixels do not fit in a file of {length} bytes");
@@ -215,7 +215,7 @@ pub fn read(path: &Path, number: usize, budget: &Budget) -> Result<Tiff> {
             "copy the file again, or save it again",
         ));
     }
-    // Eight bytes is the widest sample.
+    // The widest sample has eight bytes.
     budget.take(count.saturating_mul(12), path)?;
     let mut limits = Limits::default();
     limits.decoding_buffer_size = usize::try_from(count.saturating_mul(8)).unwrap_or(usize::MAX);

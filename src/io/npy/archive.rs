@@ -1,4 +1,4 @@
-//! From a file to one of its arrays: `.npy` holds one, `.npz` is a zip archive of many.
+//! Access to one of a file's arrays: `.npy` contains one, `.npz` is a zip archive of many.
 
 use std::io::{Read, SeekFrom};
 use std::path::Path;
@@ -11,37 +11,37 @@ use super::place::{MEMBERS, Place, WRITE_AGAIN};
 use crate::io::files::ReadSeek;
 use crate::{Error, Result};
 
-/// Deflate makes at most 1032 bytes of one.
+/// Deflate expands a byte to at most 1032.
 const LARGEST_EXPANSION: u64 = 1032;
 
-/// Bytes that are read at a time; a multiple of every sample's size.
+/// The number of bytes read at a time; a multiple of every sample's size.
 const PIECE: usize = 1 << 16;
 
-/// One array, positioned at its magic string.
+/// One array; the reader is positioned at its magic string.
 pub(in crate::io) struct Stored<'a> {
     pub reader: &'a mut dyn Read,
     pub place: Place,
-    /// Bytes of the array, header included, as the file system or the archive's directory says.
+    /// Bytes of the array, including its header, according to the file system or the archive's directory.
     length: u64,
-    /// The most that these bytes can be, by what the archive really holds.
+    /// The maximum length that the compressed data in the archive allow.
     most: u64,
 }
 
 impl Stored<'_> {
-    /// Reads the header; also how many bytes it took.
+    /// Reads the header, and returns how many bytes it took.
     pub fn header(&mut self) -> Result<(Header, u64)> {
         header::read(self.reader, &self.place)
     }
 
-    /// The next `count` samples, the last of the array, each made of its bytes by `sample`. `check` gets
-    /// every piece as it arrives, with the index of its first sample.
+    /// The next `count` samples, the last of the array, each converted from its bytes by `sample`. `check` gets every piece as it arrives,
+    /// with the index of its first sample.
     pub fn samples<const N: usize, T>(
         &mut self,
         count: usize,
         sample: impl Fn([u8; N]) -> T,
         check: impl Fn(&Place, usize, &[T]) -> Result<()>,
     ) -> Result<Vec<T>> {
-        // Memory is only promised here; it is taken as samples arrive.
+        // This only reserves memory; it is used as samples arrive.
         let mut samples = self.room(count)?;
         self.pieces(count, |place, first, bytes| {
             samples.extend(bytes.iter().map(|b| sample(*b)));
@@ -61,8 +61,8 @@ impl Stored<'_> {
         Ok(samples)
     }
 
-    /// Gives the bytes of the next `count` samples, the last of the array, to `take`, piece by piece, with the
-    /// index of each piece's first sample.
+    /// Passes the bytes of the next `count` samples, the last of the array, to `take`, piece by piece, with the index of each piece's first
+    /// sample.
     pub fn pieces<const N: usize>(
         &mut self,
         count: usize,
@@ -82,8 +82,7 @@ impl Stored<'_> {
         self.expect_end()
     }
 
-    /// One more read: an archive's checksum is compared at the end, and a member may be longer
-    /// than its directory says.
+    /// Reads once more: an archive's checksum is compared at the end, and a member may be longer than its directory says.
     fn expect_end(&mut self) -> Result<()> {
         match self.reader.read(&mut [0]) {
             Ok(0) => Ok(()),
@@ -96,7 +95,7 @@ impl Stored<'_> {
         }
     }
 
-    /// Refuses an array that has other than `expected` bytes, its header included.
+    /// Refuses an array whose length is not `expected` bytes, including its header.
     pub fn check_length(&self, expected: u64) -> Result<()> {
         let what = if self.length > self.most {
             format!(
@@ -114,7 +113,7 @@ impl Stored<'_> {
         Err(self.place.invalid("samples", what, WRITE_AGAIN))
     }
 
-    /// Refuses an array that ends before it has `expected` bytes, its header included.
+    /// Refuses an array that ends before `expected` bytes, including its header.
     fn check_whole(&self, expected: u64) -> Result<()> {
         if self.length >= expected {
             return Ok(());
@@ -127,7 +126,7 @@ impl Stored<'_> {
     }
 }
 
-/// Calls `then` with the array of the file, or the one named `array`.
+/// Calls `then` with the only array of the file, or with the one named `array`.
 pub(in crate::io) fn with_array<T>(
     reader: &mut dyn ReadSeek,
     file: &Path,
@@ -158,7 +157,7 @@ pub(in crate::io) fn with_array<T>(
     }
 }
 
-/// The bytes of the file; leaves the reader at the start.
+/// The length of the file in bytes; leaves the reader at the start.
 fn length(reader: &mut dyn ReadSeek, file: &Path) -> Result<u64> {
     reader
         .seek(SeekFrom::End(0))
@@ -166,7 +165,7 @@ fn length(reader: &mut dyn ReadSeek, file: &Path) -> Result<u64> {
         .map_err(Error::io(file, "cannot read"))
 }
 
-/// Whether the header reads well; otherwise that is the better message.
+/// Whether the header is valid; otherwise its error is the better message.
 fn has_magic(stored: &mut Stored) -> Result<bool> {
     header::read(stored.reader, &stored.place).map(|_| true)
 }
@@ -197,7 +196,7 @@ pub(super) fn headers(
         .collect()
 }
 
-/// Whether the file starts as a zip archive does; leaves the reader at the start.
+/// Whether the file starts like a zip archive; leaves the reader at the start.
 fn is_zip(reader: &mut dyn ReadSeek, file: &Path) -> Result<bool> {
     let mut start = Vec::with_capacity(4);
     (Read::take(&mut *reader, 4).read_to_end(&mut start))
@@ -213,7 +212,8 @@ fn open<'a>(reader: &'a mut dyn ReadSeek, file: &Path) -> Result<ZipArchive<&'a 
     if archive.has_duplicate_names() {
         return Err(place.invalid("archive", "two members have the same name", WRITE_AGAIN));
     }
-    // Of members that share their bytes a small file has any number. Of one that is broken itself its reader tells more.
+    // A small file can have any number of members that share their bytes. If the check itself fails, reading the member gives a better
+    // error.
     if archive.has_overlapping_files().is_ok_and(|overlap| overlap) {
         let what = "two members lie on the same bytes, or one goes beyond the archive's end";
         return Err(place.invalid("archive", what, WRITE_AGAIN));
@@ -221,7 +221,7 @@ fn open<'a>(reader: &'a mut dyn ReadSeek, file: &Path) -> Result<ZipArchive<&'a 
     Ok(archive)
 }
 
-/// Index and name of every array; members that are not `name.npy` are none.
+/// Index and name of every array; members not named `name.npy` are not arrays.
 fn members(archive: &ZipArchive<&mut dyn ReadSeek>, file: &Path) -> Result<Vec<(usize, String)>> {
     let mut members = Vec::new();
     for (index, name) in archive.file_names().enumerate() {
@@ -233,7 +233,7 @@ fn members(archive: &ZipArchive<&mut dyn ReadSeek>, file: &Path) -> Result<Vec<(
     Ok(members)
 }
 
-/// The array that is wanted, or the only one.
+/// The requested array, or the only one.
 fn choose(
     members: Vec<(usize, String)>,
     file: &Path,
@@ -287,7 +287,7 @@ fn with_member<T>(
     then: impl FnOnce(&mut Stored) -> Result<T>,
 ) -> Result<T> {
     let mut member = (archive.by_index(index)).map_err(|error| zip_error(&place, error))?;
-    // Both are claims; of the compressed bytes there are no more than the file has.
+    // Both are only declared; there cannot be more compressed bytes than the file has.
     let (length, compressed) = (member.size(), member.compressed_size().min(file_length));
     then(&mut Stored {
         reader: &mut member,

@@ -1,4 +1,4 @@
-//! Arrays of any shape as numbers or text: pictures, masks. NaN and infinity are values like others.
+//! Arrays of any shape as numbers or text: pictures, masks. NaN and infinity are allowed values.
 
 use std::path::Path;
 
@@ -10,10 +10,10 @@ use super::place::Place;
 use crate::io::budget::Budget;
 use crate::{Error, Result};
 
-/// The most samples that are read.
+/// The maximum number of samples.
 const MOST: usize = 1 << 32;
 
-/// The largest integer up to which f64 holds all.
+/// The limit up to which f64 represents all integers.
 const LARGEST_EXACT: i128 = 1 << 53;
 
 /// An array of numbers.
@@ -22,25 +22,25 @@ const LARGEST_EXACT: i128 = 1 << 53;
 pub struct Plain {
     /// Sizes, the slowest first whatever the order in the file.
     pub shape: Vec<usize>,
-    /// All samples; single precision where they are stored in it, or in half.
+    /// All samples; in single precision if they are stored in single or half precision.
     pub samples: Numbers,
 }
 
-/// Samples as they are stored, or wider.
+/// Samples in their stored type, or a wider one.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Numbers {
     /// `f2`, `f4`.
     F32(Vec<f32>),
     /// `f8`.
     F64(Vec<f64>),
-    /// `i1`, `i2`, `i4`; `i8` where all are in their range.
+    /// `i1`, `i2`, `i4`; `i8` if all values are in range.
     I32(Vec<i32>),
-    /// `b1`, `u1`, `u2`, `u4`; `u8` where all but its largest number, which becomes that of `u4`, are in their range.
+    /// `b1`, `u1`, `u2`, `u4`; `u8` if all values are in range, except its largest number, which becomes that of `u4`.
     U32(Vec<u32>),
 }
 
 impl Numbers {
-    /// Bytes of one.
+    /// Bytes per number.
     pub fn size(&self) -> u64 {
         match self {
             Numbers::F64(_) => 8,
@@ -48,7 +48,7 @@ impl Numbers {
         }
     }
 
-    /// All as f64.
+    /// All numbers as f64.
     pub fn into_f64(self) -> Vec<f64> {
         match self {
             Numbers::F32(v) => v.into_iter().map(f64::from).collect(),
@@ -70,7 +70,7 @@ pub(super) fn read(stored: &mut Stored, file: &Path, budget: &Budget) -> Result<
     })
 }
 
-/// Reads an array of numbers that has one axis.
+/// Reads an array of numbers with one axis.
 pub(super) fn read_list(stored: &mut Stored, file: &Path, budget: &Budget) -> Result<Numbers> {
     let mut array = Array::open(stored, file, budget)?;
     let shape = &array.header.shape;
@@ -86,7 +86,7 @@ pub(super) fn read_list(stored: &mut Stored, file: &Path, budget: &Budget) -> Re
     array.numbers()
 }
 
-/// Reads an array of one text (`<U…`, shape ()).
+/// Reads an array with a single text (`<U…`, shape ()).
 pub(super) fn text(stored: &mut Stored, file: &Path, budget: &Budget) -> Result<String> {
     let mut array = Array::open(stored, file, budget)?;
     let Dtype::Other(descr) = &array.header.dtype else {
@@ -102,7 +102,7 @@ pub(super) fn text(stored: &mut Stored, file: &Path, budget: &Budget) -> Result<
     Ok(text.unwrap_or_default().trim_end_matches('\0').to_string())
 }
 
-/// Samples of an array of this shape whose first index varies fastest, in the order in which the last one does.
+/// Converts samples of an array of this shape from Fortran order to C order.
 fn transposed<T: Copy>(samples: &[T], shape: &[usize]) -> Vec<T> {
     let mut index = vec![0; shape.len()];
     let mut ordered = Vec::with_capacity(samples.len());
@@ -113,7 +113,7 @@ fn transposed<T: Copy>(samples: &[T], shape: &[usize]) -> Vec<T> {
             .rev()
             .fold(0, |place, (i, n)| place * n + i);
         ordered.push(samples[place]);
-        // The next index, the last one fastest.
+        // The next index, the last axis fastest.
         for (i, n) in index.iter_mut().zip(shape).rev() {
             *i += 1;
             if *i < *n {
@@ -125,7 +125,7 @@ fn transposed<T: Copy>(samples: &[T], shape: &[usize]) -> Vec<T> {
     ordered
 }
 
-/// The refusal of samples of a type that is no number of at most 64 bits.
+/// The error for samples whose type is not a number of at most 64 bits.
 fn no_numbers(place: &Place, descr: &str) -> Error {
     let kind = match descr
         .trim_start_matches(['<', '>', '|', '='])
@@ -151,12 +151,12 @@ fn unsupported(place: &Place, what: &str) -> Error {
     )
 }
 
-/// An array after its header.
+/// An array whose header has been read.
 struct Array<'a, 'b> {
     stored: &'a mut Stored<'b>,
     header: Header,
     header_bytes: u64,
-    /// How many samples it has.
+    /// The number of samples.
     count: usize,
     file: &'a Path,
     budget: &'a Budget,
@@ -211,10 +211,10 @@ impl<'a, 'b> Array<'a, 'b> {
         })
     }
 
-    /// Integers of 64 bits as those of 32, or else as f64, which holds them up to 2⁵³.
+    /// Converts 64-bit integers to 32-bit ones if possible, or else to f64, which represents them up to 2⁵³.
     fn narrow<T: Copy + Into<i128>>(&mut self, sample: impl Fn([u8; 8]) -> T) -> Result<Numbers> {
         let samples = self.samples(|bytes| match sample(bytes).into() {
-            // −1 as numpy turns it into an unsigned integer.
+            // −1 as numpy converts it to an unsigned integer.
             n if n == i128::from(u64::MAX) => i128::from(u32::MAX),
             n => n,
         })?;
@@ -250,13 +250,13 @@ impl<'a, 'b> Array<'a, 'b> {
         })
     }
 
-    /// Takes the memory of a second copy of all samples.
+    /// Reserves memory for a second copy of all samples.
     fn take_copy(&self) -> Result<()> {
         let bytes = (self.count as u64).saturating_mul(size_of::<f64>() as u64);
         self.budget.take(bytes, self.file)
     }
 
-    /// All samples, after a check that the file is as long as they take.
+    /// All samples, after a check that the file has the expected length.
     fn samples<const N: usize, T>(&mut self, sample: impl Fn([u8; N]) -> T) -> Result<Vec<T>> {
         let bytes = self.count.checked_mul(N).filter(|_| self.count <= MOST);
         let Some(bytes) = bytes else {

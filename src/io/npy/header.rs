@@ -1,5 +1,5 @@
-//! The header of one array: a magic string, the version, a length and the text of a Python dictionary of
-//! `descr`, `fortran_order` and `shape`.
+//! The header of an array: a magic string, the version, a length and the text of a Python dictionary of `descr`, `fortran_order` and
+//! `shape`.
 
 use std::io::Read;
 
@@ -8,13 +8,13 @@ use crate::Result;
 
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 
-/// Headers that numpy writes for floats are some hundred bytes long; structured types need more.
+/// Headers that numpy writes for floats are about a hundred bytes long; structured types need more.
 const LONGEST_HEADER: u32 = 1 << 16;
 
-/// The most axes, those of numpy 2.
+/// The maximum number of axes, as in numpy 2.
 const MOST_AXES: usize = 64;
 
-/// What an array holds.
+/// The type of an array's samples.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Dtype {
     /// IEEE half precision, `f2`.
@@ -23,7 +23,7 @@ pub enum Dtype {
     F32,
     /// Double precision, `f8`.
     F64,
-    /// Something else, as the file says it (`<i4`, `|O`, …); it cannot be loaded as a cube.
+    /// Any other type, as given in the file (`<i4`, `|O`, …); it cannot be loaded as a cube.
     Other(String),
 }
 
@@ -38,7 +38,7 @@ impl Dtype {
         kinds.contains(&kind)
     }
 
-    /// Bytes of a number, where [it is one](Dtype::is_number).
+    /// Bytes of a number, if [it is one](Dtype::is_number).
     fn bytes(&self) -> Option<u64> {
         match self {
             Dtype::F16 => Some(2),
@@ -52,7 +52,7 @@ impl Dtype {
         }
     }
 
-    /// The largest number of an unsigned type, as it is read: `u8` in the range of `u4`.
+    /// The largest number of an unsigned type after reading: for `u8`, that of `u4`.
     pub(crate) fn largest_unsigned(&self) -> Option<f64> {
         let Dtype::Other(descr) = self else {
             return None;
@@ -70,7 +70,7 @@ impl Dtype {
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Header {
-    /// The array's name in a `.npz` archive; none in a `.npy` file.
+    /// The array's name in a `.npz` archive; `None` in a `.npy` file.
     pub name: Option<String>,
     /// Sizes, the slowest first unless `fortran_order`.
     pub shape: Vec<usize>,
@@ -78,19 +78,19 @@ pub struct Header {
     pub dtype: Dtype,
     /// Whether the first index varies fastest in the file.
     pub fortran_order: bool,
-    /// Whether samples lie with their most significant byte first.
+    /// Whether samples have their most significant byte first.
     pub big_endian: bool,
 }
 
 impl Header {
-    /// Bytes of all samples, as far as they are numbers.
+    /// Bytes of all samples, if they are numbers.
     pub(super) fn bytes(&self) -> Option<u64> {
         let mut sizes = self.shape.iter();
         sizes.try_fold(self.dtype.bytes()?, |n, size| n.checked_mul(*size as u64))
     }
 }
 
-/// Reads magic, version and header; gives the header and how many bytes it took.
+/// Reads magic, version and header; returns the header and its length in bytes.
 pub(super) fn read(reader: &mut dyn Read, place: &Place) -> Result<(Header, u64)> {
     let mut start = [0; 8];
     fill(reader, &mut start, place)?;
@@ -126,7 +126,7 @@ pub(super) fn read(reader: &mut dyn Read, place: &Place) -> Result<(Header, u64)
     }
     let mut text = vec![0; length as usize];
     fill(reader, &mut text, place)?;
-    // Versions 1 and 2 say Latin-1, but what is needed of a header is ASCII in all versions.
+    // Versions 1 and 2 specify Latin-1, but everything needed of a header is ASCII in all versions.
     let header = parse(&String::from_utf8_lossy(&text), place.array.clone());
     let header = header.map_err(|what| place.invalid("header", what, WRITE_AGAIN))?;
     Ok((header, (start.len() + width) as u64 + u64::from(length)))
@@ -182,8 +182,8 @@ fn parse(text: &str, name: Option<String>) -> Result<Header, String> {
     })
 }
 
-/// The parts of `text` between commas that stand outside of brackets and strings; the last may be empty
-/// and is left out then. None where a bracket or a string is not closed.
+/// The parts of `text` between commas outside of brackets and strings; an empty last part is left out. `None` if a bracket or a string is
+/// not closed.
 fn parts(text: &str) -> Option<Vec<&str>> {
     let (mut parts, mut first) = (Vec::new(), 0);
     let (mut depth, mut quote) = (0_usize, None);
@@ -205,7 +205,7 @@ fn parts(text: &str) -> Option<Vec<&str>> {
     (depth == 0 && quote.is_none()).then_some(parts)
 }
 
-/// What stands in the quotes of a string.
+/// The contents of a quoted string.
 fn unquoted(text: &str) -> Option<&str> {
     let inside = |quote| text.strip_prefix(quote)?.strip_suffix(quote);
     inside('\'').or_else(|| inside('"'))

@@ -4,8 +4,8 @@
 //! Python dictionary of `descr`, `fortran_order` and `shape`), then the samples. An `.npz` is a
 //! zip archive whose member `name.npy` is the array `name`.
 //!
-//! Lengths are checked before memory is asked for, and samples are decoded straight into the vector that is
-//! kept, through one buffer of 64 KiB. That is why the header is parsed here and not by a crate.
+//! Lengths are checked before memory is allocated, and samples are decoded directly into the vector that is returned, through one buffer of
+//! 64 KiB. That is why the header is parsed here and not by a crate.
 
 mod archive;
 mod array;
@@ -34,22 +34,22 @@ pub fn inspect(path: &Path, array: Option<&str>) -> Result<Vec<Header>> {
     archive::headers(&mut BufReader::new(file), path, array)
 }
 
-/// An array of numbers of any shape, or the one named `array` in a `.npz` file (which may be left out where the
-/// archive holds one array only).
+/// An array of numbers of any shape, or the one named `array` in a `.npz` file (the name may be omitted if the archive contains only one
+/// array).
 ///
 /// # Errors
-/// The file cannot be read; it is truncated or longer than its header says; the array does not hold numbers of at
-/// most 64 bits, or holds integers beyond 2⁵³; it needs more memory than `budget` has.
+/// The file cannot be read; it is truncated or longer than its header says; the array does not contain numbers of at most 64 bits, or
+/// contains integers beyond 2⁵³; it needs more memory than `budget` has.
 pub fn load_plain(path: &Path, array: Option<&str>, budget: &Budget) -> Result<Plain> {
     let (file, _) = open_regular(path)?;
     let read = |stored: &mut Stored| array::read(stored, path, budget);
     with_array(&mut BufReader::new(file), path, array, read)
 }
 
-/// The numbers of an array of one axis.
+/// The numbers of an array with one axis.
 ///
 /// # Errors
-/// As [`load_plain`]; an array of another number of axes.
+/// As for [`load_plain`]; an array with more or fewer axes.
 pub fn load_numbers(path: &Path, array: Option<&str>, budget: &Budget) -> Result<Vec<f64>> {
     let (file, _) = open_regular(path)?;
     let read = |stored: &mut Stored| array::read_list(stored, path, budget);
@@ -57,7 +57,7 @@ pub fn load_numbers(path: &Path, array: Option<&str>, budget: &Budget) -> Result
     Ok(samples.into_f64())
 }
 
-/// The text that the array named `array` of a `.npz` file is.
+/// The text in the array named `array` of a `.npz` file.
 ///
 /// # Errors
 /// The file cannot be read; there is no such array; it is not a single text.

@@ -1,14 +1,14 @@
-//! Where something is in a file, for messages.
+//! A location in a file, for messages.
 
 use std::path::{Path, PathBuf};
 
 use crate::Error;
 
-/// What members of an archive may be.
+/// The supported kinds of archive members.
 pub(super) const MEMBERS: &str = "members may be stored or deflated, without a password, as numpy.savez and \
                                   numpy.savez_compressed write them";
 
-/// The remedy for a file that was cut or damaged.
+/// The remedy for a truncated or damaged file.
 pub(in crate::io) const WRITE_AGAIN: &str =
     "copy the file again, or write it again with numpy.save or numpy.savez";
 
@@ -27,7 +27,7 @@ impl Place {
         }
     }
 
-    /// "array "name", detail", or whichever of the two there are.
+    /// "array "name", detail", or the one of the two that exists.
     fn text(&self, detail: &str) -> String {
         match &self.array {
             Some(array) if detail.is_empty() => format!("array {array:?}"),
@@ -49,7 +49,7 @@ impl Place {
         Error::unsupported(&self.file, self.text(detail), what, help)
     }
 
-    /// An I/O error while reading: a short file and a broken archive are the file's fault.
+    /// An I/O error while reading: a truncated file or a broken archive is the file's fault.
     pub(super) fn read_error(&self, detail: &str, error: std::io::Error) -> Error {
         use std::io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof, Unsupported};
         match error.kind() {

@@ -33,7 +33,7 @@ pub(crate) fn upper_angle(y: f64, x: f64) -> f64 {
     } else {
         (low, high)
     };
-    // Of the two numbers that are 0 at the origin, one is replaced by 1.
+    // Of the two numbers that are 0 at the origin, replace one by 1.
     let down = if down > 0.0 { down } else { 1.0 };
     let t = up / down;
     let (z, start) = (t * t, if turns { FRAC_PI_4 } else { 0.0 });

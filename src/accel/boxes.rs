@@ -6,8 +6,8 @@ use super::node::NodeRef;
 
 /// A box in tree space.
 ///
-/// Its vectors have a fourth lane, which repeats a coordinate: an index there would be a denormal number, which makes every product of
-/// such a vector take over a hundred cycles.
+/// Its vectors have a fourth lane, which repeats a coordinate: an index there would be a denormal number, and every product of such a
+/// vector would take over a hundred cycles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Aabb {
     pub lo: Vec3A,
@@ -97,7 +97,7 @@ impl BoxTree {
 
 #[cfg(test)]
 impl BoxTree {
-    /// Panics unless each box is in exactly one leaf, each node has one parent, and each box is the smallest that holds its children's.
+    /// Panics unless each box is in exactly one leaf, each node has one parent, and each box is the smallest that encloses its children's.
     pub(super) fn check(&self, boxes: &[Aabb]) {
         let mut found = vec![0; boxes.len()];
         let mut linked = vec![0; self.nodes.len()];
@@ -119,7 +119,7 @@ impl BoxTree {
             }
         }
         assert!(found.iter().chain(&linked).all(|&times| times == 1));
-        // No cycle detached from the root: the root reaches as many nodes as there are.
+        // No cycle is detached from the root: the root reaches all nodes.
         let (mut met, mut pending) = (0, vec![0]);
         while let Some(index) = pending.pop() {
             met += 1;

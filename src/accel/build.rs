@@ -33,7 +33,7 @@ pub enum Preset {
 /// The number of rays that a tree is built for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ExpectedRays {
-    /// From the camera: neighbours go in similar directions.
+    /// From the camera: neighbours have similar directions.
     pub camera: u64,
     /// To lamps.
     pub shadow: u64,
@@ -41,7 +41,7 @@ pub struct ExpectedRays {
     pub bounced: u64,
 }
 
-/// A more careful tree saves this many times as much per shadow ray, or per bounced one, as per camera ray.
+/// A more careful tree saves this many times as much per shadow ray, or per bounced ray, as per camera ray.
 const SHADOW_RAYS_WORTH: f64 = 5.0;
 const BOUNCED_RAYS_WORTH: f64 = 30.0;
 /// From this many camera rays per triangle on, a tree of the next preset pays.
@@ -70,8 +70,8 @@ impl Preset {
     }
 
     /// Measured with `benches/visibility.rs` and `benches/build.rs`. Without any reinsertion, incoherent rays through a room of furniture
-    /// take a third longer; most of that is gained with the topmost nodes. Splitting triangles would break the memory budget. Leaves of
-    /// up to four triangles save 16 to 20 bytes per triangle, of 182 to 188, and cost single rays up to a tenth of their speed; packets
+    /// take a third longer; most of that is gained with the topmost nodes. Splitting triangles would exceed the memory budget. Leaves of up
+    /// to four triangles save 16 to 20 bytes per triangle, out of 182 to 188, and cost single rays up to a tenth of their speed; packets
     /// use the leaves of the wide tree.
     fn effort(self) -> Effort {
         let (radius, narrow, reinserted, pages) = match self {
@@ -90,7 +90,7 @@ impl Preset {
 
 /// The parameters of a [`Preset`].
 struct Effort {
-    /// How many positions away clusters search for partners, and in how many first passes only one.
+    /// The search radius of clusters, in positions, and the number of first passes in which it is only one.
     radius: usize,
     narrow: usize,
     /// The fraction of the nodes, from the root on, that are reinserted at a better place.
@@ -102,20 +102,19 @@ struct Effort {
 /// Nodes are reinserted if a ray that hits the root hits at most one node in this many: among nearly equal boxes no place is better.
 /// (Random small triangles: one in 50 of 5,000 and one in 1,200 of 10⁶; nested boxes: one in 2.)
 const OVERLAPPING: f64 = 16.0;
-/// Beside a floor such boxes are a small part of the whole, and are recognised by their shape: a node counts as one if the smaller of its
-/// children has at least this fraction of its area, and the same holds for its parent and grandparent. (Copies of a mesh make pairs
-/// only.)
+/// Next to a floor such boxes are a small part of the whole, and are recognised by their shape: a node counts as one if the smaller of its
+/// children has at least this fraction of its area, and the same holds for its parent and grandparent. (Copies of a mesh only form pairs.)
 const MUCH_THE_SAME: f32 = 0.75;
 /// Searches among N of them take up to 0.08 ns N², and everything else 0.5 µs per triangle (2 threads of a Zen 4): N² is limited to this
-/// many times the number of triangles, so that searches take no longer than the rest. (Of 57,000 triangles of a kitchen 1,200 nodes are
-/// nested, of statues none.)
+/// many times the number of triangles, so that searches take no longer than the rest. (Of 57,000 triangles of a kitchen, 1,200 nodes are
+/// nested; of statues, none.)
 const MOST_PAIRS: usize = 1 << 12;
-/// With so few triangles, nodes are always reinserted.
+/// With at most this many triangles, nodes are always reinserted.
 const FEW: usize = 256;
 
 impl Bvh {
-    /// Builds the tree over `triangles`: their corners in metres, relative to the rest frame's origin. A triangle's id is its index;
-    /// `facing` says which of its sides exist.
+    /// Builds the tree over `triangles`, given by their corners in metres, relative to the rest frame's origin. A triangle's id is its
+    /// index; `facing` says which of its sides exist.
     ///
     /// Triangles without area, and those with a coordinate that isn't finite or is beyond 2³⁰⁰ m,
     /// are never hit. Triangles beyond [`Bvh::MAX_TRIANGLES`] are ignored.
@@ -134,7 +133,7 @@ impl Bvh {
         let Some(whole) = Bounds::of_all(&triangles, &solid) else {
             return Bvh::empty();
         };
-        // Each list is dropped once the next one is made from it, so that meshes of 10⁸ triangles fit.
+        // Each list is dropped once the next one has been built from it, so that meshes of 10⁸ triangles fit.
         let pages = preset.effort().pages;
         let mut order = Vec::new();
         let mut layouts = Vec::new();
@@ -143,7 +142,7 @@ impl Bvh {
             let tree = build_tree(&triangles, &ids, &space, preset);
             let layout = Layout::of(&tree, order.len(), pages);
             drop(tree);
-            // The layout counts within its island; ids count in all triangles. The mark of a leaf's last triangle is kept.
+            // Layout indices are within the island; ids are within all triangles. The mark of a leaf's last triangle is kept.
             let id = |place: &u32| ids[(place & !LAST) as usize] | place & LAST;
             order.par_extend(layout.order.par_iter().map(id));
             layouts.push((layout.nodes, layout.depth, space));
@@ -176,7 +175,7 @@ impl Bvh {
                 space,
             }
         });
-        // The spatially largest set comes first: it is the main tree.
+        // The spatially largest set comes first and is the main tree.
         let Some(tree) = trees.next() else {
             return Bvh::empty();
         };
@@ -207,7 +206,7 @@ fn is_in_range(corners: &[DVec3; 3]) -> bool {
     corners.iter().all(|c| c.abs().cmple(limit).all())
 }
 
-/// Whether the corners are not collinear: exact, by the three projections.
+/// Whether the corners are not collinear: exact, from the three projections.
 fn has_area(corners: &[DVec3; 3]) -> bool {
     let projected = |x: usize, y: usize| {
         let [a, b, c] = corners.map(|c| Coord { x: c[x], y: c[y] });

@@ -20,7 +20,7 @@ pub struct Bvh {
     pub(super) corners: Pages<[DVec3; 3]>,
     /// Ids by slot.
     pub(super) tags: Pages<Tag>,
-    /// The tree over all of them, or over those that are in none of the islands.
+    /// The tree over all triangles, or over those that are not in an island.
     pub(super) tree: Tree,
     /// Trees over geometry that is too fine for the main tree: see [`islands`](super::islands).
     pub(super) islands: Vec<Tree>,
@@ -104,7 +104,7 @@ impl Bvh {
         }
     }
 
-    /// The tree that holds most triangles.
+    /// The main tree: the first one, over the spatially largest set.
     #[inline(always)]
     pub(super) fn main(&self) -> View<'_> {
         View {
@@ -156,7 +156,7 @@ impl Bvh {
             .saturating_add(fixed)
     }
 
-    /// Least and greatest coordinates of the triangles that can be hit, metres.
+    /// Minimum and maximum coordinates of the triangles that can be hit, metres.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         (!self.is_empty()).then_some(self.bounds)
     }
@@ -164,7 +164,7 @@ impl Bvh {
     /// The corners of the triangle in `slot`, metres.
     ///
     /// # Panics
-    /// If the tree has no such slot: [`Hit::slot`] of its own hits is always valid, [`NO_SLOT`](super::NO_SLOT) never.
+    /// If the tree has no such slot: [`Hit::slot`] of its own hits is always valid, [`NO_SLOT`](super::NO_SLOT) never is.
     #[inline]
     pub fn corners(&self, slot: u32) -> [DVec3; 3] {
         self.corners[slot as usize]
@@ -184,7 +184,7 @@ impl Bvh {
         (tag.id(), facing)
     }
 
-    /// The same tree, with triangles present only where `test` says so.
+    /// The same tree, with triangles that only exist where `test` says so.
     pub fn with_alpha_test(self, test: Arc<dyn AlphaTest>) -> Bvh {
         Bvh {
             alpha: Some(test),
@@ -207,7 +207,7 @@ impl Bvh {
         }
     }
 
-    /// The same for a hit with the triangle in `slot`.
+    /// Whether a hit with the triangle in `slot` counts: the same for a slot.
     #[inline(always)]
     pub(super) fn is_met(&self, slot: u32, barycentric: [f64; 2]) -> bool {
         !self.has_holes() || self.is_opaque_in(slot, barycentric)
@@ -218,8 +218,7 @@ impl Bvh {
         self.is_opaque(self.tags[slot as usize].id(), barycentric)
     }
 
-    /// The unit normal of the triangle that was hit, on the side from which its corners run
-    /// counter-clockwise.
+    /// The unit normal of the triangle that was hit, on the side from which its corners run counter-clockwise.
     #[inline]
     pub fn normal(&self, hit: &Hit) -> DVec3 {
         let [a, b, c] = self.corners(hit.slot);

@@ -20,9 +20,9 @@ use super::node::NodeRef;
 const SLOWEST: usize = 20;
 /// This few clusters need no bound: at most n²(2r + 1)/2 steps.
 const FEW: usize = 64;
-/// Clusters that one task looks at.
+/// The number of clusters per task.
 const CHUNK: usize = 4096;
-/// Fewer boxes are sorted and searched on one thread.
+/// With fewer boxes, sorting and searching use one thread.
 const MANY: usize = 2 * CHUNK;
 
 /// The tree over `leaves`, at least one and without NaN, each with one box and its index. Clusters search for partners `radius` (2, 14 or
@@ -31,7 +31,7 @@ pub(super) fn cluster(leaves: Vec<BoxNode>, radius: usize, narrow: usize) -> Box
     let mut clusters = sorted(&leaves);
     let mut next = leaves;
     let mut partners = vec![0i8; clusters.len()];
-    // Pairs fill the list from its end, so that children come after their parents and the first position stays free for the root.
+    // Pairs fill the list from its end, so that children come after their parents and the first position remains for the root.
     let mut nodes = vec![BoxNode::EMPTY; 2 * clusters.len() - 1];
     let mut free = nodes.len();
     let mut passes = 0;
@@ -44,7 +44,7 @@ pub(super) fn cluster(leaves: Vec<BoxNode>, radius: usize, narrow: usize) -> Box
             14 => find_partners::<14>(&clusters, partners),
             _ => find_partners::<32>(&clusters, partners),
         }
-        // A pass that merges too few would make the whole quadratic: see the module documentation.
+        // A pass that merges too few would make the whole algorithm quadratic: see the module documentation.
         if clusters.len() > FEW && pairs(partners) < clusters.len() / SLOWEST {
             pair_neighbours(partners);
         }
@@ -62,8 +62,8 @@ pub(super) fn cluster(leaves: Vec<BoxNode>, radius: usize, narrow: usize) -> Box
     }
 }
 
-/// Mutual partners go into the tree, from the end of `free` on, and a parent of the two is appended to `next`; all others are appended
-/// unchanged. Returns the number of pairs.
+/// Puts mutual partners into the tree, from the end of `free` on, and appends a parent of the two to `next`; appends all others unchanged.
+/// Returns the number of pairs.
 fn merge(
     clusters: &[BoxNode],
     partners: &[i8],
@@ -104,18 +104,18 @@ fn merge(
             let (mut at, mut end) = (0, pairs.len());
             for index in range(chunk) {
                 let partner = partner(index);
-                // The first of two leaves no entry: the second, maybe in a later chunk, represents both.
+                // The first of two adds no entry: the second, possibly in a later chunk, represents both.
                 if agreed(index) && partner > index {
                     continue;
                 }
                 followers[at] = clusters[index];
-                // From the end on, as the whole list of pairs is filled.
+                // From the end, as the whole list of pairs is filled.
                 if agreed(index) {
                     end -= 2;
                     pairs[end] = clusters[index];
                     pairs[end + 1] = clusters[partner];
                     let both = clusters[index].aabb().union(clusters[partner].aabb());
-                    // Indices count in the whole tree, which has `begin` nodes before this chunk's.
+                    // Indices are in the whole tree, which has `begin` nodes before this chunk's.
                     followers[at] = BoxNode::new(both, NodeRef::inner(begin + end));
                 }
                 at += 1;
@@ -173,7 +173,7 @@ fn morton_code(point: DVec3) -> u64 {
     spread(point.x) | spread(point.y) << 1 | spread(point.z) << 2
 }
 
-/// For each cluster, how many positions away its best partner is; ties go to the last.
+/// For each cluster, the offset of its best partner; ties go to the last.
 fn find_partners<const RADIUS: usize>(clusters: &[BoxNode], partners: &mut [i8]) {
     if clusters.len() < MANY {
         return find_partners_from::<RADIUS>(clusters, 0, partners);
@@ -191,7 +191,7 @@ fn find_partners_from<const RADIUS: usize>(
     partners: &mut [i8],
 ) {
     let end = first + partners.len();
-    // Chunks fit on the stack; a list that one thread searches alone may be as long as two of them.
+    // Chunks fit on the stack; a list searched by one thread may be as long as two of them.
     let mut areas = [f32::INFINITY; CHUNK];
     let mut areas_of_more;
     let areas = match partners.len() <= CHUNK {
@@ -202,11 +202,11 @@ fn find_partners_from<const RADIUS: usize>(
         }
     };
     partners.fill(0);
-    // Each pair is evaluated once: all partners before a cluster come before those after it.
+    // Each pair is evaluated once: all partners before a cluster are considered before those after it.
     for i in first.saturating_sub(RADIUS)..end {
         let ours = clusters[i].aabb();
         let last = (i + RADIUS).min(clusters.len() - 1);
-        // Those before `first` belong to another chunk: here they only serve as partners of those that follow.
+        // Those before `first` belong to another chunk: here they only serve as partners of later ones.
         let (mut best, mut partner) = match i >= first {
             true => (areas[i - first], partners[i - first]),
             false => (f32::INFINITY, 0),
@@ -235,7 +235,7 @@ fn pairs(partners: &[i8]) -> usize {
     partners.iter().enumerate().filter(|p| agreed(*p)).count()
 }
 
-/// Pairs neighbours, two by two; a last one stays alone.
+/// Pairs neighbours, two by two; the last one may stay alone.
 fn pair_neighbours(partners: &mut [i8]) {
     for pair in partners.chunks_mut(2) {
         match pair {
@@ -329,7 +329,7 @@ mod tests {
 
     #[test]
     fn every_box_is_in_the_tree_once_and_within_all_above_it() {
-        // In one chunk, in some, and with a last one that is not full.
+        // In one chunk, in several, and with a last one that is not full.
         for count in [100, MANY, 3 * CHUNK + 5, 40_000] {
             let boxes = scattered(count);
             cluster(leaves(&boxes), 14, 3).check(&boxes);

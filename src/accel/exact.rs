@@ -1,15 +1,13 @@
 //! Determinants without rounding, for the few rays that floating point cannot decide.
 //!
-//! A sum of products of three f64 is held as an *expansion*: f64 components of increasing size whose
-//! exact sum is the value, none adjacent to the next (Shewchuk, Discrete Comput. Geom. 18, 1997:
-//! Two-Sum, Two-Product, Grow-Expansion). A component outweighs all below it together, so that the
-//! sum taken from the small end has the sign of the value, and zero stands for exactly zero.
-//! Exact as long as no partial product leaves the range of f64, which holds for coordinates below
-//! 2³⁰⁰ in size whose products of three stay above 2⁻⁹⁰⁰.
+//! A sum of products of three f64 is stored as an *expansion*: f64 components of increasing size whose exact sum is the value, with no two
+//! adjacent (Shewchuk, Discrete Comput. Geom. 18, 1997: Two-Sum, Two-Product, Grow-Expansion). Each component outweighs the sum of all
+//! smaller ones, so the sum from the small end has the sign of the value, and zero means exactly zero. Exact if no partial product leaves
+//! the range of f64, which holds for coordinates below 2³⁰⁰ in size whose products of three stay above 2⁻⁹⁰⁰.
 //!
-//! The `robust` crate decides signs of differences of representable points only. Here corners are
-//! relative to a ray origin, a difference that mostly is not representable, so the determinant is
-//! expanded instead: det(d, p − o, q − o) = det(d, p, q) − det(d, o, q) − det(d, p, o).
+//! The `robust` crate only decides signs of differences of representable points. Here corners are relative to a ray origin, a difference
+//! that is usually not representable, so the determinant is expanded instead: det(d, p − o, q − o) = det(d, p, q) − det(d, o, q) − det(d,
+//! p, o).
 
 use glam::DVec3;
 
@@ -72,7 +70,7 @@ impl Expansion {
 
     /// Grow-Expansion, without zeros.
     fn add(&mut self, term: f64) {
-        // The sum moves up through the parts, and leaves the rounding error at each.
+        // Carry the sum up through the parts, leaving the rounding error at each.
         let (mut carry, mut kept) = (term, 0);
         for i in 0..self.len {
             let (sum, rest) = two_sum(carry, self.parts[i]);
@@ -97,7 +95,7 @@ impl Expansion {
     }
 }
 
-/// x + y as the rounded sum and what was rounded away.
+/// x + y as the rounded sum and the rounding error.
 pub(super) fn two_sum(x: f64, y: f64) -> (f64, f64) {
     // Knuth's form, which needs no comparison of magnitudes.
     let sum = x + y;
@@ -106,11 +104,11 @@ pub(super) fn two_sum(x: f64, y: f64) -> (f64, f64) {
     (sum, (x - x_part) + (y - y_part))
 }
 
-/// x·y as the rounded product and what was rounded away (Dekker, Veltkamp).
+/// x·y as the rounded product and the rounding error (Dekker, Veltkamp).
 pub(super) fn two_product(x: f64, y: f64) -> (f64, f64) {
     let product = x * y;
     let ((xh, xl), (yh, yl)) = (split(x), split(y));
-    // Exact in this order (Dekker): each difference cancels what the rounded product already holds.
+    // Exact in this order (Dekker): each difference cancels what the rounded product already contains.
     let rest = ((xh * yh - product) + xh * yl + xl * yh) + xl * yl;
     (product, rest)
 }

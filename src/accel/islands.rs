@@ -1,14 +1,14 @@
-//! Islands: fine geometry in a much larger scene gets trees of its own.
+//! Islands: fine geometry in a much larger scene gets its own trees.
 //!
-//! In tree space boxes are f32, and rays know their position to 2⁻²² of half the geometry's size ((S3) and (S4) of
-//! [`slab`](super::slab)). Triangles no larger than that are indistinguishable: a ray that comes near must test them all. A picture of
-//! 480 × 300 of two balls of 328,000 triangles each on a planet takes 75 s that way. In trees over the balls alone their triangles are
-//! large again: it takes 0.9 s.
+//! In tree space boxes are f32, and rays know their position to 2⁻²² of half the geometry's size ((S3) and (S4) of [`slab`](super::slab)).
+//! Triangles no larger than that are indistinguishable: a ray that comes near must test them all. A picture of 480 × 300 pixels of two
+//! balls of 328,000 triangles each on a planet takes 75 s that way. In trees over the balls alone their triangles are large again: it takes
+//! 0.9 s.
 //!
-//! A set of triangles is *fine* if more than a few of them have an extent below 2⁻¹⁸ of its half size, 16 times the position error of
-//! rays. Larger triangles stay. If all fine ones lie within an eighth of the set, they become a set of their own, which is examined
-//! again; otherwise the set is cut at its widest gap along an axis, and both parts are examined. If there is no gap, it stays whole:
-//! triangles that cover a whole set without gaps are not that small, because there are at most 2³⁰.
+//! A set of triangles is *fine* if more than a few of them have an extent below 2⁻¹⁸ of its half size, 16 times the position error of rays.
+//! Larger triangles stay. If all fine ones lie within an eighth of the set, they become a new set, which is examined again; otherwise the
+//! set is cut at its widest gap along an axis, and both parts are examined. If there is no gap, the set stays whole: triangles that cover a
+//! whole set without gaps are not that small, because there are at most 2³⁰.
 
 use std::ops::Range;
 
@@ -17,19 +17,19 @@ use rayon::prelude::*;
 
 use super::float::power_of_two;
 
-/// Below this part of a set's half size a triangle is fine.
+/// A triangle below this fraction of a set's half size is fine.
 const FINE: f64 = power_of_two(-18);
-/// Fewer fine triangles are tested faster than through a tree of their own.
+/// Fewer fine triangles are tested faster without their own tree.
 const FEW: usize = 256;
-/// A set with a tree of its own is smaller by at least this factor.
+/// A set with its own tree is smaller by at least this factor.
 const SMALLER: f64 = 8.0;
-/// Gaps are searched among this many intervals of each axis, and span at least two of them: 1/512 of the axis.
+/// Each axis is divided into this many intervals in search of gaps, and gaps span at least two of them: 1/512 of the axis.
 const INTERVALS: usize = 1024;
 const GAP: usize = 2;
-/// The most trees that a ray visits one after the other. Further fine geometry stays where it is.
+/// The maximum number of trees that a ray visits. Further fine geometry stays in its set.
 const MOST: usize = 64;
 
-/// Least and greatest coordinates, metres.
+/// Minimum and maximum coordinates, metres.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bounds {
     pub lo: DVec3,
@@ -62,7 +62,7 @@ impl Bounds {
         })
     }
 
-    /// Half of its longest side. Halved first: coordinates may be as far apart as the range of f64.
+    /// Half of its longest side. Halved first: coordinates may be so far apart that their difference overflows f64.
     fn half(&self) -> f64 {
         (self.hi * 0.5 - self.lo * 0.5).max_element()
     }
@@ -85,7 +85,7 @@ pub(super) fn islands(triangles: &[[DVec3; 3]], ids: Vec<u32>) -> Vec<Island> {
             islands.push(set);
             continue;
         }
-        // Triangles that are not fine, or have no place of their own, stay.
+        // Triangles that are not fine, or for which no separate set is found, stay.
         let (fine, mut rest): (Vec<u32>, Vec<u32>) = set.ids.into_iter().partition(is_fine);
         let mut parts = Vec::from_iter(island(fine));
         while let Some(part) = parts.pop() {
@@ -142,7 +142,7 @@ fn widest_gap(triangles: &[[DVec3; 3]], island: &Island) -> Option<Plane> {
         // Runs of empty intervals, except after the last triangle.
         let mut first = 0;
         for (at, _) in is_taken.iter().enumerate().filter(|(_, taken)| **taken) {
-            // Wider than the widest so far, or as wide as a gap must be.
+            // Wider than the widest so far, or at least as wide as a gap must be.
             let known = widest.as_ref().map_or(GAP - 1, |(gap, _)| gap.len());
             if at - first > known {
                 widest = Some((first..at, axis));
@@ -198,7 +198,7 @@ mod tests {
     fn statues_on_planets_have_trees_of_their_own() {
         let triangles = planets();
         let sets = islands(&triangles, all(&triangles));
-        // Compared with the distance of the moon, both bodies are fine, too.
+        // Relative to the distance of the moon, both bodies are fine, too.
         let sizes: Vec<f64> = sets.iter().map(|set| set.bounds.half()).collect();
         assert_eq!(sets.len(), 5, "{sizes:?}");
         for (set, half) in sets.iter().zip(&sizes) {
@@ -267,7 +267,7 @@ mod tests {
             })
             .collect();
         let (origins, directions): (Vec<_>, Vec<_>) = rays.iter().copied().unzip();
-        // The nearest of all triangles, each in a tree of its own.
+        // The nearest hit among all triangles, each in its own tree.
         let single: Vec<Bvh> = triangles
             .iter()
             .map(|&triangle| Bvh::build(vec![triangle], |_| Facing::TwoSided))

@@ -1,14 +1,14 @@
 //! Nodes and triangle slots in depth-first order.
 //!
 //! The number of nodes and triangles below each node is known, so the positions of both its sides are known before either is laid out:
-//! large ones are laid out in parallel, at the same positions as serially.
+//! large sides are laid out in parallel, at the same positions as serially.
 
 use super::boxes::{BoxNode, BoxTree};
 use super::leaves::{Extent, extents};
 use super::node::{Child, Node, NodeRef};
 use super::pages::{PageSize, Pages};
 
-/// Fewer triangles are laid out on one thread.
+/// With fewer triangles, the layout uses one thread.
 const MANY: u32 = 4096;
 /// Threads share the work down to this level: 2³² parts of one triangle, and no deep recursion.
 const SHARED_LEVELS: usize = 32;
@@ -22,7 +22,7 @@ pub(super) struct Layout {
     pub depth: usize,
 }
 
-/// Marks the last of a leaf.
+/// Marks the last triangle of a leaf.
 pub(super) const LAST: u32 = 1 << 31;
 
 /// The tree to lay out, and the extent of each of its nodes.
@@ -40,8 +40,8 @@ struct Places<'a> {
 }
 
 impl Layout {
-    /// The layout of `tree`, whose leaves hold one box each: leaves of several are made here. Its slots begin at `first_slot`, and its
-    /// nodes are in these `pages`.
+    /// The layout of `tree`, whose leaves contain one box each: larger leaves are formed here. Its slots begin at `first_slot`, and its
+    /// nodes are stored in these `pages`.
     pub fn of(tree: &BoxTree, first_slot: usize, pages: PageSize) -> Layout {
         let source = Source {
             tree,
@@ -82,7 +82,7 @@ impl Places<'_> {
         if !is_shared || level > SHARED_LEVELS {
             return self.walk(source, pair, level);
         }
-        // Both children are adjacent, followed by what is below either.
+        // The two children are adjacent, followed by everything below either.
         let (heads, below) = self.nodes.split_at_mut(2);
         // The head of the left side is one of its inner nodes, and is in `heads`.
         let (left_nodes, right_nodes) = below.split_at_mut(left.inner as usize - 1);
@@ -132,7 +132,7 @@ impl Places<'_> {
                 };
                 node.set_child(side, child(&source.tree.nodes[pair + side], target));
             }
-            // The left side is pushed last, and so laid out next, which gives depth-first order.
+            // The left side is pushed last, and therefore laid out next, which gives depth-first order.
             for side in [1, 0] {
                 if source.extents[pair + side].inner > 0 {
                     let below = source.tree.nodes[pair + side].content.index();
@@ -148,7 +148,7 @@ impl Places<'_> {
         (top, depth)
     }
 
-    /// A leaf of all triangles below `index`, from slot `used` on.
+    /// A leaf with all triangles below `index`, from slot `used` on.
     fn leaf(&mut self, source: &Source, index: usize, used: &mut usize) -> NodeRef {
         let leaf = NodeRef::leaf(self.first_slot + *used);
         self.gather(source.tree, &source.tree.nodes[index], used);
@@ -156,7 +156,7 @@ impl Places<'_> {
         leaf
     }
 
-    /// Puts everything below `node` into slots; only a leaf's worth, which bounds the recursion.
+    /// Puts everything below `node` into slots; at most one leaf's contents, which bounds the recursion.
     fn gather(&mut self, tree: &BoxTree, node: &BoxNode, used: &mut usize) {
         match node.children() {
             None => {
@@ -172,7 +172,7 @@ impl Places<'_> {
     }
 }
 
-/// `node` as stored in its parent.
+/// `node` in the form in which its parent stores it.
 fn child(node: &BoxNode, target: NodeRef) -> Child {
     Child {
         node: target,

@@ -11,7 +11,7 @@ const LARGEST_LEAF: u32 = 4;
 /// c above: the cost of a node relative to a triangle.
 const NODE_COST: f32 = 4.0;
 
-/// What a node holds.
+/// The contents of a node.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Extent {
     /// Nodes with children, including itself; 0 for a leaf.
@@ -52,11 +52,11 @@ fn extent(tree: &BoxTree, extents: &[Extent], index: usize) -> Extent {
         inner: 1 + left.inner + right.inner,
         boxes,
     };
-    // A leaf is made of leaves only: a node below it that is worth its cost stays.
+    // Only leaves are merged into a leaf: a node below that is worth its cost stays.
     if left.inner + right.inner > 0 || boxes > LARGEST_LEAF {
         return kept;
     }
-    // The cost of one leaf against that of the node and both its leaves.
+    // The cost of one leaf compared with that of the node and both its leaves.
     let area = |node: &BoxNode| node.aabb().half_area();
     let [below, beside] = pair.map(|child| area(&tree.nodes[child]));
     let apart = below * left.boxes as f32 + beside * right.boxes as f32;

@@ -7,8 +7,8 @@
 //!   so closed meshes have no gaps;
 //! - among equal parameters the smaller id wins, and every parameter is a function of ray and triangle alone: a hit depends neither on
 //!   the tree nor on the order in which it is traversed;
-//! - coherent rays, which start at or near one point and go in similar directions, are traced in packets of as many as the processor has
-//!   lanes ([`Kernel`]), with the hits of single rays, bit for bit; so are segments, for which only occlusion is tested;
+//! - coherent rays, which start at or near one point and have similar directions, are traced in packets of as many rays as the processor
+//!   has lanes ([`Kernel`]), with the same hits as single rays, bit for bit; so are segments, which are only tested for occlusion;
 //! - nothing depends on the scale or the position of the scene, or on the length of a direction.
 //!
 //! Limits: coordinates up to 2³⁰⁰ m; directions of length 2⁻⁵⁰⁰ to 2⁵⁰⁰; origins up to 2¹⁰⁰ scene sizes away. Anything outside these
@@ -35,7 +35,7 @@ mod layout;
 mod leaves;
 mod node;
 mod packet;
-// For a memory map only.
+// Only for a memory map.
 #[allow(unsafe_code)]
 pub(crate) mod pages;
 mod rays;

@@ -4,14 +4,14 @@ use glam::Vec4;
 
 use super::rays::Facing;
 
-/// Two child boxes, and where the children are. 64 bytes: a cache line.
+/// Two child boxes, and references to the children. 64 bytes: a cache line.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Node {
     /// Per axis: lo of child 0, lo of child 1, −hi of child 0, −hi of child 1.
     pub planes: [Vec4; 3],
     pub children: [NodeRef; 2],
-    /// Fills the line.
+    /// Pads the node to a cache line.
     _pad: [u32; 2],
 }
 
@@ -57,7 +57,7 @@ impl NodeRef {
 }
 
 impl Node {
-    /// Two children that no ray hits.
+    /// A node with two children that no ray hits.
     pub const EMPTY: Node = Node {
         planes: [Vec4::INFINITY; 3],
         children: [NodeRef::ROOT; 2],
@@ -68,7 +68,7 @@ impl Node {
     pub fn set_child(&mut self, side: usize, child: Child) {
         for axis in 0..3 {
             self.planes[axis][side] = child.lo[axis];
-            // Negated, so that one maximum finds the latest entry and the earliest exit.
+            // Negated, so that a single maximum finds the latest entry and the earliest exit.
             self.planes[axis][side + 2] = -child.hi[axis];
         }
         self.children[side] = child.node;

@@ -1,11 +1,11 @@
 //! Long arrays in large memory pages, if the system has them.
 //!
-//! Rays read trees at scattered addresses. With pages of 4 KiB, address translation then takes as long as the access itself; pages of 2
-//! MiB are few enough for the TLB. Through 1.6 million triangles, incoherent rays take three quarters of the time.
+//! Rays read trees at scattered addresses. With pages of 4 KiB, address translation takes as long as the access itself; pages of 2 MiB are
+//! few enough for the TLB. With 1.6 million triangles, incoherent rays then take three quarters of the time.
 //!
-//! But large pages can take longer to allocate: a virtual machine that returns free memory to its host must first fetch each of them
-//! again (25 MB in 3 ms if they were kept, in 95 ms if not; in small pages in 20 ms). So arrays state whether enough rays read them for
-//! this to pay. If the system has no such pages, or does not grant them, it is ordinary memory.
+//! But large pages can take longer to allocate: a virtual machine that returns free memory to its host must first fetch each of them again
+//! (25 MB in 3 ms if they were kept, in 95 ms if not; in small pages in 20 ms). So arrays state whether enough rays read them for this to
+//! pay. If the system has no large pages, or does not grant them, ordinary memory is used.
 
 use std::fmt;
 use std::mem::MaybeUninit;
@@ -15,11 +15,11 @@ use std::ptr::NonNull;
 use memmap2::MmapMut;
 use rayon::prelude::*;
 
-/// The size of a large page of most systems, bytes.
+/// The size of a large page on most systems, bytes.
 const PAGE: usize = 1 << 21;
-/// Arrays of fewer bytes are not worth a memory map of their own.
+/// Arrays of fewer bytes do not get their own memory map.
 const LARGE: usize = 2 * PAGE;
-/// Number of elements that one thread makes at a time.
+/// The number of elements that one thread builds at a time.
 const CHUNK: usize = 1 << 12;
 
 /// The kind of memory pages for an array.
@@ -34,10 +34,10 @@ pub(crate) enum PageSize {
 
 /// An array of plain values, of fixed length.
 pub(crate) struct Pages<T> {
-    /// Its first value in `_memory`, aligned for `T`; `len` follow one another from there on.
+    /// The first value, in `_memory`, aligned for `T`, followed by the others, `len` in all.
     start: NonNull<T>,
     len: usize,
-    /// What `start` points to, for as long as this is there.
+    /// Owns the memory to which `start` points.
     _memory: Memory<T>,
 }
 
@@ -46,13 +46,13 @@ enum Memory<T> {
     Map(#[expect(dead_code, reason = "owns what the array points to")] MmapMut),
 }
 
-// SAFETY: it owns its values as a `Vec` does, and the map is memory that nothing else knows.
+// SAFETY: it owns its values as a `Vec` does, and nothing else refers to the map.
 unsafe impl<T: Send> Send for Pages<T> {}
-// SAFETY: as above; `&Pages` gives out nothing but `&[T]`.
+// SAFETY: as above; `&Pages` only gives out `&[T]`.
 unsafe impl<T: Sync> Sync for Pages<T> {}
 
 impl<T: Copy + Send + Sync> Pages<T> {
-    /// The values of `value` from 0 to `len`, in pages of this `size`.
+    /// The values of `value` for 0 to `len` − 1, in pages of this `size`.
     pub fn build(size: PageSize, len: usize, value: impl Fn(usize) -> T + Sync) -> Pages<T> {
         let map = match size {
             PageSize::Usual => None,
@@ -65,7 +65,7 @@ impl<T: Copy + Send + Sync> Pages<T> {
                 .collect::<Vec<T>>()
                 .into();
         };
-        // SAFETY: `map` says that `len` values have room from `offset` on, aligned; values that are not initialized may be any bytes.
+        // SAFETY: `map` guarantees room for `len` aligned values from `offset` on; uninitialized values may be any bytes.
         let values = unsafe {
             let start = map.as_mut_ptr().add(offset).cast::<MaybeUninit<T>>();
             std::slice::from_raw_parts_mut(start, len)
@@ -85,16 +85,17 @@ impl<T: Copy + Send + Sync> Pages<T> {
     }
 }
 
-/// A map with room for `len` values from an offset on, where a large page begins; `None` if they are too few, or the system has no maps.
+/// A map with room for `len` values from an offset on, where a large page begins; `None` if there are too few values, or if the system has
+/// no maps.
 fn map<T>(len: usize) -> Option<(MmapMut, usize)> {
     let bytes = len.checked_mul(size_of::<T>()).filter(|&b| b >= LARGE)?;
-    // One page more than needed, because the map itself need not begin at a large page.
+    // One page more than needed, because the map itself may not begin at a large page.
     let map = MmapMut::map_anon(bytes.checked_add(PAGE)?).ok()?;
     // Without large pages it is ordinary memory.
     #[cfg(all(target_os = "linux", not(miri)))]
     let _ = map.advise(memmap2::Advice::HugePage);
     let offset = map.as_ptr().align_offset(PAGE.max(align_of::<T>()));
-    // `align_offset` may have no answer, and then returns `usize::MAX`.
+    // `align_offset` may fail, and then returns `usize::MAX`.
     (offset <= PAGE).then_some((map, offset))
 }
 
@@ -136,7 +137,7 @@ impl<T> Deref for Pages<T> {
 
     #[inline(always)]
     fn deref(&self) -> &[T] {
-        // SAFETY: `_memory` holds `len` values from `start` on, and nothing writes to them while `self` is borrowed.
+        // SAFETY: `_memory` contains `len` values from `start` on, and nothing writes to them while `self` is borrowed.
         unsafe { std::slice::from_raw_parts(self.start.as_ptr(), self.len) }
     }
 }
@@ -144,7 +145,7 @@ impl<T> Deref for Pages<T> {
 impl<T> DerefMut for Pages<T> {
     #[inline(always)]
     fn deref_mut(&mut self) -> &mut [T] {
-        // SAFETY: as in `deref`; `self` is borrowed by nothing else.
+        // SAFETY: as in `deref`; nothing else borrows `self`.
         unsafe { std::slice::from_raw_parts_mut(self.start.as_ptr(), self.len) }
     }
 }
@@ -158,7 +159,7 @@ mod tests {
         #[derive(Clone, Copy, PartialEq, Debug)]
         #[repr(align(64))]
         struct Line(u64);
-        // Nothing, a little, and just below and above what has a map of its own.
+        // Empty, short, and just below and above the length that gets its own map.
         let worth = LARGE / size_of::<Line>();
         for len in [0, 1, 1000, worth - 1, worth, worth + 777] {
             for size in [PageSize::Usual, PageSize::Large] {

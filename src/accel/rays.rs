@@ -1,4 +1,4 @@
-//! Rays, and what they hit.
+//! Rays and their hits.
 
 use glam::DVec3;
 
@@ -13,7 +13,7 @@ pub struct Ray {
     pub s_min: f64,
 }
 
-/// Where the rays of a batch start, metres.
+/// The starts of the rays of a batch, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Origins<'a> {
     /// All at one point.
@@ -39,29 +39,29 @@ pub struct Segment {
     pub ray: Ray,
     /// Hits at or beyond this parameter do not count.
     pub s_max: f64,
-    /// The id of a triangle that does not count: the one it leaves.
+    /// The id of a triangle that is ignored: the one that the segment leaves.
     pub skip: Option<u32>,
-    /// The id of another that does not count: the one it ends at.
+    /// The id of another triangle that is ignored: the one at which the segment ends.
     pub end: Option<u32>,
 }
 
-/// Segments from many points that all end at one point, at s = 1. The triangle that each leaves and the one at which all end do not
-/// block.
+/// Segments from many points that all end at one point, at s = 1. Neither the triangle that each leaves nor the one at which all end
+/// blocks.
 #[derive(Debug, Clone, Copy)]
 pub struct Converging<'a> {
-    /// Where they end, metres.
+    /// The common end, metres.
     pub end: DVec3,
-    /// Where they start, metres: x, y and z of all. There are as many segments as the shortest of the slices has entries.
+    /// The starts, metres: x, y and z of all. The number of segments is the length of the shortest slice.
     pub from: [&'a [f64]; 3],
     /// Hits at or before these parameters do not count.
     pub s_min: &'a [f64],
-    /// Ids of the triangles that they leave; `u32::MAX` for none.
+    /// Ids of the triangles that the segments leave; `u32::MAX` for none.
     pub skip: &'a [u32],
-    /// Id of the triangle that all end at, which does not block either.
+    /// Id of the triangle at which all end, which does not block either.
     pub at: Option<u32>,
 }
 
-/// Where a ray hits a triangle.
+/// A hit of a ray with a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// The ray's parameter.
@@ -83,12 +83,12 @@ pub struct Hit {
 pub enum Facing {
     /// Both.
     TwoSided,
-    /// The front only: rays pass through from behind.
+    /// Only the front: rays pass through from behind.
     FrontOnly,
 }
 
 impl Hit {
-    /// The same, slightly farther: anything nearer than that is at least as near as this.
+    /// The same hit, slightly farther: anything nearer than the result is at least as near as this hit.
     pub(super) fn up_to(self) -> Hit {
         Hit {
             s: self.s.next_up(),
@@ -114,7 +114,7 @@ impl Converging<'_> {
         starts.min(self.s_min.len()).min(self.skip.len())
     }
 
-    /// Where segment `at` starts.
+    /// The start of segment `at`.
     #[inline(always)]
     pub(super) fn start(&self, at: usize) -> DVec3 {
         let [x, y, z] = self.from;
@@ -139,7 +139,7 @@ impl Converging<'_> {
 }
 
 impl Origins<'_> {
-    /// `count`, limited to the rays that have an origin.
+    /// `count`, but at most the number of rays that have an origin.
     pub(super) fn limit(&self, count: usize) -> usize {
         match self {
             Origins::Shared(_) => count,
@@ -148,7 +148,7 @@ impl Origins<'_> {
         }
     }
 
-    /// Where ray `ray` starts.
+    /// The start of ray `ray`.
     #[inline(always)]
     pub(super) fn of(&self, ray: usize) -> DVec3 {
         match self {

@@ -8,14 +8,15 @@
 //! gain = area(P) + Σ (area(Q) − area(Q without A)) − Σ (area(R ∪ A) − area(R)) − area(C ∪ A)
 //! ```
 //!
-//! where Q runs over all nodes above P up to the first that also holds C, and R over all nodes below that one which hold C. Seen from A,
-//! C lies below the sibling of a node above it: for each of these siblings, from bottom to top, everything below it is searched as long
-//! as the gain can still exceed the best so far. It cannot if the bound is at most area(A) larger, which is the least area of C ∪ A.
+//! where Q runs over all nodes above P up to the first that also contains C, and R over all nodes below that one which contain C. Seen from
+//! A, C lies below the sibling of a node above it: for each of these siblings, from bottom to top, everything below it is searched as long
+//! as the gain can still exceed the best so far. It cannot if the upper bound exceeds the best by at most area(A), which is the minimum
+//! area of C ∪ A.
 //!
-//! All moves of a pass are found in parallel in the unchanged tree, and made from the largest gain on, each unless an earlier one changed
-//! an adjacent node or put the target below the node itself.
+//! All moves of a pass are found in parallel in the unchanged tree, and made in order of decreasing gain, each unless an earlier one
+//! changed an adjacent node or put the target below the node itself.
 //!
-//! obvhs has the same search, and is not used for it: it stores indices in the fourth lanes of boxes, which are denormal numbers, and
+//! obvhs has the same search, which is not used here: it stores indices in the fourth lanes of boxes, which are denormal numbers, and
 //! Intel's processors take over a hundred cycles for a product of such vectors. Trees with many moves took two to three times as long.
 
 use rayon::prelude::*;
@@ -48,7 +49,7 @@ pub(super) fn reinsert(tree: &mut BoxTree, parents: Vec<u32>, part: f32) {
 struct Moving<'a> {
     tree: &'a mut BoxTree,
     parents: Vec<u32>,
-    /// Whether a move of this pass has changed a node's surroundings.
+    /// Whether a move of this pass has changed the surroundings of a node.
     is_touched: Vec<bool>,
 }
 
@@ -60,7 +61,7 @@ struct Move {
     gain: f32,
 }
 
-/// The other one of a pair.
+/// The other node of a pair.
 fn sibling(node: usize) -> usize {
     // Pairs begin at odd indices.
     ((node - 1) ^ 1) + 1
@@ -69,7 +70,7 @@ fn sibling(node: usize) -> usize {
 impl Moving<'_> {
     /// Finds the moves of `count` nodes and makes them.
     fn pass(&mut self, count: usize) {
-        // Large nodes are near the start of the list, but not sorted: take the largest of the first twice as many.
+        // Large nodes are near the start of the list, but not sorted: take the largest among the first 2 · `count` + 2.
         let listed = (2 * count + 2).min(self.tree.nodes.len());
         let mut largest: Vec<(f32, u32)> = (1..listed)
             .map(|node| (self.area(node), node as u32))
@@ -110,7 +111,7 @@ impl Moving<'_> {
             beside: 0,
             gain: 0.0,
         };
-        // What removing the node saves above the place being searched, and that place's parent as it is without the node.
+        // The area saved above the searched place by removing the node, and the box of that place's parent without the node.
         let mut saved = self.area(parent);
         let mut above = parent;
         let mut searched = sibling(node);
@@ -119,7 +120,7 @@ impl Moving<'_> {
             pending.clear();
             pending.push((saved, searched as u32));
             while let Some((saved, place)) = pending.pop() {
-                // No box that holds the node is smaller than the node's own.
+                // No box that contains the node is smaller than the node's own.
                 if saved - own <= best.gain {
                     continue;
                 }
@@ -128,7 +129,7 @@ impl Moving<'_> {
                 if gain > best.gain {
                     (best.beside, best.gain) = (place, gain);
                 }
-                // Below this place the node only makes boxes grow.
+                // Below this place the node can only make boxes grow.
                 if let Some(children) = there.children() {
                     let below = gain + there.aabb().half_area();
                     pending.extend(children.map(|child| (below, child as u32)));
@@ -144,7 +145,7 @@ impl Moving<'_> {
             searched = sibling(above);
             above = self.parent(above);
         }
-        // It is already beside its sibling, and its parent is removed.
+        // The node is already next to its sibling, and its parent would be removed.
         let stays = [sibling(node), parent].contains(&(best.beside as usize));
         (best.gain > 0.0 && !stays).then_some(best)
     }
@@ -265,7 +266,7 @@ mod tests {
                 tree.check(&boxes);
                 let after = cost(&tree);
                 assert!(after <= before, "{count} {size} {part}");
-                // Of many boxes some stand badly after clustering.
+                // Among many boxes, some are badly placed after clustering.
                 let is_large = count > 100 && part > 0.1;
                 assert!(!is_large || after < 0.99 * before, "{after} {before}");
             }
@@ -280,7 +281,7 @@ mod tests {
         for node in 1..start.nodes.len() {
             let mut tree = start.clone();
             let best = moving(&mut tree).best_move(node, &mut Vec::new());
-            // By trying all places: those that are not the node, below it, above it or beside it.
+            // Try all places except the node itself, and those below, above or next to it.
             let gain = |place: usize| {
                 let mut tree = start.clone();
                 let mut moving = moving(&mut tree);

@@ -1,8 +1,8 @@
-//! Sines and cosines of many angles, with the bits of [`libm::sincos`].
+//! Sines and cosines of many angles, bit-identical to [`libm::sincos`].
 //!
 //! The reduction by multiples of π/2 in two parts (Cody and Waite, "Software Manual for the Elementary Functions", 1980) and the
 //! polynomials on ±π/4 are those of FreeBSD's msun, which libm uses, in libm's order of operations but without branches. Blocks with an
-//! angle beyond 9π/4, or so close to a multiple of π/2 that libm takes more parts, are left to libm.
+//! angle beyond 9π/4, or so close to a multiple of π/2 that libm uses more parts, are left to libm.
 
 use super::vectors::{BLOCK, Block};
 
@@ -26,7 +26,7 @@ const C: [f64; 6] = bits([
     0x3e21_ee9e_bdb4_b1c4,
     0xbda8_fae9_be88_38d4,
 ]);
-/// The thresholds from which on 1, 2, 3 and 4 times π/2 are subtracted, and more: π/4, 3π/4, … 9π/4 as libm has them, in 32 bits.
+/// The thresholds from which on 1, 2, 3 and 4 times π/2 are subtracted, and the limit: π/4, 3π/4, … 9π/4 in libm's 32-bit form.
 const FROM: [f64; 5] = bits([
     0x3fe9_21fc << 32,
     0x4002_d97d << 32,
@@ -34,7 +34,7 @@ const FROM: [f64; 5] = bits([
     0x4015_fdbd << 32,
     0x401c_463c << 32,
 ]);
-/// The smallest ratio of the reduced angle to the angle, 2⁻¹⁵: when libm takes more parts of π/2, the ratio is less than half of that.
+/// The smallest ratio of the reduced angle to the angle, 2⁻¹⁵: if libm uses more parts of π/2, the ratio is less than half of that.
 const LEFT: f64 = 1.0 / 32768.0;
 /// Adding 1.5·2⁵² leaves a whole number in the last bits.
 const WHOLE: f64 = 6_755_399_441_055_744.0;
@@ -74,7 +74,7 @@ fn singly(angles: &Block, sines: &mut Block, cosines: &mut Block) {
 /// The sine and cosine of `x`, and whether they are valid.
 #[inline(always)]
 fn sincos_usual(x: f64) -> (f64, f64, bool) {
-    // How many quarter turns are subtracted, and the remainder: r, and its rounding error.
+    // The number of quarter turns that are subtracted, and the remainder: r, and its rounding error.
     let size = x.abs();
     let mut quarters = 0.0;
     for from in &FROM[..4] {
@@ -87,21 +87,21 @@ fn sincos_usual(x: f64) -> (f64, f64, bool) {
     let lost = (before - r) - off;
     let is_usual = (size < FROM[4]) & (r.abs() >= size * LEFT);
 
-    // Polynomials; that of the sine in libm's two ways: with and without the rounding error.
+    // Polynomials; that of the sine in libm's two forms: with and without the rounding error.
     let z = r * r;
     let (w, v) = (z * z, z * r);
     let sum = S[1] + z * (S[2] + z * S[3]) + z * w * (S[4] + z * S[5]);
     let near = r + v * (S[0] + z * sum);
     let far = r - ((z * (0.5 * lost - v * sum) - lost) - v * S[0]);
     let sine = if size < FROM[0] { near } else { far };
-    // −0 is its own sine.
+    // The sine of −0 is −0.
     let sine = if size > 0.0 { sine } else { x };
     let sum = z * (C[0] + z * (C[1] + z * C[2])) + w * w * (C[3] + z * (C[4] + z * C[5]));
     let half = 0.5 * z;
     let most = 1.0 - half;
     let cosine = most + (((1.0 - most) - half) + (z * sum - r * lost));
 
-    // In odd quarters they are swapped; signs change by halves.
+    // In odd quarters sine and cosine are swapped; signs change every half turn.
     let turns = (quarters + WHOLE).to_bits();
     let is_odd = turns & 1 == 1;
     let (a, b) = if is_odd {
@@ -134,7 +134,8 @@ mod tests {
         }
     }
 
-    /// Holds sines and cosines of these angles to have the bits of libm's; there are as many of each block as is asked for that are not left to it.
+    /// Checks that sines and cosines of these angles have the bits of libm's, and that the number of angles per block that are not left to libm is
+    /// as `usual` requires.
     fn check(angles: impl Iterator<Item = f64>, usual: impl Fn(usize) -> bool) {
         let angles: Vec<f64> = angles.collect();
         let (blocks, rest) = angles.as_chunks();
@@ -180,12 +181,12 @@ mod tests {
             for sign in [1.0, -1.0] {
                 let at = (sign * FRAC_PI_4 * f64::from(eighth)).to_bits() as i64;
                 let mut next = numbers(eighth as u64);
-                // By as many steps as 2⁰ to 2⁴⁷, a block each.
+                // At 2⁰ to 2⁴⁷ floating-point steps away, one block each.
                 let near = (0..BLOCK * 48).map(|k| {
                     let off = (next() * 2f64.powi((k / BLOCK) as i32)) as i64;
                     f64::from_bits((at + off) as u64)
                 });
-                // Near those of quarters more is lost than two parts of π/2 make good.
+                // Near multiples of π/2, more digits are lost than two parts of π/2 make up for.
                 let is_kept = |usual| match eighth {
                     1 | 3 | 5 | 7 => usual == 48,
                     9 => usual < 48,

@@ -1,4 +1,4 @@
-//! Single rays: the reference for packets, and the fallback for what packets leave.
+//! Single rays: the reference for packets, and the fallback for rays that packets leave open.
 
 use glam::DVec3;
 
@@ -17,7 +17,7 @@ impl Bvh {
         let ray = ScaledRay::new(ray)?;
         let mut nearest: Option<Hit> = None;
         for tree in self.trees() {
-            // Including hits exactly as near: among equals the smaller id wins, whichever tree it is in.
+            // Including hits at the same distance: among equals the smaller id wins, whichever tree it is in.
             let s_max = nearest.map_or(s_max, |hit| hit.up_to().s);
             let hit =
                 tree.with_stack(|stack| tree.closest_of(&ray, s_max, NO_SLOT, stack, &mut NoTally));
@@ -26,7 +26,7 @@ impl Bvh {
         nearest
     }
 
-    /// Whether there is a hit with `ray.s_min` < s < `s_max` on any triangle but `skip`.
+    /// Whether there is a hit with `ray.s_min` < s < `s_max` on any triangle except `skip`.
     pub fn any(&self, ray: &Ray, s_max: f64, skip: Option<u32>) -> bool {
         let segment = Segment {
             ray: *ray,
@@ -40,7 +40,7 @@ impl Bvh {
 }
 
 impl View<'_> {
-    /// [`Bvh::closest_by`] of `rays`, one by one.
+    /// [`Bvh::closest_by`] for `rays`, one by one.
     pub(super) fn closest_singly(
         self,
         rays: impl Iterator<Item = usize>,
@@ -59,7 +59,7 @@ impl View<'_> {
                     s_min: 0.0,
                 };
                 let entry = &mut hits[i];
-                // A known hit, in another tree, ends the ray: only nearer ones replace it.
+                // A known hit, in another tree, limits the ray: only nearer ones replace it.
                 let s_max = entry.as_ref().map_or(f64::INFINITY, |hit| hit.s);
                 let ray = ScaledRay::new(&ray);
                 let left = from.left(i);
@@ -72,7 +72,7 @@ impl View<'_> {
         })
     }
 
-    /// [`Bvh::any_by`] of these segments, one by one.
+    /// [`Bvh::any_by`] for these segments, one by one.
     pub(super) fn any_singly<'a>(
         self,
         segments: impl Iterator<Item = (&'a Segment, &'a mut bool)>,
@@ -152,7 +152,7 @@ pub(super) struct ScaledRay {
 }
 
 impl ScaledRay {
-    /// `None` for NaN, for a direction of length 0 and for values beyond the module's limits.
+    /// `None` for NaN, for a direction of length 0 and for values outside the module's limits.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Option<ScaledRay> {
         let size = ray.direction.abs().max_element();
@@ -192,7 +192,7 @@ impl ScaledRay {
         }
     }
 
-    /// The hit with the triangle in `slot`, if it comes before `rival`.
+    /// The hit with the triangle in `slot`, if it is nearer than `rival`.
     pub fn nearer(
         &self,
         bvh: &Bvh,
@@ -248,7 +248,7 @@ impl<'a> ClosestHit<'a> {
         Some(ray.hit(self.bvh, &crossing, slot))
     }
 
-    /// Accepts the triangle in `slot` if it comes first: nearer, or as near with a smaller id.
+    /// Accepts the triangle in `slot` if it is first: nearer, or as near with a smaller id.
     #[inline(always)]
     fn consider(
         &mut self,
@@ -313,7 +313,7 @@ pub(super) struct AnyHit<'a> {
     line: &'a Line,
     s_min: f64,
     s_max: f64,
-    /// Triangles that do not count.
+    /// Triangles that are ignored.
     own: [Option<u32>; 2],
     found: bool,
 }

@@ -3,30 +3,29 @@
 //! **(S1) Tree space.** Boxes are in [`tree_space`](super::tree_space), |y| ≤ 1. A ray o + s d, |d|∞ in [1, 2), is
 //! y = o' + τ d there, with τ = k s (k is a power of two: exact).
 //!
-//! **(S2) Rebasing.** The origin is moved to r = o' + τ₀ d with τ₀ near the entry into the root box (or
-//! the ray's start, if later). For |o'| ≤ 2⁸ f64 does that within 2⁻⁵³(|o'| + 2|τ₀ d| + |r|) < 2⁻⁴²;
-//! beyond, sum and product carry their rounding errors along, which leaves 2⁻⁵²|r| + 2⁻¹⁰⁰|o'|.
-//! Both stay within ρ = 2⁻⁴⁰ + 2⁻⁹⁸|o'|∞ for |r| < 2¹². Where τ₀ itself is coarse, because the
+//! **(S2) Rebasing.** The origin is moved to r = o' + τ₀ d with τ₀ near the entry into the root box (or the ray's start, if later). For
+//! |o'| ≤ 2⁸, f64 does that within 2⁻⁵³(|o'| + 2|τ₀ d| + |r|) < 2⁻⁴²; beyond, sum and product carry their rounding errors along, which
+//! leaves 2⁻⁵²|r| + 2⁻¹⁰⁰|o'|. Both stay within ρ = 2⁻⁴⁰ + 2⁻⁹⁸|o'|∞ for |r| < 2¹². If τ₀ itself is coarse, because the origin is 2⁴⁰ scene
+//! sizes away or farther, |r| may be large; then 2⁻⁵²|r| is within the next term.
 //! origin is 2⁴⁰ scene sizes away or farther, |r| may be large; then 2⁻⁵²|r| is within the next term.
 //!
-//! **(S3) Origin.** r lies within [r₋, r₊], r∓ = f32(r ∓ (|r| 2⁻²⁴(1 + 2⁻²⁰) + ρ)): rounding to nearest moves by at most 2⁻²⁴ of the
-//! value. Lower planes (`lo`) use r₊, upper planes (`hi`) use r₋: that widens the box by exactly the uncertainty of the origin.
+//! **(S3) Origin.** r lies within [r₋, r₊], r∓ = f32(r ∓ (|r| 2⁻²⁴(1 + 2⁻²⁰) + ρ)): rounding to nearest changes a value by at most 2⁻²⁴ of
+//! it. Lower planes (`lo`) use r₊, upper planes (`hi`) use r₋: that widens the box by exactly the uncertainty of the origin.
 //!
-//! **(S4) Slope.** t = (plane − r)/d has one rounding in the difference, one in 1/d as f32, one in the
-//! product: a relative error below 3.01·2⁻²⁴. 1/|d| is stored twice, times 1 − 2⁻²² for the planes
-//! where the ray enters and times 1 + 2⁻²² for those where it leaves: no entry is late, no exit early.
-//! An axis along which |d| < 2⁻⁶⁰ is traversed as if |d| = 2⁻⁶⁰: within the root box, where
-//! |τ − τ₀| < 3 + 2⁻⁵⁰|o'|∞, that displaces by less than ρ.
+//! **(S4) Slope.** t = (plane − r)/d has one rounding in the difference, one in 1/d as f32, one in the product: a relative error below
+//! 3.01·2⁻²⁴. 1/|d| is stored twice, times 1 − 2⁻²² for entry planes and times 1 + 2⁻²² for exit planes: no entry is late, no exit early.
+//! An axis along which |d| < 2⁻⁶⁰ is traversed as if |d| = 2⁻⁶⁰: within the root box, where |τ − τ₀| < 3 + 2⁻⁵⁰|o'|∞, that displaces by
+//! less than ρ.
 //!
-//! **(S5)** That holds for t ≥ 0. Exits at t < 0 would come early, hence τ₀ lies before everything that matters.
+//! **(S5)** That holds for t ≥ 0. Exits at t < 0 would come early, so τ₀ lies before everything that matters.
 //!
-//! **(S6) Parameter.** s of a hit has an error below 2⁻⁴⁰ of the corners' distance where it isn't moved
-//! into the box (see [`triangle`](super::triangle)), so a hit with s > s_min may truly lie a little before
-//! k s_min: τ₀ ≤ k s_min − 2⁻³⁶(1 + |k s_min|). The computed entry into the root box (itself widened by
-//! 2⁻³⁰ against the rounding of o') has a relative error below 8 ε: τ₀ ≤ entry − 2⁻⁴⁹(1 + |entry|).
+//! **(S6) Parameter.** s of a hit has an error below 2⁻⁴⁰ of the corners' distance unless it is moved into the box (see
+//! [`triangle`](super::triangle)), so the true position of a hit with s > s_min may be slightly before k s_min: τ₀ ≤ k s_min − 2⁻³⁶(1 + |k
+//! s_min|). The computed entry into the root box (itself widened by 2⁻³⁰ for the rounding of o') has a relative error below 8 ε: τ₀ ≤ entry
+//! − 2⁻⁴⁹(1 + |entry|).
 //!
-//! **(S7)** For the same reason boxes are kept that are entered before k s − τ₀ + 2⁻³⁶(1 + |τ₀|), s the
-//! parameter of the nearest hit so far.
+//! **(S7)** For the same reason boxes are kept that are entered before k s − τ₀ + 2⁻³⁶(1 + |τ₀|), with s the parameter of the nearest hit
+//! so far.
 
 use glam::{BVec4A, DVec3, Vec4, Vec4Swizzles};
 
@@ -36,13 +35,13 @@ use super::node::Node;
 use super::tree_space::TreeSpace;
 use super::triangle::Line;
 
-/// A ray as the box test uses it.
+/// A ray in the form that the box test uses.
 pub(super) struct SlabRay {
     /// Per axis r₊, r₊, −r₋, −r₋: (S3).
     origin: [Vec4; 3],
     /// Per axis 1/|d|, a little less for entries and a little more for exits: (S4).
     inverse: [Vec4; 3],
-    /// Along which axes the ray descends.
+    /// The axes along which the ray descends.
     pub descends: [bool; 3],
     /// k.
     scale: f64,
@@ -52,7 +51,7 @@ pub(super) struct SlabRay {
     blur: f64,
 }
 
-/// The start of a ray as the box test uses it: branch-free, for loops over many.
+/// The start of a ray in the form that the box test uses: branch-free, for loops.
 pub(super) struct SlabStart {
     /// Per axis 1/|d|.
     pub inverse: [f64; 3],
@@ -66,7 +65,7 @@ pub(super) struct SlabStart {
     pub unsure: f64,
     /// Whether it certainly misses everything.
     pub misses: bool,
-    /// Whether its numbers are within the limits.
+    /// Whether its values are within the limits.
     pub is_valid: bool,
     /// Whether the origin is moved in f64: (S2).
     pub is_near: bool,
@@ -111,7 +110,7 @@ impl SlabStart {
 }
 
 impl SlabRay {
-    /// The ray from parameter `s_min` on, or `None` if it misses everything.
+    /// The ray from parameter `s_min` on; `None` if it misses everything.
     #[inline(always)]
     pub fn new(space: &TreeSpace, line: &Line, s_min: f64) -> Option<SlabRay> {
         let d = line.direction;
@@ -135,7 +134,7 @@ impl SlabRay {
         })
     }
 
-    /// The range to clip to while hits up to parameter `s` matter: (S7), and (S4) for t itself.
+    /// The range for clipping while hits up to parameter `s` matter: (S7), and (S4) for t itself.
     #[inline(always)]
     pub fn range(&self, s: f64) -> Vec4 {
         let far = far_of(s * self.scale - self.start, self.blur);
@@ -143,8 +142,8 @@ impl SlabRay {
         Vec4::new(0.0, 0.0, -far, -far)
     }
 
-    /// For both children of `node`: where the ray enters (lanes 0, 1) and minus where it leaves (2, 3), bounded
-    /// by `range`. The type parameters say along which axes the ray descends.
+    /// For both children of `node`: the entry parameters (lanes 0, 1) and the negated exit parameters (2, 3), bounded by `range`. The type
+    /// parameters say along which axes the ray descends.
     #[inline(always)]
     pub fn clip<const X: bool, const Y: bool, const Z: bool>(
         &self,
@@ -154,25 +153,25 @@ impl SlabRay {
         let x = distances::<X>(node.planes[0], self.origin[0], self.inverse[0]);
         let y = distances::<Y>(node.planes[1], self.origin[1], self.inverse[1]);
         let z = distances::<Z>(node.planes[2], self.origin[2], self.inverse[2]);
-        // One maximum for both: the latest entry, and minus the earliest exit.
+        // One maximum for both: the latest entry, and the negated earliest exit.
         x.max(y).max(z.max(range))
     }
 }
 
-/// Which children are hit, as bits: those for which [`SlabRay::clip`] leaves an interval.
+/// The children that are hit, as bits: those for which [`SlabRay::clip`] leaves an interval.
 #[inline(always)]
 pub(super) fn hit_children(clip: Vec4) -> u32 {
-    // Entry ≤ exit, as the sum of the one and minus the other.
+    // Entry ≤ exit, computed as the sum of the entry and the negated exit.
     let length: BVec4A = (clip + clip.zwxy()).cmple(Vec4::ZERO);
     length.bitmask() & 3
 }
 
-/// Along one axis: entries into both children, and minus the exits.
+/// Along one axis: entries into both children, and negated exits.
 #[inline(always)]
 fn distances<const DESCENDS: bool>(planes: Vec4, origin: Vec4, inverse: Vec4) -> Vec4 {
     let distance = planes - origin;
     if DESCENDS {
-        // A descending ray hits the upper planes first. Their difference is already negated.
+        // A descending ray crosses the upper planes first. Their difference is already negated.
         distance.zwxy() * inverse
     } else {
         distance * inverse
@@ -185,7 +184,7 @@ fn margin(tau: f64, exponent: i64) -> f64 {
     power_of_two(exponent) * (1.0 + tau.abs())
 }
 
-/// Where the line enters and leaves the root box, as τ.
+/// The parameters τ at which the line enters and leaves the root box.
 #[inline(always)]
 fn root_interval(space: &TreeSpace, origin: DVec3, d: DVec3, inverse: [f64; 3]) -> (f64, f64) {
     let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -203,7 +202,7 @@ fn root_interval(space: &TreeSpace, origin: DVec3, d: DVec3, inverse: [f64; 3]) 
     (enter, leave)
 }
 
-/// o' + τ d with the roundings of the difference and of the product carried along: (S2).
+/// o' + τ d with the rounding errors of the difference and of the product carried along: (S2).
 #[cold]
 #[inline(never)]
 fn rebase(line: &Line, space: &TreeSpace, start: f64) -> DVec3 {
@@ -223,7 +222,7 @@ pub(super) fn far_of(t: f64, blur: f64) -> f32 {
     (t + t.abs() * power_of_two(-22) + blur) as f32
 }
 
-/// Along an axis r₊, for planes below, and r₋, for planes above: (S3).
+/// Along an axis r₊, for lower planes, and r₋, for upper planes: (S3).
 #[inline(always)]
 fn origins_of(r: f64, unsure: f64) -> [f32; 2] {
     const ROUNDING: f64 = power_of_two(-24) + power_of_two(-44);

@@ -2,7 +2,7 @@
 
 use std::ops::AddAssign;
 
-/// What is counted.
+/// The kinds of work counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Work {
@@ -35,7 +35,7 @@ impl Tally for NoTally {
     fn add(&mut self, _: Work, _: usize) {}
 }
 
-/// The number of pieces of each kind of [`Work`].
+/// The amount of each kind of [`Work`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Counts {

@@ -9,10 +9,10 @@ use super::vectors::BLOCK;
 #[cfg(target_arch = "x86_64")]
 use super::vectors::x86::has_avx2;
 
-/// Four texels of three channels around a point, and the weights of those to the right and below.
+/// Four texels of three channels around a point, and the weights of the right and the lower ones.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Taps {
-    /// The indices of the left ones; the right ones follow.
+    /// The indices of the left ones; the right ones are next to them.
     pub upper: u32,
     pub lower: u32,
     pub right: f32,
@@ -28,7 +28,7 @@ pub(crate) struct TapsBlock {
 }
 
 impl TapsBlock {
-    /// To be filled in.
+    /// Zeros, to be overwritten.
     pub const ZERO: TapsBlock = TapsBlock {
         upper: [0; BLOCK],
         lower: [0; BLOCK],
@@ -46,7 +46,7 @@ impl TapsBlock {
         }
     }
 
-    /// The index of the last one.
+    /// The largest index in the block.
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     fn last(&self) -> u32 {
@@ -58,8 +58,8 @@ impl TapsBlock {
     }
 }
 
-/// Bilinear between the texels at each of two points, the second with weight `weight`, times a factor per channel. Texels without two
-/// more numbers after them count as zeros.
+/// Bilinear between the texels at each of two points, the second with weight `weight`, times a factor per channel. Texels that are not
+/// followed by two more numbers count as zeros.
 #[inline(always)]
 pub(crate) fn mixed(
     texels: &[f32],
@@ -75,7 +75,7 @@ pub(crate) fn mixed(
     [r * scale[0], g * scale[1], b * scale[2]]
 }
 
-/// First between rows, for both columns at once, then between columns; the fourth number has no meaning.
+/// First between rows, for both columns at once, then between columns; the fourth number is meaningless.
 #[inline(always)]
 fn bilinear(texels: &[f32], taps: Taps) -> [f32; 4] {
     let mut columns = pair(texels, taps.upper);
@@ -86,7 +86,7 @@ fn bilinear(texels: &[f32], taps: Taps) -> [f32; 4] {
     mean
 }
 
-/// A texel and the next one, and two numbers more.
+/// A texel and the next one, and the two numbers that follow.
 #[inline(always)]
 fn pair(texels: &[f32], at: u32) -> [f32; 8] {
     let pair = texels.get(3 * at as usize..).and_then(<[f32]>::first_chunk);
@@ -114,8 +114,8 @@ pub(crate) fn mixed_each(
     if has_avx2() {
         let last = taps[0].last().max(taps[1].last()) as usize;
         if to.len() <= BLOCK && 3 * last + 8 <= texels.len() {
-            // SAFETY: the processor has just been asked for these instructions; eight numbers follow from each texel on, and there are
-            // as many places as are asked for.
+            // SAFETY: the processor has these instructions, eight numbers follow from each texel on, and `to` has at most the elements of a
+            // block.
             return unsafe { x86::mixed_each(texels, taps, weights, scale, to) };
         }
     }
@@ -148,8 +148,8 @@ mod x86 {
 
     use super::{BLOCK, TapsBlock, mixed};
 
-    /// Eight points at a time: for each, the channels are interpolated between rows in a vector; those of all eight are then in vectors
-    /// by channel.
+    /// Eight points at a time: for each, the channels are interpolated between rows in one vector; then those of all eight are transposed
+    /// to one vector per channel.
     ///
     /// # Safety
     ///
@@ -165,7 +165,7 @@ mod x86 {
         let whole = to.len() / 8;
         let mut eights = to.chunks_exact_mut(8);
         for (group, to) in eights.by_ref().enumerate() {
-            // SAFETY: the caller has said so of the texels, and a block has as many eights as that.
+            // SAFETY: the caller guarantees it for the texels, and a block has that many groups of eight.
             let (mut mean, weight) = unsafe {
                 let mean = bilinear(texels, first, 8 * group);
                 (mean, load(weights, 8 * group))
@@ -175,7 +175,7 @@ mod x86 {
                 // SAFETY: as above.
                 let other = unsafe { bilinear(texels, second, 8 * group) };
                 for (mean, other) in mean.iter_mut().zip(other) {
-                    // Where the second point does not count, the first is kept bit for bit, as in `mixed`.
+                    // If the second point does not count, the first is kept bit for bit, as in `mixed`.
                     *mean = _mm256_blendv_ps(*mean, mix(*mean, other, weight), counts);
                 }
             }
@@ -183,14 +183,14 @@ mod x86 {
             put(mean.map(|c| _mm256_castps256_ps128(c)), scale, left);
             put(mean.map(|c| _mm256_extractf128_ps::<1>(c)), scale, right);
         }
-        // The remainder, fewer than eight: one by one.
+        // The remainder, fewer than eight, one by one.
         let begin = 8 * whole;
         for (k, to) in (begin..).zip(eights.into_remainder()) {
             *to = mixed(texels, [first.get(k), second.get(k)], weights[k], scale);
         }
     }
 
-    /// `a` to `b` as far as `weight` says.
+    /// Interpolates from `a` to `b` by `weight`.
     #[target_feature(enable = "avx2")]
     #[inline]
     fn mix(a: __m256, b: __m256, weight: __m256) -> __m256 {
@@ -201,28 +201,28 @@ mod x86 {
     ///
     /// # Safety
     ///
-    /// There are as many.
+    /// There must be as many.
     #[target_feature(enable = "avx2")]
     #[inline]
     unsafe fn load(numbers: &[f32; BLOCK], begin: usize) -> __m256 {
-        // SAFETY: the caller has said so; they need no alignment.
+        // SAFETY: guaranteed by the caller; no alignment is needed.
         unsafe { _mm256_loadu_ps(numbers.as_ptr().add(begin)) }
     }
 
-    /// Between the texels at eight places from `begin` on, by channel.
+    /// Interpolates between the texels at eight positions from `begin` on, by channel.
     ///
     /// # Safety
     ///
-    /// There are as many places, and eight numbers of `texels` from each of their texels on.
+    /// There must be as many positions, and eight numbers of `texels` from each of their texels on.
     #[target_feature(enable = "avx2")]
     #[inline]
     unsafe fn bilinear(texels: &[f32], taps: &TapsBlock, begin: usize) -> [__m256; 3] {
         let texels = texels.as_ptr();
-        // Between rows: a texel, the next one, and two numbers that do not count.
+        // Between rows: a texel, the next one, and two numbers that do not matter.
         let columns = |k: usize| {
             let k = begin + k;
             let pair = |at: u32| {
-                // SAFETY: the caller has said so; they need no alignment.
+                // SAFETY: guaranteed by the caller; no alignment is needed.
                 unsafe { _mm256_loadu_ps(texels.add(3 * at as usize)) }
             };
             let below = _mm256_set1_ps(taps.below[k]);
@@ -232,7 +232,7 @@ mod x86 {
         for (k, c) in c.iter_mut().enumerate() {
             *c = columns(k);
         }
-        // Of two places the numbers 0 1 and 4 5, and 2 3; then of four 0 and 4, 1 and 5, 2, 3.
+        // For two positions the numbers 0 1 and 4 5, and 2 3; then for four positions 0 and 4, 1 and 5, 2, 3.
         let low = [
             _mm256_unpacklo_ps(c[0], c[1]),
             _mm256_unpacklo_ps(c[2], c[3]),
@@ -279,7 +279,7 @@ mod x86 {
         [mix(r, r1, weight), mix(g, g1, weight), mix(b, b1, weight)]
     }
 
-    /// Puts four places by channel, times `scale`, to `to` one after the other.
+    /// Stores four points, given by channel, times `scale`, one after the other in `to`.
     #[target_feature(enable = "avx2")]
     #[inline]
     fn put(channels: [__m128; 3], scale: [f64; 3], to: &mut [[f64; 3]]) {
@@ -311,7 +311,7 @@ mod tests {
         let number = |n: usize| ((n * 7919) % 1009) as f32 / 1009.0 - 0.3;
         let texels: Vec<f32> = (0..300).map(number).collect();
         let part = |k: usize, n: usize| (k * n % 67) as f32 / 67.0;
-        // Some texels are the last ones that eight numbers follow from.
+        // Some texels are the last ones from which eight numbers follow.
         let taps = |n: usize| TapsBlock {
             upper: std::array::from_fn(|k| (k * n % 97) as u32),
             lower: std::array::from_fn(|k| if k % 9 == 4 { 97 } else { k as u32 }),
@@ -323,7 +323,7 @@ mod tests {
         let scale = [1.0, 2.5, 0.3];
         for is_beyond in [false, true] {
             if is_beyond {
-                // Of one place there are too few numbers.
+                // At one position there are too few numbers.
                 coarse.lower[5] = 98;
             }
             let (mut wide, mut narrow) = ([[7.0; 3]; 50], [[8.0; 3]; 50]);

@@ -14,17 +14,18 @@ pub(super) trait Query {
     /// Tests the triangle in `slot`; true ends the traversal.
     fn triangle(&mut self, slot: usize, tally: &mut impl Tally) -> bool;
 
-    /// The ray's parameter beyond which boxes do not matter.
+    /// The ray parameter beyond which boxes do not matter.
     fn limit(&self) -> f64;
 }
 
-/// A child to visit later, and where the ray enters its box.
+/// A child to visit later, and the parameter at which the ray enters its box.
 pub(super) type StackEntry = (NodeRef, f32);
 
-/// Stack entries that need no allocation.
+/// Stack entries that fit without allocation.
 pub(super) const USUAL_DEPTH: usize = 64;
 
-/// Runs `query` on the tree of `nodes`, which is not empty, along `ray`. `stack` holds at least as many entries as the tree is deep.
+/// Runs `query` on the tree of `nodes`, which must not be empty, along `ray`. `stack` must have at least as many entries as the tree has
+/// levels.
 #[inline(always)]
 pub(super) fn traverse(
     nodes: &[Node],
@@ -33,7 +34,7 @@ pub(super) fn traverse(
     query: &mut impl Query,
     tally: &mut impl Tally,
 ) {
-    // A copy of the loop per octant of directions: no node tests signs.
+    // One copy of the loop per octant of directions: no node tests signs.
     match ray.descends {
         [false, false, false] => walk::<false, false, false>(nodes, ray, stack, query, tally),
         [true, false, false] => walk::<true, false, false>(nodes, ray, stack, query, tally),
@@ -111,7 +112,7 @@ fn next(stack: &[StackEntry], waiting: &mut usize, range: Vec4) -> Option<NodeRe
     while *waiting > 0 {
         *waiting -= 1;
         let (node, entry) = stack[*waiting];
-        // The last lane of the range is minus where it ends.
+        // The last lane of the range is its negated end.
         if entry <= -range.w {
             return Some(node);
         }

@@ -1,4 +1,4 @@
-//! Where a ray hits a triangle, decided as exact arithmetic would decide it.
+//! The intersection of a ray with a triangle, decided as exact arithmetic would decide it.
 //!
 //! With the corners a, b, c relative to the ray's origin o, and e₁ = b − a, e₂ = c − a, n = e₁ × e₂,
 //! Cramer's rule for s d = a + u e₁ + v e₂ gives (Möller, Trumbore, JGT 2(1), 1997)
@@ -7,19 +7,17 @@
 //! Δ = n·d,   U = (a × d)·e₂,   V = −(a × d)·e₁,   s = n·a / Δ,   u = U/Δ,   v = V/Δ.
 //! ```
 //!
-//! U, V and W = Δ − U − V are d·(p × q) over the three edges. The line hits the closed triangle iff
-//! they have no two opposite signs and are not all zero (then it is parallel).
+//! U, V and W = Δ − U − V are d·(p × q) for the three edges. The line hits the closed triangle iff no two of them have opposite signs and
+//! they are not all zero (then it is parallel).
 //!
-//! **(T1) Error bound.** Let ε = 2⁻⁵³, |d|∞ < 2 (the direction is scaled by a power of two), A = |a|₁ and
-//! L = |e₁|₁ + |e₂|₁. Every triple product in U passes at most 7 roundings (two differences, two
-//! products, one subtraction, two additions), and the moduli of the six sum to at most
-//! |d|∞ |a|₁ |e₂|₁, so |δU| ≤ 7.1 ε · 2 A |e₂|₁; likewise V, and |δΔ| ≤ 7.1 ε · 2 |e₁|₁ |e₂|₁. W adds
-//! two subtractions, each ≤ ε(|Δ| + |U| + |V|) ≤ 2 ε (A + L) L. In sum each is within
-//! 14.2 ε (A + L) L + 4 ε (A + L) L < B = 20 ε (A + L) L, with room for the rounding of B itself. What
-//! underflow can add is below 2⁻⁷⁰⁰ for coordinates below 2³⁰⁰.
+//! **(T1) Error bound.** Let ε = 2⁻⁵³, |d|∞ < 2 (the direction is scaled by a power of two), A = |a|₁ and L = |e₁|₁ + |e₂|₁. Every triple
+//! product in U undergoes at most 7 roundings (two differences, two products, one subtraction, two additions), and the absolute values of
+//! the six sum to at most |d|∞ |a|₁ |e₂|₁, so |δU| ≤ 7.1 ε · 2 A |e₂|₁; likewise V, and |δΔ| ≤ 7.1 ε · 2 |e₁|₁ |e₂|₁. W adds two
+//! subtractions, each ≤ ε(|Δ| + |U| + |V|) ≤ 2 ε (A + L) L. In total each is within 14.2 ε (A + L) L + 4 ε (A + L) L < B = 20 ε (A + L) L,
+//! with a margin for the rounding of B itself. The contribution of underflow is below 2⁻⁷⁰⁰ for coordinates below 2³⁰⁰.
 //!
-//! **(T2)** Beyond B a sign is certain. Otherwise all three are taken from [`exact`](super::exact), so that
-//! rays through a shared edge or corner of closed meshes never fall between their triangles.
+//! **(T2)** Beyond B a sign is certain. Otherwise all three are computed by [`exact`](super::exact), so that rays through a shared edge or
+//! corner of closed meshes never fall between their triangles.
 
 use glam::DVec3;
 
@@ -29,7 +27,7 @@ use super::tally::{Tally, Work};
 
 /// 20 ε: (T1).
 const RELATIVE: f64 = 20.0 * (f64::EPSILON / 2.0);
-/// Above all that underflow can do: (T1).
+/// Above any contribution of underflow: (T1).
 const UNDERFLOW: f64 = power_of_two(-700);
 /// Below this Δ/L² the rounding of s can leave the triangle's bounding box; see [`Line::clamped_to_box`].
 pub(super) const GRAZING: f64 = 1.0 / 1024.0;
@@ -63,7 +61,7 @@ impl Line {
         let u = r.dot(e2);
         let v = -r.dot(e1);
         let w = delta - u - v;
-        // The signs of U, V and W, where they are certain: (T2).
+        // The signs of U, V and W, if they are certain: (T2).
         let length = norm1(e1) + norm1(e2);
         let bound = Line::bound(norm1(a), length);
         let (low, high) = (lesser(lesser(u, v), w), greater(greater(u, v), w));
@@ -71,7 +69,7 @@ impl Line {
             return None;
         }
         if low > bound || high < -bound {
-            // s decides which triangle is nearest and is a quotient of its own, with one rounding less than u and v have.
+            // s decides which triangle is nearest, so it is a separate quotient, with one rounding fewer than u and v.
             let inverse = 1.0 / delta;
             let s = n.dot(a) / delta;
             let s = if delta.abs() < GRAZING * (length * length) {
@@ -120,8 +118,8 @@ impl Line {
 
     /// `s`, moved into the interval in which the line is in the triangle's bounding box.
     ///
-    /// The true s is in it. A computed one of a grazing ray may not be, and then a box that was skipped for lying beyond the nearest hit
-    /// could have held a nearer one: which triangle wins would depend on the order of traversal.
+    /// The true s is in it, but the computed s of a grazing ray may not be. Then a box that was skipped because it lies beyond the nearest
+    /// hit could have contained a nearer one: which triangle wins would depend on the order of traversal.
     #[inline(never)]
     fn clamped_to_box(&self, s: f64, corners: &[DVec3; 3]) -> f64 {
         let [a, b, c] = *corners;

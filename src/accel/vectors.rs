@@ -1,11 +1,11 @@
 //! Plain loops over arrays, compiled for the widest vectors that the processor has.
 //!
-//! A [`VectorLoop`] is ordinary Rust. [`dispatch`] holds a copy of it for each instruction set and picks one at run time. IEEE 754 rounds
-//! sums, products, quotients and roots the same at every width, and the compiler does not fuse operations: results are the same bit for
-//! bit.
+//! A [`VectorLoop`] is ordinary Rust. [`dispatch`] contains a copy of it for each instruction set and picks one at run time. IEEE 754
+//! rounds sums, products, quotients and roots the same at every width, and the compiler does not fuse operations: results are the same bit
+//! for bit.
 //!
-//! A loop gets the wide instructions only if all of it is inlined: everything that it calls per element is `#[inline(always)]`, and it
-//! contains no closures.
+//! A loop gets the wide instructions only if all of it is inlined: everything that it calls per element must be `#[inline(always)]`, and it
+//! must not contain closures.
 
 #![allow(unsafe_code)]
 
@@ -15,7 +15,7 @@ use crate::colour::ShiftMatrix;
 
 /// A loop over arrays, with what it reads and writes.
 pub(crate) trait VectorLoop {
-    /// Runs the loop. Implementations are `#[inline(always)]`.
+    /// Runs the loop. Implementations must be `#[inline(always)]`.
     fn run(self);
 }
 
@@ -25,7 +25,7 @@ pub(crate) fn dispatch(work: impl VectorLoop) {
     #[cfg(target_arch = "x86_64")]
     {
         if x86::has_avx512() {
-            // SAFETY: the processor has just been asked for these instructions.
+            // SAFETY: the processor has these instructions.
             return unsafe { x86::avx512(work) };
         }
         if x86::has_avx2() {
@@ -43,7 +43,7 @@ pub(crate) const BLOCK: usize = 64;
 /// A number for each element of a block.
 pub(crate) type Block = [f64; BLOCK];
 
-/// The numbers of `from` from `begin` on, and zeros after the last.
+/// The numbers of `from` from `begin` on, with zeros after the last.
 #[inline(always)]
 pub(crate) fn load(from: &[f64], begin: usize) -> Block {
     // Whole blocks, which are the vast majority, are copied in registers, without a call.
@@ -74,7 +74,7 @@ fn load_last(from: &[f64], begin: usize) -> Block {
     to
 }
 
-/// Copies `from` into `to` from `begin` on, as far as `to` reaches.
+/// Copies `from` into `to` from `begin` on, up to the end of `to`.
 #[inline(always)]
 pub(crate) fn store(from: &Block, to: &mut [f64], begin: usize) {
     match to.get_mut(begin..).and_then(<[f64]>::first_chunk_mut) {
@@ -94,7 +94,7 @@ fn store_last(from: &Block, to: &mut [f64], begin: usize) {
 #[derive(Debug, Default, Clone)]
 pub(crate) struct Columns {
     count: usize,
-    /// In whole blocks: values after the last vector have no meaning.
+    /// In whole blocks: values after the last vector are meaningless.
     columns: [Vec<f64>; 3],
 }
 
@@ -105,7 +105,7 @@ impl Columns {
         self.count
     }
 
-    /// Resizes to `count` vectors, whose values are to be overwritten.
+    /// Resizes to `count` vectors, whose values are then to be overwritten.
     pub fn resize(&mut self, count: usize) {
         self.count = count;
         let room = count.next_multiple_of(BLOCK);
@@ -116,7 +116,7 @@ impl Columns {
         }
     }
 
-    /// Sets `count` copies of `v`.
+    /// Sets the contents to `count` copies of `v`.
     pub fn fill(&mut self, count: usize, v: DVec3) {
         self.resize(count);
         for (column, x) in self.columns.iter_mut().zip(v.to_array()) {
@@ -161,7 +161,7 @@ impl Columns {
         [&x[..self.count], &y[..self.count], &z[..self.count]]
     }
 
-    /// Replaces them with those of `from` at these indices.
+    /// Replaces the contents by the vectors of `from` at these indices.
     pub fn gather(&mut self, from: &Columns, numbers: &[u32]) {
         self.resize(numbers.len());
         for (to, from) in self.columns.iter_mut().zip(&from.columns) {
@@ -171,13 +171,13 @@ impl Columns {
         }
     }
 
-    /// Replaces them with these vectors.
+    /// Replaces the contents by these vectors.
     pub fn take(&mut self, from: &[DVec3]) {
         self.resize(from.len());
         dispatch(Apart { from, to: self });
     }
 
-    /// Appends all to `to`.
+    /// Appends all vectors to `to`.
     pub fn add_to(&self, to: &mut Vec<[f64; 3]>) {
         let [x, y, z] = self.axes();
         let all = x.iter().zip(y).zip(z);
@@ -212,7 +212,7 @@ impl Columns {
         Vectors([*x, *y, *z])
     }
 
-    /// Overwrites those from `begin` on.
+    /// Overwrites the vectors from `begin` on.
     #[inline(always)]
     pub fn store(&mut self, from: &Vectors, begin: usize) {
         for (from, to) in from.0.iter().zip(&mut self.columns) {
@@ -221,7 +221,7 @@ impl Columns {
     }
 }
 
-/// Consecutive vectors, to be split by component.
+/// The loop that splits consecutive vectors by component.
 struct Apart<'a> {
     from: &'a [DVec3],
     to: &'a mut Columns,
@@ -270,7 +270,7 @@ impl<'a> VectorsRef<'a> {
 pub(crate) struct Vectors([Block; 3]);
 
 impl Vectors {
-    /// To be filled in.
+    /// Zeros, to be overwritten.
     pub const ZERO: Vectors = Vectors([[0.0; BLOCK]; 3]);
 
     /// The same vector everywhere.
@@ -286,13 +286,13 @@ impl Vectors {
         DVec3::new(x[k], y[k], z[k])
     }
 
-    /// The same where they lie.
+    /// The same by reference.
     #[inline(always)]
     pub fn as_ref(&self) -> VectorsRef<'_> {
         VectorsRef(self.0.each_ref())
     }
 
-    /// Their coordinates, axis by axis, to be written.
+    /// The coordinates, axis by axis, mutable.
     #[inline(always)]
     pub fn axes_mut(&mut self) -> &mut [Block; 3] {
         &mut self.0
@@ -306,14 +306,14 @@ impl Vectors {
     }
 }
 
-/// The index of no row.
+/// The index that stands for no row.
 pub(crate) const NO_ROW: u32 = u32::MAX;
 
 /// Fills `to`, word by word, with the rows at these indices; with zeros for indices out of range, such as [`NO_ROW`].
 pub(crate) fn gather_rows(rows: &[[u32; 8]], numbers: &[u32; BLOCK], to: &mut [[u32; BLOCK]; 8]) {
     #[cfg(target_arch = "x86_64")]
     if x86::has_avx2() {
-        // SAFETY: the processor has just been asked for these instructions.
+        // SAFETY: the processor has these instructions.
         return unsafe { x86::gather_rows(rows, numbers, to) };
     }
     gather_rows_singly(rows, numbers, to);
@@ -344,7 +344,7 @@ pub(crate) fn gather_vectors(
 ) {
     #[cfg(target_arch = "x86_64")]
     if x86::has_avx2() {
-        // SAFETY: the processor has just been asked for these instructions.
+        // SAFETY: the processor has these instructions.
         return unsafe { x86::gather_vectors(from, numbers, factors, to) };
     }
     gather_vectors_singly(from, numbers, factors, to);
@@ -363,8 +363,8 @@ fn gather_vectors_singly(
     }
 }
 
-/// Multiplies each of `rgb` by the matrix interpolated at its place, its factor and the common gain. Places are matrix indices and
-/// fractions of the step to the next; if there is no matrix of an index, `rgb` stays as it is.
+/// Multiplies each of `rgb` by the interpolated matrix at its place, its factor and the common gain. Places are matrix indices and
+/// fractions of the step to the next; if there is no matrix with an index, `rgb` is unchanged.
 pub(crate) fn shift_each(
     matrices: &[ShiftMatrix],
     places: (&[u64; BLOCK], &Block),
@@ -373,7 +373,7 @@ pub(crate) fn shift_each(
 ) {
     #[cfg(target_arch = "x86_64")]
     if x86::has_avx2() {
-        // SAFETY: the processor has just been asked for these instructions.
+        // SAFETY: the processor has these instructions.
         return unsafe { x86::shift_each(matrices, places, factors, rgb) };
     }
     shift_singly(matrices, places, factors, rgb);
@@ -408,8 +408,8 @@ pub(crate) fn prefetch<T>(slice: &[T], at: usize) {
     let _ = (slice, at);
 }
 
-/// Loads all of an element of `first` or of `second` into the cache, without a branch; elements of `second` must not be larger than those
-/// of `first`.
+/// Loads a whole element of `first` or of `second` into the cache, without a branch; elements of `second` must not be larger than those of
+/// `first`.
 #[inline(always)]
 pub(crate) fn prefetch_either<T, U>(is_first: bool, first: &[T], second: &[U], at: usize) {
     const { assert!(size_of::<U>() <= size_of::<T>()) };
@@ -423,7 +423,7 @@ pub(crate) fn prefetch_either<T, U>(is_first: bool, first: &[T], second: &[U], a
         while offset < size_of::<T>() {
             // SAFETY: prefetching reads nothing, wherever it points.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(element.wrapping_add(offset)) };
-            // A line of the cache.
+            // One cache line.
             offset += 64;
         }
     }
@@ -442,7 +442,7 @@ pub(crate) fn prefetch_all<T: ?Sized>(what: &T) {
         while at < size_of_val(what) {
             // SAFETY: prefetching reads nothing, and `at` is within `what`.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(first.add(at)) };
-            // A line of the cache.
+            // One cache line.
             at += 64;
         }
     }
@@ -482,7 +482,7 @@ pub(super) mod x86 {
         work.run();
     }
 
-    /// Four vectors at a time are loaded with a number more each, and taken apart by axis.
+    /// Loads four vectors at a time, each with one more number, and splits them by axis.
     #[target_feature(enable = "avx2")]
     pub fn gather_vectors(
         from: &[DVec3],
@@ -494,13 +494,13 @@ pub(super) mod x86 {
             __m256d, _mm256_loadu_pd, _mm256_mul_pd, _mm256_permute2f128_pd, _mm256_storeu_pd,
             _mm256_unpackhi_pd, _mm256_unpacklo_pd,
         };
-        // After the last vector there is no number more.
+        // After the last vector there is no further number.
         let last = numbers.iter().fold(0, |last, number| last.max(*number));
         if last as usize + 1 >= from.len() {
             return gather_vectors_singly(from, numbers, factors, [x, y, z]);
         }
         let load = |number: u32| -> __m256d {
-            // SAFETY: this vector and the next one are there, and four numbers are loaded, which need no alignment.
+            // SAFETY: this vector and the next one exist, and four numbers are loaded, which need no alignment.
             unsafe { _mm256_loadu_pd(from.as_ptr().add(number as usize).cast()) }
         };
         for begin in (0..BLOCK).step_by(4) {
@@ -522,7 +522,7 @@ pub(super) mod x86 {
         }
     }
 
-    /// A column of the matrix in a vector.
+    /// Processes a column of the matrix as a vector.
     #[target_feature(enable = "avx2")]
     pub fn shift_each(
         matrices: &[ShiftMatrix],
@@ -565,7 +565,7 @@ pub(super) mod x86 {
         }
     }
 
-    /// Eight rows are loaded at a time, and transposed in registers.
+    /// Loads eight rows at a time, and transposes them in registers.
     #[target_feature(enable = "avx2")]
     pub fn gather_rows(rows: &[[u32; 8]], numbers: &[u32; BLOCK], to: &mut [[u32; BLOCK]; 8]) {
         use std::arch::x86_64::{
@@ -662,7 +662,7 @@ mod tests {
 
     #[test]
     fn rows_are_gathered_word_by_word_and_those_that_are_not_there_are_zeros() {
-        // Among them words that are no numbers as f32.
+        // Including words that are NaN as f32.
         let word = |row: u32, k: u32| (row * 8 + k).wrapping_mul(0x9e37_79b9) | 0x7f80_0001;
         let rows: Vec<[u32; 8]> = (0..100)
             .map(|row| std::array::from_fn(|k| word(row, k as u32)))
@@ -691,7 +691,7 @@ mod tests {
             .map(|k| DVec3::new(f64::from(k), 0.5 + f64::from(k), -f64::from(k)))
             .collect();
         let factors: Block = std::array::from_fn(|k| if k % 3 == 0 { -1.0 } else { 0.5 });
-        // All before the last one; among them the last one; and some that are not there.
+        // All before the last one; including the last one; and some out of range.
         for end in [99, 100, 103] {
             let numbers: [u32; BLOCK] = std::array::from_fn(|k| (end - 1 - k * 37 % end) as u32);
             assert!(numbers.contains(&(end as u32 - 1)));
@@ -717,7 +717,7 @@ mod tests {
                 columns: [0, 1, 2].map(|c| std::array::from_fn(|k| number(n * 24 + c * 8 + k))),
             })
             .collect();
-        // Some of matrices that are not there.
+        // Some of the matrices do not exist.
         let at: [u64; BLOCK] = std::array::from_fn(|k| match k % 7 {
             3 => u64::MAX - k as u64,
             5 => 20,
@@ -760,7 +760,7 @@ mod tests {
         #[cfg(target_arch = "x86_64")]
         if x86::has_avx2() {
             let mut middle = vec![0.0; x.len()];
-            // SAFETY: the processor has just been asked for these instructions.
+            // SAFETY: the processor has these instructions.
             unsafe { x86::avx2(Directions(&x, &mut middle)) };
             assert_eq!(narrow, middle);
         }

@@ -1,11 +1,11 @@
 //! The wide tree, which packets traverse: nodes of up to eight children, leaves of up to eight triangles.
 //!
 //! It is collapsed from the binary tree, and its boxes are those of the binary tree, bit for bit. Subtrees of at most eight triangles
-//! become leaves. Of a node's other children, the one with the largest surface is replaced by its own two until there are eight: rays
+//! become leaves. Among a node's other children, the one with the largest surface is replaced by its own two until there are eight: rays
 //! that hit the node are most likely to hit that one (Wald, Benthin, Boulos, RT 2008).
 //!
-//! **Corners.** A leaf holds them in f32, relative to its own centre in tree space, so that their precision scales with the leaf. Their
-//! error is known: the error of the conversion is measured, and f64 adds less than 2⁻⁵⁰ before (differences and products with |y| ≤ 1).
+//! **Corners.** A leaf stores them in f32, relative to its own centre in tree space, so that their precision scales with the leaf. Their
+//! error is known: the error of the conversion is measured, and f64 adds less than 2⁻⁵⁰ before it (differences and products with |y| ≤ 1).
 
 use glam::DVec3;
 
@@ -14,26 +14,26 @@ use super::node::{Child, Node, NodeRef, Tag};
 use super::pages::{PageSize, Pages};
 use super::tree_space::TreeSpace;
 
-/// Children of a node, and triangles of a leaf.
+/// The maximum number of children of a node, and of triangles in a leaf.
 pub(super) const WIDTH: usize = 8;
 
-/// Up to eight child boxes, and where the children are.
+/// Up to eight child boxes, and references to the children.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(32))]
 pub(super) struct WideNode {
-    /// Per axis: lo and hi of the children. Where there is no child, lo = ∞ and hi = −∞.
+    /// Per axis: lo and hi of the children. For missing children, lo = ∞ and hi = −∞.
     pub planes: [[[f32; WIDTH]; 2]; 3],
     /// Indices of wide nodes and of wide leaves.
     pub children: [NodeRef; WIDTH],
 }
 
-/// Up to eight triangles that lie together, one per lane.
+/// Up to eight nearby triangles, one per lane.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct WideLeaf {
     /// Per corner and axis; 0 if there is no triangle.
     pub corners: [[[f32; WIDTH]; 3]; 3],
-    /// The point that corners are relative to.
+    /// The point to which corners are relative.
     pub centre: [f32; 3],
     /// The largest error of a coordinate.
     pub error: f32,
@@ -100,7 +100,7 @@ impl WideLeaf {
             front_only: 0,
             size: 0.0,
         };
-        // Corners to f32, by lane, and the largest error that this makes.
+        // Convert corners to f32, by lane, and find the largest error that this causes.
         let mut error = 0.0f64;
         for (at, corner) in all.iter().enumerate() {
             let exact = corner - centre.as_dvec3();
@@ -111,9 +111,9 @@ impl WideLeaf {
                 leaf.corners[at % 3][axis][at / 3] = kept[axis];
             }
         }
-        // The conversion's error as measured, f64's 2⁻⁵⁰, and the rounding of their sum to f32.
+        // The measured error of the conversion, 2⁻⁵⁰ for f64, and the rounding of their sum to f32.
         leaf.error = (error + power_of_two(-50)) as f32 * (1.0 + f32::EPSILON);
-        // What does not show its back shows its front only.
+        // Triangles whose back does not show are visible from the front only.
         for (at, tag) in tags.iter().enumerate() {
             leaf.front_only |= u32::from(!tag.shows(false)) << at;
         }
@@ -127,8 +127,8 @@ impl WideTree {
         let ranges = tree.ranges();
         // Room for as many nodes, and below for as many leaves, as a usual mesh has.
         let (mut nodes, mut depth) = (Vec::with_capacity(tree.nodes.len() / 16 + 1), 0);
-        // Depth-first by a list of nodes whose children are still to be set: source, target, level. Leaves are made after,
-        // of their slots.
+        // Depth-first with a list of nodes whose children are still to be set: source, target, level. Leaves are built afterwards, from
+        // their slots.
         let mut slots = Vec::with_capacity(tree.corners.len() / 5 + 1);
         let mut pending = Vec::new();
         if !tree.nodes.is_empty() {
@@ -202,9 +202,9 @@ impl Descendants {
 }
 
 impl BinaryTree<'_> {
-    /// Per node its first slot and how many there are: depth-first, they follow one another.
+    /// The first slot of each node and its number of slots: in depth-first order, they are consecutive.
     fn ranges(&self) -> Vec<(u32, u32)> {
-        // Children stand behind their parents: from the last node on, theirs are known.
+        // Children come after their parents: going backwards from the last node, their ranges are known.
         let mut ranges = vec![(0, 0); self.nodes.len()];
         for node in (0..self.nodes.len()).rev() {
             let (mut first, mut end) = (u32::MAX, 0);
@@ -218,7 +218,7 @@ impl BinaryTree<'_> {
         ranges
     }
 
-    /// The first slot below `node`, and how many there are.
+    /// The first slot below `node`, and the number of slots.
     fn range(&self, ranges: &[(u32, u32)], node: NodeRef) -> (usize, usize) {
         if node.is_leaf() {
             let first = node.index();
@@ -230,11 +230,11 @@ impl BinaryTree<'_> {
         }
     }
 
-    /// At most eight boxes that hold all that is below `node`.
+    /// At most eight boxes that enclose everything below `node`.
     fn descendants(&self, ranges: &[(u32, u32)], node: usize) -> Descendants {
         let mut found = Descendants::default();
         let add = |found: &mut Descendants, child: Child| {
-            // What fits into one leaf stays together.
+            // Triangles that fit into one leaf stay together.
             let splits = self.range(ranges, child.node).1 > WIDTH;
             found.push(child, splits);
         };
@@ -245,7 +245,7 @@ impl BinaryTree<'_> {
             let Some(largest) = found.take_largest() else {
                 break;
             };
-            // The largest gives way to its own two.
+            // The largest is replaced by its own two children.
             let pair = self.nodes[largest.node.index()].children();
             pair.for_each(|child| add(&mut found, child));
         }

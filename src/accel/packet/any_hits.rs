@@ -1,20 +1,20 @@
-//! Occlusion of segments: each is decided as a single ray would be, and traversal ends when all are blocked.
+//! Occlusion of segments: each is decided like a single ray, and traversal ends when all are blocked.
 //!
-//! Segments that converge, as those to a lamp do, are traced from their ends: d is reversed and s counts back from `s_max`. The line is
-//! the same, and so are U, V, W and Δ except for the common sign. A hit that is certainly between the ends and certainly inside the
-//! triangle blocks; one that f32 can neither confirm nor rule out is decided in f64.
+//! Segments that converge, like those to a lamp, are traced from their ends: d is reversed and s counts back from `s_max`. The line is the
+//! same, and so are U, V, W and Δ except for the common sign. A hit that is certainly between the ends and certainly inside the triangle
+//! blocks; one that f32 can neither confirm nor rule out is decided in f64.
 //!
-//! **(A1) Ends.** τ of a segment's ends is rounded to f32, and τ of a hit as single rays compute it is off by
-//! 2⁻³⁶(1 + τ) ((K4) of [`block`](super::block)): both far below r τ + a with r = 2⁻²⁰ and a = 2⁻²⁴. The ends in the block
-//! are moved outward by that, so that what is beyond them in f32 certainly doesn't block. Moved inward by 4 r τ + 4 a,
-//! they are certainly inside the true ends: what is between them in f32 certainly does.
+//! **(A1) Ends.** τ of a segment's ends is rounded to f32, and τ of a hit as computed for single rays has an error of 2⁻³⁶(1 + τ) ((K4) of
+//! [`block`](super::block)): both far below r τ + a with r = 2⁻²⁰ and a = 2⁻²⁴. The ends in the block are moved outward by that amount, so
+//! hits beyond them in f32 certainly don't block. Moved inward by 4 r τ + 4 a, they are certainly inside the true ends: hits between them
+//! in f32 certainly do.
 //!
-//! **(A2) One end.** Segments to a lamp or a pinhole end in one point, but for roundings. They are traced from it as rays that share
-//! their origin, without moments, which halves the work per triangle. An end o + s d, computed with two roundings, is off by less than
-//! 2⁻⁵²(|o|∞ + |end|∞). With the extent of the ends and as much again for the middle between them, each line passes within
-//! ρ = extent + 2⁻⁵¹(|o|∞ + |end|∞) of that. To take it through the middle is to move corners by ρ: it is added to η of
-//! [`setup`](super::setup). It also moves τ by 4 ρ at most ((K2) of [`block`](super::block)) and boxes by ρ; where it is no more than
-//! 2⁻⁴⁸(1 + |end|∞) in tree space, both are far below (A1) and (B3) of [`beam`](super::beam). Otherwise rays have their own origins.
+//! **(A2) Common end.** Segments to a lamp or a pinhole end at one point, up to rounding. They are traced from it as rays that share their
+//! origin, without moments, which halves the work per triangle. An end o + s d, computed with two roundings, has an error below 2⁻⁵²(|o|∞ +
+//! |end|∞). With the extent of the ends, and the same error again for the midpoint between them, each line passes within ρ = extent +
+//! 2⁻⁵¹(|o|∞ + |end|∞) of that point. Taking the line through the midpoint instead is equivalent to moving corners by ρ: it is added to η
+//! of [`setup`](super::setup). It also changes τ by at most 4 ρ ((K2) of [`block`](super::block)) and boxes by ρ; if ρ is at most 2⁻⁴⁸(1 +
+//! |end|∞) in tree space, both are far below (A1) and (B3) of [`beam`](super::beam). Otherwise rays have their own origins.
 
 use glam::DVec3;
 
@@ -54,7 +54,7 @@ pub(super) trait SegmentSet: Copy {
     /// Segment `at`.
     fn segment(self, at: usize) -> Segment;
 
-    /// Traces those of a block.
+    /// Traces the segments of a block.
     fn trace<K: Simd, T: Tally>(k: K, task: AnyHits<Self, T>) -> Outcome;
 }
 
@@ -144,7 +144,7 @@ impl<'a> ColumnsToPoint<'a> {
             from: segments.from,
             extent: &mut starts,
         });
-        // ρ of (A2), metres: the ends have no extent.
+        // ρ of (A2), metres: the ends coincide, so their extent is 0.
         let end = segments.end;
         let error = power_of_two(-51) * (starts.greatest() + end.abs().max_element());
         let size = 1.0 + space.map(end).abs().max_element();
@@ -171,7 +171,7 @@ impl VectorLoop for Extents<'_> {
         while axis < 3 {
             let (mut lo, mut hi) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
             let eights = self.from[axis].chunks_exact(LANES);
-            // The numbers beyond the last multiple of eight start the extents, each in its own lane.
+            // The remainder after the last multiple of eight initialises the extents, each number in its own lane.
             for (lane, x) in eights.remainder().iter().enumerate() {
                 (lo[lane], hi[lane]) = (*x, *x);
             }
@@ -193,16 +193,16 @@ impl VectorLoop for Extents<'_> {
     }
 }
 
-/// How the segments of a block are traced.
+/// The direction in which the segments of a block are traced.
 enum Way<'a> {
     FromStart,
     FromEnd,
-    /// From the point in which all end.
+    /// From the point at which all end.
     ToPoint(SegmentsToPoint<'a>),
 }
 
 impl<'a> Way<'a> {
-    /// From where the segments in `order` are closer together: their starts, or their ends.
+    /// Traces from where the segments in `order` are closer together: their starts, or their ends.
     #[inline(always)]
     fn of(segments: &'a [Segment], order: &[u32; RAYS], space: &TreeSpace) -> Way<'a> {
         let (mut starts, mut ends) = (Extent::NONE, Extent::NONE);
@@ -216,7 +216,7 @@ impl<'a> Way<'a> {
             broken += end * 0.0;
         }
         let (apart, extent) = (starts.size(), ends.size());
-        // Written so that NaN takes this branch, too: then from their starts.
+        // Written so that NaN takes this branch, too: tracing from the starts.
         if !(extent < apart && broken == DVec3::ZERO) {
             return Way::FromStart;
         }
@@ -225,7 +225,7 @@ impl<'a> Way<'a> {
         let error = extent + power_of_two(-51) * reach;
         let end = ends.lo * 0.5 + ends.hi * 0.5;
         let size = 1.0 + space.map(end).abs().max_element();
-        // What (A2) allows.
+        // The condition in (A2).
         match error * space.scale <= power_of_two(-48) * size {
             true => Way::ToPoint(SegmentsToPoint {
                 segments,
@@ -261,7 +261,7 @@ impl Extent {
         (self.hi - self.lo).max_element()
     }
 
-    /// The largest |x|∞ of its points.
+    /// The largest |x|∞ of the points.
     #[inline(always)]
     fn greatest(&self) -> f64 {
         self.lo.abs().max(self.hi.abs()).max_element()
@@ -360,7 +360,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
                 let d = load_vectors(k, &self.block.directions, first);
                 let edge_functions = triangle.edge_functions::<R>(&d, self.block, first);
                 let [u, v, w] = edge_functions;
-                // Inside, or too close to an edge for f32 to tell: none of U + B, V + B and W + B is negative.
+                // Inside, or too close to an edge to decide in f32: none of U + B, V + B and W + B is negative.
                 let inside = k.not_negative(u, v, w) & open;
                 if inside != 0 {
                     let volume = triangle.volume::<R>(self.block, first);
@@ -383,7 +383,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
     ) {
         let triangle = PacketTriangle::new::<R>(k, triangles, at);
         let (tag, front) = (self.bvh.tags[slot as usize], triangles.front >> at & 1 != 0);
-        // For all rays or for none: whether the visible side exists, for σ and for its opposite.
+        // For all rays or none: whether the visible side exists, for σ and for its opposite.
         let shown = if tag.shows(front) { u32::MAX } else { 0 };
         let other_shown = if tag.shows(!front) { u32::MAX } else { 0 };
         let mut first = 0;
@@ -410,7 +410,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
                             k.select(behind, other[1], v),
                             k.select(behind, other[2], w),
                         ];
-                        // Where n·a − n·δ is negative, Δ changes sign too, since their quotient does not.
+                        // If n·a − n·δ is negative, Δ changes sign too, since their quotient does not.
                         let delta = k.flip(triangle.determinant(&d), volume);
                         let numbers = (edge_functions, delta, k.abs(volume));
                         self.block_rays(k, &triangle, slot, (first, inside_of_own), numbers);
@@ -437,7 +437,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
         (self.open >> first) as u32 & (u32::MAX >> (32 - K::LANES))
     }
 
-    /// Closes the rays of `candidates` that the triangle blocks; these may be inside it and certainly start on the side of their σ.
+    /// Closes the candidate rays that the triangle blocks; candidates may be inside it and certainly start on the side of their σ.
     #[inline(always)]
     fn block_rays<K: Simd>(
         &mut self,
@@ -456,7 +456,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
         // Certainly beyond the ends, and certainly between them: (A1).
         let from = k.load(&self.block.near[first..]);
         let to = k.load(&self.block.far[first..]);
-        // Unless Δ − B is positive, `far` is no bound.
+        // If Δ − B is not positive, `far` is not a bound.
         let steep = k.le(k.splat(f32::MIN_POSITIVE), least);
         let beyond = k.le(to, near) | (k.le(far, from) & steep);
         // Inward by 4 r τ + 4 a: (A1).
@@ -473,7 +473,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
         }
     }
 
-    /// Whether the triangle in `slot` blocks ray `lane`; if `certain`, it does unless the ray leaves it.
+    /// Whether the triangle in `slot` blocks ray `lane`; if `certain`, it does unless the ray leaves that triangle.
     #[inline(always)]
     fn decide(&mut self, lane: usize, slot: u32, certain: bool) {
         let tag = self.bvh.tags[slot as usize];
@@ -487,7 +487,7 @@ impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
         }
     }
 
-    /// The decision of single rays.
+    /// The decision as for single rays.
     #[cold]
     #[inline(never)]
     fn is_blocked_by(&mut self, segment: &Segment, slot: u32) -> bool {
@@ -511,7 +511,7 @@ mod tests {
     fn segments_to_one_point_are_blocked_as_single_ones_are() {
         let mut next = numbers(11);
         let mut vector = || DVec3::new(next(), next(), next());
-        // A tree of the usual size, and one for incoherent rays.
+        // A tree of usual size, and one small enough for incoherent rays.
         for triangles in [3000, 40] {
             let corners: Vec<[DVec3; 3]> = (0..triangles)
                 .map(|_| {
@@ -520,7 +520,7 @@ mod tests {
                 })
                 .collect();
             let bvh = Bvh::build(corners.clone(), |_| Facing::TwoSided);
-            // Near, in a corner of a triangle, farther than packets go, and nowhere.
+            // Near, in a corner of a triangle, beyond the range of packets, and nowhere.
             let ends = [
                 DVec3::new(0.1, 0.2, 0.3),
                 corners[7][1],
@@ -532,7 +532,7 @@ mod tests {
                     let mut from = Columns::default();
                     let (mut s_min, mut skip) = (Vec::new(), Vec::new());
                     for k in 0..count {
-                        // On triangles, of which every other lies next to the one before.
+                        // On triangles; every other point is on the same triangle as the one before.
                         let triangle = (k / 2 * 5) % triangles;
                         let [a, b, c] = corners[triangle];
                         let place = match k % 7 {
@@ -540,7 +540,7 @@ mod tests {
                             1 => a.midpoint(b),
                             _ => (a + b + c) / 3.0 + vector() * 1e-3,
                         };
-                        // One of them is where no ray can start.
+                        // One of them is at infinity, where no ray can start.
                         from.push(if k == 33 {
                             place * f64::INFINITY
                         } else {
@@ -554,7 +554,7 @@ mod tests {
                         from: from.axes(),
                         s_min: &s_min,
                         skip: &skip,
-                        // Also on a triangle that is not in the way.
+                        // With and without a triangle at which all end, which does not block.
                         at: (count % 2 == 0).then_some(7),
                     };
                     let single: Vec<_> = (0..count).map(|k| segments.segment(k)).collect();

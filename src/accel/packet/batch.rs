@@ -20,9 +20,9 @@ use crate::accel::tally::{Tally, Work};
 use crate::accel::vectors::prefetch_all;
 use crate::accel::wide::WIDTH;
 
-/// Stack entries that need no allocation.
+/// Stack entries that fit without allocation.
 const USUAL_STACK: usize = 256;
-/// A block with fewer rays is traced ray by ray. Nor are they interleaved: setting that up costs more than it gains (measured in batches
+/// A block with fewer rays is traced ray by ray. They are not interleaved either: the set-up costs more than it gains (measured in batches
 /// of 1 to 32).
 const FEW: usize = 8;
 
@@ -38,11 +38,11 @@ struct Workspace {
 }
 
 impl Bvh {
-    /// For each direction, finds the first hit with s > 0 that is nearer than the entry of `hits`, and replaces that entry; `replaced`
+    /// For each direction, finds the first hit with s > 0 that is nearer than the entry in `hits`, and replaces that entry; `replaced`
     /// receives the indices of replaced entries, and `tally` counts the work.
     ///
-    /// Fastest if the directions are those of a tile of pixels, row by row, and the origins are equal or close together. There are as
-    /// many rays as the shortest of the slices has entries.
+    /// Fastest if the directions are those of a tile of pixels, row by row, and the origins are equal or close together. The number of rays
+    /// is the length of the shortest slice.
     pub fn closest_by(
         &self,
         method: Traversal,
@@ -65,7 +65,7 @@ impl Bvh {
     /// Whether each segment is blocked. `tally` counts the work.
     ///
     /// Fastest if the segments run from the points that a tile of pixels shows, row by row, to one common point or nearly so. Results are
-    /// certified, whatever `method` says.
+    /// certified for any `method`.
     pub fn any_by(
         &self,
         method: Traversal,
@@ -82,8 +82,8 @@ impl Bvh {
         }
     }
 
-    /// Whether each of these segments is blocked; they all end in one point, like those to a lamp or a pinhole. They are traced from
-    /// there, which is faster than [`Bvh::any_by`]; the answers are the same. `tally` counts the work.
+    /// Whether each of these segments is blocked; they all end at one point, like those to a lamp or a pinhole. They are traced from there,
+    /// which is faster than [`Bvh::any_by`]; the answers are the same. `tally` counts the work.
     pub fn any_to_point(
         &self,
         method: Traversal,
@@ -93,7 +93,7 @@ impl Bvh {
     ) {
         let count = segments.count().min(blocked.len());
         let main = self.main();
-        // Holes are tested one by one, and single rays need no columns.
+        // Holes are tested one by one, and single rays do not need columns.
         let is_usual = method.kernel != Kernel::Scalar && main.suits_packets() && !self.has_holes();
         let rays = ColumnsToPoint::new(segments, &main.tree.space).filter(|_| is_usual);
         let Some(rays) = rays else {
@@ -123,7 +123,7 @@ impl View<'_> {
         if !self.has_holes() {
             return self.closest_of_whole(method, from, directions, hits, tally, replaced);
         }
-        // Transparent hits are discarded, and their rays traced again with the test of everything they hit.
+        // Transparent hits are discarded, and their rays are traced again with an alpha test for everything they hit.
         let before = hits.to_vec();
         let mut nearer = Vec::new();
         self.closest_of_whole(method, from, directions, hits, tally, |ray| {
@@ -140,7 +140,7 @@ impl View<'_> {
         self.closest_singly(again, from, directions, hits, tally, replaced);
     }
 
-    /// The same if few of the rays come near the tree: the others are left out.
+    /// The same if only few of the rays come near the tree: the others are skipped.
     fn closest_of_some(
         self,
         method: Traversal,
@@ -168,7 +168,7 @@ impl View<'_> {
             },
         };
         let directions: Vec<_> = near.iter().map(|&ray| directions[ray]).collect();
-        // Hits as near as a known one count, too: of two, the smaller id wins.
+        // Hits equal to a known one count, too: of two, the smaller id wins.
         let known = |&ray: &usize| hits[ray].map(|hit| hit.up_to());
         let mut found: Vec<_> = near.iter().map(known).collect();
         let mut nearer = Vec::new();
@@ -196,12 +196,12 @@ impl View<'_> {
         replaced: impl FnMut(usize),
     ) {
         let all = 0..directions.len();
-        // Setting a block up costs more than a few single rays; and single rays are used where the bounds of packets do not hold.
+        // The set-up of a block costs more than a few single rays; single rays are also used where the bounds of packets do not hold.
         if method.kernel == Kernel::Scalar || !self.suits_packets() {
             return self.closest_singly(all, from, directions, hits, tally, replaced);
         }
         match from {
-            // From so far away, boxes are one point in f32: single rays move to the tree before they are rounded.
+            // From this distance, boxes are a single point in f32: single rays move to the tree before they are rounded.
             Origins::Shared(origin) if is_far(self.tree.space.map(origin)) => {
                 self.closest_singly(all, from, directions, hits, tally, replaced);
             }
@@ -240,7 +240,7 @@ impl View<'_> {
             return self.any_singly(segments.iter().zip(blocked), tally);
         }
         self.any_of_whole(method, segments, blocked, tally);
-        // Segments that may be blocked by a hole are tested again, with the test of everything they hit.
+        // Segments that may be blocked by a hole are tested again, with an alpha test for everything they hit.
         if self.has_holes() {
             let all = segments.iter().zip(blocked);
             self.any_singly(all.filter(|(_, blocked)| **blocked), tally);
@@ -289,9 +289,10 @@ impl View<'_> {
         blocked.fill(false);
         let mut block = Block::EMPTY;
         let mut room = None;
-        // If one block was incoherent, the next is checked beforehand; otherwise the check would only add a wait for their directions.
+        // If one block was incoherent, the next is checked beforehand; otherwise the check would only delay it until its directions are
+        // loaded.
         let mut was_incoherent = false;
-        // One block needs no order.
+        // A single block needs no sorting.
         let tile = match self.is_small() && count > RAYS {
             true => Tile::by_signs(count, |at| segments.segment(at).ray.direction),
             false => Tile::of_count(count),
@@ -378,7 +379,7 @@ impl View<'_> {
         };
         // As in `any_of_whole`; with own origins, the first block is checked, too.
         let mut was_incoherent = R::OWN_ORIGINS;
-        // Rays that leave surfaces are incoherent: sorted by the signs of their directions, those of a block still miss boxes together.
+        // Rays that leave surfaces are incoherent: if sorted by the signs of their directions, those of a block still miss boxes together.
         let tile = match rays.leaves() && self.is_small() {
             true => Tile::by_signs(directions.len(), |ray| directions[ray]),
             false => Tile::of(directions),
@@ -510,7 +511,7 @@ impl Workspace {
             left &= left - 1;
             let ray = block.order[lane] as usize;
             let entry = &mut hits[ray];
-            // From the refined f64 values, or one by one where those were left open; or as f32 has them.
+            // From the refined f64 values, or one by one if those were left open; or the f32 values.
             let is_replaced = if certified && !self.refined.has(lane) {
                 replace_singly(bvh, rays, ray, block.slots[lane], entry, tally)
             } else {
@@ -534,7 +535,7 @@ fn chosen(order: &[u32], places: u64) -> impl Iterator<Item = usize> {
         .map(|(_, &ray)| ray as usize)
 }
 
-/// s, u, v and front of a lane's hit, as f32 has them.
+/// s, u, v and front of a lane's hit, in f32 precision.
 #[inline(always)]
 fn rough(block: &Block, lane: usize) -> (f64, f64, f64, bool) {
     (
@@ -545,7 +546,7 @@ fn rough(block: &Block, lane: usize) -> (f64, f64, f64, bool) {
     )
 }
 
-/// Replaces `entry` by a hit with these s, u, v and front if it comes before.
+/// Replaces `entry` by a hit with these s, u, v and front if it is nearer.
 #[inline(always)]
 fn replace(
     bvh: &Bvh,
@@ -556,7 +557,7 @@ fn replace(
     let nearer = comes_before(s, entry);
     if nearer {
         let triangle = bvh.tags[slot as usize].id();
-        // In place: a copy of what was just written would stall.
+        // In place: reading back what was just written would stall.
         *entry = Some(Hit {
             s,
             u,
@@ -569,7 +570,7 @@ fn replace(
     nearer
 }
 
-/// Replaces `entry` by the hit that single rays find with the triangle in `slot`, if it comes before.
+/// Replaces `entry` by the single-ray hit with the triangle in `slot`, if it is nearer.
 #[cold]
 fn replace_singly(
     bvh: &Bvh,

@@ -1,21 +1,20 @@
 //! The interval test: which children of a wide node a block may hit.
 //!
 //! **(B1) Interval.** If all directions of a block have the same sign along an axis, 1/d lies in an interval, and hence, for every plane,
-//! the τ at which rays cross it: between (plane − o)/d at its two ends. A box can be hit only if the latest of the earliest entries over
-//! the axes is not after the earliest of the latest exits (Reshetov, Soupikov, Hurley, SIGGRAPH 2005). Along an axis with both signs a
-//! box ahead of or behind the origin has an earliest entry, but no exit.
+//! so does the τ at which rays cross it: between (plane − o)/d at the two ends of the interval. A box can be hit only if the latest of the
+//! earliest entries over the axes is not after the earliest of the latest exits (Reshetov, Soupikov, Hurley, SIGGRAPH 2005). Along an axis
+//! with both signs a box ahead of or behind the origin has an earliest entry, but no exit.
 //!
 //! **(B2) Origins.** Rays with their own origins have them in a box: lower planes are taken relative to its upper end, upper planes
 //! relative to its lower end, so that entries are the earliest and exits the latest over the box.
 //!
-//! **(B3) Roundings.** (plane − o)/d is computed as plane·i − o·i: the product o·i, o itself and, without fused
-//! operations, plane·i are off by 2⁻²⁴ of their own sizes, and |plane| ≤ 1; what remains is relative to the
-//! result. So planes below take o + 2⁻²²(1 + |o|), planes above o − 2⁻²²(1 + |o|), and the interval of 1/d,
-//! its ends rounded three times, is widened by 2⁻²¹. That also holds boxes which are left up to 2⁻²³
-//! before the origin: hits at s > 0 as computed, whose true s is a little less, are in them.
+//! **(B3) Rounding.** (plane − o)/d is computed as plane·i − o·i: the product o·i, o itself and, without fused operations, plane·i have
+//! errors of 2⁻²⁴ of their own sizes, and |plane| ≤ 1; the remaining errors are relative to the result. So lower planes use o + 2⁻²²(1 +
+//! |o|), upper planes o − 2⁻²²(1 + |o|), and the interval of 1/d, whose ends are rounded three times, is widened by 2⁻²¹. That also keeps
+//! boxes that end up to 2⁻²³ before the origin: hits at s > 0 as computed, whose true s is slightly less, are in them.
 //!
-//! **(B4) Flat directions.** A direction with |d| < 2⁻⁶⁰ goes as if it were that, which displaces it by less than 2⁻⁴⁵
-//! where τ < 2¹⁵ ((K2) of [`block`](super::block)): far less than (B3) widens.
+//! **(B4) Flat directions.** A direction with |d| < 2⁻⁶⁰ is treated as 2⁻⁶⁰, which displaces it by less than 2⁻⁴⁵ where τ < 2¹⁵ ((K2) of
+//! [`block`](super::block)): far less than the widening of (B3).
 
 use super::block::BlockBounds;
 use super::simd::Simd;
@@ -43,7 +42,7 @@ struct Axis<F> {
 }
 
 impl<K: Simd> Beam<K> {
-    /// The rays with these `bounds`, for a kernel of as many lanes as nodes have children.
+    /// The rays with these `bounds`, for a kernel with as many lanes as nodes have children.
     #[inline(always)]
     pub fn new(k: K, bounds: &BlockBounds) -> Beam<K> {
         Beam {
@@ -56,7 +55,7 @@ impl<K: Simd> Beam<K> {
         }
     }
 
-    /// The children that a ray of the block may hit before `limit`, and where they are entered.
+    /// The children that a ray of the block may hit before `limit`, and the parameters at which they are entered.
     #[inline(always)]
     pub fn intersect(&self, node: &WideNode, limit: f32, entries: &mut [f32; WIDTH]) -> u32 {
         let k = self.kernel;

@@ -1,27 +1,26 @@
-//! Blocks: up to 64 coherent rays, which start at or near one point and go in similar directions.
+//! Blocks: up to 64 coherent rays, which start at or near one point and have similar directions.
 //!
-//! **(K1) Parameter.** Directions of a block are scaled by one power of two, that of its first ray, so that
-//! |d|∞ is about 1; τ is measured in them and in tree space.
+//! **(K1) Parameter.** Directions of a block are scaled by one power of two, chosen for its first ray, so that |d|∞ is about 1; τ is
+//! measured in units of them and in tree space.
 //!
-//! **(K2) Coherence.** No |d|∞ of a block is below 1/4 or above 4. The point near the rays is within 2¹⁰ scene sizes, and
-//! origins are within 2¹² of it, so a box, |y| ≤ 1, is met at τ < 4 (2¹⁰ + 2¹² + 1) < 2¹⁵. That directions differ by no
-//! more than 3/4 along an axis is a choice of speed: wider beams cull too little. No bound depends on it. In a small tree
-//! there is little to cull, and rays that go all ways are tested together, too.
+//! **(K2) Coherence.** No |d|∞ of a block is below 1/4 or above 4. The point near the rays is within 2¹⁰ scene sizes, and origins are
+//! within 2¹² of it, so a box, |y| ≤ 1, is hit at τ < 4 (2¹⁰ + 2¹² + 1) < 2¹⁵. The limit of 3/4 on differences of directions along an axis
+//! is chosen for speed: wider beams cull too little. No bound depends on it. In a small tree there is little to cull, and rays in all
+//! directions are traced together, too.
 //!
-//! **(K3) Bounds of what is rounded.** Directions, moments and offsets are kept in f32, each within 2⁻²⁴ of its size, and
-//! sums of three of them have two roundings more. The bounds D, M, ωᵢ and F of [`setup`](super::setup) hold for the
-//! numbers before rounding: they are the greatest of the rounded ones times 1.001, far above 1 + 2⁻²².
+//! **(K3) Bounds of rounded numbers.** Directions, moments and offsets are stored in f32, each within 2⁻²⁴ of its size, and sums of three
+//! of them have two more roundings. The bounds D, M, ωᵢ and F of [`setup`](super::setup) hold for the numbers before rounding: they are the
+//! maxima of the rounded ones times 1.001, far above 1 + 2⁻²².
 //!
-//! **(K4) Limits.** s as single rays compute it has an error below 2⁻⁴⁰ of a triangle's distance
-//! ([`triangle`](crate::accel::triangle)), which is at most 4 τ + 4 in tree space; with |d|∞ ≥ 1/4 that is 2⁻³⁶(1 + τ) of
-//! τ. Rounding to f32 adds 2⁻²⁴ τ. Known hits are bounded by factors 1 ± 2⁻²², and boxes are kept up to
-//! (1 + 2⁻²¹) τ + 2⁻²⁶.
+//! **(K4) Limits.** s as computed for single rays has an error below 2⁻⁴⁰ of a triangle's distance ([`triangle`](crate::accel::triangle)),
+//! which is at most 4 τ + 4 in tree space; with |d|∞ ≥ 1/4 that is 2⁻³⁶(1 + τ) in τ. Rounding to f32 adds 2⁻²⁴ τ. Known hits are bounded by
+//! factors 1 ± 2⁻²², and boxes are kept up to (1 + 2⁻²¹) τ + 2⁻²⁶.
 //!
 //! **(K5) Nearby starts.** Rays that start within ωᵢ of a point along each axis may be treated as if all started at that point: without
-//! offsets and moments, which halves the work per triangle. The contributions of δ are then unknown: e·m to U, V and W, where m = δ × d,
-//! |m|∞ ≤ M' = max (ωⱼ|dₖ| + ωₖ|dⱼ|), and n·δ, at most ω l₁l₂, to n·a. They are added to the bounds of [`setup`](super::setup). s is
-//! still measured along the ray itself, and boxes are tested for the box of starts, as with own origins. If that is a small part of a
-//! pixel, few rays pass an edge so closely that it matters.
+//! offsets and moments, which halves the work per triangle. The contributions of δ are then unknown: e·m in U, V and W, where m = δ × d,
+//! |m|∞ ≤ M' = max (ωⱼ|dₖ| + ωₖ|dⱼ|), and n·δ, at most ω l₁l₂, in n·a. They are added to the bounds of [`setup`](super::setup). s is still
+//! measured along the ray itself, and boxes are tested for the box of starts, as with own origins. If ω is a small fraction of a pixel, few
+//! rays pass an edge so closely that it matters.
 
 use glam::DVec3;
 
@@ -34,7 +33,7 @@ use crate::accel::tree_space::TreeSpace;
 
 /// No triangle.
 pub(super) const NONE: u32 = u32::MAX;
-/// Marks slots of triangles whose front was hit, in blocks that are not certified.
+/// Marks slots of triangles that were hit on their front, in blocks that are not certified.
 pub(super) const FRONT: u32 = 1 << 31;
 /// Origins farther than this many scene sizes are left to single rays, which rebase them: (K2).
 const FAR: f64 = power_of_two(10);
@@ -42,7 +41,7 @@ const FAR: f64 = power_of_two(10);
 pub(super) const SPREAD: f32 = 4.0;
 /// Directions differ by no more than this along any axis: (K2).
 const COHERENT: f32 = 0.75;
-/// (K3).
+/// The factor in (K3).
 const ABOVE: f32 = 1.001;
 
 /// The rays, and their nearest hits so far.
@@ -50,11 +49,11 @@ const ABOVE: f32 = 1.001;
 pub(super) struct Block {
     /// Directions, axis by axis.
     pub directions: [[f32; RAYS]; 3],
-    /// Where rays start relative to the point of the bounds, δ, and δ × d, axis by axis: see
-    /// [`setup`](super::setup). Only of rays with origins of their own.
+    /// Starts of rays relative to the point in the bounds, δ, and moments δ × d, axis by axis: see [`setup`](super::setup). Only for rays
+    /// with their own origins.
     pub offsets: [[f32; RAYS]; 3],
     pub moments: [[f32; RAYS]; 3],
-    /// Bounds of τ of the nearest hit.
+    /// Bounds on τ of the nearest hit.
     pub near: [f32; RAYS],
     pub far: [f32; RAYS],
     /// Barycentrics of the nearest hit, if it need not be certified.
@@ -75,11 +74,11 @@ pub(super) struct Block {
     pub tau_from_s: f64,
 }
 
-/// What is known of all rays of a block, in tree space.
+/// Common properties of the rays of a block, in tree space.
 pub(super) struct BlockBounds {
     /// A point near which the rays pass.
     pub point: DVec3,
-    /// Per axis least and greatest direction.
+    /// Minimum and maximum direction per axis.
     pub directions: [[f32; 2]; 3],
     /// The same for moments about the point.
     pub moments: [[f32; 2]; 3],
@@ -160,7 +159,7 @@ impl Block {
     }
 
     /// Whether some of the rays in `order` differ so much that [`Block::load`] rejects them in a large tree. Checks a few in scalar code:
-    /// blocks of incoherent rays end here, before wide vectors, for which some processors lower their clock.
+    /// blocks of incoherent rays end here, before wide vector instructions, for which some processors lower their clock.
     #[inline(always)]
     pub fn is_certainly_incoherent(&self, bvh: View, direction: impl Fn(usize) -> DVec3) -> bool {
         // Two lanes of each quarter of the block, including the first and the last lane.
@@ -182,7 +181,7 @@ impl Block {
         differs
     }
 
-    /// Stores which triangles rays leave.
+    /// Stores the triangles that rays leave.
     #[inline(always)]
     fn load_left<R: RaySet>(&mut self, rays: R) {
         self.left = None;
@@ -249,7 +248,7 @@ impl Block {
         }
     }
 
-    /// Loads where rays start, relative to the middle of the box of all starts; `None` if that is too far.
+    /// Loads the rays' starts, relative to the middle of the box of all starts; `None` if that is too far.
     #[inline(always)]
     fn load_origins<K: Simd, R: RaySet>(
         &mut self,
@@ -358,7 +357,7 @@ impl Block {
         farthest as f32 * ABOVE
     }
 
-    /// Least and greatest direction along each axis; `None` if they differ by more than `apart`, or are incoherent.
+    /// Minimum and maximum direction along each axis; `None` if they differ by more than `apart`, or are incoherent.
     #[inline(always)]
     fn direction_intervals<K: Simd>(&self, k: K, apart: f32) -> Option<[[f32; 2]; 3]> {
         let zero = k.splat(0.0);
@@ -395,7 +394,7 @@ impl Block {
         if coherent { Some(extent) } else { None }
     }
 
-    /// Clears all hits; only what is nearer than those in `hits`, indexed by the batch, counts.
+    /// Clears all hits; afterwards, only hits nearer than those in `hits`, indexed by the batch, count.
     #[inline(always)]
     pub fn reset(&mut self, hits: &[Option<Hit>]) {
         self.near = [f32::INFINITY; RAYS];
@@ -424,7 +423,7 @@ impl Block {
         }
     }
 
-    /// Replaces the nearest hit of a lane by one at `s` of the ray: (K4).
+    /// Sets the nearest hit of a lane to one at `s` of the ray: (K4).
     pub fn set_hit(&mut self, lane: usize, slot: u32, s: f64) {
         let tau = s * self.tau_from_s;
         self.near[lane] = (tau * (1.0 - power_of_two(-22))) as f32;
@@ -470,7 +469,7 @@ fn share_origin<R: RaySet>(
         extent.x * y + extent.y * x,
     ];
     bounds.shift_moment = greater32(greater32(moment[0], moment[1]), moment[2]) * ABOVE;
-    // As for the origins of (K2); also for NaN.
+    // The condition on origins in (K2); false for NaN.
     (!is_far(bounds.point) && farthest <= 4.0 * FAR).then_some(())
 }
 
@@ -521,7 +520,7 @@ fn is_finite<K: Simd>(k: K, vectors: &[[f32; RAYS]; 3]) -> bool {
     k.le(broken, zero) == u32::MAX >> (32 - K::LANES)
 }
 
-/// Least and greatest along each axis.
+/// Minimum and maximum along each axis.
 #[inline(always)]
 fn interval<K: Simd>(k: K, vectors: &[[f32; RAYS]; 3]) -> [[f32; 2]; 3] {
     let mut intervals = [[0.0; 2]; 3];
@@ -541,7 +540,7 @@ fn interval<K: Simd>(k: K, vectors: &[[f32; RAYS]; 3]) -> [[f32; 2]; 3] {
     intervals
 }
 
-/// The greatest modulus.
+/// The maximum absolute value.
 #[inline(always)]
 fn greatest(intervals: &[[f32; 2]; 3]) -> f32 {
     let mut most = 0.0f32;

@@ -1,4 +1,4 @@
-//! Closest hits of a block: f32 says no, yes or "ask f64".
+//! Closest hits of a block: f32 answers no, yes or "ask f64".
 
 use super::beam::Beam;
 use super::block::{Block, FRONT, NONE};
@@ -15,7 +15,8 @@ use crate::accel::tally::{Tally, Work};
 use crate::accel::vectors::prefetch_all;
 use crate::accel::wide::WIDTH;
 
-/// The number of candidates in a leaf from which on quarters pay (measured with 2 to 5, on meshes of pixel-sized and larger triangles).
+/// The number of candidates in a leaf from which on testing by quarters pays (measured with 2 to 5, on meshes of pixel-sized and larger
+/// triangles).
 const SEVERAL: u32 = 2;
 
 /// Finds the closest hits of the rays in a block; results go to the block and to `refined`.
@@ -119,7 +120,7 @@ impl<K: Simd, T: Tally, R: RaySet, const CERTIFIED: bool> BlockQuery<K>
 }
 
 impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIED> {
-    /// A triangle whose σ is certain.
+    /// Tests a triangle whose σ is certain.
     #[inline(always)]
     fn intersect_certain<K: Simd>(
         &mut self,
@@ -149,7 +150,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
                 let d = load_vectors(k, &self.block.directions, first);
                 let edge_functions = triangle.edge_functions::<R>(&d, self.block, first);
                 let [u, v, w] = edge_functions;
-                // Inside, or so close that f32 cannot tell: none of U + B, V + B and W + B is negative.
+                // Inside, or too close to decide in f32: none of U + B, V + B and W + B is negative.
                 let inside = k.not_negative(u, v, w);
                 if inside != 0 {
                     changed |= match CERTIFIED {
@@ -169,7 +170,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         changed
     }
 
-    /// Among the rays that may be inside: accepts certain hits that are certainly the nearest, and lets f64 decide the rest.
+    /// For rays that may be inside: accepts certain hits that are certainly the nearest, and lets f64 decide the rest.
     #[inline(always)]
     fn certify<K: Simd>(
         &mut self,
@@ -193,7 +194,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         }
         let far = k.quotient(k.add(volume, unsure), least);
         let steep = k.le(k.splat(f32::MIN_POSITIVE), least);
-        // Certain hits are inside, not along the plane, and before the nearest so far.
+        // Certain hits are inside, not parallel to the plane, and before the nearest so far.
         let known_near = k.load(&block.near[first..]);
         let before = k.le(known_near, far);
         let certain = candidates & steep & !before & triangle.is_certainly_inside(&edge_functions);
@@ -203,13 +204,13 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
                 &mut block.near[first..],
                 k.select(certain, near, known_near),
             );
-            // A limit that is nearer than the far end of this stays.
+            // If the known limit is nearer than the far bound of this hit, keep it.
             let far = k.select(certain, k.min(far, known_far), known_far);
             k.store(&mut block.far[first..], far);
             k.store_index(&mut block.slots[first..], certain, slot);
             block.hit |= u64::from(certain) << first;
         }
-        // The rest: near an edge, along the plane, or at about the distance of the nearest hit.
+        // The rest: near an edge, nearly parallel to the plane, or at about the distance of the nearest hit.
         let mut doubtful = candidates & !certain;
         let mut changed = certain != 0;
         while doubtful != 0 {
@@ -220,7 +221,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         changed
     }
 
-    /// Among the rays that are inside: accepts nearer hits by f32.
+    /// For rays that are inside: accepts nearer hits in f32.
     #[inline(always)]
     fn accept<K: Simd>(
         &mut self,
@@ -266,7 +267,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         true
     }
 
-    /// A triangle with rays that may start in its plane or on either side: each ray has its own σ, the sign of n·a − n·δ. If that is
+    /// Tests a triangle for rays that may start in its plane or on either side: each ray has its own σ, the sign of n·a − n·δ. If that is
     /// within its bound, f64 decides wherever the triangle may be hit from either side. Inlined, because a separate function would not be
     /// compiled for the kernel's instructions.
     #[inline(always)]
@@ -333,7 +334,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         changed
     }
 
-    /// Whether ray `lane` hits the triangle in `slot` first, as single rays decide it.
+    /// Whether ray `lane` hits the triangle in `slot` first, by the single-ray test.
     #[cold]
     #[inline(never)]
     fn decide(&mut self, lane: usize, slot: u32) -> bool {

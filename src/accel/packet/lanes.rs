@@ -14,7 +14,7 @@ use crate::accel::tree_space::TreeSpace;
 use crate::accel::triangle::Line;
 use crate::accel::wide::WIDTH;
 
-/// Takes the first of `lanes`.
+/// Removes and returns the first of `lanes`.
 #[inline(always)]
 pub(super) fn next_lane(lanes: &mut u64) -> usize {
     let lane = lanes.trailing_zeros() as usize % RAYS;
@@ -102,12 +102,12 @@ impl Lines {
         steepest: [0.0; RAYS],
     };
 
-    /// The first `count` rays as `given`.
+    /// Sets up the first `count` of the `given` rays.
     #[inline(always)]
     pub fn set_up(&mut self, space: &TreeSpace, given: &Given, count: usize) {
         let space = *space;
         for lane in 0..whole_eights(count) {
-            // As `ScaledRay::new` does it.
+            // As in `ScaledRay::new`.
             let (origin, direction) = (given.origin(lane), given.direction(lane));
             let size = greatest(direction);
             // 0 times NaN or ∞ is NaN, which compares unequal to everything.
@@ -118,7 +118,7 @@ impl Lines {
                 & (size >= power_of_two(-500))
                 & (size < power_of_two(500))
                 & (greatest(origin) <= Bvh::MAX_COORDINATE);
-            // 2^−e and 2^e, by the exponent's bits: 2046 is twice the bias.
+            // 2^−e and 2^e, from the exponent's bits: 2046 is twice the bias.
             let exponent = size.to_bits() >> 52;
             let unit = f64::from_bits((2046u64.wrapping_sub(exponent)) << 52);
             let per_unit = f64::from_bits(exponent << 52);
@@ -165,7 +165,7 @@ impl Lines {
         }
     }
 
-    /// Which of the first `count` rays are traced through the tree, and which are left to the binary one, as bits.
+    /// The rays among the first `count` that are traced through the tree, and those left to the binary one, as bits.
     #[inline(always)]
     pub fn fates(&self, count: usize) -> [u64; 2] {
         let (mut entering, mut left) = (0, 0);
@@ -214,17 +214,17 @@ pub(super) fn greatest(v: DVec3) -> f64 {
 /// Rays in f32, by lane.
 #[repr(C, align(64))]
 pub(super) struct Boxes {
-    /// Per axis 1/d, and r/d for the nearer planes and for those beyond: (W3).
+    /// Per axis 1/d, and r/d for entry planes and for exit planes: (W3).
     pub inverses: [[f32; RAYS]; 3],
     pub offsets: [[[f32; RAYS]; 2]; 3],
-    /// Per axis where the nearer planes of a node begin: with those below, or after them.
+    /// Per axis the offset of the entry planes in a node: those of the lower planes, or of the upper ones.
     pub near: [[u32; RAYS]; 3],
     /// x, y and z of (W1), −Sx and −Sy.
     pub axes: [[u32; RAYS]; 3],
     pub slopes: [[f32; RAYS]; 2],
     /// 2ρ + 2⁻⁴⁶(2 + |r|).
     pub off: [f32; RAYS],
-    /// No box beyond this t matters.
+    /// The t beyond which no box matters.
     pub far: [f32; RAYS],
 }
 
@@ -279,7 +279,7 @@ impl Boxes {
     }
 }
 
-/// By axes x, y and z of (W1), where z is the steepest.
+/// Permutes `v` to the axes x, y and z of (W1), where z is the steepest.
 #[inline(always)]
 pub(super) fn turned([by_x, by_y]: [bool; 2], v: [f64; 3]) -> [f64; 3] {
     [

@@ -35,8 +35,8 @@ pub enum Kernel {
 pub enum Precision {
     /// The triangle that exact arithmetic finds, with its numbers in f64.
     Certified,
-    /// All in f32, for previews: rays along an edge may miss both its triangles, and among triangles at nearly the same depth the wrong
-    /// one may be hit. [`Kernel::Scalar`] and incoherent rays are certified anyway.
+    /// Everything in f32, for previews: rays along an edge may miss both its triangles, and among triangles at nearly the same depth the
+    /// wrong one may be hit. [`Kernel::Scalar`] and incoherent rays are always certified.
     Fast,
 }
 
@@ -92,8 +92,8 @@ impl Kernel {
         }
     }
 
-    /// The fastest kernel on this processor, by measurements of certified primary rays (the benchmark `visibility`), and of shadow rays
-    /// where primary rays make no difference.
+    /// The fastest kernel on this processor, according to measurements of certified primary rays (the benchmark `visibility`), and of
+    /// shadow rays where primary rays do not decide.
     ///
     /// | processors | packets of 16 over packets of 8 |
     /// |---|---|
@@ -102,14 +102,14 @@ impl Kernel {
     /// | Intel Ice Lake server | 0.88 to 0.95 |
     /// | Intel with AMX (Sapphire Rapids) | 0.98 to 1.08; shadow rays 1.05 to 1.21 |
     ///
-    /// Unmeasured processors use packets of 8: most take two steps for 16 lanes, or lower their clock for them.
+    /// Processors that were not measured use packets of 8: most need two steps for 16 lanes, or lower their clock for them.
     pub fn best() -> Kernel {
         let is_fast = |kernel: &Kernel| *kernel != Kernel::Avx512 || has_fast_avx512();
         let mut supported = Kernel::ALL.into_iter().filter(|k| k.is_supported());
         supported.find(is_fast).unwrap_or(Kernel::Portable)
     }
 
-    /// The kernel for single rays: all of them test eight boxes at a time, and AVX-512 gains nothing by its other instructions (on Intel
+    /// The kernel for single rays: all kernels test eight boxes at a time, and the other instructions of AVX-512 gain nothing (on Intel
     /// with AMX it takes 1.06 times as long).
     pub(super) fn of_singles(self) -> Kernel {
         match self {
@@ -138,7 +138,7 @@ fn has_fast_avx512() -> bool {
     *ANSWER.get_or_init(|| is_zen_4_or_later() || has_amx())
 }
 
-/// Whether this is an AMD processor of family 19h or later; all of AMD's with AVX-512 are.
+/// Whether this is an AMD processor of family 19h or later; all AMD processors with AVX-512 are.
 fn is_zen_4_or_later() -> bool {
     #[cfg(target_arch = "x86_64")]
     {

@@ -1,11 +1,11 @@
 //! Which quarters of a block a triangle may affect: of 8 × 8 pixels, 4 × 4 each.
 //!
-//! If triangles are small, a leaf holds several that some ray of the block may hit, and each affects few of the rays. So all triangles of
+//! If triangles are small, a leaf has several that some ray of the block may hit, and each affects few of the rays. So all triangles of
 //! such a leaf are tested against the directions of each quarter at once.
 //!
-//! **(Q1)** Let directions of a quarter be within hᵢ of their middle cᵢ along each axis. U of [`setup`](super::setup), for rays that share their
-//! origin, is d·p ≤ c·p + h·|p|. Where that and B are below zero, U + B is negative for all rays of the quarter, and none of them hits; likewise
-//! V and W. As for a whole block, h is widened by 2⁻²⁰ of |d|∞ for the roundings of both sides.
+//! **(Q1)** Let the directions of a quarter be within hᵢ of their midpoint cᵢ along each axis. U of [`setup`](super::setup), for rays that share
+//! their origin, is d·p ≤ c·p + h·|p|. If the sum of that and B is below zero, U + B is negative for all rays of the quarter, and none of them
+//! hits; likewise V and W. As for a whole block, h is widened by 2⁻²⁰ of |d|∞ for the rounding errors of both sides.
 
 use super::block::SPREAD;
 use super::ray_set::RAYS;
@@ -16,9 +16,9 @@ use crate::accel::wide::WIDTH;
 
 /// The number of quarters.
 pub(super) const QUARTERS: usize = 4;
-/// Rays of each: two vectors of eight.
+/// The rays in each: two vectors of eight.
 pub(super) const PER_QUARTER: usize = RAYS / QUARTERS;
-/// All, as bits.
+/// All quarters, as bits.
 pub(super) const ALL: u8 = (1 << QUARTERS) - 1;
 
 /// Directions of each quarter: their middle and half-width per axis.
@@ -39,7 +39,7 @@ impl Quarters {
         let zero = k.splat(0.0);
         let mut axis = 0;
         while axis < 3 {
-            // The least of d and of −d.
+            // The minimum of d and of −d.
             let (mut least, mut greatest) = ([zero; QUARTERS], [zero; QUARTERS]);
             let mut at = 0;
             while at < QUARTERS {
@@ -63,7 +63,7 @@ impl Quarters {
         quarters
     }
 
-    /// Stores for each of `triangles` in which quarters rays may hit it; those that no ray may hit are dropped as candidates.
+    /// Stores, for each of `triangles`, the quarters in which rays may hit it; triangles that no ray may hit are dropped as candidates.
     #[inline(always)]
     pub fn narrow<K: Simd>(&self, k: K, triangles: &mut LeafTriangles) {
         // A bit per triangle, in a byte per quarter.
@@ -76,7 +76,7 @@ impl Quarters {
             let slack = k.load(&triangles.slack[edge]);
             let mut at = 0;
             while at < QUARTERS {
-                // The greatest of U + B over the quarter: c·p + h·|p| + B.
+                // The maximum of U + B over the quarter: c·p + h·|p| + B.
                 let most = k.dot(&lane3(k, &self.middle, at), &p, slack);
                 let most = k.dot(&lane3(k, &self.half, at), &size, most);
                 hit[at] &= k.le(zero, most);

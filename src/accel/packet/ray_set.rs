@@ -9,13 +9,13 @@ use crate::accel::tree_space::TreeSpace;
 /// Number of rays in a block.
 pub(super) const RAYS: usize = 64;
 
-/// Rays are treated as starting at one point if none starts farther from it than this fraction of a pixel: a few in a hundred then pass
-/// so close to an edge that f64 decides.
+/// Rays are treated as starting at one point if none starts farther from it than this fraction of a pixel: then a few per cent pass so
+/// close to an edge that f64 decides.
 const SHARED: f64 = 1.0 / 64.0;
 
-/// Rays to trace, by their index in the batch. `start` and `direction` are those of the ray as traced, which may be from its end.
+/// Rays to trace, by their index in the batch. `start` and `direction` are those of the ray as traced, possibly from its end.
 pub(super) trait RaySet: Copy {
-    /// Whether each ray has an origin of its own.
+    /// Whether each ray has its own origin.
     const OWN_ORIGINS: bool;
 
     /// The common start, if there is one.
@@ -23,12 +23,12 @@ pub(super) trait RaySet: Copy {
     fn shared_origin(self) -> Option<DVec3> {
         None
     }
-    /// The maximal distance from the shared start at which rays start, or pass, along each axis, metres: (K5) of [`block`](super::block).
+    /// The maximum distance from the shared start at which rays start, or pass, along each axis, metres: (K5) of [`block`](super::block).
     #[inline(always)]
     fn origin_extent(self) -> DVec3 {
         DVec3::ZERO
     }
-    /// The maximal distance of the given starts from the shared start, metres, summed over the axes.
+    /// The maximum distance of the given starts from the shared start, metres, summed over the axes.
     #[inline(always)]
     fn farthest_origin(self) -> f64 {
         0.0
@@ -58,14 +58,14 @@ pub(super) trait RaySet: Copy {
     fn targets(&self) -> Option<[&[f64]; 3]> {
         None
     }
-    /// Metres per unit of s.
+    /// The direction, metres per unit of s.
     fn direction(self, ray: usize) -> DVec3;
-    /// Where the ray starts as traced, metres.
+    /// The start of the ray as traced, metres.
     #[inline(always)]
     fn start(self, ray: usize) -> DVec3 {
         self.origin(ray)
     }
-    /// Where the ray starts as given, metres.
+    /// The start of the ray as given, metres.
     fn origin(self, ray: usize) -> DVec3;
     /// Whether any ray leaves a triangle.
     #[inline(always)]
@@ -92,7 +92,7 @@ pub(super) trait RaySet: Copy {
 pub(super) trait Blockable: RaySet {
     /// The segment as given.
     fn segment(self, ray: usize) -> Segment;
-    /// Whether a ray ignores the triangle of this id.
+    /// Whether a ray ignores the triangle with this id.
     fn passes(self, ray: usize, triangle: u32) -> bool;
     /// The range of s in which hits count, for each of the rays in `order`. `in_fours` is as in [`Block`](super::block::Block).
     fn ends(self, order: &[u32; RAYS], in_fours: bool) -> [[f64; RAYS]; 2];
@@ -103,7 +103,7 @@ pub(super) trait Blockable: RaySet {
 pub(super) struct SharedOrigin<'a> {
     /// Metres.
     pub origin: DVec3,
-    /// Where each of them starts; empty if all start at `origin`.
+    /// The start of each ray; empty if all start at `origin`.
     pub origins: &'a [DVec3],
     /// The maximal distance of starts from `origin` along each axis, metres.
     pub extent: DVec3,
@@ -120,7 +120,7 @@ pub(super) struct OwnOrigins<'a> {
     pub left: &'a [u32],
 }
 
-/// Segments, from where they start or from where they end.
+/// Segments, traced from their starts or from their ends.
 #[derive(Clone, Copy)]
 pub(super) struct Segments<'a> {
     pub segments: &'a [Segment],
@@ -220,7 +220,7 @@ impl RaySet for OwnOrigins<'_> {
         if self.leaves() {
             return None;
         }
-        // Four at a time, so that it vectorizes.
+        // Four at a time, so that the loop is vectorised.
         let first = self.origins[order[0] as usize].to_array();
         let (mut lo, mut hi, mut sum) = ([first; 4], [first; 4], [[0.0; 3]; 4]);
         for four in order.chunks_exact(4) {
@@ -239,11 +239,11 @@ impl RaySet for OwnOrigins<'_> {
         // (K5), including the rounding of the middle and the halves.
         let rounding = power_of_two(-51) * (lo.abs().max_element() + hi.abs().max_element());
         let extent = half + rounding;
-        // The size of a pixel where the tree begins, or, within it, at a quarter of its size.
+        // The size of a pixel at the distance of the tree, or, within it, at a quarter of its size.
         let [one, other] = [order[0], order[1]].map(|ray| self.directions[ray as usize]);
         let distance = greater(space.map(origin).abs().max_element() - 1.0, 0.25);
         let pixel = (one - other).abs().max_element() / one.abs().max_element() * distance;
-        // Comparisons pass over NaN, sums do not.
+        // Comparisons ignore NaN, sums do not.
         let is_number = sum.as_flattened().iter().sum::<f64>() * 0.0 == 0.0;
         let is_shared = extent.max_element() * space.scale <= pixel * SHARED;
         (is_number && is_shared).then_some(SharedOrigin {
@@ -293,7 +293,7 @@ impl RaySet for Segments<'_> {
         true
     }
 
-    /// The id in place of the slot.
+    /// The id, in place of the slot.
     #[inline(always)]
     fn left(self, ray: usize) -> u32 {
         self.segments[ray].skip.unwrap_or(NO_SLOT)
@@ -349,7 +349,7 @@ impl RaySet for SegmentsToPoint<'_> {
         true
     }
 
-    /// The id in place of the slot.
+    /// The id, in place of the slot.
     #[inline(always)]
     fn left(self, ray: usize) -> u32 {
         self.segments[ray].skip.unwrap_or(NO_SLOT)
@@ -404,7 +404,7 @@ impl RaySet for ColumnsToPoint<'_> {
         true
     }
 
-    /// The id in place of the slot.
+    /// The id, in place of the slot.
     #[inline(always)]
     fn left(self, ray: usize) -> u32 {
         self.segments.skip[ray]
@@ -439,7 +439,7 @@ impl Blockable for ColumnsToPoint<'_> {
 
     #[inline(always)]
     fn ends(self, order: &[u32; RAYS], in_fours: bool) -> [[f64; RAYS]; 2] {
-        // They end at 1: directions reach to the end.
+        // They end at 1: directions reach up to the end.
         let mut ends = [[1.0; RAYS]; 2];
         let s_min = self.segments.s_min;
         if in_fours {

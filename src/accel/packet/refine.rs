@@ -1,8 +1,8 @@
 //! s, u and v of the hits, in f64 and eight at a time.
 //!
 //! The arithmetic is that of [`Line::intersect`], operation by operation, so that each number is the same bit for bit; sums and products
-//! are never fused. If that test would switch to exact arithmetic or move s into the triangle's box, nothing is stored, and the hit is
-//! left to single rays.
+//! are never fused. If that test would switch to exact arithmetic or move s into the triangle's box, nothing is stored, and the hit is left
+//! to single rays.
 
 use glam::DVec3;
 
@@ -131,7 +131,7 @@ impl RefinedHits {
 /// s, u, v and n·d, which is 0 if the hit is left to single rays.
 #[inline(always)]
 fn intersect(origin: DVec3, d: DVec3, [c0, c1, c2]: [DVec3; 3]) -> [f64; 4] {
-    // U, V and W of `triangle`, by r = a × d.
+    // U, V and W of `triangle`, from r = a × d.
     let a = c0 - origin;
     let e1 = c1 - c0;
     let e2 = c2 - c0;
@@ -144,7 +144,7 @@ fn intersect(origin: DVec3, d: DVec3, [c0, c1, c2]: [DVec3; 3]) -> [f64; 4] {
     let length = norm1(e1) + norm1(e2);
     let bound = Line::bound(norm1(a), length);
     let (low, high) = (lesser(lesser(ru, rv), rw), greater(greater(ru, rv), rw));
-    // Needs neither exact arithmetic nor the box: as (T2) and `GRAZING` of `triangle` say.
+    // Needs neither exact arithmetic nor the box, according to (T2) and `GRAZING` of `triangle`.
     let plain = ((low > bound) | (high < -bound)) & (delta.abs() >= GRAZING * (length * length));
     let inverse = 1.0 / delta;
     let s = n.dot(a) / delta;

@@ -13,14 +13,13 @@
 //! vanish. If the origin is off the triangle's plane, on the side given by σ, the sign of n·a − n·δ, then a hit with s > 0 has the sign σ
 //! in Δ, hence in U, V and W: with all multiplied by σ it is a hit iff none is negative. Lengths are in tree space.
 //!
-//! Rays of a block may start on both sides of a triangle's plane. Then each has its own σ, the sign of its n·a − n·δ, if that is beyond
-//! its bound δᵥ; where σ is the opposite of the block's, U, V, W, Δ and n·a − n·δ change sign, and their bounds stay. If it is within the
-//! bound, the ray may start in the plane, and f64 decides; a ray that leaves a triangle cannot hit it again, and is not tested.
+//! Rays of a block may start on both sides of a triangle's plane. Then each has its own σ, the sign of its n·a − n·δ, if that exceeds its
+//! bound δᵥ; if σ is the opposite of the block's, U, V, W, Δ and n·a − n·δ change sign, and their bounds stay. If it is within the bound,
+//! the ray may start in the plane, and f64 decides; a ray that leaves a triangle cannot hit it again, and is not tested.
 //!
-//! **Bounds.** Let v = 2⁻²⁴, |d|∞ ≤ D, |m|∞ ≤ M, |δᵢ| ≤ ωᵢ, ω = |ω|₁, η what is unknown about a corner's place relative to the
-//! point, Aₒ the leaf's centre relative to it (rounded: v|Aₒ|), lᵢ = |eᵢ|₁, L = l₁ + l₂ ≥ l₃ and
-//! T = |a|₁ + l₁ + |Aₒ|∞. Corners are off by η + v T at most, edges by 2 η + v lᵢ. With
-//! |x × y|₁ ≤ |x|₁|y|₁, 2|x|∞|y|₁:
+//! **Bounds.** Let v = 2⁻²⁴, |d|∞ ≤ D, |m|∞ ≤ M, |δᵢ| ≤ ωᵢ, ω = |ω|₁, η the uncertainty of a corner's position relative to the point, Aₒ
+//! the leaf's centre relative to it (rounded: v|Aₒ|), lᵢ = |eᵢ|₁, L = l₁ + l₂ ≥ l₃ and T = |a|₁ + l₁ + |Aₒ|∞. Corners have errors of at
+//! most η + v T, edges 2 η + v lᵢ. With |x × y|₁ ≤ |x|₁|y|₁, 2|x|∞|y|₁:
 //!
 //! - (E1) p, q and r are off by 6 v lᵢ T + η (4 T + 2 L) (errors of the factors and two roundings of each product);
 //! - (E2) rounding the direction adds v; a product with d passes at most 4 roundings, with m besides 7; m has
@@ -29,21 +28,20 @@
 //! - (E3) n is off by 6 v l₁l₂ + 4 η L, Δ by D (11 v l₁l₂ + 4 η L);
 //! - (E4) n·a − n·δ is off by 14 v l₁l₂ (T + ω) + η (4 L (T + ω) + l₁l₂).
 //!
-//! The slacks in the code are these with the next greater factor, for the roundings of the slacks themselves, and more:
+//! The slacks in the code are these with the next larger factor, which covers the rounding of the slacks themselves, and in addition:
 //!
 //! - (E5) B₆₄ = 2⁻⁴⁴ max(1, D) L (T + L + F), F the rays' farthest origin from the point, is 2⁷ times the bound of
 //!   `Line::bound`, and covers what f64 does to m and to η. In n·a − n·δ it has (T + L + F) for D. Underflow adds
 //!   less than 2⁻¹²⁰.
 //!
-//! So U + B ≥ 0 as computed wherever U ≥ 0, and where U ≥ B, likewise V and W, single rays find a hit without exact
-//! arithmetic: the sign is certain for f64, too. Single rays compute s from n·a and Δ in f64, or move it between that and
-//! the truth; both are within
+//! So U + B ≥ 0 as computed wherever U ≥ 0, and where U ≥ B, likewise V and W, single rays find a hit without exact arithmetic: the sign is
+//! certain for f64, too. Single rays compute s from n·a and Δ in f64, or move it between that and the true value; both are within
 //!
 //! ```text
 //! (E6)   (n·a − n·δ − δᵥ)/(Δ + B) < s < (n·a − n·δ + δᵥ)/(Δ − B)     where Δ > B,
 //! ```
 //!
-//! with δᵥ the bound of n·a − n·δ and 5 v of it: two sums are rounded by v each, and a quotient is off by 2 v.
+//! with δᵥ the bound of n·a − n·δ plus 5 v of it: two sums are rounded by v each, and a quotient has an error of 2 v.
 //!
 //! - (E7) Rays that start near a point, and are taken from it ((K5) of [`block`](super::block)), leave out e·m and n·δ. With |m|∞ ≤ M' and
 //!   |n|∞ ≤ l₁l₂ these are at most M' lᵢ in U, V and W, and ω l₁l₂ in n·a.
@@ -64,7 +62,7 @@ type Lane = [f32; WIDTH];
 pub(super) struct LeafTriangles {
     /// p, q and r.
     pub edge_normals: [[Lane; 3]; 3],
-    /// −e₂, e₁ and e₃, where rays have moments.
+    /// −e₂, e₁ and e₃, if rays have moments.
     edges: [[Lane; 3]; 3],
     /// The B of U, V and W.
     pub slack: [Lane; 3],
@@ -76,17 +74,17 @@ pub(super) struct LeafTriangles {
     volume: Lane,
     /// δᵥ.
     volume_slack: Lane,
-    /// Whether rays of the block may hit it, as bits.
+    /// The triangles that rays of the block may hit, as bits.
     pub candidates: u32,
-    /// Whether σ is certain for all rays.
+    /// The triangles whose σ is certain for all rays, as bits.
     pub certain: u32,
-    /// Whether all rays start before the front, if it is.
+    /// The triangles in front of which all rays start, if σ is certain, as bits.
     pub front: u32,
-    /// Per triangle the quarters of the block in which rays may hit it, as bits.
+    /// For each triangle the quarters of the block in which rays may hit it, as bits.
     pub quarters: [u8; WIDTH],
 }
 
-/// What the setup needs of a block, in all lanes.
+/// The data of a block that the setup needs, in all lanes.
 pub(super) struct TriangleSetup<K: Simd> {
     kernel: K,
     origin: DVec3,
@@ -108,7 +106,7 @@ pub(super) struct TriangleSetup<K: Simd> {
     blur: f32,
     /// F.
     max_distance: f32,
-    /// All bits if rays are traced from their ends, and so come from the other side.
+    /// All bits set if rays are traced from their ends, and thus come from the other side.
     back: u32,
 }
 
@@ -118,7 +116,7 @@ const V: f32 = power_of_two(-24) as f32;
 const UNDERFLOW: f32 = power_of_two(-120) as f32;
 
 impl<K: Simd> TriangleSetup<K> {
-    /// For a block with these `bounds`, and a kernel of as many lanes as leaves have triangles.
+    /// For a block with these `bounds`, and a kernel with as many lanes as leaves have triangles.
     #[inline(always)]
     pub fn new(k: K, bounds: &BlockBounds) -> TriangleSetup<K> {
         TriangleSetup {
@@ -185,7 +183,7 @@ impl<K: Simd> TriangleSetup<K> {
                 volume: zero,
             }
         };
-        // σ is certain where |n·a| exceeds the bound of n·a and |n·δ|.
+        // σ is certain if |n·a| exceeds the bound of n·a and |n·δ|.
         let ambiguous = if R::OWN_ORIGINS {
             k.dot(&self.offset, &absolute(k, &n), slacks.volume)
         } else {
@@ -193,16 +191,16 @@ impl<K: Simd> TriangleSetup<K> {
         };
         let distance = k.abs(volume);
         triangles.certain = k.le(ambiguous, distance);
-        // Without bounds, a single origin has the computed σ.
+        // Without bounds, a single origin uses the computed σ.
         if !CERTIFIED && !R::OWN_ORIGINS {
             triangles.certain = u32::MAX;
         }
-        // By the sign bit, like σ, even if n·a is zero.
+        // From the sign bit, like σ, even if n·a is zero.
         triangles.front = k.signs(volume) ^ self.back;
         k.store(&mut triangles.volume, distance);
         k.store(&mut triangles.volume_slack, slacks.volume);
         k.store(&mut triangles.normal_slack, slacks.normal);
-        // Triangles that some ray may be inside: the greatest d·p + m·e + B over the block is not negative.
+        // Triangles that some ray may be inside of: the maximum of d·p + m·e + B over the block is not negative.
         let mut candidates = leaf.present;
         let mut edge = 0;
         while edge < 3 {
@@ -234,7 +232,7 @@ impl<K: Simd> TriangleSetup<K> {
             (candidates & !hidden & triangles.certain) | (leaf.present & !triangles.certain);
     }
 
-    /// For edges of these lengths (of U, V and W), T = `far` and η = `error`.
+    /// The slacks for edges with these lengths (of U, V and W), T = `far` and η = `error`.
     #[inline(always)]
     fn slacks<R: RaySet>(&self, [l2, l1, l3]: &[K::F; 3], far: K::F, error: f32) -> Slacks<K::F> {
         let k = self.kernel;
@@ -251,7 +249,7 @@ impl<K: Simd> TriangleSetup<K> {
             1.0
         };
         let floor = k.mul_add(double, k.splat(reach), k.splat(UNDERFLOW));
-        // U, V and W: (E2) with 4.1 (T + L) for 4 T + 2 L, 6.1 for 6 and 12 for 11; of a shared origin (E7) with 1.1 for 1.
+        // U, V and W: (E2) with 4.1 (T + L) for 4 T + 2 L, 6.1 for 6 and 12 for 11; for a shared origin (E7) with 1.1 for 1.
         let mut common = k.mul_add(both, k.splat(4.1 * self.max_direction * error), floor);
         let mut moment = 1.1 * self.shift_moment;
         if R::OWN_ORIGINS {
@@ -262,7 +260,7 @@ impl<K: Simd> TriangleSetup<K> {
         let each = k.mul_add(far, rounding, k.splat(moment));
         // Δ: (E3) with 4.1 for 4 and 12 for 11.
         let along = k.mul_add(length, k.splat(4.1 * error), k.mul(area, k.splat(12.0 * V)));
-        // n·a − n·δ: (E4) with 15 for 14, 4.1 for 4 and 1.1 for 1, and (E7) with as much.
+        // n·a − n·δ: (E4) with 15 for 14, 4.1 for 4 and 1.1 for 1, and (E7) with the same.
         let out = k.add(far, k.splat(self.spread));
         let volume = k.mul_add(k.mul(area, k.splat(15.0 * V)), out, k.splat(UNDERFLOW));
         let volume = k.mul_add(k.mul(length, k.splat(4.1 * error)), out, volume);
@@ -286,7 +284,7 @@ struct Slacks<F> {
     volume: F,
 }
 
-/// The middle of intervals, and half their lengths plus 2⁻²⁰ of `greatest` for the rounding of products with them.
+/// The midpoint of intervals, and half their lengths plus 2⁻²⁰ of `greatest` for the rounding of products with them.
 #[inline(always)]
 fn middle<K: Simd>(k: K, intervals: &[[f32; 2]; 3], greatest: f32) -> [[K::F; 3]; 2] {
     let (mut middle, mut half) = ([0.0; 3], [0.0; 3]);
@@ -364,7 +362,7 @@ impl LeafTriangles {
         quarters: [0; WIDTH],
     };
 
-    /// The same with the other σ for triangle `at`.
+    /// The same with the opposite σ for triangle `at`.
     #[cold]
     pub fn with_other_side(&self, at: usize) -> LeafTriangles {
         let mut triangles = LeafTriangles { ..*self };
@@ -417,7 +415,7 @@ impl<'a, K: Simd> PacketTriangle<'a, K> {
         triangle
     }
 
-    /// U + B, V + B and W + B of the rays of `block` from `first` on, whose directions are `d`.
+    /// U + B, V + B and W + B for the rays of `block` from `first` on, whose directions are `d`.
     #[inline(always)]
     pub fn edge_functions<R: RaySet>(
         &self,
@@ -454,7 +452,7 @@ impl<'a, K: Simd> PacketTriangle<'a, K> {
         ]
     }
 
-    /// Where U, V and W are certainly positive.
+    /// The lanes in which U, V and W are certainly positive.
     #[inline(always)]
     pub fn is_certainly_inside(&self, edge_functions: &[K::F; 3]) -> u32 {
         let k = self.kernel;
@@ -494,7 +492,7 @@ impl<'a, K: Simd> PacketTriangle<'a, K> {
         k.sub(volume, k.dot(&offsets, &normal, k.splat(0.0)))
     }
 
-    /// δᵥ where n·a − n·δ is `volume`, with 5 v of it: (E6).
+    /// δᵥ for n·a − n·δ = `volume`, including 5 v of it: (E6).
     #[inline(always)]
     pub fn volume_slack(&self, volume: K::F) -> K::F {
         let k = self.kernel;

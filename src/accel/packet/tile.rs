@@ -1,4 +1,4 @@
-//! How a batch of rays is cut into blocks: 8 × 8 pixels of a tile that is given row by row.
+//! How a batch of rays is cut into blocks: 8 × 8 pixels of a tile given row by row.
 //!
 //! If rows cannot be recognised, blocks are 64 consecutive rays. An unsuitable cut only costs time.
 
@@ -14,11 +14,11 @@ pub(super) struct Tile {
     count: usize,
     /// Positions of a block's rays relative to its first.
     places: [u32; RAYS],
-    /// The rays in another order; empty if they are taken as given.
+    /// The rays in another order; empty if they are used in the given order.
     order: Vec<u32>,
 }
 
-/// Pixels of a block's side.
+/// The side of a block, pixels.
 const SIDE: usize = 8;
 
 /// Column and row of a lane: one 4 × 4 square of pixels after another.
@@ -27,7 +27,7 @@ const fn pixel(lane: usize) -> (usize, usize) {
     (x * 4 + (lane & 3), y * 4 + (lane >> 2 & 3))
 }
 
-/// Where the rays of a block are from its first on.
+/// Positions of the rays of a block relative to its first.
 const fn places(width: usize) -> [u32; RAYS] {
     let mut places = [0; RAYS];
     let mut lane = 0;
@@ -39,13 +39,13 @@ const fn places(width: usize) -> [u32; RAYS] {
     places
 }
 
-/// Pixels of an image's tile, of which batches may have several samples, and of its side.
+/// The number of pixels in an image's tile, of which batches may have several samples, and its side.
 const FULL: usize = SIDES * SIDES;
 const SIDES: usize = 16;
 const USUAL_PLACES: [u32; RAYS] = places(SIDES);
 
 impl Tile {
-    /// Rows end where directions jump back.
+    /// Rows end where the direction jumps back.
     pub fn of(directions: &[DVec3]) -> Tile {
         match directions.len() {
             count if count.is_multiple_of(FULL) => Tile::of_count(count),
@@ -53,7 +53,7 @@ impl Tile {
         }
     }
 
-    /// 16 × 16 rays, or as many several times, or in a row.
+    /// 16 × 16 rays, or a multiple of that; otherwise rays without rows.
     pub fn of_count(count: usize) -> Tile {
         let are_tiles = count.is_multiple_of(FULL);
         Tile::new(if are_tiles { SIDES } else { 0 }, count)
@@ -71,10 +71,10 @@ impl Tile {
         }
     }
 
-    /// Incoherent rays sorted by the signs of their directions: adjacent groups differ in one sign (Gray code), so that blocks share
-    /// signs, by which they miss boxes.
+    /// Incoherent rays sorted by the signs of their directions: adjacent groups differ in one sign (Gray code), so that the rays of a block
+    /// share signs, and miss boxes together.
     pub fn by_signs(count: usize, direction: impl Fn(usize) -> DVec3) -> Tile {
-        // By the bits of the signs: the place of that pattern in Gray's order.
+        // Indexed by the sign bits: the position of that pattern in Gray's order.
         const GRAY: [u8; 8] = [0, 1, 3, 2, 7, 6, 4, 5];
         let key = |ray: usize| {
             let d = direction(ray);
@@ -109,7 +109,7 @@ impl Tile {
         }
     }
 
-    /// Fills the block's order with the rays of its part `at`.
+    /// Fills the block's order with the rays of block `at`.
     pub fn select(&self, at: usize, block: &mut Block) {
         if !self.order.is_empty() {
             // A partial block repeats its first ray, so that all lanes are valid.
@@ -120,7 +120,7 @@ impl Tile {
             block.order[block.count..].fill(rays[0]);
             return;
         }
-        // The first ray of the block: at its corner in the tile, or in sequence if rows are unknown.
+        // The first ray of the block: at the block's corner in the tile, or in sequence if rows are unknown.
         let columns = self.width.div_ceil(SIDE).max(1);
         let (x, y) = (at % columns * SIDE, at / columns * SIDE);
         let first = if self.width == 0 {
@@ -165,7 +165,7 @@ fn row_length(directions: &[DVec3]) -> usize {
     };
     let step = *second - *first;
     let steps = directions.windows(2).map(|d| d[1] - d[0]);
-    // Against the first step and more than three times as long: within a row, rays turn evenly.
+    // Opposite to the first step and more than three times as long: within a row, directions change evenly.
     let is_back =
         |back: DVec3| back.dot(step) < 0.0 && back.length_squared() > 9.0 * step.length_squared();
     steps.into_iter().position(is_back).map_or(0, |i| i + 1)

@@ -31,7 +31,7 @@ pub(super) trait BlockQuery<K: Simd> {
     /// Whether error bounds are needed.
     const CERTIFIED: bool;
 
-    /// Leaves out quarters of the block for triangles that were just set up, if that pays.
+    /// Skips quarters of the block for triangles that were just set up, if that pays.
     fn narrow(&mut self, _: K, _: &mut LeafTriangles) {}
     /// Tests triangle `at` of `triangles`, which is in `slot`; returns whether [`BlockQuery::limit`] may have changed.
     fn intersect(&mut self, k: K, triangles: &LeafTriangles, at: usize, slot: u32) -> bool;
@@ -41,7 +41,8 @@ pub(super) trait BlockQuery<K: Simd> {
     fn tally(&mut self) -> &mut Self::Tally;
 }
 
-/// Runs `query` on `tree`, which is not empty, for a block with these `bounds`. `stack` has room for all entries that can be pending.
+/// Runs `query` on `tree`, which must not be empty, for a block with these `bounds`. `stack` must have room for all entries that can be
+/// pending.
 #[inline(always)]
 pub(super) fn traverse<K: Simd, Q: BlockQuery<K>>(
     k: K,
@@ -106,7 +107,7 @@ fn intersect_leaf<K: Simd, Q: BlockQuery<K>>(
     triangles: &mut LeafTriangles,
     query: &mut Q,
 ) -> bool {
-    // An associated constant cannot be an argument: two branches, one of which is compiled out.
+    // An associated constant cannot be a const argument: use two branches, one of which is compiled out.
     match Q::CERTIFIED {
         true => setup.set_up::<Q::Rays, true>(leaf, limit, triangles),
         false => setup.set_up::<Q::Rays, false>(leaf, limit, triangles),

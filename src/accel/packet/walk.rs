@@ -1,29 +1,29 @@
 //! Single rays through the wide tree: up to 32 interleaved, each on its own path.
 //!
-//! A single ray spends most of its time waiting: for a node from memory, or for a decision at the previous node. So the rays of a block
-//! are interleaved, and when one finishes the next one starts. In each round every ray makes one step, through a node or a leaf, and
-//! prefetches what it needs in the next round; meanwhile the others step. A round handles first all rays at leaves, then all at nodes,
-//! which avoids an unpredictable branch.
+//! A single ray spends most of its time waiting: for a node from memory, or for a decision at the previous node. So the rays of a block are
+//! interleaved, and when one finishes the next one starts. In each round every ray makes one step, through a node or a leaf, and prefetches
+//! what it needs in the next round while the others step. A round first handles all rays at leaves, then all at nodes, which avoids an
+//! unpredictable branch.
 //!
 //! Boxes are tested with the start and the bounds of [`slab`](crate::accel::slab), except for (W3). Triangles of a leaf that a ray
-//! certainly misses are found in f32; the others are decided in f64 as everywhere, so that results are those of the binary tree.
+//! certainly misses are identified in f32; the others are decided in f64 as everywhere, so that results are those of the binary tree.
 //!
-//! **(W1) Shear.** Let z be the axis along which |d| is greatest, x and y the others, and Sx = dx/dz, Sy = dy/dz, of which none is
-//! greater than 1 (Woop, Benthin, Wald, JCGT 2(1), 2013). The leaf's corners A are relative to its centre, and so is the point p in
-//! which the ray meets the plane z = 0. With a = (Ax − px − Sx Az, Ay − py − Sy Az), b and c as well, d·((B − p) × (C − p)) is
-//! dz (bx cy − by cx): the three edge functions, but for a factor in common. Let η be the error of corners and h their
-//! largest coordinate, P = |p|∞, v = 2⁻²⁴. In f64 p is off by 2ρ, ρ of (S2), and 2⁻⁴⁶(2 + |r|); in a that rounded to f32 makes v P, the
-//! rounding of Sx v h, those of the difference, of the product and of the sum v (h + P), v h and v (2h + P). So a is off by
-//! e = 2η + 2ρ + 2⁻⁴⁶(2 + |r|) + 6 v (h + P).
+//! **(W1) Shear.** Let z be the axis along which |d| is greatest, x and y the others, and Sx = dx/dz, Sy = dy/dz, neither of which exceeds
+//! 1 in size (Woop, Benthin, Wald, JCGT 2(1), 2013). The leaf's corners A are relative to its centre, and so is the point p at which the
+//! ray crosses the plane z = 0. With a = (Ax − px − Sx Az, Ay − py − Sy Az), and b and c likewise, d·((B − p) × (C − p)) is dz (bx cy − by
+//! cx): the three edge functions, up to a common factor. Let η be the error of corners and h their largest coordinate, P = |p|∞, v = 2⁻²⁴.
+//! In f64 p has an error of 2ρ, with ρ of (S2), and 2⁻⁴⁶(2 + |r|). In a, rounding p to f32 adds v P, rounding Sx adds v h, and the
+//! roundings of the difference, of the product and of the sum add v (h + P), v h and v (2h + P). So a has an error of at most e = 2η + 2ρ +
+//! 2⁻⁴⁶(2 + |r|) + 6 v (h + P).
 //!
-//! **(W2) Edge functions.** No coordinate of a, b and c is greater than M = 2h + P + 2e. Two products of two are off by 4 M e,
-//! and with their roundings and that of their difference by 4 M e + 4.1 v M². M (6 e + 6 v M) is more.
-//! A ray hits where U, V and W have one sign: it certainly misses where one of them is below minus that, and one above.
+//! **(W2) Edge functions.** No coordinate of a, b and c exceeds M = 2h + P + 2e. Two products of two have an error of 4 M e, and including
+//! their rounding and that of their difference 4 M e + 4.1 v M². M (6 e + 6 v M) is more. A ray hits if U, V and W have the same sign: it
+//! certainly misses if one of them is below minus that bound, and another above it.
 //!
-//! **(W3) Slabs.** The ray is at a plane p at t = p/d − r/d, one multiplication and subtraction with 1/d and r/d in f32, |d| not below
-//! 2⁻⁶⁰ (S4). With |p| ≤ 1 the rounding of 1/d makes v/|d|, that of the product, where it is rounded, as much, that of r/d
-//! v |r/d|, and r is off by ρ: less than m = (v (2.1 + 1.1 |r|) + ρ)/|d| in all. Planes where the ray enters take r/d + m, those where it
-//! leaves r/d − m. So after the last rounding no entry is too late and no exit too early: rounding keeps the order of numbers.
+//! **(W3) Slabs.** The ray crosses a plane p at t = p/d − r/d, one multiplication and subtraction with 1/d and r/d in f32, |d| not below
+//! 2⁻⁶⁰ (S4). With |p| ≤ 1 the rounding of 1/d adds v/|d|, that of the product, if it is rounded, the same, that of r/d v |r/d|, and r has
+//! an error of ρ: in all less than m = (v (2.1 + 1.1 |r|) + ρ)/|d|. Entry planes use r/d + m, exit planes r/d − m. So after the last
+//! rounding, which preserves order, no entry is too late and no exit too early.
 
 use super::any_hits::SegmentSet;
 use super::lanes::{Boxes, Given, Lines, next_lane};
@@ -44,7 +44,7 @@ use crate::accel::wide::{WIDTH, WideLeaf};
 pub(super) struct ClosestSingles<'a, R, T> {
     pub bvh: View<'a>,
     pub rays: R,
-    /// Which of them, at most 64.
+    /// Indices of the rays, at most 64.
     pub order: &'a [u32],
     pub hits: &'a mut [Option<Hit>],
     pub room: &'a mut Option<Box<Room>>,
@@ -55,7 +55,7 @@ pub(super) struct ClosestSingles<'a, R, T> {
 pub(super) struct AnySingles<'a, S, T> {
     pub bvh: View<'a>,
     pub segments: S,
-    /// Which of them, at most 64.
+    /// Indices of the segments, at most 64.
     pub order: &'a [u32],
     pub blocked: &'a mut [bool],
     pub room: &'a mut Option<Box<Room>>,
@@ -64,9 +64,9 @@ pub(super) struct AnySingles<'a, S, T> {
 
 /// The outcome for rays, as bits by their position in the order.
 pub(super) struct Walked {
-    /// Those whose hits were replaced.
+    /// The rays whose hits were replaced.
     pub replaced: u64,
-    /// Those that are not traced here: their values are outside the limits, or they start too far away.
+    /// The rays that are not traced here: their values are outside the limits, or they start too far away.
     pub left: u64,
 }
 
@@ -89,7 +89,7 @@ impl<R: RaySet, T: Tally> Task for ClosestSingles<'_, R, T> {
         let mut lanes = entering;
         for scaled in &scaled {
             let ray = self.order[next_lane(&mut lanes)] as usize;
-            // A known hit, in another tree, ends the ray: only nearer ones replace it.
+            // A known hit, in another tree, limits the ray: only nearer ones replace it.
             let s_max = match &self.hits[ray] {
                 Some(hit) => hit.s,
                 None => f64::INFINITY,
@@ -144,14 +144,14 @@ impl<S: SegmentSet, T: Tally> Task for AnySingles<'_, S, T> {
     }
 }
 
-/// Rays in flight: enough to hide the latency of memory, and few enough that what was prefetched for one is still in the L1 cache at its
+/// Number of rays in flight: enough to hide memory latency, and few enough that data prefetched for one is still in the L1 cache at its
 /// turn (measured with 8 to 64).
 const SLOTS: usize = 32;
 
-/// Number of pending children per ray. A node leaves all its children except the next one; eight are always written, and eight are always
-/// read.
+/// Number of pending children per ray. A node leaves all its children except the next one on the stack; eight are always written, and eight
+/// are always read.
 const STACK: usize = 256;
-/// Levels of nodes for which that is enough. Rays through deeper trees, which are rare, go to the binary tree.
+/// Levels of nodes for which that is enough. Rays through deeper trees, which are rare, use the binary tree.
 const DEPTH: usize = STACK / WIDTH - 2;
 
 /// Buffers reused from block to block.
@@ -184,7 +184,8 @@ impl Room {
         })
     }
 
-    /// Sets up the first `count` rays as given: which of them are traced through the tree, and which are left to the binary one, as bits.
+    /// Sets up the first `count` rays as given. Returns the ones that are traced through the tree, and the ones left to the binary one, as
+    /// bits.
     #[inline(always)]
     fn set_up(&mut self, bvh: View, count: usize) -> [u64; 2] {
         let count = count.min(RAYS);
@@ -227,7 +228,7 @@ impl Lanes {
     }
 }
 
-/// Rays on their paths through a tree.
+/// Rays on their way through a tree.
 struct Walk<'a, K: Simd> {
     kernel: K,
     bvh: View<'a>,
@@ -241,7 +242,7 @@ struct Walk<'a, K: Simd> {
     /// Rays that are traced through the tree, and those of them that have yet to start, as bits.
     entering: u64,
     coming: u64,
-    /// Rays that are at nodes and at leaves.
+    /// Rays at nodes and at leaves.
     at_nodes: Lanes,
     at_leaves: Lanes,
 }
@@ -305,7 +306,7 @@ impl<'a, K: Eight> Walk<'a, K> {
             for &(lane, slot) in &pairs[..found] {
                 let lane = lane as usize % RAYS;
                 if queries[query_of[lane] as usize].triangle(slot as usize, tally) {
-                    // The query has its answer: no pending box matters.
+                    // The query has its answer: no pending box matters any more.
                     self.counts[lane] = 0;
                 }
             }
@@ -320,14 +321,14 @@ impl<'a, K: Eight> Walk<'a, K> {
                 self.narrow(lane, queries[query_of[lane] as usize].limit());
                 self.go_on(lane);
             }
-            // After all of them, because values just stored cannot be loaded yet.
+            // After all of them, because values that were just stored cannot be loaded without a stall.
             for &lane in nodes.all() {
                 self.go_on(lane as usize % RAYS);
             }
         }
     }
 
-    /// Drops what is farther along a ray than hits up to `s`.
+    /// Drops pending children that are farther along a ray than hits up to `s`.
     #[inline(always)]
     fn narrow(&mut self, lane: usize, s: f64) {
         let t = s * self.bvh.tree.space.scale - self.lines.start[lane];
@@ -371,7 +372,7 @@ impl<'a, K: Eight> Walk<'a, K> {
         let (k, far) = (self.kernel, self.boxes.far[lane]);
         let stack = &self.stacks[self.slots[lane] as usize % SLOTS];
         let mut count = self.counts[lane] as usize % STACK;
-        // Eight at a time; of these, the last that is not too far. The first eight are below those of the ray.
+        // Eight at a time; of these, the last that is not too far. The first eight are the sentinels below those of the ray.
         loop {
             let near = k.within(&stack.entries[count..count + WIDTH], far);
             // The nearest of the eight is the last: the leading zeros are those that are too far.
@@ -443,7 +444,7 @@ impl<'a, K: Eight> Walk<'a, K> {
         let w = k.mul_sub(a[0], b[1], k.mul(a[1], b[0]));
         let least = k.min(u, k.min(v, w));
         let greatest = k.max(u, k.max(v, w));
-        // By (W2) no two signs are certainly opposite.
+        // By (W2), unless two signs are certainly opposite.
         let none_below = k.le(k.splat(0.0), k.add(least, bound));
         let none_above = k.le(greatest, bound);
         (none_below | none_above) & leaf.present
@@ -605,7 +606,7 @@ mod tests {
     #[test]
     fn of_triangles_in_one_plane_the_first_is_hit_and_rays_beyond_the_limits_are_traced() {
         let mut next = numbers(8);
-        // Many overlap, in a few planes along the axes.
+        // Many of them overlap, in a few axis-aligned planes.
         let triangles: Vec<[DVec3; 3]> = (0..400)
             .map(|k| {
                 let height = 0.1 + f64::from(k as u8 % 5) * 0.17;

@@ -8,9 +8,9 @@
 //! | `distance` | `Z`, by the standard the distance from the viewer (no other channel may pass for depth) |
 //! | `alpha` | `A`; radiance is premultiplied by it where the background is black |
 //! | any other name | the same name: `event.ct` is component `ct` of layer `event` |
-//! | f32, u32 | as they are |
-//! | radiance, alpha | half precision, where that is asked for; what half cannot hold becomes its largest value |
-//! | f64 | rounded to f32 (EXR has no f64; `.npz` has); what f32 cannot hold becomes its largest value |
+//! | f32, u32 | unchanged |
+//! | radiance, alpha | half precision, if requested; numbers beyond its range become its largest value |
+//! | f64 | rounded to f32 (EXR has no f64; `.npz` has); numbers beyond its range become its largest value |
 //! | i32 | two's complement in u32, so that every identifier is exact: −1 is 4294967295 |
 //!
 //! RGB has the primaries and white of sRGB (Rec. 709, D65), stated in the file; files that state others are refused. The attribute

@@ -1,10 +1,10 @@
 //! Lanes of f32: the few operations that packets need, per instruction set.
 //!
-//! A value of a kernel's type proves that the processor has its instructions: only `detect` makes one. The kernels
-//! may round differently (some fuse products and sums); their users make sure that decisions don't depend on it.
+//! A value of a kernel's type proves that the processor has its instructions: only `detect` creates one. The kernels may round differently
+//! (some fuse products and sums); their users make sure that decisions don't depend on it.
 //!
-//! What a kernel runs is compiled for its instructions only if it is certain to be inlined. Closures, and with them `array::map` and the
-//! like, are not: the loops of packets are written out.
+//! Code that a kernel runs is compiled for its instructions only if it is certain to be inlined. Closures, and with them `array::map` and
+//! the like, are not, so the loops of packets are written out.
 
 use glam::DVec3;
 
@@ -18,7 +18,8 @@ pub(super) use portable::Portable;
 #[cfg(target_arch = "x86_64")]
 pub(super) use x86::{Avx2, Avx512};
 
-/// What is run with the instructions of a kernel. `run` must be `#[inline(always)]`, and so must everything it calls where speed matters.
+/// Code that is run with the instructions of a kernel. `run` must be `#[inline(always)]`, and so must everything it calls where speed
+/// matters.
 pub(super) trait Task {
     type Output;
 
@@ -79,7 +80,7 @@ pub(super) trait Simd: Copy {
     fn mul(self, x: Self::F, y: Self::F) -> Self::F;
     /// x / y.
     fn div(self, x: Self::F, y: Self::F) -> Self::F;
-    /// x / y within 2⁻²³ of itself where 1/y is normal; elsewhere it may be NaN, infinite or 0.
+    /// x / y within 2⁻²³ of its value if 1/y is normal; otherwise it may be NaN, infinite or 0.
     #[inline(always)]
     fn quotient(self, x: Self::F, y: Self::F) -> Self::F {
         self.div(x, y)
@@ -90,17 +91,17 @@ pub(super) trait Simd: Copy {
     fn mul_sub(self, x: Self::F, y: Self::F, z: Self::F) -> Self::F;
     /// |x|.
     fn abs(self, x: Self::F) -> Self::F;
-    /// x with its sign flipped where `by` has a minus.
+    /// x with its sign flipped in lanes in which `by` has a minus sign.
     fn flip(self, x: Self::F, by: Self::F) -> Self::F;
-    /// The smaller, or y where one is NaN.
+    /// The smaller, or y if one is NaN.
     fn min(self, x: Self::F, y: Self::F) -> Self::F;
-    /// The greater, or y where one is NaN.
+    /// The greater, or y if one is NaN.
     fn max(self, x: Self::F, y: Self::F) -> Self::F;
-    /// Where x ≤ y.
+    /// The lanes in which x ≤ y.
     fn le(self, x: Self::F, y: Self::F) -> u32;
-    /// Where x, y and z are ≥ 0.
+    /// The lanes in which x, y and z are ≥ 0.
     fn not_negative(self, x: Self::F, y: Self::F, z: Self::F) -> u32;
-    /// Where the sign bit is set, also for zeros, as bits.
+    /// The lanes in which the sign bit is set, including −0.
     fn signs(self, x: Self::F) -> u32;
     /// The greatest lane.
     fn greatest(self, x: Self::F) -> f32;
@@ -108,14 +109,14 @@ pub(super) trait Simd: Copy {
     fn smallest(self, x: Self::F) -> f32;
 }
 
-/// Bits that number eight children.
+/// The bits that hold the index of one of eight children.
 pub(super) const LOWEST: u32 = 7;
 
 /// Kernels of eight lanes.
 pub(super) trait Eight: Simd {
     /// Puts those of `nodes` for which enter ≤ leave into the first elements of `to`, the nearest last, and into `entries` the bits of
     /// their entry parameters, whose lowest three bits ([`LOWEST`]) are replaced by the index of the child, so that no two are equal. The
-    /// other elements up to the eighth are filled with arbitrary values. Returns the number of children. None is entered before 0.
+    /// other elements up to the eighth are filled with arbitrary values. Returns the number of children. No child may be entered before 0.
     fn push_hits(
         self,
         enter: Self::F,
@@ -125,10 +126,10 @@ pub(super) trait Eight: Simd {
         to: &mut [NodeRef],
     ) -> usize;
 
-    /// The smallest lane of each of four.
+    /// The smallest lane of each of the four.
     fn smallest_of_each(self, x: [Self::F; 4]) -> [f32; 4];
 
-    /// Which of the first eight of `entries`, as made by [`Eight::push_hits`], are entered at or before `limit`, as bits.
+    /// Which of the first eight of `entries`, as returned by [`Eight::push_hits`], are entered at or before `limit`, as bits.
     fn within(self, entries: &[u32], limit: f32) -> u32;
 }
 
@@ -151,8 +152,8 @@ mod tests {
     use super::*;
     use crate::accel::numbers;
 
-    /// Checks each operation of `k` against plain f32, lane by lane. Numbers are small halves: sums of products
-    /// are exact, whether fused or not.
+    /// Checks each operation of `k` against plain f32, lane by lane. Numbers are small multiples of ½, so that sums of products are exact,
+    /// whether fused or not.
     struct Check;
 
     impl Task for Check {
@@ -231,7 +232,7 @@ mod tests {
             let (k, mut next) = (k.children(), numbers(5));
             let nodes: [NodeRef; 8] = std::array::from_fn(NodeRef::inner);
             for round in 0..500 {
-                // Some are entered at once or nearly so, some at 0, and some nowhere.
+                // Some are entered at the same parameter or nearly so, some at 0, and some are missed.
                 let mut entry = |_| match next() {
                     x if x < -0.5 => 0.25,
                     x if x < 0.0 => 0.0,
@@ -253,7 +254,7 @@ mod tests {
                 assert_eq!(to[..count], expected_to[..count]);
                 let rows = [leaves, enters, k.sub(enters, leaves), k.add(leaves, leaves)];
                 assert_eq!(k.smallest_of_each(rows), rows.map(|row| k.smallest(row)));
-                // The farthest first, none later than its entry.
+                // The farthest first, and no entry later than the true one.
                 for pair in entries[..count].windows(2) {
                     assert!(pair[0] > pair[1]);
                 }

@@ -1,4 +1,4 @@
-//! Arrays, which compilers turn into what vectors there are.
+//! Arrays, which compilers turn into whatever vectors the processor has.
 
 use glam::DVec3;
 
@@ -11,7 +11,7 @@ pub(in super::super) struct Portable;
 
 type Lanes = [f32; 8];
 
-/// Operations lane by lane: their names, and what becomes of a lane.
+/// Operations lane by lane: their names, and the result for a lane.
 macro_rules! lanewise {
     ($($name:ident($($x:ident),+) = $result:expr;)+) => {$(
         #[inline(always)]
@@ -94,7 +94,7 @@ impl Simd for Portable {
 
     #[inline(always)]
     fn store_vectors(self, vectors: &[DVec3], scale: f64, [x, y, z]: [&mut [f32]; 3]) {
-        // Of known lengths, so that the loop checks no bounds.
+        // With known lengths, so that the loop has no bounds checks.
         let (vectors, x, y, z) = (&vectors[..4], &mut x[..4], &mut y[..4], &mut z[..4]);
         for (i, v) in vectors.iter().enumerate() {
             x[i] = (v.x * scale) as f32;

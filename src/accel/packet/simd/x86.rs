@@ -7,8 +7,8 @@ use glam::DVec3;
 use super::{Eight, LOWEST, Simd, Task};
 use crate::accel::node::NodeRef;
 
-/// A kernel: its lanes, the processor features that it needs, the intrinsics of operations that need no more than
-/// one, and the rest of its operations.
+/// Defines a kernel: its lanes, the processor features that it needs, the operations that are a single intrinsic, and the rest of its
+/// operations.
 macro_rules! kernel {
     (
         $(#[$doc:meta])*
@@ -46,28 +46,28 @@ macro_rules! kernel {
 
             #[inline(always)]
             fn splat(self, x: f32) -> $vector {
-                // SAFETY: as `run`.
+                // SAFETY: as for `run`.
                 unsafe { $splat(x) }
             }
 
             #[inline(always)]
             fn load(self, from: &[f32]) -> $vector {
                 let from = &from[..$lanes];
-                // SAFETY: as `run`; `from` holds a number for each lane.
+                // SAFETY: as for `run`; `from` has a number for each lane.
                 unsafe { $load(from.as_ptr()) }
             }
 
             #[inline(always)]
             fn store(self, to: &mut [f32], x: $vector) {
                 let to = &mut to[..$lanes];
-                // SAFETY: as `run`; `to` holds a number for each lane.
+                // SAFETY: as for `run`; `to` has a number for each lane.
                 unsafe { $store(to.as_mut_ptr(), x) }
             }
 
             $(
                 #[inline(always)]
                 fn $operation(self, $($x: $vector),+) -> $vector {
-                    // SAFETY: as `run`.
+                    // SAFETY: as for `run`.
                     unsafe { $intrinsic($($x),+) }
                 }
             )+
@@ -104,14 +104,14 @@ kernel! {
     #[inline(always)]
     fn store_some(self, to: &mut [f32], mask: u32, x: __m256) {
         let to = &mut to[..8];
-        // SAFETY: as `run`; `to` holds 8 numbers.
+        // SAFETY: as for `run`; `to` has 8 numbers.
         unsafe { _mm256_maskstore_ps(to.as_mut_ptr(), self.spread(mask), x) }
     }
 
     #[inline(always)]
     fn store_index(self, to: &mut [u32], mask: u32, x: u32) {
         let to = to[..8].as_mut_ptr().cast();
-        // SAFETY: as `run`; `to` holds 8 numbers.
+        // SAFETY: as for `run`; `to` has 8 numbers.
         unsafe { _mm256_maskstore_epi32(to, self.spread(mask), _mm256_set1_epi32(x as i32)) }
     }
 
@@ -119,13 +119,13 @@ kernel! {
     fn store_vectors(self, vectors: &[DVec3], scale: f64, [x, y, z]: [&mut [f32]; 3]) {
         let (vectors, x, y, z) = (&vectors[..4], &mut x[..4], &mut y[..4], &mut z[..4]);
         let from: *const f64 = vectors.as_ptr().cast();
-        // SAFETY: as `run`; four vectors are twelve f64 in a row, and x, y and z hold four f32 each.
+        // SAFETY: as for `run`; four vectors are twelve consecutive f64, and x, y and z have four f32 each.
         unsafe {
             let scale = _mm256_set1_pd(scale);
             let a = _mm256_cvtpd_ps(_mm256_mul_pd(_mm256_loadu_pd(from), scale));
             let b = _mm256_cvtpd_ps(_mm256_mul_pd(_mm256_loadu_pd(from.add(4)), scale));
             let c = _mm256_cvtpd_ps(_mm256_mul_pd(_mm256_loadu_pd(from.add(8)), scale));
-            // x₀ y₀ z₀ x₁, y₁ z₁ x₂ y₂, z₂ x₃ y₃ z₃: by place, then in order.
+            // x₀ y₀ z₀ x₁, y₁ z₁ x₂ y₂, z₂ x₃ y₃ z₃: blended by position, then sorted.
             let xs = _mm_blend_ps::<0b0010>(_mm_blend_ps::<0b0100>(a, b), c);
             let ys = _mm_blend_ps::<0b0100>(_mm_blend_ps::<0b1001>(a, b), c);
             let zs = _mm_blend_ps::<0b1001>(_mm_blend_ps::<0b0010>(a, b), c);
@@ -139,7 +139,7 @@ kernel! {
     fn split_vectors(self, vectors: &[DVec3], [x, y, z]: [&mut [f64]; 3]) {
         let (vectors, x, y, z) = (&vectors[..4], &mut x[..4], &mut y[..4], &mut z[..4]);
         let from: *const f64 = vectors.as_ptr().cast();
-        // SAFETY: as `run`; four vectors are twelve f64 in a row, and x, y and z hold four each.
+        // SAFETY: as for `run`; four vectors are twelve consecutive f64, and x, y and z have four each.
         unsafe {
             let a = _mm256_loadu_pd(from);
             let b = _mm256_loadu_pd(from.add(4));
@@ -156,31 +156,31 @@ kernel! {
 
     #[inline(always)]
     fn select(self, mask: u32, x: __m256, y: __m256) -> __m256 {
-        // SAFETY: as `run`.
+        // SAFETY: as for `run`.
         unsafe { _mm256_blendv_ps(y, x, _mm256_castsi256_ps(self.spread(mask))) }
     }
 
     #[inline(always)]
     fn abs(self, x: __m256) -> __m256 {
-        // SAFETY: as `run`.
+        // SAFETY: as for `run`.
         unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), x) }
     }
 
     #[inline(always)]
     fn flip(self, x: __m256, by: __m256) -> __m256 {
-        // SAFETY: as `run`.
+        // SAFETY: as for `run`.
         unsafe { _mm256_xor_ps(x, _mm256_and_ps(by, _mm256_set1_ps(-0.0))) }
     }
 
     #[inline(always)]
     fn le(self, x: __m256, y: __m256) -> u32 {
-        // SAFETY: as `run`.
+        // SAFETY: as for `run`.
         unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(x, y)) as u32 }
     }
 
     #[inline(always)]
     fn not_negative(self, x: __m256, y: __m256, z: __m256) -> u32 {
-        // SAFETY: as `run`.
+        // SAFETY: as for `run`.
         unsafe {
             let least = _mm256_min_ps(_mm256_min_ps(x, y), z);
             _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GE_OQ>(least, _mm256_setzero_ps())) as u32
@@ -189,13 +189,13 @@ kernel! {
 
     #[inline(always)]
     fn signs(self, x: __m256) -> u32 {
-        // SAFETY: as `run`.
+        // SAFETY: as for `run`.
         unsafe { _mm256_movemask_ps(x) as u32 }
     }
 
     #[inline(always)]
     fn greatest(self, x: __m256) -> f32 {
-        // SAFETY: as `run`.
+        // SAFETY: as for `run`.
         unsafe {
             let x = _mm_max_ps(_mm256_castps256_ps128(x), _mm256_extractf128_ps::<1>(x));
             let x = _mm_max_ps(x, _mm_movehl_ps(x, x));
@@ -205,7 +205,7 @@ kernel! {
 
     #[inline(always)]
     fn smallest(self, x: __m256) -> f32 {
-        // SAFETY: as `run`.
+        // SAFETY: as for `run`.
         unsafe {
             let x = _mm_min_ps(_mm256_castps256_ps128(x), _mm256_extractf128_ps::<1>(x));
             let x = _mm_min_ps(x, _mm_movehl_ps(x, x));
@@ -215,10 +215,10 @@ kernel! {
 }
 
 impl Avx2 {
-    /// All bits of a lane where `mask` has its bit.
+    /// All bits of a lane set if `mask` has its bit.
     #[inline(always)]
     fn spread(self, mask: u32) -> __m256i {
-        // SAFETY: as `run`.
+        // SAFETY: as for `run`.
         unsafe {
             let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
             _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(mask as i32), bits), bits)
@@ -229,9 +229,9 @@ impl Avx2 {
 impl Eight for Avx2 {
     #[inline(always)]
     fn smallest_of_each(self, [a, b, c, d]: [__m256; 4]) -> [f32; 4] {
-        // SAFETY: as `run`.
+        // SAFETY: as for `run`.
         unsafe {
-            // a and b in turn, c and d in turn, and then all four in turn: twice in each half.
+            // a and b interleaved, c and d interleaved, and then all four: twice in each half.
             let a_b = _mm256_min_ps(_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
             let c_d = _mm256_min_ps(_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
             let (a_b, c_d) = (_mm256_castps_pd(a_b), _mm256_castps_pd(c_d));
@@ -258,15 +258,15 @@ impl Eight for Avx2 {
         to: &mut [NodeRef],
     ) -> usize {
         let (entries, to) = (&mut entries[..8], &mut to[..8]);
-        // SAFETY: as `run`; `nodes`, `entries` and `to` are eight of 32 bits each.
+        // SAFETY: as for `run`; `nodes`, `entries` and `to` have eight elements of 32 bits each.
         unsafe {
-            // Numbers that are not negative are in the order of their bits; what is missed is −1, and comes last.
+            // Nonnegative numbers are ordered like their bits; missed children are −1, and come last.
             let hit = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, leave);
             let bits = _mm256_and_si256(_mm256_castps_si256(enter), _mm256_set1_epi32(0x7fff_fff8));
             let keys = _mm256_or_si256(bits, _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
             let missed = _mm256_andnot_si256(_mm256_castps_si256(hit), _mm256_set1_epi32(-1));
             let x = _mm256_or_si256(keys, missed);
-            // A network of six rounds: pairs, fours and eights, each of two sorted halves of which one is reversed.
+            // A sorting network of six rounds: pairs, fours and eights, each merged from two sorted halves, one of them reversed.
             let y = _mm256_shuffle_epi32::<0b10_11_00_01>(x);
             let x =
                 _mm256_blend_epi32::<0b1010_1010>(_mm256_max_epi32(x, y), _mm256_min_epi32(x, y));
@@ -285,7 +285,7 @@ impl Eight for Avx2 {
             let y = _mm256_shuffle_epi32::<0b10_11_00_01>(x);
             let x =
                 _mm256_blend_epi32::<0b1010_1010>(_mm256_max_epi32(x, y), _mm256_min_epi32(x, y));
-            // The lowest three bits choose the nodes.
+            // The lowest three bits select the nodes.
             let nodes = _mm256_loadu_si256(nodes.as_ptr().cast());
             _mm256_storeu_si256(entries.as_mut_ptr().cast(), x);
             let chosen = _mm256_permutevar8x32_epi32(nodes, x);
@@ -297,7 +297,7 @@ impl Eight for Avx2 {
     #[inline(always)]
     fn within(self, entries: &[u32], limit: f32) -> u32 {
         let entries = &entries[..8];
-        // SAFETY: as `run`; `entries` holds eight.
+        // SAFETY: as for `run`; `entries` has eight elements.
         unsafe {
             let bits = _mm256_loadu_si256(entries.as_ptr().cast());
             let lowest = _mm256_set1_epi32(LOWEST as i32);
@@ -334,11 +334,11 @@ kernel! {
         Avx2(())
     }
 
-    /// By a step of Newton's from an estimate within 2⁻¹⁴: that is within 2⁻²⁴ + 2⁻²⁸ of 1/y, and the product rounds by 2⁻²⁴. Dividing
-    /// sixteen numbers takes as long as sixteen of its operations.
+    /// A Newton step from an estimate within 2⁻¹⁴: the result is within 2⁻²⁴ + 2⁻²⁸ of 1/y, and the product rounds by 2⁻²⁴. A division of
+    /// sixteen numbers takes as long as sixteen of these operations.
     #[inline(always)]
     fn quotient(self, x: __m512, y: __m512) -> __m512 {
-        // SAFETY: as `run`.
+        // SAFETY: as for `run`.
         unsafe {
             let estimate = _mm512_rcp14_ps(y);
             let error = _mm512_fnmadd_ps(y, estimate, _mm512_set1_ps(1.0));
@@ -349,14 +349,14 @@ kernel! {
     #[inline(always)]
     fn store_some(self, to: &mut [f32], mask: u32, x: __m512) {
         let to = &mut to[..16];
-        // SAFETY: as `run`; `to` holds 16 numbers.
+        // SAFETY: as for `run`; `to` has 16 numbers.
         unsafe { _mm512_mask_storeu_ps(to.as_mut_ptr(), mask as u16, x) }
     }
 
     #[inline(always)]
     fn store_index(self, to: &mut [u32], mask: u32, x: u32) {
         let to = to[..16].as_mut_ptr().cast();
-        // SAFETY: as `run`; `to` holds 16 numbers.
+        // SAFETY: as for `run`; `to` has 16 numbers.
         unsafe { _mm512_mask_storeu_epi32(to, mask as u16, _mm512_set1_epi32(x as i32)) }
     }
 
@@ -372,25 +372,25 @@ kernel! {
 
     #[inline(always)]
     fn select(self, mask: u32, x: __m512, y: __m512) -> __m512 {
-        // SAFETY: as `run`.
+        // SAFETY: as for `run`.
         unsafe { _mm512_mask_blend_ps(mask as u16, y, x) }
     }
 
     #[inline(always)]
     fn flip(self, x: __m512, by: __m512) -> __m512 {
-        // SAFETY: as `run`.
+        // SAFETY: as for `run`.
         unsafe { _mm512_xor_ps(x, _mm512_and_ps(by, _mm512_set1_ps(-0.0))) }
     }
 
     #[inline(always)]
     fn le(self, x: __m512, y: __m512) -> u32 {
-        // SAFETY: as `run`.
+        // SAFETY: as for `run`.
         unsafe { u32::from(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(x, y)) }
     }
 
     #[inline(always)]
     fn not_negative(self, x: __m512, y: __m512, z: __m512) -> u32 {
-        // SAFETY: as `run`.
+        // SAFETY: as for `run`.
         unsafe {
             let least = _mm512_min_ps(_mm512_min_ps(x, y), z);
             u32::from(_mm512_cmp_ps_mask::<_CMP_GE_OQ>(least, _mm512_setzero_ps()))
@@ -399,7 +399,7 @@ kernel! {
 
     #[inline(always)]
     fn signs(self, x: __m512) -> u32 {
-        // SAFETY: as `run`; the lanes' bits as integers, of which negative ones are less than zero.
+        // SAFETY: as for `run`; compares the lanes' bits as integers, for which the sign bit means less than zero.
         unsafe {
             u32::from(_mm512_cmplt_epi32_mask(
                 _mm512_castps_si512(x),
@@ -410,13 +410,13 @@ kernel! {
 
     #[inline(always)]
     fn greatest(self, x: __m512) -> f32 {
-        // SAFETY: as `run`.
+        // SAFETY: as for `run`.
         unsafe { _mm512_reduce_max_ps(x) }
     }
 
     #[inline(always)]
     fn smallest(self, x: __m512) -> f32 {
-        // SAFETY: as `run`.
+        // SAFETY: as for `run`.
         unsafe { _mm512_reduce_min_ps(x) }
     }
 }

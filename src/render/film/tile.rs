@@ -21,17 +21,17 @@
 //! standard error² = ((R − 1) s² + D n)/((R − 1 + D) R),    D = 4:                                 (2)
 //! ```
 //!
-//! the mean of a variance for which the pixel's own parts have R − 1 degrees of freedom and the prior knowledge that it is near n is worth D more (Smyth, "Linear models and empirical
-//! Bayes methods", Stat. Appl. Genet. Mol. Biol. 3(1), 2004). The pixel itself takes the place of pixels beyond the edge of the tile, so that all weights are symmetric: the mean
-//! square over a tile is exactly that of (1). It is 0 if the samples of each of the 25 pixels are equal, and as R grows (2) approaches (1). If 25 variances are alike, and independent,
-//! (2) has
+//! the mean of a variance for which the pixel's own parts have R − 1 degrees of freedom and the prior knowledge that it is near n is worth
+//! D more (Smyth, "Linear models and empirical Bayes methods", Stat. Appl. Genet. Mol. Biol. 3(1), 2004). The pixel itself takes the place
+//! of pixels beyond the edge of the tile, so that all weights are symmetric: the mean square over a tile is exactly that of (1). It is 0 if
+//! the samples of each of the 25 pixels are equal, and as R grows (2) approaches (1). If 25 variances are alike, and independent, (2) has
 //!
 //! ```text
 //! (R − 1)/(a² + 2 a b/25 + b²/25) degrees of freedom,    a = (R − 1)/(R − 1 + D), b = 1 − a,      (3)
 //! ```
 //!
-//! 16 for R = 8, with which 67 % are below 1 and 94 % below 2. The price: pixels with little noise of their own next to an edge, or at the rim of a shadow, report a part of their
-//! neighbours' error. Decisions on passes, below, use (1) itself.
+//! 16 for R = 8, with which 67 % are below 1 and 94 % below 2. The price: pixels with little noise of their own next to an edge, or at the
+//! rim of a shadow, report a part of their neighbours' error. Decisions on passes, below, use (1) itself.
 //!
 //! # How many passes a tile takes
 //!

@@ -22,8 +22,9 @@
 //! be lost. For points near one another w is about 1/M: each has the noise of M paths at the cost of M/N of a path and M shadow rays, which all end at
 //! one point. w is never above 1/q.
 //!
-//! The emission of y is shared in the same way. If x_j samples it as a light too (`area_lights`), with the density p_l per area, the light sample has the weight
-//! p_l/(p_j + p_l), and (1) has the rest, p_j/(p_j + p_l). Directions that hit nothing but the sky act as points at infinity: p_k is (n_k·l)/π V.
+//! The emission of y is shared in the same way. If x_j samples it as a light too (`area_lights`), with the density p_l per area, the light
+//! sample has the weight p_l/(p_j + p_l), and (1) has the rest, p_j/(p_j + p_l). Directions that hit nothing but the sky act as points at
+//! infinity: p_k is (n_k·l)/π V.
 //!
 //! # Groups and random numbers
 //!

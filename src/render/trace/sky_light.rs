@@ -7,10 +7,10 @@
 //! c E + Σ (vᵢ − c) lᵢ/N
 //! ```
 //!
-//! has the mean Σ vᵢ lᵢ/N for every c that does not depend on the samples, and no noise if nothing is occluded and c = 1, or everything is and c = 0 (a control
-//! variate: Hammersley and Handscomb, "Monte Carlo Methods", 1964, 5.5). So two independent pairs of directions are sampled, and for each pair c is the unoccluded
-//! fraction of the other: under the open sky there is no noise, a closed box is exactly dark, and the mean is right everywhere. In between, single samples may be
-//! below 0.
+//! has the mean Σ vᵢ lᵢ/N for every c that does not depend on the samples, and no noise if nothing is occluded and c = 1, or everything is
+//! and c = 0 (a control variate: Hammersley and Handscomb, "Monte Carlo Methods", 1964, 5.5). So two independent pairs of directions are
+//! sampled, and for each pair c is the unoccluded fraction of the other: under the open sky there is no noise, a closed box is exactly
+//! dark, and the mean is right everywhere. In between, single samples may be below 0.
 //!
 //! If light is sampled at wavelengths ([`spectral`](super::spectral)), E is not known at them, and c is 0.
 //!
@@ -198,8 +198,8 @@ impl SkyLight {
         emitted.queries.push(k, sample.d.unit(), f64::INFINITY);
     }
 
-    /// Adds the light at the points, reflected diffusely and by these directions' part of the specular reflection, if light is sampled at wavelengths: the irradiance from the whole sky at one
-    /// wavelength is not tabulated, so all of it comes from sampled directions.
+    /// Adds the light at the points, reflected diffusely and by these directions' part of the specular reflection, if light is sampled at
+    /// wavelengths: the irradiance from the whole sky at one wavelength is not tabulated, so all of it comes from sampled directions.
     fn illuminate_sampled(
         &self,
         boosted: &BoostedSky,

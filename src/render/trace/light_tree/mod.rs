@@ -14,9 +14,10 @@
 //! I = Φ cos θ′ κ/max(d², R²),                                                                 (1)
 //! ```
 //!
-//! is 0 for θ′ ≥ π/2: a one-sided light shines to no other side (Conty Estevez and Kulla, "Importance sampling of many lights with adaptive tree splitting", HPG
-//! 2018; Pharr, Jakob, Humphreys, "Physically based rendering", 4th ed., 12.6.3). For two-sided triangles, |cos θ_w| is used. Triangles are compared by radiance
-//! times solid angle, I = L Ω κ, so that a distant panel of two triangles is sampled uniformly in solid angle.
+//! is 0 for θ′ ≥ π/2: a one-sided light shines to no other side (Conty Estevez and Kulla, "Importance sampling of many lights with adaptive
+//! tree splitting", HPG 2018; Pharr, Jakob, Humphreys, "Physically based rendering", 4th ed., 12.6.3). For two-sided triangles, |cos θ_w|
+//! is used. Triangles are compared by radiance times solid angle, I = L Ω κ, so that a distant panel of two triangles is sampled uniformly
+//! in solid angle.
 //!
 //! A bound alone would sample many hidden points, particularly of large nodes. So the cosines in cos θ′ κ are a quarter of the bound plus
 //! three quarters of the value at the middle of the node: cos θ_w and N⁰ + **N**·l towards c, if these are above 0.
@@ -28,9 +29,10 @@
 //!
 //! # The tree
 //!
-//! Nodes are split in two, and the largest of the parts again until there are eight, always with triangles in their given order, so that the tree depends on nothing else. They are cut at the
-//! minimum of the surface area orientation heuristic of the same authors, among 12 bins of each axis: Σ Φ M_A M_Ω with the area M_A of the box and the measure M_Ω of directions. For this, the
-//! angle of a part's normals is estimated from the length of their area-weighted mean: for a full cone it is (1 + cos θ_o)/2.
+//! Nodes are split in two, and the largest of the parts again until there are eight, always with triangles in their given order, so that
+//! the tree depends on nothing else. They are cut at the minimum of the surface area orientation heuristic of the same authors, among 12
+//! bins of each axis: Σ Φ M_A M_Ω with the area M_A of the box and the measure M_Ω of directions. For this, the angle of a part's normals
+//! is estimated from the length of their area-weighted mean: for a full cone it is (1 + cos θ_o)/2.
 
 mod build;
 

@@ -439,8 +439,8 @@ impl Glossy<'_> {
         }
     }
 
-    /// The same for any `irradiance` with these factors, where points have different coefficients; `ROUGHEST` says that all roughnesses are
-    /// 1.
+    /// The same for any `irradiance` with these factors, where points have different coefficients; `ROUGHEST` says that all
+    /// roughnesses are 1.
     #[inline(always)]
     fn add_each<const ROUGHEST: bool>(
         &self,

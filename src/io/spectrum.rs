@@ -77,7 +77,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Vec<[f64; 2]>> {
     for (at, line) in rows_of(text) {
         let refuse = |what: String, help| Err(refused(path, Some(at), what, help));
         if line.contains(';') && line.contains(',') {
-            let what = "a comma in a number, beside a semicolon between numbers";
+            let what = "a comma in a number, with a semicolon between numbers";
             return refuse(what.into(), "write decimals with a point, like 550; 0.82");
         }
         let Some([nanometres, value]) = numbers(line) else {

@@ -253,8 +253,8 @@ fn read(
     }
     // At this point `MOST` bounds both counts, whatever the file says, and `MOST_VALUES` bounds the sum over all channels.
     let Some(rest) = left.checked_sub(output.count as usize) else {
-        let what = format!("with it the channels have more than {MOST_VALUES} values");
-        let help = "export fewer keys, or without those of nodes that stay where they are";
+        let what = format!("including it, the channels have more than {MOST_VALUES} values");
+        let help = "export fewer keys, and none for nodes that do not move";
         return Err(document.invalid(place, what, help));
     };
     *left = rest;

@@ -232,7 +232,7 @@ fn check_objects(text: &[u8], file: &Path) -> Result<()> {
         "it has {objects} objects in {} bytes: most are empty",
         text.len()
     );
-    let help = "export the model again, without nodes that hold nothing";
+    let help = "export the model again, without empty nodes";
     Err(Error::invalid(file, "JSON", what, help))
 }
 
@@ -249,7 +249,7 @@ fn unreadable(text: &[u8], error: &json::Error, file: &Path) -> Error {
     }
     let head = json::deserialize::from_slice::<Head>(text);
     if head.is_ok_and(|head| head.asset.is_none_or(|asset| asset.version.is_none())) {
-        let what = "this JSON is not glTF: it has no `asset` with the version of glTF that it is written in";
+        let what = "this JSON is not glTF: it has no `asset` with its glTF version";
         let help =
             "give a .gltf or .glb file of glTF 2.0, which has \"asset\": {\"version\": \"2.0\"}";
         return Error::invalid(file, "JSON", what, help);

@@ -245,7 +245,7 @@ impl File {
     fn positions(&mut self, positions: &[DVec3]) -> Result<usize, &'static str> {
         let single: Vec<Vec3> = positions.iter().map(|p| p.as_vec3()).collect();
         if single.iter().any(|p| !p.is_finite()) {
-            return Err("a vertex lies beyond what single precision holds");
+            return Err("a vertex is beyond the range of single precision");
         }
         let fold = |f: fn(Vec3, Vec3) -> Vec3| single.iter().copied().reduce(f).unwrap_or_default();
         let (least, most) = (fold(Vec3::min), fold(Vec3::max));

@@ -58,7 +58,7 @@ fn check_size(document: &Document, bytes: u64, most: u64, place: &str) -> Result
         true => Ok(()),
         false => Err(document.unsupported(
             place,
-            format!("with it, the images of the file have more than {MOST_BYTES} bytes"),
+            format!("including it, the images of the file have more than {MOST_BYTES} bytes"),
             "use smaller images, or import fewer nodes",
         )),
     }

@@ -12,7 +12,7 @@ use super::nodes::{extension, placing};
 use crate::Result;
 
 const NAME: &str = "EXT_mesh_gpu_instancing";
-const HELP: &str = "export the model with its instances as nodes of their own";
+const HELP: &str = "export the model with each instance as a separate node";
 
 /// The instances of a node's mesh, checked.
 #[derive(Debug, Clone)]
@@ -55,7 +55,7 @@ impl Instances {
             return Ok(None);
         };
         if let Some(other) = counts.iter().find(|&&other| other != count) {
-            let what = format!("it has {count} instances by one attribute and {other} by another");
+            let what = format!("it has {count} instances in one attribute and {other} in another");
             let help = "all attributes of the instances have the same count";
             return Err(document.invalid(&place, what, help));
         }

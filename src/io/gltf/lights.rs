@@ -137,7 +137,7 @@ fn one(document: &Document, light: &Light, world: DAffine3, place: &str) -> Resu
         }
     };
     let Some(direction) = Direction::<World>::new(-world.matrix3.z_axis) else {
-        let what = "its transform leaves the light no direction".into();
+        let what = "its transform leaves the light without a direction".into();
         return invalid(what, "place lights by rotation and translation");
     };
     Ok(GltfLight {

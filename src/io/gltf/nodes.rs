@@ -230,7 +230,7 @@ pub(super) fn named(document: &Document, name: &str) -> Result<usize> {
         (Some(first), Some(second)) => Err(document.invalid(
             place,
             format!("nodes {first} and {second} both have this name"),
-            "give the node that is meant a name of its own",
+            "give the intended node a unique name",
         )),
         _ => {
             let names = listed(nodes.iter().filter_map(|node| node.name.as_deref()));
@@ -274,7 +274,7 @@ pub(super) fn local(
     }
     // Single precision and rounding by exporters stay far below this.
     if (norm - 1.0).abs() > 2e-3 {
-        let what = "the rotation is not of length 1: used at length 1";
+        let what = "the rotation is not of length 1: it is normalized";
         warnings.add(what, &document.node_label(index));
     }
     let scale = DVec3::from_array(node.scale.unwrap_or([1.0; 3]).map(f64::from));

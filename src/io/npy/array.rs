@@ -231,7 +231,7 @@ impl<'a, 'b> Array<'a, 'b> {
         }
         Err(unsupported(
             &self.stored.place,
-            "holds integers beyond 2^53, which double precision does not tell apart",
+            "holds integers beyond 2^53, which double precision cannot represent exactly",
         ))
     }
 

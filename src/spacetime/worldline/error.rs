@@ -59,7 +59,7 @@ pub enum WorldLineError {
     },
     /// Proper time 0, for which the state is given, is not within the profile.
     #[error(
-        "the profile must hold proper time 0, at which the velocity is given, and goes from {first} m to {last} m"
+        "the profile must include proper time 0, at which the velocity is given, but goes from {first} m to {last} m"
     )]
     ZeroOutside {
         /// Its first proper time, metres.

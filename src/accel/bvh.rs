@@ -173,7 +173,7 @@ impl Bvh {
     /// The id of the triangle in `slot`, and which of its sides exist.
     ///
     /// # Panics
-    /// As [`corners`](Bvh::corners).
+    /// As for [`corners`](Bvh::corners).
     #[inline]
     pub fn triangle(&self, slot: u32) -> (u32, Facing) {
         let tag = self.tags[slot as usize];

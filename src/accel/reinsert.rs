@@ -314,7 +314,7 @@ mod tests {
     #[test]
     fn two_nodes_do_not_move_below_each_other() {
         let (boxes, start) = tree(60, 1.0);
-        // The first of the children of the first of its children, next to which no node beside `node` stands.
+        // The first child of the first child of `node`, which no node next to `node` is adjacent to.
         let far_below = |node: usize| {
             let [child, _] = start.nodes[node].children()?;
             Some(start.nodes[child].children()?[0])

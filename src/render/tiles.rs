@@ -28,7 +28,7 @@ pub fn render(scene: &Prepared, progress: &dyn Progress) -> Result<Film> {
 /// The same picture, and its cost.
 ///
 /// # Errors
-/// As [`render`].
+/// As for [`render`].
 pub fn render_with_stats(scene: &Prepared, progress: &dyn Progress) -> Result<(Film, Stats)> {
     let tiles = 0..Tile::count(scene.layout.size);
     let total = Mutex::new(Stats::default());
@@ -47,7 +47,7 @@ pub fn render_with_stats(scene: &Prepared, progress: &dyn Progress) -> Result<(F
 /// film stays empty.
 ///
 /// # Errors
-/// As [`render`].
+/// As for [`render`].
 pub(crate) fn render_tiles(
     scene: &Prepared,
     tiles: Range<u64>,

@@ -32,7 +32,7 @@ impl WavelengthRatio {
     pub const NONE: WavelengthRatio = WavelengthRatio(1.0);
 }
 
-/// Defines the quantities from a list: their meaning, their words in scene files, and p in L′ = W⁻ᵖ L.
+/// Defines the quantities from a list: their meaning, their names in scene files, and p in L′ = W⁻ᵖ L.
 macro_rules! quantities {
     ($($variant:ident $({ $wavelength:ident })?, $name:literal $(or $alias:literal)?, $meaning:literal, $exponent:literal;)*) => {
         /// What a stored radiance measures. It alone determines the exponent of W.
@@ -93,7 +93,7 @@ macro_rules! quantities {
     };
 }
 
-// Per area and solid angle, all of them; the first is the default of scene files.
+// All are per area and solid angle; the first is the default of scene files.
 quantities! {
     Integrated, "integrated" or "luminance", "energy over the whole spectrum", 4;
     PerWavelength, "per_wavelength", "energy per wavelength", 5;

@@ -18,7 +18,7 @@ pub struct Velocity {
     rapidity: DVec3,
 }
 
-/// Why something is not a velocity.
+/// Why something is not a valid velocity.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum VelocityError {

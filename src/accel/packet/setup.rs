@@ -21,17 +21,17 @@
 //! the leaf's centre relative to it (rounded: v|Aₒ|), lᵢ = |eᵢ|₁, L = l₁ + l₂ ≥ l₃ and T = |a|₁ + l₁ + |Aₒ|∞. Corners have errors of at
 //! most η + v T, edges 2 η + v lᵢ. With |x × y|₁ ≤ |x|₁|y|₁, 2|x|∞|y|₁:
 //!
-//! - (E1) p, q and r are off by 6 v lᵢ T + η (4 T + 2 L) (errors of the factors and two roundings of each product);
-//! - (E2) rounding the direction adds v; a product with d passes at most 4 roundings, with m besides 7; m has
-//!   its own v. In all U is off by less than 13 v D lᵢ T + η D (4 T + 2 L), and with moments by
+//! - (E1) p, q and r have an error of 6 v lᵢ T + η (4 T + 2 L) (errors of the factors and two roundings of each product);
+//! - (E2) rounding the direction adds v; a product with d undergoes at most 4 roundings, or 7 if there is one with m, too; m has an error
+//!   of v itself. In total the error of U is below 13 v D lᵢ T + η D (4 T + 2 L), and with moments below
 //!   16 v D lᵢ T + 11 v M lᵢ + η (D (4 T + 2 L) + 6 M);
-//! - (E3) n is off by 6 v l₁l₂ + 4 η L, Δ by D (11 v l₁l₂ + 4 η L);
-//! - (E4) n·a − n·δ is off by 14 v l₁l₂ (T + ω) + η (4 L (T + ω) + l₁l₂).
+//! - (E3) n has an error of 6 v l₁l₂ + 4 η L, Δ one of D (11 v l₁l₂ + 4 η L);
+//! - (E4) n·a − n·δ has an error of 14 v l₁l₂ (T + ω) + η (4 L (T + ω) + l₁l₂).
 //!
 //! The slacks in the code are these with the next larger factor, which covers the rounding of the slacks themselves, and in addition:
 //!
-//! - (E5) B₆₄ = 2⁻⁴⁴ max(1, D) L (T + L + F), F the rays' farthest origin from the point, is 2⁷ times the bound of
-//!   `Line::bound`, and covers what f64 does to m and to η. In n·a − n·δ it has (T + L + F) for D. Underflow adds
+//! - (E5) B₆₄ = 2⁻⁴⁴ max(1, D) L (T + L + F), with F the distance of the rays' farthest origin from the point, is 2⁷ times the bound of
+//!   `Line::bound`, and covers the f64 errors in m and in η. For n·a − n·δ it has (T + L + F) in place of D. Underflow adds
 //!   less than 2⁻¹²⁰.
 //!
 //! So U + B ≥ 0 as computed wherever U ≥ 0, and where U ≥ B, likewise V and W, single rays find a hit without exact arithmetic: the sign is
@@ -43,7 +43,7 @@
 //!
 //! with δᵥ the bound of n·a − n·δ plus 5 v of it: two sums are rounded by v each, and a quotient has an error of 2 v.
 //!
-//! - (E7) Rays that start near a point, and are taken from it ((K5) of [`block`](super::block)), leave out e·m and n·δ. With |m|∞ ≤ M' and
+//! - (E7) Rays that start near a point, and are treated as starting there ((K5) of [`block`](super::block)), omit e·m and n·δ. With |m|∞ ≤ M' and
 //!   |n|∞ ≤ l₁l₂ these are at most M' lᵢ in U, V and W, and ω l₁l₂ in n·a.
 
 use glam::DVec3;

@@ -341,7 +341,7 @@ fn texts(attributes: &LayerAttributes) -> (Vec<(String, String)>, Vec<String>) {
 /// fastest to read; PIZ takes three quarters of its time to write.
 const COMPRESSION: Compression = Compression::ZIP16;
 
-/// Writes `layers` to `path`, whole or not at all.
+/// Writes `layers` to `path`, completely or not at all.
 ///
 /// # Errors
 /// Layers that fail [`Layers::check`] or have no channels; I/O errors.

@@ -82,7 +82,7 @@ pub struct Layout {
     pub precision: Precision,
     /// Auxiliary channels.
     pub channels: Vec<Aov>,
-    /// Whether radiance can be missing, so that coverage has to be summed.
+    /// Whether radiance can be missing, so that coverage must be summed.
     pub has_gaps: bool,
     /// Whether the camera's sensor can hide its pinhole from parts of itself.
     pub covers_itself: bool,

@@ -97,7 +97,7 @@ impl Film {
         let scale = 1.0 / samples as f64;
         let [left, top] = tile.tile.corner.map(|c| c as usize);
         let (width, across) = (self.layout.size[0] as usize, tile.tile.size[0] as usize);
-        // Sums to means, row by row of the tile.
+        // Convert sums to means, row by row of the tile.
         for (row, sums) in tile.radiance.chunks(across.max(1)).enumerate() {
             let first = (top + row) * width + left;
             let means = self.radiance[first..].iter_mut();

@@ -1,14 +1,14 @@
 //! The light of shining surfaces.
 //!
 //! An element dA of a surface that rests in its frame G and has the radiance L there, seen from the point X of a surface that rests in F,
-//! emitted its light at the event on the past light cone of X: in G a fixed point, at the distance r_G. It fills the solid angle dω_F =
+//! emitted its light at the event on the past light cone of X: in G a fixed point, at the distance r_G. It subtends the solid angle dω_F =
 //! W² dω_G = W² cos θ_y dA/r_G², and L_F = W⁻ᵖ L, so that
 //!
 //! ```text
 //! E_F = ∫ W²⁻ᵖ L cos θ_y cos θ_F/r_G² dA.
 //! ```
 //!
-//! If L changes with the proper time of the surface's object, it is evaluated at the event of emission: in G the time of X less η r_G.
+//! If L changes with the proper time of the surface's object, it is evaluated at the event of emission: in G the time of X minus η r_G.
 //!
 //! Every hit samples one point on one of all elements, as described in [`shining_frames`](super::shining_frames). Obstacles are black:
 //! light is traced for one step only.
@@ -40,7 +40,7 @@ const AREA: u32 = 0;
 /// The approximate number of triangles whose emission times are checked.
 const MOST_TIMED: usize = 32;
 
-/// Surfaces that shine.
+/// Shining surfaces.
 #[derive(Debug)]
 pub struct AreaLights {
     /// By frame and triangle.
@@ -51,7 +51,7 @@ pub struct AreaLights {
     received: Received,
 }
 
-/// A triangle that shines.
+/// A shining triangle.
 #[derive(Debug, Clone)]
 pub struct Element {
     /// Its rest frame.

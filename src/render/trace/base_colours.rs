@@ -51,7 +51,7 @@ pub struct TextureLookup {
     pub sampler: TextureSampler,
 }
 
-/// How a surface reflects and shines.
+/// How a surface reflects and emits light.
 #[derive(Debug, Clone)]
 pub struct Finish {
     /// Index of its colour in the base colours.

@@ -31,11 +31,11 @@ use crate::spacetime::Quantity;
 pub struct Emission {
     /// Radiance to which the factors apply.
     pub radiance: [f64; 3],
-    /// Radiance that replaces missing data and is shown as it is.
+    /// Radiance that replaces missing data and is shown unchanged.
     pub unscaled: [f64; 3],
     /// How much of the radiance is covered by data.
     pub coverage: Coverage,
-    /// Emitted wavelength over that of the declared line.
+    /// Emitted wavelength relative to the declared line.
     pub wavelength_scale: f64,
 }
 
@@ -62,7 +62,7 @@ pub enum Scaling {
 /// How radiance becomes a colour.
 #[derive(Debug, Clone)]
 pub enum Colouring {
-    /// The channels are colours as they are.
+    /// The channels are the colours.
     Channels,
     /// The mean of the channels is the radiance of a line of this emitted wavelength, metres.
     ShiftedLine(f64),

@@ -218,7 +218,7 @@ impl Points {
         }
     }
 
-    /// Keeps the normals of triangles apart from [`Points::normals`], which are to be those of vertices.
+    /// Stores the triangles' normals separately, before [`Points::normals`] is replaced by vertex normals.
     pub(super) fn keep_geometric(&mut self) {
         self.geometric.clone_from(&self.normals);
         self.is_smooth = true;

@@ -46,7 +46,7 @@ use crate::light::time_texture::{BATCH, Capture, CaptureView, Coverage, TimeText
 ///     }
 ///
 ///     fn emit(&self, run: &Run, emitted: &mut Emitted, _: &mut Meter) {
-///         // The channels are colours, whose brightness changes as that of radiance over the whole spectrum, by W⁻⁴.
+///         // The channels are colours, whose brightness changes like radiance over the whole spectrum, by W⁻⁴.
 ///         emitted.start(Response {
 ///             scaled: Scaling::Of(Quantity::Integrated),
 ///             colour: Colouring::Channels,

@@ -31,7 +31,7 @@ pub struct TimeResolved {
     pub captures: Vec<Capture>,
     /// Pulses by source of the scene, then the scene's lights without extent.
     pub lamps: Vec<Option<Lamp>>,
-    /// Surfaces that shine.
+    /// Shining surfaces.
     pub areas: Option<Box<AreaLights>>,
     /// Objects that are area lights, and the index of each light, counted like `lamps`.
     pub area_lights: Vec<(u32, usize)>,

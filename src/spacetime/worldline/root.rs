@@ -1,7 +1,7 @@
 //! The root of a decreasing function: Newton's method, kept within a bracket.
 
-/// The maximum number of evaluations. Bisection alone needs about 1,100 from the widest bracket, but if a Newton step does not halve it,
-/// the next step does.
+/// The maximum number of evaluations. Bisection alone needs about 1,100 from the widest bracket, but it is only used when Newton's steps leave the
+/// bracket or stop halving.
 const MOST: usize = 200;
 
 /// A function at one point.

@@ -19,8 +19,8 @@
 //! is used. Triangles are compared by radiance times solid angle, I = L Ω κ, so that a distant panel of two triangles is sampled uniformly
 //! in solid angle.
 //!
-//! A bound alone would sample many hidden points, particularly of large nodes. So the cosines in cos θ′ κ are a quarter of the bound plus
-//! three quarters of the value at the middle of the node: cos θ_w and N⁰ + **N**·l towards c, if these are above 0.
+//! A bound alone would sample many hidden points, particularly of large nodes. So a quarter of the bound is used, plus three quarters of
+//! the value of cos θ′ κ at the middle of the node: cos θ_w and N⁰ + **N**·l towards c, if these are above 0.
 //!
 //! κ is an upper bound of the cosine at the receiver. The condition is n·l > 0 in the frame F of the receiver; with N = (0, n) and the null
 //! vector k = (−1, l) of the triangles' frame G, N·k is invariant, and n·l_F = W (N⁰ + **N**·l): a bound of the expression with l is a bound
@@ -225,7 +225,7 @@ impl Node {
     }
 }
 
-/// The weighted mean of a cosine at the middle and its bound.
+/// The weighted mean of a product of cosines at the middle and its bound.
 #[inline(always)]
 fn mixed(middle: f64, most: f64) -> f64 {
     (1.0 - BOUND) * middle + BOUND * most

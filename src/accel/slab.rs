@@ -7,7 +7,6 @@
 //! |o'| ≤ 2⁸, f64 does that within 2⁻⁵³(|o'| + 2|τ₀ d| + |r|) < 2⁻⁴²; beyond, sum and product carry their rounding errors along, which
 //! leaves 2⁻⁵²|r| + 2⁻¹⁰⁰|o'|. Both stay within ρ = 2⁻⁴⁰ + 2⁻⁹⁸|o'|∞ for |r| < 2¹². If τ₀ itself is coarse, because the origin is 2⁴⁰ scene
 //! sizes away or farther, |r| may be large; then 2⁻⁵²|r| is within the next term.
-//! origin is 2⁴⁰ scene sizes away or farther, |r| may be large; then 2⁻⁵²|r| is within the next term.
 //!
 //! **(S3) Origin.** r lies within [r₋, r₊], r∓ = f32(r ∓ (|r| 2⁻²⁴(1 + 2⁻²⁰) + ρ)): rounding to nearest changes a value by at most 2⁻²⁴ of
 //! it. Lower planes (`lo`) use r₊, upper planes (`hi`) use r₋: that widens the box by exactly the uncertainty of the origin.

@@ -16,7 +16,6 @@
 //! [`sharing`](super::sharing), even if emission depends on time, and the light that x_j receives from y_i is delayed by η |x_j − y_i|. Directions are
 //! sampled as in [`paths`](super::paths), which describes densities and random numbers; W is 1 throughout. Many paths are followed together, surface
 //! by surface, so that their rays are traced in packets.
-//! together, surface by surface, so that their rays are traced in packets.
 //!
 //! Source: Jarabo, Marco, Muñoz, Buisan, Jarosz, Gutierrez, "A framework for transient rendering", ACM TOG 33(6), 2014.
 

@@ -1,4 +1,4 @@
-//! The comparison itself: matched pictures to everything that is measured of them.
+//! The comparison itself: from matched pictures to all measurements of them.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -17,31 +17,31 @@ use super::surface::{self, SurfaceErrors};
 use crate::error::{Error, Message, Result, Setting};
 use crate::io::image::Layers;
 
-/// What a comparison has found.
+/// The result of a comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Comparison {
     /// Columns and rows.
     pub size: [u32; 2],
-    /// How many pixels were compared.
+    /// Number of pixels that were compared.
     pub pixels: u64,
-    /// What the values are.
+    /// The encoding of the values.
     pub encoding: Encoding,
-    /// Errors of the light, its three channels together.
+    /// Errors of the light, over its three channels.
     pub radiance: Option<Errors>,
     /// ꟻLIP of the light.
     pub flip: Option<Flip>,
-    /// Errors of what surfaces are seen where.
+    /// Errors of the surfaces shown, and of their positions.
     pub surface: Option<SurfaceErrors>,
     /// Errors of each channel that holds quantities, in the order of the reference.
     pub channels: Vec<ChannelErrors>,
-    /// What explains most of the errors.
+    /// Explanations of most of the errors.
     pub diagnoses: Vec<Diagnosis>,
-    /// Channels that one of the pictures has alone.
+    /// Channels that only one of the pictures has.
     pub uncompared: Uncompared,
-    /// What a reader should know of the pictures.
+    /// Notes on the pictures for the reader.
     pub notes: Vec<Message>,
-    /// Geometric error of each pixel, NaN where there is none; where it was asked for.
+    /// Geometric error of each pixel, NaN if it has none; only if maps were requested.
     #[serde(skip)]
     pub geometric_map: Option<Vec<f32>>,
 }
@@ -52,16 +52,16 @@ pub struct Comparison {
 pub struct ChannelErrors {
     /// Its name.
     pub name: String,
-    /// Samples that are no finite number in the reference alone.
+    /// Samples that are not finite in the reference only.
     pub only_candidate: u64,
-    /// Samples that are no finite number in the candidate alone.
+    /// Samples that are not finite in the candidate only.
     pub only_reference: u64,
-    /// Errors of the others; none where there are none.
+    /// Errors of the other samples; `None` if there are none.
     #[serde(flatten)]
     pub errors: Option<Errors>,
 }
 
-/// The comparison of a picture that is grey with one in colours.
+/// The comparison of a grey picture with one in colour.
 fn of_grey(name: &str, comparison: Result<Comparison>) -> Result<Comparison> {
     let mut comparison = comparison?;
     let note =
@@ -70,18 +70,18 @@ fn of_grey(name: &str, comparison: Result<Comparison>) -> Result<Comparison> {
     Ok(comparison)
 }
 
-/// Compares a candidate with its reference. Where one of them has red, green and blue and the other a single channel that is
-/// not auxiliary, that one stands for all three.
+/// Compares a candidate with its reference. If one of them has red, green and blue and the other a single channel that is not auxiliary,
+/// that channel stands for all three.
 ///
 /// # Errors
-/// Pictures that do not belong together: other sizes, channels, encodings, quantities; swapped ones;
-/// a region that is not theirs; pixels per degree below 1 or above 1000; a scene that is not the reference's; samples that are refused by [`CompareOptions::not_finite`].
+/// Pictures that do not belong together: different sizes, channels, encodings or quantities; swapped ones; a region outside of them; pixels
+/// per degree below 1 or above 1000; a scene other than the reference's; samples that [`CompareOptions::not_finite`] refuses.
 pub fn compare(
     reference: &Picture,
     candidate: &Picture,
     options: &CompareOptions,
 ) -> Result<Comparison> {
-    // ꟻLIP's filters grow with it.
+    // ꟻLIP's filters grow with the pixels per degree.
     if let Some(all) = options.pixels_per_degree
         && !(1.0..=1000.0).contains(&all)
     {
@@ -121,7 +121,7 @@ pub fn compare(
             map: options.maps,
         }))
     });
-    // Geometry: where the points that each pixel shows lie on their objects, and how far apart they are.
+    // Geometry: the object points that each pixel shows, and the distances between them.
     let pair = [reference, candidate];
     let points = Points::pair(pair.map(|picture| &picture.layers));
     let known = known_of(reference, &points[0], options)?;
@@ -133,7 +133,7 @@ pub fn compare(
     }
     let (surface, geometric_map) =
         surface::compare([r, c], &points, field.as_ref(), region, options.bin_width);
-    // What would explain the difference.
+    // Possible explanations of the difference.
     let own_scene = match options.scene {
         Some(_) => None,
         None => known::scene_of_picture(reference),
@@ -162,8 +162,7 @@ pub fn compare(
     })
 }
 
-/// The scene of the reference: the one that is given, or that of its metadata where the reference's points are seen
-/// where this says.
+/// The scene of the reference: the given one, or the one in its metadata if the reference's points are seen where this predicts.
 fn known_of(
     reference: &Picture,
     points: &Points,
@@ -177,7 +176,7 @@ fn known_of(
         return Ok(known.filter(|known| known.is_that_of(points)));
     };
     let known = KnownScene::of(scene);
-    // A sky alone has no points.
+    // A sky without objects has no points.
     let has_points = has_points && !scene.objects.is_empty();
     match &known {
         Some(known) if has_points && !known.is_that_of(points) => {
@@ -192,7 +191,7 @@ fn known_of(
     }
 }
 
-/// Sums of the errors of all channels, with the numbers of samples that only one picture has.
+/// Sums of the errors of all channels, with the numbers of samples that are finite in only one picture.
 fn sums(pair: [&Layers; 2], names: &[String], region: &Region) -> Vec<(Sums, [u64; 2])> {
     let [width, height] = [pair[0].width as usize, pair[0].height as usize];
     let sum = |name: &String| {
@@ -241,7 +240,7 @@ fn channel(
     }
 }
 
-/// The light's channels, which have one range.
+/// The channels of light, which share one range.
 struct Group {
     range: Option<f64>,
 }

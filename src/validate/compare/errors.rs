@@ -1,7 +1,7 @@
-//! Errors of one channel, or of several together.
+//! Errors of one channel, or of several combined.
 //!
-//! With r the reference, c the candidate, e = c − r, over the n samples of the region that are numbers in
-//! both pictures (without such a sample there are no errors at all, rather than errors of 0):
+//! With r the reference, c the candidate, e = c − r, over the n samples of the region that are numbers in both pictures (if there are no
+//! such samples there are no errors at all, rather than errors of 0):
 //!
 //! | metric | definition | also known as |
 //! |---|---|---|
@@ -14,25 +14,24 @@
 //! | psnr | 20 log₁₀(range / rmse), dB; infinite where rmse is 0 | `skimage.metrics.peak_signal_noise_ratio` |
 //! | p50 … p99.9 | nearest-rank percentiles of \|e\| | |
 //!
-//! `range` is 1 for pictures of display codes, otherwise the largest \|r\| of the region. Percentiles come
-//! from a histogram of \|e\| in single precision whose bins are 2⁻¹⁰ wide, relatively, so that memory does not grow
-//! with the picture: they are the bin's upper end, at most 0.1 % too large, and never above max.
-//! Sums are taken row by row and then over rows, in f64, in a fixed order.
+//! `range` is 1 for pictures of display codes, otherwise the largest \|r\| of the region. Percentiles come from a histogram of \|e\| in
+//! single precision with bins of relative width 2⁻¹⁰, so that memory does not grow with the picture: they are the upper end of the bin, at
+//! most 0.1 % too large, and never above max. Sums are taken within rows and then over rows, in f64, in a fixed order.
 
 use serde::Serialize;
 
-/// Bits of a single-precision number that a bin of the histogram leaves out: 2¹⁰ bins per octave.
+/// Low bits of a single-precision number that the histogram ignores: 2¹⁰ bins per octave.
 const DROPPED: u32 = 13;
-/// Bins for all single-precision numbers that are not below 0.
+/// Bins for all single-precision numbers ≥ 0.
 const BINS: usize = (0x7f80_0000 >> DROPPED) + 1;
-/// What mrse adds to |r|, so that it is finite.
+/// Floor that mrse adds to |r| so that it stays finite.
 const MRSE_FLOOR: f64 = 0.01;
 
-/// Errors, in the unit of the channel unless a ratio.
+/// Errors, in the unit of the channel unless they are ratios.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Errors {
-    /// How many samples were compared.
+    /// Number of samples that were compared.
     pub count: u64,
     /// Mean of candidate − reference.
     pub bias: f64,
@@ -46,39 +45,39 @@ pub struct Errors {
     pub mrse: f64,
     /// Largest absolute error.
     pub max: f64,
-    /// Column and row of the largest error; none where there is no error.
+    /// Column and row of the largest error; `None` if there is no error.
     pub max_at: Option<[u32; 2]>,
-    /// The range to which psnr and ssim relate.
+    /// The range on which psnr and ssim are based.
     pub range: f64,
-    /// Peak signal-to-noise ratio, decibels; none where the pictures are the same.
+    /// Peak signal-to-noise ratio, decibels; `None` if the pictures are identical.
     pub psnr: Option<f64>,
-    /// Half of the absolute errors are at most this.
+    /// Median of the absolute errors.
     pub p50: f64,
-    /// 90 % are at most this.
+    /// Their 90th percentile.
     pub p90: f64,
-    /// 99 % are at most this.
+    /// Their 99th percentile.
     pub p99: f64,
-    /// 99.9 % are at most this.
+    /// Their 99.9th percentile.
     #[serde(rename = "p99.9")]
     pub p99_9: f64,
-    /// Mean structural similarity; none for fewer than 7 × 7 pixels.
+    /// Mean structural similarity; `None` for fewer than 7 × 7 pixels.
     pub ssim: Option<f64>,
     /// Distribution of the absolute errors.
     #[serde(skip)]
     pub histogram: Histogram,
 }
 
-/// How many absolute errors lie in each quarter of an octave.
+/// Number of absolute errors in each quarter of an octave.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Histogram {
     /// Errors that are exactly 0.
     pub zeros: u64,
-    /// Lower ends of bins, ascending, and their counts; a bin reaches to the next one.
+    /// Lower ends of bins, ascending, and their counts; a bin extends to the next one.
     pub bins: Vec<(f64, u64)>,
 }
 
-/// Sums of errors, to which rows are added in order.
+/// Running sums of errors, to which rows are added in order.
 #[derive(Debug, Clone)]
 pub(super) struct Sums {
     count: u64,
@@ -109,11 +108,11 @@ impl Sums {
         }
     }
 
-    /// Adds row `y`; samples that are no finite numbers in either row, and those outside of `chosen`, do not count.
-    /// Gives the number of those that do.
+    /// Adds row `y`; samples that are not finite in either row, and those outside of `chosen`, are skipped. Returns the number of samples
+    /// added.
     pub fn add_row(&mut self, y: usize, r: &[f64], c: &[f64], chosen: Option<&[bool]>) -> u64 {
         let before = self.count;
-        // Sums of this row alone, added to the total at its end: the order does not depend on the strips.
+        // Sums of this row alone, added to the total at its end, so that the order does not depend on the strips.
         let mut row = [0.0f64; 5];
         for x in 0..r.len().min(c.len()) {
             let (r, c) = (r[x], c[x]);
@@ -166,12 +165,12 @@ impl Sums {
         self.largest
     }
 
-    /// The errors, psnr relative to `range`; none where no sample was compared.
+    /// The errors, with psnr relative to `range`; `None` if no sample was compared.
     pub fn errors(&self, range: f64, ssim: Option<f64>) -> Option<Errors> {
         (self.count > 0).then(|| self.of_samples(range, ssim))
     }
 
-    /// From sums over pixels to errors. Those that a division by 0 would make are none; exact pictures have no finite PSNR.
+    /// Errors from sums over pixels. Quotients with a divisor of 0 are `None`; identical pictures have no finite PSNR.
     fn of_samples(&self, range: f64, ssim: Option<f64>) -> Errors {
         let n = self.count as f64;
         let rmse = (self.square / n).sqrt();
@@ -201,7 +200,7 @@ impl Sums {
     }
 
     fn percentile(&self, p: f64) -> f64 {
-        // The rounding of p alone must not reach the next rank.
+        // Rounding of p must not push the rank up by one.
         let rank = (p / 100.0 * self.count as f64 * (1.0 - 1e-12)).ceil() as u64;
         let mut seen = 0;
         for (bin, count) in self.bins.iter().enumerate() {
@@ -239,7 +238,7 @@ impl Sums {
     }
 }
 
-/// The bin of an absolute error; the first holds 0 and what is 0 in single precision but for 2¹³ steps.
+/// The bin of an absolute error; the first holds errors that are 0 in single precision.
 #[inline]
 fn bin(absolute: f64) -> usize {
     let bits = (absolute as f32).to_bits();

@@ -1,4 +1,4 @@
-//! How far the points of surfaces that pixels show are from where they should be; `surface` says the definition.
+//! Distances of the surface points that pixels show from where they should be; `surface` has the definition.
 
 use glam::{DVec2, DVec3};
 
@@ -6,7 +6,7 @@ use super::known::KnownScene;
 use super::picture::Plane;
 use super::points::{Points, place};
 
-/// The geometric error of every pixel, NaN where there is none.
+/// The geometric error of every pixel, NaN if it has none.
 pub(super) fn map(field: &Field) -> Vec<f32> {
     let error = |i: usize| {
         let displacement = field.displacement(i);
@@ -15,17 +15,17 @@ pub(super) fn map(field: &Field) -> Vec<f32> {
     (0..field.width() * field.height()).map(error).collect()
 }
 
-/// How far points belong from where the candidate shows them.
+/// Displacements of the candidate's points to where they belong.
 #[derive(Debug)]
 pub(super) enum Field<'a> {
-    /// By the scene.
+    /// From the scene.
     Known(&'a KnownScene, [Points<'a>; 2]),
     /// By a search on the surface that the reference shows.
     Search(Search<'a>),
 }
 
 impl<'a> Field<'a> {
-    /// The field of a reference and a candidate of one size; none where channels of places are missing.
+    /// The field of a reference and a candidate of one size; `None` if position channels are missing.
     pub fn new(pair: &[Points<'a>; 2], known: Option<&'a KnownScene>) -> Option<Self> {
         let [_, candidate] = pair;
         match known {
@@ -36,8 +36,8 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// The same by places on triangles, for pictures of one triangulation: points that slide along their surface
-    /// are seen to do so even where the place is not what the candidate has from its triangles.
+    /// The same by positions on triangles, for pictures of one triangulation: this shows points that slide along their surface even if the
+    /// candidate's position channels are not computed from its triangles.
     pub fn on_triangles(pair: &[Points<'a>; 2]) -> Option<Self> {
         let [r, c] = pair;
         (r.primitive.is_some() && c.primitive.is_some()).then_some(())?;
@@ -45,7 +45,7 @@ impl<'a> Field<'a> {
         Some(Field::Search(Search::on(pair, planes, Surface::Triangles)))
     }
 
-    /// The same by look directions, which do not depend on what is met.
+    /// The same by look directions, which do not depend on what is hit.
     pub fn of_directions(pair: &[Points<'a>; 2]) -> Option<Self> {
         let planes = [pair[0].direction?, pair[1].direction?];
         Some(Field::Search(Search::on(pair, planes, Surface::Sky)))
@@ -66,7 +66,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// How far, in pixels to the right and down, the candidate's point at pixel `index` belongs from there.
+    /// The displacement, in pixels to the right and down, from pixel `index` to where the candidate's point there belongs.
     pub fn displacement(&self, index: usize) -> Option<DVec2> {
         match self {
             Field::Known(known, [r, c]) => {
@@ -83,41 +83,40 @@ impl<'a> Field<'a> {
     }
 }
 
-/// Where the candidate's surface points are seen and where they belong, by the reference's alone.
+/// Where the candidate's surface points are seen and where they belong, from the reference alone.
 #[derive(Debug)]
 pub(super) struct Search<'a> {
     reference: [Plane<'a>; 3],
     candidate: [Plane<'a>; 3],
     points: [Points<'a>; 2],
     surface: Surface,
-    /// By pixel, which connected part of a surface the reference shows.
+    /// For each pixel, the connected part of a surface that the reference shows.
     part: Vec<u32>,
 }
 
-/// What places are on.
+/// What positions are relative to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Surface {
     /// Surfaces of objects.
     Objects,
-    /// Single triangles: they mean nothing on another one.
+    /// Single triangles: positions are meaningless on another triangle.
     Triangles,
     /// The sphere of look directions.
     Sky,
 }
 
-/// Steps of Newton's method at most.
+/// Maximum number of steps of Newton's method.
 const MOST_STEPS: usize = 8;
-/// sin of the angle between the two columns of J below which they do not tell two directions apart.
+/// sin of the angle between the two columns of J below which they do not distinguish two directions.
 const EDGE_ON: f64 = 1e-6;
-/// One-sided differences nearly agree when they differ by less than this part of the longer one.
+/// One-sided differences nearly agree if they differ by less than this fraction of the longer one.
 const SMOOTH: f64 = 0.5;
-/// A surface is connected from a pixel to the next where the step is no longer than this many times the longer of the
-/// two steps beside it: on a sphere, where steps grow the most towards the silhouette, it is at most
-/// 1/(√2 − 1) = 2.4 times.
+/// A surface is connected from a pixel to the next if the step is at most this many times the longer of the two adjacent steps: on a
+/// sphere, where steps grow fastest towards the silhouette, it is at most 1/(√2 − 1) = 2.4 times.
 const CONNECTED: f64 = 3.0;
-/// What may be left between a point and where it is found, in pixels: the rest is off the surface.
+/// The largest residual, in pixels, between a point and where it is found: points with more are off the surface.
 const OFF_SURFACE: f64 = 0.5;
-/// The last step, in pixels along an axis, that may lead beyond the last pixel of a surface.
+/// The largest last step, in pixels along an axis, that may lead beyond the last pixel of a surface.
 const BEYOND: f64 = 1.5;
 
 impl<'a> Search<'a> {
@@ -141,7 +140,7 @@ impl<'a> Search<'a> {
         search
     }
 
-    /// How far the candidate's point at pixel `index` belongs from there.
+    /// The displacement from pixel `index` to where the candidate's point there belongs.
     fn displacement(&self, index: usize) -> Option<DVec2> {
         let [r, c] = &self.points;
         let other = match self.surface {
@@ -165,8 +164,8 @@ impl<'a> Search<'a> {
         if let Some(found) = self.newton(index, index, wanted) {
             return Some(found);
         }
-        // At a silhouette the point may be on the part of the surface that the next pixels show. Places on another
-        // object say nothing, whatever coordinates they have.
+        // At a silhouette the point may be on the part of the surface that adjacent pixels show. Positions on another object do not count,
+        // whatever their coordinates.
         let around = self.around(index).filter(|j| {
             let same_object = r.object_at(*j) == r.object_at(index);
             self.part[*j] != self.part[index] && (same_object || self.surface == Surface::Sky)
@@ -175,7 +174,7 @@ impl<'a> Search<'a> {
         found.min_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
     }
 
-    /// From pixel `origin` to where the part of the surface that pixel `start` shows has the place `wanted`.
+    /// The displacement from pixel `origin` to where the part of the surface shown at pixel `start` has the position `wanted`.
     fn newton(&self, origin: usize, start: usize, wanted: DVec3) -> Option<DVec2> {
         let mut at = start;
         for _ in 0..MOST_STEPS {
@@ -186,7 +185,7 @@ impl<'a> Search<'a> {
                 .filter(|j| self.part[*j] == self.part[start]);
             match next {
                 Some(next) if next != at => at = next,
-                // It is in this pixel, or just beyond the last one of this part.
+                // It is in this pixel, or just beyond the last pixel of this part.
                 _ => {
                     let near = step.abs().max_element() <= BEYOND;
                     return near.then(|| target - self.pixel(origin));
@@ -196,7 +195,7 @@ impl<'a> Search<'a> {
         None
     }
 
-    /// From the pixel `at` to where the reference shows `wanted`, to first order; none where it is off the surface.
+    /// The first-order displacement from the pixel `at` to where the reference shows `wanted`; `None` if that is off the surface.
     fn step(&self, at: usize, wanted: DVec3) -> Option<DVec2> {
         let (x, y) = (at % self.points[0].width, at / self.points[0].width);
         let [width, height] = self.points[0].size();
@@ -216,7 +215,7 @@ impl<'a> Search<'a> {
             return None;
         }
         let step = DVec2::new(vv * ud - uv * vd, uu * vd - uv * ud) / determinant;
-        // A surface that curves leaves its tangent plane with the square of the step.
+        // A curved surface departs from its tangent plane with the square of the step.
         let rest = (d - u * step.x - v * step.y).length();
         let pixel = u.length().max(v.length());
         let off_surface = rest > OFF_SURFACE * pixel * step.length().max(1.0);
@@ -237,7 +236,7 @@ impl<'a> Search<'a> {
             (Some((f, flat)), Some((b, flat_too))) => {
                 let b = -b;
                 let close = (f - b).length() <= SMOOTH * f.length().max(b.length());
-                // A neighbour on the same triangle tells exactly; others only where both sides agree.
+                // A neighbour on the same triangle is exact; others count only if both sides agree.
                 match (flat, flat_too) {
                     (true, true) => Some(0.5 * (f + b)),
                     (true, false) => Some(f),
@@ -255,7 +254,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Which connected part of a surface each pixel of the reference shows: by union of neighbours.
+    /// The connected part of a surface that each pixel of the reference shows: by union of neighbours.
     fn parts(&self) -> Vec<u32> {
         let [width, height] = self.points[0].size();
         let mut parents: Vec<u32> = (0..(width * height) as u32).collect();
@@ -271,7 +270,7 @@ impl<'a> Search<'a> {
         (0..parents.len()).map(|i| root(&mut parents, i)).collect()
     }
 
-    /// Whether the surface goes on from pixel `a` to the next one `b`, `stride` further.
+    /// Whether the surface continues from pixel `a` to the next one `b`, `stride` further.
     fn connected(
         &self,
         a: usize,
@@ -297,7 +296,7 @@ impl<'a> Search<'a> {
         let beside = match (before, after) {
             (Some(a), Some(b)) => a.max(b),
             (Some(a), None) | (None, Some(a)) => a,
-            // Two pixels of an object: nothing says.
+            // An object of two pixels: undecidable.
             (None, None) => return true,
         };
         length(a, b).is_some_and(|length| length <= CONNECTED * beside)
@@ -338,7 +337,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The first pixel of the part that pixel `i` belongs to, with shorter ways for the next time.
+/// The root of the part that pixel `i` belongs to, with path compression.
 fn root(parents: &mut [u32], i: usize) -> u32 {
     let mut at = i;
     while parents[at] as usize != at {
@@ -348,7 +347,7 @@ fn root(parents: &mut [u32], i: usize) -> u32 {
     at as u32
 }
 
-/// Joins the parts of two pixels; the earlier first pixel stands for both.
+/// Joins the parts of two pixels; the earlier root becomes the root of both.
 fn unite(parents: &mut [u32], a: usize, b: usize) {
     let (a, b) = (root(parents, a), root(parents, b));
     parents[a.max(b) as usize] = a.min(b);

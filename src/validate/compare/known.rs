@@ -1,15 +1,14 @@
 //! Where the points of a known scene are seen.
 //!
-//! A point p of an object at rest in frame k is seen in the event in which its world line meets the past light cone of
-//! the shot P. In that frame P is at (T, q); with r = p − q, and in vacuum, the light left |r| before, so that the
-//! displacement from P is the null vector (−|r|, r), boosted to the world (−s, x), and to the camera (−s′, k): the
-//! point is seen along k. In a medium of index η the same holds with the velocity ηβ and
-//! c = r⊥ + n r∥ / (γ √(1 − η²β²)) in place of r (`approximate::projection` derives it); with η = 0, light takes no time
-//! and c = r⊥ + n r∥/γ is where the contracted object is at the time of the shot.
+//! A point p of an object at rest in frame k is seen at the event where its world line crosses the past light cone of the shot P. In that
+//! frame P is at (T, q); with r = p − q, and in vacuum, the light left |r| earlier, so the displacement from P is the null vector (−|r|,
+//! r), boosted to the world (−s, x), and to the camera (−s′, k): the point is seen along k. In a medium of index η the same holds with the
+//! velocity ηβ and c = r⊥ + n r∥ / (γ √(1 − η²β²)) in place of r (derived in `approximate::projection`); with η = 0, light takes no time
+//! and c = r⊥ + n r∥/γ is the position of the contracted object at the time of the shot.
 //!
-//! With this map π from points to the film, the candidate's point Y at pixel p is misplaced by π(Y) − p: no search, no
-//! differences, and right beyond silhouettes, too. It is taken relative to π(X) of the reference's own point X, so
-//! that pictures of other samples than pixel centres are compared with what they show.
+//! With this map π from points to the film, the candidate's point Y at pixel p is misplaced by π(Y) − p: without a search or differences,
+//! and correct beyond silhouettes, too. It is measured relative to π(X) of the reference's own point X, so that pictures sampled elsewhere
+//! than at pixel centres are compared with what they show.
 
 use std::path::Path;
 
@@ -27,54 +26,54 @@ use crate::spacetime::{
     self, Boost, Direction, Displacement, Event, InertialFrame, Rest, Velocity, World,
 };
 
-/// A scene as far as it says where points of objects are seen.
+/// The part of a scene that determines where points of objects are seen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KnownScene {
     model: CameraModel,
     film: AnyProjection,
-    /// The event of the shot, which all rays leave.
+    /// The event of the shot, from which all rays start.
     event: Event<World>,
     camera: InertialFrame<spacetime::CameraFrame>,
-    /// How directions of the camera's frame follow from the world's.
+    /// How the world's directions are converted to the camera's frame.
     aberration: Aberration,
     /// Refractive index of the medium; 0 where light takes no time.
     index: f64,
     objects: Vec<InertialFrame<Rest>>,
 }
 
-/// How directions of the camera's frame follow from the world's.
+/// How the world's directions are converted to the camera's frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Aberration {
     /// By the boost.
     Exact,
-    /// They are the same.
+    /// Unchanged.
     Missing,
     /// By a boost that lacks γ: along d + β.
     WithoutGamma,
 }
 
-/// What a rasterizer may have made of a scene.
+/// A mistake that a rasterizer may have made with a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Change {
     /// Light takes no time.
     Instant,
-    /// The camera moves the opposite way.
+    /// The camera moves in the opposite direction.
     CameraReversed,
-    /// The camera's motion does not turn directions.
+    /// The camera's motion does not change directions.
     CameraAtRest,
-    /// It does so by a boost that lacks γ.
+    /// It changes them by a boost that lacks γ.
     CameraWithoutGamma,
-    /// An object rests.
+    /// An object is at rest.
     AtRest(usize),
-    /// An object rests where its origin is at the time of the shot.
+    /// An object is at rest where its origin is at the time of the shot.
     Standing(usize),
-    /// An object moves the opposite way.
+    /// An object moves in the opposite direction.
     Reversed(usize),
     /// Two objects have each other's velocity.
     Swapped(usize, usize),
 }
 
-/// What `read` makes of the scene that a picture says it shows.
+/// The result of `read` for the scene in a picture's metadata.
 fn described<T>(
     picture: &Picture,
     read: fn(&str, &str, &Path, &Overrides) -> Result<T>,
@@ -88,8 +87,8 @@ fn described<T>(
     read(text, name, scene::base(name.as_ref()), &overrides).ok()
 }
 
-/// The whole scene that the metadata of a picture describes; none where it needs files, which may be others by now, or light that is
-/// reflected more than once, which may take long.
+/// The whole scene that the metadata of a picture describes; `None` if it needs files, which may have changed, or light that is reflected
+/// more than once, which may take long.
 pub(super) fn scene_of_picture(picture: &Picture) -> Option<Scene> {
     let mut scene = described(picture, scene::parse)?;
     if let Some(time) = picture.metadata("camera_time") {
@@ -122,12 +121,12 @@ pub(super) fn unaberrated_without_gamma(own: DVec3, velocity: Velocity) -> DVec3
     s * own - beta
 }
 
-/// An event is on the past light cone of the shot where its time is that of its distance, to this part of it.
+/// The relative tolerance between time and distance for an event to be on the past light cone of the shot.
 const ON_CONE: f64 = 1e-3;
 
 impl KnownScene {
-    /// What `scene` says; none for cameras whose rays leave events of their own (a sensor, a shutter, stereo, or
-    /// `model = "paper2015"` in motion).
+    /// Extracts it from `scene`; `None` for cameras whose rays start at different events (a sensor, a shutter, stereo, or `model =
+    /// "paper2015"` in motion).
     pub fn of(scene: &Scene) -> Option<KnownScene> {
         let bodies = scene
             .objects
@@ -137,12 +136,11 @@ impl KnownScene {
         KnownScene::new(&scene.camera, bodies.collect(), light)
     }
 
-    /// What the scene's text in the metadata of a picture says; none where there is no such text, or it names a camera
-    /// in a file that is not there.
+    /// From the scene's text in the metadata of a picture; `None` if there is no such text, or its camera is in a file that does not exist.
     pub(super) fn of_picture(picture: &Picture) -> Option<KnownScene> {
         let motions = described(picture, scene::kinematics)?;
         let CameraMotion { mut model, .. } = motions.camera?;
-        // A frame of a sequence has a time of its own.
+        // A frame of a sequence has its own time.
         if let Some(time) = picture.metadata("camera_time") {
             model.time = time.parse().ok()?;
         }
@@ -180,7 +178,7 @@ impl KnownScene {
         })
     }
 
-    /// The same scene, changed; none where the change makes no difference to what is seen.
+    /// The same scene with a change; `None` if the change makes no difference to the picture.
     pub(super) fn changed(&self, change: Change) -> Option<KnownScene> {
         let mut changed = self.clone();
         let velocity = |k: usize| Some(self.objects.get(k)?.velocity());
@@ -190,7 +188,7 @@ impl KnownScene {
         match change {
             Change::Instant => changed.index = 0.0,
             Change::CameraAtRest => changed.aberration = Aberration::Missing,
-            // Of a camera at rest both are the same.
+            // For a camera at rest both are the same.
             Change::CameraWithoutGamma if self.camera.velocity().is_rest() => return None,
             Change::CameraWithoutGamma => changed.aberration = Aberration::WithoutGamma,
             Change::CameraReversed => {
@@ -214,12 +212,12 @@ impl KnownScene {
         (changed != *self).then_some(changed)
     }
 
-    /// The camera, at its time of the shot.
+    /// The camera, at the time of its shot.
     pub(super) fn camera(&self) -> &CameraModel {
         &self.model
     }
 
-    /// The same scene seen by another camera, of the same kind of film.
+    /// The same scene seen by another camera with the same kind of film.
     pub(super) fn seen_by(&self, camera: CameraModel) -> Option<KnownScene> {
         let shot = Shot::new(&camera).ok()?;
         Some(KnownScene {
@@ -231,13 +229,13 @@ impl KnownScene {
         })
     }
 
-    /// The displacement from the shot to an event of the world: its place in the world, and in the camera's frame.
+    /// The displacement from the shot to an event of the world: its spatial part in the world, and in the camera's frame.
     pub(super) fn since_shot(&self, ct: f64, x: DVec3) -> [DVec3; 2] {
         let way = Displacement::new(ct - self.event.ct, x - self.event.x);
         [way.x, self.camera.frame_from_world().displacement(way).x]
     }
 
-    /// The way of light that comes from the world's distance `s` along `d`, in the camera's frame.
+    /// The path of light that arrives from the world's distance `s` along `d`, in the camera's frame.
     pub(super) fn own_way(&self, s: f64, d: DVec3) -> DVec3 {
         let way = Displacement::new(-self.index * s, s * d);
         self.camera.frame_from_world().displacement(way).x
@@ -253,13 +251,13 @@ impl KnownScene {
         self.event.ct
     }
 
-    /// The look direction of the camera's frame for one of the world.
+    /// The look direction in the camera's frame for one in the world.
     pub(super) fn own_look(&self, d: DVec3) -> Option<DVec3> {
         let d = Direction::new(d)?;
         Some(self.camera.frame_from_world().direction(d).0.unit())
     }
 
-    /// A vector of the camera's frame along its own axes: right, up and backwards.
+    /// A vector of the camera's frame in components along its axes: right, up and backwards.
     pub(super) fn view(&self, v: DVec3) -> DVec3 {
         self.film.along_axes(v) * DVec3::new(1.0, 1.0, -1.0)
     }
@@ -269,7 +267,7 @@ impl KnownScene {
         self.camera.velocity()
     }
 
-    /// The velocity by which look directions are turned.
+    /// The velocity that aberrates look directions.
     pub(super) fn velocity_of_looks(&self) -> Velocity {
         match self.aberration {
             Aberration::Missing => Velocity::REST,
@@ -287,15 +285,15 @@ impl KnownScene {
         self.objects.get(k)
     }
 
-    /// The projection's field of view from the left edge's middle to the right one's, radians.
+    /// The projection's field of view from the middle of the left edge to the middle of the right edge, radians.
     pub(super) fn horizontal_fov(&self) -> f64 {
         let [w, h] = self.film.size();
         let [left, right] = [0.0, w].map(|x| self.film.vector(x, 0.5 * h));
         left.angle_between(right)
     }
 
-    /// Where the point `p` of object `k` is seen, pixels from the film's top left corner; none where it is seen
-    /// nowhere on the film, however large, or twice.
+    /// The image of the point `p` of object `k`, pixels from the film's top left corner; `None` if it would not be seen on a film of any
+    /// size, or is seen twice.
     pub(super) fn film_point(&self, k: usize, p: DVec3) -> Option<DVec2> {
         let frame = self.objects.get(k)?;
         let r = p - frame.event_from_world(self.event).x;
@@ -307,7 +305,7 @@ impl KnownScene {
         let (c, boost) = match self.index == 1.0 || rapidity == 0.0 {
             true => (r, *frame.world_from_frame()),
             false => {
-                // 1/(γq) − 1, as `approximate::projection` has it.
+                // 1/(γq) − 1, as in `approximate::projection`.
                 let q = ((1.0 - slowed) * (1.0 + slowed)).sqrt();
                 let stretch = 1.0 / (frame.velocity().gamma() * q) - 1.0;
                 let velocity = Velocity::from_rapidity_along(libm::atanh(slowed), n).ok()?;
@@ -318,7 +316,7 @@ impl KnownScene {
         self.film_point_along(d)
     }
 
-    /// Where the world's direction `d` is seen; none where no film point looks that way.
+    /// The image of the world's direction `d`; `None` if no film point looks that way.
     pub(super) fn film_point_along(&self, d: Direction<World>) -> Option<DVec2> {
         let seen = match self.aberration {
             Aberration::Exact => self.camera.frame_from_world().direction(d).0.unit(),
@@ -329,7 +327,7 @@ impl KnownScene {
         Some(DVec2::from_array(point)).filter(|point| point.is_finite())
     }
 
-    /// The world's direction along which the film point `p` looks; none where it sees nothing.
+    /// The world's direction along which the film point `p` looks; `None` if it sees nothing.
     pub(super) fn look_along(&self, p: DVec2) -> Option<Direction<World>> {
         self.film.sees(p.x, p.y).then_some(())?;
         let v = self.film.vector(p.x, p.y);
@@ -344,7 +342,7 @@ impl KnownScene {
         }
     }
 
-    /// The world's direction from the shot to an event of its past light cone; none to others.
+    /// The world's direction from the shot to an event of its past light cone; `None` for other events.
     pub(super) fn look_to(&self, ct: f64, x: DVec3) -> Option<Direction<World>> {
         let [way, _] = self.since_shot(ct, x);
         let late = ct - self.event.ct + self.index * way.length();
@@ -352,9 +350,9 @@ impl KnownScene {
         Direction::new(way)
     }
 
-    /// The object at pixel `i` of a picture, and the coordinates in it of the point that the picture shows there. Where
-    /// the picture has events of the world alone, they say so of objects at rest only: any event on the past light cone
-    /// of the shot is seen where it is, whatever point of a moving object it may be taken for.
+    /// The object at pixel `i` of a picture, and the coordinates in it of the point shown there. If the picture has events of the world
+    /// only, this works for objects at rest only: any event on the past light cone of the shot is seen where it is, whichever point of a
+    /// moving object it may be.
     pub(super) fn point(&self, points: &Points, i: usize) -> Option<(usize, DVec3)> {
         let k = match points.object_at(i) {
             Some(id) if id >= 0.0 => id as usize,
@@ -380,8 +378,8 @@ impl KnownScene {
         self.film_point(k, p)
     }
 
-    /// Whether `points`, of a reference, are seen where this scene says: the median of their distances from
-    /// pixels' centres is below 3/4, the most that samples elsewhere in pixels make.
+    /// Whether the `points` of a reference are seen where this scene predicts: the median of their distances from pixel centres is below
+    /// 3/4, the most that samples elsewhere in pixels can cause.
     pub(super) fn is_that_of(&self, points: &Points) -> bool {
         let [width, height] = points.size();
         let off = |i: usize| {
@@ -390,7 +388,7 @@ impl KnownScene {
         };
         let mut distances: Vec<f64> = (0..width * height).filter_map(off).collect();
         let middle = distances.len() / 2;
-        // Half of a pixel's diagonal is 0.71: what is farther off is seen in another one.
+        // Half of a pixel's diagonal is 0.71: anything farther off is seen in another pixel.
         middle < distances.len()
             && *distances.select_nth_unstable_by(middle, f64::total_cmp).1 < 0.75
     }

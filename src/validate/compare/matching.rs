@@ -1,8 +1,7 @@
 //! Whether two pictures belong together.
 //!
-//! Channels are matched by name: those that both pictures have are compared, what one has alone is listed, and channels
-//! that were asked for have to be there. What cannot be compared is refused with what would be right; what should be
-//! known becomes a note.
+//! Channels are matched by name: those that both pictures have are compared, those of only one picture are listed, and requested channels
+//! must exist. Pictures that cannot be compared are refused with a message of what would be right; other things worth knowing become notes.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -16,7 +15,7 @@ use crate::error::{Error, Message, Result, Setting};
 use crate::io::image::{Channel, Layers, Samples};
 use crate::render::aov::Aov;
 
-/// Metadata that have to agree, and what they are.
+/// Metadata that must agree, and what they describe.
 const SAME: [(&str, &str); 4] = [
     ("radiance_quantity", "quantities of light"),
     ("units", "units"),
@@ -37,16 +36,16 @@ const SHOT: [&str; 10] = [
     "medium_index",
 ];
 
-/// Those of them that are left out of pictures of a single pinhole before a plane.
+/// Those of them that are omitted for pictures of a single pinhole in front of a plane.
 const NOT_PLAIN: [&str; 2] = ["camera_projection", "camera_interpupillary_distance"];
 
-/// Channels that are in one of the pictures and not compared.
+/// Channels that only one of the pictures has, and that are not compared.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 #[non_exhaustive]
 pub struct Uncompared {
-    /// What the candidate lacks.
+    /// Channels that the candidate lacks.
     pub only_reference: Vec<String>,
-    /// What the reference lacks.
+    /// Channels that the reference lacks.
     pub only_candidate: Vec<String>,
 }
 
@@ -69,14 +68,14 @@ impl Matched<'_> {
     }
 }
 
-/// Matches the candidate's channels with the reference's, or says why not.
+/// Matches the candidate's channels with the reference's, or returns why that fails.
 pub(super) fn matched<'a>(
     reference: &'a Picture,
     candidate: &'a Picture,
     options: &CompareOptions,
 ) -> Result<Matched<'a>> {
     let pair = [reference, candidate];
-    // What makes any comparison meaningless comes first.
+    // First, whatever makes any comparison meaningless.
     sizes(pair)?;
     options
         .region
@@ -87,7 +86,7 @@ pub(super) fn matched<'a>(
     let mut notes = metadata(pair)?;
     notes.extend(unread(pair));
     notes.extend(no_hit(pair, options));
-    // Then channel by channel: asked for, there, and on both sides.
+    // Then the channels: requested, present, and in both pictures.
     demanded(pair, &options.channels)?;
     let chosen = pair.map(|picture| chosen(picture, &options.channels));
     let chosen = alpha(pair, chosen, &mut notes)?;
@@ -97,12 +96,12 @@ pub(super) fn matched<'a>(
         .filter(|channel| !is_identity(channel))
         .map(|channel| channel.name.clone())
         .collect();
-    // A pixel that one picture has no light for counts in no channel.
+    // A pixel without light in one picture counts in no channel.
     let mut region = options.region.clone();
     if options.not_finite == NotFinite::Ignore {
         region = usable(pair, &chosen, region, &mut notes)?;
     }
-    // The pictures themselves are copied only where samples have to be replaced.
+    // The pictures are copied only if samples must be replaced.
     let layers =
         |picture: &'a Picture, chosen: &[&Channel]| finite(picture, chosen, options, &mut notes);
     let [reference, candidate] = two(pair, &chosen, layers)?;
@@ -187,7 +186,7 @@ fn swapped([r, c]: [&Picture; 2], options: &CompareOptions) -> Result<()> {
     )
 }
 
-/// Refuses identities that are no whole numbers.
+/// Refuses identities that are not integers.
 fn whole(pair: [&Picture; 2]) -> Result<()> {
     for picture in pair {
         let width = picture.layers.width as usize;
@@ -212,7 +211,7 @@ fn whole(pair: [&Picture; 2]) -> Result<()> {
     Ok(())
 }
 
-/// What is said of arrays that are no channels.
+/// Notes on arrays that are not channels.
 fn unread(pair: [&Picture; 2]) -> Vec<Message> {
     let some = pair
         .into_iter()
@@ -229,12 +228,12 @@ fn unread(pair: [&Picture; 2]) -> Vec<Message> {
     .collect()
 }
 
-/// The part of the reference's pixels without a surface at which one number in a candidate says that nothing is met, and
-/// the part of the others at which it may stand.
+/// The fraction of the reference's pixels without a surface at which one number in a candidate must stand to mean no hit, and the fraction
+/// of the other pixels at which it may stand.
 const SAYS_NOTHING: f64 = 0.95;
 const STANDS_ELSEWHERE: f64 = 0.05;
 
-/// What is said of a number that stands for no object in the candidate, other than those that are known to.
+/// A note on a number that marks pixels without an object in the candidate, other than the known ones.
 fn no_hit([r, c]: [&Picture; 2], options: &CompareOptions) -> Option<Message> {
     let points = Points::pair([&r.layers, &c.layers]);
     let theirs = points[1].object?;
@@ -271,7 +270,7 @@ fn no_hit([r, c]: [&Picture; 2], options: &CompareOptions) -> Option<Message> {
     })
 }
 
-/// Refuses metadata that contradict each other; notes on those that say that two shots are not the same.
+/// Refuses contradictory metadata; returns notes on metadata of two different shots.
 fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<Message>> {
     let differs = |key: &str| {
         let (a, b) = (r.metadata(key)?, c.metadata(key)?);
@@ -288,9 +287,9 @@ fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<Message>> {
             );
         }
     }
-    // Pictures of different shots can be compared on purpose: that is said, and not refused.
+    // Pictures of different shots may be compared on purpose: a note, not an error.
     let mut notes = Vec::new();
-    // A camera that says nothing of its projection is a plain one, if it is said of the picture that it has a camera.
+    // A camera without a stated projection is a plain one, provided that the picture has a camera.
     let has_camera = |p: &Picture| p.metadata("camera_forward").is_some();
     let is_plain_in_one = |key: &&str| {
         let there = [r, c].map(|p| p.metadata(key).is_some());
@@ -308,12 +307,12 @@ fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<Message>> {
             format!("the reference follows the equations \"{a}\", the candidate \"{b}\"").into(),
         );
     }
-    // A reference that is worse than its candidate turns errors around.
+    // A reference that is worse than its candidate swaps the meaning of errors.
     let approximations = [r, c].map(Picture::approximation);
     if let Some(method) = approximations[0] {
         notes.push(format!("the reference is itself an approximation (method = {method})").into());
     }
-    // FLIP has two variants, for displays and for light; the pair decides on one.
+    // FLIP has two variants, for displays and for light; the pair decides which is used.
     if [r, c].iter().any(|p| p.is_high_range())
         && [r, c].iter().any(|p| !p.is_high_range())
         && r.encoding == Encoding::Linear
@@ -332,7 +331,7 @@ fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<Message>> {
                 .into(),
         );
     }
-    // A mean of places on two surfaces lies on neither.
+    // A mean of positions on two surfaces lies on neither.
     let mixed = |p: &&Picture| p.metadata("pixel_centers") == Some("false");
     let has = |aov: Aov| r.layers.channel(aov.name()).is_some();
     let has_places = [OBJECT_POINT, WORLD_POINT]
@@ -345,7 +344,7 @@ fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<Message>> {
     Ok(notes)
 }
 
-/// The channels that are to be compared.
+/// The channels to compare.
 fn chosen<'a>(picture: &'a Picture, names: &[String]) -> Vec<&'a Channel> {
     let is_named = |channel: &&Channel| {
         let group = channel.name.split('.').next().unwrap_or("");
@@ -357,7 +356,7 @@ fn chosen<'a>(picture: &'a Picture, names: &[String]) -> Vec<&'a Channel> {
     picture.layers.channels.iter().filter(is_named).collect()
 }
 
-/// Alpha that one picture has alone: left out where it is 1 everywhere, otherwise refused.
+/// Alpha that only one picture has: ignored if it is 1 everywhere, refused otherwise.
 fn alpha<'a>(
     pair: [&Picture; 2],
     mut chosen: [Vec<&'a Channel>; 2],
@@ -368,7 +367,7 @@ fn alpha<'a>(
         let (Some(at), None) = (position(&chosen[one]), position(&chosen[other])) else {
             continue;
         };
-        // Opaque alpha changes nothing of the light, so that its lack does not either.
+        // Opaque alpha does not change the light, so its absence does not matter.
         let alpha = Plane::new(&pair[one].layers, chosen[one][at]);
         if (0..chosen[one][at].samples.len()).all(|i| alpha.at(i) == 1.0) {
             notes.push(
@@ -391,7 +390,7 @@ fn alpha<'a>(
                 pair[other].name
             ),
         };
-        // Whether light is multiplied by alpha depends on the format: the help says which holds here.
+        // Whether light is multiplied by alpha depends on the format: the hint says which applies.
         let stored = match pair[one].alpha {
             Alpha::Premultiplied => {
                 "light is compared as it is stored, which is premultiplied by alpha"
@@ -409,7 +408,7 @@ fn alpha<'a>(
     Ok(chosen)
 }
 
-/// Refuses pictures without the channels that were asked for.
+/// Refuses pictures without the requested channels.
 fn demanded(pair: [&Picture; 2], names: &[String]) -> Result<()> {
     for name in names {
         let of_group = format!("{name}.");
@@ -421,7 +420,7 @@ fn demanded(pair: [&Picture; 2], names: &[String]) -> Result<()> {
         };
         for (one, other) in [(0, 1), (1, 0)] {
             let (there, wanted) = (named(pair[one]), named(pair[other]));
-            // What the other has of the group is needed here; of a group that neither has, the name itself.
+            // Any channel of the group that the other picture has is needed here; if neither has one, the name itself.
             let lacks = wanted.iter().find(|name| !there.contains(name));
             let lacks = lacks.or((there.is_empty() && wanted.is_empty()).then_some(name));
             if let Some(lacks) = lacks {
@@ -441,7 +440,7 @@ fn names_of(picture: &Picture) -> Vec<&str> {
     channels.map(|c| c.name.as_str()).collect()
 }
 
-/// The channels that both have, and the names of the others.
+/// The channels that both pictures have, and the names of the others.
 fn common<'a>(
     [r, c]: [&Picture; 2],
     [mut a, mut b]: [Vec<&'a Channel>; 2],
@@ -477,7 +476,7 @@ fn list(names: &[&str]) -> String {
     }
 }
 
-/// The pixels of the region whose light is finite in both pictures.
+/// The pixels of the region with finite light in both pictures.
 fn usable(
     pair: [&Picture; 2],
     chosen: &[Vec<&Channel>; 2],
@@ -485,7 +484,7 @@ fn usable(
     notes: &mut Vec<Message>,
 ) -> Result<Region> {
     let [width, height] = [pair[0].layers.width, pair[0].layers.height].map(|n| n as usize);
-    // Auxiliary channels are NaN where nothing is met; only light has to be a number.
+    // Auxiliary channels are NaN where nothing is hit; only light must be a number.
     let light = [0, 1].map(|k| {
         let light = chosen[k].iter().filter(|c| !is_auxiliary(&c.name));
         light.map(move |c| Plane::new(&pair[k].layers, c))
@@ -498,7 +497,7 @@ fn usable(
     if planes.is_empty() {
         return Ok(region);
     }
-    // One mask for both pictures and all channels, so that all metrics are of the same pixels.
+    // One mask for both pictures and all channels, so that all metrics cover the same pixels.
     let mut mask = vec![false; width * height];
     let mut dropped = 0;
     for i in region.pixels([width, height]) {
@@ -524,7 +523,7 @@ fn usable(
     })
 }
 
-/// The layers, with samples of light that are not finite dealt with.
+/// The layers, after handling samples of light that are not finite.
 fn finite<'a>(
     picture: &'a Picture,
     chosen: &[&Channel],
@@ -576,12 +575,12 @@ fn replace(layers: &mut Layers, name: &str, value: f64) {
 struct Unusable {
     nan: u64,
     infinite: u64,
-    /// Column and row of the first.
+    /// Column and row of the first one.
     first: [usize; 2],
 }
 
 impl Unusable {
-    /// None where all samples of the region are finite.
+    /// `None` if all samples of the region are finite.
     fn of(channel: &Channel, layers: &Layers, options: &CompareOptions) -> Option<Unusable> {
         let plane = Plane::new(layers, channel);
         if plane.is_finite() {

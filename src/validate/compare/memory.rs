@@ -1,23 +1,22 @@
-//! An estimate of how much memory comparing takes, so that it can be refused before it is begun.
+//! Estimates the memory of a comparison, so that one that is too large can be refused before it starts.
 //!
-//! By pixel, measured with a counting allocator over pictures of light alone, of all channels, grey and with NaN: the search
-//! for curves that the light went through takes most (up to 218 bytes), and is let go of before pictures of errors are made.
+//! Bytes per pixel were measured with a counting allocator over pictures of light only, of all channels, grey and with NaN: the search for
+//! curves applied to the light takes most (up to 218 bytes), and is freed before error pictures are made.
 
 use super::options::{CompareOptions, NotFinite};
 use super::picture::Picture;
 use crate::io::image::{Layers, Samples};
 
-/// Bytes of what the search for shifts takes of pictures of any size.
+/// Bytes that the search for shifts takes for pictures of any size.
 const SEARCHED: u64 = 48 << 20;
-/// Bytes per pixel of what is measured and searched, whatever the channels.
+/// Bytes per pixel of measurements and searches, whatever the channels.
 const MEASURED: u64 = 224;
-/// Of the pictures that are made of the errors: both for a display, maps in false colours, their files.
+/// Bytes per pixel of the error pictures: both for a display, maps in false colours, their files.
 const DRAWN: u64 = 160;
-/// Of one channel of the maps: the difference, both sides of it in f64 or, later, what is written.
+/// Bytes per pixel of one channel of the maps: the difference, both inputs of it in f64 or, later, the encoded file.
 const MAPPED: u64 = 12;
 
-/// Bytes that [`compare`](super::compare()) takes at most beside the pictures, and what [`report`](super::report) makes of it where
-/// maps are wanted.
+/// The most bytes that [`compare`](super::compare()) takes beside the pictures, including [`report`](super::report) if maps are requested.
 pub fn working_memory(reference: &Picture, candidate: &Picture, options: &CompareOptions) -> u64 {
     let pair = [&reference.layers, &candidate.layers];
     let pixels = u64::from(pair[0].width).saturating_mul(pair[0].height.into());
@@ -29,7 +28,7 @@ pub fn working_memory(reference: &Picture, candidate: &Picture, options: &Compar
         true => DRAWN + MAPPED * (common + 2),
         false => 0,
     };
-    // Grey pictures become three channels, and samples that are replaced are in copies.
+    // Grey pictures become three channels, and replaced samples are in copies.
     let is_grey = pair.map(|layers| layers.channel("radiance.R").is_none());
     let copied = (0..2)
         .filter(|k| is_grey[*k] != is_grey[1 - *k] || options.not_finite != NotFinite::Refuse);
@@ -40,7 +39,7 @@ pub fn working_memory(reference: &Picture, candidate: &Picture, options: &Compar
         .saturating_add(SEARCHED)
 }
 
-/// The same of two pictures of light alone, whose samples may be replaced; with the pictures.
+/// The same for two pictures of light only, whose samples may be replaced; including the pictures.
 pub(crate) fn working_memory_of_light(pixels: u64) -> u64 {
     const PICTURE: u64 = 3 * 4;
     pixels

@@ -1,8 +1,8 @@
-//! Metrics: one table from which tolerances, the help, the printed table and the HTML report come.
+//! Metrics: one table for tolerances, the help, the printed table and the HTML report.
 //!
-//! A further metric is a field with its evaluator (of [`Errors`], [`SurfaceErrors`] or [`Comparison`]; JSON has it with the
-//! field) and a row here. A limit holds as far as the metric is no worse: at most the value, or at least it where
-//! larger is better. The bias counts by its size. A metric of nothing has no value, and exceeds every limit.
+//! To add a metric, add a field with its evaluator (of [`Errors`], [`SurfaceErrors`] or [`Comparison`]; JSON includes the field) and a row
+//! here. A limit holds if the metric is no worse: at most the value, or at least it if larger is better. The bias counts by its absolute
+//! value. A metric without a value exceeds every limit.
 
 use serde::Serialize;
 
@@ -15,23 +15,23 @@ use crate::error::{Error, Message, Result, Setting};
 use crate::render::aov::Aov;
 use crate::scene::model::SPEED_OF_LIGHT;
 
-/// A metric, or for values of many pixels a family of them (`geometric.mean`, `geometric.p99`): a row of [`METRICS`].
+/// A metric, or a family of metrics for values of many pixels (`geometric.mean`, `geometric.p99`): a row of [`METRICS`].
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct Metric {
     /// Its name in tolerances.
     pub name: &'static str,
-    /// Its unit; empty for that of the channel.
+    /// Its unit; empty for the unit of the channel.
     pub unit: &'static str,
     /// Which values are better.
     pub better: Better,
-    /// Its heading in tables; none where they leave it out.
+    /// Its heading in tables; `None` if they omit it.
     pub heading: Option<&'static str>,
-    /// The largest value that there is of it.
+    /// The largest possible value.
     largest: f64,
-    /// What both pictures have to hold for it.
+    /// The channels that it needs in both pictures.
     needs: &'static str,
-    /// What has to be set for it besides, and its setting.
+    /// What else must be set for it, and the setting.
     set: Option<(&'static str, Setting)>,
     of: Of,
 }
@@ -45,17 +45,17 @@ pub enum Better {
     Larger,
 }
 
-/// What a metric is a number of, and its evaluator.
+/// What a metric measures, and its evaluator.
 #[derive(Debug, Clone, Copy)]
 enum Of {
     /// The light, and each channel.
     Channel(fn(&Errors) -> Option<f64>),
-    /// The whole picture; and the words for it in tables.
+    /// The whole picture; with the label in tables.
     Picture(
         fn(&Comparison) -> Option<f64>,
         fn(&Comparison) -> Option<String>,
     ),
-    /// Pixels that show surfaces; whether values have a sign; further units in which tables have them, and factors.
+    /// Pixels that show surfaces; whether values have a sign; further units in tables, with their factors.
     Pixels(
         fn(&SurfaceErrors) -> Option<Values<'_>>,
         bool,
@@ -63,14 +63,14 @@ enum Of {
     ),
 }
 
-/// The mean of values with their signs where they have some, and the distribution of their sizes.
+/// The mean of signed values if they have signs, and the distribution of their absolute values.
 type Values<'a> = (Option<f64>, &'a Distribution);
 
 const PS_PER_METRE: f64 = 1e12 / SPEED_OF_LIGHT;
 
-/// What geometric errors need.
+/// The channels that geometric errors need.
 const PLACES: &str = "the channels object_event.x, .y, .z (or event.x, .y, .z)";
-/// What errors of emission times need.
+/// The channels that errors of emission times need.
 const TIMES: &str = "the channel event.ct (or object_event.ct)";
 
 /// All metrics, in the order in which they are shown.
@@ -166,13 +166,13 @@ pub const METRICS: [Metric; 24] = [
     ),
 ];
 
-/// What errors of objects need.
+/// The channels that errors of objects need.
 const OBJECTS: &str = "the channel object";
 
-/// A number of a distribution: its name, which values are better, the number.
+/// A statistic of a distribution: its name, which values are better, its evaluator.
 type Part = (&'static str, Better, fn(&Distribution) -> Option<f64>);
 
-/// The numbers of a distribution.
+/// The statistics of a distribution.
 const PARTS: [Part; 8] = [
     ("mean", Better::Smaller, |d| Some(d.summary?.mean)),
     ("rms", Better::Smaller, |d| Some(d.summary?.rms)),
@@ -186,16 +186,16 @@ const PARTS: [Part; 8] = [
     }),
 ];
 
-/// The name of the number of pixels without a value.
+/// The name of the count of pixels without a value.
 const UNMEASURED: &str = "unmeasured";
 
-/// The pixels that could not be measured: those at which the reference shows a surface, whatever the candidate shows there; where it does not
-/// say, those that have one in both pictures.
+/// The pixels that could not be measured: those where the reference shows a surface, whatever the candidate shows; if the reference does
+/// not say, those with a surface in both pictures.
 fn without_value(d: &Distribution) -> u64 {
     d.unmeasured.max(d.surfaces.saturating_sub(d.count))
 }
 
-/// The name of the mean of values with a sign.
+/// The name of the mean of signed values.
 const BIAS: &str = "bias";
 
 const fn channel(
@@ -231,7 +231,7 @@ const fn pixels(
     )
 }
 
-/// A row, of which smaller values are better.
+/// A row for a metric that is better if smaller.
 const fn row(
     name: &'static str,
     unit: &'static str,
@@ -284,7 +284,7 @@ impl Metric {
         self
     }
 
-    /// That it lacks what it needs.
+    /// The message that its input is missing.
     fn lacks(&self) -> Message {
         let mut text = Message::from("it needs ");
         if let Some((what, setting)) = self.set {
@@ -293,7 +293,7 @@ impl Metric {
         text + self.needs + " in both pictures"
     }
 
-    /// Its column of a table: the heading, and the value for these errors.
+    /// Its table column: the heading, and the value for these errors.
     pub(super) fn cell(&self, errors: Option<&Errors>) -> Option<(&'static str, String)> {
         let Of::Channel(value) = self.of else {
             return None;
@@ -302,7 +302,7 @@ impl Metric {
         Some((self.heading?, value.map_or_else(|| NONE.into(), number)))
     }
 
-    /// Its lines below the table: what is measured, and what was found.
+    /// Its lines below the table: labels and results.
     pub(super) fn lines(&self, comparison: &Comparison) -> Vec<(&'static str, String)> {
         let Some(heading) = self.heading else {
             return Vec::new();
@@ -354,7 +354,7 @@ fn spread((bias, d): Values, unit: &str, scale: f64) -> String {
     let Some(summary) = &d.summary else {
         return format!("none: {}", nothing(d));
     };
-    // Only here are numbers scaled to other units: those of JSON stay in metres.
+    // Only here are numbers scaled to other units: those in JSON stay in metres.
     let values = [summary.mean, summary.p50, summary.p99, summary.max];
     let [mean, p50, p99, max] = values.map(|x| number(scale * x));
     let bias = bias.map_or(String::new(), |b| {
@@ -376,16 +376,16 @@ fn nothing(d: &Distribution) -> String {
     }
 }
 
-/// The part of the reference's pixels with surfaces that has to be measured for a limit to hold.
+/// The fraction of the reference's surface pixels that must be measured for a limit to hold.
 const LEAST_MEASURED: f64 = 0.5;
 
-/// The part of the pixels of the same object at which the candidate may have no numbers where the reference has some: a few slivers and rims.
+/// The largest fraction of pixels of the same object where the candidate may lack numbers that the reference has: a few slivers and rims.
 const MOST_LACKING: f64 = 0.01;
 
-/// No more objects are named.
+/// The most objects that a message names.
 const MOST_NAMED: usize = 6;
 
-/// Why a distribution is not that of the whole picture: objects, or more than half of the surfaces, have no value.
+/// Why a distribution does not cover the whole picture: objects, or more than half of the surfaces, have no value.
 fn gaps(d: &Distribution) -> Option<String> {
     if let [first, others @ ..] = &d.unmeasured_objects[..] {
         let list = |of: fn(&Unmeasured) -> u64| {
@@ -418,7 +418,7 @@ fn gaps(d: &Distribution) -> Option<String> {
             "of {noun} {objects}, which the reference shows at {pixels} pixels and the candidate at {shown} of them, no pixel has a value{moving}"
         ));
     }
-    // No object is missing altogether; pixels may be.
+    // No object is missing entirely, but pixels may be.
     let compared = d.count + d.unmeasured;
     if d.lacking as f64 > MOST_LACKING * compared as f64 {
         return Some(format!(
@@ -437,10 +437,10 @@ fn gaps(d: &Distribution) -> Option<String> {
     })
 }
 
-/// What stands for a value that there is not.
+/// The text for a missing value.
 const NONE: &str = "none";
 
-/// A number in four significant digits, whatever its magnitude.
+/// A number with four significant digits, whatever its magnitude.
 pub(super) fn number(x: f64) -> String {
     match x.abs() {
         0.0 => "0".into(),
@@ -457,7 +457,7 @@ pub(super) fn number(x: f64) -> String {
 
 /// The names of all metrics with their units, for the help.
 pub fn help() -> String {
-    // Units of light and ratios go without saying.
+    // Units of light and ratios are omitted.
     let [mut of_light, mut of_picture, mut of_pixels, mut signed] = [const { Vec::new() }; 4];
     for metric in &METRICS {
         let name = match (metric.unit, metric.better) {
@@ -495,7 +495,7 @@ pub fn help() -> String {
 pub struct Tolerance {
     /// The metric's name: `rmse`, `flip`, `geometric.p99`, `radiance.R:max`.
     pub metric: String,
-    /// The worst value that is allowed.
+    /// The worst value allowed.
     pub value: f64,
 }
 
@@ -506,11 +506,11 @@ pub struct Breach {
     /// The limit.
     #[serde(flatten)]
     pub tolerance: Tolerance,
-    /// What the metric is.
+    /// The value of the metric.
     pub found: Measured,
 }
 
-/// What a metric is.
+/// The value of a metric.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -528,7 +528,7 @@ impl std::str::FromStr for Tolerance {
     fn from_str(text: &str) -> Result<Self, String> {
         let help = "write METRIC=VALUE, for instance rmse=0.01 or radiance.R:max=0.5";
         let (metric, value) = text.rsplit_once('=').ok_or(help)?;
-        // Nothing exceeds a limit of NaN.
+        // Nothing would exceed a limit of NaN.
         let value = value.trim().parse::<f64>().ok().filter(|v| !v.is_nan());
         Ok(Tolerance {
             metric: metric.trim().into(),
@@ -546,7 +546,7 @@ impl std::fmt::Display for Breach {
         };
         match &self.found {
             Measured::Value(found) => {
-                // The digits of the table, unless these do not tell it from its limit.
+                // The digits of the table, unless they are the same as those of the limit.
                 let digits = Some(number(*found)).filter(|digits| *digits != number(*value));
                 let found = digits.unwrap_or_else(|| found.to_string());
                 write!(f, "{metric} is {found}, and may be at {limit} {value}")
@@ -561,18 +561,18 @@ impl std::fmt::Display for Breach {
     }
 }
 
-/// What the name of a metric means.
+/// The meaning of a metric's name.
 #[derive(Debug, Clone, Copy)]
 struct Name<'a> {
-    /// The channel, of a metric that is of one.
+    /// The channel, for a metric of channels.
     channel: Option<&'a str>,
     row: &'static Metric,
-    /// The number of a distribution; none where the metric is one number, or it is the bias.
+    /// The statistic of a distribution; `None` if the metric is one number, or the bias.
     part: Option<Part>,
 }
 
 impl<'a> Name<'a> {
-    /// The metric of this name: of light, as CHANNEL:NAME or alone; of the picture; or of surfaces, as NAME.PART.
+    /// Parses the name of a metric: of light, as CHANNEL:NAME or NAME; of the picture; or of surfaces, as NAME.PART.
     fn of(name: &'a str) -> Option<Name<'a>> {
         let (channel, name) = match name.rsplit_once(':') {
             Some((channel, name)) => (Some(channel), name),
@@ -607,7 +607,7 @@ impl<'a> Name<'a> {
         self.part.map_or(self.row.better, |(_, better, _)| better)
     }
 
-    /// The largest value that there is.
+    /// The largest possible value.
     fn largest(&self) -> f64 {
         match self.part {
             None => self.row.largest,
@@ -615,7 +615,7 @@ impl<'a> Name<'a> {
         }
     }
 
-    /// Why a limit says nothing: every candidate is within it, or none can be.
+    /// Why a limit is meaningless: every candidate is within it, or none can be.
     fn refuses(&self, limit: f64) -> Option<&'static str> {
         let is_met = "every candidate is within that limit";
         let never = "no candidate can be within that limit";
@@ -635,7 +635,7 @@ impl<'a> Name<'a> {
         }
     }
 
-    /// The metric of `comparison`; none where that has no channel of this name, and neither has a picture.
+    /// The value of the metric in `comparison`; `None` if neither the comparison nor a picture has a channel of this name.
     fn found(&self, comparison: &Comparison) -> Option<Measured> {
         Some(match self.row.of {
             Of::Channel(value) => match self.errors(comparison)? {
@@ -655,7 +655,7 @@ impl<'a> Name<'a> {
             Of::Pixels(values, ..) => match comparison.surface.as_ref().and_then(values) {
                 None => Measured::Nothing(self.row.lacks()),
                 Some((bias, d)) => match (self.part, gaps(d)) {
-                    // Counts say themselves how much was measured.
+                    // Counts themselves state how much was measured.
                     (Some((_, Better::Larger, of)), _) | (Some((UNMEASURED, _, of)), _) => {
                         settled(of(d), || nothing(d))
                     }
@@ -667,7 +667,7 @@ impl<'a> Name<'a> {
         })
     }
 
-    /// The errors that a metric of the light or of a channel is of, or why there are none.
+    /// The errors that a metric of the light or of a channel measures, or why there are none.
     fn errors<'c>(&self, comparison: &'c Comparison) -> Option<Result<&'c Errors, Message>> {
         let empty = || Message::from("no sample is a number in both pictures");
         let Some(name) = self.channel else {
@@ -681,7 +681,7 @@ impl<'a> Name<'a> {
         if let Some(channel) = comparison.channels.iter().find(|c| c.name == name) {
             return Some(channel.errors.as_ref().ok_or_else(empty));
         }
-        // A channel that one picture has alone can be named, and cannot be computed.
+        // A channel of only one picture is a valid name, but has no value.
         let Uncompared {
             only_reference,
             only_candidate,
@@ -702,7 +702,7 @@ fn settled<M: Into<Message>>(value: Option<f64>, why: impl FnOnce() -> M) -> Mea
 }
 
 impl Comparison {
-    /// The metric of this name; none where there is no such metric, or it could not be computed.
+    /// The metric of this name; `None` if there is no such metric, or it could not be computed.
     pub fn metric(&self, name: &str) -> Option<f64> {
         match Name::of(name)?.found(self)? {
             Measured::Value(value) => Some(value),
@@ -710,10 +710,10 @@ impl Comparison {
         }
     }
 
-    /// The limits that are exceeded, in their order; those of metrics that could not be computed are.
+    /// The limits that are exceeded, in order; a metric that could not be computed exceeds its limit.
     ///
     /// # Errors
-    /// A metric that there is not.
+    /// An unknown metric.
     pub fn breaches(&self, tolerances: &[Tolerance]) -> Result<Vec<Breach>> {
         let mut breaches = Vec::new();
         for tolerance in tolerances {
@@ -726,7 +726,7 @@ impl Comparison {
                 let help = "a number that the metric can have, and that some candidate exceeds";
                 return Err(Error::invalid("comparison", place, what, help));
             }
-            // What cannot be computed does not hold.
+            // A metric that cannot be computed is not within its limit.
             let holds = matches!(&found, Measured::Value(v) if name.allows(tolerance.value, *v));
             if !holds {
                 let tolerance = tolerance.clone();

@@ -1,4 +1,4 @@
-//! Comparing pictures: is a candidate right, where not, by how much, and why.
+//! Comparing pictures: whether a candidate is right, and if not, where, by how much, and why.
 //!
 //! ```text
 //! two pictures → matched → errors per channel, structural similarity, ꟻLIP, errors of surfaces
@@ -7,8 +7,8 @@
 //!                [diagnose]  [metrics, report]
 //! ```
 //!
-//! Definitions stand at the head of the module of each metric. Rows are worked through in strips whose results are
-//! added in their order: the same bits on any number of threads.
+//! The module of each metric starts with its definition. Rows are processed in strips whose results are added in order: the same bits on
+//! any number of threads.
 //!
 //! ```
 //! use nullray::validate::compare::{CompareOptions, Picture, compare};

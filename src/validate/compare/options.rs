@@ -1,4 +1,4 @@
-//! What of two pictures is compared, and how.
+//! Options: what is compared in two pictures, and how.
 
 use std::sync::Arc;
 
@@ -12,19 +12,19 @@ pub const PIXELS_PER_DEGREE: f64 = 67.020_643;
 /// How pictures are compared.
 #[derive(Debug, Clone)]
 pub struct CompareOptions {
-    /// Which pixels.
+    /// The pixels to compare.
     pub region: Region,
-    /// What is done where light is no finite number.
+    /// How to treat light that is not finite.
     pub not_finite: NotFinite,
-    /// Channels and groups of them ("event") that are compared; all where it is empty.
+    /// Channels and groups of them ("event") to compare; all if empty.
     pub channels: Vec<String>,
-    /// The scene of the reference, with the pictures' size; the text in the reference's metadata where there is none.
+    /// The scene of the reference, with the pictures' size; if `None`, the text in the reference's metadata is used.
     pub scene: Option<Arc<Scene>>,
-    /// Width of a time bin, metres of light path, to which emission times relate.
+    /// Width of a time bin, metres of light path, for emission times in bins.
     pub bin_width: Option<f64>,
-    /// Pixels per degree of visual angle, from 1 to 1000, for ꟻLIP; none to leave ꟻLIP out.
+    /// Pixels per degree of visual angle, from 1 to 1000, for ꟻLIP; `None` to omit ꟻLIP.
     pub pixels_per_degree: Option<f64>,
-    /// Whether a reference that says it is the candidate, and the reverse, is taken as given.
+    /// Whether pictures are accepted even if the reference's metadata call it the candidate, or the reverse.
     pub allow_swapped: bool,
     /// Whether maps of errors are kept.
     pub maps: bool,
@@ -46,28 +46,28 @@ impl Default for CompareOptions {
     }
 }
 
-/// What is done with samples that are NaN or infinite, other than in auxiliary channels, where NaN says that no surface is met.
+/// How to treat samples that are NaN or infinite, except in auxiliary channels, where NaN means no hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NotFinite {
-    /// They are refused.
+    /// Refuse them.
     Refuse,
-    /// Their pixels do not count.
+    /// Skip their pixels.
     Ignore,
-    /// They count as this value.
+    /// Replace them by this value.
     CountAs(f64),
 }
 
 /// Part of a picture.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Region {
-    /// Left column, top row, width and height; all of the picture without it.
+    /// Left column, top row, width and height; `None` for the whole picture.
     pub crop: Option<[u32; 4]>,
-    /// One value per pixel of the picture, row 0 at the top: whether it is compared; all without it.
+    /// One value per pixel of the picture, row 0 at the top: whether it is compared; `None` for all pixels.
     pub mask: Option<Vec<bool>>,
 }
 
 impl Region {
-    /// The mask that a picture is: pixels where its first channel is above half of its largest value.
+    /// A mask from a picture: pixels whose first channel is above half of its largest value.
     pub fn mask_of(layers: &Layers) -> Vec<bool> {
         let values = layers.channels.first().map(|c| c.samples.to_f64());
         let values = values.unwrap_or_default();
@@ -75,7 +75,7 @@ impl Region {
         values.iter().map(|v| *v > largest / 2.0).collect()
     }
 
-    /// Refuses a region that is not in a picture of this size, or is empty.
+    /// Refuses a region that is empty or outside of a picture of this size.
     pub(super) fn check(&self, width: u32, height: u32) -> Result<()> {
         let refuse = |place: &str, what: String, help: &str| {
             Err(Error::invalid("comparison", place, what, help))
@@ -127,7 +127,7 @@ impl Region {
         })
     }
 
-    /// Which pixels of row `y` are compared.
+    /// Whether each pixel of row `y` is compared.
     pub(super) fn row(&self, y: usize, width: usize) -> Vec<bool> {
         let mut chosen = match &self.mask {
             Some(mask) => mask[y * width..(y + 1) * width].to_vec(),

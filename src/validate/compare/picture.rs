@@ -1,4 +1,4 @@
-//! A picture to compare: its file, what its values are, and its channels as rows of numbers.
+//! A picture to compare: its file, the meaning of its values, and its channels as rows of numbers.
 
 use std::path::Path;
 
@@ -16,64 +16,64 @@ pub(super) const RADIANCE: [&str; 3] = ["radiance.R", "radiance.G", "radiance.B"
 /// Names of a channel of grey light.
 const GREY: [&str; 5] = ["radiance", "value", "arr_0", "Y", "luminance"];
 
-/// Whether the channel is one of the light's.
+/// Whether this is a channel of light.
 pub(super) fn is_light(name: &str) -> bool {
     name.starts_with("radiance.")
 }
 
-/// Whether the channel is auxiliary: NaN in it says that no surface is met.
+/// Whether the channel is auxiliary: NaN in it means no hit.
 pub(super) fn is_auxiliary(name: &str) -> bool {
     Aov::named(name).is_some()
 }
 
-/// Whether the channel holds indices, whose differences mean nothing.
+/// Whether the channel holds indices, whose differences are meaningless.
 pub(super) fn is_identity(channel: &Channel) -> bool {
     Aov::named(&channel.name).is_some_and(Aov::is_identity)
 }
 
-/// What the values of a picture's light are.
+/// The encoding of a picture's light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Encoding {
-    /// Proportional to light, of any range.
+    /// Linear light, of any range.
     Linear,
     /// sRGB codes in [0, 1], as a display shows them. Errors are errors of codes; ꟻLIP decodes them.
     Srgb,
 }
 
-/// A picture and what is known of its file.
+/// A picture with facts about its file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
-    /// For messages: the name of its file.
+    /// The name of its file, for messages.
     pub name: String,
-    /// What its light's values are.
+    /// The encoding of its light.
     pub encoding: Encoding,
     /// Channels and metadata.
     pub layers: Layers,
-    /// Channels that the file holds in half precision, which ends at 65504.
+    /// Channels that the file stores in half precision, with a maximum of 65504.
     pub half: Vec<String>,
     /// Whether its light is multiplied by alpha.
     pub alpha: Alpha,
-    /// Whether its values end at 1, as those of a `.png` do.
+    /// Whether its values are limited to 1, like those of a `.png`.
     pub ends_at_one: bool,
-    /// Arrays of its file that are no channels: a camera's matrix, a frame rate, motion vectors.
+    /// Arrays of its file that are not channels: a camera's matrix, a frame rate, motion vectors.
     pub unread: Vec<String>,
 }
 
 /// Whether light is multiplied by alpha.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Alpha {
-    /// It is, as OpenEXR demands.
+    /// Yes, as OpenEXR requires.
     Premultiplied,
-    /// It is not, as PNG demands.
+    /// No, as PNG requires.
     Straight,
-    /// Nothing says.
+    /// Not stated.
     Unknown,
 }
 
-/// Who made a picture, by its metadata.
+/// The metadata key of the method that made a picture.
 pub(super) const METHOD: &str = "method";
-/// Values of [`METHOD`] of ray-traced pictures, which need not say it.
+/// Values of [`METHOD`] of ray-traced pictures, which may omit it.
 const RAY_TRACED: [&str; 2] = ["nullray", "trace"];
 
 impl Picture {
@@ -90,13 +90,13 @@ impl Picture {
         }
     }
 
-    /// Whether its values are light of any range, and not what a display shows.
+    /// Whether its values are light of any range rather than display values.
     pub(super) fn is_high_range(&self) -> bool {
         self.encoding == Encoding::Linear && !self.ends_at_one
     }
 
-    /// The picture in colours, where it is grey and `other` has red, green and blue: grey stands for equal parts of them, as of a
-    /// cube with one channel. Grey is a channel that is named like light, or the only one.
+    /// The picture in colour, if it is grey and `other` has red, green and blue: grey stands for equal amounts of each, as in a cube with
+    /// one channel. A channel is grey if it is named like light, or the only one.
     pub(super) fn in_colours(&self, other: &Picture) -> Option<Picture> {
         let channels = &self.layers.channels;
         let is_named = |channel: &&Channel| GREY.contains(&channel.name.as_str());
@@ -140,14 +140,13 @@ impl Picture {
             .map(|(_, value)| value.as_str())
     }
 
-    /// How the picture was made where that was an approximation (`method = "raster:uniform=0.05"`); none for one that
-    /// was ray-traced, or says nothing of it.
+    /// The approximation that made the picture (`method = "raster:uniform=0.05"`); `None` if it was ray-traced, or does not say.
     pub fn approximation(&self) -> Option<&str> {
         self.metadata(METHOD)
             .filter(|method| !RAY_TRACED.contains(method))
     }
 
-    /// Whether the picture says that this program made it by tracing rays.
+    /// Whether the metadata say that this program ray-traced the picture.
     pub(super) fn is_ray_traced(&self) -> bool {
         let ours = self
             .metadata("software")
@@ -171,18 +170,18 @@ impl<'a> Plane<'a> {
         }
     }
 
-    /// The auxiliary channel, where there is one.
+    /// The auxiliary channel, if it exists.
     pub fn aov(layers: &'a Layers, aov: Aov) -> Option<Self> {
         Plane::find(layers, aov.name())
     }
 
-    /// Several auxiliary channels, where there are all of them.
+    /// Several auxiliary channels, if all of them exist.
     pub fn aovs<const N: usize>(layers: &'a Layers, aovs: [Aov; N]) -> Option<[Self; N]> {
         let planes = aovs.into_iter().map(|aov| Plane::aov(layers, aov));
         planes.collect::<Option<Vec<_>>>()?.try_into().ok()
     }
 
-    /// The channel of this name, where there is one.
+    /// The channel of this name, if it exists.
     pub fn find(layers: &'a Layers, name: &str) -> Option<Self> {
         Some(Plane::new(layers, layers.channel(name)?))
     }
@@ -236,7 +235,7 @@ impl<'a> Plane<'a> {
         }
     }
 
-    /// Whether samples were rounded to single precision.
+    /// Whether samples are stored in single precision.
     pub fn is_single(&self) -> bool {
         matches!(self.samples, Samples::F32(_))
     }
@@ -249,17 +248,18 @@ fn fill<T: Copy>(row: &mut [f32], samples: &[T], convert: impl Fn(T) -> f32) {
 }
 
 impl Picture {
-    /// Reads a picture. `png` says what the codes of a PNG file are; other files hold linear light.
+    /// Reads a picture. `png` states the encoding of a PNG file; other files hold linear light.
     ///
-    /// Arrays have the shape (H, W), or (H, W, n). One of n = 3 or 4 named `radiance`, or alone in its file, is
-    /// `radiance.R`, `.G`, `.B` and `A`; one named like a group of auxiliary channels is these, in their order (`event` of
-    /// shape (H, W, 4) is `event.ct`, `.x`, `.y`, `.z`); one of n = 1 counts as (H, W), and is a channel of its own
-    /// name, `value` in a `.npy` file. What else an archive holds beside channels (a camera's matrix, a frame rate, texts, motion
-    /// vectors) is not read, and its names are kept in [`Picture::unread`]. Of channels of identities in unsigned integers, the largest number of
-    /// the type means that nothing is met (255 in uint8), like −1 in others.
+    /// Arrays have the shape (H, W), or (H, W, n). One with n = 3 or 4 that is named `radiance`, or is the only one in its file, becomes
+    /// `radiance.R`, `.G`, `.B` and `A`; one named like a group of auxiliary channels becomes these, in their order (`event` of shape (H,
+    /// W, 4) is `event.ct`, `.x`, `.y`, `.z`); one with n = 1 counts as (H, W), and is a channel of its own name, `value` in a `.npy` file.
+    /// Anything else in an archive (a camera's matrix, a frame rate, texts, motion vectors) is not read, and its names are kept in
+    /// [`Picture::unread`]. In channels of identities in unsigned integers, the largest number of the type means no hit (255 in uint8),
+    /// like −1 in others.
     ///
     /// # Errors
-    /// What the readers of images and arrays refuse; more than `budget` has memory for; names that do not end in .exr, .png, .npz or .npy; arrays of other shapes.
+    /// Errors of the readers of images and arrays; pictures beyond the memory of `budget`; names that do not end in .exr, .png, .npz or
+    /// .npy; arrays of other shapes.
     pub fn read(path: &Path, png: Encoding, budget: &Budget) -> Result<Picture> {
         let extension = path
             .extension()
@@ -295,7 +295,7 @@ impl Picture {
         })
     }
 
-    /// Takes `no_hit` in channels of identities to mean that nothing is met.
+    /// Makes `no_hit` mean no hit in channels of identities.
     pub fn set_no_hit(&mut self, no_hit: i64) {
         let channels = self.layers.channels.iter_mut();
         for channel in channels.filter(|channel| is_identity(channel)) {
@@ -304,13 +304,13 @@ impl Picture {
     }
 }
 
-/// Identities with −1 in place of `no_hit`.
+/// Identities with `no_hit` replaced by −1.
 fn where_nothing_is_met(samples: &Samples, no_hit: f64) -> Samples {
     let id = |id: f64| if id == no_hit { -1.0 } else { id };
     Samples::F64(samples.to_f64().into_iter().map(id).collect())
 }
 
-/// The channels that the arrays of a file are, and the names of those that are none.
+/// The channels in the arrays of a file, and the names of the other arrays.
 fn arrays(path: &Path, budget: &Budget) -> Result<(Layers, Vec<String>)> {
     let mut headers = npy::inspect(path, None)?;
     let is_metadata = |header: &Header| header.name.as_deref() == Some("metadata");
@@ -319,7 +319,7 @@ fn arrays(path: &Path, budget: &Budget) -> Result<(Layers, Vec<String>)> {
         false => Vec::new(),
     };
     headers.retain(|header| !is_metadata(header));
-    // What is ours has to be right; of the rest, what is no channel of a picture of this size is left out.
+    // Our arrays must be right; of the others, those that are not channels of a picture of this size are skipped.
     let is_alone = headers.len() == 1;
     let ours = |header: &Header| is_alone || is_ours(header.name.as_deref());
     let size = headers.iter().find(|header| ours(header));
@@ -334,7 +334,7 @@ fn arrays(path: &Path, budget: &Budget) -> Result<(Layers, Vec<String>)> {
     let mut parts: Vec<([usize; 2], Vec<Channel>)> = Vec::new();
     for header in &read {
         let array = npy::load_plain(path, header.name.as_deref(), budget)?;
-        // An array of several channels is there twice while these are taken from it.
+        // While the channels of an array are extracted, it is in memory twice.
         if header.shape.len() == 3 && header.shape[2] > 1 {
             let copied: u64 = array.shape.iter().map(|n| *n as u64).product();
             budget.take(copied.saturating_mul(array.samples.size()), path)?;
@@ -368,7 +368,7 @@ fn arrays(path: &Path, budget: &Budget) -> Result<(Layers, Vec<String>)> {
     Ok((layers, unread.collect()))
 }
 
-/// Whether an array of this name is light, or a channel or a group of auxiliary ones.
+/// Whether an array of this name is light, an auxiliary channel, or a group of them.
 fn is_ours(name: Option<&str>) -> bool {
     let Some(name) = name else {
         return true;
@@ -377,7 +377,7 @@ fn is_ours(name: Option<&str>) -> bool {
     is_light_or_alpha || is_auxiliary(name) || !aov::group_of(name).is_empty()
 }
 
-/// Rows and columns of an array of one number, or several, per pixel.
+/// Rows and columns of an array with one or more numbers per pixel.
 fn pixels(shape: &[usize]) -> Option<[usize; 2]> {
     match *shape {
         [height, width] | [height, width, _] => Some([height, width]),
@@ -396,7 +396,7 @@ fn entries(json: &str) -> Vec<(String, String)> {
         .collect()
 }
 
-/// The channels that an array, maybe the only one of its file, is, with its rows and columns.
+/// The channels of an array, which may be the only one of its file, with its rows and columns.
 fn channels(
     path: &Path,
     header: &Header,
@@ -430,7 +430,7 @@ fn channels(
     Ok((size, names.into_iter().enumerate().map(channel).collect()))
 }
 
-/// The names of the channels that the array `name` of so many numbers per pixel holds.
+/// The names of the channels in the array `name` with `depth` numbers per pixel.
 fn names(name: Option<&str>, depth: usize, is_alone: bool) -> Option<Vec<String>> {
     let group = aov::group_of(name.unwrap_or(""));
     let light = matches!(name, None | Some("radiance" | "arr_0")) || (is_alone && group.is_empty());
@@ -452,7 +452,7 @@ fn no_picture(path: &Path, name: Option<&str>, shape: &[usize]) -> Error {
     let group: Vec<&str> = (aov::group_of(name.unwrap_or("")).iter())
         .map(|aov| aov.name())
         .collect();
-    // A group whose array has fewer numbers than channels, as places without their times.
+    // A group whose array has fewer numbers than the group has channels, such as positions without times.
     if let ([first, others @ ..], [height, width, depth]) = (&group[..], shape)
         && !others.is_empty()
     {

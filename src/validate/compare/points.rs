@@ -1,4 +1,4 @@
-//! The points of surfaces that the pixels of a picture show.
+//! The surface points that the pixels of a picture show.
 
 use glam::DVec3;
 
@@ -9,7 +9,7 @@ use crate::render::aov::Aov;
 pub(super) const OBJECT_POINT: [Aov; 3] = [Aov::ObjectEventX, Aov::ObjectEventY, Aov::ObjectEventZ];
 pub(super) const WORLD_POINT: [Aov; 3] = [Aov::EventX, Aov::EventY, Aov::EventZ];
 pub(super) const DIRECTION: [Aov; 3] = [Aov::DirectionX, Aov::DirectionY, Aov::DirectionZ];
-/// The third coordinate adds nothing.
+/// The third coordinate is redundant.
 const BARYCENTRIC: [Aov; 3] = [Aov::BarycentricU, Aov::BarycentricV, Aov::BarycentricV];
 
 /// Channels of surface points.
@@ -19,20 +19,20 @@ pub(super) struct Points<'a> {
     pub height: usize,
     pub object: Option<Plane<'a>>,
     pub primitive: Option<Plane<'a>>,
-    /// Places in the object's own frame.
+    /// Positions in the object's own frame.
     pub material: Option<[Plane<'a>; 3]>,
-    /// Places in the world.
+    /// Positions in the world.
     pub world: Option<[Plane<'a>; 3]>,
-    /// Places on the triangle.
+    /// Positions on the triangle.
     pub barycentric: Option<[Plane<'a>; 3]>,
     /// Look directions in the world.
     pub direction: Option<[Plane<'a>; 3]>,
-    /// Emission times in the world, or else, where both pictures have those alone, in the object's frame.
+    /// Emission times in the world, or, if that is all that both pictures have, in the object's frame.
     pub time: Option<Plane<'a>>,
 }
 
 impl<'a> Points<'a> {
-    /// The channels that there are in two pictures, with times of one frame.
+    /// The channels that both pictures have, with times in the same frame.
     pub fn pair(pair: [&'a Layers; 2]) -> [Self; 2] {
         let times = [Aov::EventCt, Aov::ObjectEventCt].into_iter();
         let mut both = times.filter(|time| pair.iter().all(|p| Plane::aov(p, *time).is_some()));
@@ -62,17 +62,17 @@ impl<'a> Points<'a> {
         [self.width, self.height]
     }
 
-    /// The planes of both pictures in which the same point of a surface has the same place: in the object's
-    /// frame, or else in the world's, which is right for what rests there.
+    /// The planes of both pictures in which the same surface point has the same position: in the object's frame, or else in the world's,
+    /// which is right for objects at rest.
     pub fn places(pair: &[Points<'a>; 2]) -> Option<[[Plane<'a>; 3]; 2]> {
         let both =
             |of: fn(&Points<'a>) -> Option<[Plane<'a>; 3]>| Some([of(&pair[0])?, of(&pair[1])?]);
         both(|p| p.material).or_else(|| both(|p| p.world))
     }
 
-    /// The object that a pixel shows, below 0 for none; none where there is no such channel.
+    /// The object that a pixel shows, below 0 for none; `None` if there is no such channel.
     pub fn object_at(&self, index: usize) -> Option<f64> {
-        // EXR files of other programs hold −1 as the largest count.
+        // EXR files of other programs store −1 as the largest unsigned integer.
         let id = self.object?.at(index);
         Some(if id.is_nan() || id >= 4_294_967_295.0 {
             -1.0
@@ -86,17 +86,17 @@ impl<'a> Points<'a> {
         Some(self.primitive?.at(index))
     }
 
-    /// The point that a pixel shows in its object's frame, where there are such channels.
+    /// The point that a pixel shows in its object's frame, if there are such channels.
     pub fn own_point(&self, index: usize) -> Option<DVec3> {
         Some(place(&self.material?, index))
     }
 
-    /// The place in the world that a pixel shows, where there are such channels.
+    /// The position in the world that a pixel shows, if there are such channels.
     pub fn world_point(&self, index: usize) -> Option<DVec3> {
         Some(place(&self.world?, index))
     }
 
-    /// Whether both pictures show one object at this pixel; where neither has the channel, always.
+    /// Whether both pictures show the same object at this pixel; always true if neither has the channel.
     pub fn same_object(&self, other: &Points, index: usize) -> bool {
         match (self.object_at(index), other.object_at(index)) {
             (Some(a), Some(b)) => a == b && a >= 0.0,

@@ -1,5 +1,5 @@
-//! Structural similarity (Wang, Bovik, Sheikh, Simoncelli, IEEE TIP 13(4), 2004), as scikit-image computes it by
-//! default: uniform 7 × 7 windows, sample covariances, K₁ = 0.01, K₂ = 0.03.
+//! Structural similarity (Wang, Bovik, Sheikh, Simoncelli, IEEE TIP 13(4), 2004), as scikit-image computes it by default: uniform 7 × 7
+//! windows, sample covariances, K₁ = 0.01, K₂ = 0.03.
 //!
 //! ```text
 //!         (2 μr μc + C₁)(2 σrc + C₂)
@@ -7,9 +7,9 @@
 //!        (μr² + μc² + C₁)(σr² + σc² + C₂)
 //! ```
 //!
-//! The mean is over pixels of the region whose window lies in the picture and holds numbers only.
-//! Windows slide: sums over columns of seven rows are updated by a row that enters and one that leaves,
-//! afresh in each strip, so that the result does not depend on how strips are shared out.
+//! The mean is over pixels of the region whose window lies in the picture and contains numbers only. Windows slide: sums over columns of
+//! seven rows are updated by the row that enters and the one that leaves, and restarted in each strip, so that the result does not depend
+//! on how strips are distributed.
 
 use rayon::prelude::*;
 
@@ -24,7 +24,7 @@ const SIZE: usize = 2 * RADIUS + 1;
 /// Rows of a strip.
 const STRIP: usize = 64;
 
-/// Mean similarity of two planes; none where no pixel has a window.
+/// Mean similarity of two planes; `None` if no pixel has a window.
 pub(super) fn mean(pair: [Plane; 2], size: [usize; 2], region: &Region, range: f64) -> Option<f64> {
     let [width, height] = size;
     if width < SIZE || height < SIZE {
@@ -50,7 +50,7 @@ pub(super) fn mean(pair: [Plane; 2], size: [usize; 2], region: &Region, range: f
     (count > 0).then(|| sum / count as f64)
 }
 
-/// What is summed over a window: r, c, r², c², rc, and how many are no numbers.
+/// The sums over a window: of r, c, r², c², rc, and of samples that are not numbers.
 const SUMS: usize = 6;
 
 struct Strip<'a> {
@@ -64,12 +64,12 @@ struct Strip<'a> {
     windows: [Vec<f64>; SUMS],
 }
 
-/// The similarities of some rows of a strip.
+/// The similarities in rows of a strip.
 struct Summing<'t, 'a> {
     strip: &'t mut Strip<'a>,
     rows: std::ops::Range<usize>,
     region: &'t Region,
-    /// Their sum, and how many.
+    /// Their sum and their number.
     total: &'t mut (f64, u64),
 }
 
@@ -94,7 +94,7 @@ impl<'a> Strip<'a> {
         }
     }
 
-    /// The sum of the similarities of these rows, and of how many.
+    /// The sum of the similarities in these rows, and their number.
     #[inline(always)]
     fn sum(&mut self, rows: std::ops::Range<usize>, region: &Region) -> (f64, u64) {
         let (mut sum, mut count) = (0.0, 0);
@@ -110,13 +110,13 @@ impl<'a> Strip<'a> {
         (sum, count)
     }
 
-    /// Adds row `y` to the sums over columns, or takes it away.
+    /// Adds row `y` to the sums over columns, or subtracts it.
     #[inline(always)]
     fn slide(&mut self, y: usize, sign: f64) {
         for (plane, row) in self.pair.iter().zip(&mut self.rows) {
             plane.row(y, row);
         }
-        // Slices of one length: without checks the loop goes in vectors.
+        // Slices of equal length: without bounds checks the loop vectorizes.
         let width = self.width;
         let [r, c] = self.rows.each_ref().map(|row| &row[..width]);
         let [sr, sc, srr, scc, src, bad] = self.columns.each_mut().map(|sums| &mut sums[..width]);
@@ -132,7 +132,7 @@ impl<'a> Strip<'a> {
         }
     }
 
-    /// The similarities of row `y`, whose window the columns hold.
+    /// The similarities of row `y`, for the window whose sums the columns hold.
     #[inline(always)]
     fn similarities(&mut self, y: usize, region: &Region) -> (f64, u64) {
         for (window, column) in self.windows.iter_mut().zip(&self.columns) {
@@ -150,14 +150,14 @@ impl<'a> Strip<'a> {
             let vrc = sample * (src[x] * mean - r * c);
             let over = (2.0 * r * c + self.c1) * (2.0 * vrc + self.c2);
             let under = (r * r + c * c + self.c1) * (vr + vc + self.c2);
-            // Rounding of values far beyond the range may lead out of the bounds of the definition.
+            // Rounding of values far beyond the range may exceed the bounds of the definition.
             sr[x] = (over / under).clamp(-1.0, 1.0);
         }
         let chosen = (!region.is_all()).then(|| region.row(y, self.width));
         let (mut sum, mut count) = (0.0, 0);
         for x in 0..inner {
             let is_chosen = chosen.as_ref().is_none_or(|chosen| chosen[x + RADIUS]);
-            // Black on black has no range: the pictures are the same there. Squares beyond the largest number say nothing.
+            // Black on black has no range: the pictures are equal there. Squares that overflow carry no information.
             let similarity = if sr[x].is_nan() { 1.0 } else { sr[x] };
             if is_chosen && bad[x] == 0.0 && (srr[x] + scc[x]).is_finite() {
                 sum += similarity;
@@ -168,7 +168,7 @@ impl<'a> Strip<'a> {
     }
 }
 
-/// Sums of seven neighbours, the first of them at the sum's own place.
+/// Sums of seven neighbours, starting at the index of the sum.
 #[inline(always)]
 fn across(column: &[f64], window: &mut [f64]) {
     let inner = column.len() - 2 * RADIUS;

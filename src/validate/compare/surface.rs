@@ -1,49 +1,47 @@
-//! Errors in the units that matter, from auxiliary channels: pixels, bins, percent.
+//! Errors in practical units, from auxiliary channels: pixels, bins, percent.
 //!
 //! | error | from | definition |
 //! |---|---|---|
-//! | wrong object | `object` | pixels that show another object, or none where there is one |
-//! | coverage | `object` | of the reference's pixels with surfaces, those at which the candidate shows the same object: the part over which the errors below are measured |
+//! | wrong object | `object` | pixels that show another object, or none although the reference shows one |
+//! | coverage | `object` | of the reference's pixels with surfaces, those at which the candidate shows the same object: the part over which
+//! the errors below are measured |
 //! | silhouette, mean | `object` | wrong-object pixels / length of the boundaries between objects in the reference: the area that a boundary sweeps when it moves by d is d times its length. The length is π/4 times the pixel edges that it crosses (Cauchy and Crofton; exact for boundaries of all directions alike) |
 //! | silhouette, largest | `object` | Hausdorff distance of the boundary pixels, to a pixel |
-//! | geometric | `object_event`, or `event`; `object` | how far a point of a surface is from where it should be, see below |
+//! | geometric | `object_event`, or `event`; `object` | the distance of a surface point from where it should be, see below |
 //! | emission time | `event.ct`, or `object_event.ct` | candidate − reference at pixels of the same object |
 //! | wavelength ratio | `wavelength_ratio` | candidate / reference − 1, and steps of the coarser of the two precisions (ulp) |
 //!
-//! A limit on the last three holds only where they are known: it is exceeded where an object that the reference shows at eight
-//! pixels or more has no value at any of them, where less than half of the reference's pixels with surfaces have one, or where the candidate
-//! has no numbers (NaN) at more than a hundredth of the pixels at which both show the same object and the reference has some.
+//! A limit on the last three holds only if they are known: it is exceeded if an object that the reference shows at eight pixels or more has
+//! no value at any of them, if less than half of the reference's pixels with surfaces have one, or if the candidate has no numbers (NaN) at
+//! more than a hundredth of the pixels where both show the same object and the reference has numbers.
 //!
-//! With several samples per pixel the channels are means, which mix surfaces at silhouettes: compare pictures
-//! of pixel centres.
+//! With several samples per pixel the channels are means, which mix surfaces at silhouettes: compare pictures sampled at pixel centres.
 //!
 //! # Geometric error
 //!
-//! Where the scene is known (by the metadata of the reference, or named) the map π from points of objects to the film is
+//! If the scene is known (from the metadata of the reference, or because it is given) the map π from points of objects to the film is
 //! known, too (`known`), and the candidate's point Y at a pixel where the reference shows X is misplaced by
 //!
 //! ```text
 //! δ = π(Y) − π(X).
 //! ```
 //!
-//! Otherwise the reference alone says which point X(p) of the surface pixel p shows, in coordinates that move with the
-//! object. The candidate's Y belongs at p + δ with X(p + δ) = Y, and with the Jacobian J = ∂X/∂p (metres per pixel,
-//! 3 × 2) of the reference
+//! Otherwise only the reference states which point X(p) of the surface pixel p shows, in coordinates that move with the object. The
+//! candidate's Y belongs at p + δ with X(p + δ) = Y, and with the Jacobian J = ∂X/∂p (metres per pixel, 3 × 2) of the reference
 //!
 //! ```text
 //! δ = (JᵀJ)⁻¹ Jᵀ (Y − X(p))          the least squares solution: what is off the surface does not count
 //! ```
 //!
-//! which is Newton's step: where it leads out of the pixel it is repeated from the pixel it leads to, as
-//! long as that shows the same connected part of the surface. Where Y is not found on the part that the pixel shows, the
-//! parts that the pixels around it show are searched, for a point near a silhouette may be in front of another part of
-//! its object. A Y that is more than half a pixel off the surface that is searched is not on it. The error is |δ|; the
-//! point is seen displaced by −δ.
+//! which is Newton's step: if it leads out of the pixel it is repeated from the pixel where it ends, as long as that shows the same
+//! connected part of the surface. If Y is not found on the part that the pixel shows, the parts that the surrounding pixels show are
+//! searched, because a point near a silhouette may be in front of another part of its object. A Y that is more than half a pixel off the
+//! searched surface is not on it. The error is |δ|; the point is seen displaced by −δ.
 //!
-//! J comes from differences of neighbours on the same part: central ones, exact to second order, where both
-//! neighbours lie on the centre's triangle or the two one-sided differences nearly agree; otherwise the one on the
-//! centre's triangle, so that creases and one part of an object in front of another do not pollute it. Without
-//! triangles the shorter difference stands in. A pixel without such neighbours has no error unless Y = X(p).
+//! J comes from differences of neighbours on the same part: central ones, exact to second order, if both neighbours lie on the centre's
+//! triangle or the two one-sided differences nearly agree; otherwise the one on the centre's triangle, so that creases and one part of an
+//! object in front of another do not affect it. Without triangles the shorter difference is used. A pixel without such neighbours has no
+//! error unless Y = X(p).
 
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_4;
@@ -58,7 +56,7 @@ use super::points::Points;
 use crate::io::image::Layers;
 use crate::render::aov::Aov;
 
-/// Errors of what surfaces are seen where. Each is none where a channel that it needs is missing.
+/// Errors of the surfaces shown, and of their positions. Each is `None` if a channel that it needs is missing.
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]
 #[non_exhaustive]
 pub struct SurfaceErrors {
@@ -66,64 +64,64 @@ pub struct SurfaceErrors {
     pub wrong_objects: Option<Share>,
     /// Of the pixels at which the reference shows a surface, those at which the candidate shows the same object.
     pub coverage: Option<Share>,
-    /// How far boundaries between objects are off.
+    /// Errors of boundaries between objects.
     pub silhouette: Option<Silhouette>,
     /// Distance in pixels from where a surface point is seen to where it should be.
     pub geometric: Option<Distribution>,
-    /// Emission time, metres of light path.
+    /// Error of the emission time, metres of light path.
     pub emission_time: Option<Signed>,
-    /// The same without its sign in bins, where their width is known.
+    /// Its absolute value in bins, if their width is known.
     pub emission_time_bins: Option<Distribution>,
-    /// Observed / emitted wavelength, relative error.
+    /// Relative error of the ratio of observed to emitted wavelength.
     pub wavelength_ratio: Option<Signed>,
     /// The same in steps of the coarser of the two precisions.
     pub wavelength_ratio_ulp: Option<Distribution>,
 }
 
-/// Part of the compared pixels.
+/// A fraction of the compared pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Share {
-    /// How many.
+    /// Number of pixels.
     pub pixels: u64,
-    /// Of how many.
+    /// Number of pixels in total.
     pub of: u64,
 }
 
 impl Share {
-    /// As a number from 0 to 1; none of no pixels.
+    /// As a number from 0 to 1; `None` if the total is 0.
     pub fn part(&self) -> Option<f64> {
         (self.of > 0).then(|| self.pixels as f64 / self.of as f64)
     }
 }
 
-/// How far boundaries between objects are off, pixels.
+/// Errors of boundaries between objects, pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Silhouette {
     /// Mean displacement along the boundary.
     pub mean: f64,
-    /// Hausdorff distance; none where one of the pictures has no boundary.
+    /// Hausdorff distance; `None` if one of the pictures has no boundary.
     pub largest: Option<f64>,
     /// Length of the reference's boundaries.
     pub length: f64,
 }
 
-/// Of values that are not below 0.
+/// A distribution of values that are not below 0.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Distribution {
-    /// How many.
+    /// Number of values.
     pub count: u64,
-    /// Pixels that have an object in both pictures, and no value.
+    /// Pixels with an object in both pictures but without a value.
     pub unmeasured: u64,
-    /// Those of them at which the reference has numbers, and the candidate has none.
+    /// Those of them where the reference has numbers and the candidate has none.
     pub lacking: u64,
-    /// Pixels at which the reference shows a surface; 0 where it does not say.
+    /// Pixels where the reference shows a surface; 0 if unknown.
     pub surfaces: u64,
-    /// Objects that the reference shows at eight pixels or more, none of which has a value.
+    /// Objects that the reference shows at eight pixels or more, without a value at any of them.
     pub unmeasured_objects: Vec<Unmeasured>,
-    /// Their size; none where there are no values.
+    /// Statistics of the values; `None` if there are none.
     #[serde(flatten)]
     pub summary: Option<Summary>,
     /// Distribution.
@@ -137,16 +135,16 @@ pub struct Distribution {
 pub struct Unmeasured {
     /// Its index.
     pub object: u64,
-    /// Pixels at which the reference shows it.
+    /// Pixels where the reference shows it.
     pub pixels: u64,
-    /// Those of them at which the candidate does, too.
+    /// Those of them where the candidate shows it, too.
     pub shown: u64,
 }
 
-/// An object has to have so many pixels to be missed: of fewer, an error that is allowed may move all.
+/// The fewest pixels of an object that can be reported missing: with fewer, an allowed error may move all of them.
 pub(super) const FEWEST_OF_OBJECT: u64 = 8;
 
-/// The size of values that are not below 0, of which there is one at least.
+/// Statistics of values that are not below 0, at least one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Summary {
@@ -154,30 +152,30 @@ pub struct Summary {
     pub mean: f64,
     /// Root mean square.
     pub rms: f64,
-    /// Half are at most this.
+    /// Median.
     pub p50: f64,
-    /// 90 % are at most this.
+    /// 90th percentile.
     pub p90: f64,
-    /// 99 % are at most this.
+    /// 99th percentile.
     pub p99: f64,
-    /// The largest.
+    /// The largest value.
     pub max: f64,
-    /// Column and row of the largest; none where all are 0.
+    /// Column and row of the largest value; `None` if all are 0.
     pub max_at: Option<[u32; 2]>,
 }
 
-/// Of values of both signs.
+/// A distribution of values of both signs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Signed {
-    /// Mean; none where there are no values.
+    /// Mean; `None` if there are no values.
     pub bias: Option<f64>,
-    /// Of the absolute values.
+    /// Distribution of the absolute values.
     #[serde(flatten)]
     pub absolute: Distribution,
 }
 
-/// Surface errors and, for pictures of them, the map of the geometric error.
+/// Surface errors and, if maps are requested, the map of the geometric error.
 pub(super) fn compare(
     pair: [&Layers; 2],
     points: &[Points; 2],
@@ -224,19 +222,19 @@ fn ratio<'a>(pair: [&'a Layers; 2]) -> Option<[Plane<'a>; 2]> {
     Some([r?, c?])
 }
 
-/// Candidate − reference time of a pixel.
+/// The difference of emission times at a pixel, candidate − reference.
 fn time<'a>(points: &'a [Points<'a>; 2]) -> Option<impl Fn(usize) -> f64 + 'a> {
     let [r, c] = [points[0].time?, points[1].time?];
     Some(move |i| c.at(i) - r.at(i))
 }
 
-/// Representable numbers from one value to the other.
+/// Number of representable values from one value to the other.
 fn steps(r: &Plane, c: &Plane, index: usize) -> f64 {
     let (a, b) = (r.at(index), c.at(index));
     if a.is_nan() || b.is_nan() {
         return f64::NAN;
     }
-    // The order of bits, with those of numbers below 0 turned around.
+    // Bit patterns as ordered integers, with those of negative numbers reversed.
     let single = |x: f64| {
         let bits = i64::from((x as f32).to_bits().cast_signed());
         if bits < 0 {
@@ -259,7 +257,7 @@ fn steps(r: &Plane, c: &Plane, index: usize) -> f64 {
     }
 }
 
-/// The pixels of the compared pictures: how many in a row and in a column, which are compared, and what they show.
+/// The compared pictures: their width and height, the compared pixels, and the points that they show.
 type Shown<'a> = ([usize; 2], &'a Region, &'a [Points<'a>; 2]);
 
 fn signed(shown: Shown, lacks: &dyn Fn(usize) -> bool, value: impl Fn(usize) -> f64) -> Signed {
@@ -278,7 +276,8 @@ fn signed(shown: Shown, lacks: &dyn Fn(usize) -> bool, value: impl Fn(usize) -> 
     }
 }
 
-/// The distribution of `value` over the pixels of the region that show the same object; `lacks` says where the candidate has no numbers for it.
+/// The distribution of `value` over the pixels of the region that show the same object; `lacks` returns whether the candidate lacks numbers
+/// for it.
 fn distribution(
     ([width, height], region, points): Shown,
     lacks: &dyn Fn(usize) -> bool,
@@ -293,7 +292,7 @@ fn distribution(
         for x in 0..width {
             let i = y * width + x;
             let object = points[0].object_at(i).filter(|_| chosen[x]);
-            // A displacement is measured along one object: where another is shown there is none.
+            // A displacement is measured along one object: there is none where another is shown.
             chosen[x] &= points[0].same_object(&points[1], i);
             row[x] = value(chosen[x], i);
             let is_measured = chosen[x] && !row[x].is_nan();
@@ -325,7 +324,7 @@ fn distribution(
     }
 }
 
-/// Pixels of the reference by its objects: all, those at which the candidate shows the same, those with a value.
+/// Pixels of the reference by object: all, those where the candidate shows the same object, those with a value.
 #[derive(Debug, Default)]
 struct Objects {
     counts: BTreeMap<u64, [u64; 3]>,
@@ -354,7 +353,7 @@ impl Objects {
     }
 }
 
-/// Farther than any pixel.
+/// Larger than any distance of pixels.
 const FAR: u32 = u32::MAX / 2;
 
 /// Pixels of the region that show another object.
@@ -369,7 +368,7 @@ fn wrong_objects(pair: &[Points; 2], region: &Region) -> Option<Share> {
     Some(share)
 }
 
-/// Surfaces of the reference that the candidate shows, too.
+/// Surfaces of the reference that the candidate also shows.
 fn coverage(pair: &[Points; 2], region: &Region) -> Option<Share> {
     let [r, c] = pair;
     (r.object.is_some() && c.object.is_some()).then_some(())?;
@@ -381,10 +380,10 @@ fn coverage(pair: &[Points; 2], region: &Region) -> Option<Share> {
     Some(share)
 }
 
-/// How far the boundaries between objects are off.
+/// Errors of the boundaries between objects.
 fn silhouette(pair: &[Points; 2], region: &Region) -> Option<Silhouette> {
     let wrong = wrong_objects(pair, region)?;
-    // Over all directions a line crosses 4/π edges of pixels per pixel of its length (Crofton).
+    // Over all directions a line crosses 4/π pixel edges per pixel of its length (Crofton).
     let length = FRAC_PI_4 * crossings(&pair[0], region) as f64;
     let mean = match (wrong.pixels, length) {
         (0, _) => 0.0,
@@ -406,7 +405,7 @@ fn silhouette(pair: &[Points; 2], region: &Region) -> Option<Silhouette> {
     })
 }
 
-/// Neighbours of which one lies across a boundary.
+/// Number of pairs of neighbours on different sides of a boundary.
 fn crossings(points: &Points, region: &Region) -> u64 {
     let [width, height] = points.size();
     let mut count = 0;
@@ -419,7 +418,7 @@ fn crossings(points: &Points, region: &Region) -> u64 {
     count
 }
 
-/// Pixels of the region that have a neighbour of another object, beside or beneath or above.
+/// Pixels of the region that have a neighbour of another object, on either side, above or below.
 fn boundary(points: &Points, region: &Region) -> Vec<bool> {
     let [width, height] = points.size();
     let mut marks = vec![false; width * height];
@@ -434,7 +433,7 @@ fn boundary(points: &Points, region: &Region) -> Vec<bool> {
     marks
 }
 
-/// The largest distance from a marked pixel to the nearest one marked in `other`; none where either has none.
+/// The largest distance from a marked pixel to the nearest one marked in `other`; `None` if either has no marks.
 fn farthest(marks: &[bool], other: &[bool], [width, height]: [usize; 2]) -> Option<f64> {
     (marks.contains(&true) && other.contains(&true)).then_some(())?;
     let columns = vertical(other, [width, height]);
@@ -451,7 +450,7 @@ fn farthest(marks: &[bool], other: &[bool], [width, height]: [usize; 2]) -> Opti
 /// The distance of each pixel to the nearest mark in its column.
 fn vertical(marks: &[bool], [width, height]: [usize; 2]) -> Vec<u32> {
     let mut distances: Vec<u32> = marks.iter().map(|m| if *m { 0 } else { FAR }).collect();
-    // Down, then up: the nearest mark above, then the nearest at all.
+    // Down, then up: the nearest mark above, then the nearest of both.
     for i in width..width * height {
         distances[i] = distances[i].min(distances[i - width] + 1);
     }
@@ -461,8 +460,8 @@ fn vertical(marks: &[bool], [width, height]: [usize; 2]) -> Vec<u32> {
     distances
 }
 
-/// The least squared distance from column `x` to a mark, given the vertical distances of its row. Columns are
-/// visited outwards, and no farther than the nearest mark found so far.
+/// The smallest squared distance from column `x` to a mark, given the vertical distances of its row. Columns are visited outwards, no
+/// farther than the nearest mark found so far.
 fn nearest(row: &[u32], x: usize) -> u64 {
     let square = |n: u64| n * n;
     let mut best = square(row[x].into());

@@ -1,16 +1,15 @@
-//! Cameras at another velocity, at another time, or that are turned, by places.
+//! Cameras with another velocity, time or orientation, found from positions of points.
 //!
-//! Of a known scene the place p(x) on the film is known at which a point is seen by a camera with numbers x changed: its
-//! time; its rapidity, which moves its place at the time of the shot, too; or its orientation. The candidate shows the point at the
-//! centre q of a pixel. x is found by the steps of Gauss and Newton from what the reference has, and for velocities from rest and from the
-//! opposite one: with J = ∂p/∂x,
+//! In a known scene the film position p(x) of a point is known for a camera with a changed parameter x: its time; its rapidity, which also
+//! moves its position at the time of the shot; or its orientation. The candidate shows the point at the centre q of a pixel. x is found by
+//! Gauss–Newton steps from the reference's value, and for velocities also from rest and from the opposite velocity: with J = ∂p/∂x,
 //!
 //! ```text
 //! x ← x − (Σ JᵀJ)⁻¹ Σ Jᵀ(p − q),
 //! ```
 //!
-//! over a few pixels; whether it explains the picture is asked of all. Look directions say velocity and orientation alone (`looks`). Another
-//! film may look much alike: it goes first where it leaves less.
+//! over a sample of pixels; whether x explains the picture is tested on all. Look directions only give velocity and orientation (`looks`).
+//! Another film may look similar: it is preferred if its residual is smaller.
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
 
@@ -21,32 +20,32 @@ use super::{Case, Diagnosis, Kind, NEAR, Tally, film};
 use crate::scene::model::{CameraModel, Motion};
 use crate::spacetime::Velocity;
 
-/// So many pixels are asked for the numbers.
+/// The most pixels used to fit the parameters.
 const ASKED: usize = 1024;
-/// Steps from one start, and halvings of a step that leads to nothing better.
+/// Maximum number of steps from one start, and of halvings of a step that does not improve the fit.
 const STEPS: usize = 12;
 const HALVINGS: usize = 6;
-/// Differences for the derivatives, and steps that end the search: metres, rapidities, radians.
+/// Differences for the derivatives, and step lengths that end the search: metres, rapidities, radians.
 const DIFFERENCE: f64 = 1e-4;
 const SMALLEST_STEP: f64 = 1e-9;
 
-/// What another camera may leave of displacements, pixels, rms: samples anywhere in their pixels make 0.41 of it, single-precision
-/// vertices less. Other units and axes throw points far out of view, where a camera may be found that brings them nearer.
+/// The largest rms displacement, in pixels, that another camera may leave: samples anywhere in their pixels cause 0.41, single-precision
+/// vertices less. Other units and axes move points far out of view, where some camera may bring them nearer.
 const LEFT_BY_CAMERA: f64 = 1.0;
 
-/// What a camera has otherwise.
+/// The camera parameter that differs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Number {
-    /// Metres that its clock is ahead: the first of the numbers.
+    /// The lead of its clock in metres: the first component.
     Time,
     /// Its rapidity.
     Velocity,
-    /// By how many radians it is turned, about the axes of its frame.
+    /// Its rotation in radians, about the axes of its frame.
     Turn,
 }
 
 impl Number {
-    /// Where searches start: at what the reference has first.
+    /// Starts of the search, the reference's value first.
     fn starts(self, camera: &CameraModel) -> Vec<DVec3> {
         let rapidity = camera.velocity.rapidity();
         match self {
@@ -55,7 +54,7 @@ impl Number {
         }
     }
 
-    /// The numbers that there are.
+    /// The axes of its components.
     fn axes(self) -> &'static [DVec3] {
         match self {
             Number::Time => &[DVec3::X],
@@ -77,7 +76,7 @@ impl Number {
     }
 }
 
-/// A camera of another velocity, time or orientation, where no simpler mistake of the camera explains where points are seen.
+/// A camera with another velocity, time or orientation, if no simpler mistake of the camera explains where points are seen.
 pub(super) fn another(case: &Case) -> Option<Diagnosis> {
     let known = case.known?;
     (known.camera().motion == Motion::Inertial).then_some(())?;
@@ -98,10 +97,10 @@ pub(super) fn another(case: &Case) -> Option<Diagnosis> {
         .then(|| describe(known, number, x, &tally))
 }
 
-/// Numbers in metadata that differ by less than this part of them are the same.
+/// Relative tolerance for equal numbers in metadata.
 const SAME: f64 = 1e-9;
 
-/// What the metadata of both pictures say of cameras that move, or are, otherwise.
+/// Differences in camera motion or time between the metadata of both pictures.
 pub(super) fn other_shot(case: &Case) -> Option<Diagnosis> {
     let numbers = |which: usize, key: &str| -> Option<Vec<f64>> {
         let words = case.pair[which].metadata(key)?.split_whitespace();
@@ -136,7 +135,7 @@ pub(super) fn other_shot(case: &Case) -> Option<Diagnosis> {
     })
 }
 
-/// The numbers that explain best where the candidate shows points, and the scene with them.
+/// The parameters that best explain where the candidate shows points, and the scene with them.
 fn fitted(case: &Case, known: &KnownScene, number: Number) -> Option<(DVec3, KnownScene)> {
     let points = &case.points[1];
     let [width, _] = points.size();
@@ -150,7 +149,7 @@ fn fitted(case: &Case, known: &KnownScene, number: Number) -> Option<(DVec3, Kno
         .step_by(shown.len() / ASKED + 1)
         .collect();
     let with = |x: DVec3| known.seen_by(number.apply(known.camera(), x)?);
-    // Where the points are seen, from the pixels that show them.
+    // Displacements of the points from the pixels that show them to where they are seen.
     let off = |scene: &KnownScene| -> Vec<Option<DVec2>> {
         let off = |i: &usize| {
             let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
@@ -158,7 +157,7 @@ fn fitted(case: &Case, known: &KnownScene, number: Number) -> Option<(DVec3, Kno
         };
         pixels.iter().map(off).collect()
     };
-    // The mean length: a few points that are elsewhere do not decide, and those that are seen nowhere are as far as the picture is wide.
+    // The mean length, so that a few displaced points do not decide; points that are not seen count as the width of the picture.
     let mean = |off: &[Option<DVec2>]| {
         let lengths = off.iter().map(|d| d.map_or(width as f64, |d| d.length()));
         lengths.sum::<f64>() / off.len().max(1) as f64
@@ -190,7 +189,7 @@ fn fitted(case: &Case, known: &KnownScene, number: Number) -> Option<(DVec3, Kno
     Some((x, with(x)?))
 }
 
-/// The step of Gauss and Newton from displacements `now`, with those `ahead` along each axis.
+/// The Gauss–Newton step from displacements `now`, with those `ahead` along each axis.
 fn step(now: &[Option<DVec2>], ahead: &[Vec<Option<DVec2>>]) -> Option<DVec3> {
     let (mut normal, mut right) = (DMat3::ZERO, DVec3::ZERO);
     for (i, a) in now.iter().enumerate() {
@@ -202,7 +201,7 @@ fn step(now: &[Option<DVec2>], ahead: &[Vec<Option<DVec2>>]) -> Option<DVec3> {
                 slopes[k] = slope;
             }
         }
-        // The weight of a mean of lengths.
+        // Weights that minimise the mean length.
         let weight = 1.0 / a.length().max(NEAR);
         for (slopes, a) in slopes.into_iter().zip(a.to_array()) {
             let [x, y, z] = slopes.to_array();
@@ -210,7 +209,7 @@ fn step(now: &[Option<DVec2>], ahead: &[Vec<Option<DVec2>>]) -> Option<DVec3> {
             right += weight * a * slopes;
         }
     }
-    // Numbers that there are not stay as they are.
+    // Missing components stay unchanged.
     for k in ahead.len()..3 {
         normal.col_mut(k)[k] = 1.0;
     }

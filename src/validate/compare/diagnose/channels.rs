@@ -10,10 +10,10 @@ use super::{Case, Diagnosis, Kind, Tally, frames, median, normals, time};
 use crate::render::aov::Aov;
 use crate::scene::model::SPEED_OF_LIGHT;
 
-/// The part of an object's pixels at which a candidate that names it otherwise does so.
+/// The fraction of an object's pixels at which a renamed index must appear in the candidate.
 const ALMOST_ALL: f64 = 0.95;
 
-/// Indices of objects, or of triangles, that count from 1, or are those of others.
+/// Indices of objects, or of triangles, that count from 1 or are exchanged.
 pub(super) fn identities(case: &Case) -> Option<Diagnosis> {
     let names = ["objects", "triangles"];
     let planes = [
@@ -27,7 +27,7 @@ pub(super) fn identities(case: &Case) -> Option<Diagnosis> {
 fn renamed(case: &Case, name: &'static str, [r, c]: [Option<Plane>; 2]) -> Option<Diagnosis> {
     let (r, c) = (r?, c?);
     let id = |plane: &Plane, i: usize| match plane.at(i) {
-        // What stands for nothing: NaN, and −1 as an unsigned number.
+        // Markers of no hit: NaN, and −1 as an unsigned number.
         id if id.is_nan() || id >= 4_294_967_295.0 => -1,
         id => id as i64,
     };
@@ -51,7 +51,7 @@ fn renamed(case: &Case, name: &'static str, [r, c]: [Option<Plane>; 2]) -> Optio
     if total < super::FEWEST as u64 {
         return None;
     }
-    // Each name stands for one other, and no two for the same.
+    // Each index is mapped to one other, and no two to the same.
     let most = |c: &BTreeMap<i64, u64>| c.iter().max_by_key(|(_, n)| **n).map(|(id, _)| *id);
     let map: BTreeMap<i64, i64> = names
         .iter()
@@ -65,13 +65,13 @@ fn renamed(case: &Case, name: &'static str, [r, c]: [Option<Plane>; 2]) -> Optio
         .filter(|(r, c)| r != c)
         .map(|(r, c)| (*r, *c))
         .collect();
-    // Almost all pixels of each.
+    // Almost all pixels of each object.
     let agrees = |(r, c): &(i64, i64)| {
         let all: u64 = names[r].values().sum();
         names[r][c] as f64 >= ALMOST_ALL * all as f64
     };
     let unique = targets.len() == map.len() && !targets.contains(&-1);
-    // Small objects are exchanged, too, where nearly all of the picture is right.
+    // Small objects may be exchanged, too, if nearly all of the rest is right.
     let is_small = |(r, _): &(i64, i64)| names[r].values().sum::<u64>() < super::FEWEST as u64;
     if right >= ALMOST_ALL && (changes.is_empty() || changes.iter().any(is_small)) {
         return None;
@@ -80,7 +80,7 @@ fn renamed(case: &Case, name: &'static str, [r, c]: [Option<Plane>; 2]) -> Optio
         name == "objects" && unique && changes.len() > 1 && changes.iter().all(agrees);
     let one_based = count(&|r| r + 1);
     let exchanged = count(&|r| map[&r]);
-    // Of an object that fills the picture, both explain almost all.
+    // For an object that fills the picture, both explain almost all pixels.
     if right < ALMOST_ALL && one_based >= ALMOST_ALL && !(is_exchange && exchanged > one_based) {
         let zero = nothing.is_some_and(|c| c.contains_key(&0));
         let at = if zero {
@@ -120,7 +120,7 @@ pub(super) fn coordinates(case: &Case) -> Vec<Diagnosis> {
         found.extend(scaled.or_else(|| axes(&pixels, name, &r, &c)));
     }
     found.extend(scale_of(case, Aov::Distance));
-    // Times that hardly vary are shifted and scaled alike: a shift goes first.
+    // Times that hardly vary look shifted and scaled alike: a shift takes precedence.
     if time::shifted(case).is_none() {
         found.extend(scale_of(case, Aov::EventCt));
         found.extend(scale_of(case, Aov::ObjectEventCt));
@@ -135,7 +135,7 @@ pub(super) fn coordinates(case: &Case) -> Vec<Diagnosis> {
     found
 }
 
-/// Whether a sign explains times to rounding: no shift of times that vary does.
+/// Whether a sign explains times to rounding; a shift of varying times cannot.
 fn leaves_nothing(found: &Diagnosis) -> bool {
     let sizes: Vec<f64> = found.evidence.iter().map(|(_, size)| *size).collect();
     matches!(sizes[..], [error, rest] if rest <= 1e-6 * error)
@@ -161,7 +161,7 @@ fn pixels_of(case: &Case, name: &str) -> Vec<usize> {
     }
 }
 
-/// Where pixels are known to show one place in both pictures; of other places there are other normals. All, where nothing is known.
+/// Pixels known to show the same position in both pictures, because normals differ elsewhere. All pixels if nothing is known.
 pub(super) fn same_places(case: &Case) -> Vec<usize> {
     let pixels = case.pixels().into_iter();
     let is_same = |i: &usize| {
@@ -171,7 +171,7 @@ pub(super) fn same_places(case: &Case) -> Vec<usize> {
     pixels.filter(is_same).collect()
 }
 
-/// Samples elsewhere in the pixel are displaced by less, pixels.
+/// An upper bound on the displacement, in pixels, by samples elsewhere in the pixel.
 const SAME_PLACE: f64 = 1.5;
 
 /// The six orders of x, y and z.
@@ -184,7 +184,7 @@ const ORDERS: [[usize; 3]; 6] = [
     [2, 1, 0],
 ];
 
-/// The candidate's coordinates are others of the reference's, or their opposites.
+/// The candidate's coordinates are permuted, or negated.
 fn axes(pixels: &[usize], name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) -> Option<Diagnosis> {
     let scale = median(
         pixels
@@ -199,14 +199,14 @@ fn axes(pixels: &[usize], name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) ->
             .map(|&i| [(place(c, i) - place(r, i)).length(), 0.0]),
     )
     .error();
-    // Right to a twentieth of the usual distance: nothing to explain.
+    // Right to a twentieth of the rms distance: nothing to explain.
     if error <= 0.05 * scale {
         return None;
     }
     let mut best: Option<([usize; 3], DVec3, Tally)> = None;
-    // All 48 ways to exchange and mirror axes.
+    // All 48 ways to permute and mirror axes.
     for order in ORDERS {
-        // Of flat sides several do alike: then all are reversed.
+        // For flat faces several fit equally: prefer that all are reversed.
         let all_first = u32::from(order == ORDERS[0]) * 7;
         for signs in (0..8u32).map(|signs| signs ^ all_first) {
             let sign = |axis: u32| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 };
@@ -261,7 +261,7 @@ fn axes(pixels: &[usize], name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) ->
     })
 }
 
-/// Events whose four numbers come in another order: the time last, or anywhere but first.
+/// Events whose four components are in another order: the time last, or anywhere but first.
 pub(super) fn order_of_events(case: &Case) -> Option<Diagnosis> {
     const ORDERS: [([usize; 4], &str); 3] = [
         ([1, 2, 3, 0], "x, y, z, ct"),
@@ -306,7 +306,7 @@ pub(super) fn order_of_events(case: &Case) -> Option<Diagnosis> {
     })
 }
 
-/// Lengths and times in another unit that has a name.
+/// Lengths and times in another known unit.
 pub(super) fn units(case: &Case) -> Vec<Diagnosis> {
     let lengths = vectors(case)
         .into_iter()
@@ -323,17 +323,17 @@ pub(super) fn units(case: &Case) -> Vec<Diagnosis> {
 }
 
 const FACTOR: &str = "factor";
-/// Factors nearer to a unit than this part of it are that unit.
+/// Relative tolerance for a factor to match a unit.
 const SAME_UNIT: f64 = 0.005;
 
-/// The unit in which values are, times this factor.
+/// The unit of values that are `factor` times too large.
 fn unit(factor: f64) -> Option<&'static str> {
     let mut units = UNITS.iter();
     let found = units.find(|(unit, _)| (factor / unit - 1.0).abs() < SAME_UNIT);
     found.map(|(_, words)| *words)
 }
 
-/// Units of length and of light path, by how many of them a metre is.
+/// Units of length and of light path: number per metre.
 const UNITS: [(f64, &str); 9] = [
     (1e3, "in millimetres"),
     (1e2, "in centimetres"),
@@ -345,7 +345,7 @@ const UNITS: [(f64, &str); 9] = [
     (1e12 / SPEED_OF_LIGHT, "in picoseconds"),
     (1e15 / SPEED_OF_LIGHT, "in femtoseconds"),
 ];
-/// Factors nearer to 1 than this are none.
+/// Factors closer to 1 than this are ignored.
 const NOTABLE_FACTOR: f64 = 0.02;
 
 fn scale(case: &Case, name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) -> Option<Diagnosis> {
@@ -396,7 +396,7 @@ fn describe_scale(name: &'static str, factor: f64, tally: &Tally) -> Option<Diag
     })
 }
 
-/// Texture coordinates that run the other way.
+/// Texture coordinates that run in the opposite direction.
 pub(super) fn texture(case: &Case) -> Option<Diagnosis> {
     let [Some(r), Some(c)] = case
         .pair
@@ -424,7 +424,7 @@ pub(super) fn texture(case: &Case) -> Option<Diagnosis> {
             let [x, y] = turn(u, v);
             [libm::hypot(a - u, b - v), libm::hypot(a - x, b - y)]
         }));
-        // Coordinates that are off by less than a twentieth are no flip.
+        // Coordinates that are off by less than a twentieth are not flipped.
         tally.explains(0.05).then(|| Diagnosis {
             kind: Kind::TextureFlipped,
             what: format!("texture coordinate {words}").into(),

@@ -1,8 +1,8 @@
-//! Channels that hold one number at every pixel, where the reference's vary: what was never written.
+//! Channels that hold one number at every pixel although the reference's vary: channels that were never written.
 //!
-//! They are named, and everything else is asked of a candidate without them: of zeros, mirrors, units and velocities explain as much as any
-//! other mistake. What has a name of its own is left to it: one index for all triangles, one time for all events, black light, and planes
-//! whose coordinates are exchanged.
+//! They are reported, and all other hypotheses are tested without them: zeros are explained equally well by mirrors, units, velocities and
+//! any other mistake. Cases with a diagnosis of their own are left to it: one index for all triangles, one time for all events, black
+//! light, and planes with exchanged coordinates.
 
 use super::super::geometry::Field;
 use super::super::picture::{Picture, Plane, RADIANCE, is_light};
@@ -10,9 +10,9 @@ use super::super::points::Points;
 use super::{Case, Diagnosis, FEWEST, Kind, MOST, diagnose_channels};
 use crate::render::aov::{Aov, group};
 
-/// The reference's numbers vary by at least this part of the largest.
+/// The least variation of the reference's numbers, relative to the largest.
 const VARIES: f64 = 1e-3;
-/// Groups of channels that say what surfaces are seen; others, of the film, may hold one number.
+/// Groups of channels that describe surfaces; others, of the film, may be constant.
 const OF_SURFACES: [&str; 9] = [
     "object",
     "barycentric",
@@ -24,10 +24,10 @@ const OF_SURFACES: [&str; 9] = [
     "wavelength_ratio",
     "normal",
 ];
-/// Channels with a name of their own for it.
+/// Channels with a diagnosis of their own for this.
 const NAMED_OTHERWISE: [Aov; 3] = [Aov::Primitive, Aov::EventCt, Aov::ObjectEventCt];
 
-/// The channels that hold one number, and what is found of a candidate without them; none where no channel does.
+/// The constant channels, and the diagnoses of a candidate without them; `None` if no channel is constant.
 pub(super) fn set_apart(case: &Case) -> Option<Vec<Diagnosis>> {
     let [r, c] = case.pair.map(|picture| &picture.layers);
     let names = c.channels.iter().map(|channel| channel.name.as_str());
@@ -36,7 +36,7 @@ pub(super) fn set_apart(case: &Case) -> Option<Vec<Diagnosis>> {
         Some((name, only_number(case, name, planes)?))
     });
     let stuck: Vec<(&str, Only)> = stuck.collect();
-    // Of a group, some channel is wrong at a good part of the pixels.
+    // At least one channel of the group is wrong at many pixels.
     let is_plain = |name: &str| {
         (stuck.iter()).any(|(other, only)| only.is_plain && group(other) == group(name))
     };
@@ -45,7 +45,7 @@ pub(super) fn set_apart(case: &Case) -> Option<Vec<Diagnosis>> {
         .map(|(name, only)| (*name, only.number))
         .collect();
     let (first, _) = stuck.first()?;
-    // Of a group the others say nothing by themselves.
+    // The other channels of a group are meaningless by themselves.
     let is_stuck = |name: &str| stuck.iter().any(|(other, _)| group(other) == group(name));
     let mut without: Picture = case.pair[1].clone();
     without
@@ -65,14 +65,14 @@ pub(super) fn set_apart(case: &Case) -> Option<Vec<Diagnosis>> {
     Some(found)
 }
 
-/// The only number of a channel, and whether it is wrong at more pixels than edges have.
+/// The only value of a channel, and whether it is wrong at more pixels than edges account for.
 #[derive(Debug, Clone, Copy)]
 struct Only {
     number: f64,
     is_plain: bool,
 }
 
-/// The only number of a channel of the candidate, where the reference has others.
+/// The only value of a channel of the candidate, if the reference has several.
 fn only_number(case: &Case, name: &str, [r, c]: [Plane; 2]) -> Option<Only> {
     let is_named = NAMED_OTHERWISE.iter().any(|aov| aov.name() == name);
     let is_asked = is_light(name) || OF_SURFACES.contains(&group(name));
@@ -83,7 +83,7 @@ fn only_number(case: &Case, name: &str, [r, c]: [Plane; 2]) -> Option<Only> {
         true => case.region.pixels(case.points[0].size()).collect(),
         false => case.pixels(),
     };
-    // What both pictures show alike may be one surface, of one light.
+    // Where both pictures agree there may be one surface, in uniform light.
     let all: Vec<usize> = case.region.pixels(case.points[0].size()).collect();
     let number = constant(&c, &all)?;
     let in_reference = || pixels.iter().map(|i| r.at(*i)).filter(|v| v.is_finite());
@@ -92,7 +92,7 @@ fn only_number(case: &Case, name: &str, [r, c]: [Plane; 2]) -> Option<Only> {
     let varies = high - low > VARIES * high.abs().max(low.abs());
     let is_wrong = |v: &f64| (v - number).abs() > VARIES * (high - low);
     let wrong = in_reference().filter(is_wrong).count();
-    // Of objects that cover all of the picture, the others may be missing.
+    // If objects cover the whole picture, the others may be missing.
     let is_told = !is_object || number >= 0.0 && low < 0.0;
     let is_clipped = is_light(name) && number == 1.0 && low >= 1.0;
     let is_stuck = varies && is_told && !is_clipped && wrong >= FEWEST;
@@ -102,7 +102,7 @@ fn only_number(case: &Case, name: &str, [r, c]: [Plane; 2]) -> Option<Only> {
     })
 }
 
-/// The only number of a channel at these pixels.
+/// The value of a channel that is constant at these pixels.
 fn constant(plane: &Plane, pixels: &[usize]) -> Option<f64> {
     let mut numbers = pixels
         .iter()
@@ -112,8 +112,8 @@ fn constant(plane: &Plane, pixels: &[usize]) -> Option<f64> {
     numbers.all(|v| v == first).then_some(first)
 }
 
-/// Whether more channels of the group hold one number in the candidate than in the reference, where axes may be exchanged; light that is
-/// all black does not count.
+/// Whether more channels of the group are constant in the candidate than in the reference, since axes may be exchanged; completely black
+/// light does not count.
 fn has_more_constants(case: &Case, name: &str, pixels: &[usize]) -> bool {
     let count = |which: usize| {
         let layers = &case.pair[which].layers;

@@ -1,8 +1,8 @@
-//! Light to which a number was added, or that went through a curve: tone mapping.
+//! Light with a number added, or with a curve applied: tone mapping.
 //!
-//! A curve T makes the candidate's light c of the reference's r, channel by channel, c = T(r), or by luminance Y alone, c = r S(Y).
-//! The usual ones have one free number, the exposure before them; any other is fitted as a polygon over ln r. What is fitted has to
-//! leave next to nothing, and the light has to have enough different values.
+//! A curve T maps the reference's light r to the candidate's light c, channel by channel, c = T(r), or by luminance Y only, c = r S(Y). The
+//! usual ones have one free parameter, the exposure before them; any other is fitted as a polyline over ln r. The fit must leave next to
+//! nothing, and the light must have enough different values.
 
 use super::light::{
     FAR_LESS, LEFT_BESIDE_A_FACTOR, Lit, NOTABLE, NOTHING, Told, decoded, distance, evidence,
@@ -11,10 +11,10 @@ use super::light::{
 use super::{Case, Diagnosis, Kind, median};
 use crate::colour::srgb_encode;
 
-/// A diagnosis of the light, and what it leaves of the squared error.
+/// A diagnosis of the light, and the fraction of the squared error that it leaves.
 type Explanation = (Diagnosis, f64);
 
-/// What `found` is of the light's mistakes, or a curve that explains it far better (`FAR_LESS`).
+/// Returns `found`, the mistake of the light found so far, or a curve that explains it far better (`FAR_LESS`).
 pub(super) fn instead_of(case: &Case, found: Option<Explanation>) -> Option<Explanation> {
     if found.as_ref().is_some_and(|(_, left)| *left <= NOTHING) {
         return found;
@@ -27,21 +27,21 @@ pub(super) fn instead_of(case: &Case, found: Option<Explanation>) -> Option<Expl
     }
 }
 
-/// Values of light that differ by this factor are different ones, and this many pixels have to have each.
+/// Light values that differ by this factor count as different, and the number of pixels that each must have.
 const LEVEL: f64 = 1.1;
 const FEWEST_AT_LEVEL: usize = 3;
-/// How many values there have to be for an added number, for a curve with one free number, and for any curve.
+/// The number of values needed for an added number, for a curve with one free parameter, and for any curve.
 const LEVELS_FOR_OFFSET: usize = 5;
 const LEVELS_FOR_EXPOSURE: usize = 8;
 const LEVELS_FOR_CURVE: usize = 16;
 
-/// Added numbers are notable from this part of the light on: rounding to half precision makes a tenth of it.
+/// The smallest notable added number relative to the light: rounding to half precision causes a tenth of it.
 const NOTABLE_OFFSET: f64 = 0.003;
 
-/// What an added number may leave of the squared error: a hundredth of noise, where it is a tenth of the light.
+/// The largest fraction of the squared error that an added number may leave: one percent noise, if it is a tenth of the light.
 const LEFT_BY_OFFSET: f64 = 0.02;
 
-/// How many different values the reference's light has.
+/// The number of different values of the reference's light.
 fn levels(lit: &[Lit]) -> usize {
     let mut counts = std::collections::BTreeMap::<i64, usize>::new();
     for v in lit.iter().flat_map(|(_, [r, _])| *r).filter(|v| *v > 0.0) {
@@ -56,7 +56,7 @@ fn levels(lit: &[Lit]) -> usize {
 
 /// Light to which one number is added.
 fn offset(case: &Case) -> Option<Explanation> {
-    // Light that was taken away may leave less than none.
+    // After subtraction light may be negative.
     let lit = lit_above(case, f64::NEG_INFINITY)?;
     let cut = |c: &[f64; 3]| c.contains(&0.0);
     let lit: Vec<Lit> = lit.into_iter().filter(|(_, [_, c])| !cut(c)).collect();
@@ -85,13 +85,13 @@ fn offset(case: &Case) -> Option<Explanation> {
 /// A curve for displays.
 #[derive(Clone, Copy)]
 enum Curve {
-    /// Of each channel.
+    /// Of each channel separately.
     Channel(fn(f64) -> f64),
     /// A factor by luminance.
     Luminance(fn(f64) -> f64),
 }
 
-/// The usual ones.
+/// The usual curves.
 const CURVES: [(&str, Curve); 5] = [
     ("Reinhard's, v/(1 + v)", Curve::Channel(|v| v / (1.0 + v))),
     (
@@ -112,12 +112,12 @@ fn aces(v: f64) -> f64 {
 fn hable(v: f64) -> f64 {
     let curve =
         |v: f64| (v * (0.15 * v + 0.05) + 0.004) / (v * (0.15 * v + 0.5) + 0.06) - 0.02 / 0.3;
-    // 11.2 is what becomes white.
+    // 11.2 maps to white.
     curve(v) / curve(11.2)
 }
 
 impl Curve {
-    /// What it makes of light `exposure` times as bright, encoded for a display if `encoded`.
+    /// Its result for light that is `exposure` times as bright, encoded for a display if `encoded`.
     fn of(self, light: [f64; 3], exposure: f64, encoded: bool) -> [f64; 3] {
         let light = light.map(|v| exposure * v);
         let shown = match self {
@@ -134,24 +134,24 @@ impl Curve {
     }
 }
 
-/// Of linear light with the primaries of sRGB.
+/// The luminance of linear light with sRGB primaries.
 fn luminance([r, g, b]: [f64; 3]) -> f64 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
-/// What is said of a curve, its numbers, and how it explains the light.
+/// The name of a curve, its parameters, and how well it explains the light.
 type Explained = (String, Vec<(&'static str, f64)>, Told);
 
-/// So many pixels are asked for the free number.
+/// The most pixels used to fit the free parameter.
 const ASKED: usize = 2048;
-/// Exposures that are asked about: factors on the median of light, and the ends of the range of their logarithms.
+/// Exposures to try: their number, and the range of the logarithm of the factor on the median of light.
 const EXPOSURES: usize = 33;
 const RANGE: f64 = 7.0;
 
-/// Light that went through a curve.
+/// Light with a curve applied.
 fn toned(case: &Case) -> Option<Explanation> {
     let lit = lit(case)?;
-    // Values that a display cuts say nothing of the curve.
+    // Values that a display clips say nothing about the curve.
     let cut = |c: &[f64; 3]| c.contains(&0.0) || c.iter().any(|v| *v >= 1.0 - 1e-6);
     let range = lit.iter().flat_map(|(_, [_, c])| *c).fold(0.0, f64::max);
     let lit: Vec<Lit> = match range <= 1.0 {
@@ -189,7 +189,7 @@ fn toned(case: &Case) -> Option<Explanation> {
     }
     let is_one = |told: &Told| told.explains() && told.left <= LEFT_BESIDE_A_FACTOR.min(most);
     let best = best.filter(|(.., told)| is_one(told));
-    // Any curve has more freedom: it is asked last.
+    // An arbitrary curve has more freedom: try it last.
     let found = best.or_else(|| {
         (levels >= LEVELS_FOR_CURVE).then_some(())?;
         any(&lit).filter(|(.., told)| is_one(told))
@@ -203,7 +203,7 @@ fn toned(case: &Case) -> Option<Explanation> {
     Some((diagnosis, told.left))
 }
 
-/// The exposure, on light in parts of its median, with which a curve leaves least: by trial, then by halving steps.
+/// The exposure, relative to the light's median, at which a curve fits best: by a grid, then by step halving.
 fn exposure(lit: &[Lit], curve: Curve, encoded: bool) -> f64 {
     let usual = middle(lit) / 3f64.sqrt();
     let left = |log: f64| {
@@ -229,10 +229,10 @@ fn exposure(lit: &[Lit], curve: Curve, encoded: bool) -> f64 {
     libm::exp(log)
 }
 
-/// Corners of a polygon over ln r, per factor of e.
+/// Vertices of a polyline over ln r, per factor of e.
 const CORNERS: f64 = 8.0;
 
-/// A polygon over the logarithm of light, by medians.
+/// A polyline over the logarithm of light, through medians.
 struct Polygon {
     corners: Vec<[f64; 2]>,
 }
@@ -241,7 +241,7 @@ impl Polygon {
     fn of(pairs: &[[f64; 2]]) -> Option<Polygon> {
         let mut parts = std::collections::BTreeMap::<i64, Vec<[f64; 2]>>::new();
         for [x, y] in pairs.iter().filter(|[x, _]| *x > 0.0) {
-            // Parts of equal ratios of light.
+            // Intervals of equal light ratios.
             let x = libm::log(*x);
             parts
                 .entry((CORNERS * x).floor() as i64)
@@ -259,7 +259,7 @@ impl Polygon {
         (corners.len() >= 2).then_some(Polygon { corners })
     }
 
-    /// Along its edges, and on beyond the last ones.
+    /// Interpolates along its edges, and extrapolates beyond the last ones.
     fn at(&self, v: f64) -> f64 {
         let x = libm::log(v.max(f64::MIN_POSITIVE));
         let next = self.corners.partition_point(|corner| corner[0] < x);
@@ -268,7 +268,7 @@ impl Polygon {
         y0 + (y1 - y0) * (x - x0) / (x1 - x0)
     }
 
-    /// Whether it never falls.
+    /// Whether it never decreases.
     fn rises(&self) -> bool {
         self.corners
             .windows(2)
@@ -298,7 +298,7 @@ fn any(lit: &[Lit]) -> Option<Explained> {
     });
     let both = by_channels.into_iter().chain(by_luminance);
     let (of, curve, told) = both.min_by(|a, b| a.2.left.total_cmp(&b.2.left))?;
-    // At the usual light, and at the brightest tenth.
+    // At the median light, and at the brightest tenth.
     let mut values: Vec<f64> = lit.iter().map(|(_, [r, _])| luminance(*r)).collect();
     values.sort_by(f64::total_cmp);
     let [usual, bright] =

@@ -1,9 +1,9 @@
-//! Depths along the camera's axis where distances belong.
+//! Depths along the camera's axis instead of distances.
 //!
-//! `distance` is the world's distance s from the pinhole to the emission event, whose displacement is (−ηs, s d). Programs that
-//! rasterize have the depth z instead, the part of the way along the camera's axis, in the camera's frame (after its boost) or in
-//! the world's coordinates; or what a depth buffer holds of it, a + b/z. Light that is delayed by the depth leaves at T − ηz in
-//! place of T − ηs. Where the scene is not known, the cosine between ray and axis of a pinhole camera says it, with one free number:
+//! `distance` is the world's distance s from the pinhole to the emission event, whose displacement is (−ηs, s d). Rasterizers have the
+//! depth z instead, the component along the camera's axis, in the camera's frame (after its boost) or in the world's coordinates; or the
+//! value a + b/z of a depth buffer. Light delayed by the depth leaves at T − ηz instead of T − ηs. If the scene is unknown, the hypothesis
+//! is the cosine between ray and axis of a pinhole camera, with one free parameter:
 //!
 //! ```text
 //! s/z = √(1 + ρ²/f²),      ρ from the film's centre, f the focal length, both in pixels.
@@ -15,10 +15,10 @@ use super::super::picture::Plane;
 use super::{Case, Diagnosis, Kind, Tally, median};
 use crate::render::aov::Aov;
 
-/// Distances that differ by less than this part of the usual one are right.
+/// The smallest notable relative error of distances.
 const NOTABLE: f64 = 1e-3;
 
-/// What a program may have taken for the distance.
+/// Quantities that a program may have written instead of the distance.
 const MEANINGS: [&str; 4] = [
     "the depth along the camera's axis, in the camera's own frame",
     "the depth along the camera's axis, in the world's coordinates",
@@ -26,7 +26,7 @@ const MEANINGS: [&str; 4] = [
     "the reference's over the cosine to the camera's axis: one of the two is a depth",
 ];
 
-/// The values of [`MEANINGS`] at pixel `i` where the distance is `s`.
+/// The values of [`MEANINGS`] at pixel `i` with the distance `s`.
 fn meanings(case: &Case, i: usize, s: f64) -> Option<[f64; 4]> {
     let known = case.known?;
     let d = known.look_along(centre(case, i))?.unit();
@@ -40,12 +40,12 @@ fn centre(case: &Case, i: usize) -> DVec2 {
     DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5)
 }
 
-/// Distances, and times, in which depths stand for distances.
+/// Distances and times computed from depths.
 pub(super) fn depths(case: &Case) -> Vec<Diagnosis> {
     distance(case).into_iter().chain(time(case)).collect()
 }
 
-/// Distances that are something else.
+/// Distances that are another quantity.
 fn distance(case: &Case) -> Option<Diagnosis> {
     let [r, c] = case
         .pair
@@ -65,7 +65,7 @@ fn distance(case: &Case) -> Option<Diagnosis> {
             Some([(c - r.at(i)).abs(), (c - h(i)?).abs()])
         }))
     };
-    // Meanings without free numbers, and their opposites.
+    // Quantities without free parameters, and their negatives.
     let mut best: Option<(String, Tally)> = None;
     for (k, meaning) in MEANINGS.into_iter().enumerate() {
         for (sign, words) in [(1.0, ""), (-1.0, "minus ")] {
@@ -101,7 +101,7 @@ fn describe(what: String, tally: &Tally, sizes: Vec<(&'static str, f64)>) -> Dia
     }
 }
 
-/// a + b/z, as a depth buffer has it, by least squares over the depths of the camera's frame.
+/// a + b/z, as in a depth buffer, by least squares over the depths in the camera's frame.
 fn buffer(case: &Case, pixels: &[usize], [r, c]: [&Plane; 2], usual: f64) -> Option<Diagnosis> {
     let inverse = |i: usize| Some(1.0 / meanings(case, i, r.at(i))?[0]);
     let pairs: Vec<[f64; 2]> = pixels
@@ -123,7 +123,7 @@ fn buffer(case: &Case, pixels: &[usize], [r, c]: [&Plane; 2], usual: f64) -> Opt
         let h = a + b * inverse(i)?;
         Some([(c.at(i) - r.at(i)).abs(), (c.at(i) - h).abs()])
     }));
-    // With two free numbers, what is left is held against how the values vary, too.
+    // With two free parameters, the residual is compared with the spread of the values, too.
     let varies = (yy / n).sqrt();
     let explains = varies > 0.0 && tally.explains(NOTABLE * usual) && tally.rest() <= 0.02 * varies;
     explains.then(|| {
@@ -138,7 +138,7 @@ fn buffer(case: &Case, pixels: &[usize], [r, c]: [&Plane; 2], usual: f64) -> Opt
     })
 }
 
-/// The distance times, or over, the cosine between ray and axis, where the scene is not known.
+/// The distance multiplied, or divided, by the cosine between ray and axis, if the scene is unknown.
 fn by_cosine(case: &Case, pixels: &[usize], [r, c]: [&Plane; 2], usual: f64) -> Option<Diagnosis> {
     if case.known.is_some() {
         return None;
@@ -176,7 +176,7 @@ fn by_cosine(case: &Case, pixels: &[usize], [r, c]: [&Plane; 2], usual: f64) -> 
     })
 }
 
-/// Emission times of light that took the depth for its way.
+/// Emission times of light delayed by the depth.
 fn time(case: &Case) -> Option<Diagnosis> {
     let [r, c] = case
         .pair

@@ -1,10 +1,10 @@
-//! Objects that are elsewhere, or have another velocity, maybe each other's, by the events of the world that pixels show.
+//! Objects that are elsewhere, or have another velocity, possibly exchanged, from the world events that pixels show.
 //!
-//! Such an event does not say which point of a moving object it belongs to, but in the object's frame all of them lie on
-//! its surface: p = Λ(β)(E − O). Where a candidate has taken another velocity, they do so in the frame of that velocity.
-//! The surface is that of the reference's points. Where other objects hide it, nothing is known of it; and as the two pictures
-//! may show different sides of an object, velocities are told apart by the boxes around all points, and where these do not tell, as of
-//! objects that are partly hidden, by what the scene shows of the object alone with each velocity: the point at each pixel.
+//! Such an event does not determine which point of a moving object it belongs to, but in the object's frame all of them lie on its surface:
+//! p = Λ(β)(E − O). If a candidate used another velocity, they do so in the frame of that velocity. The surface is that of the reference's
+//! points. Where other objects hide it, it is unknown; and because the two pictures may show different sides of an object, velocities are
+//! distinguished by the bounding boxes of all points, and if these are inconclusive, such as for partly hidden objects, by renderings of
+//! the object alone with each velocity: the point at each pixel.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -19,21 +19,21 @@ use super::{Case, Diagnosis, Kind, time};
 use crate::render::aov::Aov;
 use crate::spacetime::{Event, InertialFrame, Rest, Velocity};
 
-/// The most of an object's points that may be off its surface, by events: means over pixels are, where these show several
-/// parts of it. Of an object with another velocity fewer are, for its sides move along themselves.
+/// The largest fraction of an object's points that may be off its surface, by events: means over pixels that show several of its parts are.
+/// For an object with another velocity the fraction is smaller, because its faces slide along themselves.
 const OFF_SURFACE: f64 = 1.0 / 3.0;
 const OFF_BY_VELOCITY: f64 = 0.1;
-/// How far the boxes around an object's points may be apart, in parts of the diagonal: other sides of it are seen. Another
-/// velocity has to leave this part of what the right one does.
+/// The largest distance between the bounding boxes of an object's points, relative to the diagonal: other sides of it are visible. Another
+/// velocity must leave at most this fraction of the distance for the right one.
 const SAME_BOX: f64 = 0.05;
 const NEARER: f64 = 0.3;
-/// The part of an object's points that may be elsewhere than in a picture of it, rims left out: means over pixels at creases.
+/// The largest fraction of an object's points that may differ from a rendering of it, without rims: means over pixels at creases.
 const UNLIKE: f64 = 0.02;
-/// Of no more objects pictures are made.
+/// The most objects that are rendered.
 const MOST_OBJECTS: usize = 8;
 
-/// Objects whose events are those of another velocity, and objects whose events are not on the surface that the reference
-/// shows; for candidates that say of events of the world alone. Wrong times put all that moves elsewhere, and are said by themselves.
+/// Objects whose events match another velocity, and objects whose events are off the surface that the reference shows; for candidates with
+/// world events only. Wrong times displace everything that moves, and have their own diagnosis.
 pub(super) fn elsewhere(case: &Case) -> Vec<Diagnosis> {
     let [r, c] = &case.points;
     let (Some(_), Some(_), Some(_), None) = (r.object, c.object, c.world, c.material) else {
@@ -46,7 +46,7 @@ pub(super) fn elsewhere(case: &Case) -> Vec<Diagnosis> {
         return Vec::new();
     }
     let pixels = pixels_of_both(case);
-    // Pairs before single objects: velocities that are each other's opposites look reversed, too.
+    // Pairs before single objects: velocities that are opposite to each other also look reversed.
     let exchanged = exchanged(case, &pixels);
     if !exchanged.is_empty() {
         return exchanged.into_iter().map(|(_, found)| found).collect();
@@ -57,7 +57,7 @@ pub(super) fn elsewhere(case: &Case) -> Vec<Diagnosis> {
         .collect()
 }
 
-/// The pixels of objects that both pictures show, in each.
+/// The pixels of objects that both pictures show, for each picture.
 fn pixels_of_both(case: &Case) -> BTreeMap<usize, [Vec<usize>; 2]> {
     let mut pixels: BTreeMap<usize, [Vec<usize>; 2]> = BTreeMap::new();
     let [r, c] = &case.points;
@@ -73,7 +73,7 @@ fn pixels_of_both(case: &Case) -> BTreeMap<usize, [Vec<usize>; 2]> {
     pixels
 }
 
-/// Objects that are out of view as they have another one's velocity, which is seen with theirs; for candidates that say of events alone.
+/// Objects that are out of view because their velocity is exchanged with that of an object in view; for candidates with events only.
 pub(super) fn gone_by_exchange(case: &Case) -> Vec<usize> {
     let [_, c] = &case.points;
     let (Some(_), None) = (c.world, c.material) else {
@@ -84,10 +84,10 @@ pub(super) fn gone_by_exchange(case: &Case) -> Vec<usize> {
     objects.filter(|k| motion::is_gone(case, *k)).collect()
 }
 
-/// Of no more objects that are wrong, pairs are asked about.
+/// The most wrong objects for which pairs are tested.
 const MOST_EXCHANGED: usize = 4;
 
-/// Pairs of objects whose events are those of each other's velocity; one of them may be out of view for it.
+/// Pairs of objects whose events match each other's velocity; one of them may be out of view as a result.
 fn exchanged(
     case: &Case,
     pixels: &BTreeMap<usize, [Vec<usize>; 2]>,
@@ -162,7 +162,7 @@ fn exchanged(
     found
 }
 
-/// The time and place of the event that each of these pixels of the reference shows.
+/// The time and position of the event that each of these pixels of the reference shows.
 fn shown_by_reference(case: &Case, in_r: &[usize]) -> Option<Shown> {
     let world = case.points[0].world?;
     let time = Plane::aov(&case.pair[0].layers, Aov::EventCt)?;
@@ -170,13 +170,13 @@ fn shown_by_reference(case: &Case, in_r: &[usize]) -> Option<Shown> {
     Some(shown.collect())
 }
 
-/// Of the candidate's pixels of an object, those within its rim.
+/// The candidate's pixels of an object that are not on its rim.
 fn inside_of(case: &Case, object: usize, in_c: &[usize]) -> Vec<usize> {
     let is_there = |i: usize| case.points[1].object_at(i) == Some(object as f64);
     inside(case.points[1].size(), in_c, is_there)
 }
 
-/// The point of an object that a pixel of a picture shows, in the object's frame, were it to move at `velocity`.
+/// The point of an object that a pixel of a picture shows, in the object's frame, if it moved at `velocity`.
 fn own_point<'a>(
     case: &Case<'a>,
     object: usize,
@@ -188,7 +188,7 @@ fn own_point<'a>(
     let time = Plane::aov(&case.pair[which].layers, Aov::EventCt);
     move |i: usize| {
         let x = place(&world?, i);
-        // Of what rests, and of scenes that are not known, places say all.
+        // For objects at rest, and in unknown scenes, positions are sufficient.
         let Some(frame) = frame.filter(|_| !velocity.is_rest()) else {
             return Some(x - frame.map_or(DVec3::ZERO, |frame| frame.origin().x));
         };
@@ -198,13 +198,13 @@ fn own_point<'a>(
     }
 }
 
-/// The part of the pixels with right points at which events have to be wrong, and how far that has to be: in parts of the usual distance between
-/// places that the reference shows, and many times what their points are off, which the motion of a fast object stretches.
+/// The fraction of pixels with right points where events must be wrong, and the least error: relative to the rms distance between positions
+/// in the reference, and as a multiple of the error of the points, which the motion of a fast object stretches.
 const WRONG_EVENTS: f64 = 0.1;
 const FAR_OFF: f64 = 0.01;
 const MUCH_FARTHER: f64 = 100.0;
 
-/// Places in the world that are wrong where the points of objects are right: what else is measured goes by these.
+/// Wrong positions in the world for right points of objects: other measurements use the points.
 pub(super) fn unlike_points(case: &Case) -> Option<Diagnosis> {
     let [r, c] = &case.points;
     let (of_r, of_c) = (r.material?, c.material?);
@@ -239,7 +239,7 @@ pub(super) fn unlike_points(case: &Case) -> Option<Diagnosis> {
     })
 }
 
-/// Of an object's pixels, those that show nothing else around them: pixels at its rim may be means of several surfaces.
+/// The pixels of an object without other surfaces around them: pixels on its rim may be means of several surfaces.
 fn inside(
     [width, height]: [usize; 2],
     pixels: &[usize],
@@ -256,9 +256,8 @@ fn inside(
     pixels.iter().copied().filter(|i| is_inside(*i)).collect()
 }
 
-/// Of these pixels, those whose points the reference would show, were they on the object's surface: those at which
-/// it shows the object, too, or what is farther away (light from there left earlier), or nothing. Where something nearer hides
-/// the object, it says nothing.
+/// Those of these pixels whose points the reference would show if they were on the object's surface: where it shows the object, too, or
+/// something farther away (whose light left earlier), or nothing. Where something nearer hides the object, it is inconclusive.
 fn told(case: &Case, object: usize, inside: &[usize]) -> Vec<usize> {
     let r = &case.points[0];
     let times = case.pair.map(|p| Plane::aov(&p.layers, Aov::EventCt));
@@ -274,7 +273,7 @@ fn told(case: &Case, object: usize, inside: &[usize]) -> Vec<usize> {
     inside.iter().copied().filter(|i| is_told(*i)).collect()
 }
 
-/// What is wrong with an object; pictures are made of it while any are left.
+/// The mistake of one object; up to `left` objects are rendered.
 fn off_surface(
     case: &Case,
     object: usize,
@@ -310,7 +309,7 @@ fn off_surface(
     })
 }
 
-/// What is said of an object whose events are those of its rest, or of the opposite velocity.
+/// The diagnosis of an object whose events match rest or the opposite velocity.
 fn other_velocity(
     object: usize,
     velocity: Velocity,
@@ -342,8 +341,8 @@ fn other_velocity(
 
 const PART_OFF: &str = "part of its points that are off the surface";
 
-/// Which of other velocities the candidate's events of an object are those of, with the evidence: the part of its points that are off the
-/// surface, and how far the boxes around all points are apart, with the right velocity and that one.
+/// The other velocity that matches the candidate's events of an object, with the evidence: the fraction of its points off the surface, and
+/// the distance between the bounding boxes, with the right velocity and with that one.
 fn by_boxes<P: Fn(usize) -> Option<DVec3>>(
     surface: &Cloud,
     in_r: &[usize],
@@ -372,22 +371,22 @@ fn by_boxes<P: Fn(usize) -> Option<DVec3>>(
     explains.then_some((which, evidence))
 }
 
-/// The least of numbers, and which it is; none where one is missing.
+/// The smallest number and its index; `None` if one is missing.
 fn least(numbers: impl Iterator<Item = Option<f64>>) -> Option<(usize, f64)> {
     let numbers: Vec<f64> = numbers.collect::<Option<_>>()?;
     let numbers = numbers.into_iter().enumerate();
     numbers.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// Whether an object's pixels in the reference and those within its rim in the candidate show the same points.
+/// Whether an object's pixels in the reference and its pixels off the rim in the candidate show the same points.
 fn is_like_reference(case: &Case, object: usize, (in_r, in_c): (&[usize], &[usize])) -> bool {
     let shown = shown_by_reference(case, in_r);
     let unlike = shown.and_then(|shown| part_unlike(case, object, &shown, in_c));
     unlike.is_none_or(|part| part <= OFF_BY_VELOCITY)
 }
 
-/// The same as `by_boxes` by pictures of the object alone, as it is and with other changes. As its sides move along themselves, it is not asked
-/// whether points are on them, but whether each is where it is seen.
+/// The same as `by_boxes` from renderings of the object alone, unchanged and with other changes. Because its faces slide along themselves,
+/// the test is whether each point is where it is seen, not whether it is on them.
 fn by_pictures(
     case: &Case,
     object: usize,
@@ -410,11 +409,11 @@ fn by_pictures(
     (nearest <= UNLIKE.min(NEARER * is)).then_some((which, evidence))
 }
 
-/// By pixel, the time and place of the event that it shows of an object.
+/// For each pixel, the time and position of the event that it shows of an object.
 type Shown = BTreeMap<usize, (f64, DVec3)>;
 
-/// The part of the candidate's points of an object that are not, within a pixel, those that are `shown`; those that it lacks, though
-/// nothing nearer hides them, are among them.
+/// The fraction of the candidate's points of an object that differ from `shown` by more than a pixel, including points that it lacks
+/// although nothing nearer hides them.
 fn part_unlike(case: &Case, object: usize, shown: &Shown, in_c: &[usize]) -> Option<f64> {
     let c = &case.points[1];
     let (world, time) = (c.world?, Plane::aov(&case.pair[1].layers, Aov::EventCt)?);
@@ -436,33 +435,33 @@ fn part_unlike(case: &Case, object: usize, shown: &Shown, in_c: &[usize]) -> Opt
     (all >= FEWEST).then(|| (unlike + lacking) as f64 / all as f64)
 }
 
-/// The least box around points.
+/// The bounding box of points.
 fn bounds(points: impl Iterator<Item = DVec3>) -> [DVec3; 2] {
     let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     let finite = points.filter(|p| p.is_finite());
     finite.fold(none, |[low, high], p| [low.min(p), high.max(p)])
 }
 
-/// How much farther than its neighbours a point of the surface reaches: samples lie anywhere in their pixels.
+/// The reach of a surface point relative to the distance of its neighbours: samples lie anywhere in their pixels.
 const REACH: f64 = 1.5;
 fn longer(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     [a, b].into_iter().flatten().reduce(f64::max)
 }
 
-/// Of two steps along an axis the shorter counts where the longer one is more than so many times as long, for that leads from
+/// Of two steps along an axis the shorter one is used if the longer one is more than this many times as long, because that one leads from
 /// one part of the object to another.
 const CONNECTED: f64 = 3.0;
 
-/// The surface that points of neighbouring pixels make: balls around them that reach to the neighbours, across and down, so that
-/// they are large where a surface is far away or grazed. They are found by grids whose cells are powers of two.
+/// The surface from points of neighbouring pixels: balls around them that reach the neighbours, across and down, so that they are large
+/// where a surface is far away or grazed. They are looked up in grids whose cell sizes are powers of two.
 struct Cloud {
-    /// The point of each pixel that shows the object, how far its ball reaches, and the farthest of its neighbours.
+    /// The point of each pixel that shows the object, the radius of its ball, and its farthest neighbour.
     balls: HashMap<usize, Ball>,
     /// Pixels by cell, for each power of two.
     grids: BTreeMap<i32, HashMap<[i64; 3], Vec<usize>>>,
 }
 
-/// Cells with more balls are full: what is in them, or beside them, is on the surface.
+/// The number of balls above which a cell is full: anything in it, or beside it, is on the surface.
 const FULL: usize = 256;
 
 struct Ball {
@@ -472,7 +471,7 @@ struct Ball {
 }
 
 impl Cloud {
-    /// That of the points of these pixels of a picture of this size.
+    /// The surface from the points of these pixels of a picture of this size.
     fn of(
         pixels: &[usize],
         [width, _]: [usize; 2],
@@ -495,7 +494,7 @@ impl Cloud {
                 let y = (i / width).checked_add_signed(dy)?;
                 Some((*points.get(&(y * width + x))? - point).length())
             };
-            // Of two steps of which one is far longer, the longer one crosses a silhouette.
+            // If one of two steps is far longer, it crosses a silhouette.
             let along = |dx, dy| match [step(dx, dy), step(-dx, -dy)] {
                 [Some(a), Some(b)] if a.max(b) > CONNECTED * a.min(b) => Some(a.min(b)),
                 [a, b] => longer(a, b),
@@ -521,7 +520,7 @@ impl Cloud {
         cloud
     }
 
-    /// The power of two that is not below a length.
+    /// The exponent of the smallest power of two that is at least a length.
     fn level(length: f64) -> i32 {
         libm::log2(length).ceil() as i32
     }
@@ -531,7 +530,7 @@ impl Cloud {
         (p / size).to_array().map(|x| x.floor() as i64)
     }
 
-    /// Whether the point that pixel `i` shows is near that of the reference there, or in any ball.
+    /// Whether the point that pixel `i` shows is close to that of the reference there, or in any ball.
     fn has(&self, i: usize, p: DVec3) -> bool {
         let is_near = |ball: &Ball| (p - ball.point).length() <= ball.farthest.max(ball.reach);
         if self.balls.get(&i).is_some_and(is_near) {
@@ -559,7 +558,7 @@ impl Cloud {
         })
     }
 
-    /// The part of the points of these pixels that are not on the surface; none of too few.
+    /// The fraction of these pixels' points that are off the surface; `None` if there are too few.
     fn part_off(&self, pixels: &[usize], point: impl Fn(usize) -> Option<DVec3>) -> Option<f64> {
         let (mut all, mut off) = (0usize, 0usize);
         for i in pixels {

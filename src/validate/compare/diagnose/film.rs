@@ -1,22 +1,21 @@
-//! Pictures that are mirrored, moved or scaled as a whole.
+//! Pictures that are mirrored, shifted or scaled as a whole.
 //!
 //! # Mirrors and whole pixels
 //!
-//! The candidate is turned around, or moved, and compared anew: by its objects, its places and its light, whichever are
-//! there. The measure is the largest of their parts of pixels that differ by more than a hundredth, light and places up to the factor
-//! that most pixels agree on, objects up to their names: a picture of another exposure, in millimetres, or with indices from 1 may be
-//! turned, too.
+//! The candidate is mirrored, rotated or shifted, and compared again by its objects, positions and light, if available. The measure is the
+//! largest of their fractions of pixels that differ by more than one percent, with light and positions up to the most common factor, and
+//! objects up to renaming, because a picture with another exposure, in millimetres, or with indices from 1 may be turned, too.
 //!
 //! # Other films
 //!
-//! A point that the candidate shows at p belongs at p′ = p + δ(p). Two pinhole cameras of one pose see a direction q
-//! (components across the axis over that along it) at p = c + f q, so that about the film's centre
+//! A point that the candidate shows at p belongs at p′ = p + δ(p). Two pinhole cameras of the same pose see a direction q (components
+//! perpendicular to the axis over that along it) at p = c + f q, so that about the film's centre
 //!
 //! ```text
 //! p′ = a + k p,      k = f_reference / f_candidate = tan(½ fov_candidate) / tan(½ fov_reference)
 //! ```
 //!
-//! along each axis: a ≠ 0 is a shift, k_x = k_y ≠ 1 another field of view, k_x ≠ k_y another aspect. Four numbers are fitted by
+//! along each axis: a ≠ 0 is a shift, k_x = k_y ≠ 1 another field of view, k_x ≠ k_y another aspect. The four parameters are fitted by
 //! least squares, twice, the second time without the tenth of the pixels that fit worst.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -29,7 +28,7 @@ use super::super::points::{Points, place};
 use super::{Case, Diagnosis, Kind, MOST, NEAR, Tally, light, median};
 use crate::render::aov::Aov;
 
-/// A picture, turned or moved.
+/// A way to mirror, rotate or shift a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Turn {
     LeftRight,
@@ -40,7 +39,7 @@ enum Turn {
 }
 
 impl Turn {
-    /// Where the candidate has what belongs at column x and row y.
+    /// The candidate's pixel that belongs at column x and row y.
     fn source(self, [x, y]: [i64; 2], [width, height]: [i64; 2]) -> Option<usize> {
         let [x, y] = match self {
             Turn::LeftRight => [width - 1 - x, y],
@@ -53,7 +52,7 @@ impl Turn {
         inside.then(|| (y * width + x) as usize)
     }
 
-    /// What this turn means, and how unlike the pictures are before and after it is undone.
+    /// The diagnosis of this turn, with the dissimilarity before and after it is undone.
     fn describe(self, before: Unlike, after: Unlike) -> Diagnosis {
         let (kind, mut what) = match self {
             Turn::LeftRight => (Kind::Mirrored, LEFT_RIGHT.into()),
@@ -87,23 +86,23 @@ const LEFT_RIGHT: &str = "the picture is mirrored left to right";
 const UP_DOWN: &str = "the picture is upside down: row 0 is the top row";
 const BOTH: &str = "the picture is turned by 180 degrees";
 
-/// How unlike two pictures are.
+/// The dissimilarity of two pictures.
 #[derive(Debug, Clone, Copy)]
 struct Unlike {
-    /// The part of the pixels that differ: the largest of objects, places and light.
+    /// The fraction of pixels that differ: the largest of objects, positions and light.
     part: f64,
-    /// How many times the reference's light the candidate has.
+    /// The factor of the candidate's light on the reference's.
     factor: f64,
 }
 
-/// Pictures that differ at fewer pixels than this part are alike.
+/// Pictures that differ at a smaller fraction of pixels are alike.
 const ALIKE: f64 = 0.02;
-/// Values that differ by less than this part of the larger one are the same.
+/// Relative tolerance for equal values.
 const SAME: f64 = 0.01;
-/// The largest shift that is tried, pixels.
+/// The largest shift to try, pixels.
 const FARTHEST: i64 = 2;
 
-/// A candidate that is mirrored, turned, or moved by whole pixels.
+/// A candidate that is mirrored, rotated, or shifted by whole pixels.
 pub(super) fn turned(case: &Case) -> Option<Diagnosis> {
     let before = differing(case, Turn::Moved([0, 0]));
     if before.part <= ALIKE {
@@ -123,7 +122,7 @@ pub(super) fn turned(case: &Case) -> Option<Diagnosis> {
     (after.part <= NEAR * before.part).then(|| turn.describe(before, after))
 }
 
-/// How unlike the pictures are once the candidate is turned back.
+/// The dissimilarity of the pictures after the candidate is turned back.
 fn differing(case: &Case, turn: Turn) -> Unlike {
     let [r, c] = &case.points;
     let size = r.size().map(|n| n as i64);
@@ -165,18 +164,18 @@ fn differing(case: &Case, turn: Turn) -> Unlike {
     }
 }
 
-/// The factor that most pixels agree on.
+/// The most common factor.
 fn common_factor(ratios: impl Iterator<Item = f64>) -> f64 {
     let ratios = ratios.filter(|ratio| ratio.is_normal() && *ratio > 0.0);
     let factor = median(ratios.collect()).unwrap_or(1.0);
-    // Noise is no factor.
+    // Noise is not a factor.
     match (factor - 1.0).abs() <= SAME {
         true => 1.0,
         false => factor,
     }
 }
 
-/// The candidate's names of the reference's objects, and of no object, at pairs of pixels: those of most pixels, if no two have the same;
+/// The candidate's indices of the reference's objects, and of no object, at pairs of pixels: the most frequent ones, if no two are equal;
 /// otherwise the reference's own.
 fn renamed(pixels: &[[usize; 2]], [r, c]: &[Points; 2]) -> BTreeMap<i64, i64> {
     let mut counts = BTreeMap::<[i64; 2], u64>::new();
@@ -186,7 +185,7 @@ fn renamed(pixels: &[[usize; 2]], [r, c]: &[Points; 2]) -> BTreeMap<i64, i64> {
         }
     }
     let mut most = BTreeMap::<i64, (u64, i64)>::new();
-    // What shows nothing is nothing, where any pixel does.
+    // No object remains no object, if any pixel has none.
     let has_nothing = counts.keys().any(|[_, in_c]| *in_c < 0);
     for ([in_r, in_c], count) in counts {
         if has_nothing && (in_r < 0) != (in_c < 0) {
@@ -209,7 +208,7 @@ fn light<'a>(case: &Case<'a>, which: usize) -> Option<[Plane<'a>; 3]> {
     Plane::group(&case.pair[which].layers, RADIANCE)
 }
 
-/// Whether three values differ by more than rounding and a little noise.
+/// Whether three values differ by more than rounding and slight noise.
 fn differ(r: DVec3, c: DVec3) -> bool {
     match (r.is_finite(), c.is_finite()) {
         (true, true) => (c - r).length() > SAME * r.length().max(c.length()),
@@ -217,17 +216,17 @@ fn differ(r: DVec3, c: DVec3) -> bool {
     }
 }
 
-/// Displacements that are notable, pixels, rms.
+/// The smallest notable displacement, pixels, rms.
 const NOTABLE: f64 = 0.1;
-/// Films of a smaller scale show one point everywhere: fields of view of a degree for one of 90.
+/// Films of a smaller scale show the same point everywhere: fields of view of one degree instead of 90.
 const LEAST_SCALE: f64 = 0.01;
 
-/// A candidate whose film is moved or scaled.
+/// A candidate whose film is shifted or scaled.
 pub(super) fn scaled(case: &Case) -> Option<Diagnosis> {
     scaled_and_rest(case).map(|(found, _)| found)
 }
 
-/// The same, and by how much points are displaced from that hypothesis, pixels, rms.
+/// The same, with the rms displacement, in pixels, that this hypothesis leaves.
 pub(super) fn scaled_and_rest(case: &Case) -> Option<(Diagnosis, f64)> {
     let by_points = case.field.and_then(|field| of_field(case, field, false));
     let by_points =
@@ -235,8 +234,8 @@ pub(super) fn scaled_and_rest(case: &Case) -> Option<(Diagnosis, f64)> {
     by_points.or_else(|| of_events(case))
 }
 
-/// Another film, by events of moving objects alone: whatever point of the object it is, an event E on the past light cone of the shot P is
-/// seen along E − P.
+/// Another film, from events of moving objects only: whichever point of the object it is, an event E on the past light cone of the shot P
+/// is seen along E − P.
 fn of_events(case: &Case) -> Option<(Diagnosis, f64)> {
     let known = case.known?;
     let [r, c] = &case.points;
@@ -263,12 +262,12 @@ pub(super) struct Film {
 }
 
 impl Film {
-    /// That which fits best to pairs of p and p′.
+    /// The best fit to pairs of p and p′.
     fn fit(pairs: &[[DVec2; 2]]) -> Option<Film> {
         let n = pairs.len() as f64;
         let mean = |which: usize| pairs.iter().map(|pair| pair[which]).sum::<DVec2>() / n;
         let (p, q) = (mean(0), mean(1));
-        // Least squares, for each axis by itself.
+        // Least squares, for each axis separately.
         let (mut pp, mut pq) = (DVec2::ZERO, DVec2::ZERO);
         for pair in pairs {
             pp += (pair[0] - p) * (pair[0] - p);
@@ -282,13 +281,13 @@ impl Film {
         self.a + self.k * p
     }
 
-    /// Whether it shows a picture at all, and not one point of it everywhere.
+    /// Whether it shows a picture rather than the same point everywhere.
     fn is_film(&self) -> bool {
         self.k.abs().min_element() > LEAST_SCALE
     }
 }
 
-/// Another film, by where the candidate shows points: of all pixels with `everywhere`, or of those that differ.
+/// Another film, from where the candidate shows points: at all pixels with `everywhere`, otherwise at those that differ.
 fn of_field(case: &Case, field: &Field, everywhere: bool) -> Option<(Diagnosis, f64)> {
     let pixels = match everywhere {
         true => case.region.pixels(case.points[0].size()).collect(),
@@ -297,7 +296,7 @@ fn of_field(case: &Case, field: &Field, everywhere: bool) -> Option<(Diagnosis, 
     of_displacements(case, pixels, |i| field.displacement(i))
 }
 
-/// The same by how far the points of these pixels belong from there.
+/// The same from the displacements of these pixels' points.
 fn of_displacements(
     case: &Case,
     pixels: Vec<usize>,
@@ -313,7 +312,7 @@ fn of_displacements(
     if pairs.len() < super::FEWEST {
         return None;
     }
-    // Fitted twice: those that the first fit explains worst are left out of the second, as they are of other mistakes.
+    // Fitted twice: the worst fits are left out of the second one, because they are due to other mistakes.
     let first = Film::fit(&pairs)?;
     let off = |film: &Film, [p, q]: &[DVec2; 2]| (*q - film.of(*p)).length();
     let all = pairs.clone();
@@ -334,11 +333,11 @@ fn of_displacements(
         .then(|| (describe(case, &film, BY_PLACES, evidence), tally.rest()))
 }
 
-/// How far a shift by half a pixel may be off to be called so: by places, and by light, which edges between pixels blur.
+/// Tolerances for a shift to count as half a pixel: by positions, and by light, which edges between pixels blur.
 const BY_PLACES: f64 = 0.05;
 pub(super) const BY_LIGHT: f64 = 0.2;
 
-/// What is said of a film, whose shift is known to `precision` pixels.
+/// The diagnosis of a film whose shift is known to `precision` pixels.
 pub(super) fn describe(
     case: &Case,
     film: &Film,
@@ -348,14 +347,14 @@ pub(super) fn describe(
     let Film { a, k } = *film;
     let [width, height] = case.points[0].size();
     let half = 0.5 * DVec2::new(width as f64, height as f64);
-    // What the scale does at the film's edges, against what the shift does.
+    // The effect of the scale at the film's edges compared with that of the shift.
     let scale = (k - 1.0).abs() * half;
     if scale.max_element() <= 2.0 * NEAR * a.abs().max_element() {
         // A point that belongs to the right is seen displaced to the left.
         let [x, y] = [-a.x, -a.y];
         evidence.extend([("to the right (pixels)", x), ("down (pixels)", y)]);
         let is_half = |v: f64| (v.abs() - 0.5).abs() < precision || v.abs() < precision;
-        // More than a quarter: 0 is no half pixel.
+        // More than a quarter: 0 does not count as half a pixel.
         let is_half = is_half(x) && is_half(y) && a.abs().max_element() > 0.25;
         let [words, about] = match is_half {
             true if precision <= BY_PLACES => ["by half a pixel, ", ""],
@@ -408,7 +407,7 @@ pub(super) fn describe(
         )
     });
     let aspect = half.x / half.y;
-    // A horizontal field of view taken for the vertical one scales by the aspect ratio, of which square pictures do not tell.
+    // A horizontal field of view used as the vertical one scales by the aspect ratio; square pictures cannot show this.
     let vertical = (k.x - aspect).abs() < 0.02 * aspect && (aspect - 1.0).abs() > 0.05;
     let why = match vertical {
         true => "; that is the horizontal field of view taken for the vertical one",

@@ -1,4 +1,4 @@
-//! Vectors in coordinates of another frame, signs of times, and the ways in which triangles and their corners are counted.
+//! Vectors in coordinates of another frame, signs of times, and numberings of triangles and their vertices.
 
 use std::collections::BTreeMap;
 
@@ -9,10 +9,10 @@ use super::super::points::place;
 use super::{Case, Diagnosis, FEWEST, Kind, MOST, Tally, median};
 use crate::render::aov::Aov;
 
-/// Vectors that differ by less than this part of their usual length are right.
+/// Vectors with smaller errors relative to their rms length are right.
 const NOTABLE: f64 = 0.05;
 
-/// Events and look directions that are given in the coordinates of another frame than the world's.
+/// Events and look directions in the coordinates of another frame than the world's.
 pub(super) fn frames(case: &Case) -> Vec<Diagnosis> {
     let mut found: Vec<Diagnosis> = event(case).into_iter().collect();
     found.extend(direction(case));
@@ -22,11 +22,11 @@ pub(super) fn frames(case: &Case) -> Vec<Diagnosis> {
 const WORLD: &str = "the world's";
 pub(super) const VIEW: &str = "coordinates along the camera's own axes (right, up, backwards)";
 
-/// In whose coordinates, and a pixel's vector in them.
+/// The name of the coordinates, and a pixel's vector in them.
 pub(super) type Hypothesis<'a> = (&'static str, Box<dyn Fn(usize) -> Option<DVec3> + 'a>);
 
-/// The hypothesis that explains the candidate's vectors best, if one explains most of their error, of which `notable` of their
-/// usual length is notable.
+/// The hypothesis that best explains the candidate's vectors, if one explains most of their error and this is at least `notable` times
+/// their rms length.
 pub(super) fn best(
     [name, right]: [&str; 2],
     notable: f64,
@@ -92,7 +92,7 @@ pub(super) fn direction(case: &Case) -> Option<Diagnosis> {
     best(["direction", WORLD], NOTABLE, &pixels, [r, c], hypotheses)
 }
 
-/// Times of the opposite sign.
+/// Times with the opposite sign.
 pub(super) fn signs(case: &Case) -> Vec<Diagnosis> {
     let of = |aov: Aov| {
         let [r, c] = case.pair.map(|picture| Plane::aov(&picture.layers, aov));
@@ -113,7 +113,7 @@ pub(super) fn signs(case: &Case) -> Vec<Diagnosis> {
     times.into_iter().filter_map(of).collect()
 }
 
-/// Indices of triangles that begin at another number than 0 in an object.
+/// Triangle indices that do not start at 0 in an object.
 pub(super) fn beginnings(case: &Case) -> Option<Diagnosis> {
     let [r, c] = case.points.map(|points| points.primitive);
     let (r, c) = (r?, c?);
@@ -154,7 +154,7 @@ pub(super) fn beginnings(case: &Case) -> Option<Diagnosis> {
     })
 }
 
-/// One index for all triangles of all objects, where the reference has several in most pixels' objects.
+/// One index for all triangles of all objects, although most pixels' objects have several in the reference.
 fn only_index(case: &Case, [r, c]: [&Plane; 2]) -> Option<Diagnosis> {
     let pixels = case.pixels();
     let first = c.at(*pixels.first()?);
@@ -168,12 +168,12 @@ fn only_index(case: &Case, [r, c]: [&Plane; 2]) -> Option<Diagnosis> {
     })
 }
 
-/// Barycentric coordinates that are the weights of other corners.
+/// Barycentric coordinates that are the weights of other vertices.
 pub(super) fn weights(case: &Case) -> Option<Diagnosis> {
     let names = [Aov::BarycentricU, Aov::BarycentricV];
     let [r, c] = case.pair.map(|p| Plane::aovs(&p.layers, names));
     let (r, c) = (r?, c?);
-    // Of the same triangles.
+    // For the same triangles only.
     let triangles = case.points.map(|points| points.primitive);
     let is_same = |i: &usize| match triangles {
         [Some(r), Some(c)] => r.at(*i) == c.at(*i),

@@ -1,15 +1,15 @@
 //! Mistakes of the light: exchanged colours, gamma, exposure, the exponent of W.
 //!
-//! Pixels that the candidate clips at 1 say nothing, and neither does a picture that is as good as black. Of the hypotheses that explain the
-//! error the first is named: exchanged colours and gamma have no free number; with a factor beside them they have to leave next to
-//! nothing; an exponent explains how the light's logarithm varies, an exposure that it does not. Light that is as good as black counts as a hundredth of its median, and what is wrong at edges alone is no
-//! mistake of the light. The exponent is the slope k of
+//! Pixels that the candidate clips at 1 are ignored, and so is a picture that is practically black. Of the hypotheses that explain the
+//! error the first is reported: exchanged colours and gamma have no free parameter; if a factor is added they must leave next to nothing;
+//! an exponent explains variations of the light's logarithm, an exposure their absence. Practically black light counts as one percent of
+//! its median, and errors at edges only are not mistakes of the light. The exponent is the slope k of
 //!
 //! ```text
 //! ln(c/r) = a + k ln W,
 //! ```
 //!
-//! by least squares over pixels, where the candidate's own W is right; a is the exposure beside it.
+//! by least squares over pixels where the candidate's own W is right; a is the additional exposure.
 
 use super::super::picture::{Encoding, Plane, RADIANCE};
 use super::{Case, Diagnosis, FEWEST, Kind, MOST, Tally, median};
@@ -19,28 +19,28 @@ use crate::render::aov::Aov;
 /// The light of a pixel in the reference and in the candidate.
 pub(super) type Lit = (usize, [[f64; 3]; 2]);
 
-/// What asks one question of the light; with the part of the squared error that it leaves.
+/// A test of one hypothesis on the light; returns the fraction of the squared error that it leaves, too.
 type Hypothesis = fn(&Case, &[Lit]) -> Option<(Diagnosis, f64)>;
 
-/// What is wrong with the light, and the part of its squared error that this leaves.
+/// The mistake of the light, and the fraction of its squared error that this leaves.
 pub(super) fn light(case: &Case) -> Option<(Diagnosis, f64)> {
     let lit = lit(case)?;
     let first: [Hypothesis; 2] = [black, codes];
     let named: [Hypothesis; 5] = [colours, gamma, encoded_and_scaled, exponent, exposure];
     let ask = |named: &[Hypothesis]| named.iter().find_map(|hypothesis| hypothesis(case, &lit));
-    // Where one factor leaves nothing there is nothing else to explain.
+    // If one factor leaves nothing there is nothing else to explain.
     ask(&first).or_else(|| match left_by_one_factor(case, &lit) <= NOTHING {
         true => exposure(case, &lit),
         false => ask(&named),
     })
 }
 
-/// What is left of the squared error where a hypothesis explains all of it, but for rounding to single precision.
+/// The fraction of the squared error that is left if a hypothesis explains everything except rounding to single precision.
 pub(super) const NOTHING: f64 = 1e-6;
-/// Curves have to leave less than this part of what one factor leaves: of light that is far darker, or hardly varies, they are alike.
+/// Curves must leave less than this fraction of what one factor leaves: for light that is far darker, or hardly varies, they are alike.
 pub(super) const FAR_LESS: f64 = 0.1;
 
-/// Linear light; of pictures that hold codes, where neither has the largest one, which stands for all light above.
+/// Linear light; for pictures of codes, only pixels where neither has the largest code, which represents all light above.
 pub(super) fn decoded(case: &Case, lit: &[Lit]) -> Vec<Lit> {
     if case.pair[0].encoding == Encoding::Linear {
         return lit.to_vec();
@@ -50,35 +50,35 @@ pub(super) fn decoded(case: &Case, lit: &[Lit]) -> Vec<Lit> {
     lit.iter().filter(inside).map(decode).collect()
 }
 
-/// What one factor on linear light leaves of the squared error.
+/// The fraction of the squared error that one factor on linear light leaves.
 pub(super) fn left_by_one_factor(case: &Case, lit: &[Lit]) -> f64 {
     let lit = decoded(case, lit);
-    // Of what is all black no factor tells.
+    // Completely black light determines no factor.
     let factor = factor(&lit, |c| c).filter(|factor| *factor > 0.0);
     factor.map_or(1.0, |factor| told(&lit, |_, r| r.map(|v| factor * v)).left)
 }
 
-/// Values nearer to 1 than this are clipped: an encoded 1 is off by rounding.
+/// Values closer to 1 than this are clipped: an encoded 1 has rounding errors.
 const CLIPPED: f64 = 1e-6;
 
-/// Pixels of surfaces with light, which the candidate does not clip.
+/// Pixels of surfaces with light that the candidate does not clip.
 pub(super) fn lit(case: &Case) -> Option<Vec<Lit>> {
     lit_above(case, 0.0)
 }
 
-/// The same with light of the candidate down to `least`.
+/// The same with the candidate's light down to `least`.
 pub(super) fn lit_above(case: &Case, least: f64) -> Option<Vec<Lit>> {
     let lit = with_light(case, least, |[r, _]| r.iter().sum::<f64>() > 0.0)?;
     (lit.len() >= FEWEST).then_some(lit)
 }
 
-/// Pixels of surfaces to which either picture has light; none where the reference has it at too few.
+/// Pixels of surfaces with light in either picture; `None` if the reference has it at too few.
 pub(super) fn lit_and_dark(case: &Case) -> Option<Vec<Lit>> {
     lit(case)?;
     with_light(case, 0.0, |pair| pair.iter().flatten().sum::<f64>() > 0.0)
 }
 
-/// Pixels of surfaces whose light is some that `is_wanted`, and which the candidate does not clip.
+/// Pixels of surfaces whose light satisfies `is_wanted` and is not clipped in the candidate.
 fn with_light(
     case: &Case,
     least: f64,
@@ -107,16 +107,17 @@ pub(super) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     square.sqrt()
 }
 
-/// Light below this part of its median is as good as black: half a unit of an 8-bit picture's darkest codes.
+/// Light below this fraction of its median is practically black: half a unit of an 8-bit picture's darkest codes.
 const BLACK: f64 = 0.01;
-/// The part of the lit pixels at which something has to be wrong: fewer are edges.
+/// The least fraction of lit pixels with errors: fewer are edges.
 const FEWEST_WRONG: f64 = 0.1;
-/// What a hypothesis leaves of the squared error that explains all of it but rounding: then a few pixels do, where the rest is grey.
+/// The fraction of the squared error that a hypothesis leaves if it explains everything except rounding: then a few pixels are enough
+/// evidence if the rest is grey.
 const EXACT: f64 = 1e-9;
-/// What a hypothesis may leave of the squared error of all lit pixels, of compressed light.
+/// The largest fraction of the squared error of compressed light at all lit pixels that a hypothesis may leave.
 const LEFT: f64 = 0.5;
 
-/// Light that is so many times the reference's is measured by its own median.
+/// Light that is more than this many times the reference's is measured by its own median.
 const FAR_BRIGHTER: f64 = 1e3;
 
 /// The median of the reference's light.
@@ -125,30 +126,31 @@ pub(super) fn middle(lit: &[Lit]) -> f64 {
     median(sizes.collect()).unwrap_or(0.0)
 }
 
-/// What a hypothesis says of the light.
+/// How well a hypothesis explains the light.
 pub(super) struct Told {
     pub tally: Tally,
-    /// Of how many pixels with light.
+    /// Number of pixels with light.
     pixels: usize,
-    /// What it leaves of the squared error, of light v compressed to v/(v + median): neither lamps nor what is nearly black
-    /// decide alone.
+    /// The fraction of the squared error that it leaves, of light v compressed to v/(v + median): neither lamps nor nearly black pixels
+    /// dominate.
     pub left: f64,
 }
 
 impl Told {
-    /// Whether it explains most of an error that is not one of edges alone.
+    /// Whether it explains most of an error that is not at edges only.
     pub fn explains(&self) -> bool {
         self.explains_from(NOTABLE)
     }
 
-    /// The same of an error of at least `notable`.
+    /// The same for an error of at least `notable`.
     pub fn explains_from(&self, notable: f64) -> bool {
         let enough = self.tally.distances.len() as f64 >= FEWEST_WRONG * self.pixels as f64;
         (enough || self.left <= EXACT) && self.left <= LEFT && self.tally.explains(notable)
     }
 }
 
-/// |c − r| and |c − h(r)| in parts of the reference's light, so that bright pixels do not decide alone. Where both c and h are far
+/// |c − r| and |c − h(r)| relative to the reference's light, so that bright pixels do not dominate. If both c and h are far darker than r,
+/// |c − h| is measured relative to them, as |c − r| is relative to r: otherwise any hypothesis of nearly black light would fit.
 /// darker than r, |c − h| is measured in parts of them, as |c − r| is in parts of r: of what is nearly black, anything else that is does
 /// not tell.
 pub(super) fn told(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Told {
@@ -164,7 +166,7 @@ pub(super) fn told(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Told
         let darker = if rest > 0.0 { error / larger } else { 1.0 };
         [error / size, rest / size * darker.max(1.0)]
     }));
-    // Of far brighter light all is bright, and would be the same: then that is the measure.
+    // All far brighter light would compress to the same value: then its own median is the measure.
     let scale = bright.filter(|bright| *bright > FAR_BRIGHTER * middle);
     let scale = scale.unwrap_or(middle);
     let compressed = |light: [f64; 3]| light.map(|v| v / (v.abs() + scale));
@@ -184,10 +186,10 @@ pub(super) fn told(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Told
     }
 }
 
-/// What a hypothesis with a free factor may leave: noise of a hundredth, and not what light and W have in common by chance.
+/// The largest residual of a hypothesis with a free factor: one percent noise, but not chance correlation of light and W.
 pub(super) const LEFT_BESIDE_A_FACTOR: f64 = 0.003;
 
-/// The factor on the sum of the channels that most pixels agree on.
+/// The most common factor on the sum of the channels.
 fn factor(lit: &[Lit], of: impl Fn([f64; 3]) -> [f64; 3]) -> Option<f64> {
     let sum = |light: [f64; 3]| light.iter().sum::<f64>();
     median(
@@ -197,13 +199,13 @@ fn factor(lit: &[Lit], of: impl Fn([f64; 3]) -> [f64; 3]) -> Option<f64> {
     )
 }
 
-/// Of the factor that a mistake stands beside.
+/// Describes a factor in addition to a mistake.
 pub(super) fn beside(factor: f64) -> String {
     let factor = in_words(factor);
     format!(", and light is {factor} times what it should be beside that")
 }
 
-/// A factor with the digits that tell it from others.
+/// A factor with enough digits to distinguish it.
 fn in_words(factor: f64) -> String {
     match (0.01..1e5).contains(&factor) {
         true => format!("{factor:.4}"),
@@ -211,14 +213,14 @@ fn in_words(factor: f64) -> String {
     }
 }
 
-/// A picture with less than this part of the reference's light is as good as black.
+/// A picture with less than this fraction of the reference's light is practically black.
 const DARK: f64 = 1e-3;
 
-/// A picture that shows next to no light: what little it shows does not say why, but for one factor on all of it.
+/// A picture with next to no light: what little there is does not show why, unless it is one factor on all of it.
 fn black(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     let [r, c] = case.pair.map(|p| Plane::group(&p.layers, RADIANCE));
     let (r, c) = (r?, c?);
-    // All of it, wherever it is: light that is elsewhere is another mistake.
+    // All light, wherever it is: misplaced light is another mistake.
     let sum = |of: &[Plane; 3]| {
         let pixels = case.pixels().into_iter();
         let pixels = pixels.flat_map(|i| of.each_ref().map(|p| p.at(i)));
@@ -235,19 +237,19 @@ fn black(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         let evidence = vec![("part of the reference's light", part)];
         let kind = Kind::Exposure;
         let what = what.into();
-        // What little light there is may be that of another scene. Of none at all many scenes are right: that tells nothing.
+        // The little light may be that of a changed scene. Completely black light fits many changes and shows nothing.
         let left = if part > 0.0 { LEFT_BY_BLACK } else { 0.0 };
         Some((Diagnosis { kind, what, evidence }, left))
     })
 }
 
-/// What is said to be left by a black picture: so much that the scene is asked, and so little that no other film is.
+/// The residual reported for a black picture: large enough that the scene is tested, and small enough that other films are not.
 const LEFT_BY_BLACK: f64 = 0.1;
 
 /// The largest codes of 8 and of 16 bits.
 const LARGEST_CODES: [f64; 2] = [255.0, 65535.0];
 
-/// Light that is codes: whole numbers.
+/// Light stored as integer codes.
 fn codes(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     let are_whole = |which: usize| {
         let mut values = lit.iter().flat_map(|(_, pair)| pair[which]);
@@ -269,7 +271,7 @@ fn codes(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     })
 }
 
-/// Errors of light, in parts of it, that are notable.
+/// The smallest notable relative error of light.
 pub(super) const NOTABLE: f64 = 0.03;
 
 pub(super) fn evidence(tally: &Tally) -> Vec<(&'static str, f64)> {
@@ -296,14 +298,14 @@ fn colours(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     })
 }
 
-/// The order of channels that explains the light best, times `factor`, if it leaves no more than `most`.
+/// The order of channels that best explains the light, times `factor`, if it leaves at most `most`.
 fn best_order(
     lit: &[Lit],
     orders: &[([usize; 3], &'static str)],
     factor: f64,
     most: f64,
 ) -> Option<(Diagnosis, f64)> {
-    // Where most of the light is grey, or nearly, other orders explain it too, but not all of it.
+    // If most of the light is grey, or nearly grey, other orders explain it too, but not all of it.
     let mut best: Option<(&str, Told)> = None;
     for (order, name) in orders {
         let told = told(lit, |_, r| order.map(|k: usize| factor * r[k]));
@@ -364,7 +366,7 @@ fn gamma(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     Some((diagnosis, told.left))
 }
 
-/// Light that was brought to the range of a display, and encoded for it.
+/// Light that was scaled to the range of a display, and encoded for it.
 fn encoded_and_scaled(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     (case.pair[0].encoding == Encoding::Linear).then_some(())?;
     type Curve = fn(f64) -> f64;
@@ -377,7 +379,7 @@ fn encoded_and_scaled(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         let factor = factor(lit, |c| c.map(decode)).filter(|factor| *factor > DARK)?;
         let told = told(lit, |_, r| r.map(|v| encode(factor * v)));
         let explains = told.explains() && told.left <= LEFT_BESIDE_A_FACTOR;
-        // Of few different values of light one factor explains much, too.
+        // If light has few different values one factor explains much, too.
         (explains && told.left <= FAR_LESS * by_factor).then_some((factor, told))
     });
     let (factor, told) = found.min_by(|a, b| a.1.left.total_cmp(&b.1.left))?;
@@ -415,9 +417,9 @@ fn exposure(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     })
 }
 
-/// An exponent that is notable.
+/// The smallest notable exponent.
 const NOTABLE_EXPONENT: f64 = 0.2;
-/// The standard deviation of ln W that is needed to tell, and the relative error up to which W itself is right.
+/// The standard deviation of ln W that is needed, and the relative error up to which W itself is right.
 const SPREAD: f64 = 0.01;
 const W_IS_RIGHT: f64 = 1e-3;
 
@@ -439,7 +441,7 @@ fn exponent(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     if n < FEWEST || wrong * 10 > n {
         return None;
     }
-    // Least squares of the logarithm of light against that of W.
+    // Least squares of the logarithm of light over that of W.
     let mean = |k: usize| points.iter().map(|p| p[k]).sum::<f64>() / n as f64;
     let (x0, y0) = (mean(0), mean(1));
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
@@ -448,12 +450,12 @@ fn exponent(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
     }
     let slope = xy / xx;
-    // r²: the part of the variance that the line explains.
+    // r²: the fraction of the variance that the line explains.
     let explained = xy * xy / (xx * yy);
     let spread = (xx / n as f64).sqrt();
     let explains = slope.abs() >= NOTABLE_EXPONENT && explained >= MOST;
     let factor = libm::exp(y0 - slope * x0);
-    // With two free numbers, a line goes through much that is none.
+    // With two free parameters, a line fits many data that are not linear.
     let is_plain = is_whole(slope) || (factor - 1.0).abs() <= NOTABLE;
     (spread >= SPREAD && explains && is_plain).then(|| {
         let diagnosis = describe_exponent(slope, factor, explained, n);
@@ -461,7 +463,7 @@ fn exponent(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     })
 }
 
-/// Exponents nearer to a whole number than this are that number.
+/// Tolerance for an exponent to count as an integer.
 const WHOLE: f64 = 0.1;
 
 fn is_whole(slope: f64) -> bool {

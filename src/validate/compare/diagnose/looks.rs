@@ -1,21 +1,21 @@
-//! What look directions say of the camera: another aberration, another velocity, another orientation.
+//! Camera mistakes from look directions: another aberration, velocity or orientation.
 //!
-//! A pixel looks along e in the frame of the right camera, which follows from the reference's direction and its camera's velocity. A
-//! camera of another velocity looks along the world's direction d to which its boost takes e. With the boost P = p₀ + p·σ of spinors,
+//! A pixel looks along e in the frame of the right camera, which follows from the reference's direction and its camera's velocity. A camera
+//! with another velocity looks along the direction d in the world that its boost maps e to. With the boost P = p₀ + p·σ of spinors,
 //!
 //! ```text
 //! (1 − d·σ) (p₀ + p·σ) (1 + e·σ) = 0,      p/p₀ = −n tanh(φ/2)
 //! ```
 //!
-//! A camera that is turned by the unit quaternion q looks along q e q* in its frame, which is c, the candidate's direction boosted back:
+//! A camera rotated by the unit quaternion q looks along q e q* in its frame, which is c, the candidate's direction boosted back:
 //!
 //! ```text
 //! c q − q e = 0
 //! ```
 //!
-//! (Horn, JOSA A 4(4), 1987, which is Kabsch's rotation.) Both are linear in four numbers, and the ones that fit best to all pixels are the
-//! eigenvector of the least eigenvalue of a 4 × 4 matrix. Where a picture has no directions, its events are seen along them: those
-//! on the past light cone of the shot. Another film may look much alike: it goes first where it leaves less.
+//! (Horn, JOSA A 4(4), 1987, equivalent to Kabsch's rotation.) Both are linear in four unknowns, and the best fit to all pixels is the
+//! eigenvector of the smallest eigenvalue of a 4 × 4 matrix. If a picture has no directions, those to its events on the past light cone of
+//! the shot are used. Another film may look similar: it is preferred if its residual is smaller.
 
 use glam::{DMat4, DQuat, DVec3, DVec4};
 
@@ -27,28 +27,28 @@ use super::{Case, Diagnosis, Kind, Tally, film, frames, median};
 use crate::render::aov::Aov;
 use crate::spacetime::{Boost, CameraFrame, Direction, Velocity, World};
 
-/// Errors of directions that storage in single precision makes, radians.
+/// Errors of directions from storage in single precision, radians.
 const DIRECTION_ROUNDING: f64 = 1e-5;
-/// Turns and velocities whose directions differ by less, radians rms, are those of matrices in single precision: 0.006 degrees.
+/// Rotations and velocities that change directions by less, radians rms, are due to matrices in single precision: 0.006 degrees.
 const NOTABLE: f64 = 1e-4;
-/// Cameras are not turned by more, degrees: what is, has exchanged axes or mirrored pictures.
+/// The largest rotation of a camera, degrees: larger ones are exchanged axes or mirrored pictures.
 const FARTHEST_TURN: f64 = 30.0;
 
-/// No more pixels are asked, and a few.
+/// About the most pixels used.
 const MOST_LOOKS: usize = 1 << 17;
 
 /// A pixel's look directions.
 #[derive(Debug, Clone, Copy)]
 struct Look {
     pixel: usize,
-    /// In the frame of the right camera.
+    /// In the right camera's frame.
     own: Direction<CameraFrame>,
     /// In the world, in the reference and in the candidate.
     right: DVec3,
     is: DVec3,
 }
 
-/// What is wrong with the camera by the directions along which pixels look.
+/// Camera mistakes from the directions along which pixels look.
 pub(super) fn camera(case: &Case) -> Option<Diagnosis> {
     let of_scene = case.known.map(KnownScene::velocity_of_looks);
     let velocity = of_scene.or_else(|| camera_velocity(case.pair[0]))?;
@@ -58,7 +58,7 @@ pub(super) fn camera(case: &Case) -> Option<Diagnosis> {
     aberration(&looks, velocity).or_else(|| fitted(case, &looks, velocity))
 }
 
-/// The look directions of pixels; none where they are not known.
+/// The look directions of pixels; empty if they are unknown.
 fn looks(case: &Case, velocity: Velocity) -> Vec<Look> {
     let [width, _] = case.points[0].size();
     let camera_from_world = Boost::<CameraFrame, World>::new(-velocity);
@@ -75,12 +75,12 @@ fn looks(case: &Case, velocity: Velocity) -> Vec<Look> {
             _ => of_candidate.as_ref()?(i),
         },
     };
-    // Of a reference without either the centres of pixels are known.
+    // If the reference has neither, the centres of pixels are known.
     let centre = |i: usize| {
         let [x, y] = [i % width, i / width].map(|n| n as f64 + 0.5);
         case.known?.look_along(glam::DVec2::new(x, y))
     };
-    // Pairs of pixels that are beside each other.
+    // Pairs of adjacent pixels.
     let pixels = || case.region.pixels(case.points[0].size());
     let step = pixels().count() / MOST_LOOKS + 1;
     let chosen = pixels().enumerate().filter(|(n, _)| n / 2 % step == 0);
@@ -98,7 +98,7 @@ fn looks(case: &Case, velocity: Velocity) -> Vec<Look> {
     both.collect()
 }
 
-/// How far the candidate looks from the right directions, and from those of a hypothesis, radians.
+/// Angles between the candidate's and the right directions, and between the candidate's and a hypothesis', radians.
 fn tally(looks: &[Look], of: impl Fn(&Look) -> Option<DVec3>) -> Tally {
     Tally::of(looks.iter().filter_map(|look| {
         Some([
@@ -108,7 +108,7 @@ fn tally(looks: &[Look], of: impl Fn(&Look) -> Option<DVec3>) -> Tally {
     }))
 }
 
-/// Look directions with the camera's velocity reversed, left out, or without its γ.
+/// Look directions with the camera's velocity reversed, ignored, or without its γ.
 fn aberration(looks: &[Look], velocity: Velocity) -> Option<Diagnosis> {
     let backwards = Boost::<World, CameraFrame>::new(-velocity);
     type Looks<'a> = Box<dyn Fn(&Look) -> Option<DVec3> + 'a>;
@@ -156,7 +156,7 @@ fn evidence(tally: &Tally, size: (&'static str, f64)) -> Vec<(&'static str, f64)
     ]
 }
 
-/// A camera of another velocity, or that is turned, where no other film explains directions better.
+/// A camera with another velocity, or rotated, if no other film explains directions better.
 fn fitted(case: &Case, looks: &[Look], velocity: Velocity) -> Option<Diagnosis> {
     let moving = another_velocity(looks).map(|found| {
         let boost = Boost::<World, CameraFrame>::new(found);
@@ -171,7 +171,7 @@ fn fitted(case: &Case, looks: &[Look], velocity: Velocity) -> Option<Diagnosis> 
         });
         (describe_turn(case, found, &tally), tally)
     });
-    // Of channels along the camera's own axes places tell that it is not turned.
+    // If channels are along the camera's own axes, positions show that it is not rotated.
     let turned = turned.filter(|_| !places_are_right(case) && frames::direction(case).is_none());
     let both = [moving, turned].into_iter().flatten();
     let explaining = both.filter(|(_, tally)| tally.explains(NOTABLE));
@@ -183,7 +183,7 @@ fn fitted(case: &Case, looks: &[Look], velocity: Velocity) -> Option<Diagnosis> 
         .then_some(found)
 }
 
-/// Whether the candidate shows points where they are seen.
+/// Whether the candidate shows points where they should be seen.
 fn places_are_right(case: &Case) -> bool {
     let Some(field) = case.field else {
         return false;
@@ -194,7 +194,7 @@ fn places_are_right(case: &Case) -> bool {
     off.distances.len() >= super::FEWEST && off.error() <= NOTABLE_DISPLACEMENT
 }
 
-/// The angle between directions of pixels that are beside each other, radians.
+/// The angle between directions of adjacent pixels, radians.
 fn angle_of_pixel(case: &Case, looks: &[Look]) -> Option<f64> {
     let [width, _] = case.points[0].size();
     let pairs = looks.windows(2).filter_map(|pair| {
@@ -205,9 +205,9 @@ fn angle_of_pixel(case: &Case, looks: &[Look]) -> Option<f64> {
     median(pairs.collect()).filter(|angle| *angle > 0.0)
 }
 
-/// The velocity whose boost fits best.
+/// The velocity of the best-fitting boost.
 fn another_velocity(looks: &[Look]) -> Option<Velocity> {
-    // The real and the imaginary parts of the equation's scalar and vector, for p₀ = 1 and for p along each axis.
+    // The real and imaginary parts of the equation's scalar and vector, for p₀ = 1 and for p along each axis.
     let equations = looks.iter().map(|look| {
         let (d, e) = (look.is, look.own.unit());
         let along = |a: DVec3| {
@@ -231,7 +231,7 @@ fn another_velocity(looks: &[Look]) -> Option<Velocity> {
     }
 }
 
-/// The rotation of the camera that fits best, in its frame.
+/// The best-fitting rotation of the camera, in its frame.
 fn turn(looks: &[Look], velocity: Velocity) -> Option<DQuat> {
     let camera_from_world = Boost::<CameraFrame, World>::new(-velocity);
     let equations = looks.iter().filter_map(|look| {
@@ -255,12 +255,12 @@ fn angle(q: DQuat) -> f64 {
     2.0 * libm::atan2(q.xyz().length(), q.w)
 }
 
-/// So many steps of the inverse power method: the other eigenvalues are far larger where anything fits.
+/// Number of steps of the inverse power method: the other eigenvalues are far larger if anything fits.
 const STEPS: usize = 32;
-/// What is added to the matrix, in parts of it, so that it has an inverse.
+/// Relative damping added to the matrix to make it invertible.
 const DAMPING: f64 = 1e-15;
 
-/// The unit vector that solves linear equations best, whose coefficients each pixel has for each of four numbers.
+/// The unit vector that best solves linear equations, given each pixel's coefficients for the four unknowns.
 fn solution(equations: impl Iterator<Item = [[DVec4; 2]; 4]>) -> Option<DVec4> {
     let mut normal = [[0.0; 4]; 4];
     for columns in equations {
@@ -305,7 +305,7 @@ fn describe_turn(case: &Case, turn: DQuat, tally: &Tally) -> Diagnosis {
     }
 }
 
-/// What is said of a camera that is turned about an axis of its frame.
+/// The description of a camera that is rotated about an axis of its frame.
 pub(super) fn turned_in_words(known: Option<&KnownScene>, axis: DVec3, degrees: f64) -> String {
     let parts = known.map(|known| {
         let [up, left, over] = (degrees * known.view(axis)).to_array().map(rounded);

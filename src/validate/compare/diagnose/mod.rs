@@ -1,57 +1,66 @@
 //! Why a candidate is wrong: hypotheses that explain most of an error, with their evidence.
 //!
-//! A hypothesis h(r) of what a picture holds instead of the reference's r explains the error where |c − h(r)| is below a
-//! tenth of |c − r|, or of that error's root mean square, at nine tenths of the pixels at which either is not small. Those without free numbers are
-//! asked first, the others only where these do not explain it.
+//! A hypothesis h(r) about what a picture holds instead of the reference's r explains the error if |c − h(r)| is below a tenth of |c − r|,
+//! or of the rms of that error, at nine tenths of the pixels where either is notable. Hypotheses without free parameters are tested first,
+//! the others only if these do not explain it.
 //!
 //! | diagnosis | hypothesis |
 //! |---|---|
-//! | picture mirrored | the candidate turned around is the reference: left to right, top to bottom, both, or across its diagonal |
+//! | picture mirrored | the candidate, turned, matches the reference: left to right, top to bottom, both, or across its diagonal |
 //! | picture moved by whole pixels | the same for a shift by one or two pixels |
-//! | channels never written | the candidate's hold one number at every pixel, and the reference's do not (`constant`) |
-//! | identities wrong | the objects' (or triangles') indices count from 1; or are those of other objects |
-//! | aberration reversed, missing, or without γ | look directions, or places of a known scene, are those for −β, for 0, or of a boost that lacks γ (`looks`) |
-//! | camera at another velocity, or turned | look directions are those of another boost, or of a rotation before it (`looks`); points of a known scene are where such a camera sees them (`camera`) |
-//! | camera at another time | points of a known scene are where a camera sees them whose clock is ahead (`camera`) |
-//! | shots that differ | the metadata of both pictures say another velocity or time of the camera: then nothing is said of what follows |
-//! | retardation missing | all emission times are the same; or points of a known scene, or of one object, are where they are at the time of the shot |
-//! | velocities swapped, reversed, missing, wrong | by wavelength ratios, or by places of a known scene (`motion`) |
+//! | channels never written | the candidate's hold one number at every pixel, while the reference's vary (`constant`) |
+//! | identities wrong | the indices of objects (or triangles) count from 1, or are those of other objects |
+//! | aberration reversed, missing, or without γ | look directions, or positions in a known scene, are those for −β, for 0, or for a boost
+//! that lacks γ (`looks`) |
+//! | camera at another velocity, or turned | look directions are those of another boost, or of a rotation before it (`looks`); points of a
+//! known scene are where such a camera sees them (`camera`) |
+//! | camera at another time | points of a known scene are where a camera whose clock is ahead sees them (`camera`) |
+//! | shots that differ | the metadata of both pictures state different velocities or times of the camera: then consequences are not
+//! reported |
+//! | retardation missing | all emission times are equal; or points of a known scene, or of one object, are where they are at the time of
+//! the shot |
+//! | velocities swapped, reversed, missing, wrong | by wavelength ratios, or by positions in a known scene (`motion`) |
 //! | film moved or scaled | points belong at a + k p for the pixel p: half a pixel, another field of view or focal length, another aspect ratio |
-//! | axes exchanged | x, y, z of events, normals, directions are others of these, or their opposites |
+//! | axes exchanged | x, y, z of events, normals, directions are permuted, or negated |
 //! | directions reversed | d is −d |
 //! | frame wrong | events are those of the objects' or the camera's frame, or relative to the shot; directions have the camera's axes |
-//! | normals of another frame | normals are those of the contracted or of the apparent body, or along the camera's axes, or of the file (`normals`) |
-//! | depth for distance | the distance is the depth along the axis, or one over it, or the way in the camera's frame; times are delayed by it (`depth`) |
+//! | normals of another frame | normals are those of the contracted or of the apparent body, or along the camera's axes, or those of the
+//! file (`normals`) |
+//! | depth for distance | the distance is the depth along the axis, or one over it, or the path length in the camera's frame; times are
+//! delayed by it (`depth`) |
 //! | sign opposite | times are −t |
 //! | units | lengths, or times, are multiplied by one factor: mm, cm, km, s, ns |
 //! | texture coordinates flipped | v is 1 − v; u is 1 − u; u and v exchanged |
-//! | triangles shifted | in an object, their indices begin at another number |
-//! | weights exchanged | barycentric u and v belong to other corners |
+//! | triangles shifted | their indices in an object start at another number |
+//! | weights exchanged | barycentric u and v belong to other vertices |
 //! | W inverted, or another number | W is 1/W; or W − 1, ln W, W² and the like (`ratios`) |
-//! | W of another camera | W is that of a camera at rest, or that moves the opposite way, or at another velocity |
+//! | W of another camera | W is that of a camera at rest, or moving in the opposite direction, or at another velocity |
 //! | W by a factor | W is multiplied by γ of the camera or the object, or by 1/γ, or by another factor |
 //! | emission time shifted | the time differs by a constant |
-//! | times rounded | times are far fewer numbers, all of them steps of one width apart |
+//! | times rounded | there are far fewer different times, all separated by multiples of one width |
 //! | time lookup shifted | the light is that of the scene with its cubes, pulses and flashes earlier or later; needs the scene |
-//! | colours exchanged | R, G, B are others of these |
-//! | gamma | light is encoded once more than it should be, or once less |
-//! | exponent of W wrong | ln(c/r) = a + k ln W, with a = 0 or k a whole number |
-//! | codes for light | the candidate's light is whole numbers |
+//! | colours exchanged | R, G, B are permuted |
+//! | gamma | light is encoded once too often, or once too few times |
+//! | exponent of W wrong | ln(c/r) = a + k ln W, with a = 0 or an integer k |
+//! | codes for light | the candidate's light is integers |
 //! | exposure | light is multiplied by one factor |
 //! | offset | one number is added to all light (`curve`) |
-//! | tone mapping | one curve, of each channel or of luminance, makes the candidate's light of the reference's (`curve`) |
-//! | motion, by light | the light is that of the scene without retardation, with another aberration, or with an object at rest or reversed; needs the scene, where no channel says so |
-//! | film, or aberration, by light | the pictures lie over each other after a shift, scales, or a boost (`registration`) |
-//! | shadows missing | the light is that of the scene whose pulses throw no shadows; needs the scene |
-//! | size | the surfaces of an object are those of the reference times a factor (`size`) |
-//! | one object's channels, or light | where nothing explains the picture, what explains the pixels of one object (`object`) |
-//! | object elsewhere | by their events, points of an object are not on its surface, where nothing hides it; or they are in the frame of another velocity (`events`) |
-//! | object missing | the reference shows it, the candidate nowhere |
-//! | object misplaced | most of its points are not where they are seen, and others are; nothing else explains it |
-//! | triangle, or object displaced | δ on one triangle, or one object, alone: nine tenths of Σ\|δ\|², on at most half of the pixels of surfaces |
+//! | tone mapping | one curve, of each channel or of luminance, maps the reference's light to the candidate's (`curve`) |
+//! | motion, by light | the light is that of the scene without retardation, with another aberration, or with an object at rest or reversed;
+//! needs the scene, and is tested if no channel shows it |
+//! | film, or aberration, by light | the pictures match after a shift, scales, or a boost (`registration`) |
+//! | shadows missing | the light is that of the scene whose pulses cast no shadows; needs the scene |
+//! | size | the surfaces of an object are those of the reference scaled by a factor (`size`) |
+//! | one object's channels, or light | if nothing explains the picture, the explanation of one object's pixels (`object`) |
+//! | object elsewhere | by their events, points of an object are not on its surface, although nothing hides it; or they are in the frame of
+//! another velocity (`events`) |
+//! | object missing | the reference shows it, the candidate does not |
+//! | object misplaced | most of its points are not where they should be seen, and those of other objects are; nothing else explains it |
+//! | triangle, or object displaced | δ is on one triangle, or one object, only: nine tenths of Σ\|δ\|², on at most half of the pixels of
+//! surfaces |
 //!
-//! A hypothesis without the channels that it needs is not asked. What follows from a wrong film or a wrong velocity (time,
-//! brightness, places) is not diagnosed again.
+//! A hypothesis whose channels are missing is not tested. Consequences of a wrong film or a wrong velocity (time, brightness, positions)
+//! are not diagnosed again.
 
 mod camera;
 mod channels;
@@ -83,37 +92,37 @@ use super::points::Points;
 use crate::error::Message;
 use crate::scene::model::Scene;
 
-/// What explains light up to this part of its squared error, noise of a hundredth beside a third of it, leaves nothing to ask the scene for.
+/// The residual of the squared error of light below which the scene is not tested: noise of one percent beside a third of the light.
 const SETTLED: f64 = 1e-3;
-/// The part of an error that a hypothesis has to explain, and of the pixels at which it does.
+/// The fraction of an error that a hypothesis must explain, and of the pixels where it must.
 const MOST: f64 = 0.9;
-/// A hypothesis has to bring values nearer than this part of their error.
+/// The fraction of their error to which a hypothesis must bring values.
 const NEAR: f64 = 0.1;
 
-/// What is wrong with a candidate, and how one sees it.
+/// A mistake of a candidate, with its evidence.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Diagnosis {
-    /// Which hypothesis.
+    /// The hypothesis.
     pub kind: Kind,
-    /// What is wrong, as a sentence.
+    /// The mistake as a sentence.
     pub what: Message,
     /// Names and values of the evidence.
     pub evidence: Vec<(&'static str, f64)>,
 }
 
-/// What can be diagnosed.
+/// The possible diagnoses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Kind {
-    /// The picture is mirrored or turned.
+    /// The picture is mirrored or rotated.
     Mirrored,
-    /// The picture is shifted, by whole pixels or parts of them.
+    /// The picture is shifted, by whole or fractional pixels.
     FilmShifted,
-    /// The field of view, or the focal length, is another.
+    /// The field of view, or the focal length, is wrong.
     FieldOfView,
-    /// Width and height of pixels are not alike.
+    /// Pixels are not square.
     Aspect,
     /// Indices count from 1.
     IdentitiesOneBased,
@@ -123,15 +132,15 @@ pub enum Kind {
     AberrationReversed,
     /// Look directions are those of the camera's frame.
     AberrationMissing,
-    /// The camera's boost lacks its γ.
+    /// The camera's boost lacks γ.
     AberrationWithoutGamma,
     /// The camera has another velocity.
     CameraVelocity,
-    /// The camera looks along another axis, or is rolled.
+    /// The camera looks in another direction, or is rolled.
     CameraTurned,
-    /// The picture is that of another time of the camera.
+    /// The picture shows the camera at another time.
     CameraTime,
-    /// By their metadata, the pictures are of different shots.
+    /// According to their metadata, the pictures are different shots.
     ShotsDiffer,
     /// Light takes no time.
     RetardationMissing,
@@ -139,31 +148,31 @@ pub enum Kind {
     VelocitiesSwapped,
     /// An object has another velocity.
     VelocityWrong,
-    /// An object rests that should move.
+    /// An object that should move is at rest.
     VelocityMissing,
-    /// An object is nowhere in the candidate.
+    /// The candidate does not show an object.
     ObjectMissing,
-    /// Coordinates are exchanged, or have the opposite sign.
+    /// Coordinates are permuted, or negated.
     AxesExchanged,
     /// Look directions point into the camera.
     DirectionsReversed,
-    /// Lengths or times have another unit.
+    /// Lengths or times are in another unit.
     Units,
     /// Events or directions are in the coordinates of another frame.
     FrameWrong,
     /// Times have the opposite sign.
     SignOpposite,
-    /// Indices of triangles begin at another number than 0.
+    /// Indices of triangles do not start at 0.
     IdentitiesShifted,
-    /// Barycentric coordinates are the weights of other corners.
+    /// Barycentric coordinates are the weights of other vertices.
     WeightsExchanged,
-    /// Texture coordinates run the other way.
+    /// Texture coordinates run in the opposite direction.
     TextureFlipped,
-    /// Wavelength ratios are their inverses.
+    /// Wavelength ratios are inverted.
     RatioInverted,
-    /// The channel holds another number of the Doppler shift than the wavelength ratio.
+    /// The channel holds another measure of the Doppler shift than the wavelength ratio.
     RatioForm,
-    /// Wavelength ratios are those of a camera of another velocity.
+    /// Wavelength ratios are those of a camera with another velocity.
     RatioOfCamera,
     /// Wavelength ratios are wrong by a factor.
     RatioFactor,
@@ -177,21 +186,21 @@ pub enum Kind {
     ColoursExchanged,
     /// Light is encoded for a display once more, or once less, than it should be.
     Gamma,
-    /// The radiance factor has another exponent.
+    /// The radiance factor has a wrong exponent.
     ExponentWrong,
     /// Light is multiplied by a factor.
     Exposure,
     /// A number is added to light.
     Offset,
-    /// Channels have no numbers where they should.
+    /// Channels hold NaN where they should hold numbers.
     NotANumber,
     /// Channels hold the same number at every pixel.
     ConstantChannel,
-    /// Light comes through what should hide it.
+    /// Light passes through objects that should block it.
     ShadowsMissing,
-    /// Light went through a curve for displays.
+    /// A tone curve for displays was applied to light.
     ToneMapped,
-    /// Depths stand where distances should, or delay light.
+    /// Depths are used instead of distances, or delay light.
     DepthForDistance,
     /// An object is larger or smaller than it should be.
     SizeWrong,
@@ -199,14 +208,14 @@ pub enum Kind {
     TriangleDisplaced,
     /// One object is displaced.
     ObjectDisplaced,
-    /// The points shown of an object are not on the surface that the reference shows.
+    /// The points shown of an object are not on its surface in the reference.
     ObjectElsewhere,
-    /// Events in the world are not those of the points of objects beside them.
+    /// Events in the world do not match the points of objects.
     EventsWrong,
 }
 
 impl Kind {
-    /// Whether it moves or renames all that is seen: objects may be out of view for it.
+    /// Whether it moves or renames everything in view: objects may be out of view as a result.
     fn is_of_all(self) -> bool {
         matches!(
             self,
@@ -227,7 +236,7 @@ impl Kind {
         )
     }
 
-    /// Whether it is of single channels, whatever else is wrong.
+    /// Whether it concerns single channels, whatever else is wrong.
     fn is_of_channel(self) -> bool {
         matches!(
             self,
@@ -242,7 +251,7 @@ impl Kind {
         )
     }
 
-    /// Whether it says how the camera moves, or when the shot is taken.
+    /// Whether it concerns the camera's motion, or the time of the shot.
     fn is_of_shot(self) -> bool {
         matches!(
             self,
@@ -256,7 +265,7 @@ impl Kind {
     }
 }
 
-/// What the hypotheses are asked of.
+/// The input of the hypotheses.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Case<'a> {
     pub pair: [&'a Picture; 2],
@@ -270,15 +279,15 @@ pub(super) struct Case<'a> {
     pub scene: Option<&'a Scene>,
 }
 
-/// All diagnoses of a candidate: channels that were never written, and what the others say.
+/// All diagnoses of a candidate: channels that were never written, and the results of the others.
 pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
     constant::set_apart(case).unwrap_or_else(|| diagnose_channels(case))
 }
 
-/// What is wrong by channels, all of which hold several numbers.
+/// Mistakes by channels, none of which is constant.
 fn diagnose_channels(case: &Case) -> Vec<Diagnosis> {
     let mut found = causes(case);
-    // Of another shot, that is what is wrong: objects, light and films follow from it.
+    // If it is another shot, that is the mistake: objects, light and films follow from it.
     if let Some(other) = camera::other_shot(case) {
         found.retain(|found| found.kind.is_of_shot());
         if found.is_empty() {
@@ -300,7 +309,7 @@ fn diagnose_channels(case: &Case) -> Vec<Diagnosis> {
     found
 }
 
-/// What explains the errors of pixels.
+/// Explanations of the errors of pixels.
 fn causes(case: &Case) -> Vec<Diagnosis> {
     let causes: [fn(&Case) -> Vec<Diagnosis>; 15] = [
         |case| channels::order_of_events(case).into_iter().collect(),
@@ -332,7 +341,8 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
     found.extend(ratios::ratio(case));
     found.extend(time::instant(case).or_else(|| time::shifted(case)));
     let by_light = curve::instead_of(case, light::light(case));
-    // Another velocity changes light much as another exponent does, or as a factor on what is far darker, and the scene tells them apart.
+    // Another velocity changes light much as another exponent does, or, if it is far darker, as a factor does; the scene distinguishes
+    // them.
     let is_settled = by_light
         .as_ref()
         .is_some_and(|(d, left)| d.kind != Kind::ExponentWrong && *left <= SETTLED);
@@ -353,7 +363,7 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
         }
         (Some((by_scene, _)), None) => found.push(by_scene),
         (None, Some((by_light, left))) => {
-            // Another film changes light, too, at edges.
+            // Another film also changes light at edges.
             let may_be_film = left > NEAR && found.is_empty() && !case.has_places();
             let by_film = may_be_film
                 .then(|| registration::found(case, is_asked))
@@ -378,7 +388,7 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
     found
 }
 
-/// What was found of channels, and what light and wavelength ratios say beside it: they do not depend on those.
+/// The diagnoses of channels, with those of light and wavelength ratios that do not depend on them.
 fn with_independent(case: &Case, mut found: Vec<Diagnosis>) -> Vec<Diagnosis> {
     if !found.iter().all(|found| found.kind.is_of_channel()) {
         return found;
@@ -393,13 +403,13 @@ fn with_independent(case: &Case, mut found: Vec<Diagnosis>) -> Vec<Diagnosis> {
 }
 
 impl Case<'_> {
-    /// Whether channels say which points pixels show, or where they look: then light need not.
+    /// Whether channels show which points pixels show, or where they look: then light is not needed.
     fn has_places(&self) -> bool {
         let directions = self.points.each_ref().map(|p| p.direction.is_some());
         self.field.is_some() || directions == [true, true]
     }
 
-    /// Pixels of the region at which both pictures show the same object.
+    /// Pixels of the region where both pictures show the same object.
     fn pixels(&self) -> Vec<usize> {
         let [r, c] = &self.points;
         let pixels = self.region.pixels(r.size());
@@ -413,22 +423,22 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     inside.then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// Distances from the reference and from a hypothesis, pixel by pixel.
+/// Distances from the reference and from a hypothesis at each pixel.
 #[derive(Debug)]
 struct Tally {
     /// |c − r|, and |c − h(r)|, where either is notable.
     distances: Vec<[f64; 2]>,
-    /// The rms of |c − r| over all pixels, these and those that are left out.
+    /// The rms of |c − r| over all pixels, including those that are left out.
     usual: f64,
 }
 
-/// A hypothesis needs so many pixels.
+/// The fewest pixels for a hypothesis.
 const FEWEST: usize = 24;
 
 impl Tally {
-    /// Of pairs, those that are numbers, without the pixels at which neither is a tenth of the error: where nothing is
-    /// wrong, and the hypothesis changes nothing, it explains nothing. To change nothing explains no pixel: of those that are
-    /// kept, it is near where the hypothesis is not.
+    /// The finite pairs, without the pixels where neither is a tenth of the error: where nothing is wrong, and the hypothesis changes
+    /// nothing, it explains nothing. A hypothesis that changes nothing explains no pixel: of the pairs kept, it matches where the
+    /// hypothesis does not.
     fn of(distances: impl Iterator<Item = [f64; 2]>) -> Tally {
         let are_numbers = |[a, b]: &[f64; 2]| a.is_finite() && b.is_finite();
         let mut tally = Tally {
@@ -447,7 +457,7 @@ impl Tally {
         (sum / self.distances.len().max(1) as f64).sqrt()
     }
 
-    /// The rms distance from the hypothesis, without the tenth of the pixels at which it is largest.
+    /// The rms distance from the hypothesis, without the tenth of the pixels where it is largest.
     fn rest(&self) -> f64 {
         let mut rests: Vec<f64> = self.distances.iter().map(|d| d[1]).collect();
         rests.sort_unstable_by(f64::total_cmp);
@@ -456,20 +466,20 @@ impl Tally {
         (sum / kept.max(1) as f64).sqrt()
     }
 
-    /// The part of the pixels that the hypothesis explains.
+    /// The fraction of the pixels that the hypothesis explains.
     fn share(&self) -> f64 {
         let explained = |d: &&[f64; 2]| d[1] <= NEAR * d[0].max(self.usual);
         let count = self.distances.iter().filter(explained).count();
         count as f64 / self.distances.len().max(1) as f64
     }
 
-    /// Whether the hypothesis explains more pixels than another one, or as many and these better.
+    /// Whether the hypothesis explains more pixels than another one, or as many with a smaller residual.
     fn is_better_than(&self, other: &Tally) -> bool {
         let by_share = self.share().total_cmp(&other.share());
         by_share.then(other.rest().total_cmp(&self.rest())).is_gt()
     }
 
-    /// Whether the hypothesis explains an error of at least `notable`, rms.
+    /// Whether the hypothesis explains an error of at least `notable` rms.
     fn explains(&self, notable: f64) -> bool {
         self.distances.len() >= FEWEST && self.error() > notable && self.share() >= MOST
     }

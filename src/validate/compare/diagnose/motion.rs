@@ -1,5 +1,5 @@
-//! Wrong velocities: of objects and the camera by wavelength ratios, and by where points of a known scene are shown. By look
-//! directions: `looks`; by events of the world: `events`.
+//! Wrong velocities of objects and the camera, from wavelength ratios, and from where points of a known scene are shown. From look
+//! directions: `looks`; from world events: `events`.
 //!
 //! # By wavelength ratios
 //!
@@ -9,16 +9,14 @@
 //! W = ω_emitted / ω_observed = γ(1 + β·d) / (γc(1 + βc·d))
 //! ```
 //!
-//! so that W γc(1 + βc·d) is linear in d: a least squares fit over the object's pixels gives (γ, γβ). It is a
-//! four-velocity only where γ² − |γβ|² = 1: a W that is wrong by a factor gives no velocity. An
-//! object that takes up little of the view determines them badly; so hypotheses are compared by how well they
-//! reproduce W where the object is seen, not by the fitted numbers.
+//! so that W γc(1 + βc·d) is linear in d: a least squares fit over the object's pixels gives (γ, γβ). It is a four-velocity only if γ² −
+//! |γβ|² = 1: a W that is wrong by a factor gives no velocity. An object that covers little of the view determines them poorly, so
+//! hypotheses are compared by how well they reproduce W where the object is seen, not by the fitted numbers.
 //!
 //! # By places
 //!
-//! In a known scene the map π from points of objects to the film is known for any velocity of the camera and of the
-//! objects, and for light that takes no time. The candidate's points are seen where it shows them under the
-//! change that it has made.
+//! In a known scene the map π from points of objects to the film is known for any velocity of the camera and of the objects, and for light
+//! that takes no time. The candidate's points are seen where it shows them under the change that was made.
 
 use std::collections::BTreeMap;
 
@@ -33,7 +31,7 @@ use crate::error::{Message, Setting};
 use crate::render::aov::Aov;
 use crate::spacetime::Velocity;
 
-/// The velocity of a camera that moves without acceleration and does not turn, by the picture's metadata.
+/// The velocity of a camera that moves without acceleration or rotation, from the picture's metadata.
 pub(super) fn camera_velocity(picture: &Picture) -> Option<Velocity> {
     let turns = ["camera_motion", "rotation_axis", "sensor_focal_length"];
     if turns.iter().any(|key| picture.metadata(key).is_some()) {
@@ -47,15 +45,15 @@ pub(super) fn camera_velocity(picture: &Picture) -> Option<Velocity> {
     Velocity::from_rapidity(DVec3::new(x, y, z)).ok()
 }
 
-/// An object has to have so many pixels.
+/// The fewest pixels of an object.
 pub(super) const FEWEST: usize = 24;
-/// The rms of W's relative error that a fit may leave.
+/// The largest rms relative error of W that a fit may leave.
 const FITS: f64 = 1e-4;
-/// W's relative errors below this are none.
+/// The smallest notable relative error of W.
 const NOTABLE_RATIO: f64 = 1e-3;
 
-/// Four-velocities have γ² − |γβ|² = 1, to this part of its terms: where pixels determine it badly, and where one factor on W would
-/// do as well.
+/// Four-velocities satisfy γ² − |γβ|² = 1, to this fraction of its terms: the first where pixels determine it poorly, the second where one
+/// factor on W would do as well.
 const OF_VELOCITY: f64 = 0.05;
 const OF_VELOCITY_OR_FACTOR: f64 = 0.002;
 
@@ -65,13 +63,13 @@ fn is_velocity(u: DVec4, precision: f64) -> bool {
     u.x > 0.0 && (u.x * u.x - spatial - 1.0).abs() <= precision * (1.0 + spatial)
 }
 
-/// A velocity as it is told.
+/// The text for a velocity.
 pub(super) fn in_words(beta: DVec3) -> String {
     let [x, y, z] = beta.to_array().map(rounded);
     format!("({x:.4}, {y:.4}, {z:.4})")
 }
 
-/// A number of four decimals, and no −0.
+/// A number rounded to four decimals, without −0.
 pub(super) fn rounded(v: f64) -> f64 {
     (1e4 * v).round() / 1e4 + 0.0
 }
@@ -84,7 +82,7 @@ struct ObjectRatios {
 }
 
 impl ObjectRatios {
-    /// (γ, γβ); none where the pixels do not determine it.
+    /// (γ, γβ); `None` if the pixels do not determine it.
     fn velocity(&self) -> Option<DVec4> {
         if self.rows.len() < FEWEST {
             return None;
@@ -97,13 +95,13 @@ impl ObjectRatios {
         }
         let scale = normal.col(0).x;
         let (normal, right) = (normal * (1.0 / scale), right / scale);
-        // Tikhonov's term picks the shortest of the velocities that fit equally well.
+        // Tikhonov regularization picks the shortest of the velocities that fit equally well.
         let damped = normal + DMat4::from_diagonal(DVec4::splat(1e-12));
         let u = damped.inverse() * right;
         u.is_finite().then_some(u)
     }
 
-    /// The factor on W that most pixels have, where a four-velocity says what it should be.
+    /// The most common factor of W on the value that a four-velocity predicts.
     fn factor(&self, u: DVec4) -> Option<f64> {
         median(
             self.rows
@@ -113,7 +111,7 @@ impl ObjectRatios {
         )
     }
 
-    /// The rms of the relative error with which a four-velocity reproduces W.
+    /// The rms relative error with which a four-velocity reproduces W.
     fn misfit(&self, u: DVec4) -> f64 {
         let square = |(row, value): &(DVec4, f64)| {
             let e = row.dot(u) / value - 1.0;
@@ -124,13 +122,13 @@ impl ObjectRatios {
     }
 }
 
-/// Objects whose wavelength ratios are those of another velocity.
+/// Objects whose wavelength ratios match another velocity.
 pub(super) fn velocities(case: &Case) -> Vec<Diagnosis> {
     let [Some(r), Some(c)] = [0, 1].map(|which| object_ratios(case, which)) else {
         return Vec::new();
     };
     if let Some(found) = another_camera(case, &r, &c) {
-        // Where points are seen says more, where they are known.
+        // Where points are seen is better evidence, if known.
         let by_places = changes(case);
         return match by_places.is_empty() {
             true => vec![found],
@@ -149,7 +147,7 @@ pub(super) fn velocities(case: &Case) -> Vec<Diagnosis> {
     if !swapped.is_empty() {
         return swapped;
     }
-    // In a narrow view, W of another camera may be that of other velocities of all objects.
+    // In a narrow view, another camera and other velocities of all objects may give the same W.
     let may_be_camera = moved.is_empty() || moved.len() > 1 && moved.len() == r.len();
     let by_camera = may_be_camera.then(|| fitted_camera(case, &r, &c)).flatten();
     match by_camera {
@@ -158,7 +156,7 @@ pub(super) fn velocities(case: &Case) -> Vec<Diagnosis> {
     }
 }
 
-/// Wavelength ratios of all objects that are those of a camera at rest, or that moves the opposite way.
+/// Wavelength ratios of all objects that match a camera at rest, or moving in the opposite direction.
 fn another_camera(
     case: &Case,
     r: &BTreeMap<i64, ObjectRatios>,
@@ -173,7 +171,7 @@ fn another_camera(
             objects.push((u, &c.rows));
         }
     }
-    // W γc(1 + βc·d), of the candidate's W, over γ(1 + β·d): 1 where it is right. With another camera, W times that camera's is.
+    // W γc(1 + βc·d), with the candidate's W, over γ(1 + β·d): 1 if it is right. With another camera, W times that camera's factor is.
     let tally = |other: fn(f64) -> f64, gamma_of_other: f64| {
         let pixels = objects
             .iter()
@@ -210,7 +208,8 @@ fn describe_camera(which: &str, tally: &Tally, camera: Velocity) -> Diagnosis {
     }
 }
 
-/// Wavelength ratios of all objects that are those of a camera of any other velocity: γc(1 + βc·d) = γ(1 + β·d)/W is linear in its four-velocity.
+/// Wavelength ratios of all objects that match a camera with any other velocity: γc(1 + βc·d) = γ(1 + β·d)/W is linear in its
+/// four-velocity.
 fn fitted_camera(
     case: &Case,
     r: &BTreeMap<i64, ObjectRatios>,
@@ -244,7 +243,7 @@ struct Moved {
     candidate: ObjectRatios,
     /// Four-velocities in the reference and in the candidate.
     velocities: [DVec4; 2],
-    /// How well the reference's reproduces W in the candidate.
+    /// The error with which the reference's velocity reproduces W in the candidate.
     error: f64,
 }
 
@@ -293,7 +292,7 @@ impl Moved {
         let [r, c] = self.velocities.map(beta);
         let text = in_words;
         let at_rest = self.candidate.misfit(DVec4::X);
-        // Where rest explains the candidate, its program has forgotten the velocity.
+        // If rest explains the candidate, its program ignored the velocity.
         let is_at_rest = at_rest <= NEAR * self.error;
         let object = self.object;
         Diagnosis {
@@ -324,7 +323,7 @@ impl Moved {
     }
 }
 
-/// The look directions of a picture; where it has none, those from the reference's pinhole to its own events.
+/// The look directions of a picture; if it has none, those from the reference's pinhole to its own events.
 fn directions<'a>(case: &Case<'a>, which: usize) -> Option<Box<dyn Fn(usize) -> DVec3 + 'a>> {
     if let Some(direction) = case.points[which].direction {
         return Some(Box::new(move |i| place(&direction, i)));
@@ -338,7 +337,7 @@ fn directions<'a>(case: &Case<'a>, which: usize) -> Option<Box<dyn Fn(usize) -> 
     }))
 }
 
-/// The pixels of each object in a picture; none where it lacks channels or metadata.
+/// The pixels of each object in a picture; `None` if channels or metadata are missing.
 fn object_ratios(case: &Case, which: usize) -> Option<BTreeMap<i64, ObjectRatios>> {
     let layers = &case.pair[which].layers;
     let ratio = Plane::aov(layers, Aov::WavelengthRatio)?;
@@ -359,7 +358,7 @@ fn object_ratios(case: &Case, which: usize) -> Option<BTreeMap<i64, ObjectRatios
     Some(objects)
 }
 
-/// Displacements that are notable, pixels, rms.
+/// The smallest notable displacement, pixels, rms.
 pub(super) const NOTABLE_DISPLACEMENT: f64 = 0.1;
 
 /// Changes of a known scene that explain where the candidate shows points.
@@ -398,7 +397,7 @@ pub(super) fn changes(case: &Case) -> Vec<Diagnosis> {
     moving.iter().filter_map(of_object).collect()
 }
 
-/// The change of the camera, or of time, that explains where the candidate shows points: it moves all of them.
+/// The change of the camera, or of time, that explains where the candidate shows points: one that moves all of them.
 pub(super) fn of_all(case: &Case) -> Option<Diagnosis> {
     let changes = [
         Change::Instant,
@@ -409,10 +408,10 @@ pub(super) fn of_all(case: &Case) -> Option<Diagnosis> {
     best(case, case.known?, None, &changes)
 }
 
-/// No more moving objects are asked about.
+/// The most moving objects that are tested.
 const MOST_OBJECTS: usize = 32;
 
-/// The change that explains best where the candidate shows points (of one object), if one explains most of it.
+/// The change that best explains where the candidate shows points (of one object), if one explains most of it.
 fn best(
     case: &Case,
     known: &KnownScene,
@@ -424,7 +423,7 @@ fn best(
         is_explained(&tally).then_some((*change, tally))
     });
     let (change, tally) = tallies.min_by(|a, b| a.1.rest().total_cmp(&b.1.rest()))?;
-    // Of a velocity that two objects have exchanged, both are seen so, or the other one is out of view for it.
+    // If two objects have exchanged their velocities, both are seen so, or one is out of view as a result.
     if let Change::Swapped(j, k) = change {
         let swapped = known.changed(change)?;
         let other = if object == Some(k) { j } else { k };
@@ -434,15 +433,15 @@ fn best(
     Some(describe_change(known, change, &tally))
 }
 
-/// What a change may leave of displacements, pixels, rms, whatever they were: what rasterizers of a few large triangles do, and no
-/// other velocity.
+/// The largest rms displacement, in pixels, that a change may leave, whatever it was before: as much as rasterizers of a few large
+/// triangles cause, and less than another velocity.
 const LEFT_BY_CHANGE: f64 = 2.0;
 
 fn is_explained(tally: &Tally) -> bool {
     tally.explains(NOTABLE_DISPLACEMENT) && tally.rest() <= LEFT_BY_CHANGE
 }
 
-/// Whether the reference shows an object, and the candidate does not.
+/// Whether the reference shows an object that the candidate does not show.
 pub(super) fn is_gone(case: &Case, object: usize) -> bool {
     let shows = |which: usize| {
         let points = &case.points[which];
@@ -453,7 +452,7 @@ pub(super) fn is_gone(case: &Case, object: usize) -> bool {
     shows(0) >= FEWEST_OF_OBJECT && shows(1) == 0
 }
 
-/// Whether all points of an object that the reference shows are out of view in another scene.
+/// Whether all points of an object that the reference shows are out of view in the changed scene.
 pub(super) fn is_out_of_view(case: &Case, changed: &KnownScene, object: usize) -> bool {
     let points = &case.points[0];
     let size = points.size().map(|n| n as f64);
@@ -469,7 +468,7 @@ pub(super) fn is_out_of_view(case: &Case, changed: &KnownScene, object: usize) -
     first == Some(false) && !seen.any(|is_inside| is_inside)
 }
 
-/// The changes of an object, or of all, that put it out of view.
+/// The changes of an object, or of the whole scene, that move it out of view.
 pub(super) fn out_of_view(case: &Case, object: usize) -> Vec<&'static str> {
     let changes = [
         (Change::Instant, "light that takes no time"),
@@ -490,7 +489,7 @@ pub(super) fn out_of_view(case: &Case, object: usize) -> Vec<&'static str> {
         .collect()
 }
 
-/// Objects that are out of view as they have another one's velocity, which is seen with theirs.
+/// Objects that are out of view because their velocity is exchanged with that of an object in view.
 pub(super) fn gone_by_exchange(case: &Case) -> Vec<usize> {
     let Some(known) = case.known else {
         return Vec::new();
@@ -503,7 +502,7 @@ pub(super) fn gone_by_exchange(case: &Case) -> Vec<usize> {
     gone.into_iter().filter(is_exchanged).collect()
 }
 
-/// Objects whose points are not where they are seen, and those that are gone.
+/// Objects whose points are not where they should be seen, and missing objects.
 fn moving_and_gone(case: &Case, known: &KnownScene) -> (Vec<usize>, Vec<usize>) {
     let is_off = |k: usize| displaced(case, known, known, Some(k)).error() > NOTABLE_DISPLACEMENT;
     let all = 0..known.velocities().count();
@@ -519,7 +518,7 @@ fn moving_and_gone(case: &Case, known: &KnownScene) -> (Vec<usize>, Vec<usize>) 
     (moving, gone)
 }
 
-/// Distances of the candidate's points from where they are seen, in the scene and in the changed one.
+/// Distances of the candidate's points from where they should be seen, in the scene and in the changed one.
 pub(super) fn displaced(
     case: &Case,
     known: &KnownScene,
@@ -539,15 +538,15 @@ pub(super) fn displaced(
         let shown = changed.place(points, i)?;
         let (k, p) = known.point(points, i)?;
         let right = known.film_point(k, p);
-        // A point that is seen nowhere, or far out of view, is as far away as the picture is wide.
+        // A point that is not seen, or is far out of view, counts as the width of the picture away.
         let off = |p: DVec2| (p - centre).length().min(width as f64);
         Some([right.map_or(width as f64, off), off(shown)])
     });
     Tally::of(off)
 }
 
-/// What is said of a camera whose light has the aberration of another velocity. Where objects move, light that takes no time may
-/// look much like it: both are said where no scene tells them apart.
+/// The diagnosis of a camera whose light has the aberration of another velocity. If objects move, light that takes no time may look
+/// similar: both are reported if no scene distinguishes them.
 pub(super) fn describe_aberration_by_light(
     case: &Case,
     change: Change,
@@ -588,7 +587,7 @@ pub(super) fn describe_aberration_by_light(
     }
 }
 
-/// What a change that explains the candidate says about the program that made it.
+/// The diagnosis for a change that explains the candidate.
 fn describe_change(known: &KnownScene, change: Change, tally: &Tally) -> Diagnosis {
     let beta = |k: usize| known.velocities().nth(k).map_or(0.0, |v| v.beta().length());
     let (kind, what, beta) = match change {

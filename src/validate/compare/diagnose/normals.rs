@@ -1,14 +1,14 @@
-//! Normals in other coordinates than those of the object's own frame.
+//! Normals in coordinates other than those of the object's own frame.
 //!
-//! A surface F(p) = 0 of a body with velocity β along e, with the normal n there, has in the world
+//! A surface F(p) = 0 of a body with velocity β along e, with the normal n there, has the normal in the world
 //!
 //! ```text
 //! at one time            n⊥ + γ (n·e) e                      p = x⊥ + γ (x·e − βt) e
 //! as it is seen          n⊥ + γ (n·e) (e + ηβ d)             t = T − η|x|, along the look direction d
 //! ```
 //!
-//! and as it is seen from a camera with βc along ec, at the look direction d′ of its frame, a⊥ + γc (a·ec)(ec − βc d′), a the one
-//! above it. Each may also be along the camera's own axes, as may n itself.
+//! and as seen from a camera with βc along ec, at the look direction d′ of its frame, a⊥ + γc (a·ec)(ec − βc d′), with a from above. Each
+//! may also be along the camera's own axes, and so may n itself.
 
 use glam::{DMat3, DVec3};
 
@@ -19,11 +19,11 @@ use super::{Case, Diagnosis};
 use crate::render::aov::Aov;
 use crate::spacetime::{Direction, World};
 
-/// Normals, of length 1, that differ by less are right: half of a thousandth is what half precision leaves.
+/// Smaller errors of unit normals are ignored: half precision leaves 0.0005.
 const NOTABLE: f64 = 0.002;
 const RIGHT: &str = "the objects' own frames";
 
-/// Normals that are those of another frame.
+/// Normals in another frame.
 pub(super) fn normals(case: &Case) -> Option<Diagnosis> {
     let names = [Aov::NormalX, Aov::NormalY, Aov::NormalZ];
     let [r, c] = case.pair.map(|p| Plane::aovs(&p.layers, names));
@@ -90,7 +90,7 @@ pub(super) fn normals(case: &Case) -> Option<Diagnosis> {
         ),
     ];
     if let Some(scene) = case.scene {
-        // A covector of the file's coordinates is the transposed matrix times that of the object's.
+        // A covector in the file's coordinates is the transposed matrix times that in the object's.
         let of_file = move |i: usize| {
             let matrix: DMat3 = scene.objects.get(object(i)?)?.transform.matrix3;
             Some((matrix.transpose() * own(i)).normalize_or(DVec3::ZERO))

@@ -1,7 +1,7 @@
-//! Mistakes in one of several objects alone.
+//! Mistakes in single objects out of several.
 //!
-//! Where nothing explains the errors of the whole picture, channels and light are asked anew, with the pixels at which both pictures
-//! show one object.
+//! If nothing explains the errors of the whole picture, channels and light are tested again with the pixels where both pictures show one
+//! object.
 
 use std::collections::BTreeMap;
 
@@ -10,10 +10,10 @@ use super::super::picture::{Plane, is_auxiliary};
 use super::{Case, Diagnosis, FEWEST, Kind, MOST, channels, light, ratios, time};
 use crate::error::Message;
 
-/// No more objects are asked, the largest first.
+/// The most objects that are tested, the largest first.
 const MOST_OBJECTS: usize = 32;
 
-/// Of objects with less than this part of the picture's usual light, light is that of their edges.
+/// Objects with less than this fraction of the picture's rms light are ignored for light: it comes from their edges.
 const DIM: f64 = 0.05;
 
 /// What is wrong with single objects.
@@ -22,12 +22,12 @@ pub(super) fn single(case: &Case) -> Vec<Diagnosis> {
     of_each(case, |case| of_object(case, usual))
 }
 
-/// Lengths and times of single objects in another unit: what is not asked of objects that are larger, or elsewhere.
+/// Lengths and times of single objects in another unit; tested only for objects that are not resized or elsewhere.
 pub(super) fn units(case: &Case) -> Vec<Diagnosis> {
     of_each(case, channels::units)
 }
 
-/// What is found of the pixels of each object, where there are several.
+/// The diagnoses from the pixels of each object, if there are several.
 fn of_each(case: &Case, of: impl Fn(&Case) -> Vec<Diagnosis>) -> Vec<Diagnosis> {
     let size = case.points[0].size();
     let mut pixels: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
@@ -63,7 +63,7 @@ fn of_each(case: &Case, of: impl Fn(&Case) -> Vec<Diagnosis>) -> Vec<Diagnosis> 
     together(found.collect(), count)
 }
 
-/// What was found of objects, of which there are `count`, said once of all for which it is the same.
+/// Merges diagnoses of `count` objects, with one for all objects that share it.
 fn together(found: Vec<(i64, Diagnosis)>, count: usize) -> Vec<Diagnosis> {
     let mut same: Vec<(Vec<i64>, Diagnosis)> = Vec::new();
     for (object, next) in found {
@@ -87,7 +87,7 @@ fn together(found: Vec<(i64, Diagnosis)>, count: usize) -> Vec<Diagnosis> {
         let what = Message::from(of) + found.what;
         Diagnosis { what, ..found }
     };
-    // Numbers may differ from object to object.
+    // Numbers may differ between objects.
     let mut said = Vec::new();
     while !same.is_empty() {
         let kind = same[0].1.kind;
@@ -103,10 +103,10 @@ fn together(found: Vec<(i64, Diagnosis)>, count: usize) -> Vec<Diagnosis> {
     said
 }
 
-/// No more objects are told apart.
+/// The most objects that are listed separately.
 const MOST_TOLD: usize = 4;
 
-/// What is said of a mistake that all objects have, with other numbers each.
+/// The diagnosis of a mistake that all objects have, each with different numbers.
 fn in_each(found: Vec<(Vec<i64>, Diagnosis)>) -> Diagnosis {
     let more = if found.len() > MOST_TOLD { "; …" } else { "" };
     let mut what = Message::from("in each object by itself: ");
@@ -124,7 +124,7 @@ fn in_each(found: Vec<(Vec<i64>, Diagnosis)>) -> Diagnosis {
     }
 }
 
-/// Adds the number of pixels at which another object has the same mistake.
+/// Adds the number of pixels where another object has the same mistake.
 fn add_pixels(found: &mut Diagnosis, more: &Diagnosis) {
     for (name, value) in &mut found.evidence {
         let added = more.evidence.iter().find(|(other, _)| other == name);
@@ -134,17 +134,17 @@ fn add_pixels(found: &mut Diagnosis, more: &Diagnosis) {
     }
 }
 
-/// The number of pixels, in evidence.
+/// The name of the number of pixels in the evidence.
 const PIXELS: &str = "pixels";
 
-/// What explains the errors of the pixels of one object.
+/// Explanations of the errors of one object's pixels.
 fn of_object(case: &Case, usual: f64) -> Vec<Diagnosis> {
     let mut found: Vec<Diagnosis> = not_numbers(case).into_iter().collect();
     if found.is_empty() {
         found.extend(channels::coordinates(case));
         found.extend(ratios::forms(case));
         found.extend(channels::texture(case));
-        // What is elsewhere has other times.
+        // An object that is elsewhere has other times.
         let is_there =
             channels::same_places(case).len() as f64 >= MOST * case.pixels().len() as f64;
         found.extend(is_there.then(|| time::shifted(case)).flatten());
@@ -155,7 +155,7 @@ fn of_object(case: &Case, usual: f64) -> Vec<Diagnosis> {
     found
 }
 
-/// Channels that hold no numbers where the reference has some.
+/// Channels that hold NaN where the reference has numbers.
 fn not_numbers(case: &Case) -> Option<Diagnosis> {
     let pixels = case.pixels();
     let [r, c] = case.pair.map(|picture| &picture.layers);
@@ -171,7 +171,7 @@ fn not_numbers(case: &Case) -> Option<Diagnosis> {
         });
         all >= FEWEST && lost as f64 >= MOST * all as f64
     };
-    // Errors of single samples are none.
+    // Standard errors do not exist for single samples.
     let names = names.filter(|name| is_auxiliary(name) && !name.starts_with("standard_error"));
     let names: Vec<&str> = names.filter(lost).collect();
     (!names.is_empty()).then(|| Diagnosis {

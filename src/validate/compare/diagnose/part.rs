@@ -1,4 +1,4 @@
-//! Displacements of one triangle, or of one object, alone; objects that are nowhere.
+//! Displacements of one triangle or one object only; missing objects.
 
 use std::collections::BTreeMap;
 
@@ -8,11 +8,11 @@ use super::super::geometry::Field;
 use super::super::surface::FEWEST_OF_OBJECT;
 use super::{Case, Diagnosis, FEWEST, Kind, MOST, median, motion};
 
-/// Displacements that are notable, pixels.
+/// The smallest notable displacement, pixels.
 const NOTABLE_DISPLACEMENT: f64 = 0.1;
-/// The mean displacement of a part, which is displaced as a whole, is at least this part of its rms.
+/// The least ratio of mean to rms displacement for a part to be displaced as a whole.
 const COHERENT: f64 = 0.5;
-/// The most of the pixels with surfaces that a part may take.
+/// The largest fraction of the pixels with surfaces that a part may cover.
 const LARGEST_PART: f64 = 0.5;
 
 /// Displacements on one part of the picture.
@@ -25,18 +25,18 @@ struct Part {
 /// One triangle, or one object, that is not where it should be.
 pub(super) fn displaced(case: &Case) -> Option<Diagnosis> {
     let by_points = case.field.and_then(|field| localised(case, field));
-    // Places of a known scene are exact; those on triangles that are seen at a grazing angle hang on few pixels.
+    // Positions in a known scene are exact; those on triangles seen at a grazing angle depend on few pixels.
     if let Some(Field::Known(..)) = case.field {
         return by_points;
     }
     by_points.or_else(|| localised(case, &Field::on_triangles(&case.points)?))
 }
 
-/// Samples elsewhere in pixels displace points by less than this, pixels.
+/// An upper bound on the displacement, in pixels, by samples elsewhere in pixels.
 const SAMPLED: f64 = 1.0;
 
-/// Objects whose points, of a known scene, are not seen where the candidate shows them, be it where the reference shows the object or not.
-/// None where this is so of all objects: then no object is to blame.
+/// Objects whose points, in a known scene, are not seen where the candidate shows them, whether or not the reference shows the object
+/// there. Empty if this is the case for all objects: then no object is to blame.
 pub(super) fn misplaced(case: &Case) -> Vec<Diagnosis> {
     let (Some(known), [_, points]) = (case.known, &case.points) else {
         return Vec::new();
@@ -48,7 +48,7 @@ pub(super) fn misplaced(case: &Case) -> Vec<Diagnosis> {
             continue;
         };
         let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
-        // A point that is seen nowhere is as far away as the picture is wide.
+        // A point that is not seen counts as the width of the picture away.
         let off = known.film_point(object, p);
         let off = off.map_or(width as f64, |seen| (seen - centre).length());
         objects.entry(object).or_default().push(off);
@@ -77,7 +77,7 @@ pub(super) fn misplaced(case: &Case) -> Vec<Diagnosis> {
     found.into_iter().map(describe).collect()
 }
 
-/// Objects of the reference that no pixel of the candidate shows, and what may have put them out of view.
+/// Objects of the reference that no pixel of the candidate shows, and what may have moved them out of view.
 pub(super) fn vanished(case: &Case) -> Vec<(usize, Diagnosis)> {
     let [r, c] = &case.points;
     let mut pixels: BTreeMap<i64, [u64; 2]> = BTreeMap::new();
@@ -111,7 +111,7 @@ pub(super) fn vanished(case: &Case) -> Vec<(usize, Diagnosis)> {
     gone.map(describe).collect()
 }
 
-/// A triangle, or else an object, that holds nearly all of the squared displacement.
+/// A triangle, or otherwise an object, with nearly all of the squared displacement.
 fn localised(case: &Case, field: &Field) -> Option<Diagnosis> {
     let pixels = case.pixels();
     let [mut triangles, mut objects] = [BTreeMap::<_, Part>::new(), BTreeMap::new()];
@@ -150,7 +150,7 @@ fn localised(case: &Case, field: &Field) -> Option<Diagnosis> {
 
 type Name = (i64, i64);
 
-/// The part that has most of the displacement and little of the picture.
+/// The part with most of the displacement and little of the picture.
 fn worst(parts: &BTreeMap<Name, Part>, total: f64, pixels: usize) -> Option<(Name, &Part)> {
     let (name, part) = parts
         .iter()

@@ -1,10 +1,10 @@
-//! Mistakes of wavelength ratios: another number of the Doppler shift, or a factor.
+//! Mistakes of wavelength ratios: another measure of the Doppler shift, or a factor.
 //!
 //! | the channel holds | hypothesis |
 //! |---|---|
-//! | W − 1, 1/W − 1, ln W, −ln W | that number, near which the candidate is to a tenth of how much it varies |
-//! | a power | ln c = k ln W; k, by least squares, is a whole number or a half, other than 1 |
-//! | W times a factor | ln c = ln W + a, one a for each object |
+//! | W − 1, 1/W − 1, ln W, −ln W | that number, which the candidate matches to a tenth of its variation |
+//! | a power | ln c = k ln W; k, by least squares, is an integer or half-integer other than 1 |
+//! | W times a factor | ln c = ln W + a, with one a for each object |
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use super::motion::camera_velocity;
 use super::{Case, Diagnosis, Kind, NEAR, Tally, median};
 use crate::render::aov::Aov;
 
-/// The relative error of W that is notable.
+/// The smallest notable relative error of W.
 const NOTABLE_RATIO: f64 = 0.005;
 
 fn ratios<'a>(case: &Case<'a>) -> Option<[Plane<'a>; 2]> {
@@ -23,7 +23,7 @@ fn ratios<'a>(case: &Case<'a>) -> Option<[Plane<'a>; 2]> {
     Some([r?, c?])
 }
 
-/// The logarithms of W in the reference and in the candidate, by pixel.
+/// The logarithms of W in the reference and in the candidate, for each pixel.
 fn logarithms(case: &Case) -> Option<Vec<(usize, [f64; 2])>> {
     let [r, c] = ratios(case)?;
     let logs = case
@@ -36,13 +36,13 @@ fn logarithms(case: &Case) -> Option<Vec<(usize, [f64; 2])>> {
     )
 }
 
-/// Where W hardly varies, what a hypothesis leaves of it at most.
+/// The largest residual of a hypothesis if W hardly varies.
 const HARDLY: f64 = 1e-4;
-/// How near to a half of a whole number a power is, and the largest that is named.
+/// Tolerance for a power to count as a multiple of a half, and the largest power reported.
 const SAME_POWER: f64 = 0.02;
 const LARGEST_POWER: f64 = 6.0;
 
-/// Wavelength ratios that are another number of the Doppler shift: its logarithm, a difference, a power of it.
+/// Wavelength ratios that are another measure of the Doppler shift: its logarithm, a difference, a power of it.
 pub(super) fn forms(case: &Case) -> Option<Diagnosis> {
     let power = power(case);
     let inverted = power.as_ref().is_some_and(|(p, _)| *p == -1.0);
@@ -53,7 +53,7 @@ pub(super) fn forms(case: &Case) -> Option<Diagnosis> {
     form.or_else(|| power.map(|(p, tally)| describe_power(p, &tally)))
 }
 
-/// A power, other than the first, of W that the candidate holds.
+/// A power of W, other than the first, that the candidate holds.
 fn power(case: &Case) -> Option<(f64, Tally)> {
     let logs = logarithms(case)?;
     let of = |p: f64| {
@@ -138,7 +138,7 @@ fn describe_power(p: f64, tally: &Tally) -> Diagnosis {
     }
 }
 
-/// What is said of ratios that are inverted, in the objects that are named.
+/// The diagnosis of inverted ratios in the named objects.
 fn describe_inverted(objects: &str, tally: &Tally) -> Diagnosis {
     Diagnosis {
         kind: Kind::RatioInverted,
@@ -175,7 +175,7 @@ pub(super) fn ratio(case: &Case) -> Option<Diagnosis> {
     if wrong.is_empty() {
         return None;
     }
-    // Where W varies little over an object, one factor is much like 1/W.
+    // If W varies little over an object, a factor resembles 1/W.
     let of_wrong = logs.iter().filter(|(i, _)| wrong.contains(&object_at(*i)));
     let inverse =
         Tally::of(of_wrong.map(|&(i, [r, c])| [(c - r - factor(i)).abs(), (c + r).abs()]));
@@ -191,9 +191,9 @@ pub(super) fn ratio(case: &Case) -> Option<Diagnosis> {
         .then(|| describe_factors(case, &factors, &by_factor))
 }
 
-/// Says which mistake in the formula of W makes these factors, ln W of the candidate less that of the reference by object.
+/// Diagnoses the mistake in the formula of W that causes these factors, ln W of the candidate minus that of the reference for each object.
 fn describe_factors(case: &Case, factors: &BTreeMap<i64, f64>, tally: &Tally) -> Diagnosis {
-    // Logarithms of γ to a tenth; of γ near 1 to a thousandth.
+    // Logarithms of γ to a tenth; to a thousandth if γ is close to 1.
     let near = |factor: f64, gamma: f64| {
         (factor - libm::log(gamma)).abs() < 0.1 * libm::log(gamma).abs().max(0.01)
     };
@@ -207,7 +207,7 @@ fn describe_factors(case: &Case, factors: &BTreeMap<i64, f64>, tally: &Tally) ->
     });
     let gamma = |k: i64| gammas.get(k as usize).copied().unwrap_or(1.0);
     let all = |of: &dyn Fn(i64) -> f64| factors.iter().all(|(k, factor)| near(*factor, of(*k)));
-    // One formula has to explain all objects: the camera's γ first, then each object's own.
+    // One formula must explain all objects: the camera's γ first, then each object's own.
     let what = if all(&|_| camera) {
         format!(
             "wavelength ratios are γ times what they should be, γ = {camera:.4} the camera's: 1/(γ (1 + β·d)) lacks its γ, or γ (1 − β·d′) has it twice"
@@ -221,7 +221,7 @@ fn describe_factors(case: &Case, factors: &BTreeMap<i64, f64>, tally: &Tally) ->
     } else if all(&gamma) {
         "wavelength ratios contain the objects' γ once too often".into()
     } else {
-        // Of the others there is nothing to say.
+        // Only wrong objects are reported.
         let wrong = factors.iter().filter(|(_, log)| log.abs() > NOTABLE_RATIO);
         let words = wrong
             .take(6)

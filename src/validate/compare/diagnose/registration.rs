@@ -1,25 +1,23 @@
-//! Films that are moved or scaled, by light alone.
+//! Films that are shifted or scaled, from light only.
 //!
-//! Where no channel says which point of a surface a pixel shows, the pictures themselves are laid over each other. With p from the
-//! film's centre, the candidate c is asked to be the reference r seen through another film,
+//! If no channel shows which point of a surface a pixel shows, the pictures themselves are registered. With p from the film's centre, the
+//! candidate c is assumed to be the reference r seen through another film,
 //!
 //! ```text
 //! c(p) = r(p′),      p′ = a + k p        a shift (k = 1), one scale (a = 0), or two (a = 0)
 //! ```
 //!
-//! by the Gauss–Newton steps of Lucas and Kanade (IJCAI 1981) on blurred light: with the gradient g of r(p′),
-//! c − r = g·∂p′, least squares over all pixels and colours; from coarse pictures to fine ones, so that displacements of
-//! many pixels are found. Light v is compressed to v / (|v| + m), m the reference's median, so that lamps do not decide alone.
+//! by the Gauss–Newton steps of Lucas and Kanade (IJCAI 1981) on blurred light: with the gradient g of r(p′), c − r = g·∂p′, least squares
+//! over all pixels and colours; from coarse pictures to fine ones, so that displacements of many pixels are found. Light v is compressed to
+//! v / (|v| + m), with m the reference's median, so that lamps do not dominate.
 //!
-//! A camera that forgot its boost, or reversed it, sees the same light along other film points: p′ is known then, and
-//! has no free numbers.
+//! A camera that ignored its boost, or reversed it, sees the same light at other film points: p′ is known then, without free parameters.
 //!
-//! Pictures of single samples cannot be interpolated to what other samples would see, so that no hypothesis explains
-//! all of the error. It has to explain most of it, and at most places: of 8 × 8 tiles, it has to halve the squared
-//! error E of those that have most of Σ E^(1/4). That root lets places with little contrast count for nearly as much as others, so
-//! that a part that moves alone does not pass: what stands still would have to move, too. And sharp edges of the reference, which
-//! such a film moves by several pixels, may not still be where they were: they are where light alone has changed, as of a pulse that
-//! spreads.
+//! Pictures of single samples cannot be interpolated to what other samples would see, so no hypothesis explains all of the error. It must
+//! explain most of it, in most places: of 8 × 8 tiles, it must halve the squared error E of those that hold most of Σ E^(1/4). That root
+//! gives places with little contrast nearly the same weight as others, so that a single moving part does not pass: what stands still would
+//! have to move, too. And sharp edges of the reference that such a film moves by several pixels must not still be at their old positions:
+//! they are if only light has changed, such as for a pulse that spreads.
 
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
@@ -31,40 +29,40 @@ use super::motion::describe_aberration_by_light;
 use super::{Case, Diagnosis, Kind, MOST, median};
 use crate::error::Setting;
 
-/// What a shift, and a scale, may leave of the squared error: single samples at edges leave up to a half of that of half a pixel.
+/// The largest fraction of the squared error that a shift, and a scale, may leave: single samples at edges leave up to half of the error of
+/// a half-pixel shift.
 const LEFT_BY_SHIFT: f64 = 0.5;
 const LEFT_BY_SCALE: f64 = 0.35;
-/// The part of the tiles, by the fourth root of their error, of which half is explained: 0.69 and more of films, and
-/// 0.45 and less of parts that move, in the scenes of this repository.
+/// The fraction of the tiles, by the fourth root of their error, in which half must be explained: 0.69 and more for films, and 0.45 and
+/// less for moving parts, in the scenes of this repository.
 const MOST_TILES: f64 = 0.6;
-/// Tiles with less of the largest one's error are noise.
+/// Tiles with a smaller fraction of the largest tile's error are noise.
 const QUIET: f64 = 1e-3;
-/// A hypothesis with fewer free numbers is preferred up to this many times the least that is left.
+/// A hypothesis with fewer free parameters is preferred up to this factor on the smallest residual.
 const SIMPLER: f64 = 1.5;
-/// Displacements that are notable, pixels, rms over the film.
+/// The smallest notable displacement, pixels, rms over the film.
 const NOTABLE: f64 = 0.15;
-/// Differences of compressed light that are notable, rms.
+/// The smallest notable difference of compressed light, rms.
 const NOTABLE_LIGHT: f64 = 0.005;
-/// The longest shift that is named, pixels: by more, whole pixels are tried.
+/// The longest shift reported, pixels: longer ones are tested as whole pixels.
 const LONGEST: f64 = 2.5;
-/// Tiles along each axis, and the part of a tile's pixels that both films have to show.
+/// Tiles along each axis, and the fraction of a tile's pixels that both films must show.
 const TILES: usize = 8;
 const MOST_OF_TILE: f64 = 0.5;
-/// The part of the candidate that the reference has to show.
+/// The fraction of the candidate that the reference must show.
 const OVERLAP: f64 = 0.25;
-/// Pictures are halved while their shorter side has this many pixels, and at least until they have so many in all.
+/// Pictures are halved while their shorter side has this many pixels, and at least until their total number is at most the second.
 const COARSE: usize = 24;
 const FINEST: usize = 500_000;
-/// Scales from which the search starts, on the coarsest pictures.
+/// Scales where the search starts, on the coarsest pictures.
 const STARTS: [f64; 5] = [0.75, 0.87, 1.0, 1.15, 1.33];
-/// Films are found down to this scale, and up to one over it: 9 to 16, and a little.
+/// The smallest scale that is found, and one over the largest: 9 to 16, with a margin.
 const SMALLEST: f64 = 0.55;
 /// Steps on each level.
 const STEPS: usize = 10;
 
-/// A candidate whose film is moved or scaled, or whose light has the aberration of another velocity, and what this leaves of the
-/// squared error.
-/// Where the scene itself was asked (`is_asked`), no boost is: its light has said that it is none.
+/// A candidate whose film is shifted or scaled, or whose light has the aberration of another velocity, and the fraction of the squared
+/// error that this leaves. If the scene itself was tested (`is_asked`), no boost is: its light has excluded them.
 pub(super) fn found(case: &Case, is_asked: bool) -> Option<(Diagnosis, f64)> {
     if !case.region.is_all() {
         return None;
@@ -98,11 +96,11 @@ pub(super) fn found(case: &Case, is_asked: bool) -> Option<(Diagnosis, f64)> {
     Some((best.or_boost(case, &levels, boosts).describe(case), left))
 }
 
-/// Single samples round the outline of what they show by up to half a pixel on each side, which may look like another scale of it:
-/// of such pictures a scale has to move the outer edges by more than that and the fit's error, pixels.
+/// Single samples round the outline of surfaces by up to half a pixel on each side, which may look like another scale: for such pictures a
+/// scale must move the outer edges by more than that and the fit's error, pixels.
 const ROUNDED_OUTLINE: f64 = 0.7;
 
-/// Whether a picture has, or may have, single samples: others than those that say how many they have.
+/// Whether a picture has, or may have, single samples: unless it states its number of samples.
 fn has_single_samples(case: &Case) -> bool {
     let are_many = |picture: &super::super::picture::Picture| {
         let samples = picture.metadata("samples_per_pixel");
@@ -111,20 +109,20 @@ fn has_single_samples(case: &Case) -> bool {
     !case.pair.into_iter().all(are_many)
 }
 
-/// Velocities that the camera may have taken.
+/// Velocities that the camera may have by mistake.
 const BOOSTS: [Change; 2] = [Change::CameraAtRest, Change::CameraReversed];
-/// A boost and another film are alike where they differ by less than this part of what they displace.
+/// A boost and another film are alike if they differ by less than this fraction of their displacement.
 const ALIKE: f64 = 0.2;
 
-/// What explains the error.
+/// An explanation of the error.
 #[derive(Debug)]
 struct Fit {
     cause: Cause,
     /// The rms displacement over the film, pixels.
     displacement: f64,
-    /// What is left of the squared error.
+    /// The fraction of the squared error that is left.
     left: f64,
-    /// The part of the tiles of which it explains half.
+    /// The fraction of the tiles in which it explains half.
     tiles: f64,
 }
 
@@ -135,7 +133,7 @@ enum Cause {
 }
 
 impl Fit {
-    /// A camera that moves along its axis sees much the same through another film; that it moves is known.
+    /// A camera that moves along its axis sees nearly the same through another film; its motion is known.
     fn or_boost(self, case: &Case, levels: &Levels, boosts: &[Change]) -> Fit {
         let Cause::Film(film) = self.cause else {
             return self;
@@ -177,7 +175,7 @@ impl Fit {
             Cause::Boost(change) => describe_aberration_by_light(case, *change, evidence),
             Cause::Film(film) => {
                 let mut found = film::describe(case, film, film::BY_LIGHT, evidence);
-                // Light that spreads in time may look much like another scale, where nothing is known of the scene.
+                // Light that spreads in time may look like another scale if nothing is known of the scene.
                 let is_scale = matches!(found.kind, Kind::Aspect | Kind::FieldOfView);
                 if is_scale && case.known.is_none() && case.scene.is_none() {
                     found.what +=
@@ -190,7 +188,7 @@ impl Fit {
     }
 }
 
-/// Colours of the pixels of a picture, by rows.
+/// Colours of the pixels of a picture, row by row.
 #[derive(Debug, Clone)]
 struct Light {
     width: usize,
@@ -211,7 +209,7 @@ fn compressed(case: &Case) -> Option<[Light; 2]> {
     let [r, c] = planes.each_ref().map(values);
     let lit = r.iter().flatten().filter(|v| **v > 0.0 && v.is_finite());
     let middle = median(lit.copied().collect())?;
-    // To [0, 1), so that bright pixels do not decide alone.
+    // Maps light to [0, 1), so that bright pixels do not dominate.
     let compress = |v: f64| match v {
         v if v.is_nan() => 0.0,
         v if v.is_infinite() => 1.0,
@@ -240,7 +238,7 @@ fn square(a: [f64; 3]) -> f64 {
 }
 
 impl Light {
-    /// Where the film's centre is, from the centre of the first pixel.
+    /// The film's centre relative to the centre of the first pixel.
     fn middle(&self) -> DVec2 {
         0.5 * (DVec2::new(self.width as f64, self.height as f64) - 1.0)
     }
@@ -249,12 +247,12 @@ impl Light {
         DVec2::new(self.width as f64, self.height as f64)
     }
 
-    /// The place of a pixel's centre from the film's centre.
+    /// The position of a pixel's centre relative to the film's centre.
     fn place(&self, i: usize) -> DVec2 {
         DVec2::new((i % self.width) as f64, (i / self.width) as f64) - self.middle()
     }
 
-    /// The rms length of a displacement over the film, where there is one.
+    /// The rms length of a displacement over the film, where it exists.
     fn rms_over_film(&self, displacement: impl Fn(DVec2) -> Option<DVec2>) -> f64 {
         let squares = (0..self.colours.len())
             .filter_map(|i| Some(displacement(self.place(i))?.length_squared()));
@@ -262,7 +260,7 @@ impl Light {
         libm::sqrt(sum / f64::max(count, 1.0))
     }
 
-    /// How much the light changes to the next pixel on the right and below; none at the last.
+    /// The change of the light to the next pixel on the right and below; `None` at the last.
     fn contrast(&self, i: usize) -> Option<f64> {
         let (x, y) = (i % self.width, i / self.width);
         (x + 1 < self.width && y + 1 < self.height).then(|| {
@@ -272,7 +270,7 @@ impl Light {
         })
     }
 
-    /// Means of squares of four pixels.
+    /// Means of 2 × 2 pixels.
     fn halved(&self) -> Light {
         let (width, height) = (self.width / 2, self.height / 2);
         let mean = |i: usize| {
@@ -287,13 +285,13 @@ impl Light {
         }
     }
 
-    /// Between pixels, bilinear; none beyond the outermost centres.
+    /// Bilinear interpolation between pixels; `None` beyond the outermost centres.
     fn at(&self, place: DVec2) -> Option<[f64; 3]> {
         let p = place + self.middle();
         let last = self.size() - 1.0;
         let is_inside = p.cmpge(DVec2::ZERO).all() && p.cmple(last).all();
         is_inside.then_some(())?;
-        // A picture of one row or column is the same on both sides of it.
+        // A picture with one row or column is constant across it.
         let (x, y) = (
             (p.x as usize).min(self.width.saturating_sub(2)),
             (p.y as usize).min(self.height.saturating_sub(2)),
@@ -309,7 +307,7 @@ impl Light {
         }))
     }
 
-    /// Blurred by a Gaussian of this standard deviation, with the edges repeated.
+    /// Blurred by a Gaussian of this standard deviation, with the edges extended.
     fn blurred(&self, sigma: f64) -> Light {
         let reach = (3.0 * sigma).ceil() as isize;
         let weights: Vec<f64> = (-reach..=reach)
@@ -336,13 +334,13 @@ impl Light {
         }
     }
 
-    /// What the film that has `place` of this one at its own place shows, blurred, and which pixels see this one.
+    /// The blurred picture of a film that shows at each position what this one has at `place` of it, and which pixels lie in this one.
     fn through(&self, place: impl Fn(DVec2) -> Option<DVec2>, sigma: f64) -> (Light, Vec<bool>) {
         let last = self.middle();
         let seen = |i: usize| {
             let place = place(self.place(i));
             let found = place.and_then(|p| self.at(p));
-            // Beyond the edge the edge goes on, so that the blur of what is inside has no dark border.
+            // Beyond the edge, the edge is extended so that the blur of the interior has no dark border.
             let beside = || self.at(place.unwrap_or_default().clamp(-last, last));
             (found.or_else(beside).unwrap_or_default(), found.is_some())
         };
@@ -351,7 +349,7 @@ impl Light {
     }
 }
 
-/// Both pictures in halves of halves, the finest first.
+/// Both pictures at successive half resolutions, the finest first.
 struct Levels {
     pairs: Vec<[Light; 2]>,
     /// Pixels of the pictures per pixel of the finest level.
@@ -382,16 +380,18 @@ impl Levels {
     }
 }
 
-/// The part of the pixels that have the sharpest edges, and by how many pixels a film moves those that are asked.
+/// The fraction of the pixels with the sharpest edges, and the distance in pixels that a film must move the tested ones.
 const SHARPEST: f64 = 0.02;
 const FAR: f64 = 2.5;
-/// An edge has stayed where the candidate has this part of its contrast, and edges stay where this part of them has, of so many.
+/// An edge has stayed if the candidate has this fraction of its contrast; edges have stayed if this fraction of them has, of at least this
+/// number.
 const CONTRAST: f64 = 0.3;
 const STAYS: f64 = 0.5;
 const FEWEST_EDGES: usize = 24;
 
 impl Levels {
-    /// How far a film with `place` (pixels of the pictures) moves most of the reference's edges, by the square of their contrast, at most.
+    /// The most that a film with `place` (pixels of the pictures) moves most of the reference's edges, weighted by the square of their
+    /// contrast.
     fn edges_move(&self, place: impl Fn(DVec2) -> DVec2) -> f64 {
         let r = &self.pairs[0][0];
         let mut edges: Vec<[f64; 2]> = (0..r.colours.len())
@@ -409,7 +409,7 @@ impl Levels {
         most.map_or(0.0, |[moved, _]| *moved)
     }
 
-    /// Whether edges of the reference that a film with `place` (pixels of the pictures) moves far are where they were.
+    /// Whether edges of the reference that a film with `place` (pixels of the pictures) moves far are still at their old positions.
     fn edges_stay(&self, place: impl Fn(DVec2) -> DVec2) -> bool {
         let [r, c] = &self.pairs[0];
         let mut edges: Vec<(usize, f64)> = (0..r.colours.len())
@@ -417,7 +417,7 @@ impl Levels {
             .collect();
         edges.sort_by(|a, b| b.1.total_cmp(&a.1));
         edges.truncate((SHARPEST * edges.len() as f64) as usize);
-        // The reference's edge at q is where place(p) = q: about as far from q as place(q) is.
+        // The reference's edge at q should be where place(p) = q: about as far from q as place(q) is.
         edges.retain(|(i, _)| {
             let p = self.scale * r.place(*i);
             (place(p) - p).length() > FAR * self.scale
@@ -431,7 +431,7 @@ impl Levels {
     }
 }
 
-/// Which numbers of a film are free: the directions of steps, in (a, k), and where the search starts.
+/// The free parameters of a film: the directions of steps in (a, k), and the start of the search.
 struct Model {
     directions: &'static [[DVec2; 2]],
     scales: fn() -> Vec<DVec2>,
@@ -471,7 +471,7 @@ impl Model {
         let tried = starts.filter_map(|film| self.refined(coarsest, film, COARSE_BLUR));
         let (mut film, _) = tried.min_by(|a, b| a.1.total_cmp(&b.1))?;
         for pair in finer.iter().rev() {
-            // Pixels of the next finer pair are half as large.
+            // Pixels of the next finer level are half as large.
             film.a *= 2.0;
             film = self.refined(pair, film, BLUR)?.0;
         }
@@ -481,7 +481,7 @@ impl Model {
         let (left, tiles) = explained(finest, |p| Some(film.of(p)))?;
         film.a *= levels.scale;
         let half = 0.5 * levels.scale * finest[0].size();
-        // Over the film p² has the mean half²/3.
+        // Over the film, p² has the mean half²/3.
         let scaled = (film.k - 1.0) * half;
         let displacement = (film.a.length_squared() + scaled.length_squared() / 3.0).sqrt();
         let is_near = film.a.length() <= LONGEST;
@@ -505,7 +505,7 @@ impl Model {
             film.k += step[1];
             let is_sane = film.k.min_element() > SMALLEST && film.k.max_element() * SMALLEST < 1.0;
             is_sane.then_some(())?;
-            // No step moves the film by a thousandth of a pixel any more.
+            // Converged: the step moves the film by less than a thousandth of a pixel.
             if step[0].abs().max((half * step[1]).abs()).max_element() < 1e-3 {
                 break;
             }
@@ -549,7 +549,7 @@ impl Model {
                 }
             }
         }
-        // With one free number the other's row is empty.
+        // With one free parameter the other's row is empty.
         if self.directions.len() == 1 {
             normal.y_axis.y = 1.0;
         }
@@ -562,8 +562,8 @@ impl Model {
     }
 }
 
-/// What a hypothesis, which says where in the reference the candidate's places belong, leaves of the squared error where both
-/// films see, and the part of the tiles of which it explains half; none where there are too few tiles.
+/// The fraction of the squared error that a hypothesis leaves where both films see, and the fraction of the tiles in which it explains
+/// half; `place` maps the candidate's positions to the reference's. `None` if there are too few tiles.
 fn explained([r, c]: &[Light; 2], place: impl Fn(DVec2) -> Option<DVec2>) -> Option<(f64, f64)> {
     let [before, wanted] = [r, c].map(|light| light.blurred(BLUR));
     let (after, inside) = r.through(place, BLUR);
@@ -590,7 +590,7 @@ fn explained([r, c]: &[Light; 2], place: impl Fn(DVec2) -> Option<DVec2>) -> Opt
         .iter()
         .filter(|[was, is]| was.max(*is) > QUIET * largest);
     let (all, half) = loud.fold((0.0, 0.0), |(all, half), [was, is]| {
-        // By the root of the error (these are squares), so that loud tiles do not decide alone.
+        // By the root of the error (these are squares), so that tiles with large errors do not dominate.
         let weight = was.max(*is).sqrt().sqrt();
         let is_explained = *is <= 0.5 * was;
         (all + weight, half + if is_explained { weight } else { 0.0 })
@@ -598,7 +598,7 @@ fn explained([r, c]: &[Light; 2], place: impl Fn(DVec2) -> Option<DVec2>) -> Opt
     (all > 0.0 && was > 0.0).then(|| (is / was, half / all))
 }
 
-/// Where the reference has what a camera with another velocity, or none, sees at a place.
+/// The position in the reference of what a camera with another velocity, or at rest, sees at a position.
 fn boost<'a>(
     case: &Case<'a>,
     scale: f64,
@@ -614,7 +614,7 @@ fn boost<'a>(
     })
 }
 
-/// The same light in the film of a camera with another velocity, or none.
+/// The same light in the film of a camera with another velocity, or at rest.
 fn boosted(case: &Case, levels: &Levels, change: Change) -> Option<Fit> {
     let [finest, ..] = &levels.pairs[..] else {
         return None;

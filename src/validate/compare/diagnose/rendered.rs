@@ -1,8 +1,8 @@
-//! Mistakes that are known by the light of the scene rendered with them: times of lookup, and where channels of places are
-//! missing, motions and retardation. They need the scene itself, whose light has to be the reference's.
+//! Mistakes identified by rendering the scene with them: lookup times and, if position channels are missing, motions and retardation. They
+//! need the scene itself, whose light must be the reference's.
 //!
-//! A mistake of unknown size x, like a delay, is tried at a few sizes. From the nearest one, secants lead on: with the light L of
-//! two sizes a and b, and the candidate's light c,
+//! A mistake of unknown size x, such as a delay, is tried at a few sizes. From the best one, secant steps follow: with the light L of two
+//! sizes a and b, and the candidate's light c,
 //!
 //! ```text
 //! x = b + (b − a) (c − L(b))·(L(b) − L(a)) / |L(b) − L(a)|².
@@ -24,20 +24,20 @@ use crate::render::render;
 use crate::scene::model::{EmissionProfile, LightKind, Motion, Scene, SourceKind, TimeFilter};
 use crate::spacetime::Velocity;
 
-/// No more moving objects are asked about.
+/// The most moving objects that are tested.
 const MOST_OBJECTS: usize = 8;
-/// Of no more objects pairs are asked about that have exchanged their velocities: 6 pairs.
+/// The most objects that are tested in pairs for exchanged velocities: 6 pairs.
 const MOST_EXCHANGED: usize = 4;
-/// How far away what is left out goes, in sizes of the scene: far out of view, and so near that boxes in f32 around all that rests together,
-/// 6e-8 of their distance wide, still tell the other objects apart.
+/// The distance to which omitted objects are moved, in sizes of the scene: far out of view, but close enough that f32 boxes around
+/// everything at rest together, accurate to 6e-8 of their distance, still separate the other objects.
 const FAR: f64 = 1e3;
-/// Samples per pixel at most, and rays of a picture: edges alone need more.
+/// The most samples per pixel, and the most rays of a picture: edges alone need more.
 const MOST_SAMPLES: u32 = 16;
 const MOST_RAYS: usize = 4_000_000;
-/// The most memory for a scene without files, which may be that of any picture's metadata.
+/// The most memory for a scene without files, which may come from any picture's metadata.
 const MEMORY: u64 = 1 << 30;
 
-/// A scene with a mistake, and what is said of it.
+/// A scene with a mistake, and its diagnosis.
 struct Mistake {
     kind: Kind,
     what: String,
@@ -45,22 +45,22 @@ struct Mistake {
     scene: Scene,
 }
 
-/// What a mistake without a free number may leave of the squared error: single samples elsewhere leave it at edges. What leaves
-/// more happens to darken, or to move, the same places.
+/// The largest fraction of the squared error that a mistake without a free parameter may leave: single samples elsewhere leave it at edges.
+/// A hypothesis that leaves more happens to darken, or to move, the same places.
 const LEFT_BY_MISTAKE: f64 = 0.03;
 
-/// What the scene's light says.
+/// The result of comparing the scene's light.
 #[derive(Debug)]
 pub(super) enum Asked {
-    /// Nothing: there is no scene, or its light is not the reference's, or nothing is wrong.
+    /// Inconclusive: there is no scene, or its light is not the reference's, or nothing is wrong.
     Nothing,
-    /// None of the mistakes has the candidate's light.
+    /// None of the mistakes reproduces the candidate's light.
     NoMistake,
-    /// With what it leaves of the squared error.
+    /// The mistake, and the fraction of the squared error that it leaves.
     Mistake(Diagnosis, f64),
 }
 
-/// The mistake with which the scene has the candidate's light.
+/// The mistake with which the scene reproduces the candidate's light.
 pub(super) fn changes(case: &Case) -> Asked {
     match in_the_light(case) {
         Asked::Mistake(found, left) => Asked::Mistake(found, left),
@@ -68,7 +68,7 @@ pub(super) fn changes(case: &Case) -> Asked {
     }
 }
 
-/// The same by the pixels to which the reference has light.
+/// The same from the pixels with light in the reference.
 fn in_the_light(case: &Case) -> Asked {
     let scene_and_size = || {
         let (scene, lit) = (case.scene?, lit(case)?);
@@ -86,7 +86,7 @@ fn in_the_light(case: &Case) -> Asked {
     })
 }
 
-/// Missing shadows that are black in the reference, as those of a single lamp are: only the pixels in them show it.
+/// Missing shadows that are black in the reference, such as those of a single lamp: only the pixels in them show it.
 fn in_the_dark(case: &Case) -> Option<(Diagnosis, f64)> {
     let (scene, lit) = (case.scene?, lit(case)?);
     let mistake = without_shadows(scene)?;
@@ -107,7 +107,7 @@ fn in_the_dark(case: &Case) -> Option<(Diagnosis, f64)> {
     })
 }
 
-/// How one sees a mistake of this size.
+/// The evidence for a mistake of this size.
 fn evidence_of(size: (&'static str, f64), told: &Told) -> Vec<(&'static str, f64)> {
     let of_light = evidence(&told.tally).into_iter();
     let left = ("what it leaves of the squared error", told.left);
@@ -120,7 +120,7 @@ fn evidence_of(size: (&'static str, f64), told: &Told) -> Vec<(&'static str, f64
 fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Diagnosis, f64)> {
     let mut mistakes = Vec::new();
     if !case.has_places() {
-        // Before other mistakes that leave an object out of view.
+        // Before other mistakes that move an object out of view.
         mistakes.extend(absences(scene, FAR * size));
         mistakes.extend(motions(scene));
         mistakes.extend(camera_at_rest(scene));
@@ -137,7 +137,7 @@ fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Diagno
     let found: Vec<(Mistake, Told)> = asked.chain(of_times).collect();
     let rest = |(_, told): &(Mistake, Told)| told.tally.rest();
     let best = (found.iter()).min_by(|a, b| rest(a).total_cmp(&rest(b)))?;
-    // Several mistakes may leave the same object out of view: then light cannot tell them apart.
+    // Several mistakes may move the same object out of view: then light cannot distinguish them.
     let alike = found.iter().filter(|found| {
         !std::ptr::eq(*found, best) && rest(found) == rest(best) && found.1.left == best.1.left
     });
@@ -155,7 +155,7 @@ fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Diagno
     Some((diagnosis, told.left))
 }
 
-/// The light of a scene, by pixel.
+/// The light of a scene, for each pixel.
 struct Light(Vec<[f64; 3]>);
 
 impl Light {
@@ -169,12 +169,12 @@ fn light_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<Light> {
     light_and_size_of(case, scene, lit).map(|(light, _)| light)
 }
 
-/// The same, and how far from the origins of their rest frames surfaces reach, metres.
+/// The same, with the largest distance in metres of surfaces from the origins of their rest frames.
 fn light_and_size_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<(Light, f64)> {
     let mut scene = scene.clone();
     let [width, height] = case.points[0].size();
     let most = (MOST_RAYS / (width * height).max(1)).clamp(1, MOST_SAMPLES as usize);
-    // The reference may have been rendered with other samples than its file asks for.
+    // The reference may have been rendered with another number of samples than its file requests.
     let of_reference = case.pair[0].metadata("samples_per_pixel");
     let of_reference = of_reference.and_then(|samples| samples.parse().ok());
     let samples: u32 = of_reference.unwrap_or(scene.samples_per_pixel);
@@ -200,7 +200,7 @@ fn light_and_size_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<(Light, 
     (light.len() == width * height && last < light.len()).then_some((Light(light), size))
 }
 
-/// The time and place of the events that one object shows at the centres of pixels where nothing else is there, with a change or as it is.
+/// The time and position of the events of one object alone at pixel centres, with a change or without.
 pub(super) fn events_of(
     case: &Case,
     object: usize,
@@ -214,7 +214,7 @@ pub(super) fn events_of(
     let is_of_size = scene.camera.size.map(|n| n as usize) == size;
     (is_of_size && object < scene.objects.len()).then_some(())?;
     scene.objects = vec![scene.objects.swap_remove(object)];
-    // Light says nothing of events.
+    // Light does not affect events.
     scene.lights.clear();
     scene.sources.clear();
     (scene.sky, scene.bounces, scene.samples_per_pixel) = (None, 0, 1);
@@ -248,10 +248,10 @@ pub(super) fn events_of(
     )
 }
 
-/// Of a scene that is the reference's, half of the pixels have its light up to this part, whatever their samples.
+/// The relative error of light below which at least half of the pixels must be if the scene is the reference's, whatever their samples.
 const SAME_LIGHT: f64 = 0.05;
 
-/// The size of the scene, where its light is the reference's.
+/// The size of the scene, if its light is the reference's.
 fn size_where_light_is_that_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<f64> {
     let (Light(light), size) = light_and_size_of(case, scene, lit)?;
     let sum = |light: &[f64; 3]| light.iter().sum::<f64>();
@@ -263,24 +263,24 @@ fn size_where_light_is_that_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Optio
         .map(|_| size)
 }
 
-/// Steps from the size that is nearest of those that are tried.
+/// Steps from the best of the sizes that are tried.
 const STEPS: usize = 6;
-/// What a mistake whose size was searched may leave of the squared error.
+/// The largest fraction of the squared error that a mistake of fitted size may leave.
 const LEFT_BY_SIZE: f64 = 0.1;
-/// Sizes are found to this part of the smallest that is tried.
+/// The resolution of sizes, relative to the smallest that is tried.
 const FINE: f64 = 1e-3;
 
-/// What the first step from the sizes that are tried has to leave no more of, for others to be worth while.
+/// The fraction of the previous residual that the first step must reach for others to be worthwhile.
 const PROMISING: f64 = 0.9;
 
-/// Adds a size with its light, and keeps the two that are nearest to the candidate's.
+/// Adds a size with its light, and keeps the two whose light is closest to the candidate's.
 fn keep_nearest(found: &mut Vec<(f64, Light, Told)>, next: (f64, Light, Told)) {
     found.push(next);
     found.sort_by(|a, b| a.2.left.total_cmp(&b.2.left));
     found.truncate(2);
 }
 
-/// The size of a mistake that explains the candidate, if one does: `tried` are the sizes that are asked first, beside none at all.
+/// The size of a mistake that explains the candidate, if one does: the search starts with 0 and the sizes `tried`.
 fn of_some_size(
     case: &Case,
     lit: &[Lit],
@@ -295,7 +295,7 @@ fn of_some_size(
         let told = light.told(lit);
         Some((x, light, told))
     };
-    // The two nearest are enough.
+    // The best two are enough.
     let mut found = vec![light(0.0)?];
     for x in tried {
         keep_nearest(&mut found, light(*x)?);
@@ -310,12 +310,12 @@ fn of_some_size(
             above += (c - at_b).dot(at_b - at_a);
             below += (at_b - at_a).length_squared();
         }
-        // Where the line through the two, in compressed light, is nearest to the candidate.
+        // The point closest to the candidate on the line through the two, in compressed light.
         let way = (b - a) * above / below;
         if !way.is_finite() || way.abs() < FINE * smallest {
             break;
         }
-        // No farther than what was tried tells.
+        // No farther than the distance between the two.
         let x = b + way.clamp(-(b - a).abs(), (b - a).abs());
         let next = light(x)?;
         keep_nearest(&mut found, next);
@@ -327,10 +327,10 @@ fn of_some_size(
     (told.explains() && told.left <= LEFT_BY_SIZE && x != 0.0).then_some((x, told))
 }
 
-/// Delays that are tried, in parts of the shortest time in which light changes.
+/// Delays to try, relative to the shortest time in which light changes.
 const DELAYS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 
-/// The delays that are asked about: none where nothing changes in time.
+/// The delays to test: empty if nothing changes in time.
 fn times(scene: &Scene) -> Vec<f64> {
     let of_source = |kind: &SourceKind| match kind {
         SourceKind::Cube(cube) => cube.bins.width(),
@@ -362,7 +362,7 @@ fn times(scene: &Scene) -> Vec<f64> {
     both.map(|part| part * shortest).collect()
 }
 
-/// The scene with the light of all its sources looked up `delay` too late: what starts earlier is looked up later.
+/// The scene with the light of all its sources looked up `delay` too late: sources that start earlier are looked up later.
 fn later(scene: &Scene, delay: f64) -> Option<Scene> {
     let profile = |profile: &mut EmissionProfile| match profile {
         EmissionProfile::Steady => {}
@@ -387,7 +387,7 @@ fn later(scene: &Scene, delay: f64) -> Option<Scene> {
     Some(shifted)
 }
 
-/// What is said of a delay.
+/// The diagnosis of a delay.
 fn lookup(scene: &Scene, delay: f64) -> Mistake {
     let late = if delay > 0.0 { "late" } else { "early" };
     let widths = scene
@@ -419,7 +419,7 @@ fn lookup(scene: &Scene, delay: f64) -> Mistake {
     }
 }
 
-/// The scene without retardation, with other aberrations, and with objects at rest or moving the opposite way.
+/// The scene without retardation, with other aberrations, and with objects at rest or moving in the opposite direction.
 fn motions(scene: &Scene) -> Vec<Mistake> {
     let mut mistakes = Vec::new();
     let mut add = |change: Change, kind, what: String, beta: Velocity| {
@@ -436,7 +436,7 @@ fn motions(scene: &Scene) -> Vec<Mistake> {
         true => b,
         false => a,
     });
-    // A missing retardation shows by what moves fastest.
+    // A missing retardation is most visible in the fastest object.
     if let Some(fastest) = fastest {
         add(
             Change::Instant,
@@ -484,7 +484,7 @@ fn motions(scene: &Scene) -> Vec<Mistake> {
     mistakes
 }
 
-/// The scene whose camera rests altogether.
+/// The scene with the camera at rest.
 fn camera_at_rest(scene: &Scene) -> Option<Mistake> {
     let velocity = scene.camera.velocity;
     (!velocity.is_rest()).then_some(())?;
@@ -519,7 +519,7 @@ fn without_shadows(scene: &Scene) -> Option<Mistake> {
     })
 }
 
-/// The scene whose cubes are looked up in the bin that a time is in, without those beside it.
+/// The scene whose cubes are looked up in the bin that contains a time, without interpolation.
 fn by_whole_bins(scene: &Scene) -> Option<Mistake> {
     let mut whole = scene.clone();
     let mut width = None;
@@ -563,15 +563,15 @@ fn absences(scene: &Scene, far: f64) -> Vec<Mistake> {
         .collect()
 }
 
-/// The scene with a mistake; none where it has no such thing, or would be refused.
+/// The scene with a mistake; `None` if it does not apply to it, or would be refused.
 fn changed(scene: &Scene, change: Change) -> Option<Scene> {
     let mut changed = scene.clone();
     match change {
-        // Light that takes no time is not followed from surface to surface.
+        // Light that takes no time cannot be traced between surfaces.
         Change::Instant if scene.bounces > 0 => return None,
         Change::Instant => changed.effects.retardation = false,
         Change::CameraAtRest => changed.effects.aberration = false,
-        // Of other motions, the velocity is that of one moment.
+        // For other motions, the velocity is instantaneous.
         Change::CameraReversed if scene.camera.motion != Motion::Inertial => return None,
         Change::CameraReversed => changed.camera.velocity = -scene.camera.velocity,
         Change::AtRest(k) => changed.objects.get_mut(k)?.velocity = Velocity::REST,

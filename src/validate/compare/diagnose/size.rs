@@ -1,14 +1,14 @@
 //! Objects that are larger or smaller than they should be.
 //!
-//! Where a pixel shows the same side of a body in both pictures, at r and c in its own coordinates, with the normal n there, a body
-//! that is k times as large about its origin has
+//! If a pixel shows the same side of a body in both pictures, at r and c in its own coordinates, with the normal n there, a body scaled by
+//! k about its origin satisfies
 //!
 //! ```text
 //! n·(c − r) = (k − 1) n·r,
 //! ```
 //!
-//! whatever point of the side the pixel shows. Of a few flat sides a displacement says the same: the boxes around all points tell
-//! the two apart, as opposite ends of a larger body move apart.
+//! whichever point of the side the pixel shows. For a few flat sides a displacement fits equally: the bounding boxes of all points
+//! distinguish the two, because opposite ends of a larger body move apart.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +21,7 @@ use super::{Case, Diagnosis, Kind, MOST, Tally};
 use crate::render::aov::Aov;
 use crate::spacetime::Event;
 
-/// Sizes that differ by less than this part are right.
+/// The smallest notable relative error of sizes.
 const NOTABLE: f64 = 0.005;
 
 /// A side of a body: its normal, and the points that the two pictures show of it.
@@ -32,7 +32,7 @@ struct Side {
 }
 
 impl Side {
-    /// How far the candidate's point is from the reference's side.
+    /// The distance of the candidate's point from the reference's side.
     fn off(&self) -> f64 {
         self.n.dot(self.c - self.r)
     }
@@ -54,7 +54,7 @@ pub(super) fn wrong(case: &Case) -> Vec<Diagnosis> {
         .collect()
 }
 
-/// The point that a picture shows at a pixel, in the object's own coordinates.
+/// The point that a picture shows at a pixel, in the object's coordinates.
 fn own(case: &Case, which: usize, object: usize, i: usize) -> Option<DVec3> {
     let points = &case.points[which];
     if case.points.iter().all(|points| points.material.is_some()) {
@@ -81,7 +81,7 @@ fn of_object(case: &Case, object: usize, [in_r, in_c]: &[Vec<usize>; 2]) -> Opti
         return None;
     }
     let extent = sides.iter().map(|side| side.r.length()).fold(0.0, f64::max);
-    // About the origin, by least squares; and without the tenth that fits worst.
+    // About the origin, by least squares; and again without the worst tenth.
     let factor = |sides: &[&Side]| {
         let (above, below) = sides.iter().fold((0.0, 0.0), |(above, below), side| {
             let h = side.n.dot(side.r);
@@ -119,17 +119,17 @@ fn of_object(case: &Case, object: usize, [in_r, in_c]: &[Vec<usize>; 2]) -> Opti
     })
 }
 
-/// Normals that differ by more than the angle of this cosine are those of two sides: 18 degrees, more than between the facets of a
-/// ball, less than at an edge.
+/// Normals that differ by more than the angle of this cosine belong to two sides: 18 degrees, more than between the facets of a ball, less
+/// than at an edge.
 const SAME_SIDE: f64 = 0.95;
 
-/// The sides that both pictures show at one pixel. Of bodies that are round the two show different facets: the mean of both normals
-/// is that of the chord between them.
+/// The sides that both pictures show at one pixel. For round bodies the two show different facets: the mean of both normals is that of the
+/// chord between them.
 fn sides(case: &Case, r: &BTreeMap<usize, DVec3>, c: &BTreeMap<usize, DVec3>) -> Vec<Side> {
     let names = [Aov::NormalX, Aov::NormalY, Aov::NormalZ];
     let given = case.pair.map(|p| Plane::aovs(&p.layers, names));
     let [width, _] = case.points[0].size();
-    // Of the channels, where both have them, or else across the neighbours.
+    // From the channels, if both have them, or else from neighbouring points.
     let normal = |which: usize, i: usize, of: &BTreeMap<usize, DVec3>| {
         if let ([Some(_), Some(_)], Some(given)) = (&given, given[which]) {
             return place(&given, i).try_normalize();
@@ -152,19 +152,19 @@ fn sides(case: &Case, r: &BTreeMap<usize, DVec3>, c: &BTreeMap<usize, DVec3>) ->
     r.iter().filter_map(side).collect()
 }
 
-/// The displacement that explains the sides best; the shortest of those that do so alike.
+/// The displacement that best explains the sides; the shortest if several fit equally.
 fn displacement(sides: &[Side]) -> DVec3 {
     let (mut normal, mut right) = (DMat3::ZERO, DVec3::ZERO);
     for side in sides {
         normal += DMat3::from_cols(side.n * side.n.x, side.n * side.n.y, side.n * side.n.z);
         right += side.n * side.off();
     }
-    // A little of the unit matrix: of displacements that do as well the shortest comes out.
+    // A small multiple of the unit matrix selects the shortest of the equally good displacements.
     let damped = normal + DMat3::from_diagonal(DVec3::splat(1e-9 * sides.len() as f64));
     damped.inverse() * right
 }
 
-/// Whether the box around the candidate's points is nearer to k times that of the reference's than to the displaced one.
+/// Whether the bounding box of the candidate's points is closer to k times the reference's than to the displaced one.
 fn boxes_say_so(r: &BTreeMap<usize, DVec3>, c: &BTreeMap<usize, DVec3>, k: f64, t: DVec3) -> bool {
     let around = |points: &BTreeMap<usize, DVec3>| {
         let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];

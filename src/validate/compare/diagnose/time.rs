@@ -3,9 +3,9 @@
 use super::super::picture::Plane;
 use super::{Case, Diagnosis, FEWEST, Kind, MOST, Tally, median};
 
-/// Shifts below this part of the times themselves are rounding of single precision.
+/// The largest shift, relative to the times themselves, that is due to rounding to single precision.
 const TIME_ROUNDING: f64 = 1e-6;
-/// Pixels within this part of the median shift share it.
+/// The tolerance around the median shift.
 const SHARED: f64 = 0.1;
 
 /// A constant shift of emission times.
@@ -52,7 +52,7 @@ fn describe_shift(case: &Case, shift: f64, share: f64) -> Diagnosis {
     }
 }
 
-/// So many bins.
+/// The text for a number of bins.
 pub(super) fn words_for_bins(bins: f64) -> String {
     match bins {
         _ if (bins - 1.0).abs() < SHARED => "one bin".into(),
@@ -61,7 +61,7 @@ pub(super) fn words_for_bins(bins: f64) -> String {
     }
 }
 
-/// All emission times are the same, where the reference's differ.
+/// All emission times are equal, although the reference's differ.
 pub(super) fn instant(case: &Case) -> Option<Diagnosis> {
     let [r, c] = case.points.map(|points| points.time);
     let (r, c): (Plane, Plane) = (r?, c?);
@@ -81,9 +81,9 @@ pub(super) fn instant(case: &Case) -> Option<Diagnosis> {
     let [low, high] = scale.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| {
         [low.min(t), high.max(t)]
     });
-    // Where the reference's times hardly differ, one time for all says nothing.
+    // If the reference's times hardly differ, equal times are no evidence.
     let varied = high - low > 1e-3 * high.abs().max(low.abs());
-    // The times themselves are the same to a hundredth of the reference's range.
+    // The times are equal to one percent of the reference's range.
     let same = tally.rest() <= 0.01 * (high - low);
     (varied && same && tally.explains(0.1 * (high - low))).then(|| Diagnosis {
         kind: Kind::RetardationMissing,
@@ -95,11 +95,11 @@ pub(super) fn instant(case: &Case) -> Option<Diagnosis> {
     })
 }
 
-/// There are at least so many pixels, and in the reference so many different times, to each of the candidate's, where these are rounded.
+/// For rounded times, the least number of pixels, and of different times in the reference, for each of the candidate's times.
 const TIMES_FEWER: usize = 4;
-/// Times are whole steps apart to this part of one.
+/// Tolerance for gaps of times to be multiples of one step, relative to the step.
 const WHOLE: f64 = 0.01;
-/// Bins that are not wider than this part of the latest time are the rounding of half precision.
+/// Bins no wider than this fraction of the latest time are rounding to half precision.
 const HALF_PRECISION: f64 = 1.0 / 512.0;
 
 /// Emission times that are rounded to whole bins, or to steps of another width.
@@ -120,7 +120,7 @@ pub(super) fn rounded(case: &Case) -> Option<Diagnosis> {
     let (in_reference, times) = (different(0), different(1));
     let many = in_reference.len().min(pairs.len());
     (pairs.len() >= FEWEST && times.len() > 1 && many >= TIMES_FEWER * times.len()).then_some(())?;
-    // All gaps are whole numbers of the least, which the way from the first to the last time tells best.
+    // All gaps are multiples of the smallest, which the span from the first to the last time determines best.
     let gaps = || times.windows(2).map(|pair| pair[1] - pair[0]);
     let least = gaps().fold(f64::INFINITY, f64::min);
     let all = times[times.len() - 1] - times[0];
@@ -129,7 +129,7 @@ pub(super) fn rounded(case: &Case) -> Option<Diagnosis> {
     let is_half = pairs.iter().all(|[_, c]| is_of_half_precision(*c));
     let is_rounding = is_half && step <= HALF_PRECISION * latest;
     (gaps().all(is_whole) && !is_rounding).then_some(())?;
-    // What is rounded is not off by more than a step.
+    // Rounded times are off by at most one step.
     let offs = || pairs.iter().map(|[r, c]| c - r);
     let near = offs()
         .filter(|off| off.abs() <= (1.0 + WHOLE) * step)
@@ -138,7 +138,7 @@ pub(super) fn rounded(case: &Case) -> Option<Diagnosis> {
         .then(|| describe_rounding(case, step, offs(), times.len()))
 }
 
-/// Whether a number is one of half precision: its significand has 11 bits.
+/// Whether a number is representable in half precision: its significand has 11 bits.
 fn is_of_half_precision(v: f64) -> bool {
     v.to_bits().trailing_zeros() >= f64::MANTISSA_DIGITS - 11
 }

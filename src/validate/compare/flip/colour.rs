@@ -1,9 +1,9 @@
 //! Colour spaces and elementary functions, in single precision, written so that they vectorise.
 //!
-//! No library is called per pixel and nothing is contracted: the same bits on every machine. Errors of the
-//! elementary functions are a few units in the last place, below what the published tool keeps.
+//! No library function is called per pixel and nothing is contracted: the same bits on every machine. Errors of the elementary functions
+//! are a few units in the last place, below the precision of the published tool.
 
-/// CIE XYZ from linear sRGB: the fractions of the published tool, over the white point below.
+/// CIE XYZ from linear sRGB: the fractions of the published tool, divided by the white point below.
 const XYZ: [[f64; 3]; 3] = [
     [
         10135552.0 / 24577794.0,
@@ -30,7 +30,7 @@ const RGB: [[f64; 3]; 3] = [
 /// The white point D65.
 const WHITE: [f64; 3] = [0.950428545, 1.0, 1.088900371];
 
-/// A matrix whose rows multiply a colour.
+/// A matrix by rows, which multiplies a colour.
 pub(super) type Matrix = [[f32; 3]; 3];
 
 /// X/Xw, Y/Yw, Z/Zw of linear RGB.
@@ -124,7 +124,7 @@ pub(super) fn hyab(a: [f32; 3], b: [f32; 3]) -> f32 {
 /// ∛x for x above 0.008: Halley's iteration from a guess by the exponent.
 #[inline(always)]
 pub(super) fn cube_root(x: f32) -> f32 {
-    // A third of the exponent; the number makes up for its bias.
+    // A third of the exponent; the constant compensates for its bias.
     let mut y = f32::from_bits(x.to_bits() / 3 + 709_958_130);
     for _ in 0..2 {
         let cube = y * y * y;
@@ -133,7 +133,7 @@ pub(super) fn cube_root(x: f32) -> f32 {
     y
 }
 
-/// xʸ for x from 0 on and y from 0 to 1, with 0⁰ = 1.
+/// xʸ for x ≥ 0 and y from 0 to 1, with 0⁰ = 1.
 #[inline(always)]
 pub(super) fn power(x: f32, y: f32) -> f32 {
     let log = y * log2(x.max(f32::MIN_POSITIVE));
@@ -145,7 +145,7 @@ pub(super) fn power(x: f32, y: f32) -> f32 {
 /// log₂ of a normal number: exponent, and the series of artanh for the mantissa in [√½, √2).
 #[inline(always)]
 fn log2(x: f32) -> f32 {
-    // 0x3f3504f3 is √½: mantissas are taken from [√½, √2).
+    // 0x3f3504f3 is √½, the lower end of the mantissa's range.
     let bits = x.to_bits().wrapping_sub(0x3f35_04f3);
     let exponent = (bits as i32) >> 23;
     let mantissa = f32::from_bits((bits & 0x007f_ffff).wrapping_add(0x3f35_04f3));
@@ -158,7 +158,7 @@ fn log2(x: f32) -> f32 {
 /// 2ˣ for x from −126 to 127: exponent, and the series of exp for the rest in [−½, ½].
 #[inline(always)]
 fn exp2(x: f32) -> f32 {
-    // Adding and taking away 1.5 · 2²³ rounds to whole numbers.
+    // Adding and subtracting 1.5 · 2²³ rounds to integers.
     const SHIFT: f32 = 12_582_912.0;
     let whole = (x + SHIFT) - SHIFT;
     let t = (x - whole) * std::f32::consts::LN_2;
@@ -175,14 +175,14 @@ pub(super) fn lab(v: &[f32; 5]) -> [f32; 3] {
     hunt_lab([clip(r), clip(g), clip(b)])
 }
 
-/// Over and under the fraction of the filmic curve of ACES as Narkowicz fits it, before which light is multiplied by 0.6.
+/// Numerator and denominator of the filmic curve of ACES as fitted by Narkowicz, with light multiplied by 0.6 beforehand.
 const OVER: [f32; 2] = [0.6 * 0.6 * 2.51, 0.6 * 0.03];
 const UNDER: [f32; 3] = [0.6 * 0.6 * 2.43, 0.6 * 0.59, 0.14];
 
-/// Light that is shown as white, and of which f32 holds the square: brighter light would be ∞/∞.
+/// The brightest light, shown as white, whose square is finite in f32: brighter light would be ∞/∞.
 const BRIGHTEST: f32 = 1e9;
 
-/// The curve: light to what a display shows of it.
+/// The curve: from light to its display value.
 #[inline(always)]
 pub(super) fn tone_map(x: f32) -> f32 {
     let x = if x > BRIGHTEST { BRIGHTEST } else { x };
@@ -190,16 +190,16 @@ pub(super) fn tone_map(x: f32) -> f32 {
     (x2 * OVER[0] + x * OVER[1]) / (x2 * UNDER[0] + x * UNDER[1] + UNDER[2])
 }
 
-/// The light that becomes `t`.
+/// The light whose display value is `t`.
 pub(super) fn inverse_tone_map(t: f32) -> f32 {
     let a = OVER[0] - t * UNDER[0];
     let b = OVER[1] - t * UNDER[1];
-    // The greater root of a x² + b x − t u₂ = 0.
+    // The larger root of a x² + b x − t u₂ = 0.
     let half = -0.5 * (b / a);
     half + (half * half + t * UNDER[2] / a).sqrt()
 }
 
-/// To the power that the definition gives colour differences.
+/// Raises to the power that the definition applies to colour differences.
 #[inline(always)]
 pub(super) fn power_of_definition(distance: f32) -> f32 {
     power(distance, 0.7)

@@ -1,8 +1,8 @@
-//! The filters, as halves: weights from the centre outwards.
+//! The filters, stored as halves: weights from the centre outwards.
 //!
-//! Contrast sensitivity: Σ aᵢ √(π/bᵢ) exp(−π²x²/bᵢ), x in degrees, out to 3 σ of the widest. The sum of two Gaussians for blue
-//! and yellow is filtered as two, each with the root of its amplitude per direction. Features: a Gaussian of
-//! σ = w/2 with w = 0.082° and its first two derivatives, positive and negative weights normalised to 1 each.
+//! Contrast sensitivity: Σ aᵢ √(π/bᵢ) exp(−π²x²/bᵢ), x in degrees, out to 3 σ of the widest. The sum of two Gaussians for blue-yellow is
+//! filtered as two, each with the root of its amplitude per direction. Features: a Gaussian of σ = w/2 with w = 0.082° and its first two
+//! derivatives, positive and negative weights each normalised to 1.
 
 use std::f64::consts::PI;
 
@@ -10,13 +10,13 @@ use std::f64::consts::PI;
 const SENSITIVITY: [(f64, f64); 4] = [(1.0, 0.0047), (1.0, 0.0053), (34.1, 0.04), (13.5, 0.025)];
 /// The width of a feature, degrees.
 const FEATURE: f64 = 0.082;
-/// Weights below this part of the central one are below the rounding of single precision.
+/// Weights below this fraction of the central one are below the rounding of single precision.
 const NEGLIGIBLE: f64 = 1e-9;
 
 /// All filters of an observer.
 #[derive(Debug, Clone)]
 pub(super) struct Filters {
-    /// Pixels that the widest filter reaches to each side.
+    /// Radius in pixels of the widest filter.
     pub radius: usize,
     /// Luminance, red-green, and the two of blue-yellow.
     pub sensitivity: [Vec<f32>; 4],
@@ -50,7 +50,7 @@ fn sensitivity(radius: usize, pixels_per_degree: f64) -> [Vec<f32>; 4] {
     let gauss = |root: bool| {
         move |(a, b): (f64, f64)| {
             let amplitude = a * (PI / b).sqrt();
-            // Of a sum of two Gaussians either axis takes the root of the amplitude.
+            // For a sum of two Gaussians, each axis has the root of the amplitude.
             let amplitude = if root { amplitude.sqrt() } else { amplitude };
             let weight = move |i: usize| {
                 let x = i as f64 / pixels_per_degree;
@@ -73,7 +73,7 @@ fn even(half: &[f64]) -> f64 {
     half[0] + 2.0 * half[1..].iter().sum::<f64>()
 }
 
-/// Scaled weights, without those that do not count.
+/// Scaled weights, without negligible ones.
 fn scaled(half: &[f64], factor: f64) -> Vec<f32> {
     let counts = |weight: &f64| weight.abs() > NEGLIGIBLE * half[0].abs();
     let length = half.iter().rposition(counts).map_or(1, |last| last + 1);
@@ -99,7 +99,7 @@ fn edge(reach: usize, deviation: f64) -> Vec<f32> {
 fn point(reach: usize, deviation: f64) -> Vec<f32> {
     let second = |(x, g): (f64, f64)| (x * x / (deviation * deviation) - 1.0) * g;
     let half: Vec<f64> = gaussian(reach, deviation).map(second).collect();
-    // Positive and negative weights are normalised apart, each to a sum of 1.
+    // Positive and negative weights are normalised separately, each to a sum of 1.
     let part = |keep: fn(f64) -> bool| {
         let kept: Vec<f64> = half
             .iter()

@@ -1,4 +1,4 @@
-//! ꟻLIP: what an observer sees who flips between two pictures, and HDR-ꟻLIP, the same at several exposures.
+//! ꟻLIP: the differences an observer sees when flipping between two pictures, and HDR-ꟻLIP, the same at several exposures.
 //!
 //! Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild, "FLIP: A Difference Evaluator for Alternating
 //! Images", PACMCGIT 3(2), 2020; Andersson, Nilsson, Shirley, Akenine-Möller, "Visualizing Errors in Rendered High
@@ -12,11 +12,11 @@
 //!            clipped, where x maps to 0.85 and n = max(2, ⌈stop − start⌉)
 //! ```
 //!
-//! Here n is at most 64: where the reference has more stops than that, the exposures are farther apart than one of them.
+//! Here n is at most 64: if the reference has a wider range of stops, the exposures are more than one stop apart.
 //!
-//! All filters are separable (the blue-yellow one as a sum of two); pixels beyond the picture repeat its
-//! edge. Where more than half of the reference is black its median luminance gives no exposure: the median of its lit
-//! pixels stands in. The mean over a region is one of errors that the whole pictures give.
+//! All filters are separable (the blue-yellow one as a sum of two); the picture's edge pixels are repeated beyond it. If more than half of
+//! the reference is black its median luminance gives no exposure: the median of its lit pixels is used. The mean over a region is that of
+//! the whole picture's errors.
 
 mod colour;
 mod filter;
@@ -39,19 +39,19 @@ pub struct Flip {
     pub mean: f64,
     /// Largest error of the region.
     pub max: f64,
-    /// The exposures in stops; none for pictures that a display shows as they are.
+    /// The exposures in stops; `None` for pictures of display values.
     pub exposures: Option<[f64; 2]>,
-    /// How many exposures: one for each stop, and at most 64.
+    /// Number of exposures: one for each stop, and at most 64.
     pub steps: u32,
     /// Pixels per degree of visual angle.
     pub pixels_per_degree: f64,
-    /// The error of each pixel, 0 outside of the region; where it was asked for.
+    /// The error of each pixel, 0 outside of the region; only if maps were requested.
     #[serde(skip)]
     pub map: Option<Vec<f32>>,
 }
 
 impl Flip {
-    /// How many stops lie between exposures, where that is more than the one of the definition.
+    /// The stops between exposures, if more than the one of the definition.
     pub fn stops_apart(&self) -> Option<f64> {
         let [start, stop] = self.exposures?;
         let apart = (stop - start) / f64::from(self.steps.max(2) - 1);
@@ -119,7 +119,7 @@ struct Range {
     stop: f32,
 }
 
-/// The most exposures. The tail of a pulse may be 250 stops below its peak.
+/// The most exposures: the tail of a pulse may be 250 stops below its peak.
 const MOST_EXPOSURES: f32 = 64.0;
 
 impl Range {
@@ -135,7 +135,7 @@ impl Range {
     }
 }
 
-/// The exposures of the reference; none where it is black.
+/// The exposures of the reference; `None` if it is black.
 fn exposures(question: &Question) -> Option<Range> {
     let mut luminances = luminances(question);
     let largest = luminances.iter().copied().fold(0.0f32, f32::max);
@@ -144,9 +144,9 @@ fn exposures(question: &Question) -> Option<Range> {
         luminances.retain(|y| *y > 0.0);
         middle = median(&mut luminances);
     }
-    // Exposures begin where the brightest light is shown as 0.85, and end where the median is (Andersson et al. 2021).
+    // Exposures start where the brightest light is shown as 0.85, and end where the median is (Andersson et al. 2021).
     let white = colour::inverse_tone_map(0.85);
-    // Of numbers below f32's normal ones the quotient is infinite: no exposure is beyond the factors that f32 holds.
+    // For subnormal f32 numbers the quotient is infinite: exposures are limited to finite f32 factors.
     let stops = |luminance: f32| libm::log2f(white / luminance).clamp(-126.0, 127.0);
     (largest > 0.0 && largest.is_finite()).then(|| Range {
         start: stops(largest),

@@ -1,7 +1,7 @@
-//! One tile of both pictures at one exposure after the other.
+//! One tile of both pictures, at one exposure after the other.
 //!
-//! Rows go through the horizontal filters into rings that hold as many as the vertical filters reach; a
-//! row of errors comes out as soon as its ring is full. All of a tile stays in a core's own cache.
+//! Rows pass through the horizontal filters into ring buffers as high as the vertical filters; a row of errors is computed as soon as its
+//! ring is full. All of a tile fits in a core's own cache.
 
 use super::colour::{
     OPPONENT, apply, clip, hunt_lab, hyab, lab, power, power_of_definition, tone_map,
@@ -12,23 +12,23 @@ use crate::colour::srgb_decode;
 use crate::validate::compare::options::Region;
 use crate::validate::compare::picture::Plane;
 
-/// Columns of a tile; whole groups of lanes.
+/// Columns of a tile; a multiple of the lanes.
 pub(super) const WIDTH: usize = 512;
 /// Rows of a tile.
 pub(super) const HEIGHT: usize = 256;
 /// Pixels that are computed together.
 const LANES: usize = 16;
-/// What is kept of a row after the horizontal filters: luminance, red-green, blue-yellow twice, then the
-/// first and second derivative and the smoothed luminance.
+/// Components stored for a row after the horizontal filters: luminance, red-green, blue-yellow twice, then the first and second derivative
+/// and the smoothed luminance.
 const KEPT: usize = 7;
 
-/// The definition: differences up to 0.4 of the largest map to errors up to 0.95.
+/// From the definition: differences up to 0.4 of the largest map to errors up to 0.95.
 const LARGE_PART: f32 = 0.4;
 const LARGE_ERROR: f32 = 0.95;
 
 type Lanes = [f32; LANES];
 
-/// What ꟻLIP is asked of.
+/// The input of ꟻLIP.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::validate::compare) struct Question<'a> {
     /// Linear red, green and blue of the reference.
@@ -43,9 +43,9 @@ pub(in crate::validate::compare) struct Question<'a> {
     pub high_range: bool,
     /// Whether values are sRGB codes.
     pub encoded: bool,
-    /// Of the observer.
+    /// Pixels per degree of visual angle.
     pub pixels_per_degree: f64,
-    /// Whether the map is wanted.
+    /// Whether the map is requested.
     pub map: bool,
 }
 
@@ -64,21 +64,21 @@ pub(super) struct Tile<'a> {
     corner: [usize; 2],
     size: [usize; 2],
     tone_mapped: bool,
-    /// The largest colour difference, green to blue, to the power of the definition.
+    /// The largest colour difference, green to blue, raised to the power of the definition.
     largest: f32,
     /// Errors so far, `WIDTH` per row.
     errors: Vec<f32>,
     rings: [Ring; 2],
-    /// Which pixels of a row are no numbers in one of the pictures.
+    /// Whether each pixel of a row is not a number in one of the pictures.
     unusable: Vec<bool>,
-    /// Where the rows of the rings begin, from the uppermost on.
+    /// Offsets of the rings' rows, from the uppermost on.
     starts: Vec<usize>,
 }
 
 /// Rows of one picture after the horizontal filters.
 struct Ring {
     rows: [Vec<f32>; KEPT],
-    /// The row that goes through the filters, with its margins: Y + 16, Cx, Cz.
+    /// The row being filtered, with its margins: Y + 16, Cx, Cz.
     source: [Vec<f32>; 3],
     light: [Vec<f32>; 3],
 }
@@ -94,7 +94,7 @@ pub(super) struct Done {
 /// A tile at several exposures.
 pub(super) struct Exposing<'t, 'a> {
     pub tile: &'t mut Tile<'a>,
-    /// What light is multiplied by.
+    /// Factors on light.
     pub gains: &'t [f32],
 }
 
@@ -108,7 +108,7 @@ impl VectorLoop for Exposing<'_, '_> {
 }
 
 impl<'a> Tile<'a> {
-    /// The buffers of a tile: of either picture a ring of as many rows as the filters are high.
+    /// The buffers of a tile: for each picture a ring with as many rows as the filters are high.
     pub fn new(
         question: &'a Question<'a>,
         filters: &'a Filters,
@@ -136,7 +136,7 @@ impl<'a> Tile<'a> {
         }
     }
 
-    /// Takes in the errors at an exposure: light is multiplied by `gain`.
+    /// Includes the errors at an exposure: light is multiplied by `gain`.
     #[inline(always)]
     fn expose(&mut self, gain: f32) {
         let radius = self.filters.radius;
@@ -148,7 +148,7 @@ impl<'a> Tile<'a> {
         }
     }
 
-    /// Sends row `row` of the tile with its margins through the horizontal filters.
+    /// Applies the horizontal filters to row `row` of the tile with its margins.
     #[inline(always)]
     fn take(&mut self, row: usize, gain: f32) {
         let radius = self.filters.radius;
@@ -237,7 +237,7 @@ impl<'a> Tile<'a> {
 }
 
 impl Done {
-    /// Copies the errors to their place in a map of rows of `width`.
+    /// Copies the errors into a map with rows of `width`.
     pub fn place(&self, map: &mut [f32], width: usize) {
         for y in 0..self.size[1] {
             let start = (self.corner[1] + y) * width + self.corner[0];
@@ -248,7 +248,7 @@ impl Done {
 }
 
 impl Ring {
-    /// Reads what there is of row `y` from the tile's left margin on.
+    /// Reads row `y` from the tile's left margin on, as far as it exists.
     #[inline(always)]
     fn load(
         &mut self,
@@ -271,7 +271,7 @@ impl Ring {
         }
     }
 
-    /// Light → Y + 16, Cx, Cz as a display shows it, with margins.
+    /// Light → Y + 16, Cx, Cz as shown on a display, with margins.
     #[inline(always)]
     fn prepare(&mut self, unusable: &[bool], left: usize, radius: usize, gain: Option<f32>) {
         let first = left.saturating_sub(radius);
@@ -322,8 +322,7 @@ impl Ring {
         }
     }
 
-    /// The vertical filters at columns `x` on: Y + 16, Cx, Cz, and the strengths of edge
-    /// and point, times 116.
+    /// The vertical filters at the columns from `x` on: Y + 16, Cx, Cz, and the strengths of edge and point, times 116.
     #[inline(always)]
     fn column(&self, x: usize, starts: &[usize], filters: &Filters) -> [Lanes; 5] {
         let [sy, sx, sz1, sz2] = &filters.sensitivity;
@@ -348,7 +347,7 @@ impl Ring {
             ddx,
         ];
         for lane in 0..LANES {
-            // Cz has the sum of two filters.
+            // Cz is the sum of two filters.
             found[2][lane] += cz2[lane];
             found[3][lane] = (dx[lane] * dx[lane] + dy[lane] * dy[lane]).sqrt();
             found[4][lane] = (ddx[lane] * ddx[lane] + ddy[lane] * ddy[lane]).sqrt();
@@ -356,7 +355,7 @@ impl Ring {
         found
     }
 
-    /// One vertical filter at columns `x` on; `starts` says where each row of the ring begins, from the uppermost on.
+    /// One vertical filter at the columns from `x` on; `starts` are the offsets of the ring's rows, from the uppermost on.
     #[inline(always)]
     fn down(&self, kept: usize, half: &[f32], sign: f32, x: usize, starts: &[usize]) -> Lanes {
         let (rows, middle) = (&self.rows[kept], starts.len() / 2);
@@ -376,7 +375,7 @@ impl Ring {
     }
 }
 
-/// Light in RGB → what is shown of it → Y + 16, Cx, Cz; black where it is unusable.
+/// Light in RGB → display value → Y + 16, Cx, Cz; black where it is unusable.
 #[inline(always)]
 fn oppose([r, g, b]: [&mut [f32]; 3], unusable: &[bool], show: impl Fn(f32) -> f32) {
     let count = unusable.len();
@@ -389,7 +388,7 @@ fn oppose([r, g, b]: [&mut [f32]; 3], unusable: &[bool], show: impl Fn(f32) -> f
     }
 }
 
-/// The filter with the weights `half` to the right, and `sign` times these to the left, about `centre` and what follows.
+/// The filter with the weights `half` to the right, and `sign` times these to the left, at `centre` and the following pixels.
 #[inline(always)]
 fn along(row: &[f32], centre: usize, half: &[f32], sign: f32) -> Lanes {
     let middle = lanes(row, centre);
@@ -414,13 +413,13 @@ fn lanes(row: &[f32], start: usize) -> Lanes {
 /// ꟻLIP of one pixel from both pictures' Y + 16, Cx, Cz, edge and point.
 #[inline(always)]
 fn error(r: [f32; 5], c: [f32; 5], largest: f32) -> f32 {
-    // Colour: the HyAB distance, of which the part up to 0.4 of the largest takes the range up to 0.95.
+    // Colour: the HyAB distance; differences up to 0.4 of the largest map to errors up to 0.95.
     let difference = power_of_definition(hyab(lab(&r), lab(&c)));
     let large = LARGE_PART * largest;
     let small = difference * (LARGE_ERROR / large);
     let beyond = LARGE_ERROR + (difference - large) / (largest - large) * (1.0 - LARGE_ERROR);
     let colour = if difference < large { small } else { beyond };
-    // Features: the larger change of edges and points, normalised by √2, as a square root.
+    // Features: the larger change of edges and points, normalised by √2, to the power ½.
     let (edge, point) = ((r[3] - c[3]).abs(), (r[4] - c[4]).abs());
     let feature = if edge > point { edge } else { point };
     let feature = (feature * (std::f32::consts::FRAC_1_SQRT_2 / 116.0)).sqrt();

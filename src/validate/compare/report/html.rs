@@ -1,4 +1,4 @@
-//! One page that holds everything: pictures as data, a few lines of script for zooming, no network.
+//! A self-contained HTML page: pictures as data, a few lines of script for zooming, no network.
 
 use std::fmt::Write;
 
@@ -14,7 +14,7 @@ use crate::validate::compare::errors::Histogram;
 use crate::validate::compare::metrics::{Breach, METRICS, number};
 use crate::validate::compare::picture::Picture;
 
-/// Pictures with longer sides are reduced by a whole factor.
+/// Pictures with longer sides are reduced by an integer factor.
 const LONGEST: u32 = 1600;
 
 const STYLE: &str = include_str!("page.css");
@@ -30,7 +30,7 @@ pub fn page(
     [reference, candidate]: [&Picture; 2],
     maps: &[ErrorMap],
 ) -> Result<String> {
-    // Names come from files: whatever is not our own words is escaped.
+    // Names come from files: any text that is not ours is escaped.
     let mut html = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
          content=\"width=device-width, initial-scale=1\"><title>{}</title>\n<style>{STYLE}</style></head><body>\n",
@@ -99,7 +99,7 @@ fn pictures(
     Ok(())
 }
 
-/// The colours of a map with the values at their ends and in their middle.
+/// The colours of a map with the values at their ends and middle.
 fn colour_bar(map: &ErrorMap) -> Result<String> {
     let mut html = String::from("<img class=\"bar\" alt=\"\" src=\"");
     push_image(&mut html, &bar_across())?;
@@ -127,7 +127,7 @@ fn figure(html: &mut String, caption: &str, image: &RgbImage, below: &str) -> Re
     Ok(())
 }
 
-/// The picture as the address of an `img`.
+/// The picture as a data URL of an `img`.
 fn push_image(html: &mut String, image: &RgbImage) -> Result<()> {
     let raster = RgbaImage {
         width: image.width,
@@ -147,18 +147,18 @@ fn push_image(html: &mut String, image: &RgbImage) -> Result<()> {
     Ok(())
 }
 
-/// Rows and columns that are joined into one.
+/// The number of rows and columns that are merged into one.
 fn factor(width: u32, height: u32) -> u32 {
     width.max(height).div_ceil(LONGEST).max(1)
 }
 
-/// The picture with blocks of pixels averaged, where it is large.
+/// The picture, reduced by averaging blocks of pixels if it is large.
 fn reduced(image: &RgbImage) -> RgbImage {
     let k = factor(image.width, image.height);
     let [width, height] = [image.width.div_ceil(k), image.height.div_ceil(k)];
     let mut rgb = Vec::with_capacity(3 * (width * height) as usize);
     for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
-        // Sums of red, green and blue, and how many: blocks at the edges are smaller.
+        // Sums of red, green and blue, and their number: blocks at the edges are smaller.
         let pixels = block([x, y], k, [image.width, image.height]);
         let mut sums = [0u32; 4];
         for i in pixels {
@@ -172,14 +172,14 @@ fn reduced(image: &RgbImage) -> RgbImage {
     RgbImage { width, height, rgb }
 }
 
-/// The map with the largest error of each block, where it is large: no error gets lost.
+/// The map, reduced to the largest error of each block if it is large, so that no error is lost.
 fn largest(map: &ErrorMap) -> ErrorMap {
     let k = factor(map.width, map.height);
     let [width, height] = [map.width.div_ceil(k), map.height.div_ceil(k)];
     let places = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
     let errors = places.map(|place| {
         let pixels = block(place, k, [map.width, map.height]);
-        // `max` passes over NaN, which marks pixels without an error: a block of these alone stays NaN.
+        // `max` ignores NaN, which marks pixels without an error: a block of only NaN stays NaN.
         pixels.map(|i| map.errors[i]).fold(f32::NAN, f32::max)
     });
     ErrorMap {
@@ -201,12 +201,12 @@ fn block([x, y]: [u32; 2], k: u32, [width, height]: [u32; 2]) -> impl Iterator<I
     })
 }
 
-/// The table of errors by channel, and beneath it what is of the whole picture.
+/// The table of errors by channel, with the errors of the whole picture below it.
 fn errors(html: &mut String, comparison: &Comparison) {
     html.push_str("<h2>Errors</h2>\n<div class=\"wide\"><table><tr><th></th>");
     let rows = rows(comparison);
     let first = rows.first();
-    // Headings by the cells of the first row: which metrics have any depends on none of the values.
+    // Headings from the cells of the first row: whether a metric has a cell does not depend on values.
     for (heading, _) in first
         .into_iter()
         .flat_map(|(_, e)| METRICS.iter().filter_map(|m| m.cell(*e)))
@@ -251,7 +251,7 @@ fn histograms(html: &mut String, comparison: &Comparison) {
     html.push_str("</div>\n");
 }
 
-/// A histogram as SVG, with the ends of its axis and how many errors are exactly 0.
+/// A histogram as SVG, with the ends of its axis and the number of errors that are exactly 0.
 fn bars(html: &mut String, name: &str, histogram: &Histogram) {
     let Some(((low, _), (high, _))) = histogram.bins.first().zip(histogram.bins.last()) else {
         let _ = writeln!(
@@ -262,7 +262,7 @@ fn bars(html: &mut String, name: &str, histogram: &Histogram) {
         );
         return;
     };
-    // The highest bar fills the 100 units of the drawing, all bars its 300 in width.
+    // The highest bar fills the 100 units of the drawing's height, and all bars its width of 300.
     let most = histogram
         .bins
         .iter()

@@ -1,4 +1,4 @@
-//! What a comparison has found, for people: a table, maps, strips, and a page that holds all of them.
+//! The result of a comparison for people: a table, maps, strips, and a page with all of them.
 
 mod html;
 mod pictures;

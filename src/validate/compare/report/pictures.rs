@@ -13,7 +13,7 @@ use crate::validate::compare::comparison::Comparison;
 use crate::validate::compare::metrics;
 use crate::validate::compare::picture::{Encoding, Picture};
 
-/// Where there is no error to show: pale grey.
+/// The colour of pixels without an error: pale grey.
 const NOTHING: [u8; 3] = [232; 3];
 /// Small maps are enlarged to about this size, and large ones reduced, pixels.
 const COMFORTABLE: u32 = 400;
@@ -24,19 +24,19 @@ const STEPS: f64 = 8.0;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct ErrorMap {
-    /// What is shown, with its unit.
+    /// The quantity, with its unit.
     pub title: String,
     /// Pixels per row.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// An error of at least 0 for each pixel, NaN where there is none.
+    /// An error of at least 0 for each pixel, NaN if it has none.
     pub errors: Vec<f32>,
-    /// What has the brightest colour.
+    /// The value of the brightest colour.
     pub most: f64,
 }
 
-/// The map that tells most: ꟻLIP where it was kept, else the geometric error, else the difference of the first channel.
+/// The most informative map: ꟻLIP if it was kept, else the geometric error, else the difference of the first channel.
 pub fn error_map(comparison: &Comparison, reference: &Picture, candidate: &Picture) -> ErrorMap {
     let flip = comparison.flip.as_ref().and_then(|flip| flip.map.clone());
     match (flip, &comparison.geometric_map) {
@@ -44,7 +44,7 @@ pub fn error_map(comparison: &Comparison, reference: &Picture, candidate: &Pictu
         (None, Some(map)) => ErrorMap::new("geometric error (pixels)", comparison, map.clone()),
         (None, None) => {
             let Some(channel) = comparison.channels.first() else {
-                // Differences of indices mean nothing.
+                // Differences of indices are meaningless.
                 let [w, h] = comparison.size.map(|n| n as usize);
                 return ErrorMap::new("no errors to show", comparison, vec![f32::NAN; w * h]);
             };
@@ -62,7 +62,7 @@ pub fn error_map(comparison: &Comparison, reference: &Picture, candidate: &Pictu
 }
 
 impl ErrorMap {
-    /// A map whose brightest colour is a round number about the 99.9th percentile.
+    /// A map whose brightest colour is a round number close to the 99.9th percentile.
     pub fn new(title: &str, comparison: &Comparison, errors: Vec<f32>) -> ErrorMap {
         let mut finite: Vec<f32> = errors.iter().copied().filter(|e| e.is_finite()).collect();
         let rank = (finite.len() as f64 * 0.999) as usize;
@@ -71,7 +71,7 @@ impl ErrorMap {
             true => 0.0,
             false => f64::from(*finite.select_nth_unstable_by(rank, f32::total_cmp).1),
         };
-        // Also where there are no errors.
+        // Works for maps without errors, too.
         let step = round_step((high / STEPS).max(1e-12));
         let [width, height] = comparison.size;
         ErrorMap {
@@ -96,10 +96,10 @@ impl ErrorMap {
         }
     }
 
-    /// A page with the map and its legend; a point is a pixel of the map or, where that is small, of its enlargement.
+    /// A page with the map and its legend; one point is a pixel of the map or, if that is small, of its enlargement.
     ///
     /// # Errors
-    /// A map that is too large to be drawn.
+    /// A map that is too large to draw.
     pub fn page(&self) -> Result<Drawing> {
         let scale = f64::from((COMFORTABLE / self.width.max(self.height)).max(1));
         let [w, h] = [self.width, self.height].map(|n| f64::from(n) * scale);
@@ -130,10 +130,10 @@ impl ErrorMap {
                 },
             },
         ];
-        // At most one label for two lines of text.
+        // At most one label per two lines of text.
         let step = round_step((self.most / (bar_height / em / 2.0).min(STEPS)).max(1e-13));
         let mut widest: f64 = 0.0;
-        // 1e-9, so that rounding loses no last label.
+        // 1e-9, so that rounding does not drop the last label.
         for i in 0..=(self.most / step + 1e-9) as u32 {
             let value = f64::from(i) * step;
             let y = top + bar_height * (1.0 - value / self.most);
@@ -153,7 +153,7 @@ impl ErrorMap {
     }
 }
 
-/// The colours from large (top) to small.
+/// The colours from large (top) to small (bottom).
 fn bar() -> RgbImage {
     const HEIGHT: u32 = 256;
     let row = |y: u32| viridis_srgb(1.0 - (f64::from(y) + 0.5) / f64::from(HEIGHT));
@@ -164,7 +164,7 @@ fn bar() -> RgbImage {
     }
 }
 
-/// The same from small (left) to large.
+/// The colours from small (left) to large (right).
 pub(super) fn bar_across() -> RgbImage {
     let bar = bar();
     RgbImage {
@@ -182,7 +182,7 @@ pub(super) fn bar_across() -> RgbImage {
     }
 }
 
-/// Words that begin at a place.
+/// Text that starts at a position.
 fn text(words: &str, at: [f64; 2], size: f64, y: AnchorY) -> Result<Item> {
     let x = AnchorX::Start;
     Ok(Item::Text(Text {
@@ -191,11 +191,11 @@ fn text(words: &str, at: [f64; 2], size: f64, y: AnchorY) -> Result<Item> {
     }))
 }
 
-/// `difference.NAME`, candidate − reference, for every channel that was compared; `flip` and `geometric_error` where
-/// their maps were kept. In single precision.
+/// `difference.NAME`, candidate − reference, for every channel that was compared; `flip` and `geometric_error` if their maps were kept. In
+/// single precision.
 ///
 /// # Errors
-/// Pictures that were not those of the comparison.
+/// Pictures other than those of the comparison.
 pub fn maps(comparison: &Comparison, reference: &Picture, candidate: &Picture) -> Result<Layers> {
     let [width, height] = comparison.size;
     let mut channels: Vec<Channel> = comparison
@@ -233,13 +233,13 @@ fn difference(name: &str, reference: &Picture, candidate: &Picture) -> Option<Ch
     })
 }
 
-/// The percentile of the reference's light that is white where neither picture says what is.
+/// The percentile of the reference's light shown as white if neither picture states its white.
 const WHITE: f64 = 99.0;
 
 /// The reference, the map of errors and the candidate side by side, with labels. Both pictures have the same white.
 ///
 /// # Errors
-/// Pictures that are too large to be drawn.
+/// Pictures that are too large to draw.
 pub fn strip(reference: &Picture, map: &ErrorMap, candidate: &Picture) -> Result<RgbImage> {
     let [expected, actual] = displays(reference, candidate)?;
     let panel = |picture, label: &str| Panel {
@@ -286,7 +286,7 @@ pub(super) fn displays(reference: &Picture, candidate: &Picture) -> Result<[RgbI
     Ok([show(reference, &light[0])?, show(candidate, &light[1])?])
 }
 
-/// The light; a first channel in grey where there is none.
+/// The light; the first channel in grey if there is none.
 fn light(picture: &Picture) -> Vec<[f64; 3]> {
     picture.layers.radiance().unwrap_or_else(|| {
         let first = picture.layers.channels.first().map(|c| c.samples.to_f64());

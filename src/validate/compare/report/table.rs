@@ -1,4 +1,4 @@
-//! The table on a terminal.
+//! The table for a terminal.
 
 use std::fmt::Write;
 
@@ -55,7 +55,7 @@ pub fn table(comparison: &Comparison) -> String {
     text
 }
 
-/// What a reader should know, channels that were not compared first.
+/// The notes for the reader, starting with channels that were not compared.
 pub(super) fn notes(comparison: &Comparison) -> Vec<String> {
     let Uncompared {
         only_reference,
@@ -69,7 +69,7 @@ pub(super) fn notes(comparison: &Comparison) -> Vec<String> {
         .collect()
 }
 
-/// Names of channels, "radiance" for all of the light, and their errors.
+/// Names of channels, "radiance" for the light as a whole, and their errors.
 pub(super) fn rows(comparison: &Comparison) -> Vec<(&str, Option<&Errors>)> {
     let light = comparison.radiance.iter().map(|e| ("radiance", Some(e)));
     let channels = comparison.channels.iter();
@@ -78,7 +78,7 @@ pub(super) fn rows(comparison: &Comparison) -> Vec<(&str, Option<&Errors>)> {
         .collect()
 }
 
-/// What was found of surfaces: names and words.
+/// The results for surfaces: labels and text.
 pub(super) fn lines(comparison: &Comparison) -> Vec<(&'static str, String)> {
     METRICS.iter().flat_map(|m| m.lines(comparison)).collect()
 }

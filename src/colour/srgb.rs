@@ -3,8 +3,7 @@
 //! V = 12.92 L below L = 0.0031308, else 1.055 L^(1/2.4) − 0.055. Primaries (0.64, 0.33), (0.30, 0.60),
 //! (0.15, 0.06), white D65 (0.3127, 0.3290), Y of white 1.
 
-/// Linear sRGB from CIE XYZ: the inverse of the matrix that has the primaries as columns, each scaled
-/// so that they add up to white.
+/// Linear sRGB from CIE XYZ: the inverse of the matrix with the primaries as columns, each scaled so that they add up to white.
 const RGB_FROM_XYZ: [[f64; 3]; 3] = [
     [3.240969941904523, -1.537383177570094, -0.498610760293003],
     [-0.969243636280880, 1.875967501507721, 0.041555057407176],

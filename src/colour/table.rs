@@ -1,17 +1,17 @@
-//! Tables with 1024 steps per factor of 2, equal ones between two powers of 2: the exponent and the first digits of an f64 number
-//! them, without a logarithm.
+//! Tables with 1024 steps per factor of 2, of equal width between two powers of 2: they are indexed by the exponent and leading mantissa
+//! bits of an f64, without a logarithm.
 
 use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
-/// Bits of the mantissa that number the steps of a factor of 2.
+/// Bits of the mantissa that index the steps of a factor of 2.
 const STEP_BITS: u32 = 10;
 
-/// What an f64 is shifted right by to leave sign, exponent and these bits.
+/// The right shift of an f64 that leaves sign, exponent and these bits.
 const SHIFT: u32 = 52 - STEP_BITS;
 
-/// The most factors of 2 that a table spans: 1 to 32 times what lies between γ = 1 and 500.
+/// The most factors of 2 that a table spans: 1 to 32 times the range between γ = 1 and 500.
 pub(super) const MOST_OCTAVES: u32 = 20;
 
 /// N numbers at equal steps between powers of 2.
@@ -19,17 +19,17 @@ pub(super) const MOST_OCTAVES: u32 = 20;
 pub(super) struct Table<const N: usize> {
     /// The shifted bits of the argument of the first entry.
     pub(super) first: u64,
-    /// One less than there are entries.
+    /// Number of entries minus one.
     steps: u64,
     pub(super) entries: Vec<[f32; N]>,
 }
 
-/// Of steps from that of the shifted bits `first` on, the number of the one at or below `x`, and how far `x` is on the way to the next; below the
-/// first, for NaN and below 0 a number of no step, larger than all.
+/// The index of the step at or below `x`, counted from that of the shifted bits `first`, and the fraction of the step to the next; below
+/// the first, for NaN and below 0 an index larger than that of any step.
 #[inline(always)]
 pub(super) fn place(first: u64, x: f64) -> (u64, f64) {
     let bits = x.to_bits();
-    // The last digits as those of a number from 1 to 2, exactly.
+    // The trailing bits as a number from 1 to 2, exactly.
     let rest = (bits << STEP_BITS) & ((1 << 52) - 1) | 1.0f64.to_bits();
     (
         (bits >> SHIFT).wrapping_sub(first),
@@ -37,7 +37,7 @@ pub(super) fn place(first: u64, x: f64) -> (u64, f64) {
     )
 }
 
-/// `count` values of `f`, from that of the argument with shifted bits `first` on; the loop over threads is compiled once for each N.
+/// `count` values of `f`, from the argument with shifted bits `first` on; the loop over threads is compiled once for each N.
 fn entries<const N: usize>(
     first: u64,
     count: usize,
@@ -60,7 +60,7 @@ impl<const N: usize> Table<N> {
         }
     }
 
-    /// A table of nothing.
+    /// An empty table.
     pub(super) fn empty() -> Self {
         Table {
             first: 0,
@@ -69,20 +69,19 @@ impl<const N: usize> Table<N> {
         }
     }
 
-    /// The number of the entry at or below `x`, and how far `x` is on the way to the next; none beyond the ends, for
-    /// NaN and below 0.
+    /// The index of the entry at or below `x`, and the fraction of the step to the next; `None` beyond the ends, for NaN and below 0.
     #[inline(always)]
     fn place(&self, x: f64) -> Option<(usize, f64)> {
         let (index, rest) = place(self.first, x);
         (index < self.steps).then_some((index as usize, rest))
     }
 
-    /// Linear between entries.
+    /// Linear interpolation between entries.
     #[inline(always)]
     pub(super) fn at(&self, x: f64) -> Option<[f64; N]> {
         let (index, rest) = self.place(x)?;
         let (below, above) = (&self.entries[index], &self.entries[index + 1]);
-        // Loops, no closures: they are compiled for the vectors of the loop that calls.
+        // Loops instead of closures: they are vectorized as part of the calling loop.
         let mut between = [0.0; N];
         for k in 0..N {
             let (a, b) = (f64::from(below[k]), f64::from(above[k]));
@@ -92,8 +91,8 @@ impl<const N: usize> Table<N> {
     }
 }
 
-/// What is made in parallel when it is first asked for. It is not made within a lock: a thread that waits for the others' parts of it may take
-/// up another task in the meantime, which asks for the same. So some threads may make it, all alike, and one is kept.
+/// A value computed in parallel on first use. It is not computed inside a lock: a thread that waits for other threads' parts of it may
+/// start another task in the meantime, which needs the same value. So several threads may compute it, with equal results, and one is kept.
 pub(super) struct MadeOnce<T> {
     kept: OnceLock<T>,
     make: fn() -> T,
@@ -132,7 +131,7 @@ mod tests {
 
     #[test]
     fn what_is_made_in_parallel_may_be_asked_for_meanwhile() {
-        // The thread that makes it waits for the second part, which another has taken, and takes up a task that asks for the same.
+        // The computing thread waits for the second part, which another thread has taken, and starts a task that needs the same value.
         static BEGUN: AtomicBool = AtomicBool::new(false);
         static MADE: MadeOnce<u32> = MadeOnce::new(|| {
             let first = || {

@@ -1,4 +1,4 @@
-//! The light of one lamp at many points: what [`Lamp::arrival`] says of each, in loops over arrays.
+//! The light of one lamp at many points: the results of [`Lamp::arrival`], in loops over arrays.
 
 use glam::DVec3;
 
@@ -21,21 +21,21 @@ pub(crate) struct EventColumns {
 /// Points on world rays.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PointsOnRays<'a> {
-    /// Where all rays leave, or what their own events are displaced from.
+    /// The event where all rays start, or relative to which their own start events are given.
     pub shot: Event<World>,
     pub start: Start<'a>,
 }
 
-/// How points lie from where their rays leave.
+/// The positions of points relative to where their rays start.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Start<'a> {
-    /// All rays leave the shot: with these tangents (−`index`, d), as far as `s` says.
+    /// All rays start at the shot: points at `s` along the tangents (−`index`, d).
     Shot {
         index: f64,
         directions: &'a Columns,
         s: &'a [f64],
     },
-    /// Each from its own event of the world, by as much.
+    /// Each ray starts at its own event of the world, with its own displacement.
     Own {
         events: &'a EventColumns,
         offsets: &'a EventColumns,
@@ -43,7 +43,7 @@ pub(crate) enum Start<'a> {
 }
 
 impl PointsOnRays<'_> {
-    /// How many.
+    /// Number of points.
     pub fn count(&self) -> usize {
         match self.start {
             Start::Shot { s, .. } => s.len(),
@@ -52,26 +52,26 @@ impl PointsOnRays<'_> {
     }
 }
 
-/// What comes of a lamp, by point; see [`Arrival`](super::Arrival).
+/// The light of a lamp at each point; see [`Arrival`](super::Arrival).
 #[derive(Debug, Default)]
 pub(crate) struct Arrivals {
-    /// Towards the lamp in the world; NaN where no light comes.
+    /// Direction to the lamp in the world; NaN if no light arrives.
     pub d: Columns,
-    /// To the lamp in the world, metres; infinite for parallel light.
+    /// Distance to the lamp in the world, metres; infinite for parallel light.
     pub distance: Vec<f64>,
-    /// Intensity towards the point for one of 1.
+    /// Intensity towards the point for a lamp of intensity 1.
     pub strength: Vec<f64>,
     /// ω_G/ω_world.
     pub ratio: Vec<f64>,
     pub(super) inverse: Vec<f64>,
     pub(super) fade: Vec<f64>,
-    /// Towards the lamp in its frame, where it does not shine everywhere alike.
+    /// Direction to the lamp in its frame, if its intensity depends on direction.
     in_lamp: Columns,
     is_aimed: bool,
 }
 
 impl EventColumns {
-    /// Makes room for `count` events; what they are is to be written.
+    /// Makes room for `count` events, which must be filled in.
     pub fn resize(&mut self, count: usize) {
         self.ct.resize(count, 0.0);
         self.x.resize(count);
@@ -96,14 +96,14 @@ impl Arrivals {
 }
 
 impl Lamp {
-    /// What falls on each of `points`, in a medium of index `index`.
+    /// The light that reaches each of `points`, in a medium of index `index`.
     pub(crate) fn arrivals(&self, points: &PointsOnRays, index: f64, to: &mut Arrivals) {
         let is_aimed = matches!(self.beam, Cone::Spot { .. });
         to.resize(points.count(), is_aimed);
         if !self.arrive(points, index, to) {
             return to.strength.fill(0.0);
         }
-        // Its strength, which so far is the proper time.
+        // The strength, which so far holds the proper time.
         self.emission.at_each(&mut to.strength);
         if let Cone::Spot { axis, outer, inner } = self.beam {
             dispatch(Attenuate {
@@ -115,7 +115,7 @@ impl Lamp {
         }
     }
 
-    /// Has `to` take what comes to each of `points`, as if it were steady and shone everywhere; whether anything comes.
+    /// Passes the light that reaches each of `points` to `to`, as if the lamp were steady and isotropic; returns whether any light arrives.
     pub(super) fn arrive(&self, points: &PointsOnRays, index: f64, to: &mut impl Taking) -> bool {
         match (&self.path, self.beam) {
             (Path::Rest(origin), Cone::Parallel(direction)) => {
@@ -138,13 +138,13 @@ impl Lamp {
     }
 }
 
-/// What arrivals go to, block by block.
+/// A receiver of arrivals, block by block.
 pub(super) trait Taking {
     /// Buffers on the stack of the loop over blocks.
     type Buffers;
-    /// To be written.
+    /// Buffers to be filled in.
     const BUFFERS: Self::Buffers;
-    /// Takes those at points from `begin` on. To be inlined into a [`VectorLoop`].
+    /// Takes the arrivals at points from `begin` on. To be inlined into a [`VectorLoop`].
     fn take(&mut self, begin: usize, block: &ArrivalsBlock, buffers: &mut Self::Buffers);
 }
 
@@ -159,7 +159,7 @@ impl Taking for Arrivals {
             self.in_lamp.store(&block.in_lamp, begin);
         }
         store(&block.distance, &mut self.distance, begin);
-        // `strength` holds proper times until the emission at them replaces them.
+        // `strength` holds proper times until the emission at these times replaces them.
         store(&block.times, &mut self.strength, begin);
         store(&block.ratio, &mut self.ratio, begin);
         store(&block.inverse, &mut self.inverse, begin);
@@ -167,7 +167,7 @@ impl Taking for Arrivals {
     }
 }
 
-/// Has `to` take what comes from `emitter`, whose own event is `from`.
+/// Passes the light of `emitter`, whose own event is `from`, to `to`.
 fn arrive(emitter: &impl Emitter, from: Event<World>, points: &PointsOnRays, to: &mut impl Taking) {
     match points.start {
         Start::Shot {
@@ -196,19 +196,19 @@ fn arrive(emitter: &impl Emitter, from: Event<World>, points: &PointsOnRays, to:
     }
 }
 
-/// From a lamp's own event to points.
+/// Displacements from a lamp's own event to points.
 pub(super) trait Ways {
-    /// Those to a block of points.
+    /// Displacements to a block of points.
     type Block<'a>;
     fn count(&self) -> usize;
-    /// To those from `begin` on; the last numbers may be copied to `last`.
+    /// Displacements to the points from `begin` on; those of a partial last block may be copied to `last`.
     fn block<'a>(&'a self, begin: usize, last: &'a mut [Block; 2]) -> Self::Block<'a>;
-    /// The way to point `k` of a block.
+    /// The displacement to point `k` of a block.
     fn at(block: &Self::Block<'_>, k: usize) -> Displacement<World>;
 }
 
 struct FromShot<'s> {
-    /// To the shot.
+    /// Displacement to the shot.
     start: Displacement<World>,
     index: f64,
     directions: &'s Columns,
@@ -271,8 +271,8 @@ impl Ways for FromOwn<'_> {
     }
 }
 
-/// Arrivals at a block of points, as if the lamp were steady and shone everywhere, and the proper times at which they left. On the stack,
-/// and by number: only loops over such blocks become vector code.
+/// Arrivals at a block of points, as if the lamp were steady and isotropic, and the proper times of emission. On the stack, and of fixed
+/// size: only loops over such blocks are vectorized.
 pub(super) struct ArrivalsBlock {
     pub d: Vectors,
     pub in_lamp: Vectors,
@@ -284,7 +284,7 @@ pub(super) struct ArrivalsBlock {
 }
 
 impl ArrivalsBlock {
-    /// To be written.
+    /// A block to be filled in.
     const ZERO: ArrivalsBlock = ArrivalsBlock {
         d: Vectors::ZERO,
         in_lamp: Vectors::ZERO,
@@ -295,7 +295,7 @@ impl ArrivalsBlock {
         fade: [0.0; BLOCK],
     };
 
-    /// Writes that of point `k`, but for the proper time.
+    /// Writes the arrival at point `k`, except for the proper time.
     #[inline(always)]
     pub fn set(&mut self, k: usize, arrival: &Arrival) {
         self.d.set(k, arrival.d.unit());
@@ -329,7 +329,7 @@ impl<E: Emitter, W: Ways, T: Taking> VectorLoop for Arrive<'_, E, W, T> {
     }
 }
 
-/// What the cone of a spot light leaves of its strength.
+/// Applies the attenuation of a spot light's cone.
 struct Attenuate<'a> {
     axis: DVec3,
     cone: [f64; 2],

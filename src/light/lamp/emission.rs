@@ -1,4 +1,4 @@
-//! The light of a lamp, or of a surface that shines, as a function of its proper time.
+//! The light of a lamp, or of an emissive surface, as a function of its proper time.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use std::sync::LazyLock;
@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::scene::model::EmissionProfile;
 
-/// Intensity by proper time.
+/// Intensity as a function of proper time.
 #[derive(Debug, Clone)]
 pub(crate) enum Emission {
     Steady,
@@ -30,7 +30,7 @@ pub(crate) enum Emission {
 pub(crate) struct Table {
     /// Times, ascending, and values.
     knots: Vec<[f64; 2]>,
-    /// By knot, the integral up to it.
+    /// For each knot, the integral up to it.
     integrals: Vec<f64>,
 }
 
@@ -61,7 +61,7 @@ impl From<&EmissionProfile> for Emission {
 }
 
 impl Emission {
-    /// Whether it is always the same.
+    /// Whether it is constant.
     pub(crate) fn is_steady(&self) -> bool {
         matches!(self, Emission::Steady)
     }
@@ -88,7 +88,7 @@ impl Emission {
 }
 
 impl Emission {
-    /// [`Emission::at`] of each of `times`, in its place.
+    /// Replaces each of `times` by [`Emission::at`] of it.
     pub(crate) fn at_each(&self, times: &mut [f64]) {
         match self {
             Emission::Steady => times.fill(1.0),
@@ -129,7 +129,7 @@ impl Emission {
         }
     }
 
-    /// The standard deviation of its pulses; none where it has none, and may have corners.
+    /// The standard deviation of its pulses; `None` if it has no pulses, and may have corners.
     pub(crate) fn sigma(&self) -> Option<f64> {
         match self {
             Emission::Gaussian { sigma, .. } | Emission::Train { sigma, .. } => Some(*sigma),
@@ -137,8 +137,7 @@ impl Emission {
         }
     }
 
-    /// The proper times from its first light to its last, without end for a train of pulses that has none; none where it never
-    /// begins nor pauses.
+    /// The proper times of its first and last light, infinite for an infinite train of pulses; `None` if it neither begins nor pauses.
     pub(crate) fn lit_times(&self) -> Option<[f64; 2]> {
         let endless = [f64::NEG_INFINITY, f64::INFINITY];
         self.span().or(self.pauses().then_some(endless))
@@ -149,7 +148,7 @@ impl Emission {
         matches!(self, Emission::Train { sigma, period, .. } if *period > 2.0 * CUT * sigma)
     }
 
-    /// Of a train with pauses, the proper times of the first pulse that is not over at the beginning of a range, or of its last one.
+    /// For a train with pauses, the proper times of the first pulse that is not over at the start of a range, or of its last one.
     pub(crate) fn pulse_near(&self, [from, _]: [f64; 2]) -> Option<[f64; 2]> {
         let Emission::Train {
             centre,
@@ -161,7 +160,7 @@ impl Emission {
             return None;
         };
         let reach = CUT * sigma;
-        // A train without end has no beginning either.
+        // An infinite train has no beginning either.
         let [first, last] = match count.is_finite() {
             true => [0.0, count - 1.0],
             false => [f64::NEG_INFINITY, f64::INFINITY],
@@ -171,7 +170,7 @@ impl Emission {
         self.pauses().then_some([middle - reach, middle + reach])
     }
 
-    /// The integral up to a proper time; infinite where it has always shone.
+    /// The integral up to a proper time; infinite if it has no beginning.
     pub(crate) fn until(&self, proper_time: f64) -> f64 {
         match self {
             Emission::Steady => f64::INFINITY,
@@ -187,7 +186,7 @@ impl Emission {
                 count,
             } => {
                 let (phase, reach) = ((proper_time - centre) / period, CUT * sigma / period);
-                // Those that are over, and those that are not.
+                // Pulses that are over, and those that are not.
                 let over = (phase - reach).ceil().clamp(0.0, *count);
                 let begun = (phase + reach).floor().min(count - 1.0);
                 let rest = (0..=17)
@@ -201,13 +200,13 @@ impl Emission {
     }
 }
 
-/// The integral of the normal distribution's density up to x, right to 1·10⁻¹².
+/// The integral of the normal distribution's density up to x, to an accuracy of 1·10⁻¹².
 ///
-/// Φ by its Taylor series about the nearest of the places at which Φ and its density φ are tabulated, for φ′ = −x φ. Of the terms that are left out
-/// the first is φ⁗ d⁵/120, with |φ⁗| ≤ 1.2 and d ≤ 1/128: 3·10⁻¹³.
+/// Φ by its Taylor series about the nearest point where Φ and its density φ are tabulated, with φ′ = −x φ. The first omitted term is φ⁗
+/// d⁵/120, with |φ⁗| ≤ 1.2 and d ≤ 1/128: 3·10⁻¹³.
 #[inline]
 fn normal(x: f64) -> f64 {
-    /// Places per unit of x, from −`END` to `END`, beyond which Φ is 0 or 1.
+    /// Table points per unit of x, from −`END` to `END`, beyond which Φ is 0 or 1.
     const PER_UNIT: usize = 64;
     const END: f64 = 8.0;
     static TABLE: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
@@ -221,7 +220,7 @@ fn normal(x: f64) -> f64 {
             .collect()
     });
     let at = (x + END) * PER_UNIT as f64;
-    // Rounded to the nearest, which conversion does by cutting off; NaN and what is below the table give its first entry.
+    // Rounded to the nearest by truncating conversion; NaN and values below the table give its first entry.
     let k = (at + 0.5) as usize;
     let Some([integral, density]) = TABLE.get(k).filter(|_| at >= 0.0) else {
         return if x > 0.0 { 1.0 } else { 0.0 };
@@ -229,7 +228,7 @@ fn normal(x: f64) -> f64 {
     let middle = k as f64 / PER_UNIT as f64 - END;
     let d = x - middle;
     let square = middle * middle;
-    // 1, and the derivatives of φ over φ, over factorials.
+    // 1, and the derivatives of φ over φ, divided by factorials.
     let series = d
         * (1.0
             + d * (-middle / 2.0
@@ -237,13 +236,13 @@ fn normal(x: f64) -> f64 {
     integral + density * series
 }
 
-/// Pulses of standard deviation 1/`spacing` at the integers that are `count` from 0 on; all for an infinite `count`.
+/// Pulses of standard deviation 1/`spacing` at the `count` integers from 0 on; at all integers if `count` is infinite.
 fn train(phase: f64, spacing: f64, count: f64) -> f64 {
     let (first, last) = match count.is_finite() {
         true => (0.0, count - 1.0),
         false => (f64::NEG_INFINITY, f64::INFINITY),
     };
-    // Those that are not below the Gaussian's smallest value: at most 17, for `spacing` is at least 1.
+    // Pulses above the smallest value of the Gaussian: at most 17, because `spacing` is at least 1.
     let reach = CUT / spacing;
     let begin = (phase - reach).ceil().max(first);
     let end = (phase + reach).floor().min(last);
@@ -257,7 +256,7 @@ impl Table {
         let mut integral = 0.0;
         let all = knots.windows(2).map(|pair| {
             let [a, b] = [pair[0], pair[1]];
-            // As a piece of which a part is asked for.
+            // As one segment, of which only a part is needed.
             integral += trapezoid(a, [b[0], between(a, b, b[0])]);
             integral
         });
@@ -265,7 +264,7 @@ impl Table {
         Table { knots, integrals }
     }
 
-    /// How many knots are not after a time.
+    /// The number of knots at or before a time.
     fn passed(&self, time: f64) -> usize {
         self.knots.partition_point(|[at, _]| *at <= time)
     }
@@ -282,7 +281,7 @@ impl Table {
         }
     }
 
-    /// The integral up to a time: up to the last knot before it, and from there.
+    /// The integral up to a time: up to the last knot before it, plus the rest.
     fn until(&self, time: f64) -> f64 {
         let after = self.passed(time);
         let Some(before) = after.checked_sub(1) else {
@@ -306,7 +305,7 @@ fn trapezoid([from, first]: [f64; 2], [to, last]: [f64; 2]) -> f64 {
     0.5 * (first + last) * (to - from)
 }
 
-/// The unit Gaussian is taken for 0 beyond this: below the smallest value that matters, 5·10⁻¹⁵.
+/// Beyond this the unit Gaussian is set to 0: below the smallest value that matters, 5·10⁻¹⁵.
 const CUT: f64 = 8.0;
 
 #[inline]
@@ -317,7 +316,7 @@ fn gaussian(x: f64) -> f64 {
     libm::exp(-0.5 * x * x) / TAU.sqrt()
 }
 
-/// Proper times to intensities.
+/// Maps proper times to intensities.
 struct Gaussians<'a> {
     times: &'a mut [f64],
     centre: f64,
@@ -338,8 +337,8 @@ impl VectorLoop for Gaussians<'_> {
     }
 }
 
-/// e^x for −700 < x ≤ 0 without a branch, with the same bits as `libm::exp`, whose steps these are (fdlibm's e_exp.c: a
-/// remainder within ± ½ ln 2 and a rational function of it).
+/// e^x for −700 < x ≤ 0 without branches, with the same bits as `libm::exp`, whose steps it follows (fdlibm's e_exp.c: a remainder within ±
+/// ½ ln 2 and a rational function of it).
 #[inline(always)]
 fn exp_of_negative(x: f64) -> f64 {
     const LN2_HI: f64 = 6.931_471_803_691_238e-1;
@@ -352,7 +351,7 @@ fn exp_of_negative(x: f64) -> f64 {
         -1.653_390_220_546_525_2e-6,
         4.138_136_797_057_238_5e-8,
     ];
-    /// 1.5·2⁵²: added to an integer of moderate size, it leaves that in the low bits.
+    /// 1.5·2⁵²: adding it to an integer of moderate size leaves that in the low bits.
     const SHIFTER: f64 = 6_755_399_441_055_744.0;
     // x = k ln 2 + r; the limits are those of the high words of ½ ln 2, 1.5 ln 2 and 2⁻²⁸.
     let high = (x.to_bits() >> 32) & 0x7fff_ffff;
@@ -464,7 +463,7 @@ mod tests {
             ])),
         ];
         for emission in all {
-            // By the midpoints of 4000 steps.
+            // By the midpoint rule with 4000 steps.
             let (mut sum, step) = (0.0, 2e-3);
             for k in 0..4000 {
                 let t = -4.0 + (f64::from(k) + 0.5) * step;
@@ -490,7 +489,7 @@ mod tests {
 
     #[test]
     fn the_integral_of_a_table_is_the_sum_over_its_pieces() {
-        // Pieces of lengths from 0.01 to 1, whose values also fall below 0; sums in the same order have the same bits.
+        // Segments of lengths from 0.01 to 1, with values that also fall below 0; sums in the same order have the same bits.
         let knot = |k: u32| {
             let k = f64::from(k);
             [0.5 * k + 0.49 * libm::sin(k), libm::cos(0.7 * k)]

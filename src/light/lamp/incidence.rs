@@ -1,6 +1,6 @@
-//! How the light of one lamp falls on surfaces of one rest frame, in loops over arrays: what [`Lamp::incident`] says of each.
+//! Incidence of the light of one lamp on surfaces of one rest frame, in loops over arrays: the results of [`Lamp::incident`].
 //!
-//! Arrivals are in memory where something else needs them, as shadows do. Where nothing does, they are used in the loop that finds them.
+//! Arrivals are stored if they are needed elsewhere, for example for shadows. Otherwise they are used in the loop that computes them.
 
 use super::arrivals::{ArrivalsBlock, Taking};
 use super::{Arrivals, Cone, Lamp, PointsOnRays};
@@ -10,21 +10,21 @@ use crate::accel::vectors::{
 use crate::light::Received;
 use crate::spacetime::{Boost, Direction, Rest, World};
 
-/// Arrivals as they fall on surfaces, by point.
+/// Light incident on surfaces, for each point.
 #[derive(Debug, Default)]
 pub(crate) struct Incidence {
     count: usize,
-    /// Towards the lamp in the surfaces' rest frame, where that is not what arrivals say.
+    /// Direction to the lamp in the surfaces' rest frame, if it differs from that of the arrivals.
     in_rest: Columns,
     has_l: bool,
-    /// W, where that is kept, and the factors, in whole blocks.
+    /// W, if kept, and the factors, in whole blocks.
     ratios: Vec<f64>,
     has_ratios: bool,
     factors: Vec<f64>,
 }
 
 impl Incidence {
-    /// Towards the lamp in the surfaces' rest frame.
+    /// Direction to the lamp in the surfaces' rest frame.
     pub fn l<'a>(&'a self, arrivals: &'a Arrivals) -> &'a Columns {
         match self.has_l {
             true => &self.in_rest,
@@ -37,12 +37,12 @@ impl Incidence {
         &self.ratios[..self.count]
     }
 
-    /// Factors on the lamp's intensity: strength · W²⁻ᵖ cos θ/r². 0 where it shines on the other side, or not at all.
+    /// Factors on the lamp's intensity: strength · W²⁻ᵖ cos θ/r². 0 if the light falls on the other side, or there is none.
     pub fn factors(&self) -> &[f64] {
         &self.factors[..self.count]
     }
 
-    /// Takes all light from point `k`.
+    /// Removes all light from point `k`.
     pub fn darken(&mut self, k: usize) {
         self.factors[k] = 0.0;
     }
@@ -57,7 +57,7 @@ impl Incidence {
         self.factors.resize(room, 0.0);
     }
 
-    /// W and the factors from `begin` on, to be written.
+    /// W and the factors from `begin` on, to be filled in.
     #[inline(always)]
     fn block_mut(&mut self, begin: usize) -> Option<[&mut Block; 2]> {
         Some([
@@ -68,8 +68,8 @@ impl Incidence {
 }
 
 impl Lamp {
-    /// How `arrivals` fall on surfaces with these normals, at rest in the frame to which `boost` leads from the world; none where that
-    /// changes nothing.
+    /// Incidence of `arrivals` on surfaces with these normals, at rest in the frame to which `boost` transforms from the world; `None` if
+    /// that is the world.
     pub(crate) fn incidence(
         &self,
         arrivals: &Arrivals,
@@ -89,8 +89,8 @@ impl Lamp {
         });
     }
 
-    /// [`Lamp::arrivals`] and [`Lamp::incidence`] in one loop, which keeps nothing of what lies between, and of the rest what
-    /// `kept` says. False, and nothing done, of lamps that are not as bright always and everywhere.
+    /// [`Lamp::arrivals`] and [`Lamp::incidence`] in one loop, without storing intermediate results; `kept` states which others are stored.
+    /// Returns false, and does nothing, for lamps that are not steady and isotropic.
     pub(crate) fn incidence_at(
         &self,
         (points, index): (&PointsOnRays, f64),
@@ -112,20 +112,20 @@ impl Lamp {
     }
 }
 
-/// What is asked for beside factors.
+/// The results to store in addition to factors.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Kept {
-    /// Towards the lamp, in the surfaces' rest frame.
+    /// Directions to the lamp, in the surfaces' rest frame.
     pub directions: bool,
     /// W.
     pub ratios: bool,
 }
 
-/// Surfaces that light falls on.
+/// Surfaces that receive light.
 #[derive(Clone, Copy)]
 struct Onto<'a> {
     received: &'a Received,
-    /// To their frame.
+    /// Boost to their frame.
     boost: Option<&'a Boost<Rest, World>>,
     normals: &'a Columns,
 }
@@ -139,9 +139,9 @@ struct Arriving<'a> {
     inverse: &'a Block,
 }
 
-/// Numbers of a block on their way.
+/// Intermediate results of a block.
 struct Buffers {
-    /// Towards the lamp in the surfaces' frame, W and its inverse, where that frame is another than the world's.
+    /// Direction to the lamp in the surfaces' frame, W and its inverse, if that frame is not the world's.
     l: Vectors,
     ratio: Block,
     inverse: Block,
@@ -150,7 +150,7 @@ struct Buffers {
 }
 
 impl Buffers {
-    /// To be written.
+    /// Buffers to be filled in.
     const ZERO: Buffers = Buffers {
         l: Vectors::ZERO,
         ratio: [0.0; BLOCK],
@@ -160,7 +160,7 @@ impl Buffers {
 }
 
 impl Onto<'_> {
-    /// Writes to `to` how `arriving` falls on the points from `begin` on.
+    /// Writes to `to` the incidence of `arriving` at the points from `begin` on.
     #[inline(always)]
     fn fall(&self, begin: usize, arriving: &Arriving, buffers: &mut Buffers, to: &mut Incidence) {
         let normals = self.normals.block(begin);
@@ -202,12 +202,12 @@ impl Onto<'_> {
         if has_ratios {
             *ratios = *ratio;
         }
-        // On the side that the camera sees. They are NaN where no light comes.
+        // Only on the side that the camera sees. They are NaN if no light arrives.
         (self.received).irradiances_at([ratio, inverse], irradiance, factors);
     }
 }
 
-/// The loop over points whose arrivals are known.
+/// The loop over points with known arrivals.
 struct Fall<'a> {
     onto: Onto<'a>,
     arrivals: &'a Arrivals,
@@ -239,7 +239,7 @@ impl VectorLoop for Fall<'_> {
     }
 }
 
-/// Light that falls where it arrives, always and everywhere of the same strength.
+/// Light that is used in the loop where it arrives, steady and isotropic.
 struct Falling<'a> {
     onto: Onto<'a>,
     to: &'a mut Incidence,
@@ -286,7 +286,7 @@ mod tests {
         [None, Some(Boost::new(velocity(0.5, -0.2, 0.3)))]
     }
 
-    /// Lamps of all beams at rest, slow and fast.
+    /// Lamps with all beam shapes at rest, slow and fast.
     fn lamps(emission: &Emission) -> Vec<Lamp> {
         let origin = Event::new(-3.0, DVec3::new(0.4, 2.0, -1.0));
         let path = |v| match v {
@@ -325,12 +325,12 @@ mod tests {
     const COUNT: usize = 150;
     const SHOT: Event<World> = Event::new(0.2, DVec3::new(0.1, 0.2, 5.0));
 
-    /// Points on rays from one event, more than a block of them; the normals of some are turned away from the light.
+    /// Points on rays from one event, more than a block of them; some normals face away from the light.
     #[derive(Default)]
     struct Points {
         directions: Columns,
         s: Vec<f64>,
-        /// The same as if each ray had an event of its own.
+        /// The same as if each ray had its own start event.
         events: EventColumns,
         offsets: EventColumns,
         normals: Columns,
@@ -491,7 +491,7 @@ mod tests {
         }
     }
 
-    /// Against the formulas of the head of the module, with each division by itself, for slow and fast lamps.
+    /// Compares with the formulas at the head of the module, with separate divisions, for slow and fast lamps.
     #[test]
     fn quotients_of_one_division_are_those_of_the_formulas() {
         let (points, mut tested) = (points(), 0);
@@ -501,7 +501,7 @@ mod tests {
             };
             let (beta, gamma) = (v.beta(), v.gamma());
             for (ray, s) in points.rays.iter().zip(&points.s) {
-                // The lamp at the time of the point, and r of |w − βr| = r.
+                // The lamp at the time of the point, and r from |w − βr| = r.
                 let at = ray.origin + ray.tangent * *s;
                 let w = DVec3::new(0.4, 2.0, -1.0) + beta * (at.ct + 3.0) - at.x;
                 let (along, rest) = (w.dot(beta), 1.0 - beta.length_squared());

@@ -1,37 +1,36 @@
-//! The light of lamps at surfaces.
+//! The light of lamps on surfaces.
 //!
-//! A lamp at rest in its frame G (of the moment, where it accelerates) sends the power I per solid angle. A point
-//! of a surface at rest in F is hit by the camera's ray at the event X; the light that falls on it then left the lamp
-//! at the event P at which the lamp's world line crosses the past light cone of X. With the null vector k = P − X and
-//! the four-velocities u, the distance is r_G = k·u_G in G and r_F = k·u_F in F, and frequencies are as k·u too, so that
+//! A lamp at rest in its frame G (its instantaneous frame, if it accelerates) emits the power I per solid angle. The camera's ray hits a
+//! point of a surface at rest in F at the event X; the light incident there then left the lamp at the event P where the lamp's world line
+//! crosses the past light cone of X. With the null vector k = P − X and the four-velocities u, the distance is r_G = k·u_G in G and r_F =
+//! k·u_F in F, and frequencies are proportional to k·u, too, so that
 //!
 //! ```text
 //! W = λ_F/λ_G = (k·u_G)/(k·u_F) = r_G/r_F.
 //! ```
 //!
-//! What the lamp sends within dτ into dω_G is N = I dτ dω_G/(hν_G) photons. They cross an area across the beam that
-//! all observers agree on, for a solid angle about the emission is dω_F = W² dω_G and r_F = r_G/W: r_F² dω_F = r_G² dω_G.
-//! In F each has the energy hν_G/W, and they come within dt_F = W dτ. Per area of the surface and time, therefore,
+//! In the time dτ the lamp emits N = I dτ dω_G/(hν_G) photons into dω_G. They cross an area perpendicular to the beam on which all
+//! observers agree, because a solid angle about the emission is dω_F = W² dω_G and r_F = r_G/W: r_F² dω_F = r_G² dω_G. In F each has the
+//! energy hν_G/W, and they arrive within dt_F = W dτ. Per area of the surface and time, therefore,
 //!
 //! ```text
 //! E_F = N hν_G/W · cos θ_F / (r_G² dω_G · W dτ) = W⁻² I cos θ_F / r_G²,
 //! E_λ^F(λ) = W⁻³ I_λ(λ/W) cos θ_F / r_G²      (per wavelength: dλ_F = W dλ_G),
 //! ```
 //!
-//! θ_F the angle of incidence in F. The same follows from radiance: a small ball of radiance L_G and of the solid angle
-//! ω_G, seen from r_G, is in F of W⁻⁴ L_G and of W² ω_G, and I = L_G ω_G r_G². In general radiance goes with W⁻ᵖ (p by
-//! the declared quantity), and irradiance with W²⁻ᵖ. Parallel light is the limit r → ∞ with E_G = I/r_G²: it falls with
-//! E_F = W²⁻ᵖ E_G cos θ_F. A diffuse surface of this albedo then has the radiance albedo E_F/π in F.
+//! with the angle of incidence θ_F in F. The same follows from radiance: a small ball of radiance L_G and of the solid angle ω_G, seen from
+//! r_G, has W⁻⁴ L_G and W² ω_G in F, and I = L_G ω_G r_G². In general radiance scales with W⁻ᵖ (p by the declared quantity), and irradiance
+//! with W²⁻ᵖ. Parallel light is the limit r → ∞ with E_G = I/r_G²: its irradiance is E_F = W²⁻ᵖ E_G cos θ_F. A diffuse surface of this
+//! albedo then has the radiance albedo E_F/π in F.
 //!
-//! r_G is the distance of Liénard and Wiechert, γ (r − β·r) with r in the world; W and r_G need no acceleration, only
-//! the velocity at P. In a medium of index η only lamps at rest in the world are computed: η r takes the place of r
-//! in the delay. A line of wavelength λ₀ arrives, and leaves again, with W λ₀ (weighted by irradiance where several
-//! lamps meet).
+//! r_G is the distance of Liénard and Wiechert, γ (r − β·r) with r in the world; W and r_G depend on the velocity at P, but not on the
+//! acceleration. In a medium of index η only lamps at rest in the world are computed: η r replaces r in the delay. A line of wavelength λ₀
+//! arrives, and is reflected, with W λ₀ (weighted by irradiance if several lamps contribute).
 //!
-//! Linear RGB arrives as M(W) times what the lamp has, and a spectrum as its colour at W; either leaves as its product with the albedo, component by
-//! component: the light reflected is that of white light on the product of both colours. For a white lamp
-//! that rests with the surface it is exact; for a coloured or shifted one the products of spectra and of colours differ. Where light is sampled
-//! at wavelengths λ_F of the surface (`render.spectra`), it arrives with W⁻³ I_λ(λ_F/W) at each of them.
+//! Linear RGB arrives as M(W) times that of the lamp, and a spectrum as its colour at W; either is multiplied by the albedo, component by
+//! component: the light reflected is that of white light on the product of both colours. For a white lamp at rest relative to the surface
+//! it is exact; for a coloured or shifted one products of spectra differ from products of colours. If light is sampled at wavelengths λ_F
+//! of the surface (`render.spectra`), it arrives with W⁻³ I_λ(λ_F/W) at each of them.
 //!
 //! Sources: Weiskopf, Kraus, Ruder, ACM TOG 18(3), 1999 (radiance and solid angle); Jackson, Classical
 //! Electrodynamics, ch. 14 (the retarded distance); KHR_lights_punctual (the cone of a spot light).
@@ -59,36 +58,36 @@ use crate::spacetime::{
     Boost, CameraFrame, Direction, Displacement, Event, InertialFrame, NullRay, Velocity, World,
 };
 
-/// A lamp, ready to be asked for its light.
+/// A lamp, prepared for lighting computations.
 #[derive(Debug, Clone)]
 pub struct Lamp {
     path: Path,
     beam: Cone,
     emission: Emission,
-    /// I or E_G, by channel.
+    /// I or E_G, for each channel.
     intensity: [f64; 3],
-    /// What surfaces receive of it.
+    /// The quantity that surfaces receive.
     received: Received,
-    /// Its colours by W, where it has a spectrum.
+    /// Its colours as a function of W, if it has a spectrum.
     spectrum: Option<Arc<ColourTable>>,
-    /// Whether surfaces shadow it.
+    /// Whether surfaces cast shadows in its light.
     pub shadows: bool,
-    /// Where it is the pulse of a source: its centre and standard deviation.
+    /// If it is the pulse of a source: its centre and standard deviation.
     pulse: Option<(Event<World>, f64)>,
 }
 
-/// How a lamp moves.
+/// The motion of a lamp.
 #[derive(Debug, Clone)]
 enum Path {
-    /// At rest in the world; where its clock shows 0.
+    /// At rest in the world; the event at which its clock shows 0.
     Rest(Event<World>),
-    /// Without acceleration; at the frame's origin.
+    /// Without acceleration, at the frame's origin.
     Inertial(InertialFrame<CameraFrame>),
-    /// Any; with a state near those that are asked for.
+    /// Any other; with a state close to those that are needed.
     Line(Box<(WorldLine, State)>),
 }
 
-/// Where it shines to, in its own frame.
+/// The directions of its light, in its own frame.
 #[derive(Debug, Clone, Copy)]
 enum Cone {
     Everywhere,
@@ -98,30 +97,30 @@ enum Cone {
         outer: f64,
         inner: f64,
     },
-    /// Towards this direction alone.
+    /// In this direction only.
     Parallel(DVec3),
 }
 
-/// The light of a lamp at a point of a surface.
+/// The light of a lamp at a surface point.
 #[derive(Debug, Clone, Copy)]
 pub struct Arrival {
-    /// Towards the lamp, in the world.
+    /// Direction to the lamp, in the world.
     pub d: Direction<World>,
-    /// To the lamp, in the world; infinite for parallel light.
+    /// Distance to the lamp, in the world; infinite for parallel light.
     pub distance: f64,
     /// ω_G/ω_world of the light, and its inverse.
     ratio: f64,
     inverse: f64,
     /// 1/r_G²; 1 for parallel light.
     fade: f64,
-    /// Towards the lamp, in its frame.
+    /// Direction to the lamp, in its frame.
     in_lamp: DVec3,
-    /// Intensity towards the point for one of 1.
+    /// Intensity towards the point for a lamp of intensity 1.
     strength: f64,
 }
 
 impl Arrival {
-    /// Wavelength at a surface over that at the lamp, ω_F/ω_world of whose light is `rho`.
+    /// Wavelength at a surface over that at the lamp, with `rho` as ω_F/ω_world of the light.
     #[inline]
     pub fn wavelength_ratio(&self, rho: f64) -> f64 {
         self.ratio * (1.0 / rho)
@@ -129,9 +128,9 @@ impl Arrival {
 }
 
 impl Lamp {
-    /// `lamp`, of whose light `received` comes to surfaces, for points near those seen from `shot`.
+    /// Prepares `lamp`, of which surfaces receive `received`, for points near those seen from `shot`.
     pub fn new(lamp: &model::Lamp, received: Received, shadows: bool, shot: Event<World>) -> Self {
-        // Lamps in uniform motion have arrivals in closed form; on other lines the crossing is found near that of the shot.
+        // Lamps in uniform motion have arrivals in closed form; on other world lines the crossing is searched near that of the shot.
         let path = match lamp.line.frame() {
             Some(frame) if frame.velocity().is_rest() => Path::Rest(lamp.origin),
             Some(frame) => Path::Inertial(frame),
@@ -161,7 +160,7 @@ impl Lamp {
         }
     }
 
-    /// `pulse`, of whose light `received` comes to surfaces: its intensity is an energy per solid angle.
+    /// Prepares `pulse`, of which surfaces receive `received`: its intensity is an energy per solid angle.
     pub fn pulse(pulse: &Pulse, received: Received) -> Self {
         Lamp {
             path: Path::Rest(pulse.origin),
@@ -179,12 +178,12 @@ impl Lamp {
         }
     }
 
-    /// Of the pulse of a source, the event of its centre and its standard deviation, metres.
+    /// For the pulse of a source, the event of its centre and its standard deviation, metres.
     pub fn source_pulse(&self) -> Option<(Event<World>, f64)> {
         self.pulse
     }
 
-    /// A sun at rest in the world, of whose light `received` comes to surfaces: parallel light.
+    /// A sun at rest in the world, of which surfaces receive `received`: parallel light.
     pub fn sun(sun: &model::Sun, received: Received, shadows: bool) -> Self {
         Lamp {
             path: Path::Rest(Event::ORIGIN),
@@ -198,7 +197,7 @@ impl Lamp {
         }
     }
 
-    /// What falls on the point that `ray` hits at `s`, in a medium of index `index`; none while it is dark there.
+    /// The light at the point that `ray` hits at `s`, in a medium of index `index`; `None` while it is dark there.
     #[inline]
     pub fn arrival(&self, ray: &NullRay<World>, s: f64, index: f64) -> Option<Arrival> {
         let (arrival, proper_time) = self.arrival_at_peak(ray, s, index)?;
@@ -209,7 +208,7 @@ impl Lamp {
         })
     }
 
-    /// The same for a lamp whose emission is always 1, and the proper time of the lamp at which it left.
+    /// The same for a lamp with constant emission 1, with the lamp's proper time of emission.
     #[inline]
     pub fn arrival_at_peak(
         &self,
@@ -225,7 +224,7 @@ impl Lamp {
             (Path::Inertial(frame), Cone::Parallel(direction)) => {
                 ParallelInertial::new(frame, direction).arrival(from(frame.origin()))
             }
-            // Parallel light fills the frame of its lamp: that has to be one frame.
+            // Parallel light fills the frame of its lamp, which must be a single one.
             (Path::Line(_), Cone::Parallel(_)) => return None,
             (Path::Rest(origin), _) => AtRest { index }.arrival(from(*origin)),
             (Path::Inertial(frame), _) => Inertial { frame }.arrival(from(frame.origin())),
@@ -236,21 +235,21 @@ impl Lamp {
             strength,
             ..arrival
         };
-        // NaN where no light comes.
+        // NaN if no light arrives.
         (!arrival.d.unit().x.is_nan()).then_some((arrival, proper_time))
     }
 
-    /// The proper times between which it emits; none where it has always done so, or always will.
+    /// The proper times between which it emits; `None` if it has always done so, or always will.
     pub fn emission_span(&self) -> Option<[f64; 2]> {
         self.emission.span()
     }
 
-    /// How bright it is by its proper time.
+    /// Its brightness as a function of its proper time.
     pub(crate) fn emission(&self) -> &Emission {
         &self.emission
     }
 
-    /// Its velocity in the world; none where that changes.
+    /// Its velocity in the world; `None` if that changes.
     pub fn velocity(&self) -> Option<Velocity> {
         match &self.path {
             Path::Rest(_) => Some(Velocity::REST),
@@ -259,14 +258,14 @@ impl Lamp {
         }
     }
 
-    /// Whether what moves with `velocity` always has the same light of it.
+    /// Whether its light on anything moving at `velocity` is constant.
     pub(crate) fn is_constant_for(&self, velocity: Velocity) -> bool {
         let rests = |own: Velocity| (own.rapidity() - velocity.rapidity()).length() <= 1e-12;
         let is_uniform = matches!(self.beam, Cone::Parallel(_)) && self.velocity().is_some();
         self.emission.is_steady() && (is_uniform || self.velocity().is_some_and(rests))
     }
 
-    /// What the cone of a spot light leaves of its intensity, seen along `d` of the lamp's frame.
+    /// The attenuation by the cone of a spot light along `d` of the lamp's frame.
     #[inline]
     fn attenuation(&self, d: DVec3) -> f64 {
         match self.beam {
@@ -275,7 +274,7 @@ impl Lamp {
         }
     }
 
-    /// E_F of an arrival on a surface, ω_F/ω_world of whose light is `rho`, under the angle of this cosine.
+    /// E_F of an arrival on a surface, with `rho` as ω_F/ω_world of the light, and the cosine of the angle of incidence.
     #[inline]
     pub fn incident(&self, arrival: &Arrival, rho: f64, cosine: f64) -> Incident {
         let w = arrival.wavelength_ratio(rho);
@@ -284,7 +283,7 @@ impl Lamp {
         self.incident_at(w, factor)
     }
 
-    /// The light that falls on a surface, `factor` times what the lamp's intensity is as seen at `w`.
+    /// The light incident on a surface, `factor` times the lamp's intensity as seen at `w`.
     #[inline]
     pub(crate) fn incident_at(&self, w: f64, factor: f64) -> Incident {
         Incident {
@@ -293,7 +292,7 @@ impl Lamp {
         }
     }
 
-    /// Its intensity as it is seen at `w`.
+    /// Its intensity as seen at `w`.
     #[inline]
     pub(crate) fn colour(&self, w: f64) -> [f64; 3] {
         match &self.spectrum {
@@ -305,7 +304,7 @@ impl Lamp {
         }
     }
 
-    /// The same at each of these wavelengths of the surface; of lines 0.
+    /// The same at each of these wavelengths of the surface; 0 for lines.
     #[inline]
     pub(crate) fn at(&self, w: f64, wavelengths: Wavelengths) -> [f64; 3] {
         match &self.spectrum {
@@ -316,14 +315,14 @@ impl Lamp {
                 if r == g && g == b {
                     return seen.map(|l| l * r);
                 }
-                // Colours on a spectrum are those of a filter before the lamp.
+                // Colours on a spectrum are those of a filter in front of the lamp.
                 let filter = reflectances(&basis_at(wavelengths.map(|l| l / w)), self.intensity);
                 std::array::from_fn(|c| filter[c] * seen[c])
             }
         }
     }
 
-    /// Its lines, as they are seen at `w`.
+    /// Its lines, as seen at `w`.
     pub(crate) fn lines(&self, w: f64) -> impl Iterator<Item = Line> {
         let spectrum = self.spectrum.as_ref().map(|table| table.spectrum());
         let lines = spectrum.into_iter().flat_map(|spectrum| spectrum.lines());
@@ -336,13 +335,13 @@ impl Lamp {
         spectrum.is_some_and(|table| table.spectrum().is_of_lines())
     }
 
-    /// The same where it is that at any W.
+    /// The same if it does not depend on W.
     pub(crate) fn constant_colour(&self) -> Option<[f64; 3]> {
         let is_constant = self.spectrum.is_none() && matches!(self.received, Received::Scaled(_));
         is_constant.then_some(self.intensity)
     }
 
-    /// The point of the world that all its light comes from, if there is one.
+    /// The point of the world where all its light comes from, if there is one.
     pub(crate) fn place(&self) -> Option<DVec3> {
         match (&self.path, self.beam) {
             (_, Cone::Parallel(_)) | (Path::Inertial(_) | Path::Line(_), _) => None,
@@ -350,7 +349,7 @@ impl Lamp {
         }
     }
 
-    /// Whether wavelengths come with W; otherwise its colours have that in them.
+    /// Whether wavelengths are scaled by W separately; otherwise its colours include that.
     pub(crate) fn shifts_wavelengths(&self) -> bool {
         matches!(self.received, Received::Scaled(_))
     }
@@ -362,28 +361,28 @@ impl Path {
         let near = seen.and_then(|crossing| line.state(crossing.proper_time()));
         match near.or_else(|| line.state(0.0)) {
             Some(near) => Path::Line(Box::new((line.clone(), near))),
-            // Every line has a state at its proper time 0.
+            // Every world line has a state at its proper time 0.
             None => Path::Rest(shot),
         }
     }
 }
 
-/// What the cone of a spot light leaves of its intensity, seen along `d` of the lamp's frame.
+/// The attenuation by the cone of a spot light along `d` of the lamp's frame.
 #[inline(always)]
 fn within_cone(axis: DVec3, [outer, inner]: [f64; 2], d: DVec3) -> f64 {
     let part = ((-axis.dot(d) - outer) / (inner - outer)).clamp(0.0, 1.0);
     part * part
 }
 
-/// How the light of a kind of lamp comes to a point.
+/// The propagation of light from a kind of lamp to a point.
 trait Emitter {
-    /// As strong as if it were steady and shone everywhere, and the proper time of the lamp at which it left: at a
-    /// point that is `way` from the lamp's own event in the world. NaN where no light comes.
+    /// The arrival as if the lamp were steady and isotropic, and the lamp's proper time of emission, at a point displaced by `way` from the
+    /// lamp's own event in the world. NaN if no light arrives.
     ///
-    /// Callers take `way` by the camera's event, so that far from the world's origin no digits are lost.
+    /// Callers compute `way` relative to the camera's event, so that no digits are lost far from the world's origin.
     fn arrival(&self, way: Displacement<World>) -> (Arrival, f64);
 
-    /// The same at a block of points, to which these ways lead.
+    /// The same at a block of points with these displacements.
     #[inline(always)]
     fn arrivals<W: Ways>(&self, ways: &W::Block<'_>, to: &mut ArrivalsBlock) {
         arrivals_singly::<W>(self, ways, to);
@@ -430,7 +429,7 @@ impl Emitter for AtRest {
     }
 }
 
-/// 1/x, NaN where x or its inverse is beyond f64's normal range: 0, ∞ and NaN among them.
+/// 1/x, NaN if x or its inverse is outside f64's normal range, including 0, ∞ and NaN.
 #[inline(always)]
 fn inverse_within(x: f64) -> f64 {
     /// 2⁻¹⁰²⁰ and 2¹⁰²⁰.
@@ -442,15 +441,16 @@ fn inverse_within(x: f64) -> f64 {
     1.0 / if is_within { x } else { f64::NAN }
 }
 
-/// A lamp without acceleration: all is as at rest in its frame, and the null vector k = (−r_G, r_G d_G) is boosted to (−r, r d).
+/// A lamp without acceleration: computed as at rest in its frame, and the null vector k = (−r_G, r_G d_G) is boosted to (−r, r d).
 ///
 /// One division serves all quotients: with q = 1/(r r_G²) they are d = (r d) q r_G², ω_G/ω_world = r_G/r = q r_G³, its inverse q r² r_G and
-/// 1/r_G² = q r. Each is right to some eps, as the others are. Lamps farther than 10¹⁰² m, or nearer than its inverse, send no light.
+/// 1/r_G² = q r. Each is accurate to a few eps, like the other results. Lamps farther than 10¹⁰² m, or nearer than its inverse, send no
+/// light.
 struct Inertial<'a> {
     frame: &'a InertialFrame<CameraFrame>,
 }
 
-/// Boosts to a lamp's frame and back, `SLOW` as [`Boost::is_slow`] says of them.
+/// Boosts to a lamp's frame and back; `SLOW` is the result of [`Boost::is_slow`].
 struct ThereAndBack<const SLOW: bool> {
     there: Boost<CameraFrame, World>,
     back: Boost<World, CameraFrame>,
@@ -464,7 +464,7 @@ impl<const SLOW: bool> ThereAndBack<SLOW> {
         }
     }
 
-    /// In the lamp's frame: k = r_G d_G, r_G and the proper time at which the light left.
+    /// In the lamp's frame: k = r_G d_G, r_G and the proper time of emission.
     #[inline(always)]
     fn leave(&self, way: Displacement<World>) -> (DVec3, [f64; 2]) {
         let way = match SLOW {
@@ -476,7 +476,7 @@ impl<const SLOW: bool> ThereAndBack<SLOW> {
         (k, [reach, way.ct - reach])
     }
 
-    /// From there on.
+    /// The rest, from there on.
     #[inline(always)]
     fn arrive(&self, k: DVec3, reach: f64) -> Arrival {
         let (in_world, distance) = match SLOW {
@@ -504,8 +504,7 @@ impl<const SLOW: bool> ThereAndBack<SLOW> {
         (self.arrive(k, reach), time)
     }
 
-    /// The same at a block of points, in two loops: chains of numbers that wait for each other are half as long, and more of them are under
-    /// way at once.
+    /// The same at a block of points, in two loops: dependency chains are half as long, and more of them are in flight at once.
     #[inline(always)]
     fn arrivals<W: Ways>(&self, ways: &W::Block<'_>, to: &mut ArrivalsBlock) {
         for at in 0..BLOCK {
@@ -538,8 +537,7 @@ impl Emitter for Inertial<'_> {
     }
 }
 
-/// A lamp that accelerates: its light comes from where its world line crosses the past light cone, with the velocity that it
-/// has there.
+/// A lamp that accelerates: its light comes from where its world line crosses the past light cone, with the velocity there.
 struct Accelerated<'a> {
     line: &'a WorldLine,
     near: &'a State,
@@ -578,8 +576,7 @@ impl Emitter for Accelerated<'_> {
     }
 }
 
-/// Parallel light that rests in the world. Its phase is the proper time of the lamp's origin at which it left the plane
-/// across it there.
+/// Parallel light at rest in the world. Its phase is the proper time of the lamp's origin when it left the plane perpendicular to it there.
 struct ParallelAtRest {
     direction: DVec3,
     index: f64,
@@ -601,11 +598,11 @@ impl Emitter for ParallelAtRest {
     }
 }
 
-/// Parallel light of a lamp that moves.
+/// Parallel light of a moving lamp.
 struct ParallelInertial<'a> {
     frame: &'a InertialFrame<CameraFrame>,
     direction: DVec3,
-    /// Towards it in the world, and ω_world/ω_G.
+    /// Direction to it in the world, and ω_world/ω_G.
     in_world: (Direction<World>, f64),
 }
 
@@ -635,7 +632,7 @@ impl Emitter for ParallelInertial<'_> {
             in_lamp: -self.direction,
             strength: 1.0,
         };
-        // In the lamp's frame the medium does not count: it is there only for lamps at rest.
+        // In the lamp's frame the medium does not matter: media are supported for lamps at rest only.
         (arrival, way.ct - way.x.dot(self.direction))
     }
 }
@@ -653,16 +650,16 @@ impl Arrival {
     };
 }
 
-/// The light of one lamp that falls on a surface.
+/// The light of one lamp incident on a surface.
 #[derive(Debug, Clone, Copy)]
 pub struct Incident {
-    /// E_F, by channel.
+    /// E_F, for each channel.
     pub irradiance: [f64; 3],
     pub(crate) wavelength_scale: f64,
 }
 
 impl Incident {
-    /// E_F whose light has the wavelength of its source times `wavelength_scale`.
+    /// E_F of light with the wavelength of its source times `wavelength_scale`.
     #[inline]
     pub fn new(irradiance: [f64; 3], wavelength_scale: f64) -> Self {
         Incident {
@@ -690,18 +687,18 @@ impl Incident {
     }
 }
 
-/// The light of all lamps that falls on a surface.
+/// The light of all lamps incident on a surface.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Irradiance {
     sum: [f64; 3],
-    /// Of all channels.
+    /// Sum over all channels.
     weight: f64,
-    /// The same, times the wavelength at which it arrives over that of the lamp.
+    /// The same, times the ratio of the wavelength at arrival to that at the lamp.
     weighted: f64,
 }
 
 impl Irradiance {
-    /// With this sum, and weights of all channels without and with the wavelength.
+    /// From this sum, and the sums over all channels without and with the wavelength.
     #[inline(always)]
     pub(crate) fn from_parts(sum: [f64; 3], [weight, weighted]: [f64; 2]) -> Self {
         Irradiance {
@@ -711,7 +708,7 @@ impl Irradiance {
         }
     }
 
-    /// What it is made from.
+    /// Its components.
     #[inline(always)]
     pub(crate) fn parts(&self) -> ([f64; 3], [f64; 2]) {
         (self.sum, [self.weight, self.weighted])
@@ -727,13 +724,13 @@ impl Irradiance {
         }
     }
 
-    /// Adds what its wavelength is found from of `other` light.
+    /// Adds the weights of the wavelength of `other` light.
     pub(crate) fn merge(&mut self, other: &Irradiance) {
         self.weight += other.weight;
         self.weighted += other.weighted;
     }
 
-    /// Adds the light of one lamp to what its wavelength is found from, and to nothing else.
+    /// Adds the light of one lamp to the weights of the wavelength only.
     #[inline]
     pub fn weigh(&mut self, light: &Incident) {
         for part in light.irradiance {

@@ -14,7 +14,7 @@ use crate::figures::drawing::push_base64;
 pub struct Page {
     /// Heading and title.
     pub title: String,
-    /// What the page is about, beneath the heading; may be empty.
+    /// The text below the heading; may be empty.
     pub text: String,
     /// The speeds v/c, ascending.
     pub betas: Vec<f64>,
@@ -24,9 +24,9 @@ pub struct Page {
     pub size: [u32; 2],
     /// PNG files: for each time, one for each speed.
     pub pictures: Vec<Vec<u8>>,
-    /// SVG texts of the scene's space-time diagram: for each time, one for each speed, as the pictures; none or all.
+    /// SVG texts of the scene's space-time diagram: for each time, one for each speed, like the pictures; either all or none.
     pub diagrams: Vec<String>,
-    /// Columns and rows of the grid of pixels that have diagrams; 0 where there is none.
+    /// Columns and rows of the grid of pixels that have diagrams; 0 for none.
     pub grid: [u32; 2],
     /// PNG files: for each time and each speed, as the pictures, those of the grid row by row.
     pub probes: Vec<Vec<u8>>,

@@ -35,7 +35,7 @@ pub struct Layout {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Cell {
-    /// All of it; cells of a row are of one size, and none overlap.
+    /// The whole cell; cells of a row have the same size, and none overlap.
     pub frame: Rect,
     /// The picture, within the frame.
     pub picture: Rect,
@@ -145,12 +145,12 @@ impl Row {
 }
 
 impl Draft {
-    /// For pictures of which the widest takes `widest` pixels of the page.
+    /// For pictures the widest of which takes `widest` pixels of the page.
     fn new(panels: &[Size], widest: u32, scale: u32, options: &SheetOptions) -> Result<Draft> {
         let (part, least, most) = EM;
         let em = (part * f64::from(widest)).clamp(least, most);
         let count = panels.len() as u32;
-        // The fewest columns of which as many rows have room for all panels.
+        // The smallest number of columns for which as many rows hold all panels.
         let nearly_square = || (1..count).find(|n| n * n >= count).unwrap_or(count);
         let columns = options.columns.unwrap_or_else(nearly_square);
         let columns = columns.clamp(1, count);
@@ -212,7 +212,7 @@ impl Draft {
         })
     }
 
-    /// Where a panel's picture and label are: pictures stand on one line along a row.
+    /// The positions of a panel's picture and label: pictures of a row are aligned.
     fn cell(
         &self,
         panel: &Size,
@@ -227,7 +227,7 @@ impl Draft {
             width: self.width,
             height: row.height(),
         };
-        // In the middle of its cell; lower pictures stand at the foot of the row's highest, above the labels.
+        // Centred in its cell; lower pictures are aligned with the bottom of the row's highest one, above the labels.
         let [width, height] = [panel.width, panel.height].map(|n| n * self.scale);
         let picture = Rect {
             left: frame.left + (self.width - width) / 2,
@@ -290,7 +290,7 @@ fn labels(panels: &[Size], picture: u32, em: f64) -> Result<(Vec<Vec<Measured>>,
     Ok((labels?, width as u32))
 }
 
-/// The height of so many lines with the space that sets them off; nothing for none.
+/// The height of `lines` lines with the space before them; 0 for no lines.
 fn height_of(lines: usize, size: f64) -> u32 {
     match lines {
         0 => 0,

@@ -1,4 +1,4 @@
-//! Lines of text: lettered, broken at spaces, one beneath the other.
+//! Lines of text: lettered, broken at spaces, one below the other.
 
 use crate::error::Result;
 use crate::figures::text::RichText;
@@ -18,14 +18,14 @@ pub struct TextLine {
     pub middle: [f64; 2],
     /// Pixels per em.
     pub size: f64,
-    /// How wide it is.
+    /// Its width.
     pub width: f64,
 }
 
 /// A line and its width.
 pub(super) type Measured = (String, f64);
 
-/// Lines one beneath the other, centred, from the top at `y` on.
+/// Lines one below the other, centred, from the top `y` on.
 pub(super) fn lines(measured: Vec<Measured>, [x, y]: [f64; 2], size: f64) -> Vec<TextLine> {
     let place = |(number, (text, width)): (usize, Measured)| TextLine {
         text,
@@ -36,7 +36,7 @@ pub(super) fn lines(measured: Vec<Measured>, [x, y]: [f64; 2], size: f64) -> Vec
     measured.into_iter().enumerate().map(place).collect()
 }
 
-/// The label of panel `index`, with its letter where there are several panels.
+/// The label of panel `index`, with its letter if there are several panels.
 pub(super) fn lettered(index: usize, count: usize, label: &str) -> String {
     if count == 1 {
         return label.to_string();

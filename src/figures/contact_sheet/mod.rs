@@ -34,7 +34,7 @@ pub struct Panel {
     pub new_row: bool,
 }
 
-/// How panels are arranged on a page.
+/// The arrangement of panels on a page.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct SheetOptions {
     /// Above the panels.

@@ -42,8 +42,8 @@ impl Diagram {
         self.frames.push(passing);
     }
 
-    /// Makes a boost keep `event` in place: both frames have their origin there, and all pictures show where the light left that arrives
-    /// there. Without a boost, or if limits are given, nothing changes.
+    /// Makes a boost keep `event` in place: both frames have their origin there, and all pictures show where the light that arrives there
+    /// left. Without a boost, or if limits are given, nothing changes.
     pub fn boost_about(&mut self, event: Event<World>) {
         let animation = self.animation.and_then(|a| Some((a.frames, a.boost?)));
         let (Some((frames, boost)), Some(&first)) = (animation, self.views.first()) else {
@@ -75,7 +75,7 @@ impl Diagram {
         }
         let room = (x[1] - x[0]).max(ct[1] - ct[0]);
         if room > 0.0 {
-            // World lines go on above the event, and to the side of it that no light comes from.
+            // World lines continue above the event, and to the side from which no light comes.
             self.x = Some([x[0] - 0.2 * room, x[1] + 0.2 * room]);
             self.ct = Some([ct[0] - 0.1 * room, ct[1] + 0.4 * room]);
         }

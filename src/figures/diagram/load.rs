@@ -7,8 +7,8 @@ use super::resolve;
 use crate::error::Result;
 use crate::scene::{self, Overrides};
 
-/// Reads the space-time diagram of the scene file at `path`: its `[diagram]`, or else that of what its
-/// scene has of world lines. No mesh and no cube is looked for.
+/// Reads the space-time diagram of the scene file at `path`: its `[diagram]`, or else one of the world lines of its scene. Does not read
+/// meshes or cubes.
 ///
 /// # Errors
 /// As [`scene::load`].

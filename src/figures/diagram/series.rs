@@ -11,21 +11,21 @@ const MOTION: u32 = 24;
 /// Pictures whose automatic limits make those of all.
 const LOOKED_AT: u32 = 16;
 
-/// The pictures of a diagram's animation, one after the other from the first.
+/// The pictures of a diagram's animation, in order from the first.
 ///
-/// A label goes on where it is as long as it can, so that a picture of many depends on those before.
+/// A label stays in place as long as possible, so a picture with many labels depends on the previous ones.
 pub struct Series {
-    /// With limits that hold what every picture shows.
+    /// With limits that contain everything that any picture shows.
     diagram: Diagram,
     animation: Animation,
-    /// What the pages of all pictures show, by panel.
+    /// The extent of the pages of all pictures, for each panel.
     pages: Vec<[[f64; 2]; 2]>,
     habits: Habits,
     next: u32,
 }
 
 impl Series {
-    /// The series of `diagram`; none where it has no animation.
+    /// The series of `diagram`; `None` if it has no animation.
     pub fn new(diagram: &Diagram) -> Option<Series> {
         let animation = diagram.animation?;
         let mut diagram = diagram.clone();
@@ -41,7 +41,7 @@ impl Series {
         })
     }
 
-    /// What changes.
+    /// The change over the series.
     pub fn animation(&self) -> Animation {
         self.animation
     }
@@ -66,7 +66,7 @@ impl Iterator for Series {
     }
 }
 
-/// What pages hold, by panel, of pictures all along the way.
+/// The extent of the pages, for each panel, over sample pictures of the whole animation.
 fn pages(diagram: &Diagram, frames: u32) -> Vec<[[f64; 2]; 2]> {
     let last = frames.saturating_sub(1);
     let mut pages: Vec<[[f64; 2]; 2]> = Vec::new();
@@ -84,7 +84,7 @@ fn pages(diagram: &Diagram, frames: u32) -> Vec<[[f64; 2]; 2]> {
     pages
 }
 
-/// Limits that hold those of pictures all along the way, where none are given.
+/// Sets limits that contain those of sample pictures of the whole animation, if none are given.
 fn fix_limits(diagram: &mut Diagram, frames: u32) {
     let last = frames.saturating_sub(1);
     let looked_at = (0..=LOOKED_AT).map(|i| last * i / LOOKED_AT);
@@ -99,7 +99,7 @@ fn fix_limits(diagram: &mut Diagram, frames: u32) {
         ct: wider(a.ct, b.ct),
         y: wider(a.y, b.y),
     });
-    // Events, and all that the first picture shows, stay on the page, also where its limits are given.
+    // Events, and everything in the first picture, stay on the page, even if its limits are given.
     let shown = shown(&diagram.picture(0));
     let looked_at = (0..=LOOKED_AT).map(|i| last * i / LOOKED_AT);
     let points = looked_at.flat_map(|k| {
@@ -130,7 +130,7 @@ fn fix_limits(diagram: &mut Diagram, frames: u32) {
     }
 }
 
-/// Where the contents of a picture are in its view, ct and x, metres.
+/// The positions of a picture's contents in its view, ct and x, metres.
 fn of_view(picture: &Diagram) -> Vec<[f64; 2]> {
     let metres = picture.unit.metres;
     let view = picture.views.first();
@@ -149,7 +149,7 @@ fn shown(picture: &Diagram) -> Vec<bool> {
     points.map(|point| limits.contains(point)).collect()
 }
 
-/// Where the events with dots are in the view of a picture, ct and x, metres.
+/// The positions of the events with dots in the view of a picture, ct and x, metres.
 fn marked(picture: &Diagram) -> Vec<[f64; 2]> {
     let view = picture.views.first().and_then(|i| picture.frames.get(*i));
     let events = picture.events.iter().filter(|event| event.dot);

@@ -19,7 +19,7 @@ use crate::spacetime::{Displacement, Event, InertialFrame, Rest, Velocity, World
 const HALVINGS: usize = 140;
 /// The largest change of rapidity at which light cones are resolved: e^15 times 2⁻⁵³ is 4·10⁻¹⁰.
 const MOST_TURN: f64 = 15.0;
-/// Doublings from a metre to beyond all lengths that a file can hold.
+/// Doublings from a metre to beyond all lengths that a file can contain.
 const DOUBLINGS: i32 = 110;
 
 /// A world line, or a part of one.
@@ -72,7 +72,7 @@ impl From<WorldLine> for Track {
 }
 
 impl Track {
-    /// Straight from event to event; none where one is not after the one before and within its light cone.
+    /// Straight from event to event; `None` if one is not after its predecessor and within its light cone.
     ///
     /// # Errors
     /// The index of the first event that cannot be reached.
@@ -113,7 +113,7 @@ impl Track {
         Track { course, span }
     }
 
-    /// The first and the last proper time, metres; infinite where there is no end.
+    /// The first and the last proper time, metres; infinite if there is no end.
     pub fn span(&self) -> [f64; 2] {
         self.span
     }
@@ -132,7 +132,7 @@ impl Track {
         }
     }
 
-    /// The proper time of a revolution, where it goes round a circle for ever.
+    /// The proper time of a revolution, if it goes round a circle for ever.
     pub fn period(&self) -> Option<f64> {
         match &self.course {
             Course::Line(line) | Course::Sensor { line, .. } => line.period(),
@@ -148,7 +148,7 @@ impl Track {
         }
     }
 
-    /// The proper times of its corners, where its velocity jumps, the ends left out.
+    /// The proper times of its corners, where its velocity jumps, without the ends.
     pub fn corners(&self) -> Vec<f64> {
         let [first, last] = self.span;
         match &self.course {
@@ -163,7 +163,7 @@ impl Track {
         }
     }
 
-    /// The line at a proper time; none outside its span, and where f64 has no digits left.
+    /// The line at a proper time; `None` outside its span, and where f64 runs out of digits.
     pub fn at(&self, proper_time: f64) -> Option<Moment> {
         let [first, last] = self.span;
         if !(first..=last).contains(&proper_time) {
@@ -189,8 +189,8 @@ impl Track {
         })
     }
 
-    /// The line at a proper time, where the differences between its coordinates and those of the same light
-    /// ray have digits left: for ever accelerated, a line comes nearer to its horizon than that.
+    /// The line at a proper time, if the differences between its coordinates and those of the same light ray have digits left: a line that
+    /// accelerates for ever gets closer to its horizon than that.
     fn with_digits(&self, time: f64) -> Option<Moment> {
         let moment = self.at(time)?;
         if self.is_straight() {
@@ -222,7 +222,7 @@ impl Track {
         self.at(nearer)
     }
 
-    /// Two times, at the first of which `value` is not positive, and not negative at the second.
+    /// Two times: `value` is not positive at the first, and not negative at the second.
     fn bracket(&self, value: &impl Fn(f64) -> Option<f64>) -> Option<[f64; 2]> {
         let start = 0f64.clamp(self.span[0], self.span[1]);
         let sign = value(start)?;
@@ -242,7 +242,7 @@ impl Track {
         None
     }
 
-    /// The time `start + step`, or the last on the way there that the line has.
+    /// The time `start + step`, or the last time on the way there within the line's span.
     fn reach(&self, start: f64, step: f64) -> f64 {
         let far = (start + step).clamp(self.span[0], self.span[1]);
         if self.with_digits(far).is_some() {
@@ -262,8 +262,8 @@ impl Track {
         good
     }
 
-    /// The first time found, after `start` or before it, at which its rapidity has changed by `turn`; none
-    /// for a line that stays inertial.
+    /// The first time found, after `start` or before it, at which its rapidity has changed by `turn`; `None` for a line that stays
+    /// inertial.
     pub fn turned(&self, start: f64, towards: f64, turn: f64) -> Option<f64> {
         let before = self.at(start)?.velocity.rapidity();
         if self.is_straight() {
@@ -277,8 +277,7 @@ impl Track {
         })
     }
 
-    /// The proper times at which it enters and leaves the times `window` of a frame, or its ends where it
-    /// begins later or ends earlier.
+    /// The proper times at which it enters and leaves the time range `window` of a frame, or its ends if it begins later or ends earlier.
     pub fn during<F: crate::spacetime::Frame>(
         &self,
         frame: &InertialFrame<F>,
@@ -293,7 +292,7 @@ impl Track {
         [end(window[0], -1.0), end(window[1], 1.0)]
     }
 
-    /// Where it is at a time of a frame.
+    /// Its moment at a time of a frame.
     pub fn at_time<F: crate::spacetime::Frame>(
         &self,
         frame: &InertialFrame<F>,
@@ -302,12 +301,12 @@ impl Track {
         self.where_zero(|event| frame.event_from_world(event).ct - ct)
     }
 
-    /// Where it meets the future light cone of `event`: where light from there reaches it.
+    /// Where it crosses the future light cone of `event`: where light from there reaches it.
     pub fn receives_from(&self, event: Event<World>) -> Option<Moment> {
         self.where_zero(|e| (e.ct - event.ct) - (e.x - event.x).length())
     }
 
-    /// Where it meets the past light cone of `event`: where light left it to get there.
+    /// Where it crosses the past light cone of `event`: where light left it to get there.
     pub fn emits_to(&self, event: Event<World>) -> Option<Moment> {
         self.where_zero(|e| (e.ct - event.ct) + (e.x - event.x).length())
     }

@@ -6,7 +6,7 @@
 use super::{Arrow, Cap, Path, Stroke};
 use crate::figures::text::Segment;
 
-/// How deep the notch in the back of a head is, in lengths of the head.
+/// Depth of the notch in the back of a head, relative to its length.
 const NOTCH: f64 = 0.25;
 
 /// A piece of an open contour.
@@ -38,7 +38,7 @@ pub(super) fn with_heads(path: &Path, stroke: &Stroke) -> (Path, Vec<Path>) {
     (Path(contour_of(&shaft)), heads)
 }
 
-/// How far from the tip the shaft ends.
+/// The distance from the tip where the shaft ends.
 fn covered(arrow: Arrow, stroke: &Stroke) -> f64 {
     let notch = (1.0 - NOTCH) * arrow.length;
     // Where the head is as wide as the shaft; or the notch, for heads hardly wider than their shafts.
@@ -51,8 +51,7 @@ fn covered(arrow: Arrow, stroke: &Stroke) -> f64 {
     (narrow + notch) / 2.0 + cap
 }
 
-/// The head at the end of `contour`, turned along the chord from its notch to its tip; none for a
-/// contour that goes nowhere.
+/// The head at the end of `contour`, along the chord from its notch to its tip; `None` for a contour without length.
 fn head(contour: &[Piece], arrow: Arrow) -> Option<Path> {
     let (first, tip) = (contour.first()?.from, contour.last()?.to);
     let before = without_end(contour, (1.0 - NOTCH) * arrow.length);
@@ -79,7 +78,7 @@ fn head(contour: &[Piece], arrow: Arrow) -> Option<Path> {
     ]))
 }
 
-/// The contour up to where it last comes within `distance` of its end.
+/// The contour up to the last point at `distance` from its end.
 fn without_end(contour: &[Piece], distance: f64) -> Vec<Piece> {
     let Some(tip) = contour.last().map(|piece| piece.to) else {
         return Vec::new();
@@ -96,7 +95,7 @@ fn without_end(contour: &[Piece], distance: f64) -> Vec<Piece> {
 }
 
 impl Piece {
-    /// The last parameter at which `far` holds; none if it is found nowhere.
+    /// The last parameter at which `far` holds; `None` if there is none.
     fn last_parameter(&self, far: impl Fn([f64; 2]) -> bool) -> Option<f64> {
         const STEPS: u32 = 32;
         let at = |i: u32| f64::from(i) / f64::from(STEPS);

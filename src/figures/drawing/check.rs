@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::figures::text::{Rect, Segment};
 use crate::io::image::RgbImage;
 
-/// The longest side of a page in points: what PDF viewers open.
+/// The longest side of a page in points that PDF viewers open.
 const LONGEST_SIDE: f64 = 14_400.0;
 /// The greatest coordinate and length, points.
 const FARTHEST: f64 = 1e5;
@@ -16,7 +16,7 @@ const MOST_DASHES: f64 = 1e5;
 /// A drawing of finite numbers, sound paths, and a bounded number of dashes and hatch lines.
 pub(super) struct Checked<'a>(pub &'a Drawing);
 
-/// What is wrong, and what would be right.
+/// The error, and what would be right.
 type Verdict = Result<(), (String, &'static str)>;
 
 impl<'a> Checked<'a> {
@@ -65,7 +65,7 @@ fn path_item(path: &Path, fill: &Option<Fill>, stroke: &Option<Stroke>) -> Verdi
         length("the hatch's spacing", spacing)?;
         length("the hatch's width", width)?;
         let size = path.bounds().map_or([0.0; 2], |area| area.size());
-        // Only what is seen is hatched: less than twice the longest side.
+        // Only visible parts are hatched: less than twice the longest side.
         if size[0].hypot(size[1]).min(2.0 * LONGEST_SIDE) / spacing > MOST_LINES {
             let what =
                 format!("a hatch of spacing {spacing} has more than {MOST_LINES} lines here");
@@ -143,7 +143,7 @@ fn text_item(text: &Text) -> Verdict {
 /// A picture with as many bytes as pixels, on a rectangle with an inside.
 fn picture(image: &RgbImage, rect: &Rect) -> Verdict {
     let pixels = u64::from(image.width) * u64::from(image.height);
-    // Half of what a PDF counts with, in either direction.
+    // Half of the largest PDF integer, in either direction.
     let fits = image.width.max(image.height) <= 1 << 30;
     if pixels == 0 || !fits || pixels.checked_mul(3) != Some(image.rgb.len() as u64) {
         let (width, height) = (image.width, image.height);

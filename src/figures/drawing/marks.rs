@@ -27,7 +27,7 @@ pub(super) enum Mark<'a> {
         image: &'a RgbImage,
         rect: Rect,
     },
-    /// Outlines of text, with what it says.
+    /// Outlines of text, with the text itself.
     Text {
         text: &'a Text,
         says: String,
@@ -49,7 +49,7 @@ pub(super) struct Line {
 /// The marks of a drawing, from the lowest to the uppermost.
 ///
 /// # Errors
-/// What [`Checked`] refuses, with the index of its item.
+/// The errors of [`Checked`], with the index of their item.
 pub(super) fn marks(drawing: &Drawing) -> Result<Vec<Mark<'_>>> {
     let drawing = Checked::new(drawing)?.0;
     marks_of(

@@ -64,9 +64,9 @@ pub struct Drawing {
     pub width: f64,
     /// Points; up to 14,400 (200 inches).
     pub height: f64,
-    /// What the page is called by those who cannot see it, and by programs that list documents.
+    /// The title of the page for screen readers, and for programs that list documents.
     pub title: String,
-    /// Where the drawing is from, for the metadata of files: keys (printable ASCII without spaces, 79 characters at most) and texts.
+    /// The origin of the drawing, for the metadata of files: keys (printable ASCII without spaces, 79 characters at most) and texts.
     pub origin: Vec<(String, String)>,
     /// Under everything.
     pub background: Colour,
@@ -95,7 +95,7 @@ pub enum Item {
         /// Where.
         rect: Rect,
     },
-    /// Items of which only what is inside a path (non-zero rule) is seen.
+    /// Items clipped to the inside of a path (non-zero rule).
     Clip {
         /// The path.
         path: Path,
@@ -109,15 +109,15 @@ pub enum Item {
 pub struct Text {
     /// The text.
     pub text: RichText,
-    /// Where its anchor is.
+    /// The position of its anchor.
     pub at: [f64; 2],
-    /// Which of its points is there.
+    /// The point of the text that is there.
     pub anchor: Anchor,
     /// Points per em.
     pub size: f64,
     /// Of its characters.
     pub colour: Colour,
-    /// By how much it is turned about its anchor, radians, counter-clockwise on the page.
+    /// Its rotation about its anchor, radians, counter-clockwise on the page.
     pub angle: f64,
     /// A border around the characters, under them: colour and width in points.
     pub halo: Option<(Colour, f64)>,
@@ -135,15 +135,15 @@ pub struct Anchor {
 /// A place along a line of text, by its advance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AnchorX {
-    /// Where it begins.
+    /// Its beginning.
     Start,
     /// Half way.
     Middle,
-    /// Where it ends.
+    /// Its end.
     End,
 }
 
-/// A height of a line of text: the same for all texts of one size, so that neighbours stand in line.
+/// A height of a line of text: the same for all texts of one size, so that adjacent texts are aligned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AnchorY {
     /// The foot of letters without descenders.
@@ -246,7 +246,7 @@ impl Text {
         Ok(Path(outline.segments).map(place))
     }
 
-    /// The box of its ink on the page, without its halo; of no size at its anchor where there is no ink.
+    /// The box of its ink on the page, without its halo; of size 0 at its anchor if there is no ink.
     ///
     /// # Errors
     /// As [`RichText::outline`].

@@ -17,8 +17,8 @@ pub struct Node {
     pub derivative: [f64; 2],
 }
 
-/// How far the control points of a quarter circle are from its ends, in radii: the one for which its
-/// middle is on the circle, 4(√2 − 1)/3. The radius is then met to 2.8e-4 of itself.
+/// The distance of the control points of a quarter circle from its ends, in radii: such that its middle is on the circle, 4(√2 − 1)/3. The
+/// radius is then accurate to 2.8e-4 of itself.
 const QUARTER: f64 = 0.552_284_749_830_793_4;
 
 impl Path {
@@ -76,12 +76,11 @@ impl Path {
         Path(segments)
     }
 
-    /// A smooth curve through points, of which no coordinate overshoots its values at the two ends of a
-    /// piece. Points that repeat the one before are left out.
+    /// A smooth curve through points, none of whose coordinates overshoots its values at the two ends of a piece. Repeated points are
+    /// skipped.
     ///
-    /// The curve is parametrised by the length of its chords; the derivative of each coordinate is the
-    /// weighted harmonic mean of the slopes on both sides, and 0 where they differ in sign (Fritsch and
-    /// Butland, SIAM J. Sci. Stat. Comput. 5, 1984).
+    /// The curve is parametrised by chord length; the derivative of each coordinate is the weighted harmonic mean of the slopes on both
+    /// sides, and 0 if they differ in sign (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984).
     pub fn smooth(points: &[[f64; 2]]) -> Path {
         let mut points = points.to_vec();
         points.dedup();
@@ -125,7 +124,7 @@ impl Path {
         Path(self.0.iter().map(|segment| segment.map(&map)).collect())
     }
 
-    /// The least box that holds the path, without the width of its stroke; none for an empty path.
+    /// The bounding box of the path, without the width of its stroke; `None` for an empty path.
     pub fn bounds(&self) -> Option<Rect> {
         bounds(&self.0)
     }

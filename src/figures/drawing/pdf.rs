@@ -147,7 +147,7 @@ fn write_image(pdf: &mut Pdf, id: Ref, image: &RgbImage) {
     object.color_space().device_rgb();
 }
 
-/// The size of the page, how its colours mix, and the opacities that its content uses.
+/// Writes the size of the page, its colour mixing, and the opacities of its content.
 fn describe(leaf: &mut pdf_writer::writers::Page, drawing: &Drawing, page: &Page) {
     let [width, height] = [drawing.width, drawing.height].map(float);
     leaf.media_box(Rect::new(0.0, 0.0, width, height));
@@ -202,10 +202,10 @@ struct Page<'a> {
     state: State,
 }
 
-/// By number, what a glyph stands for and how far it advances, em.
+/// For each glyph number, its character and advance in em.
 type Glyphs = BTreeMap<u16, (char, f64)>;
 
-/// What the content has set, so that it is not set again.
+/// The current state of the content, so that it is not set again.
 #[derive(Clone, Default)]
 struct State {
     alpha: Option<u8>,
@@ -294,7 +294,7 @@ impl<'a> Page<'a> {
         Ok(())
     }
 
-    /// Has what comes be filled in a colour.
+    /// Sets the fill colour.
     fn colour(&mut self, colour: Colour) {
         self.opacity(colour.alpha);
         if self.state.fill.replace(colour.rgb) != Some(colour.rgb) {
@@ -320,7 +320,7 @@ impl<'a> Page<'a> {
         self.content.stroke();
     }
 
-    /// Sets what a line has but its colour.
+    /// Sets the properties of a line except for its colour.
     fn pen(&mut self, line: &Line) {
         if self.state.width.replace(line.width) != Some(line.width) {
             self.content.set_line_width(float(line.width));

@@ -33,8 +33,7 @@ pub struct RgbaImage {
 /// Draws with `scale` pixels per point: 2 for screens; dots per inch over 72 for print, so 300/72.
 ///
 /// # Errors
-/// What [`svg::write`](super::svg::write) refuses, a scale that is not positive, and pictures of more
-/// than 2²⁸ pixels.
+/// The errors of [`svg::write`](super::svg::write), a scale that is not positive, and pictures of more than 2²⁸ pixels.
 pub fn render(drawing: &Drawing, scale: f64) -> Result<RgbaImage> {
     let marks = marks(drawing)?;
     let (width, height) = pixels(drawing, scale)?;
@@ -48,8 +47,7 @@ pub fn render(drawing: &Drawing, scale: f64) -> Result<RgbaImage> {
     })
 }
 
-/// The picture as a PNG file, without alpha where all is opaque; it states how many pixels are a metre, and in its
-/// text chunks where it is from.
+/// The picture as a PNG file, without alpha if it is opaque; it states the number of pixels per metre, and its origin in text chunks.
 ///
 /// # Errors
 /// A [`RgbaImage`] whose length is not that of its pixels, and keys that PNG does not hold.
@@ -95,7 +93,7 @@ pub(super) fn encoder<'a>(
     colour: ColorType,
 ) -> Encoded<'a> {
     let mut encoder = png::encoder(bytes, [raster.width, raster.height], colour);
-    // Flat areas repeat as they stand.
+    // Flat areas repeat without a filter.
     encoder.set_filter(Filter::NoFilter);
     // 72 points are 0.0254 m.
     let per_metre = (raster.scale * 72.0 / 0.0254).round() as u32;
@@ -137,7 +135,7 @@ struct Canvas {
 }
 
 impl Canvas {
-    /// The marks on so many pixels, `scale` of them for a point.
+    /// The marks on this number of pixels, with `scale` pixels per point.
     fn with(marks: &[Mark], [width, height]: [u32; 2], scale: f64) -> Result<Canvas> {
         let pixmap = Pixmap::new(width, height);
         let mut canvas = Canvas {
@@ -219,7 +217,7 @@ impl Canvas {
     }
 }
 
-/// The segments as a tiny-skia path; none where there is nothing to draw.
+/// The segments as a tiny-skia path; `None` if there is nothing to draw.
 pub fn path_of(segments: &[Segment]) -> Option<tiny_skia::Path> {
     let mut path = PathBuilder::new();
     for segment in segments {
@@ -270,7 +268,7 @@ fn stroke(line: &Line) -> Stroke {
             Join::Round => LineJoin::Round,
             Join::Bevel => LineJoin::Bevel,
         },
-        // None for an empty pattern.
+        // `None` for an empty pattern.
         dash: StrokeDash::new(dash, 0.0),
     }
 }

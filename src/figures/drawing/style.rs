@@ -1,4 +1,4 @@
-//! How paths are filled and stroked.
+//! Fills and strokes of paths.
 
 /// A colour of the display (sRGB, 8 bits) with its opacity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,7 +45,7 @@ pub struct Fill {
 
 /// Parallel lines, clipped to the path that they fill.
 ///
-/// One of them goes through the page's origin, so that neighbouring areas of one hatch fit.
+/// One of them passes through the page's origin, so that adjacent areas with the same hatch match.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hatch {
     /// Radians, counter-clockwise on the page from the x axis.
@@ -69,9 +69,9 @@ pub struct Stroke {
     pub cap: Cap,
     /// Its corners.
     pub join: Join,
-    /// An arrowhead whose tip is where the path begins.
+    /// An arrowhead with its tip at the start of the path.
     pub start: Option<Arrow>,
-    /// An arrowhead whose tip is where the path ends.
+    /// An arrowhead with its tip at the end of the path.
     pub end: Option<Arrow>,
 }
 

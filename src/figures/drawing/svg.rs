@@ -18,8 +18,7 @@ pub fn write(drawing: &Drawing) -> Result<String> {
     written(drawing, false)
 }
 
-/// The same with text as text: it can be searched and edited, and is set in the fonts of whoever shows the file, Libertinus
-/// Serif where there is one.
+/// The same with text as text: it can be searched and edited, and is set in the viewer's fonts, Libertinus Serif if available.
 ///
 /// # Errors
 /// As [`write()`].
@@ -50,7 +49,7 @@ fn printable(text: &str) -> String {
     text.chars().map(told).collect()
 }
 
-/// Whether there is a picture somewhere among the marks.
+/// Whether any mark is, or contains, a picture.
 fn holds_image(marks: &[Mark]) -> bool {
     marks.iter().any(|mark| match mark {
         Mark::Image { .. } => true,
@@ -62,7 +61,7 @@ fn holds_image(marks: &[Mark]) -> bool {
 #[derive(Default)]
 struct Svg {
     text: String,
-    /// How many clips there are so far.
+    /// Number of clips so far.
     clips: usize,
     /// Whether text is text, not outlines.
     as_text: bool,
@@ -199,7 +198,7 @@ impl Svg {
             "'Libertinus Serif', 'Linux Libertine O', 'Times New Roman', 'Liberation Serif', 'DejaVu Serif Condensed', serif",
         );
         self.attribute("font-size", &number(text.size));
-        // Of other fonts, which may be wider, the text keeps its room.
+        // In other fonts, which may be wider, the text keeps its width.
         self.attribute("textLength", &number(text.text.width(text.size)?));
         self.attribute("lengthAdjust", "spacingAndGlyphs");
         self.attribute("text-anchor", anchor);
@@ -217,7 +216,7 @@ impl Svg {
         }
         self.colour("fill", text.colour);
         self.text.push('>');
-        // `dy` moves what follows, too: each run says by how much it differs from the one before.
+        // `dy` also moves everything that follows: each run states its difference from the previous one.
         let mut raised = 0.0;
         for (words, leans, scale, rise) in text.text.runs() {
             self.text.push_str("<tspan");
@@ -277,12 +276,12 @@ impl Svg {
 
 /// `value` to the nearest 1e-4, without zeros at its end.
 fn number(value: f64) -> String {
-    // All values of a checked drawing are within 1e5: nine digits, which the shortest text that tells a double
-    // from its neighbours has no more of. Adding 0 takes the sign off −0.
+    // All values of a checked drawing are within 1e5: nine digits, at most as many as the shortest text that identifies a double has.
+    // Adding 0 removes the sign of −0.
     ((value * 1e4).round() / 1e4 + 0.0).to_string()
 }
 
-/// Text that XML takes as it stands; what XML does not allow at all becomes a space.
+/// Escapes text for XML; characters that XML does not allow become spaces.
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {

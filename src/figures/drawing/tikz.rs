@@ -102,7 +102,7 @@ fn node(text: &Text) -> String {
         AnchorX::Middle => "",
         AnchorX::End => " east",
     };
-    // All lines of text have their baselines where the other formats have them.
+    // All lines of text have the same baselines as in the other formats.
     let [_, down] = text.anchor.offset(0.0, text.size);
     let (sin, cos) = libm::sincos(text.angle);
     let [px, py] = [text.at[0] + sin * down, text.at[1] + cos * down];

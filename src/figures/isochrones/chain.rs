@@ -7,11 +7,11 @@ use super::contour::{Crossing, Piece};
 /// Points in pixels.
 pub(crate) type Points = Vec<[f64; 2]>;
 
-/// A line; closed where its first point is its last.
+/// A line; closed if its first point is its last.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Polyline {
     pub points: Points,
-    /// How many lines there are to a pixel, on average along this one.
+    /// Average number of lines per pixel along this one.
     pub density: f64,
 }
 
@@ -28,7 +28,7 @@ pub(crate) fn polylines(pieces: &[Piece]) -> Vec<Polyline> {
     }
     let mut used = vec![false; pieces.len()];
     let mut lines = Vec::new();
-    // Open lines from their ends first; what is left is closed.
+    // Open lines from their ends first; the remaining ones are closed.
     let open = ends.values().filter_map(|pair| match pair {
         [Some(index), None] => Some(*index),
         _ => None,

@@ -10,7 +10,7 @@
 
 use super::range::Range;
 
-/// By how much a jump exceeds the differences beside it.
+/// How much larger a jump is than the adjacent differences.
 const JUMP: f64 = 4.0;
 
 /// A point of a line, and the edge between two pixel centres on which it lies.
@@ -25,9 +25,9 @@ pub(crate) struct Crossing {
 /// A line's piece in one cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Piece {
-    /// Where it enters and leaves.
+    /// Where the line enters and leaves.
     pub ends: [Crossing; 2],
-    /// How many lines there are to a pixel.
+    /// Number of lines per pixel.
     pub density: f64,
 }
 
@@ -73,7 +73,7 @@ impl Grid<'_> {
         [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)].map(|(x, y)| self.value(x, y))
     }
 
-    /// The least and the greatest time in a cell; none where it is not within one surface.
+    /// The earliest and the latest time in a cell; `None` if it spans several surfaces.
     fn cell_range(&self, x: usize, y: usize) -> Option<(f64, f64)> {
         let corners = self.corners(x, y);
         if !corners.iter().all(|c| c.is_finite()) || self.has_jump(x, y) {
@@ -116,8 +116,8 @@ impl Grid<'_> {
         let mean = corners.iter().map(|c| c / 4.0).sum::<f64>();
         let pairs = match crossings[..] {
             [a, b] => [Some([a, b]), None],
-            // The sides in order are top, right, bottom, left. If the middle is on the side of the
-            // upper left corner, the lines cut off the other two.
+            // The sides in order are top, right, bottom, left. If the middle is on the side of the upper left corner, the lines cut off the
+            // other two.
             [top, right, bottom, left] if (mean >= level) == (corners[0] >= level) => {
                 [Some([top, right]), Some([bottom, left])]
             }
@@ -127,7 +127,7 @@ impl Grid<'_> {
         pairs.into_iter().flatten()
     }
 
-    /// Where the line crosses a side (0 top, 1 right, 2 bottom, 3 left) of a cell.
+    /// The point where the line crosses a side (0 top, 1 right, 2 bottom, 3 left) of a cell.
     fn crossing(
         &self,
         x: usize,
@@ -159,7 +159,7 @@ impl Grid<'_> {
 /// Whether the difference between values 0 and 1 is out of line with those before and after.
 fn is_jump(value: impl Fn(isize) -> f64) -> bool {
     let difference = |i: isize| (value(i + 1) - value(i)).abs();
-    // NaN, where there is no neighbour on that surface, loses against a number in f64::max.
+    // f64::max ignores NaN, which marks the lack of a neighbour on that surface.
     let usual = difference(-1).max(difference(1));
     difference(0) > JUMP * usual
 }

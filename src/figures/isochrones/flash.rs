@@ -13,8 +13,8 @@ use crate::scene::model::{FlashClock, FlashTimes};
 /// The channels that this is computed from.
 pub const NEEDED: [Aov; 3] = [Aov::EventX, Aov::EventY, Aov::EventZ];
 
-/// When light of the flash is received that comes to what each pixel shows, metres of ct; NaN where it shows nothing.
-/// `film` has one sample in each pixel, and the channels [`NEEDED`]; `index` is the medium's.
+/// The arrival time of the flash's light that reaches the point shown by each pixel, metres of ct; NaN if the pixel shows nothing. `film`
+/// has one sample in each pixel, and the channels [`NEEDED`]; `index` is the medium's.
 pub fn flash_times(film: &Film, times: &FlashTimes, index: f64) -> Vec<f64> {
     let [x, y, z] = NEEDED.map(|aov| film.aov(aov).unwrap_or_default());
     let points = x
@@ -34,7 +34,7 @@ pub fn flash_times(film: &Film, times: &FlashTimes, index: f64) -> Vec<f64> {
     points.map(received).collect()
 }
 
-/// What such a picture shows.
+/// The title of such a picture.
 pub fn title(clock: FlashClock) -> &'static str {
     match clock {
         FlashClock::World => "Light of the flash: world time",

@@ -72,7 +72,7 @@ impl Legend {
         })
     }
 
-    /// How far the legend reaches to the right.
+    /// The extent of the legend to the right.
     pub fn extent(&self) -> f64 {
         let em = (self.right - self.left) / 1.3;
         self.right + 0.5 * em + self.time.width
@@ -114,7 +114,7 @@ impl Legend {
         }
     }
 
-    /// Points at the ends beyond which there is more.
+    /// Arrowheads at the ends beyond which there is more.
     fn arrows(&self, em: f64) -> impl Iterator<Item = Item> {
         let ends = [
             (self.range.more_above, self.top, -1.0, 1.0),
@@ -153,7 +153,7 @@ impl Legend {
     }
 }
 
-/// Every how many lines one has a label, in `room` em.
+/// The interval of labelled lines, in `room` em.
 fn every(range: &Range, room: f64) -> i64 {
     let steps = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
     // Labels whose baselines are 1.7 em apart have air between them.
@@ -169,7 +169,7 @@ fn labels(logarithms: impl Iterator<Item = f64>, step: f64) -> impl Iterator<Ite
     logarithms.map(move |logarithm| rounded(libm::pow(10.0, logarithm), digits))
 }
 
-/// A positive number in so many significant digits.
+/// A positive number rounded to `digits` significant digits.
 fn rounded(value: f64, digits: usize) -> String {
     let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
     match (1e-3..1e5).contains(&rounded) {
@@ -183,7 +183,7 @@ impl Scale {
     fn distance(range: &Range, room: f64, em: f64) -> Result<Scale> {
         let unit = Unit::metres(range.low.abs().max(range.high.abs()));
         let every = every(range, room);
-        // So many lines apart that labels do not touch.
+        // The interval at which labels do not touch.
         let chosen = range.lines().filter(|line| line % every == 0);
         let step = unit.count(range.step * every as f64);
         let ticks = chosen.map(|line| {
@@ -211,7 +211,7 @@ impl Scale {
         let (low, high) = (range.low / c, range.high / c);
         let unit = Unit::prefixed("s", low.abs().max(high.abs()));
         let (low, high) = (unit.count(low), unit.count(high));
-        // Times stand farther apart than the labels of the lines, and there are nine steps at most.
+        // Times are farther apart than the labels of the lines, with at most nine steps.
         let step = round_step((high - low) / (room / 2.5).min(9.0));
         let base = unit.count(1.0 / c);
         let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);

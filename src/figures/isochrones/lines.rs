@@ -7,7 +7,7 @@ use crate::figures::drawing::Path;
 
 /// Open lines of less length are left out, in pixels of the grid: crumbs between the jumps at edges.
 const SHORTEST: f64 = 6.0;
-/// Every so many lines one is heavy.
+/// Every how many lines one is heavy.
 const HEAVY: i64 = 5;
 
 /// The lines of one time.
@@ -23,8 +23,8 @@ pub(crate) fn is_heavy(number: i64) -> bool {
     number % HEAVY == 0
 }
 
-/// The isochrones of a grid, by time. Where there are more than `crowded` lines to a pixel only the heavy ones are
-/// left, as far as these are not too close either.
+/// The isochrones of a grid, in order of time. Where there are more than `crowded` lines per pixel only the heavy ones are kept, unless
+/// these are too close, too.
 pub(crate) fn isochrones(grid: &Grid, range: &Range, crowded: f64) -> Vec<Isochrone> {
     let all = pieces(grid, range).into_iter().zip(range.lines());
     let isochrones = all.map(|(pieces, number)| {
@@ -49,8 +49,8 @@ fn is_crumb(points: &[[f64; 2]]) -> bool {
     points.first() != points.last() && length < SHORTEST
 }
 
-/// Lines as one path, each point at its `place`: a translucent line is not darker where its parts meet, and borders
-/// do not cover other lines of their kind.
+/// Lines as one path, with each point at its `place`: a translucent line is not darker where its parts meet, and borders do not cover other
+/// lines of their kind.
 pub(crate) fn path_of<'a>(
     lines: impl IntoIterator<Item = &'a Points>,
     place: impl Fn([f64; 2]) -> [f64; 2],

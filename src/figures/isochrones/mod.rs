@@ -34,7 +34,7 @@ use range::Range;
 /// The most isochrones that a picture can have.
 const MAX_LINES: f64 = 1000.0;
 
-/// How isochrones are drawn.
+/// Options of isochrones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IsochroneOptions {
     /// ct between two lines, metres; `None` for a round number that gives 10 to 80 lines.
@@ -47,7 +47,7 @@ pub struct IsochroneOptions {
     pub title: String,
 }
 
-/// What values and legend are.
+/// The quantity of values and legend.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Values {
     /// ct in metres; the speed of light in metres per second.
@@ -56,9 +56,8 @@ pub(super) enum Values {
     Luminances,
 }
 
-/// Draws the luminance of linear sRGB `pixels` (row 0 at the top; those without any are pale grey): colours over its
-/// logarithm, lines at equal ratios, and a legend with its values, in the units of the radiance. They span `range`, or what
-/// the picture has.
+/// Draws the luminance of linear sRGB `pixels` (row 0 at the top; those without any are pale grey): colours over its logarithm, lines at
+/// equal ratios, and a legend with its values, in the units of the radiance. They span `range`, or the range of the picture.
 ///
 /// # Errors
 /// As [`draw`].

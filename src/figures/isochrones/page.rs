@@ -47,7 +47,7 @@ impl Page {
         // Small pictures are enlarged by whole factors, so that pixels stay squares.
         let scale = (COMFORTABLE / width.max(height)).max(1);
         let [w, h] = [width, height].map(|n| f64::from(n) * f64::from(scale));
-        // With the height of the picture, but never below what can be read.
+        // Proportional to the height of the picture, but always legible.
         let em = (0.035 * h).clamp(15.0, 40.0);
         let margin = (1.2 * em).round();
         let top = (margin + 2.0 * em).round();

@@ -8,7 +8,7 @@ use crate::figures::drawing::{Colour, Item, Join, Stroke};
 use crate::figures::text::Rect;
 use crate::io::image::RgbImage;
 
-/// Where nothing was seen: pale grey, sRGB.
+/// The colour of pixels that show nothing: pale grey, sRGB.
 const NOTHING: u8 = 232;
 /// The least distance between lines, as a multiple of their width.
 const CLOSEST: f64 = 4.0;
@@ -37,7 +37,7 @@ pub(super) fn items(frame: Frame, grid: &Grid, range: Option<Range>, width: f64)
             max: place([grid.width as f64, grid.height as f64]),
         },
     };
-    // Lines per pixel of the image, at which they are as close as they may be.
+    // The largest allowed number of lines per pixel of the image.
     let crowded = scale / (CLOSEST * width);
     let lines = range.into_iter().flat_map(|range| {
         let isochrones = isochrones(grid, &range, crowded).into_iter();

@@ -2,7 +2,7 @@
 
 use crate::figures::ticks::round_step;
 
-/// Lines over the middle half of the pixels, where the step is not given.
+/// Number of lines over the middle half of the pixels, if no step is given.
 const LINES: f64 = 10.0;
 /// The fewest and the most lines over the whole range then.
 const LINES_IN_ALL: [f64; 2] = [10.0, 80.0];
@@ -26,10 +26,10 @@ pub(crate) struct Range {
 }
 
 impl Range {
-    /// The range of the finite values; none where there is none.
+    /// The range of the finite values; `None` if there are none.
     ///
-    /// A tenth of the pixels may be cut off as too early (a floor that runs to the horizon), a hundredth
-    /// as too late: a small thing in the foreground is to be seen.
+    /// Up to a tenth of the pixels may be cut off as too early (a floor that extends to the horizon), up to a hundredth as too late: small
+    /// objects in the foreground must stay visible.
     pub fn of(ct: &[f64], step: Option<f64>) -> Option<Range> {
         let mut seen: Vec<f64> = ct.iter().copied().filter(|x| x.is_finite()).collect();
         seen.sort_unstable_by(f64::total_cmp);
@@ -77,7 +77,7 @@ impl Range {
         ((ct / 2.0 - self.low / 2.0) / span).clamp(0.0, 1.0)
     }
 
-    /// How many lines there can be.
+    /// The largest possible number of lines.
     pub fn line_count(&self) -> f64 {
         (self.high / self.step).floor() - (self.low / self.step).ceil() + 1.0
     }

@@ -1,8 +1,8 @@
-//! Where objects are seen, and where they are at the world time of the shot: one ray through the centre of each pixel.
+//! The apparent positions of objects, and their positions at the world time of the shot: one ray through the centre of each pixel.
 //!
-//! With a refractive index of 0 a ray hits everything at one world time, t of the shot: along it the retarded event is P + s·(0, d). In
-//! the rest frame of an object that moves at β this is a ray along which time passes, and it hits the object where that is in the world
-//! at t: contracted to 1/γ. Directions of the camera frame are used as those of the world, so that nothing is aberrated.
+//! With a refractive index of 0 a ray hits everything at one world time, t of the shot: along it the retarded event is P + s·(0, d). In the
+//! rest frame of an object that moves at β this is a ray along which time passes, and it hits the object where that is in the world at t:
+//! contracted to 1/γ. Directions of the camera frame are used as those of the world, so there is no aberration.
 
 use super::{Outline, Parts, outlines};
 use crate::camera::Camera;
@@ -22,12 +22,12 @@ use crate::scene::model::{Equations, Scene};
 pub struct CentredPicture {
     /// The channels.
     pub film: Film,
-    /// The outlines of objects, where they are wanted.
+    /// The outlines of objects, if requested.
     pub outlines: Vec<Outline>,
 }
 
-/// Takes the picture of the channels that `parts` need, one ray through the centre of each pixel, so that
-/// lines do not depend on where the samples of the display's picture lie; `prepared` is left as it was.
+/// Renders the channels that `parts` need, with one ray through the centre of each pixel, so that lines do not depend on the sample
+/// positions of the display's picture; `prepared` is not changed.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` is cancelled.

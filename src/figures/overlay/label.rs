@@ -1,4 +1,4 @@
-//! Labels along lines, where a line is nearly straight, no other label is near, and no other line crosses.
+//! Labels along lines, where a line is nearly straight, and no other label is close and no other line crosses.
 
 use super::Polyline;
 use super::style;
@@ -8,14 +8,14 @@ use crate::figures::text::{Rect, RichText};
 
 /// Points per em.
 const SIZE: f64 = 6.5;
-/// Where along a line a label may be, the best first.
+/// Possible positions of a label along a line, the best first.
 const PLACES: [f64; 19] = [
     0.5, 0.35, 0.65, 0.42, 0.58, 0.25, 0.75, 0.15, 0.85, 0.46, 0.54, 0.38, 0.62, 0.3, 0.7, 0.2,
     0.8, 0.1, 0.9,
 ];
-/// How much of a line's length under a label its chord has at least.
+/// The least ratio of the chord of a line under a label to its length.
 const STRAIGHT: f64 = 0.975;
-/// What is left free of the line on both sides of its label, points.
+/// Free space between a line and both sides of its label, points.
 const GAP: f64 = 1.5;
 /// The least length of a line with a label, in lengths of the label.
 const LEAST: f64 = 2.2;
@@ -66,7 +66,7 @@ impl Labels {
         }
     }
 
-    /// A label with this text along `line`, points, where the fewest lines go through it; none where there is no room for it.
+    /// A label with this text along `line`, points, where the fewest lines cross it; `None` if there is no room for it.
     pub fn along(
         &mut self,
         line: &Polyline,
@@ -120,7 +120,7 @@ impl Labels {
         }))
     }
 
-    /// What is left of a line, points, beside the labels along lines.
+    /// The remaining parts of a line, points, outside the labels along lines.
     pub fn beside(&self, line: &Polyline) -> Vec<Polyline> {
         let mut left: Vec<Polyline> = Vec::new();
         for (p, q) in line.iter().zip(line.iter().skip(1)) {
@@ -143,8 +143,8 @@ impl Labels {
         left
     }
 
-    /// The middle of a level label of this width and height, points: the first of `places` on the page that is free of other labels and that no line
-    /// goes through, or that where the fewest lines do. Lines are interrupted there. `None` if no place is free.
+    /// The middle of a level label of this width and height, points: the first of `places` on the page that is free of other labels and
+    /// that no line crosses, or the one that the fewest lines cross. Lines are interrupted there. `None` if no place is free.
     pub fn level(&mut self, places: &[[f64; 2]], [width, height]: [f64; 2]) -> Option<[f64; 2]> {
         let ends = |[x, y]: [f64; 2]| [[x - 0.5 * width, y], [x + 0.5 * width, y]];
         let discs = |place: [f64; 2]| {
@@ -171,11 +171,11 @@ impl Labels {
         Some(best)
     }
 
-    /// Whether a level label of this height from `a` to `b` is on the page, and free of what else is taken.
+    /// Whether a level label of this height from `a` to `b` is on the page, and does not overlap anything else.
     fn is_clear(&self, [a, b]: [[f64; 2]; 2], height: f64) -> bool {
         let (low, high) = ([a[0], a[1] - 0.5 * height], [b[0], b[1] + 0.5 * height]);
         let inside = (0..2).all(|i| low[i] >= GAP && high[i] <= self.size[i] - GAP);
-        // How far the disc's centre is from the label.
+        // The distance of the disc's centre from the label.
         let far = |[x, y]: [f64; 2]| {
             let away = |x: f64, low: f64, high: f64| (low - x).max(x - high).max(0.0);
             away(x, low[0], high[0]).hypot(away(y, low[1], high[1]))
@@ -187,7 +187,7 @@ impl Labels {
                 .all(|(centre, radius)| far(*centre) >= *radius)
     }
 
-    /// How many lines other than `own` go through a label of this height from `a` to `b`.
+    /// The number of lines other than `own` that cross a label of this height from `a` to `b`.
     fn crossed(&self, own: Option<&Polyline>, [a, b]: [[f64; 2]; 2], height: f64) -> usize {
         // Its corners are no farther from its middle than this.
         let far = 0.5 * ((b[0] - a[0]).hypot(b[1] - a[1]) + height);
@@ -247,7 +247,7 @@ impl Place {
     }
 }
 
-/// How many of `lines` go through a label of this height from `a` to `b`.
+/// The number of `lines` that cross a label of this height from `a` to `b`.
 fn through<'a>(
     lines: impl IntoIterator<Item = &'a Polyline>,
     [a, b]: [[f64; 2]; 2],
@@ -362,7 +362,7 @@ mod tests {
                 .unwrap()
                 .map(|label| label.at)
         };
-        // In the middle; or where a line crosses there, clear of it; and anyway where lines cross everywhere.
+        // In the middle; if a line crosses there, clear of it; and still somewhere if lines cross everywhere.
         assert_eq!(middle(&[]), Some([150.0, 100.0]));
         let across = |x: f64| vec![[x, 0.0], [x + 3.0, 200.0]];
         let [x, y] = middle(&[across(150.0)]).unwrap();
@@ -393,12 +393,12 @@ mod tests {
         assert_eq!(ends, ([50.0, 100.0], [250.0, 100.0]));
         assert!(label.at[0] - left[left.len() - 1][0] > half);
         assert!(right[0][0] - label.at[0] > half);
-        // So are others that go through it, and those that go by are whole.
+        // Other lines that cross it are interrupted, too, and those that pass it are whole.
         let across = vec![[150.0, 50.0], [150.0, 150.0]];
         assert_eq!(labels.beside(&across).len(), 2);
         let aside = vec![[50.0, 110.0], [250.0, 110.0], [250.0, 150.0]];
         assert_eq!(labels.beside(&aside), vec![aside]);
-        // A line that turns round beyond its end and comes back over its middle.
+        // A line that turns back beyond its end and passes over its middle.
         let mut back = straight;
         back.extend([[280.0, 140.0], [150.0, 140.0], [150.0, 60.0]]);
         let (label, _) = along(&back);

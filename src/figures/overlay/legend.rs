@@ -30,7 +30,7 @@ const ANGLES: [f64; 14] = [
     90.0, 60.0, 45.0, 30.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.01,
 ];
 
-/// What is below the picture.
+/// The content below the picture.
 pub(super) struct Legend {
     pub items: Vec<Item>,
     /// Points.
@@ -77,7 +77,7 @@ pub(super) fn lay_out(
     Ok(Legend { items, height })
 }
 
-/// What the legend lists: only what is drawn.
+/// The entries of the legend: only for what is drawn.
 fn entries(overlay: &Overlay, facts: &Facts, scale: f64) -> Result<Vec<Entry>> {
     let mut entries = Vec::new();
     let mut push = |sample, text| entries.push(Entry { sample, text });
@@ -118,8 +118,8 @@ fn span(metres: f64, c: f64) -> String {
     format!("{ct} {} ({t} {})", length.name, time.name)
 }
 
-/// A round angle, degrees, and how many pixels long it is about the middle of the picture:
-/// 2 tan(θ/2) · w/(2t), or what the projection says that bends straight lines.
+/// A round angle, degrees, and its length in pixels about the middle of the picture: 2 tan(θ/2) · w/(2t), or that of a projection that
+/// bends straight lines.
 fn angle([width, _]: [u32; 2], facts: &Facts) -> (f64, f64) {
     let width = f64::from(width);
     let length = |degrees: &f64| match &facts.curved {

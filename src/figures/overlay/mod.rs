@@ -1,6 +1,6 @@
-//! Overlays: what a picture shows, drawn over it.
+//! Overlays: annotations drawn over a picture.
 //!
-//! | part | what is drawn |
+//! | part | content |
 //! |---|---|
 //! | isochrones | lines of equal retarded time ct of the light's emission, labelled along the line |
 //! | outlines | of every object, where it is seen (solid lines) and where it is (dashed lines); its name is placed where it is, or is
@@ -40,11 +40,10 @@ use crate::error::{Error, Result};
 use crate::render::aov::Aov;
 use crate::scene::model::Scene;
 
-/// A line in pixels of the film, (0, 0) being its upper left corner; closed where its first point is its
-/// last.
+/// A line in pixels of the film, with (0, 0) at its upper left corner; closed if its first point is its last.
 pub type Polyline = Vec<[f64; 2]>;
 
-/// What is drawn over a picture.
+/// The contents of an overlay.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Overlay {
     /// Columns and rows of the picture.
@@ -55,19 +54,19 @@ pub struct Overlay {
     pub apparent: Vec<Outline>,
     /// Where objects are at the world time of the shot.
     pub instantaneous: Vec<Outline>,
-    /// Which object is seen at the centre of each pixel, −1 where none is; empty where outlines are not wanted.
+    /// The object seen at the centre of each pixel, −1 for none; empty if outlines are not requested.
     pub objects_seen: Vec<i32>,
-    /// Which is there at the world time of the shot.
+    /// The object there at the world time of the shot.
     pub objects_there: Vec<i32>,
     /// The names of objects, by their index.
     pub names: Vec<String>,
-    /// Where the camera moves; none where it rests.
+    /// The camera's direction of motion; `None` if it is at rest.
     pub pointer: Option<Pointer>,
-    /// What the legend below the picture states.
+    /// The contents of the legend below the picture.
     pub legend: Option<Facts>,
 }
 
-/// What the legend states beyond the lines.
+/// The contents of the legend beyond the lines.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Facts {
@@ -77,7 +76,7 @@ pub struct Facts {
     pub camera_time: f64,
     /// The tangent of half the horizontal field of view, camera frame.
     pub half_width: f64,
-    /// The projection, where it bends straight lines.
+    /// The projection, if it bends straight lines.
     pub curved: Option<AnyProjection>,
 }
 
@@ -101,7 +100,7 @@ impl Overlay {
     /// Finds the lines of `parts` of the [`apparent`] picture of `scene` and of its [`instantaneous`] one, as
     /// far as they are needed ([`Parts::needs`]); isochrones `step` metres apart, or at round numbers.
     ///
-    /// Films and channels that are not there give no lines.
+    /// Missing films and channels give no lines.
     ///
     /// # Errors
     /// A camera that is not on its world line at the time of the shot; a step that gives more than 1000

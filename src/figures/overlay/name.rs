@@ -1,21 +1,21 @@
 //! Positions of objects' names: inside the visible part, as near to its middle as the name fits.
 
-/// A picture of which object each pixel shows, in which names are to stand.
+/// The objects that each pixel shows, in which names are placed.
 #[derive(Debug)]
 pub(super) struct Regions<'a> {
     /// Columns and rows.
     size: [usize; 2],
-    /// Indices of objects, negative where nothing is seen; row 0 at the top.
+    /// Indices of objects, negative for none; row 0 at the top.
     objects: &'a [i32],
-    /// How many pixels in a row from this one on show the same object, itself included.
+    /// Number of consecutive pixels in a row, starting with this one, that show the same object.
     runs: Vec<u32>,
 }
 
-/// Names are tried at so many places at most.
+/// The most places that are tried for a name.
 const PLACES: usize = 400;
 
 impl<'a> Regions<'a> {
-    /// The regions of a picture of this size; none where `objects` are not those of its pixels.
+    /// The regions of a picture of this size; `None` if `objects` has another number of pixels.
     pub fn new([width, height]: [u32; 2], objects: &'a [i32]) -> Option<Regions<'a>> {
         let size = [width, height].map(|side| side as usize);
         if size.contains(&0) || objects.len() != size[0] * size[1] {
@@ -35,8 +35,8 @@ impl<'a> Regions<'a> {
         })
     }
 
-    /// Middles of boxes of this width and height all of whose pixels show the object, pixels: the one nearest to the middle of what
-    /// is seen of it first.
+    /// Middles of boxes of this width and height in which all pixels show the object, pixels: the one closest to the middle of its visible
+    /// part first.
     pub fn places(&self, object: usize, [width, height]: [f64; 2]) -> Vec<[f64; 2]> {
         let shown = |i: &usize| usize::try_from(self.objects[*i]) == Ok(object);
         let all = (0..self.objects.len()).filter(shown);
@@ -65,7 +65,7 @@ impl<'a> Regions<'a> {
         [i % self.size[0], i / self.size[0]]
     }
 
-    /// Whether all pixels of the box whose upper left one is `first` show the object.
+    /// Whether all pixels of the box with `first` as its upper left one show the object.
     fn holds(&self, first: usize, object: usize, [columns, rows]: [usize; 2]) -> bool {
         (0..rows).all(|row| {
             let i = first + row * self.size[0];
@@ -98,7 +98,7 @@ mod tests {
                 .iter()
                 .all(|[x, y]| { (14.0..=20.0).contains(x) && (7.0..=13.0).contains(y) })
         );
-        // What is too small for a name, or not seen, has no place for it.
+        // An object that is too small for a name, or not visible, has no place for it.
         assert_eq!(regions.places(2, [11.0, 4.0]), Vec::<[f64; 2]>::new());
         assert_eq!(regions.places(7, [1.0, 1.0]), Vec::<[f64; 2]>::new());
         assert!(Regions::new([3, 3], &objects).is_none());

@@ -22,26 +22,26 @@ use crate::error::Result;
 use crate::figures::isochrones::chain::polylines;
 use crate::figures::isochrones::contour::{Crossing, Piece};
 
-/// How often the way between two pixel centres is halved.
+/// The number of bisections between two pixel centres.
 const HALVINGS: u32 = 12;
 
 /// Corners turn by more than this, radians: an edge of a radius of 4 pixels turns by less in a square.
 const TURN: f64 = 0.26;
-/// How far a corner is from the piece that cuts it off at most, pixels: the tip of one of 45 degrees over a side of a square.
+/// The largest distance of a corner from the piece that cuts it off, pixels: the tip of one of 45 degrees over a side of a square.
 const FARTHEST: f64 = 1.3;
 /// Rays pass a corner at this distance, pixels: prolonged arcs of a radius of 4 pixels meet farther outside of them.
 const BESIDE: f64 = 0.01;
 /// Pieces that cut off less than this are left as they are, pixels.
 const NEAREST: f64 = 0.05;
-/// What is prolonged is longer than this, pixels, so that the direction is known to 2⁻¹¹.
+/// Extended parts are longer than this, pixels, so that the direction is known to 2⁻¹¹.
 const STRAIGHT: f64 = 0.3;
 
-/// The outline of what is seen of an object.
+/// The outline of the visible part of an object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     /// Its index in the scene.
     pub object: usize,
-    /// In pixels of the film; closed where the first point is the last.
+    /// In pixels of the film; closed if the first point is the last.
     pub lines: Vec<Polyline>,
 }
 
@@ -54,9 +54,8 @@ struct Area {
     max: [usize; 2],
 }
 
-/// The outlines of all objects of a picture of this size, from the identity at the centre of each pixel (−1 where nothing is
-/// seen; row 0 at the top); `look` tells the identities at any points of the film, pixels. Ordered by object; objects without
-/// lines are left out.
+/// The outlines of all objects of a picture of this size, from the identity at the centre of each pixel (−1 for none; row 0 at the top);
+/// `look` returns the identities at any points of the film, pixels. Ordered by object; objects without lines are left out.
 ///
 /// # Errors
 /// Those of `look`.
@@ -88,14 +87,14 @@ pub fn outlines(
 struct Corner {
     outline: usize,
     line: usize,
-    /// The point of the line that it comes before.
+    /// The index of the line's point that follows it.
     before: usize,
     at: [f64; 2],
     /// Places on the inner and on the outer side of it.
     beside: [[f64; 2]; 2],
 }
 
-/// Puts the corners where they are, in place of the pieces that cut them off.
+/// Inserts the corners in place of the pieces that cut them off.
 fn add_corners(
     outlines: &mut [Outline],
     look: &mut impl FnMut(&[[f64; 2]]) -> Result<Vec<f64>>,
@@ -114,7 +113,7 @@ fn add_corners(
     }
     let places: Vec<_> = corners.iter().flat_map(|corner| corner.beside).collect();
     let seen = look(&places)?;
-    // From behind, so that what comes before keeps its place.
+    // Backwards, so that earlier indices stay valid.
     for (corner, seen) in corners.iter().zip(seen.chunks_exact(2)).rev() {
         let outline = &mut outlines[corner.outline];
         let shows = |seen: f64| seen == outline.object as f64;
@@ -125,8 +124,8 @@ fn add_corners(
     Ok(())
 }
 
-/// Where the parts of a line before and after each of its pieces would meet in a corner: the point that it would come before,
-/// the place, and places beside it, on the piece's side and beyond.
+/// The positions where the parts of a line before and after each of its pieces would meet in a corner: the index of the following point,
+/// the position, and positions beside it, on the piece's side and beyond.
 fn corners_of(points: &[[f64; 2]]) -> impl Iterator<Item = (usize, [f64; 2], [[f64; 2]; 2])> {
     let is_closed = points.len() > 3 && points.first() == points.last();
     // Of a closed line the last point is the first again.
@@ -170,7 +169,7 @@ fn corners_of(points: &[[f64; 2]]) -> impl Iterator<Item = (usize, [f64; 2], [[f
     })
 }
 
-/// The unit vector to `end` from the first of `others` that is far enough for it.
+/// The unit vector to `end` from the first of `others` that is far enough from it.
 fn direction(end: [f64; 2], others: [Option<[f64; 2]>; 3]) -> Option<[f64; 2]> {
     others.into_iter().flatten().find_map(|other| {
         let way = [end[0] - other[0], end[1] - other[1]];
@@ -197,12 +196,12 @@ fn areas([width, _]: [usize; 2], objects: &[f64]) -> Vec<Area> {
     areas.into_values().collect()
 }
 
-/// Where what is seen changes from pixel to pixel.
+/// The edges where the visible object changes between pixels.
 struct Edges {
     size: [usize; 2],
     /// Where, by the number of a pair of neighbouring pixels.
     points: BTreeMap<usize, [f64; 2]>,
-    /// What is seen in the middle of four pixels that meet like the fields of a chessboard, by the first of them.
+    /// The identity in the middle of four pixels in a checkerboard pattern, by the first of them.
     middles: BTreeMap<usize, f64>,
 }
 
@@ -214,9 +213,9 @@ struct Change {
     from: [f64; 2],
     /// Whether the other is below it; otherwise it is to the right.
     down: bool,
-    /// What the first one shows.
+    /// The identity at the first one.
     object: f64,
-    /// The parts of the way up to which that is known to be seen, and from which on something else.
+    /// The fractions of the way up to which that is known to be visible, and from which something else is.
     between: [f64; 2],
 }
 
@@ -259,7 +258,7 @@ impl Edges {
         })
     }
 
-    /// The lines of one object, without what others have `taken`.
+    /// The lines of one object, without those that others have `taken`.
     fn trace(&self, area: &Area, objects: &[f64], taken: &mut BTreeSet<usize>) -> Vec<Polyline> {
         // Squares lie between pixel centres: one more to the left and above.
         let min = area.min.map(|side| side.saturating_sub(1));
@@ -277,7 +276,7 @@ impl Edges {
         lines.map(|line| line.points).collect()
     }
 
-    /// The pieces of an object's line in the square of four pixel centres of which `[x, y]` is the upper left.
+    /// The pieces of an object's line in the square of four pixel centres with `[x, y]` at the upper left.
     fn pieces(&self, [x, y]: [usize; 2], object: f64, objects: &[f64]) -> Vec<Piece> {
         let width = self.size[0];
         let first = y * width + x;
@@ -323,7 +322,7 @@ impl Edges {
     }
 }
 
-/// All pairs of neighbouring pixels that show different objects.
+/// All pairs of adjacent pixels that show different objects.
 fn changes([width, height]: [usize; 2], objects: &[f64]) -> Vec<Change> {
     let mut changes = Vec::new();
     for (i, &object) in objects.iter().enumerate() {
@@ -344,8 +343,7 @@ fn changes([width, height]: [usize; 2], objects: &[f64]) -> Vec<Change> {
     changes
 }
 
-/// The squares of four pixels in which an object is at two opposite corners and not at the other two: the first pixel and the
-/// middle of each.
+/// The squares of four pixels with an object at two opposite corners and not at the other two: the first pixel and the middle of each.
 fn chessboards([width, height]: [usize; 2], objects: &[f64]) -> Vec<(usize, [f64; 2])> {
     let mut found = Vec::new();
     for y in 1..height {

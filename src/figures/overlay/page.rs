@@ -13,7 +13,7 @@ use crate::io::image::RgbImage;
 
 /// Points per em of the names of objects.
 const NAME: f64 = 6.5;
-/// What is left free between them and outlines, points.
+/// Free space between them and outlines, points.
 const BESIDE: f64 = 2.5;
 /// The picture's longer side, points.
 const SIDE: f64 = 480.0;
@@ -29,8 +29,8 @@ pub fn png_scale(size: [u32; 2]) -> f64 {
     (PIXELS / side).ceil().max(1.0) * side / SIDE
 }
 
-/// What pictures of `size` with lines over them take beside the picture, bytes: the films that the lines are traced on, and
-/// the largest page, which is drawn and encoded.
+/// Bytes that pictures of `size` with overlays take beside the picture: the films on which the lines are traced, and the largest page,
+/// which is drawn and encoded.
 pub fn bytes(size: [u32; 2], parts: Parts) -> u64 {
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     // Radiance and the channels, f64, as a film and as the channels of one.
@@ -98,7 +98,7 @@ impl Overlay {
         })
     }
 
-    /// What lies over the picture.
+    /// The lines over the picture.
     fn lines(&self, place: &Place) -> Result<Vec<Item>> {
         let mut items = Vec::new();
         let mut labels = Labels::new(place.size);
@@ -144,7 +144,7 @@ impl Overlay {
 }
 
 impl Overlay {
-    /// The names of objects, where they are, or where they are seen of those that are out of view.
+    /// The names of objects, at their positions, or at their apparent positions if they are out of view.
     fn named(&self, place: &Place, labels: &mut Labels) -> Result<Vec<Item>> {
         let is_there = |outline: &&Outline| {
             let mut there = self.instantaneous.iter();
@@ -162,7 +162,7 @@ impl Overlay {
             };
             for outline in outlines {
                 let name = self.names.get(outline.object);
-                // What cannot be set stays without a name.
+                // Names that cannot be set are omitted.
                 let Some(name) = name.and_then(|name| RichText::plain(name).ok()) else {
                     continue;
                 };
@@ -176,7 +176,7 @@ impl Overlay {
     }
 }
 
-/// Where a name of this size, points, stands: within what is seen of its object, or beside it where that has no room.
+/// The position of a name of this size, points: within the visible part of its object, or beside it if there is no room.
 fn spot(
     place: &Place,
     outline: &Outline,
@@ -194,7 +194,7 @@ fn spot(
         .or_else(|| labels.level(&beside(), size))
 }
 
-/// Places for a name of this size, points, above, below and to both sides of what is there of an object; none where that is much smaller.
+/// Positions for a name of this size, points, above, below and on both sides of an object; empty if that is much smaller.
 fn around(place: &Place, outline: &Outline, [width, height]: [f64; 2]) -> Vec<[f64; 2]> {
     let points = outline.lines.iter().flatten().copied().map(place.point());
     let Some(Rect { min, max }) = Rect::around(points) else {
@@ -231,7 +231,7 @@ impl Place {
         }
     }
 
-    /// Where the sign of a velocity is.
+    /// The position of the velocity's symbol.
     fn pointed_at(&self, target: Target) -> [f64; 2] {
         match target {
             Target::Ahead(at) | Target::Behind(at) => at.map(|x| x * self.scale),

@@ -9,9 +9,9 @@ pub enum Part {
     Isochrones,
     /// Apparent and instantaneous outlines of objects.
     Outlines,
-    /// Where the camera moves.
+    /// The camera's direction of motion.
     Beta,
-    /// What it all means.
+    /// The legend.
     Legend,
 }
 
@@ -35,7 +35,7 @@ impl Default for Parts {
 }
 
 impl From<Part> for Parts {
-    /// One alone.
+    /// A single part.
     fn from(part: Part) -> Self {
         let mut parts = Parts([false; 4]);
         parts.0[part as usize] = true;
@@ -47,7 +47,7 @@ impl Parts {
     /// The parts that a comma-separated list names: "outlines,beta".
     ///
     /// # Errors
-    /// A name that is none, and a list without names; with those that there are.
+    /// An unknown name, or a list without names; the message lists the known names.
     pub fn parse(list: &str) -> Result<Parts, String> {
         let mut parts = Parts([false; 4]);
         for word in list.split(',').map(str::trim).filter(|w| !w.is_empty()) {

@@ -13,7 +13,7 @@ use crate::spacetime::Velocity;
 /// The camera's velocity in its picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pointer {
-    /// Where it points.
+    /// Its target.
     pub target: Target,
     /// In the world.
     pub velocity: Velocity,
@@ -22,9 +22,9 @@ pub struct Pointer {
 /// Where a direction is in a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Target {
-    /// At this film point, pixels: the camera moves towards what is seen there.
+    /// At this film point, pixels: the camera moves towards what is visible there.
     Ahead([f64; 2]),
-    /// Its opposite is at this film point, pixels: the camera moves away from what is seen there.
+    /// The opposite direction is at this film point, pixels: the camera moves away from what is visible there.
     Behind([f64; 2]),
     /// Both are outside of the picture: it lies that way from the middle. A unit vector, y down.
     Outside([f64; 2]),
@@ -43,7 +43,7 @@ impl Pointer {
     }
 }
 
-/// Where the direction with components `n` along the axes of `projection` is.
+/// The image of the direction with components `n` along the axes of `projection`.
 fn target(projection: &AnyProjection, n: DVec3) -> Target {
     let size = projection.size();
     let on_film = |at: &[f64; 2]| (0..2).all(|axis| (0.0..=size[axis]).contains(&at[axis]));

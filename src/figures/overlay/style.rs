@@ -17,7 +17,7 @@ pub(super) struct Pen {
     pub colour: Colour,
     /// Points.
     pub width: f64,
-    /// How far its border stands out, points.
+    /// Width of its border, points.
     pub border: f64,
     pub is_dashed: bool,
 }
@@ -122,7 +122,7 @@ pub(super) fn label(text: RichText, at: [f64; 2], colour: Colour, size: f64) -> 
     }
 }
 
-/// β in as many digits as tell it from 1: "*β* = 0.9"; or γ where it takes too many.
+/// β with enough digits to distinguish it from 1: "*β* = 0.9"; or γ if that takes too many.
 pub(super) fn speed(velocity: crate::spacetime::Velocity) -> Result<RichText> {
     let (beta, gamma) = (velocity.beta().length(), velocity.gamma());
     let told = |decimals: &usize| {

@@ -7,7 +7,7 @@ use crate::figures::isochrones::lines::{is_heavy, isochrones};
 use crate::figures::isochrones::range::Range;
 use crate::figures::ticks::{Unit, number, round_step};
 
-/// How many of the steps of a picture that shows nothing but isochrones are one here.
+/// The factor on the step of a picture of isochrones only.
 const COARSER: f64 = 2.5;
 /// The most isochrones.
 const MOST: f64 = 1000.0;
@@ -37,7 +37,7 @@ pub struct Isochrone {
 }
 
 impl Isochrones {
-    /// Of times `ct`, metres (NaN where nothing is seen); none where nothing is seen at all.
+    /// The isochrones of times `ct`, metres (NaN for none); `None` if no time is finite.
     pub(super) fn trace(
         size: [u32; 2],
         ct: &[f64],

@@ -12,30 +12,28 @@ use crate::figures::text::RichText;
 use crate::figures::text::rich::escaped;
 use crate::spacetime::{Displacement, Event, InertialFrame, Rest, Velocity, World};
 
-/// About how many ticks clocks have from the first to the last event.
+/// The approximate number of ticks of clocks from the first to the last event.
 const TICKS: f64 = 8.0;
 /// The most pulses that are drawn.
 const MOST_PULSES: usize = 2;
-/// By how much the past cone reaches beyond the emission in 2+1 dimensions.
+/// How much the past cone extends beyond the emission in 2+1 dimensions.
 const BEYOND: f64 = 1.1;
 
 /// An end of the light that a pixel sees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
-    /// Where the camera sees it.
+    /// At the camera.
     Reception,
-    /// Where it was emitted, or where its ray is no longer followed.
+    /// At the emission, or where its ray is no longer followed.
     Emission,
 }
 
-/// The diagram of `probe`, in the coordinates of the frame of this name: "world", "camera", the name of the
-/// object that is met, or one of the frames of `base`; without a name, of the view of `base`. None where there is
-/// no such frame.
+/// The diagram of `probe`, in the coordinates of the frame of this name: "world", "camera", the name of the object that is hit, or one of
+/// the frames of `base`; without a name, of the view of `base`. `None` if there is no such frame.
 ///
-/// Its coordinates are 0 at `origin`, or where the frame has its own.
+/// Its coordinates are 0 at `origin`, or at the frame's own origin.
 ///
-/// Of `base`, the diagram of the same scene, it has unit, limits, dimensions, title, frames and style; but not
-/// what is drawn in it.
+/// It has the unit, limits, dimensions, title, frames and style of `base`, the diagram of the same scene, but not its contents.
 pub fn diagram(
     probe: &Probe,
     base: Diagram,
@@ -48,7 +46,7 @@ pub fn diagram(
     if let Some(name) = frame {
         diagram.views = vec![diagram.frames.iter().position(|known| known.name == name)?];
     }
-    // Views keep their velocities, and get their zero where it is asked for.
+    // Views keep their velocities, with the requested origin.
     if let Some(origin) = origin {
         let event = match origin {
             Origin::Reception => probe.reception.event,
@@ -85,7 +83,7 @@ fn at_rest() -> InertialFrame<Rest> {
 
 /// A diagram in which nothing is drawn.
 fn emptied(base: Diagram) -> Diagram {
-    // Numbers of a pixel need a unit to be read, also where the diagram of the scene does without.
+    // Numbers of a pixel need a unit, even if the diagram of the scene has none.
     let metres = base.unit.metres;
     let mut unit = base.unit;
     if unit.names.is_none() && metres == 1.0 {
@@ -148,7 +146,7 @@ struct Axes {
 }
 
 impl Axes {
-    /// Along the ray, and across it to the side in which there is most to see: motion, or the way to a lamp.
+    /// Along the ray, and perpendicular to it towards the side with most to show: motion, or the way to a lamp.
     fn new(probe: &Probe, view: &InertialFrame<Rest>) -> Axes {
         let (d, _) = view.frame_from_world().direction(probe.direction);
         let along = d.unit();
@@ -187,7 +185,7 @@ impl Probe {
     }
 }
 
-/// A diagram to which what happens is added.
+/// A diagram under construction.
 struct DiagramBuilder<'a> {
     probe: &'a Probe,
     /// In whose coordinates it is drawn first.
@@ -252,7 +250,7 @@ impl DiagramBuilder<'_> {
         self.diagram.lines.push(line);
     }
 
-    /// What is shown of a single view is what happens: world lines go on beyond it.
+    /// A single view shows the events; world lines extend beyond it.
     fn fit(&mut self) {
         let &[view] = self.diagram.views.as_slice() else {
             return;
@@ -359,7 +357,7 @@ impl DiagramBuilder<'_> {
         self.signal(lamp.left, emission, None);
     }
 
-    /// Where the surface is when it is seen.
+    /// The position of the surface when it is seen.
     fn nows(&mut self, hit: &ProbeHit) {
         let reception = self.probe.reception.event;
         let rests = self.probe.reception.frame.velocity().is_rest();
@@ -393,7 +391,7 @@ impl DiagramBuilder<'_> {
     /// All that can be seen at the reception is on its past light cone.
     fn cone(&mut self) {
         let way = self.probe.reception.event - self.probe.far_end();
-        // As high as the emission is early, or wide where the frame sees the light go along x.
+        // As high as the emission is early, or as wide if light travels along x in the frame.
         let way = self.view.frame_from_world().displacement(way);
         let height = BEYOND * way.ct.max(way.x.length());
         self.diagram.cones.push(Cone {

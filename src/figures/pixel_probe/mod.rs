@@ -1,4 +1,4 @@
-//! What one pixel sees, and its space-time diagram.
+//! What a single pixel sees, and its space-time diagram.
 //!
 //! The pixel's ray is traced by the rendering pipeline: the same tile, at the centre of the pixel, so its numbers are those of the
 //! picture's channels. Along the ray and into the past there are
@@ -33,7 +33,7 @@ use serde::Serialize;
 use crate::figures::diagram::model::Track;
 use crate::spacetime::{self, Direction, Event, InertialFrame, Velocity, World};
 
-/// What one pixel sees. Lengths and times are in metres; as data, events are (ct, x, y, z) in the world.
+/// What a single pixel sees. Lengths and times are in metres; as data, events are (ct, x, y, z) in the world.
 #[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
 pub struct Probe {
@@ -51,13 +51,13 @@ pub struct Probe {
     /// The world line of the pinhole.
     #[serde(skip)]
     pub camera: Track,
-    /// That of the sensor element, where there is a sensor that does not turn.
+    /// The world line of the sensor element, if there is a sensor that does not turn.
     #[serde(skip)]
     pub element: Option<Track>,
-    /// What the ray meets.
+    /// What the ray hits.
     #[serde(rename = "surface")]
     pub hit: Option<ProbeHit>,
-    /// How far the ray is followed that meets nothing.
+    /// How far a ray that hits nothing is followed.
     #[serde(skip)]
     pub reach: f64,
 }
@@ -83,7 +83,7 @@ pub struct Reception {
     pub frame: InertialFrame<spacetime::CameraFrame>,
 }
 
-/// What a ray meets.
+/// What a ray hits.
 #[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
 pub struct ProbeHit {
@@ -121,12 +121,12 @@ pub struct ProbeHit {
     /// The same in the world.
     #[serde(serialize_with = "data::maybe_event")]
     pub now_in_world: Option<Event<World>>,
-    /// The pulses whose light is seen there, the brightest first.
+    /// The pulses whose light is visible there, the brightest first.
     #[serde(rename = "lit_by")]
     pub pulses: Vec<PulseLight>,
 }
 
-/// A pulse that lights what is seen.
+/// A pulse that lights the visible point.
 #[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
 pub struct PulseLight {
@@ -136,7 +136,7 @@ pub struct PulseLight {
     /// The event at which the light that is seen left it.
     #[serde(serialize_with = "data::event")]
     pub left: Event<World>,
-    /// How long after the pulse's centre that was, in its standard deviations.
+    /// The time since the pulse's centre, in its standard deviations.
     pub deviations: f64,
     /// Its part of the radiance from all pulses.
     pub share: f64,

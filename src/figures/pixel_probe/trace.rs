@@ -57,7 +57,7 @@ pub fn trace(
         memory_limit,
         ..Request::default()
     };
-    // The light is followed back to where it left, which takes geometry alone.
+    // The light is traced back to where it left, which needs geometry only.
     let mut plan = Plan::new(scene, &request)?;
     plan.cubes.iter_mut().for_each(|cube| *cube = None);
     for object in &mut plan.objects {
@@ -125,7 +125,7 @@ fn camera_ray(prepared: &Prepared, [column, row]: [u32; 2]) -> (CameraRay, f64) 
     (prepared.camera.view.ray(x, y, moment), moment)
 }
 
-/// How far to follow a ray that meets nothing: as far as the farthest origin of an object is from the pinhole.
+/// How far to follow a ray that hits nothing: the largest distance of an object's origin from the pinhole.
 fn reach(scene: &Scene, pinhole: Event<World>) -> f64 {
     let far = scene
         .objects
@@ -143,8 +143,7 @@ struct Arrival<'a> {
     /// The film vector D of the element.
     film: DVec3,
     shot: Event<World>,
-    /// Whether the light goes from the pinhole on to a sensor element, which the equations of the paper
-    /// leave out.
+    /// Whether the light continues from the pinhole to a sensor element, which the equations of the paper ignore.
     has_element: bool,
 }
 
@@ -220,7 +219,7 @@ impl<'a> Arrival<'a> {
         Some(self.state.event + self.state.frame().world_from_frame().displacement(offset))
     }
 
-    /// The element's world line, where it does not turn.
+    /// The element's world line, if it does not turn.
     fn track(&self) -> Option<Track> {
         let sensor = self
             .model
@@ -285,7 +284,7 @@ impl Exposed<'_> {
         }
     }
 
-    /// The pulses whose light is seen: each has its picture taken alone.
+    /// The pulses whose light is visible: each is rendered alone.
     fn pulses(&mut self, scene: &Scene, film: &Film) -> Result<Vec<PulseLight>> {
         let Some(light) = self.prepared.light.time_resolved() else {
             return Ok(Vec::new());

@@ -11,7 +11,7 @@ pub(super) struct Run {
     pub text: String,
 }
 
-/// Where a run stands on its line.
+/// The position of a run relative to its line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Level {
     Line,
@@ -19,7 +19,7 @@ pub(super) enum Level {
     Superscript,
 }
 
-/// How many braces may be open at once: reading takes stack for each.
+/// The largest depth of braces: each level of parsing takes stack.
 const DEEPEST: usize = 32;
 
 /// Signs by name, as TeX calls them.
@@ -84,7 +84,7 @@ pub(super) fn signs() -> impl Iterator<Item = (&'static str, char)> {
 /// The runs of `markup`.
 ///
 /// # Errors
-/// What the markup leaves open or does not know, with the place in characters.
+/// Unclosed or unknown markup, with the position in characters.
 pub(super) fn parse(markup: &str) -> Result<Vec<Run>> {
     let mut parser = Parser {
         markup,
@@ -109,9 +109,9 @@ struct Parser<'a> {
     markup: &'a str,
     characters: Vec<char>,
     next: usize,
-    /// How many braces are open.
+    /// Number of open braces.
     depth: usize,
-    /// Where the italics in which we are began.
+    /// The start of the current italics.
     italics: Option<usize>,
     runs: Vec<Run>,
 }
@@ -139,7 +139,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Reads what stands in braces, of which the first is taken.
+    /// Reads text in braces, after the opening one.
     fn braces(&mut self, level: Level) -> Result<()> {
         let open = self.next - 1;
         // Braces are read recursively: the stack is no place for a file's braces without end.
@@ -153,7 +153,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// What begins with `c`, which is taken.
+    /// Reads an element that begins with `c`, which is already consumed.
     fn element(&mut self, c: char, level: Level) -> Result<()> {
         match c {
             '*' if self.italics.is_some() => self.italics = None,
@@ -190,14 +190,14 @@ impl Parser<'_> {
         }
     }
 
-    /// What follows a backslash: a name, or a character that is meant as it stands.
+    /// Reads what follows a backslash: a name, or a literal character.
     fn escape(&mut self, level: Level) -> Result<()> {
         let at = self.next - 1;
         let name: String = self.characters[self.next..]
             .iter()
             .take_while(|c| c.is_ascii_alphabetic())
             .collect();
-        // Without letters: the next character as it stands.
+        // Without letters: the next character, literally.
         if name.is_empty() {
             let Some(c) = self.take() else {
                 return Err(self.wrong(

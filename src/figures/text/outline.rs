@@ -1,11 +1,11 @@
 //! Outlines of text, and the bounds of their ink.
 
-/// A path that is to be filled by the non-zero rule.
+/// A path to be filled by the non-zero rule.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Outline {
     /// The path; every contour begins with a [`Segment::Move`] and ends with a [`Segment::Close`].
     pub segments: Vec<Segment>,
-    /// How far the text advances.
+    /// Advance width of the text.
     pub width: f64,
 }
 
@@ -45,7 +45,7 @@ impl Segment {
         }
     }
 
-    /// Where the segment ends; none for [`Segment::Close`].
+    /// The end of the segment; `None` for [`Segment::Close`].
     pub fn end(self) -> Option<[f64; 2]> {
         match self {
             Segment::Move(p) | Segment::Line(p) => Some(p),
@@ -61,7 +61,7 @@ impl Rect {
         [0, 1].map(|axis| self.max[axis] - self.min[axis])
     }
 
-    /// Whether a straight line from `a` to `b` goes through it, edges included (Liang and Barsky 1984).
+    /// Whether a straight line from `a` to `b` crosses it, including its edges (Liang and Barsky 1984).
     pub(crate) fn is_crossed(&self, a: [f64; 2], b: [f64; 2]) -> bool {
         let (mut from, mut to) = (0f64, 1f64);
         for i in 0..2 {
@@ -79,7 +79,7 @@ impl Rect {
         from <= to
     }
 
-    /// The least box that holds every point; none for no points.
+    /// The bounding box of points; `None` for no points.
     pub fn around(points: impl IntoIterator<Item = [f64; 2]>) -> Option<Rect> {
         let mut points = points.into_iter();
         let first = points.next()?;
@@ -94,7 +94,7 @@ impl Rect {
     }
 }
 
-/// The least box that holds a path, which may be less than that of its control points; none for no path.
+/// The bounding box of a path, which may be smaller than that of its control points; `None` for an empty path.
 pub fn bounds(segments: &[Segment]) -> Option<Rect> {
     let mut points = Vec::with_capacity(segments.len());
     let mut from = [0.0; 2];

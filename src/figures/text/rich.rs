@@ -4,10 +4,10 @@
 //! *x*_A     *ct*'     *γ* = 5/3     10^{-9} s     \Delta*τ*     Alice's clock
 //! ```
 //!
-//! | markup | what it sets |
+//! | markup | meaning |
 //! |---|---|
 //! | `*…*` | italics, for quantities |
-//! | `_a`, `_{…}`, `^a`, `^{…}` | a subscript or a superscript; both, one directly after the other, stand above each other |
+//! | `_a`, `_{…}`, `^a`, `^{…}` | a subscript or a superscript; if one directly follows the other, they are set above each other |
 //! | `'` | a prime ′ (`''`: ″), but the apostrophe ’ between two upright letters |
 //! | `-` | the minus −, but a hyphen directly after a letter or a digit |
 //! | `\gamma`, `\times`, … | Greek letters and signs by name; `{}` after it separates it from letters |
@@ -23,9 +23,9 @@ use crate::error::{Error, Result};
 
 /// The size of scripts, in that of their line.
 const SCRIPT: f64 = 0.7;
-/// How far a superscript's baseline is raised, em of the line.
+/// Rise of a superscript's baseline, em of the line.
 const RAISE: f64 = 0.33;
-/// How far a subscript's baseline is lowered, em of the line.
+/// Drop of a subscript's baseline, em of the line.
 const LOWER: f64 = 0.18;
 
 /// The most characters of a line: more than any page has room for.
@@ -57,7 +57,7 @@ impl RichText {
         RichText::of(parse(markup)?)
     }
 
-    /// `text` as it stands, upright, nothing in it being markup.
+    /// `text` literally, upright, without markup.
     ///
     /// # Errors
     /// A character that the font does not have.
@@ -90,8 +90,7 @@ impl RichText {
         Ok(text)
     }
 
-    /// The characters without style; scripts as `_{…}` and `^{…}`, without braces where they are one
-    /// character.
+    /// The characters without style; scripts as `_{…}` and `^{…}`, without braces if they are one character.
     pub fn text(&self) -> String {
         let mut text = String::new();
         let mut runs = self.runs.as_slice();
@@ -105,7 +104,7 @@ impl RichText {
         text
     }
 
-    /// The text for LaTeX; what is a sign of mathematics there is set as one.
+    /// The text for LaTeX; mathematical symbols are set in math mode.
     pub(crate) fn tex(&self) -> String {
         let mut all = String::new();
         for run in &self.runs {
@@ -134,7 +133,7 @@ impl RichText {
     /// The outline with `size` units per em, from the left end of the baseline.
     ///
     /// # Errors
-    /// None for what [`RichText::parse`] and [`RichText::plain`] make.
+    /// Never fails for results of [`RichText::parse`] and [`RichText::plain`].
     pub fn outline(&self, size: f64) -> Result<Outline> {
         let text = self.text();
         Ok(self.set(&text, size)?.outline)
@@ -163,7 +162,7 @@ impl RichText {
         Ok(setter)
     }
 
-    /// How far the text advances with `size` units per em.
+    /// Advance width of the text with `size` units per em.
     ///
     /// # Errors
     /// As [`RichText::outline`].
@@ -171,8 +170,8 @@ impl RichText {
         Ok(self.outline(size)?.width)
     }
 
-    /// The box of the ink with `size` units per em, x from the left end of the baseline and y down from
-    /// the baseline; of no size where there is no ink.
+    /// The box of the ink with `size` units per em, x from the left end of the baseline and y down from the baseline; of size 0 if there is
+    /// no ink.
     ///
     /// # Errors
     /// As [`RichText::outline`].
@@ -208,17 +207,17 @@ impl Level {
     }
 }
 
-/// Keeps scripts of the two kinds that follow each other at one place, and keeps leaning letters clear
-/// of what stands upright or high after them.
+/// Sets subscripts and superscripts that follow each other at the same position, and keeps italic letters clear of upright or raised text
+/// after them.
 #[derive(Default)]
 struct Place {
-    /// Where a script may begin: the end of the line so far.
+    /// The start of a script: the end of the line so far.
     base: f64,
-    /// By how much the last letter of the line leans over that.
+    /// The overhang of the line's last letter beyond that.
     overhang: f64,
     /// The scripts at that place, in order.
     scripts: Vec<Level>,
-    /// Where the longest of them ends, or the line if there are none.
+    /// The end of the longest script, or of the line if there are none.
     far: f64,
 }
 
@@ -243,7 +242,7 @@ impl Place {
         self.base + self.correction(run)
     }
 
-    /// The italic correction: none where nothing of `run` would touch the letter that leans.
+    /// The italic correction: 0 if nothing in `run` would touch the italic letter.
     fn correction(&self, run: &Run) -> f64 {
         let upright = run.style == Style::Upright && !run.text.starts_with([' ', '.', ',']);
         match run.level {

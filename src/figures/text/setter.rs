@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 const REGULAR: &[u8] = include_bytes!("fonts/LibertinusSerif-Regular.otf");
 const ITALIC: &[u8] = include_bytes!("fonts/LibertinusSerif-Italic.otf");
 
-/// How a run of text is set.
+/// The style of a run of text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Style {
     /// Words, numbers and units.
@@ -19,7 +19,7 @@ pub(super) enum Style {
     Italic,
 }
 
-/// A glyph of a line of text, and where it stands.
+/// A glyph of a line of text, and its position.
 #[cfg_attr(not(feature = "pdf"), allow(dead_code))]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Glyph {
@@ -27,13 +27,13 @@ pub(crate) struct Glyph {
     pub leans: bool,
     /// Its number in the font.
     pub id: u16,
-    /// What it stands for.
+    /// Its character.
     pub character: char,
     /// Its origin, from the left end of the baseline, y down.
     pub at: [f64; 2],
     /// Units per em.
     pub size: f64,
-    /// How far it advances, em.
+    /// Its advance, em.
     pub advance: f64,
 }
 
@@ -54,7 +54,7 @@ pub(crate) struct Font {
 /// The upright or the leaning font.
 ///
 /// # Errors
-/// None for the fonts that are embedded here.
+/// Never fails for the embedded fonts.
 #[cfg(feature = "pdf")]
 pub(crate) fn font(leans: bool) -> Result<Font> {
     let (data, name) = match leans {
@@ -78,15 +78,15 @@ pub(crate) fn font(leans: bool) -> Result<Font> {
     })
 }
 
-/// A line of text as it grows: its outline so far, whose width is where the next run begins.
+/// A line of text under construction: its outline so far, whose width is where the next run begins.
 pub(super) struct Setter<'a> {
-    /// What errors call the text.
+    /// The text's name in error messages.
     text: &'a str,
     upright: Face<'static>,
     italic: Face<'static>,
     pub outline: Outline,
     pub glyphs: Vec<Glyph>,
-    /// By how much the last glyph of the last run leans over what follows it.
+    /// The overhang of the last run's last glyph beyond what follows it.
     pub overhang: f64,
 }
 
@@ -104,7 +104,7 @@ impl<'a> Setter<'a> {
 
     /// Adds `run` with `size` units per em, its baseline raised by `rise`.
     ///
-    /// What the italic font lacks is taken from the upright one.
+    /// Characters that the italic font lacks are taken from the upright one.
     ///
     /// # Errors
     /// A character that neither font has.
@@ -206,8 +206,7 @@ impl OutlineBuilder for Pen<'_> {
     }
 }
 
-/// By how much `second` moves towards or away from `first`, font units. The embedded fonts have no
-/// lookups other than those of kerning.
+/// How much `second` moves towards or away from `first`, font units. The embedded fonts have no lookups other than those for kerning.
 fn kerning(face: &Face, first: GlyphId, second: GlyphId) -> i32 {
     let Some(gpos) = face.tables().gpos else {
         return 0;

@@ -1,4 +1,4 @@
-//! Gaps in lines for labels, if a crowded page or a moving label leaves no other place.
+//! Gaps in lines for labels, if a crowded page or a moving label has no other place.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use super::labels::{widened, without};
 use crate::figures::drawing::{Item, Path, Stroke};
 use crate::figures::text::{Rect, Segment};
 
-/// What is left free around a label, points.
+/// Free space around a label, points.
 const AIR: f64 = 0.6;
 /// The height of a row in which labels are looked up, points.
 const ROW: f64 = 16.0;
@@ -62,7 +62,7 @@ impl Labels {
         }
     }
 
-    /// The labels that a line goes through, with some air.
+    /// The labels that a line crosses, with some space around them.
     fn crossed(&self, points: &[[f64; 2]]) -> Vec<Rect> {
         let mut found: Vec<Rect> = Vec::new();
         for ends in points.windows(2) {
@@ -86,7 +86,7 @@ fn row(y: f64) -> i32 {
     (y / ROW).clamp(-1e6, 1e6).floor() as i32
 }
 
-/// The points of a path of one straight line after the other.
+/// The points of a path that consists of straight lines.
 fn straight(path: &Path) -> Option<Vec<[f64; 2]>> {
     let point = |(i, segment): (usize, &Segment)| match *segment {
         Segment::Move(point) if i == 0 => Some(point),
@@ -100,7 +100,7 @@ fn straight(path: &Path) -> Option<Vec<[f64; 2]>> {
     path.0.iter().enumerate().map(point).collect()
 }
 
-/// What is left of a line; its arrowheads stay at its ends.
+/// The remaining parts of a line; its arrowheads stay at its ends.
 fn pieces(points: &[[f64; 2]], stroke: Stroke, gaps: &[Rect]) -> Vec<Item> {
     let mut lines: Vec<Vec<[f64; 2]>> = Vec::new();
     for ends in points.windows(2) {

@@ -16,17 +16,17 @@ pub(super) const BEAD: f64 = 2.5;
 pub(super) const TICK: f64 = 2.4;
 /// Signals of less height have a smaller head half way, points.
 const HEADED: f64 = 14.0;
-/// Those of less have none.
+/// Shorter signals have no head.
 const HEADLESS: f64 = 3.0;
 
-/// What a panel's lines are drawn with.
+/// The pen for a panel's lines.
 pub(super) struct Pen<'a> {
     pub panel: &'a Panel,
     pub map: &'a Map,
     pub theme: &'a Theme,
 }
 
-/// With `gaps` in what moves from picture to picture.
+/// With `gaps` in lines that move from picture to picture.
 pub(super) fn of(
     panel: &Panel,
     map: &Map,
@@ -82,7 +82,7 @@ pub(super) fn area_colour(panel: &Panel, theme: &Theme, area: &Area) -> Colour {
     }
 }
 
-/// The colour of what is simultaneous.
+/// The colour of simultaneity.
 pub(super) fn now_colour(panel: &Panel, theme: &Theme, now: &Now) -> Colour {
     match now.colour {
         Some(name) => theme.colour(name),
@@ -100,7 +100,7 @@ pub(super) fn cone_fill(theme: &Theme) -> Colour {
     theme.light.with_alpha(theme.shade)
 }
 
-/// The tip of the head that a signal has about half way, and its size in that of others; `None` for a very short one.
+/// The tip of a signal's head, about half way, and its size relative to others; `None` for a very short one.
 pub(super) fn head(panel: &Panel, map: &Map, ends: [Point; 2]) -> Option<(Point, f64)> {
     let [from, to] = panel.limits.segment(ends[0], ends[1])?;
     let height = map.at(to)[1] - map.at(from)[1];
@@ -161,7 +161,7 @@ impl Pen<'_> {
                 true => thin(colour).dashed([3.2, 2.0]),
                 false => thin(colour),
             };
-            // Light is seen through what is translucent: whole, since pieces of it would look like several signals.
+            // Light is visible through translucent areas, without gaps: pieces of it would look like several signals.
             items.push(self.line(signal.ends, stroke));
             if let Some((tip, size)) = head(self.panel, self.map, signal.ends) {
                 let head = thin(colour).ending(Arrow {
@@ -233,7 +233,7 @@ impl Pen<'_> {
         items
     }
 
-    /// A broad line as an area: the thin one on it is the only line there.
+    /// A broad line as an area: only the thin one on it is a line.
     fn band(&self, ends: [Point; 2], band: Stroke) -> Item {
         let [a, b] = ends.map(|end| self.map.at(end));
         let [x, y] = [b[0] - a[0], b[1] - a[1]];
@@ -313,7 +313,7 @@ impl Pen<'_> {
         all.collect()
     }
 
-    /// What is simultaneous, interrupted at `gaps`.
+    /// Simultaneous events, interrupted at `gaps`.
     fn now(&self, gaps: &[Rect]) -> Vec<Item> {
         let lines = self.panel.now.iter().flat_map(|now| {
             let stroke = self.theme.thin(now_colour(self.panel, self.theme, now));

@@ -29,7 +29,7 @@ const BESIDE: f64 = 16.0;
 /// Draws a layout.
 ///
 /// # Errors
-/// Where a label holds what cannot be set; never for a layout of a resolved diagram.
+/// If a label contains characters that cannot be set; never for a layout of a resolved diagram.
 pub fn draw(layout: &Layout, style: &Style) -> Result<Drawing> {
     draw_next(layout, style, &mut Habits::default())
 }
@@ -53,7 +53,7 @@ pub(crate) fn draw_next(layout: &Layout, style: &Style, habits: &mut Habits) -> 
         let words = words::Words::new(panel, map, &theme, number);
         requests.extend(words.all(style, &ground, habits)?);
     }
-    // What sweeps over the page is interrupted at labels, which stay where they are.
+    // Moving lines are interrupted at labels, which stay in place.
     let labels = labels::place(&ground, &requests, habits)?;
     let boxes = boxes(&labels)?;
     let gaps: Vec<Rect> = boxes.iter().map(|rect| widened(*rect, GAP)).collect();
@@ -94,14 +94,14 @@ fn boxes(labels: &[Item]) -> Result<Vec<Rect>> {
     texts.collect()
 }
 
-/// What is said below a diagram that has light beside its plane.
+/// The note below a diagram with light outside of its plane.
 fn note(layout: &Layout, theme: &Theme, page: &Page) -> Result<Option<Item>> {
     if !has_projected_light(layout) {
         return Ok(None);
     }
     let words = RichText::plain("dashed light leaves the plane of the diagram: its projection")?;
     let at = [0.5 * page.width, page.height - 0.6 * theme.size];
-    // Smaller where the page is too narrow for it.
+    // Smaller if the page is too narrow for it.
     let room = (page.width - theme.size) / words.width(1.0)?;
     let size = room.min(0.8 * theme.size);
     Ok(Some(Item::Text(Text {

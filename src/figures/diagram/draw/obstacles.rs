@@ -8,12 +8,12 @@ use super::theme::Theme;
 use crate::figures::diagram::layout::{Panel, Tick};
 use crate::figures::text::Rect;
 
-/// How much a label is disturbed by thin lines, and by the faint ones of a grid.
+/// How much thin lines, and the faint ones of a grid, disturb a label.
 const THIN: f64 = 0.8;
 const FAINT: f64 = 0.15;
 /// By a floor's edges, the dotted lines down to it and the shadows on it.
 const DOTTED: f64 = 0.4;
-/// In how many pieces a side of a panel is looked at, and how far within the panel, points.
+/// The number of pieces into which a side of a panel is divided, and how far within the panel they are, points.
 const PIECES: u32 = 64;
 const INNER: f64 = 0.1;
 /// Of the head of a signal's arrow, points.
@@ -21,7 +21,7 @@ const HEAD: f64 = 3.0;
 /// Of the head of an axis, about its tip.
 const AXIS_HEAD: f64 = 2.5;
 
-/// Tells `ground` of all that is drawn of a panel, but for the line that sweeps over it: it is interrupted at labels.
+/// Adds everything drawn in a panel to `ground`, except for the moving line, which is interrupted at labels.
 pub(super) fn add(ground: &mut Ground, panel: &Panel, map: &Map, theme: &Theme) {
     ground.within(widened(map.rect()));
     areas(ground, panel, map, theme);

@@ -1,6 +1,6 @@
 //! 2+1 dimensions: the floor, cones, planes, and hidden lines.
 //!
-//! All surfaces are translucent. What is behind one is drawn paler, so that it looks behind, and the rim of a past cone is dashed where
+//! All surfaces are translucent. Anything behind one is drawn paler, so that it looks behind, and the rim of a past cone is dashed where
 //! the cone hides it.
 
 use super::layers::{Pen, frame_colour, line_colour};
@@ -17,10 +17,10 @@ const FLOOR: u8 = 9;
 const FAR_SIDE: u8 = 26;
 const NEAR_SIDE: u8 = 44;
 const PLANE: u8 = 34;
-/// Pieces in which lines are looked at, and halvings at the edge of what hides them.
+/// Pieces into which lines are divided to find hidden parts, and bisections of their ends.
 const PIECES: u32 = 96;
 const HALVINGS: u32 = 12;
-/// Every so many points of a rim there is a generator.
+/// Every how many points of a rim there is a generator.
 const GENERATOR: usize = 8;
 
 /// The colour of a plane: its own if given, or that of its frame; grey for the view's own.
@@ -50,7 +50,7 @@ pub(super) fn mantle(nappe: &Nappe, rim: &[Point]) -> Vec<Point> {
     edge
 }
 
-/// What is shaded of a room, in the order in which it is drawn, with its colours.
+/// The shaded surfaces of a room, in drawing order, with their colours.
 pub(super) fn shaded(panel: &Panel, theme: &Theme) -> Vec<(Vec<Point>, Colour)> {
     let floor = panel.solid.iter();
     let mut all: Vec<_> = floor
@@ -74,7 +74,7 @@ pub(super) fn shaded(panel: &Panel, theme: &Theme) -> Vec<(Vec<Point>, Colour)> 
     all
 }
 
-/// A text, its colour, and the points of the page that it may stand beside.
+/// A text, its colour, and the points of the page that it may be placed beside.
 type Wording<'a> = (&'a str, Colour, Vec<[f64; 2]>);
 
 /// The labels of planes: at their corners, or half way between these.
@@ -98,7 +98,7 @@ pub(super) fn plane_labels<'a>(
 }
 
 impl Pen<'_> {
-    /// The floor, and what is straight below things.
+    /// The floor, and the shadows on it.
     pub fn floor(&self) -> Vec<Item> {
         let Some(solid) = &self.panel.solid else {
             return Vec::new();
@@ -117,7 +117,7 @@ impl Pen<'_> {
                 self.map.polyline(&shadow.points),
                 thin(colour, 0.55),
             ));
-            // What rests is above one point.
+            // Anything at rest is above one point.
             let foot = shadow
                 .points
                 .first()
@@ -144,7 +144,7 @@ impl Pen<'_> {
         items
     }
 
-    /// Cones and planes: pasts, then what is simultaneous, then futures, since each is seen from above.
+    /// Cones and planes: past cones, then planes of simultaneity, then future cones, since each is seen from above.
     pub fn solids(&self) -> Vec<Item> {
         let [past, future] = nappes(self.panel);
         let mut items: Vec<Item> = past
@@ -208,7 +208,7 @@ impl Pen<'_> {
         planes.collect()
     }
 
-    /// A line, paler where it is behind a cone or a plane.
+    /// A line, paler behind a cone or a plane.
     pub fn strokes(&self, points: &[Point], stroke: &Stroke) -> Vec<Item> {
         let has_surfaces = !self.panel.planes.is_empty()
             || self.panel.cones.iter().any(|cone| !cone.nappes.is_empty());
@@ -242,7 +242,7 @@ impl Pen<'_> {
         parts
     }
 
-    /// Adds a short piece, cut in two where it goes behind something or comes out.
+    /// Adds a short piece, cut in two where it passes behind something or emerges.
     fn add_piece(&self, parts: &mut Vec<(bool, Vec<Point>)>, from: Point, to: Point) {
         let before = parts
             .last()
@@ -267,7 +267,7 @@ impl Pen<'_> {
             .for_each(|part| part.1.push(to));
     }
 
-    /// Where between two points what was `before` changes.
+    /// The point between two points where being hidden changes from `before`.
     fn edge(&self, from: Point, to: Point, before: bool) -> Point {
         let (mut low, mut high) = (0.0, 1.0);
         // Bisection: `low` is like the first point, `high` like the second.
@@ -281,7 +281,7 @@ impl Pen<'_> {
         from.plus(high, to.from(from))
     }
 
-    /// Whether a cone or a plane is before a point. What is on one of them is not behind it.
+    /// Whether a cone or a plane is in front of a point. Points on one of them are not behind it.
     fn is_hidden(&self, p: Point) -> bool {
         let [width, height] = self.panel.limits.size();
         let clearance = 1e-6 * (width + height);

@@ -3,7 +3,7 @@
 use crate::figures::diagram::model::{Colour as Name, Style};
 use crate::figures::drawing::{Cap, Colour, Stroke};
 
-/// The colours of world lines, and of frames other than the view's own, where none is given.
+/// The default colours of world lines, and of frames other than the view's own.
 const LINES: [Name; 5] = [Name::Blue, Name::Red, Name::Green, Name::Purple, Name::Sky];
 const FRAMES: [Name; 4] = [Name::Red, Name::Green, Name::Purple, Name::Sky];
 
@@ -13,7 +13,7 @@ pub(super) struct Theme {
     pub background: Colour,
     pub ink: Colour,
     pub light: Colour,
-    /// Width of world lines, points; all others follow.
+    /// Width of world lines, points; all other widths follow from it.
     pub width: f64,
     /// Size of the type, points.
     pub size: f64,
@@ -62,7 +62,7 @@ impl Theme {
     /// The stroke of the i-th world line.
     pub fn world_line(&self, i: usize, colour: Colour) -> Stroke {
         let stroke = Stroke::new(colour, self.width).rounded();
-        // Whole, dashed, dash-dotted, dotted: told apart without their colours.
+        // Solid, dashed, dash-dotted, dotted: distinguishable without colours.
         let pattern: &[f64] = match i % 4 {
             _ if !self.patterns => &[],
             0 => &[],
@@ -85,7 +85,7 @@ impl Theme {
     }
 }
 
-/// A colour of the palette on white or on black; `None` for that of the ink.
+/// A colour of the palette on white or on black; `None` for the ink's colour.
 fn hue(name: Name, dark: bool) -> Option<Colour> {
     let (on_white, on_black) = match name {
         Name::Black => return None,

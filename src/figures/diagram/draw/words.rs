@@ -25,7 +25,7 @@ const BETWEEN: [[f64; 2]; 8] = [
     [-0.45, -0.9],
     [-0.45, 0.9],
 ];
-/// Where the numbers of an axis of time may stand, and of one of space: on the side that is usual, and on the other.
+/// The possible positions of the numbers of a time axis, and of a space axis: on the usual side, and on the other.
 const BESIDE: [[[f64; 2]; 5]; 2] = [
     [
         [-1.0, 0.0],
@@ -68,7 +68,7 @@ pub(super) struct Words<'a> {
     panel: &'a Panel,
     map: &'a Map,
     theme: &'a Theme,
-    /// The number of the panel; none where it is the only one.
+    /// The number of the panel; `None` if there is only one.
     number: Option<usize>,
 }
 
@@ -202,7 +202,7 @@ impl<'a> Words<'a> {
                 all.extend(numbers(axis, &[[0.9, 0.4], [0.9, -0.4], [0.9, 0.0]]));
             }
         }
-        // Numbers of clocks stand to the right of their lines.
+        // Readings of clocks are to the right of their lines.
         for (i, line) in self.panel.world_lines.iter().enumerate() {
             let colour = line_colour(self.panel, self.theme, i);
             let sides = vec![[1.0, 0.0], [0.9, 0.4], [0.9, -0.4]];
@@ -234,7 +234,7 @@ impl<'a> Words<'a> {
         let requests = seen.filter_map(|event| {
             let at = vec![self.map.at(event.at)];
             let colour = self.theme.colour(event.colour.unwrap_or(Name::Black));
-            // Words that are long get past lines near by where they are higher or lower, or farther off.
+            // Long text avoids nearby lines better if it is higher, lower or farther off.
             let directions = AROUND.iter().chain(&BETWEEN).copied().collect();
             Some(Request {
                 directions,
@@ -245,7 +245,7 @@ impl<'a> Words<'a> {
         requests.collect()
     }
 
-    /// What clocks on their way show.
+    /// The readings of moving clocks.
     fn readings(&self) -> Vec<Request> {
         let beads = self.panel.now.iter().flat_map(|now| &now.beads);
         let requests = beads.filter_map(|bead| {

@@ -8,9 +8,9 @@ use super::view::View;
 use crate::figures::diagram::model::Reference;
 use crate::figures::ticks::round_step;
 
-/// About how many ticks the longer side of a diagram has.
+/// The approximate number of ticks along the longer side of a diagram.
 const TICKS: f64 = 7.0;
-/// How much closer than these the ticks of other frames may make them.
+/// How much closer together the ticks of other frames may be.
 const CLOSEST: f64 = 2.6;
 /// The most ticks of an axis.
 const MOST: i64 = 400;
@@ -26,8 +26,8 @@ pub(crate) fn tick_step(rough: f64) -> f64 {
     round_step(0.999 * rough)
 }
 
-/// The distance of the ticks of a frame: its own, or that of all others, where these are alike and not too close for the
-/// diagram, or else that of the diagram.
+/// The tick distance of a frame: its own; or that of all others, if these are equal and not too close for the diagram; or that of the
+/// diagram.
 fn step_of(view: &View, frame: &Reference, limits: &Limits) -> f64 {
     let unit = view.diagram.unit.metres;
     let mut others = view.diagram.frames.iter().skip(1).filter(|it| it.axes);
@@ -48,16 +48,16 @@ pub(super) fn all(view: &View, limits: &Limits) -> Vec<Axes> {
     });
     let own = own.into_iter();
     let frames = view.diagram.frames.iter().enumerate();
-    // Of the world's axes there is something to compare with where others have some.
+    // The world's axes have ticks for comparison if others have some.
     let moving = passing || view.diagram.frames.iter().skip(1).any(|frame| frame.axes);
     let others = frames.filter(|(i, frame)| *i != view.index && frame.axes && moving);
     let others = others.filter_map(|(i, frame)| axes(view, limits, i, frame));
     own.chain(others).collect()
 }
 
-/// The view's own: through its origin, or along the edges where that is out of sight.
+/// The view's own axes: through its origin, or along the edges if that is out of sight.
 fn own_axes(view: &View, limits: &Limits) -> Axes {
-    // Through 0 where it is in sight.
+    // Through 0 if it is in view.
     let within = |[low, high]: [f64; 2]| if low < 0.0 && high > 0.0 { 0.0 } else { low };
     let origin = Point::new(within(limits.ct), within(limits.x));
     let step = step_of(view, &view.reference, limits);
@@ -111,7 +111,7 @@ fn room_axes(view: &View, limits: &Limits) -> Axes {
             along,
             label: Some(number(value)),
         };
-        // Those next to the corners are on other edges too.
+        // Those close to the corners are on other edges, too.
         let clear = 0.03 * (high - low);
         let inner = |value: &f64| (low + clear..=high - clear).contains(value);
         Axis {
@@ -137,7 +137,7 @@ fn axes(view: &View, limits: &Limits, index: usize, frame: &Reference) -> Option
     let origin = view.origin_of(index);
     let step = step_of(view, frame, limits);
     let [time, space] = view.axes_of(index);
-    // A moving frame's ticks have numbers where their distance is given, or where there is room for them.
+    // A moving frame's ticks have numbers if their distance is given, or if there is room for them.
     let moving = view.diagram.frames.iter().enumerate();
     let mut moving = moving.filter(|(i, other)| *i != view.index && other.axes);
     let numbered = match index {
@@ -193,8 +193,8 @@ pub(super) fn multiples(step: f64, [low, high]: [f64; 2]) -> impl Iterator<Item 
     (0..=count).map(move |k| (first + k as f64) * step)
 }
 
-/// What stands at the axes of a frame, time first: a prime for each of its name, or else the name below; and
-/// at the view's own along what x is.
+/// The labels at the axes of a frame, time first: a prime for each in its name, or else the name as an index; and the meaning of x at the
+/// view's own.
 fn labels(view: &View, frame: &Reference) -> [String; 3] {
     let name = frame.name.as_str();
     let bare = name.trim_end_matches(['\'', '′']);
@@ -227,7 +227,7 @@ fn labels(view: &View, frame: &Reference) -> [String; 3] {
     ]
 }
 
-/// The lines of equal time and place of frames with a grid, and of the view where the style has one.
+/// The lines of equal time and position of frames with a grid, and of the view if the style has one.
 pub(super) fn grid(view: &View, limits: &Limits) -> Vec<GridLine> {
     let mut lines = Vec::new();
     for (i, frame) in view.diagram.frames.iter().enumerate() {
@@ -249,7 +249,7 @@ fn grid_of(view: &View, limits: &Limits, index: usize, step: f64) -> Vec<GridLin
     let count = (far / step).min(most) as i64;
     let mut lines = Vec::new();
     for (across, along) in [(time, space), (space, time)] {
-        // Where its axes are drawn, no line of the grid is on them.
+        // Where its axes are drawn, there is no grid line.
         let axes = view.index == index || view.diagram.frames.get(index).is_some_and(|f| f.axes);
         let all = (-count..=count).filter(|k| *k != 0 || !axes);
         let ends = all.filter_map(|k| {

@@ -47,8 +47,8 @@ fn times(view: &View, limits: &Limits, track: &Track) -> [f64; 2] {
 
 fn curve(view: &View, limits: &Limits, track: &Track, [from, to]: [f64; 2]) -> Curve {
     let at = |time: f64| Some(view.point(track.at(time)?.event));
-    // Straight pieces need their corners alone. A curve is looked at in so many pieces at least: one that bends to both sides
-    // may pass through the middle of its chord.
+    // Straight lines need their vertices only. A curve is divided into at least this many pieces: one that bends to both sides may pass
+    // through the middle of its chord.
     let mut knots = vec![from];
     let corners = track.corners();
     if track.bends() || (corners.is_empty() && !track.is_straight()) {
@@ -72,7 +72,7 @@ fn curve(view: &View, limits: &Limits, track: &Track, [from, to]: [f64; 2]) -> C
     }
 }
 
-/// The longest part of a curve that is within: in 2+1 dimensions there is no edge of the page to cut it off.
+/// The longest part of a curve that is within the limits: in 2+1 dimensions the page has no edge to clip it.
 fn within(limits: &Limits, points: &[Point]) -> Curve {
     let mut parts: Vec<Vec<Point>> = vec![Vec::new()];
     for pair in points.windows(2) {
@@ -80,14 +80,14 @@ fn within(limits: &Limits, points: &[Point]) -> Curve {
             parts.push(Vec::new());
             continue;
         };
-        // A part begins where the curve comes in, at the edge …
+        // A part begins where the curve enters, at the edge …
         if let Some(part) = parts.last_mut() {
             if part.is_empty() {
                 part.push(a);
             }
             part.push(b);
         }
-        // … and ends where it goes out.
+        // … and ends where it leaves.
         if b != pair[1] && !limits.contains(pair[1]) {
             parts.push(Vec::new());
         }
@@ -115,7 +115,7 @@ fn bend(
     let middle = a.0 + 0.5 * (b.0 - a.0);
     let Some(m) = at(middle) else { return };
     let vector = |p: Point| DVec3::new(p.x, p.y, p.ct);
-    // How far the middle lies from the chord: |chord × (m − a)| / |chord|.
+    // The distance of the middle from the chord: |chord × (m − a)| / |chord|.
     let chord = vector(b.1.from(a.1));
     let across = chord.cross(vector(m.from(a.1))).length() / chord.length();
     if halvings > 0 && across > allowed {
@@ -132,7 +132,7 @@ fn ticks(view: &View, limits: &Limits, line: &NamedLine, [from, to]: [f64; 2]) -
     let Some(step) = line.ticks else {
         return Vec::new();
     };
-    // Times are k·step; rounding takes none at an end away.
+    // Times are k·step; rounding must not remove one at an end.
     let first = libm::ceil(from / step - 1e-9);
     let last = libm::floor(to / step + 1e-9);
     let ticked = view
@@ -140,7 +140,7 @@ fn ticks(view: &View, limits: &Limits, line: &NamedLine, [from, to]: [f64; 2]) -
         .lines
         .iter()
         .filter(|line| line.ticks.is_some());
-    // More than can be told apart are none.
+    // Too many ticks to distinguish are omitted.
     let most = MOST_TICKS.min(MOST_TICKS_IN_ALL / ticked.count() as f64);
     if last - first > most {
         return Vec::new();
@@ -180,7 +180,7 @@ pub(super) fn cones(view: &View, limits: &Limits) -> Vec<Cone> {
             if !drawn {
                 continue;
             }
-            // |dx| = d(ct): light to both sides, as far as the edge; the shade goes beyond it and is cut off there.
+            // |dx| = d(ct): light to both sides, as far as the edge; the shade extends beyond it and is clipped there.
             let rays = [Point::new(up, -1.0), Point::new(up, 1.0)];
             laid.rays
                 .extend(rays.iter().filter_map(|ray| limits.ray(apex, *ray)));
@@ -223,7 +223,7 @@ fn hyperbola_curve(view: &View, limits: &Limits, hyperbola: &model::Hyperbola) -
     let step = hyperbola.vertex - hyperbola.about;
     let (time, length) = (step.ct / unit, view.diagram.direction.dot(step.x) / unit);
     let about = view.point(hyperbola.about);
-    // sinh φ = (what is in view) / (the distance of the vertex) at both ends.
+    // sinh φ = (extent in view) / (distance of the vertex) at both ends.
     let size = time.abs().max(length.abs());
     let largest = libm::asinh(limits.beyond(about) / size);
     let points = (-HYPERBOLA..=HYPERBOLA).map(|k| {
@@ -315,7 +315,7 @@ fn sheet_middles(limits: &Limits, a: &[Point], b: &[Point]) -> Vec<Point> {
         .collect()
 }
 
-/// Where a curve that goes upwards is at height `ct`.
+/// The x of an upward curve at height `ct`.
 fn x_at(points: &[Point], ct: f64) -> Option<f64> {
     let pair = points
         .windows(2)
@@ -324,7 +324,7 @@ fn x_at(points: &[Point], ct: f64) -> Option<f64> {
     Some(pair[0].x + d.x * (ct - pair[0].ct) / d.ct.max(f64::MIN_POSITIVE))
 }
 
-/// The region between two light rays from an event: light goes at 45 degrees in every frame, so that no boost is needed.
+/// The region between two light rays from an event: light is at 45 degrees in every frame, so no boost is needed.
 fn wedge(view: &View, limits: &Limits, wedge: &model::Wedge) -> Area {
     let apex = view.point(wedge.event);
     let rays = match wedge.side {

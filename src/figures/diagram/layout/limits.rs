@@ -7,10 +7,10 @@ use crate::figures::diagram::model::{self as model, Track};
 /// The part of an automatic diagram that is empty on each side.
 const MARGIN: f64 = 0.13;
 const ROOM: f64 = 0.07;
-/// The narrowest and the lowest automatic diagram, in parts of the other side.
+/// The smallest width and height of an automatic diagram, relative to the other side.
 const NARROWEST: f64 = 0.62;
 const LOWEST: f64 = 0.55;
-/// By how much an endless accelerated line turns within an automatic diagram, rapidity.
+/// The change in rapidity of an endless accelerated line within an automatic diagram.
 const TURN: f64 = 1.2;
 
 /// The limits of a view.
@@ -34,10 +34,10 @@ pub(super) fn of(view: &View) -> Limits {
 fn automatic(points: &[Point]) -> Limits {
     let mut x = range(points.iter().map(|p| p.x));
     let mut ct = range(points.iter().map(|p| p.ct));
-    // The origin, where it is not far.
+    // The origin, if it is not far.
     let largest = (x[1] - x[0]).max(ct[1] - ct[0]).max(f64::MIN_POSITIVE);
     for range in [&mut x, &mut ct] {
-        // How far the range is from 0; negative where it holds it.
+        // The distance of the range from 0; negative if it contains 0.
         let far = range[0].max(-range[1]);
         if far <= largest {
             *range = [range[0].min(0.0), range[1].max(0.0)];
@@ -139,7 +139,7 @@ fn rims(view: &View, points: &[Point]) -> Vec<Point> {
     cones.flat_map(rim).collect()
 }
 
-/// How far a cone goes towards `up`: beyond all that is on that side of its apex.
+/// The extent of a cone towards `up`: beyond everything on that side of its apex.
 fn height(view: &View, cone: &model::Cone, points: &[Point], up: f64) -> f64 {
     if let Some(height) = cone.height {
         return height / view.diagram.unit.metres;
@@ -155,7 +155,7 @@ fn height(view: &View, cone: &model::Cone, points: &[Point], up: f64) -> f64 {
     }
 }
 
-/// Proper times of a world line that are to be seen: its ends, its corners, its turning, a revolution.
+/// Proper times of a world line that should be visible: its ends, its corners, its turning point, a revolution.
 fn shown(track: &Track) -> Vec<f64> {
     let mut times = track.corners();
     let start = 0f64.clamp(track.span()[0], track.span()[1]);

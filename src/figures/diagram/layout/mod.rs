@@ -25,12 +25,12 @@ pub fn layout(diagram: &Diagram) -> Layout {
     }
 }
 
-/// What a diagram shows in the coordinates of its frame `index`.
+/// The range of a diagram in the coordinates of its frame `index`.
 pub(crate) fn limits(diagram: &Diagram, index: usize) -> Limits {
     limits::of(&View::new(diagram, index))
 }
 
-/// Where what a view is to show is in the coordinates of its frame `index`, in the same order for all frames.
+/// Positions of the contents of a view in the coordinates of its frame `index`, in the same order for all frames.
 pub(crate) fn contents(diagram: &Diagram, index: usize) -> Vec<Point> {
     limits::contents(&View::new(diagram, index))
 }
@@ -104,7 +104,7 @@ fn intervals(view: &View) -> Vec<Interval> {
         let [from, to] = interval.ends;
         let step = to - from;
         let squared = step.interval() / unit / unit;
-        // What rounding leaves of a null interval, in parts of what it is the difference of.
+        // The rounding error of a null interval, relative to the terms whose difference it is.
         let rounding = 1e-12 * (step.ct.abs() + step.x.length()).powi(2) / unit / unit;
         let kind = match squared {
             s if s.abs() <= rounding => Kind::Null,

@@ -16,7 +16,7 @@ use crate::figures::diagram::model::{Cone, Slice, SliceKind};
 /// Pieces of each side of a rim.
 const PIECES: u32 = 64;
 
-/// The floor and what is below things on it; none in 1+1 dimensions.
+/// The floor and the shadows on it; `None` in 1+1 dimensions.
 pub(super) fn of(view: &View, limits: &Limits, lines: &[WorldLine], step: f64) -> Option<Solid> {
     if !view.is_solid() {
         return None;
@@ -70,7 +70,7 @@ pub(super) fn nappes(view: &View, limits: &Limits, cone: &Cone) -> Vec<Nappe> {
         .collect()
 }
 
-/// How high a cone from `apex` is that stays within, to the sides too.
+/// The largest height of a cone from `apex` that stays within the limits, also sideways.
 fn room(limits: &Limits, apex: Point, up: f64) -> f64 {
     let to_ct = match up > 0.0 {
         true => limits.ct[1] - apex.ct,

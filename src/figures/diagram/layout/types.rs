@@ -56,12 +56,12 @@ pub struct Layout {
 pub struct Panel {
     /// The frame's name.
     pub frame: String,
-    /// What is shown.
+    /// The limits shown.
     pub limits: Limits,
-    /// What 2+1 dimensions have besides: the floor, and what is below things on it.
+    /// Additional parts of 2+1 dimensions: the floor, and the shadows on it.
     pub solid: Option<Solid>,
-    /// What the page of a series has room for besides this picture, as [`page`](Panel::page) has it: nothing then moves on the page
-    /// from picture to picture but what moves in the diagram.
+    /// The area that the page of a series covers besides this picture, as in [`page`](Panel::page): then nothing moves on the page between
+    /// pictures except what moves in the diagram.
     pub held: Option<[[f64; 2]; 2]>,
     /// Axes of frames; the first are the view's own.
     pub axes: Vec<Axes>,
@@ -83,14 +83,14 @@ pub struct Panel {
     pub planes: Vec<Plane>,
     /// Light signals.
     pub signals: Vec<Segment<Point>>,
-    /// Whether each of them leaves the plane (in 2+1 dimensions: the space) of the diagram, so that what is drawn is its
-    /// projection, steeper than light is.
+    /// Whether each of them leaves the plane (in 2+1 dimensions: the space) of the diagram, so that its projection is drawn, steeper than
+    /// light.
     pub projected: Vec<bool>,
     /// Intervals.
     pub intervals: Vec<Interval>,
     /// Arrows; their owners are world lines.
     pub arrows: Vec<Segment<Point>>,
-    /// What is simultaneous, with the readings of clocks.
+    /// Simultaneous events, with the readings of clocks.
     pub now: Option<Now>,
     /// Events.
     pub events: Vec<Spot<Point>>,
@@ -104,9 +104,9 @@ pub struct Panel {
 pub struct Axes {
     /// Which of the model's frames.
     pub frame: usize,
-    /// Where its time runs.
+    /// Its time axis.
     pub time: Axis,
-    /// Where its time is 0.
+    /// Its space axis, where its time is 0.
     pub space: Axis,
     /// The y axis, in 2+1 dimensions.
     pub depth: Option<Axis>,
@@ -120,7 +120,7 @@ pub struct Axes {
 pub struct Axis {
     /// Its ends.
     pub ends: [Point; 2],
-    /// What stands at its upper end.
+    /// The label at its upper end.
     pub label: String,
     /// Its ticks; that of 0 is left out.
     pub ticks: Vec<Tick>,
@@ -154,7 +154,7 @@ pub struct GridLine {
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Curve {
-    /// Points near enough to each other for straight lines between them.
+    /// Points, close enough to each other to be joined by straight lines.
     pub points: Vec<Point>,
 }
 
@@ -164,7 +164,7 @@ pub struct Curve {
 pub struct WorldLine {
     /// Its name.
     pub name: String,
-    /// Where it goes, upwards.
+    /// Its curve, upwards.
     pub curve: Curve,
     /// Ticks of its own clock.
     pub ticks: Vec<Tick>,
@@ -182,7 +182,7 @@ pub struct Cone {
     pub apex: Point,
     /// Its rays, from the apex to the limits.
     pub rays: Vec<[Point; 2]>,
-    /// Its inside, where that is shaded.
+    /// Its interior, if that is shaded.
     pub inside: Vec<Vec<Point>>,
     /// Its halves, in 2+1 dimensions.
     pub nappes: Vec<Nappe>,
@@ -192,7 +192,7 @@ pub struct Cone {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Hyperbola {
-    /// Where it goes.
+    /// Its curve.
     pub curve: Curve,
     /// Its label.
     pub label: Option<String>,
@@ -210,7 +210,7 @@ pub struct Area {
     pub horizons: Vec<[Point; 2]>,
     /// The world line whose colour it has.
     pub owner: Option<usize>,
-    /// What stands on it.
+    /// The label on it.
     pub label: Option<Placed>,
     /// The colour.
     pub colour: Option<Colour>,
@@ -222,7 +222,7 @@ pub struct Area {
 pub struct Placed {
     /// The words.
     pub text: String,
-    /// Where their middle may be, the best first.
+    /// Possible positions of their middle, the best first.
     pub places: Vec<Point>,
 }
 
@@ -249,7 +249,7 @@ pub enum Kind {
     Timelike,
     /// A frame has both at one time.
     Spacelike,
-    /// Light goes from one to the other.
+    /// A light ray connects them.
     Null,
 }
 
@@ -264,7 +264,7 @@ impl Kind {
     }
 }
 
-/// A line of simultaneity, and where it meets the world lines.
+/// A line of simultaneity, and where it crosses the world lines.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Now {
@@ -274,7 +274,7 @@ pub struct Now {
     pub ends: [Point; 2],
     /// Where world lines are.
     pub beads: Vec<Bead>,
-    /// The colour; none for the frame's.
+    /// The colour; `None` for the frame's.
     pub colour: Option<Colour>,
 }
 
@@ -284,11 +284,11 @@ pub struct Now {
 pub struct Bead {
     /// Which of the panel's world lines.
     pub line: usize,
-    /// Where it is.
+    /// Its position.
     pub at: Point,
-    /// What it shows, in the diagram's unit.
+    /// Its reading, in the diagram's unit.
     pub proper_time: f64,
-    /// Its label: the reading, where the world line has ticks.
+    /// Its label: the reading, if the world line has ticks.
     pub label: Option<String>,
 }
 
@@ -314,17 +314,17 @@ pub struct Plane {
     pub frame: usize,
     /// The part within the limits.
     pub corners: Vec<Point>,
-    /// How much ct rises along x and along y.
+    /// The slope of ct along x and along y.
     pub rise: [f64; 2],
     /// An event on it.
     pub event: Point,
     /// Its label.
     pub label: Option<String>,
-    /// The colour; none for the frame's.
+    /// The colour; `None` for the frame's.
     pub colour: Option<Colour>,
 }
 
-/// What 2+1 dimensions have besides.
+/// Additional parts of 2+1 dimensions.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Solid {
@@ -332,7 +332,7 @@ pub struct Solid {
     pub floor: [Point; 4],
     /// Lines of equal x and of equal y on it.
     pub grid: Vec<[Point; 2]>,
-    /// What is straight below world lines, in their order.
+    /// The shadows of world lines, in their order.
     pub shadows: Vec<Curve>,
     /// What is straight below light signals.
     pub light: Vec<[Point; 2]>,
@@ -381,7 +381,7 @@ impl Limits {
 
     /// The part within of p + t d for t between two values (Liang and Barsky).
     fn part(&self, p: Point, d: Point, [mut from, mut to]: [f64; 2]) -> Option<[Point; 2]> {
-        // What the three directions leave of the range of t.
+        // The range of t within the limits of the three directions.
         for (p, d, [low, high]) in [
             (p.x, d.x, self.x),
             (p.ct, d.ct, self.ct),
@@ -423,7 +423,7 @@ impl Point {
         Point { ct, x, y }
     }
 
-    /// Where it is on the page, to the right and upwards, in the diagram's unit.
+    /// Its position on the page, to the right and upwards, in the diagram's unit.
     pub fn page(self, projection: Projection) -> [f64; 2] {
         let [cos, sin] = TURN;
         match projection {
@@ -451,14 +451,14 @@ impl Point {
         }
     }
 
-    /// From `other` to this.
+    /// The displacement from `other` to this point.
     pub fn from(self, other: Point) -> Point {
         self.plus(-1.0, other)
     }
 }
 
 impl Panel {
-    /// How its points are drawn.
+    /// The projection of its points.
     pub fn projection(&self) -> Projection {
         match self.solid {
             Some(_) => Projection::Room,
@@ -466,8 +466,8 @@ impl Panel {
         }
     }
 
-    /// The rectangle of the page that it takes: from left to right, and from bottom to top. In 2+1 dimensions
-    /// that is no more than what is drawn needs.
+    /// The rectangle that it covers on the page: from left to right, and from bottom to top. In 2+1 dimensions that is the extent of what
+    /// is drawn.
     pub fn page(&self) -> [[f64; 2]; 2] {
         let Some(solid) = &self.solid else {
             return [self.limits.x, self.limits.ct];
@@ -503,7 +503,7 @@ pub(crate) fn around(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
 }
 
 impl Nappe {
-    /// The outline of its mantle: from one edge by way of the apex to the other.
+    /// The outline of its mantle: from one edge through the apex to the other.
     pub fn outline(&self) -> [Point; 3] {
         let edge = |p: Option<&Point>| p.copied().unwrap_or(self.apex);
         [edge(self.near.first()), self.apex, edge(self.near.last())]
@@ -549,12 +549,12 @@ impl Plane {
     }
 }
 
-/// A number to four digits, as short as it goes.
+/// A number with four digits, as short as possible.
 pub(crate) fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }
-    // Of four digits so many are after the point.
+    // Number of the four digits after the decimal point.
     let digits = 3 - libm::floor(libm::log10(value.abs())) as i32;
     if !(-3..=6).contains(&digits) {
         let exponent = 3 - digits;

@@ -59,7 +59,7 @@ impl<'d> View<'d> {
             self.diagram.across.unwrap_or_default(),
         );
         let across = step.x - n * n.dot(step.x) - m * m.dot(step.x);
-        // What rounding leaves is far less, and what can be seen far more.
+        // Rounding leaves far less, and anything visible is far more.
         across.length() > 1e-6 * step.x.length()
     }
 
@@ -93,7 +93,7 @@ impl<'d> View<'d> {
         Some(self.vector(frame.world_from_frame().displacement(step)))
     }
 
-    /// How much ct rises along x and along y where it is one time in a frame.
+    /// The slope along x and along y of ct at constant time in a frame.
     pub fn rise_of(&self, index: usize) -> [f64; 2] {
         let frame = View::new(self.diagram, index).reference.frame;
         let time = |ct: f64, x: DVec3| {
@@ -108,7 +108,7 @@ impl<'d> View<'d> {
         [self.diagram.direction, across].map(|x| -time(0.0, x) / up)
     }
 
-    /// Where the coordinates of a frame are 0.
+    /// The origin of a frame's coordinates.
     pub fn origin_of(&self, index: usize) -> Point {
         if index == self.index {
             return Point::default();

@@ -42,7 +42,7 @@ pub(super) fn refuse_many<T>(
     }
 }
 
-/// How many things are to be drawn.
+/// The number of elements to draw.
 fn things(said: &file::Diagram) -> usize {
     let lists = [
         said.frame.len(),
@@ -67,7 +67,7 @@ fn things(said: &file::Diagram) -> usize {
     lists.iter().sum()
 }
 
-/// Fills `diagram` with what the scene has; `at` is what messages point at.
+/// Fills `diagram` with the contents of the scene; messages point at `at`.
 pub(super) fn of_scene<T>(
     cx: &Context,
     at: &At<T>,
@@ -172,7 +172,7 @@ fn see(scene: &Kinematics, diagram: &mut Diagram) {
     }));
 }
 
-/// Refuses what has no meaning in 2+1 dimensions.
+/// Refuses elements that have no meaning in 2+1 dimensions.
 pub(super) fn refuse_flat(cx: &Context, said: &file::Diagram) -> Result<()> {
     let grid = said.frame.iter().find(|at| at.value.grid == Some(true));
     let flat = [
@@ -214,7 +214,7 @@ pub(super) fn refuse_empty_limits(
         let [from, to] = at.value.0.map(|number| number * diagram.unit.metres);
         let within = |p: [f64; 3]| (from..=to).contains(&p[axis]);
         let mut points = points(diagram).peekable();
-        // A line without ends is not sampled, so the points cannot show that it stays outside.
+        // A line without ends is not sampled, so points cannot show that it stays outside.
         let straight = diagram.lines.iter().any(|l| l.track.span() == ENDLESS);
         if points.peek().is_some() && !straight && !points.any(within) {
             let what = "nothing of the diagram is within these limits";
@@ -238,7 +238,7 @@ fn points(diagram: &Diagram) -> impl Iterator<Item = [f64; 3]> + '_ {
         .flat_map(|r| r.corners.iter().copied());
     let ends = diagram.lines.iter().flat_map(|line| {
         let [first, last] = line.track.span();
-        // 65 events of a track tell how far it reaches.
+        // 65 events of a track show its extent.
         let steps = (0..=64).map(move |k| first + (last - first) * f64::from(k) / 64.0);
         steps.filter_map(|time| Some(line.track.at(time)?.event))
     });

@@ -81,7 +81,7 @@ fn signals(names: &mut Names, at: &At<file::Signal>) -> Result<Vec<Segment>> {
             }
             let never = "light from there never reaches this world line";
             let to = found(names, received, span, never)?.event;
-            // Less is what rounding leaves of one place.
+            // Smaller differences are rounding errors of one position.
             if to == from || (to - from).ct < 1e-12 * from.ct.abs() {
                 // They meet: there is nothing to send.
                 break;
@@ -152,7 +152,7 @@ fn emissions(names: &mut Names, at: &At<file::Signal>) -> Result<Vec<Event<World
         .collect())
 }
 
-/// How many signals: `count`, or as many as fit into the emitter's life.
+/// The number of signals: `count`, or as many as fit into the emitter's life.
 fn count(names: &Names, at: &At<file::Signal>, emitter: &Track, every: f64) -> Result<u32> {
     let [first, last] = emitter.span();
     // Rounding of the quotient does not lose the last one.
@@ -216,7 +216,7 @@ fn slice_end(
 
 fn interval(names: &mut Names, at: &At<file::Interval>) -> Result<Segment> {
     let interval = &at.value;
-    // An empty text is a label that shows nothing; none is that of the value.
+    // An empty text is an empty label; `None` means the value.
     let label = match &interval.label {
         Some(label) => Some(settings::settable(names.cx, label, &label.value)?),
         None => None,

@@ -61,7 +61,7 @@ fn only_one_way(names: &Names, said: &DiagramEvent) -> Result<()> {
     given_twice(names, on, WHAT, ONE_WAY)
 }
 
-/// Refuses `what` where it is given in more than one way.
+/// Refuses `what` if it is given in more than one way.
 pub(super) fn given_twice<const N: usize>(
     names: &Names,
     ways: [Option<&Range<usize>>; N],
@@ -169,8 +169,8 @@ fn never(names: &Names, cross: &At<[At<String>; 2]>) -> Error {
     names.cx.refuse(cross, what, help)
 }
 
-/// Own times of the first track between which the lines cross: the first after 0, or else the last before.
-/// Steps grow from a hundredth of a unit, so that near crossings are told apart and far ones are found.
+/// Proper times of the first track between which the lines cross: the first after 0, or else the last before. Steps grow from a hundredth
+/// of a unit, so that near crossings are distinguished and far ones are found.
 fn bracket(ahead: &impl Fn(f64) -> Option<f64>, a: &Track, unit: f64) -> Option<[f64; 2]> {
     const STEPS: i32 = 700;
     let [first, last] = a.span();

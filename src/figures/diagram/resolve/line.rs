@@ -40,7 +40,7 @@ fn span<T>(at: &Option<At<T>>) -> Option<&Range<usize>> {
     at.as_ref().map(|at| &at.span)
 }
 
-/// Refuses two ways at once; `at` and `velocity` belong to those that go on from an event.
+/// Refuses two ways at once; `at` and `velocity` belong to those that start at an event.
 fn only_one_way(names: &Names, line: &DiagramLine) -> Result<()> {
     let moves = [
         span(&line.acceleration),
@@ -214,7 +214,7 @@ fn ended(names: &mut Names, line: &DiagramLine, track: Track) -> Result<Track> {
     })
 }
 
-/// The own time at which `track` meets the world line `other`.
+/// The proper time at which `track` crosses the world line `other`.
 fn meets(names: &mut Names, other: &At<String>, track: &Track) -> Result<f64> {
     let line = names.track(other)?;
     let moment = meeting(names, track, &line);

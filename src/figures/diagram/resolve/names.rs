@@ -18,17 +18,17 @@ use crate::scene::velocity;
 use crate::spacetime::units::quoted;
 use crate::spacetime::{Event, InertialFrame, Rest, Velocity, World};
 
-/// What is known of a name.
+/// The state of a name.
 enum Slot<T> {
     /// Nothing yet.
     Unasked,
     /// It is being resolved.
     Asked,
-    /// What it means.
+    /// Its meaning.
     Known(T),
 }
 
-/// How each kind of thing with a name is resolved.
+/// The resolvers of each kind of named element.
 #[derive(Clone, Copy)]
 pub(super) struct Resolvers {
     pub frame: fn(&mut Names, &At<file::DiagramFrame>) -> Result<Reference>,
@@ -136,7 +136,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// What the i-th thing of a kind is, asked for at `span`; `resolve` finds out the first time.
+    /// The i-th element of a kind, referenced at `span`; resolved by `resolve` on first use.
     fn known<T: Clone>(
         &mut self,
         slots: fn(&mut Self) -> &mut Vec<Slot<T>>,
@@ -171,7 +171,7 @@ impl<'a> Names<'a> {
         )
     }
 
-    /// The i-th world line, asked for at `span`.
+    /// The i-th world line, referenced at `span`.
     pub fn line(&mut self, i: usize, span: &Range<usize>) -> Result<NamedLine> {
         let at = &self.file.worldline[i];
         self.known(
@@ -209,7 +209,7 @@ impl<'a> Names<'a> {
         find(self.cx, name, span, &self.frame_names(), "frame")
     }
 
-    /// The frame of this name and its index; the world where none is named.
+    /// The frame of this name and its index; the world if no name is given.
     pub fn frame(&mut self, name: &Option<At<String>>) -> Result<(usize, InertialFrame<Rest>)> {
         let Some(at) = name else {
             return Ok((0, Reference::world().frame));

@@ -14,10 +14,10 @@ use crate::figures::text::rich::escaped;
 use crate::scene::{At, Context};
 use crate::spacetime::units::quoted;
 
-/// How many frames may be relative to each other for their speed.
+/// The longest chain of frames relative to each other for a speed.
 const MOST: u32 = 100;
 
-/// `text` with the values of its keys; it comes from `at`.
+/// `text`, which comes from `at`, with the values of its keys.
 pub(super) fn filled<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String> {
     let mut filled = String::new();
     let mut rest = text;
@@ -91,7 +91,7 @@ fn entry<'d>(document: &'d DocumentMut, key: &str) -> Option<Node<'d>> {
     found
 }
 
-/// The rapidity of a frame in the world; none where a velocity is no number, and after `most` frames.
+/// The rapidity of a frame in the world; `None` if a velocity is not a number, and after `most` frames.
 fn rapidity(document: &DocumentMut, frame: &str, most: u32) -> Option<f64> {
     let key = |key: &str| entry(document, &format!("frame.{frame}.{key}"));
     let beta = match key("velocity")? {
@@ -124,7 +124,7 @@ enum Node<'d> {
 }
 
 impl<'d> Node<'d> {
-    /// What a part of a key names in a table, or in a list of them.
+    /// The element of a table, or of a list of them, that a part of a key names.
     fn entry(self, part: &str) -> Option<Node<'d>> {
         match self {
             Node::Item(Item::Table(table)) | Node::Table(table) => table.get(part).map(Node::Item),

@@ -16,11 +16,11 @@ use crate::spacetime::{Direction, World};
 
 /// Points of a metre of paper.
 const POINTS: f64 = 72.0 / 0.0254;
-/// The smallest part of the numbers between which limits are: closer ones cannot be told apart on paper.
+/// The smallest relative distance of limits: closer ones cannot be distinguished on paper.
 const NARROWEST: f64 = 1e-9;
 
-/// What a number of the diagram means. A unit of time is that of light in vacuum, whatever the scene's
-/// own speed of light: diagrams have c = 1.
+/// The unit of a diagram's numbers. A unit of time is that of light in vacuum, whatever the scene's own speed of light: diagrams have c =
+/// 1.
 pub(super) fn unit(diagram: &file::Diagram) -> Unit {
     use file::Unit as U;
     let length = |metres, name| (metres, [name, name], false);
@@ -68,7 +68,7 @@ pub(super) fn direction(
     Ok(unit.unit())
 }
 
-/// The direction along which y is measured, a unit vector across x; none in 1+1 dimensions.
+/// The direction along which y is measured, a unit vector perpendicular to x; `None` in 1+1 dimensions.
 pub(super) fn across(
     cx: &Context,
     diagram: &file::Diagram,
@@ -152,7 +152,7 @@ pub(super) fn words(cx: &Context, at: &Option<At<String>>) -> Result<Option<Stri
     settable(cx, at, &at.value).map(Some)
 }
 
-/// `text`, which comes from `at`, where it is markup that can be set.
+/// `text`, which comes from `at`, if it is markup that can be set.
 pub(super) fn settable<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String> {
     let text = filled(cx, at, text)?;
     let count = text.chars().count();
@@ -169,7 +169,7 @@ pub(super) fn settable<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String
     }
 }
 
-/// How many views stand side by side.
+/// The number of views side by side.
 fn columns(cx: &Context, at: &Option<At<u32>>) -> Result<Option<u32>> {
     match at {
         Some(at) if !(1..=MOST_COLUMNS).contains(&at.value) => {

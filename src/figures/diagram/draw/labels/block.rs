@@ -26,13 +26,13 @@ struct Line {
 }
 
 impl Block {
-    /// The ways in which `markup` may be set: in one line, then in ever more, as even as they can be.
+    /// The possible layouts of `markup`: in one line, then in more and more lines of similar width.
     pub fn all(markup: &str, size: f64) -> Result<Vec<Block>> {
         let mut all = vec![Block::of(&[markup], size)?];
         let parts = parts(markup);
         let lengths: Vec<usize> = parts.iter().map(|part| part.chars().count()).collect();
         for count in 2..=MOST_LINES.min(parts.len()) {
-            // The least width in which so many lines hold the parts in order.
+            // The smallest width for which this number of lines holds the parts in order.
             let longest = lengths.iter().copied().max().unwrap_or(0);
             let whole: usize = lengths.iter().sum();
             let fits = |most: &usize| filled(&lengths, *most).len() <= count;
@@ -64,18 +64,18 @@ impl Block {
         })
     }
 
-    /// How many lines there are.
+    /// Number of lines.
     pub fn count(&self) -> usize {
         self.lines.len()
     }
 
-    /// Each line, its width and ink, and how far its anchor is below that of the block.
+    /// Each line, its width and ink, and the distance of its anchor below that of the block.
     pub fn lines(&self, height: AnchorY) -> impl Iterator<Item = (&RichText, f64)> {
         let below = (self.lines.len() - 1) as f64 * self.step;
         let first = match height {
             AnchorY::Top => 0.0,
             AnchorY::Middle => -0.5 * below,
-            // The last line stands at the anchor.
+            // The last line is at the anchor.
             AnchorY::Baseline | AnchorY::Bottom => -below,
         };
         let lines = self.lines.iter().enumerate();
@@ -103,7 +103,7 @@ impl Block {
     }
 }
 
-/// The parts between which a label may be broken: after commas and colons that no markup goes across.
+/// The parts between which a label may be broken: after commas and colons that no markup spans.
 fn parts(markup: &str) -> Vec<&str> {
     let mut parts = Vec::new();
     let mut from = 0;

@@ -18,7 +18,7 @@ pub(super) fn moved(rect: Rect, by: [f64; 2]) -> Rect {
     }
 }
 
-/// The distance of two rectangles; 0 where they overlap.
+/// The distance of two rectangles; 0 if they overlap.
 pub(super) fn distance(a: Rect, b: Rect) -> f64 {
     let gap = |i: usize| (a.min[i] - b.max[i]).max(b.min[i] - a.max[i]).max(0.0);
     match [gap(0), gap(1)] {
@@ -28,8 +28,7 @@ pub(super) fn distance(a: Rect, b: Rect) -> f64 {
     }
 }
 
-/// Whether one of two pieces of text follows the other on one line, or as an index above or below it, with no more than `space` between
-/// them.
+/// Whether one of two pieces of text follows the other on a line, or is an index above or below it, with at most `space` between them.
 pub(super) fn is_next_word(a: Rect, b: Rect, space: f64) -> bool {
     let gap = (a.min[0] - b.max[0]).max(b.min[0] - a.max[0]);
     let beside = a.max[1].min(b.max[1]) - a.min[1].max(b.min[1]);
@@ -85,7 +84,7 @@ pub(super) fn part_within(clip: Rect, a: [f64; 2], b: [f64; 2]) -> Option<[[f64;
     Some(parts_within(clip, a, b)?.map(|part| between(a, b, part)))
 }
 
-/// What is left of a straight line where it is interrupted at rectangles, from its first end to its last.
+/// The remaining parts of a straight line interrupted at rectangles, from its first end to its last.
 pub(in crate::figures::diagram::draw) fn without(
     [a, b]: [[f64; 2]; 2],
     gaps: &[Rect],
@@ -115,7 +114,7 @@ pub(in crate::figures::diagram::draw) fn is_inside([x, y]: [f64; 2], edge: &[[f6
     crossings.count() % 2 == 1
 }
 
-/// Rectangles and lines by where they are on the page, so that those near a place are found without a look at all of them.
+/// Rectangles and lines by their position on the page, so that those near a position are found without scanning all of them.
 pub(super) struct Grid {
     /// The side of a cell, points.
     side: f64,
@@ -124,7 +123,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// What is farther out, in cells, counts as if it were here: pages are smaller.
+    /// The limit of positions, in cells: anything farther out counts as here, since pages are smaller.
     const FARTHEST: i32 = 2048;
     /// The most entries that a search looks at. A place with that many neighbours is as bad as any, and thousands of
     /// labels on a page then take time in proportion to their number rather than to its square.
@@ -138,7 +137,7 @@ impl Grid {
         }
     }
 
-    /// Puts line `index` in: into the cells that it goes through, row by row.
+    /// Adds line `index` to the cells that it crosses, row by row.
     pub fn insert_line(&mut self, index: usize, points: &[[f64; 2]]) {
         // More than rounding, so that no cell is missed.
         const MORE: f64 = 1e-3;
@@ -183,8 +182,8 @@ impl Grid {
         }
     }
 
-    /// The indices of rectangles and lines that may touch `rect`, each once, in their order: all of them, but for
-    /// crowded places, where the first few of each cell stand for the rest.
+    /// The indices of rectangles and lines that may touch `rect`, each once, in order: all of them, except in crowded places, where the
+    /// first few of each cell stand for the rest.
     pub fn near(&self, rect: Rect) -> Vec<usize> {
         let count = self.cells(rect).count().max(1);
         let share = (Self::MOST_FOUND / count).max(8);

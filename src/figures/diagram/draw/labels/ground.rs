@@ -9,7 +9,7 @@ const ON_DOT: f64 = 60.0;
 const ON_LINE: f64 = 32.0;
 /// On the near or the far side of a cone.
 const ON_SIDE: f64 = 5.0;
-/// Of a line within [`NEAR`] points of what a label keeps free.
+/// Cost of a line within [`NEAR`] points of the free space of a label.
 const NEAR_LINE: f64 = 1.0;
 const NEAR: f64 = 2.0;
 /// The least weight of a line that may not go through a label.
@@ -41,7 +41,7 @@ struct Line {
     points: Vec<[f64; 2]>,
     /// The box around it.
     bounds: Rect,
-    /// How much it disturbs a label; 1 for a line that is black or broad.
+    /// How much it disturbs a label; 1 for a black or broad line.
     weight: f64,
 }
 
@@ -90,18 +90,18 @@ impl Ground {
         self.words(square(middle, radius));
     }
 
-    /// A dot that passes by, and that only labels of such dots keep off.
+    /// A moving dot, which only labels of such dots avoid.
     pub fn bead(&mut self, middle: [f64; 2], radius: f64) {
         self.beads.push(square(middle, radius));
     }
 
-    /// What it costs that a label in `rect` is on dots that pass by.
+    /// The cost of a label in `rect` on moving dots.
     pub fn passed(&self, rect: Rect) -> f64 {
         let on = self.beads.iter().filter(|bead| touch(rect, **bead));
         ON_DOT * on.count() as f64
     }
 
-    /// Words that stand already.
+    /// Text that is already placed.
     pub fn words(&mut self, rect: Rect) {
         self.dots_by_place.insert(self.dots.len(), rect);
         self.dots.push(rect);
@@ -117,7 +117,7 @@ impl Ground {
         self.sides.push(edge);
     }
 
-    /// What a label costs whose ink is in `rect`, and which keeps `airy` free.
+    /// The cost of a label whose ink is in `rect`, and whose free space is `airy`.
     pub fn cost(&self, rect: Rect, airy: Rect) -> f64 {
         let near = self.dots_by_place.near(airy).into_iter();
         let dots = near.filter(|dot| touch(airy, self.dots[*dot]));
@@ -127,7 +127,7 @@ impl Ground {
         let middle = [0, 1].map(|i| 0.5 * (rect.min[i] + rect.max[i]));
         let sides = self.sides.iter().filter(|edge| is_inside(middle, edge));
         let on_sides = ON_SIDE * sides.count() as f64;
-        // What is crossed is not near as well.
+        // Crossed lines do not count as near, too.
         ON_DOT * dots.count() as f64 + ON_LINE * on + NEAR_LINE * (near - on) + on_sides + outside
     }
 
@@ -136,7 +136,7 @@ impl Ground {
         (0..2).all(|i| rect.min[i] >= self.page.min[i] && rect.max[i] <= self.page.max[i])
     }
 
-    /// How much lines disturb what is in a rectangle. No more are looked at than count.
+    /// How much lines disturb anything in a rectangle. No more lines are examined than can count.
     fn crossed(&self, rect: Rect) -> f64 {
         let mut lines = 0.0;
         for line in self.crossing(rect) {
@@ -148,12 +148,12 @@ impl Ground {
         lines.min(MOST_LINES)
     }
 
-    /// Whether a line that would make a label hard to read goes through a rectangle.
+    /// Whether a line that would make a label hard to read crosses a rectangle.
     pub fn is_struck(&self, rect: Rect) -> bool {
         self.crossing(rect).any(|line| line.weight >= STRIKING)
     }
 
-    /// Whether a line goes through a rectangle.
+    /// Whether a line crosses a rectangle.
     pub fn is_crossed(&self, rect: Rect) -> bool {
         self.crossing(rect).next().is_some()
     }
@@ -206,7 +206,7 @@ fn seen(points: &[[f64; 2]], clip: Rect) -> Vec<Vec<[f64; 2]>> {
     parts
 }
 
-/// What is seen of `ground` through `colour`.
+/// The colour of `ground` seen through `colour`.
 fn over(colour: Colour, ground: Colour) -> Colour {
     let alpha = f64::from(colour.alpha) / 255.0;
     let mix = |i: usize| {

@@ -1,4 +1,4 @@
-//! Labels beside what they name, without overlaps.
+//! Labels beside the things that they name, without overlaps.
 //!
 //! Each label has candidates: its anchor points, directions from these and distances, best first. The cost of a candidate is
 //!
@@ -26,12 +26,12 @@ pub(super) use geometry::{is_inside, widened, without};
 pub(super) use ground::Ground;
 
 const ON_LABEL: f64 = 1000.0;
-/// Of a label at no distance; none at [`CLEAR`] points.
+/// Cost of a label at no distance; 0 at [`CLEAR`] points.
 const NEAR_LABEL: f64 = 9.0;
 const CLEAR: f64 = 8.0;
 /// Of a label of the same colour beside this one, at the same height: the two are read as one.
 const NEXT_WORD: f64 = 30.0;
-/// How near it is then, points.
+/// The distance for this, points.
 const WORD_SPACE: f64 = 7.0;
 /// Of the next point, of the next direction, and of a point of distance.
 const NEXT_ANCHOR: f64 = 0.9;
@@ -39,42 +39,42 @@ const NEXT_DIRECTION: f64 = 0.6;
 const FARTHER: f64 = 0.45;
 /// Of each line more than one.
 const NEXT_LINE: f64 = 20.0;
-/// By how much the place of the frame before is better in a series of frames.
+/// By how much the position in the previous frame of a series is preferred.
 const HABIT: f64 = 20.0;
-/// The most that a label moves from frame to frame of a series, points; with a point that moves faster it goes along.
+/// The most that a label moves between frames of a series, points; it moves along with a faster point.
 const MOST_STEP: f64 = 6.0;
-/// The least that it may move beside a point that moves fast, so that it comes to its place.
+/// The least that it may move beside a fast point, so that it reaches its position.
 const LEAST_STEP: f64 = 0.5;
-/// From which cost on a label that may be left out is: it is on a line.
+/// The cost from which an optional label is dropped: it is on a line.
 const TOO_MUCH: f64 = 24.0;
-/// Of a leader that goes under another label.
+/// Cost of a leader that passes under another label.
 const LEADER_ON_LABEL: f64 = 200.0;
 /// The distance from which on a line leads to the label, points.
 const LEADER: f64 = 14.0;
-/// What is kept free around a label, points.
+/// Free space around a label, points.
 const AIR: f64 = 1.0;
 /// The side of cells in which labels are looked up, points.
 const CELL: f64 = 32.0;
 /// Rounds of choosing again.
 const ROUNDS: usize = 6;
-/// Width of what keeps a label apart from lines under it, points.
+/// Width of the halo that separates a label from lines under it, points.
 const HALO: f64 = 1.6;
 
-/// What is to be labelled.
+/// A label to be placed.
 pub(super) struct Request {
     /// Markup.
     pub text: String,
     pub colour: Colour,
     pub size: f64,
-    /// Points that it may stand beside, the best first.
+    /// Points that it may be placed beside, the best first.
     pub anchors: Vec<[f64; 2]>,
-    /// Directions from there, (x, y) with y down, the best first; none to stand upon the point.
+    /// Directions from there, (x, y) with y down, the best first; empty to place it on the point.
     pub directions: Vec<[f64; 2]>,
     /// Distances from there, points.
     pub distances: Vec<f64>,
-    /// Whether it is left out where it would be on a label, a dot or several lines.
+    /// Whether it is dropped if it would be on a label, a dot or several lines.
     pub optional: bool,
-    /// What it is known by from frame to frame, of what passes by others that stay; none for its text.
+    /// The identity across frames of a label that passes others that stay; `None` for its text.
     pub key: Option<String>,
 }
 
@@ -90,7 +90,7 @@ pub(super) const AROUND: [[f64; 2]; 8] = [
     [0.0, 1.0],
 ];
 
-/// Where the labels of a frame of a series are, for the next one: by label, the n-th of its words.
+/// The positions of the labels of one frame of a series, for the next one: for each label, the n-th with its text.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Habits {
     places: HashMap<(String, usize), Habit>,
@@ -105,12 +105,12 @@ struct Habit {
     index: usize,
     /// The middle of its ink.
     middle: [f64; 2],
-    /// What it names, where that is one point.
+    /// The point that it names, if there is only one.
     named: Option<[f64; 2]>,
 }
 
 impl Habit {
-    /// Where the middle of the ink is now, if the label has gone along with the point that it names, and how much farther it may go.
+    /// The current middle of the ink, if the label has moved along with the point that it names, and how much farther it may move.
     fn carried(&self, request: &Request) -> Carried {
         let way = match (self.named, named(request)) {
             (Some(then), Some(now)) => [0, 1].map(|i| now[i] - then[i]),
@@ -128,11 +128,11 @@ impl Habit {
 struct Carried {
     /// Of its ink.
     middle: [f64; 2],
-    /// How far it may go from there, points.
+    /// How far it may move from there, points.
     step: f64,
 }
 
-/// The point that a label names, where there is but one.
+/// The point that a label names, if there is only one.
 fn named(request: &Request) -> Option<[f64; 2]> {
     match request.anchors[..] {
         [only] => Some(only),
@@ -151,7 +151,7 @@ struct Candidate {
     rect: Rect,
     anchor: [f64; 2],
     distance: f64,
-    /// What is under it; none until it is asked for.
+    /// Cost of the ground under it; `None` until it is needed.
     under: Option<f64>,
 }
 
@@ -162,9 +162,9 @@ struct Label<'a> {
     /// By preference.
     candidates: Vec<Candidate>,
     chosen: Option<usize>,
-    /// Where the middle of its ink was in the frame before, gone along with the point that it names.
+    /// The middle of its ink in the previous frame, moved along with the point that it names.
     before: Option<Carried>,
-    /// By how much it is not yet there.
+    /// The offset that remains to its position.
     late: [f64; 2],
 }
 
@@ -190,7 +190,7 @@ impl Places {
     }
 }
 
-/// The labels of a page over what is there already.
+/// Places the labels of a page over what is already there.
 pub(super) fn place(
     ground: &Ground,
     requests: &[Request],
@@ -208,7 +208,7 @@ pub(super) fn place(
         labels: Grid::new(CELL),
         leaders: Grid::new(CELL),
     };
-    // What stays finds its places as if nothing passed by.
+    // Labels that stay are placed as if nothing passed by.
     settle(&mut labels, false, &mut places, ground);
     leave_out(&mut labels, &mut places, ground);
     settle(&mut labels, true, &mut places, ground);
@@ -230,7 +230,7 @@ pub(super) fn place(
         .collect())
 }
 
-/// Has the labels that pass by, or all others, choose until none moves.
+/// Lets the labels that pass by, or all others, choose until none moves.
 fn settle(labels: &mut [Label], passing: bool, places: &mut Places, ground: &Ground) {
     for _ in 0..ROUNDS {
         let mut moved = false;
@@ -283,12 +283,12 @@ pub(super) fn roomier(
     Ok(is_second)
 }
 
-/// The cheapest candidate of the i-th label, the others being where they are, in `places`.
+/// The cheapest candidate of the i-th label, with the others at their current `places`.
 fn choose(labels: &mut [Label], i: usize, places: &Places, ground: &Ground) -> Option<usize> {
     let mut candidates = std::mem::take(&mut labels.get_mut(i)?.candidates);
     let mut best: Option<(f64, usize)> = None;
     for (k, candidate) in candidates.iter_mut().enumerate() {
-        // They ascend by preference, to which costs only add: none after this one is cheaper.
+        // They ascend by preference, and costs are only added: none after this one is cheaper.
         if best.is_some_and(|(cost, _)| candidate.preference >= cost) {
             break;
         }
@@ -301,7 +301,7 @@ fn choose(labels: &mut [Label], i: usize, places: &Places, ground: &Ground) -> O
     best.map(|(_, k)| k)
 }
 
-/// Takes away what may be left out and has no good place.
+/// Removes optional labels without a good position.
 fn leave_out(labels: &mut [Label], places: &mut Places, ground: &Ground) {
     // The least important first, so that it makes room for those before.
     for i in (0..labels.len()).rev() {
@@ -320,9 +320,8 @@ fn leave_out(labels: &mut [Label], places: &mut Places, ground: &Ground) {
     }
 }
 
-/// Takes away, for a moment, what clocks read and what may be left out where it is on a line, on another label or off the page,
-/// and any label that is on another on its way, or on a line on its way to where there is none. What passes by gives way first, then
-/// what is less important.
+/// Removes, for this frame, clock readings and optional labels that are on a line, on another label or off the page, and any label that is
+/// on another on its way, or on a line on its way to where there is none. Passing labels are removed first, then less important ones.
 fn give_way(labels: &mut [Label], ground: &Ground) {
     let mut places: Vec<Option<Rect>> = labels.iter().map(Label::place).collect();
     let mut grid = Grid::new(CELL);
@@ -369,7 +368,7 @@ fn give_way(labels: &mut [Label], ground: &Ground) {
 }
 
 impl Candidate {
-    /// What it costs beside those of `labels` that are in `places`; none if that is `least` or more.
+    /// Its cost beside those of `labels` that are in `places`; `None` if that is `least` or more.
     fn cost_below(
         &mut self,
         least: f64,
@@ -377,7 +376,7 @@ impl Candidate {
         places: &Places,
         ground: &Ground,
     ) -> Option<f64> {
-        // What is under it does not change while labels choose: it is looked up once.
+        // The ground under it does not change while labels choose: its cost is computed once.
         let airy = widened(self.rect, AIR);
         let under = *self
             .under
@@ -386,7 +385,7 @@ impl Candidate {
         if cost >= least {
             return None;
         }
-        // What is farther than CLEAR costs nothing.
+        // Anything farther than CLEAR costs nothing.
         let near = places.labels.near(widened(airy, CLEAR)).into_iter();
         let near = near.filter_map(|k| labels.get(k));
         for (other, rect) in near.filter_map(|label| Some((label, label.rect()?))) {
@@ -411,13 +410,13 @@ impl Candidate {
         Some(self.texts.first()?.colour)
     }
 
-    /// The line that leads to it, where it is far from what it names.
+    /// Its leader, if it is far from what it names.
     fn leader(&self) -> Option<[[f64; 2]; 2]> {
         let ends = [self.anchor, nearest(self.anchor, self.rect)];
         (self.distance >= LEADER).then_some(ends)
     }
 
-    /// What it costs that leaders cross labels: its own the others, and those of the others this one.
+    /// The cost of leaders that cross labels: its own crossing others, and those of others crossing this one.
     fn leader_cost(&self, all: &[Label], places: &Places) -> f64 {
         let crossed = self.leader().map_or(0, |[from, to]| {
             let near = places.labels.near(geometry::around(&[from, to]));
@@ -461,24 +460,24 @@ impl<'a> Label<'a> {
         })
     }
 
-    /// Whether it belongs to what passes by: it is gone with the next picture or the one after.
+    /// Whether it belongs to something that passes by: it disappears with the next picture or the one after.
     fn is_passing(&self) -> bool {
         self.request.key.is_some()
     }
 
-    /// The line that leads to where it is drawn.
+    /// The leader to where it is drawn.
     fn leader(&self) -> Option<[[f64; 2]; 2]> {
         let candidate = self.chosen()?;
         let ends = [candidate.anchor, nearest(candidate.anchor, self.place()?)];
         (candidate.distance >= LEADER).then_some(ends)
     }
 
-    /// Where its ink is drawn.
+    /// The position where its ink is drawn.
     fn place(&self) -> Option<Rect> {
         Some(moved(self.rect()?, self.late))
     }
 
-    /// Has it go to its place by no more than [`MOST_STEP`] from where it was.
+    /// Moves it towards its position by at most [`MOST_STEP`].
     fn step(&mut self) {
         let (Some(before), Some(rect)) = (self.before, self.rect()) else {
             return;
@@ -487,7 +486,7 @@ impl<'a> Label<'a> {
         let way = [0, 1].map(|i| there[i] - before.middle[i]);
         let length = way[0].hypot(way[1]);
         if length > before.step {
-            // There plus this is one step from before.
+            // That position plus this is one step from the previous one.
             self.late = way.map(|part| part * (before.step / length - 1.0));
         }
     }
@@ -528,7 +527,7 @@ fn leader(anchor: [f64; 2], rect: Rect, colour: Colour) -> Item {
     Item::stroked(path, Stroke::new(colour.with_alpha(150), 0.4))
 }
 
-/// The point next to `anchor` of what a label in `rect` keeps free.
+/// The point closest to `anchor` of the free space of a label in `rect`.
 fn nearest(anchor: [f64; 2], rect: Rect) -> [f64; 2] {
     [0, 1].map(|i| anchor[i].clamp(rect.min[i] - AIR, rect.max[i] + AIR))
 }

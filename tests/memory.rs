@@ -1,8 +1,8 @@
-//! What a prepared scene holds: at most 200 bytes per triangle of mesh and BVH, and every cube once. What a picture takes
-//! while it is made: no more than its plan says, and not much less.
+//! The memory of a prepared scene: at most 200 bytes per triangle of mesh and BVH, and every cube once. The memory for rendering a picture:
+//! no more than its plan states, and not much less.
 //!
-//! Of a prepared scene the capacities of all that grows with triangles are counted: BVH, normals, indices, texture coordinates; of
-//! a picture whatever is allocated.
+//! For a prepared scene, the capacities of everything that grows with triangles are counted: BVH, normals, indices, texture coordinates;
+//! for a picture, all allocations.
 
 #[path = "common/counting.rs"]
 mod counting;

@@ -1,4 +1,4 @@
-//! An allocator that counts, for tests of how much memory something takes.
+//! A counting allocator, for tests of memory use.
 
 // It cannot be had without.
 #![allow(unsafe_code)]

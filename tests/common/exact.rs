@@ -1,6 +1,6 @@
-//! The same physics at 320 bits, in the textbook's form.
+//! The same physics with 320 bits, in textbook form.
 //!
-//! γ = cosh|w| up to 10¹⁷ costs the textbook form γ(t − β·x) some 2 · 57 bits; 200 are left.
+//! γ = cosh|w| up to 10¹⁷ costs the textbook form γ(t − β·x) some 2 · 57 bits; 200 remain.
 
 use dashu_float::{FBig, round::mode::HalfEven};
 use glam::DVec3;

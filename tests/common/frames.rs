@@ -1,4 +1,4 @@
-//! The transient reference frames: cameras, truth, masks, and what careful code reaches on them.
+//! The transient reference frames: cameras, ground truth, masks, and the accuracy that careful code reaches on them.
 
 use std::path::PathBuf;
 

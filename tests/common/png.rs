@@ -1,4 +1,4 @@
-//! PNG pictures as 8-bit RGBA, read without this program's own readers.
+//! Reads PNG pictures as 8-bit RGBA, without this program's own readers.
 
 use std::io::Cursor;
 

@@ -1,4 +1,4 @@
-//! Numbers of a fixed sequence, so that every run is the same.
+//! A fixed sequence of numbers, so that every run is the same.
 
 use glam::DVec3;
 

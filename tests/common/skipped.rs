@@ -1,4 +1,4 @@
-//! What this machine has not, and no test of it therefore.
+//! Programs and features that this machine lacks, and tests that are skipped as a result.
 
 use std::fmt::Display;
 use std::io::Write;

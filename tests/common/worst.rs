@@ -1,4 +1,4 @@
-//! The worst error of a test, in units of what is allowed.
+//! The largest error of a test, relative to its tolerance.
 
 /// The largest relative rounding error of one operation: half the spacing of f64 at 1.
 pub const EPS: f64 = f64::EPSILON / 2.0;

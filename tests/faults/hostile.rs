@@ -1,4 +1,4 @@
-//! Files that are not what they say, names that steer terminals, and options that no machine can satisfy.
+//! Files with the wrong contents, names with terminal escapes, and options that no machine can satisfy.
 
 use std::os::unix::fs::symlink;
 use std::process::{Command, Stdio};

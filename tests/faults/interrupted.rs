@@ -1,4 +1,4 @@
-//! Killed at any instant.
+//! Processes killed at any instant.
 
 use std::process::{Child, Stdio};
 use std::thread::sleep;

@@ -1,9 +1,9 @@
-//! Faults of the world around the program: it is killed, writes fail, disks are full or read-only, inputs vanish or change, and
-//! files are not what they say.
+//! Faults outside the program: it is killed, writes fail, disks are full or read-only, inputs vanish or change, and files have the wrong
+//! contents.
 //!
-//! What holds each time: a file of a final name is whole or not there, or the one that was there before; a command that is run again
-//! gives the same bits; nothing else is left in the folder; an error is one message and exit code 2. By default each test
-//! takes seconds; `NULLRAY_FAULTS=1000` says how many instants to kill at.
+//! Each time, a file with a final name is complete, missing, or the previous one; the same command run again gives the same bits; nothing
+//! else is left in the folder; an error is one message and exit code 2. By default each test takes seconds; `NULLRAY_FAULTS=1000` sets the
+//! number of instants at which processes are killed.
 
 #[path = "../common"]
 mod common {

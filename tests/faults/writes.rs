@@ -1,4 +1,4 @@
-//! Writes that fail.
+//! Failing writes.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,4 +1,4 @@
-//! Contact sheets: the layout as data, and the page that it gives.
+//! Contact sheets: the layout as data, and the resulting page.
 
 use nullray::figures::contact_sheet::{Layout, Panel, Rect, SheetOptions, compose};
 use nullray::io::image::RgbImage;

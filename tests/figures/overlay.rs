@@ -1,4 +1,4 @@
-//! What is drawn over pictures: measured on the lines, which are data, not on pixels.
+//! Overlays: measured on the lines, which are data, not on pixels.
 
 use nullray::figures::drawing::{Item, pdf, png, svg};
 use nullray::figures::overlay::{

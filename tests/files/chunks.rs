@@ -1,4 +1,4 @@
-//! Arrays in chunks, read brick by brick: as when they are loaded whole, without a temporary file.
+//! Arrays in chunks, read brick by brick: the same as when loaded whole, without a temporary file.
 
 use std::fs;
 use std::path::{Path, PathBuf};

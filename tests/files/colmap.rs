@@ -1,4 +1,4 @@
-//! Poses of COLMAP, from both forms of its files.
+//! COLMAP poses, from both forms of its files.
 
 use std::path::Path;
 

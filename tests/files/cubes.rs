@@ -1,4 +1,4 @@
-//! Cubes that are no NumPy arrays: folders of pictures, streaks, transient images.
+//! Cubes that are not NumPy arrays: folders of pictures, streaks, transient images.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What glTF files give, against positions worked out by hand.
+//! The contents of glTF files, against positions computed by hand.
 
 use crate::common::png::decode;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! Where animations of glTF files take nodes, and cameras and lights with them.
+//! Positions of animated glTF nodes, and of cameras and lights that follow them.
 
 use std::path::{Path, PathBuf};
 

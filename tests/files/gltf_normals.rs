@@ -1,4 +1,4 @@
-//! Normals of vertices in glTF files, against vectors worked out by hand.
+//! Vertex normals in glTF files, against vectors computed by hand.
 
 use std::path::{Path, PathBuf};
 

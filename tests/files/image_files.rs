@@ -1,4 +1,4 @@
-//! Image files: what is written is read back, by this crate and by independent readers.
+//! Image files: pictures are read back as written, by this crate and by independent readers.
 
 use std::fs;
 use std::io::{Cursor, Read};

@@ -1,5 +1,5 @@
-//! Valid files with bytes changed, numbers replaced and ends cut off: whatever comes of it is a
-//! result or an error, never a panic, a hang or a bid for all memory.
+//! Valid files with bytes changed, numbers replaced and ends cut off: the outcome is a result or an error, never a panic, a hang or
+//! excessive memory.
 
 use nullray::io::cube::{self, Wanted};
 use nullray::io::gltf;

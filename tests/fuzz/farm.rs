@@ -1,4 +1,4 @@
-//! The farm: inputs made of seeds, by changes that know the formats, in an order that the seed number alone decides.
+//! The farm: inputs generated from seeds, by changes that know the formats, in an order that depends on the seed number only.
 
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};

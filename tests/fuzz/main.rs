@@ -1,7 +1,7 @@
-//! Files that were made to break the program, and a farm that makes more of them.
+//! Files made to break the program, and a farm that generates more of them.
 //!
-//! `cargo test --test fuzz` replays the corpus of `fuzz/`, all small files of the other tests, and a few thousand inputs that
-//! are made of them. `fuzz/run SECONDS` runs the farm (the test that is ignored here) for as long as one likes; see `fuzz/README.md`.
+//! `cargo test --test fuzz` replays the corpus of `fuzz/`, all small files of the other tests, and a few thousand inputs generated from
+//! them. `fuzz/run SECONDS` runs the farm (the ignored test here) for any length of time; see `fuzz/README.md`.
 
 #[path = "../common/counting.rs"]
 mod counting;

@@ -1,5 +1,5 @@
-//! Changes of inputs: of any bytes, of texts by their lines, numbers and words, and of containers by their parts, whose lengths
-//! and checksums are made right again, so that what is wrong lies deeper.
+//! Mutations of inputs: of arbitrary bytes, of texts by their lines, numbers and words, and of containers by their parts, with lengths and
+//! checksums corrected so that the fault lies deeper.
 
 use std::io::{Cursor, Read, Write};
 

@@ -1,5 +1,5 @@
-//! Whole scenes: put together of parts that fit each other, so that most can be rendered, and then changed in up to three
-//! places as the schema allows, so that what is wrong lies in what a few of them mean together.
+//! Whole scenes: assembled from parts that fit each other, so that most can be rendered, and then changed in up to three places as the
+//! schema allows, so that faults arise from combinations.
 
 use serde_json::{Map, Value, json};
 

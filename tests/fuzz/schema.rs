@@ -1,5 +1,4 @@
-//! Scenes that are made of the JSON schema: every key in its place, with values of its type, so that what is wrong lies in what they
-//! mean together.
+//! Scenes generated from the JSON schema: every key in its place, with values of its type, so that faults arise from combinations.
 
 use serde_json::{Map, Value};
 

@@ -1,7 +1,7 @@
-//! Boosts at every rapidity that is accepted, against 320-bit arithmetic.
+//! Boosts at every accepted rapidity, against 320-bit arithmetic.
 //!
-//! A rounding error of one eps = 2⁻⁵³ in the direction n of motion, in the rapidity φ or in the look
-//! direction d′ has consequences that no arrangement can avoid. The tolerances are 16 times these.
+//! A rounding error of one eps = 2⁻⁵³ in the direction n of motion, in the rapidity φ or in the look direction d′ has unavoidable
+//! consequences. The tolerances are 16 times these.
 
 use crate::common::exact::{
     Exact, ExactBoost, Four, difference, distance, exact, four, look, rounded,

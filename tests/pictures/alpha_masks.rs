@@ -1,5 +1,5 @@
-//! Alpha masks of materials: surfaces whose holes are cut by a mask look as those that are cut in their triangles, to every
-//! ray and at any velocity.
+//! Alpha masks of materials: surfaces with holes cut by a mask look like surfaces with holes in their triangles, to every ray and at any
+//! velocity.
 
 use std::path::Path;
 use std::sync::Arc;

@@ -1,5 +1,4 @@
-//! Cubes that are larger than the memory limit: pictures have the bits of cubes in memory, and as much is read as was
-//! estimated.
+//! Cubes larger than the memory limit: pictures have the bits of cubes in memory, and the amount read is as estimated.
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufWriter, Seek, SeekFrom, Write};

@@ -1,7 +1,7 @@
-//! Several captures of one surface, with data that are known everywhere: the floor y = 0 shines with
-//! f(x, z, t) = (1 + sin 3x cos 2z / 2) (1 + cos 2(t − x) / 2), and every pixel of a capture is its mean over 8 × 8 places.
+//! Several captures of one surface, with known data: the floor y = 0 shines with f(x, z, t) = (1 + sin 3x cos 2z / 2) (1 + cos 2(t − x) /
+//! 2), and every pixel of a capture is its mean over 8 × 8 points.
 //!
-//! `grazing` sees all of the floor that is in view, at 3 degrees in its middle; `above` looks down on its right half.
+//! `grazing` sees all of the visible floor, at 3 degrees in its middle; `above` looks down on its right half.
 
 use std::fs;
 use std::path::Path;

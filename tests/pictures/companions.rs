@@ -1,8 +1,8 @@
-//! Infrared and ultraviolet channels of cubes and pictures: what shifts into view of them.
+//! Infrared and ultraviolet channels of cubes and pictures: what shifts into view from them.
 //!
-//! The spectrum of five channels is summed here from its definition over 0.025 nm of what is seen: the colours as they are between
-//! 360 and 830 nm, beyond them the constant values of the white at 830 nm up to 3500 nm and at 360 nm down to 100 nm, times the
-//! channels. W is that of the picture's own channel, which other tests hold against closed forms.
+//! The spectrum of five channels is summed here from its definition over 0.025 nm of the observer's wavelengths: the colours between 360
+//! and 830 nm, and beyond them the constant values of the white at 830 nm up to 3500 nm and at 360 nm down to 100 nm, times the channels. W
+//! is that of the picture's own channel, which other tests compare with closed forms.
 
 use std::path::Path;
 use std::sync::Arc;

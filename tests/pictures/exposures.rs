@@ -1,8 +1,7 @@
-//! Exposures of a while against an independent renderer of transient light.
+//! Finite exposures against an independent renderer of transient light.
 //!
-//! The reference (tests/data/transient/README.md) is the mean over 0.5 m of the camera's own time of
-//! frames in flight, each with the camera where it then is. The limit, a relRMSE of 0.012, is twice what an
-//! independent reconstruction from the same lightmap reaches.
+//! The reference (tests/data/transient/README.md) is the mean over 0.5 m of the camera's own time of frames in flight, each with the camera
+//! at its position at that time. The limit, a relRMSE of 0.012, is twice that of an independent reconstruction from the same lightmap.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Surfaces that shine by their own time: as lamps do, as they were when light left them, with bounces and in bakes.
+//! Surfaces that shine as a function of their own time: like lamps, as they were when light left them, with bounces and in bakes.
 
 use std::f64::consts::TAU;
 use std::path::Path;

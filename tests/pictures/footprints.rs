@@ -1,4 +1,4 @@
-//! Lookups that are means over what samples stand for, against pictures of very many samples and closed forms.
+//! Lookups that average over the footprint of a sample, against pictures with very many samples and closed forms.
 
 use std::io::Write;
 

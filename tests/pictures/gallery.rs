@@ -1,4 +1,4 @@
-//! The number that each scene of `scenes/gallery` tells its readers, by closed forms that share no code with the renderer.
+//! The number that each scene of `scenes/gallery` states to its readers, from closed forms that share no code with the renderer.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Pictures and what they are made of: rays, cameras, light, films, rasterizers.
+//! Pictures and their ingredients: rays, cameras, light, films, rasterizers.
 
 #[path = "../common"]
 mod common {

@@ -1,8 +1,8 @@
 //! Captures as mitransient writes them (tests/data/mitransient/README.md): crop, field of view and near plane.
 //!
-//! The rays of its cameras begin on the near plane, so that a warped capture lacks the way to it; one that it has
-//! unwarped itself holds times of arrival at the surface, and needs no such thing. Both are of one scene under one
-//! pulse, and must give the same picture. relRMSE = √(Σ(a−b)²/Σb²).
+//! The rays of its cameras start on the near plane, so that a warped capture lacks the path to it; one that it has unwarped itself holds
+//! times of arrival at the surface, and needs no correction. Both are of one scene under one pulse, and must give the same picture. relRMSE
+//! = √(Σ(a−b)²/Σb²).
 
 use std::path::Path;
 

@@ -1,5 +1,4 @@
-//! Direct light against Mitsuba 3 (tests/data/mitsuba): panel, even and pictured sky, point lamp, parallel light, diffuse
-//! surfaces, GGX.
+//! Direct light against Mitsuba 3 (tests/data/mitsuba): panel, uniform and pictured sky, point lamp, parallel light, diffuse surfaces, GGX.
 
 use std::path::Path;
 

@@ -1,9 +1,8 @@
 //! Moving meshes against brute force in the world frame, without any transform between frames.
 //!
-//! The reference (tests/data/moving_meshes/README.md) contracts each mesh, moves it, and meets it with
-//! the light path in world coordinates in 80-bit arithmetic. Here rays are carried into rest frames.
-//! Object and triangle must agree in every pixel that is not on an edge; numbers to 1e-13 of the
-//! scene's size, directions and ratios to 1e-14.
+//! The reference (tests/data/moving_meshes/README.md) contracts each mesh, moves it, and intersects it with the light path in world
+//! coordinates in 80-bit arithmetic. Here rays are transformed to rest frames. Object and triangle must agree in every pixel that is not on
+//! an edge; numbers to 1e-13 of the scene's size, directions and ratios to 1e-14.
 
 use crate::common::arrays::array_at;
 use nullray::render::aov::{self, Aov};

@@ -1,7 +1,7 @@
 //! The figures of Jarabo et al. 2015 by the paper's equations, compared with the same pictures by special
 //! relativity: the table of `scenes/paper/paper-versus-exact.md`.
 //!
-//! Where the page does not agree, a failure prints the table as it should be.
+//! If the page does not agree, a failure prints the table as it should be.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Means over spans of time: prefix sums against bins that are added one by one, and against many lookups.
+//! Means over time spans: prefix sums against the sum of single bins, and against many lookups.
 
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! Steady pictures on surfaces: what is rendered of them, against bilinear means and the laws of aberration and beaming.
+//! Steady pictures on surfaces, rendered and compared with bilinear means and the laws of aberration and beaming.
 
 use std::path::Path;
 

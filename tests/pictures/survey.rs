@@ -1,4 +1,4 @@
-//! What is remarked on data that look wrong, and on data that do not.
+//! Warnings about data that look wrong, and none about data that do not.
 
 use nullray::io::cube::{Cube, CubeSamples};
 use nullray::light::time_texture::survey::{Order, of_samples};

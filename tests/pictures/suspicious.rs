@@ -1,5 +1,5 @@
-//! Data that are used wrongly, from scene to remark: each is warned of before anything is rendered, with the numbers that
-//! would be right. The recording of `scenes/capture.toml` begins at 7 m, has bins of 0.1 m, and no remarks.
+//! Wrongly used data, from scene to warning: each is warned about before anything is rendered, with the numbers that would be right. The
+//! recording of `scenes/capture.toml` begins at 7 m, has bins of 0.1 m, and no warnings.
 
 use std::path::Path;
 use std::sync::Arc;

@@ -1,12 +1,11 @@
 //! Frames of a moving camera against an independent renderer of transient light.
 //!
-//! The reference frames, cubes and masks come from a path tracer that simulates light in flight and
-//! knows nothing of this program (tests/data/transient/README.md). They hold world-frame radiance: no
-//! Doppler or searchlight factor. Scores are relRMSE = √(Σ(a−b)²/Σb²). The limits are those that a
-//! careful implementation of the same reconstruction reaches on these very data, times 1.25.
+//! The reference frames, cubes and masks come from a path tracer that simulates light in flight, independent of this program
+//! (tests/data/transient/README.md). They hold world-frame radiance: no Doppler or searchlight factor. Scores are relRMSE = √(Σ(a−b)²/Σb²).
+//! The limits are 1.25 times what a careful implementation of the same reconstruction reaches on the same data.
 //!
-//! The same comparison is made with one error planted at a time (no retardation, reversed aberration,
-//! no aberration, depth for distance): each must fail by far, or the test would prove nothing.
+//! The same comparison is made with one planted error at a time (no retardation, reversed aberration, no aberration, depth for distance):
+//! each must fail by a wide margin, or the test would prove nothing.
 
 use std::path::Path;
 

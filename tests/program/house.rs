@@ -1,4 +1,4 @@
-//! The files of the library and of the program import each other in one direction, and the library knows nothing of the program.
+//! The files of the library and of the program import each other in one direction only, and the library does not depend on the program.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

@@ -1,4 +1,4 @@
-//! The program as its users meet it, and the tools that validate pictures.
+//! The program as its users see it, and the tools that validate pictures.
 
 #[path = "../common"]
 mod common {

@@ -19,21 +19,21 @@ pub struct Diagram {
     pub text: String,
     /// A line above the diagram.
     pub title: Option<String>,
-    /// What numbers at the axes count.
+    /// The unit of numbers at the axes.
     pub unit: Unit,
     /// The unit vector of the world along which x is measured.
     pub direction: DVec3,
     /// The unit vector across it along which y is measured; `None` in a diagram of 1+1 dimensions.
     pub across: Option<DVec3>,
-    /// Along what x is, where that needs words at the view's axis; markup.
+    /// The meaning of x, if the view's axis needs to state it; markup.
     pub meaning: Option<String>,
     /// The labels of the view's own axes, of ct and of x, as markup; `None` for the default.
     pub labels: Option<[String; 2]>,
     /// The range of x on the axes, metres; `None` to fit the contents.
     pub x: Option<[f64; 2]>,
-    /// What the axes show of y, metres.
+    /// The range of y on the axes, metres.
     pub y: Option<[f64; 2]>,
-    /// What the axes show of ct, metres.
+    /// The range of ct on the axes, metres.
     pub ct: Option<[f64; 2]>,
     /// The frames in whose coordinates the diagram is drawn, side by side; at least one.
     pub views: Vec<usize>,
@@ -53,7 +53,7 @@ pub struct Diagram {
     pub intervals: Vec<Segment>,
     /// Hyperbolae.
     pub hyperbolae: Vec<Hyperbola>,
-    /// Curves that are nobody's world line.
+    /// Curves that are not world lines.
     pub curves: Vec<DrawnCurve>,
     /// World sheets.
     pub sheets: Vec<WorldSheet>,
@@ -63,31 +63,31 @@ pub struct Diagram {
     pub arrows: Vec<Segment>,
     /// Rindler wedges.
     pub wedges: Vec<Wedge>,
-    /// Words.
+    /// Texts.
     pub texts: Vec<Spot>,
-    /// What changes in a series of pictures.
+    /// The change over a series of pictures.
     pub animation: Option<Animation>,
-    /// What is simultaneous, with the readings of clocks: that of one picture.
+    /// Simultaneous events, with the readings of clocks, for one picture.
     pub now: Option<Now>,
-    /// How it looks.
+    /// Its style.
     pub style: Style,
 }
 
-/// The unit vector of what `v` has across the unit vector `direction`, where that is more than a millionth of it.
+/// The unit vector of the part of `v` perpendicular to the unit vector `direction`, if that is more than a millionth of it.
 pub(crate) fn part_across(direction: DVec3, v: DVec3) -> Option<DVec3> {
     let v = Direction::<World>::new(v)?.unit();
     let part = v - direction * direction.dot(v);
-    // Below this, v is along the direction but for rounding, and the rest of it points anywhere.
+    // Below this, v is along the direction except for rounding, and the remainder points anywhere.
     let is_some = part.length() > 1e-6;
     is_some
         .then(|| Direction::<World>::new(part))?
         .map(Direction::unit)
 }
 
-/// What numbers at the axes count.
+/// The unit of numbers at the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
-    /// One of it, metres.
+    /// Its length, metres.
     pub metres: f64,
     /// The units on the time axis and on the space axis; `None` to show no unit.
     pub names: Option<[&'static str; 2]>,
@@ -106,7 +106,7 @@ impl Default for Unit {
     }
 }
 
-/// A frame of reference, and what is drawn of it.
+/// A frame of reference, and which parts of it are drawn.
 #[derive(Debug, Clone)]
 pub struct Reference {
     /// Unique name.
@@ -124,7 +124,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// A frame of which nothing is drawn.
+    /// A frame without drawn parts.
     pub(crate) fn bare(name: &str, frame: InertialFrame<Rest>) -> Reference {
         Reference {
             name: name.into(),
@@ -153,7 +153,7 @@ pub struct NamedLine {
     pub name: String,
     /// Its label.
     pub label: Option<String>,
-    /// Where it goes.
+    /// Its track.
     pub track: Track,
     /// The distance between the ticks of its own clock, metres.
     pub ticks: Option<f64>,
@@ -163,12 +163,12 @@ pub struct NamedLine {
     pub colour: Option<Colour>,
 }
 
-/// An event that is marked, or words: an event of the world in the model, a point of a view in its layout.
+/// A marked event, or text: an event of the world in the model, a point of a view in its layout.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spot<P = Event<World>> {
     /// Unique name of an event; empty for words.
     pub name: String,
-    /// Where it is; of words, where their middle is.
+    /// Its position; for text, that of its middle.
     pub at: P,
     /// Its label, or the one there.
     pub label: Option<String>,
@@ -192,7 +192,7 @@ pub struct Segment<P = Event<World>> {
 }
 
 impl<P: Copy> Spot<P> {
-    /// The same at other places, by `place`.
+    /// The same with positions mapped by `place`.
     pub(crate) fn map<Q>(&self, place: impl Fn(P) -> Q) -> Spot<Q> {
         Spot {
             name: self.name.clone(),
@@ -205,7 +205,7 @@ impl<P: Copy> Spot<P> {
 }
 
 impl<P: Copy> Segment<P> {
-    /// The same at other places, by `place`.
+    /// The same with positions mapped by `place`.
     pub(crate) fn map<Q>(&self, place: impl Fn(P) -> Q) -> Segment<Q> {
         Segment {
             ends: self.ends.map(place),
@@ -225,10 +225,9 @@ pub struct Cone {
     pub future: bool,
     /// Whether its past is drawn.
     pub past: bool,
-    /// How far from the apex it is drawn in 2+1 dimensions, metres of the view's time; none for as far as
-    /// the contents go.
+    /// The distance from the apex to which it is drawn in 2+1 dimensions, metres of the view's time; `None` for the extent of the contents.
     pub height: Option<f64>,
-    /// Whether its inside is shaded.
+    /// Whether its interior is shaded.
     pub shade: bool,
 }
 
@@ -237,11 +236,11 @@ pub struct Cone {
 pub struct Slice {
     /// The frame.
     pub frame: usize,
-    /// Whether time is equal along it, or place.
+    /// Whether time or position is equal along it.
     pub kind: SliceKind,
     /// An event on it.
     pub event: Event<World>,
-    /// Where it ends, when it goes from `event` to somewhere; none where it has no ends.
+    /// Its end, if it goes from `event` to somewhere; `None` if it has no ends.
     pub to: Option<Event<World>>,
     /// Its label.
     pub label: Option<String>,
@@ -249,12 +248,12 @@ pub struct Slice {
     pub colour: Option<Colour>,
 }
 
-/// What is equal along a line.
+/// The quantity that is equal along a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SliceKind {
     /// Time.
     Simultaneity,
-    /// Place.
+    /// Position.
     Place,
 }
 
@@ -280,18 +279,18 @@ pub struct DrawnCurve<P = Event<World>> {
     pub dashed: bool,
     /// Its label.
     pub label: Option<String>,
-    /// The colour; none for black.
+    /// The colour; `None` for black.
     pub colour: Option<Colour>,
 }
 
-/// What lies between two world lines.
+/// The strip between two world lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldSheet {
     /// The two world lines.
     pub between: [usize; 2],
-    /// What stands on it.
+    /// The label on it.
     pub label: Option<String>,
-    /// The colour; none for that of the first world line.
+    /// The colour; `None` for that of the first world line.
     pub colour: Option<Colour>,
 }
 
@@ -300,7 +299,7 @@ pub struct WorldSheet {
 pub struct Region {
     /// Its corners, three at least.
     pub corners: Vec<Event<World>>,
-    /// What stands on it.
+    /// The label on it.
     pub label: Option<String>,
     /// The colour.
     pub colour: Option<Colour>,
@@ -311,9 +310,9 @@ pub struct Region {
 pub struct Wedge {
     /// The event.
     pub event: Event<World>,
-    /// Which.
+    /// Its side.
     pub side: Side,
-    /// What stands on it.
+    /// The label on it.
     pub label: Option<String>,
     /// The colour.
     pub colour: Option<Colour>,
@@ -332,14 +331,14 @@ pub enum Side {
     Past,
 }
 
-/// What changes from picture to picture.
+/// The change from picture to picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Animation {
-    /// How many pictures, 2 at least.
+    /// The number of pictures, at least 2.
     pub frames: u32,
     /// Pictures per second.
     pub fps: f64,
-    /// Where the view is boosted to.
+    /// The boost of the view.
     pub boost: Option<Boost>,
     /// The line of simultaneity that sweeps.
     pub sweep: Option<Sweep>,
@@ -348,7 +347,7 @@ pub struct Animation {
 /// A view that is boosted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Boost {
-    /// The frame that it becomes.
+    /// The final frame.
     pub to: usize,
     /// Whether it goes back again.
     pub back: bool,
@@ -365,7 +364,7 @@ pub struct Sweep {
     pub colour: Option<Colour>,
 }
 
-/// All that is simultaneous in a frame, with the readings of the clocks.
+/// All events that are simultaneous in a frame, with the readings of the clocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Now {
     /// The frame.
@@ -417,7 +416,7 @@ impl TryFrom<String> for Colour {
         if let Some((_, colour)) = named {
             return Ok(*colour);
         }
-        // All digits are checked first: `from_str_radix` would take a sign as one.
+        // Digits are checked first: `from_str_radix` would accept a sign.
         let digits = text.strip_prefix('#').filter(|hex| hex.len() == 6);
         let digits = digits.filter(|hex| hex.bytes().all(|b| b.is_ascii_hexdigit()));
         let number = digits.and_then(|hex| u32::from_str_radix(hex, 16).ok());
@@ -466,17 +465,17 @@ impl JsonSchema for Colour {
     }
 }
 
-/// How a diagram looks.
+/// The style of a diagram.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Style {
     /// For a black page rather than a white one.
     pub dark: bool,
-    /// Width of the page, points; none for 120 mm for each view side by side.
+    /// Width of the page, points; `None` for 120 mm per view side by side.
     pub width: Option<f64>,
-    /// How many views stand side by side, 1 at least; none for all.
+    /// Number of views side by side, at least 1; `None` for all.
     pub columns: Option<u32>,
-    /// Height of the page, points; none for what the contents need.
+    /// Height of the page, points; `None` for what the contents need.
     pub height: Option<f64>,
     /// Size of the type, points.
     pub font_size: f64,

@@ -1,4 +1,4 @@
-//! Axes of moving frames, their ticks, lines of equal time and place, and limits.
+//! Axes of moving frames, their ticks, lines of equal time and position, and limits.
 
 use crate::diagrams::{event, laid_out, near, panel, slope};
 

@@ -1,4 +1,4 @@
-//! Where labels are: not on each other, not on titles, not on lines, and steady from picture to picture.
+//! Positions of labels: not on each other, not on titles, not on lines, and steady from picture to picture.
 
 use std::collections::HashMap;
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! Space-time diagrams: what is laid out where, what is drawn, what is refused.
+//! Space-time diagrams: layout, drawing, and errors.
 
 mod axes;
 mod classic;

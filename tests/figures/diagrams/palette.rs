@@ -1,8 +1,7 @@
-//! Colours by numbers: contrast with the page, and among each other for every colour vision.
+//! The palette in numbers: contrast with the page, and between colours for every kind of colour vision.
 //!
-//! Contrast is (L₁ + 0.05)/(L₂ + 0.05) of relative luminances (WCAG 2.1); 3 is asked of graphics. Vision
-//! without the long or the middle cones is simulated in linear sRGB (Viénot, Brettel, Mollon 1999);
-//! distances are ΔE of CIELAB (1976), of which 2 or 3 are just seen.
+//! Contrast is (L₁ + 0.05)/(L₂ + 0.05) of relative luminances (WCAG 2.1), which requires 3 for graphics. Vision without long or middle
+//! cones is simulated in linear sRGB (Viénot, Brettel, Mollon 1999); distances are ΔE of CIELAB (1976), where 2 or 3 are just noticeable.
 
 use nullray::figures::drawing::{Drawing, Item};
 

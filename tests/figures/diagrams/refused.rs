@@ -1,4 +1,4 @@
-//! What is refused, and where.
+//! Refused diagrams, with the position of the error.
 
 use nullray::Error;
 

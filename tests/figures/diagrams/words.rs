@@ -1,4 +1,4 @@
-//! Words, colours and quantities of diagrams; text as text.
+//! Text, colours and quantities of diagrams; text as text.
 
 use nullray::figures::diagram;
 use nullray::figures::drawing::{Item, pdf, svg, tikz};

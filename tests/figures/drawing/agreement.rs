@@ -1,4 +1,4 @@
-//! All formats show the same.
+//! All formats show the same drawing.
 
 use nullray::figures::drawing::{pdf, png, svg};
 

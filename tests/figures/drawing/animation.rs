@@ -1,4 +1,4 @@
-//! Animations hold their frames.
+//! Animations contain their frames.
 
 use nullray::Result;
 use nullray::figures::drawing::apng::{Delay, write};

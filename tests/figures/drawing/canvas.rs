@@ -1,4 +1,4 @@
-//! A picture that the readers of the tests draw on.
+//! A canvas for the tests' readers.
 
 use nullray::figures::drawing::png::path_of as path;
 use nullray::figures::text::Segment;

@@ -1,4 +1,4 @@
-//! The files are what their formats ask for.
+//! Files conform to their formats.
 
 use nullray::figures::drawing::{Colour, Drawing, pdf, png, save, svg};
 

@@ -1,4 +1,4 @@
-//! Pictures as they were when they were last looked at.
+//! Golden pictures, as last reviewed.
 
 use crate::common::png::decode;
 use std::path::PathBuf;

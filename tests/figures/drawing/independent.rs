@@ -1,8 +1,7 @@
-//! What programs of others make of our files, where these programs are there.
+//! Our files in other programs, if these are installed.
 //!
-//! librsvg (`rsvg-convert`) and Poppler (`pdftoppm`) rasterize by methods of their own: edges may differ by
-//! their anti-aliasing, and nothing else may. LaTeX (`pdflatex`) sets text in its own fonts, so that drawings are compared
-//! without theirs, and all characters are only set.
+//! librsvg (`rsvg-convert`) and Poppler (`pdftoppm`) rasterize by their own methods: only anti-aliasing at edges may differ. LaTeX
+//! (`pdflatex`) sets text in its own fonts, so drawings are compared without text, and characters are only tested to compile.
 
 use crate::common::png::decode;
 use std::path::Path;

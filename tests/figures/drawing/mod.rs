@@ -1,4 +1,4 @@
-//! Drawings: their geometry, their files, and that all formats show the same.
+//! Drawings: their geometry, their files, and agreement between formats.
 
 mod agreement;
 mod animation;

@@ -1,4 +1,4 @@
-//! Reads as much PDF as the writer writes, and refuses all else.
+//! Reads the subset of PDF that the writer writes, and refuses everything else.
 
 use std::collections::HashMap;
 use std::io::Read;

@@ -1,4 +1,4 @@
-//! What no format could hold is refused, with the index of its item.
+//! Drawings that no format can hold are refused, with the index of the item.
 
 use nullray::figures::drawing::{
     Arrow, Colour, Drawing, Fill, Hatch, Item, Path, Stroke, Text, pdf, png, svg,

@@ -1,4 +1,4 @@
-//! Small drawings that between them use all there is.
+//! Small drawings that together use all features.
 
 use nullray::figures::drawing::{
     Anchor, AnchorX, AnchorY, Arrow, Cap, Colour, Drawing, Fill, Hatch, Item, Join, Path, Stroke,

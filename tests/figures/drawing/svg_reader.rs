@@ -1,4 +1,4 @@
-//! Reads as much SVG as the writer writes, and refuses all else.
+//! Reads the subset of SVG that the writer writes, and refuses everything else.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! The traced pixel is that of the picture, to the bit.
+//! The traced pixel is that of the picture, bit for bit.
 
 use nullray::figures::pixel_probe::Probe;
 use nullray::render::aov::{self, Aov};

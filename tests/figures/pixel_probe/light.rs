@@ -1,4 +1,4 @@
-//! Reception, pinhole, emission: light between world lines; and where things are now.
+//! Reception, pinhole, emission: light between world lines; and the current positions of objects.
 
 use nullray::spacetime::{Event, World};
 

@@ -1,4 +1,4 @@
-//! What one pixel sees: the numbers of the rendered picture, and the diagram made of them.
+//! What a single pixel sees: the numbers of the rendered picture, and the diagram made from them.
 
 mod agreement;
 mod diagram;

@@ -1,4 +1,4 @@
-//! What is refused.
+//! Refused probes.
 
 use nullray::Error;
 use nullray::figures::pixel_probe::trace;

@@ -1,4 +1,4 @@
-//! What a valid scene means.
+//! The meaning of valid scenes.
 
 use std::f64::consts::PI;
 use std::path::Path;

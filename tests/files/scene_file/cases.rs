@@ -1,4 +1,4 @@
-//! One row per refusal: what is changed in the valid scene, and where, what and why it is refused.
+//! One row per error: the change to the valid scene, and the position and text of the message.
 
 use crate::scene_file::{Folder, VALID, problem};
 

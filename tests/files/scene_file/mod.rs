@@ -1,4 +1,4 @@
-//! Scene files: what is read, what is refused and where, and that nothing makes the reader fail.
+//! Scene files: what is read, what is refused and where, and that no input breaks the reader.
 
 #[macro_use]
 mod cases;

@@ -1,4 +1,4 @@
-//! What a scene file says of how the camera moves.
+//! The camera's motion in scene files.
 
 use std::path::Path;
 

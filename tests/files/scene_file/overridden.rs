@@ -1,4 +1,4 @@
-//! What overrides set.
+//! The effect of overrides.
 
 use glam::DVec3;
 use nullray::scene::Overrides;

@@ -1,4 +1,4 @@
-//! What is refused of all parts of a scene, row by row.
+//! Errors in all parts of a scene, row by row.
 
 use crate::scene_file::cases::check;
 use crate::scene_file::{Folder, VALID, problem};

@@ -1,4 +1,4 @@
-//! What is refused of a camera's motion, sensor, rotation and shutter, and of the paper's equations.
+//! Errors in a camera's motion, sensor, rotation and shutter, and with the paper's equations.
 
 use crate::scene_file::cases::check;
 use crate::scene_file::{Folder, problem};

@@ -1,4 +1,4 @@
-//! What a scene file says of the camera's sensor, its rotation, its shutter, and of the equations.
+//! The camera's sensor, rotation, shutter and equations in scene files.
 
 use std::f64::consts::PI;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What moving things look like: Penrose's sphere and Terrell's cube.
+//! The appearance of moving objects: Penrose's sphere and Terrell's cube.
 
 use glam::DVec3;
 use nullray::spacetime::{Boost, CameraFrame, Direction, Rest, Velocity, World};

@@ -1,4 +1,4 @@
-//! Doppler effect, aberration, and what they do to the light that falls on a surface.
+//! Doppler effect, aberration, and their effect on the light incident on a surface.
 
 use glam::{DMat4, DVec3, DVec4};
 use nullray::spacetime::{

@@ -1,4 +1,4 @@
-//! Only relative motion counts.
+//! Only relative motion matters.
 
 use glam::DVec3;
 use nullray::spacetime::{Boost, CameraFrame, Direction, Frame, Rest, Velocity, World};

@@ -1,4 +1,4 @@
-//! Delay: where a moving thing is seen, and when that was.
+//! Delay: where a moving object is seen, and at which time.
 
 use glam::DVec3;
 use nullray::spacetime::{Direction, Event, InertialFrame, NullRay, Rest, World};

@@ -1,4 +1,4 @@
-//! Where f64 ends: how far a picture is wrong as γ grows.
+//! The limits of f64: the error of a picture as γ grows.
 
 use glam::DVec3;
 use nullray::spacetime::{MAX_RAPIDITY, Velocity};

@@ -1,9 +1,8 @@
-//! Numerical stability at the ends of what is promised, against arbitrary precision.
+//! Numerical stability at the ends of the supported ranges, against arbitrary precision.
 //!
-//! `src/validate/selftest` says which regimes there are, in which unit an error is measured and how its bound is derived.
-//! Here each is tried with thousands of cases, whose references are computed with 320 bits and more; the rows
-//! that `nullray selftest` carries are a part of them; and what the page of `src/validate/selftest` says of the
-//! worst errors is held against what is measured.
+//! `src/validate/selftest` defines the regimes, the units of errors and the derivations of their bounds. Here each is tested with thousands
+//! of cases, with references computed with 320 bits and more; the rows of `nullray selftest` are a part of them; and the worst errors
+//! stated on the page of `src/validate/selftest` are compared with measurements.
 
 mod cases;
 mod limits;

@@ -1,4 +1,4 @@
-//! What the page of the self-test says of errors, against what is measured.
+//! The errors stated on the page of the self-test, against measurements.
 
 use nullray::validate::selftest::{Check, REGIMES, checks};
 

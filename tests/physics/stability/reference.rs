@@ -1,7 +1,7 @@
-//! The same results in arbitrary precision, from the textbook's equations.
+//! The same results in arbitrary precision, from textbook equations.
 //!
-//! Triangles: sums and products without rounding, so that signs are exact, and quotients of 320 bits. The
-//! rest: 320 bits throughout.
+//! Triangles: sums and products without rounding, so that signs are exact, and quotients with 320 bits. Everything else: 320 bits
+//! throughout.
 
 use nullray::validate::selftest::Fine;
 

@@ -1,4 +1,4 @@
-//! The rows that the self-test carries: the worst of all cases, with their references.
+//! The rows of the self-test: the worst of all cases, with their references.
 
 use std::path::Path;
 

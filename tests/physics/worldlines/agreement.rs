@@ -1,4 +1,4 @@
-//! Kinds of world lines that must agree with each other, and limits.
+//! Agreement of different kinds of world lines, and limits.
 
 use glam::DVec3;
 use nullray::spacetime::worldline::{Segment, WorldLine};

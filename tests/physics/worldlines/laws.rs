@@ -1,5 +1,4 @@
-//! What holds on every world line: |u| = 1, u·a = 0, u = dx/dτ, du/dτ = a; crossings are null, in the past,
-//! and on the line.
+//! Laws of every world line: |u| = 1, u·a = 0, u = dx/dτ, du/dτ = a; crossings are null, in the past, and on the line.
 
 use glam::DVec3;
 use nullray::spacetime::worldline::{State, WorldLine};

@@ -1,4 +1,4 @@
-//! World lines of every kind, and what the tests need to know of them.
+//! World lines of every kind, with the properties that the tests need.
 
 use glam::DVec3;
 use nullray::spacetime::worldline::{Axes, Segment, State, WorldLine};

@@ -1,4 +1,4 @@
-//! What is no world line is refused, with its place.
+//! Invalid world lines are refused, with the position of the error.
 
 use glam::DVec3;
 use nullray::spacetime::worldline::{Axes, MAX_ENTRIES, Segment, WorldLine, WorldLineError};

@@ -1,4 +1,4 @@
-//! Rays that are aimed exactly.
+//! Exactly aimed rays.
 
 use glam::{DVec3, Vec3Swizzles};
 

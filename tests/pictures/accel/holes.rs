@@ -1,4 +1,4 @@
-//! Triangles with holes: packets and single rays against each triangle on its own.
+//! Triangles with holes: packets and single rays against each triangle separately.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Rays that leave surfaces in all directions, in trees small and large: what single rays find, with every kernel.
+//! Rays that leave surfaces in all directions, in small and large trees: the same hits as single rays, with every kernel.
 
 use glam::DVec3;
 use nullray::accel::{Bvh, Counts, Facing, Hit, Kernel, NO_SLOT, NoTally, Origins, Ray, Segment};

@@ -1,4 +1,4 @@
-//! Packets of rays with an origin each against single rays: the same hits, bit for bit, with every kernel.
+//! Packets of rays with separate origins against single rays: the same hits, bit for bit, with every kernel.
 
 use glam::DVec3;
 use nullray::accel::{Bvh, Counts, Facing, Hit, Kernel, NoTally, Origins, Precision, Traversal};

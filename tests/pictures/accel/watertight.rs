@@ -1,4 +1,4 @@
-//! Packets by the million: closed meshes, and what f32 alone makes of them.
+//! Packets by the million: closed meshes, and the failures of f32 alone on them.
 
 use nullray::accel::{Hit, Kernel, NoTally, Origins, Precision, Traversal};
 

@@ -1,4 +1,4 @@
-//! Where different cameras must agree.
+//! Cases in which different cameras must agree.
 
 use glam::DVec3;
 use nullray::camera::{AnyView, Camera, ViewKind};

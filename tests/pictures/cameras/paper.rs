@@ -1,4 +1,4 @@
-//! A camera by the equations of Jarabo et al. 2015 does what those equations say.
+//! A camera with the equations of Jarabo et al. 2015 follows these equations.
 
 use glam::DVec3;
 use nullray::camera::{Camera, ViewKind};

@@ -1,7 +1,7 @@
 //! Pinhole cameras against vectors of arbitrary precision.
 //!
-//! The film is addressed by 1 + px/f, which costs a few eps of a film two wide: directions are right
-//! to some eps (1 + 1/W), since aberration magnifies by 1/W, and W to that times γβ sin(angle).
+//! The film is addressed by 1 + px/f, which costs a few eps of a film of width two: directions are accurate to some eps (1 + 1/W), because
+//! aberration magnifies by 1/W, and W to that times γβ sin(angle).
 
 use glam::DVec3;
 use nullray::scene::model::{Assembly, Elements, Motion, Pivot, Rotation, Scene};

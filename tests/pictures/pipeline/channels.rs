@@ -1,5 +1,5 @@
-//! What the auxiliary channels mean: identities of the sample nearest to the pixel's centre, means of
-//! the rest over samples that met something.
+//! The meaning of the auxiliary channels: identities of the sample nearest to the pixel's centre, means of the others over samples that hit
+//! something.
 
 use glam::DVec3;
 use nullray::render::aov::Aov;

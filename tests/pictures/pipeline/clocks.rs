@@ -1,7 +1,7 @@
-//! Cubes on moving objects: which clock they show, and captures made in an object's rest frame.
+//! Cubes on moving objects: the clock that they show, and captures made in an object's rest frame.
 //!
-//! A cube whose density is a + b t at its bins' centres is a + b t between them, by linear
-//! reconstruction, so each pixel tells the time at which it was looked up.
+//! A cube whose density is a + b t at its bins' centres is a + b t between them, by linear reconstruction, so each pixel shows the time at
+//! which it was looked up.
 
 use std::path::Path;
 

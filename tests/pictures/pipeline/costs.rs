@@ -1,4 +1,4 @@
-//! What is counted of a picture, and what a preview may differ in.
+//! The statistics of a picture, and how a preview may differ.
 
 use nullray::accel::Precision;
 use nullray::render::film::Film;

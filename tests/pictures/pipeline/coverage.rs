@@ -1,6 +1,6 @@
-//! What the data do not hold is counted, pixel by pixel and in the mean.
+//! Missing data are counted, pixel by pixel and in the mean.
 //!
-//! In the channel a ray that meets nothing counts as held: its radiance, the background, is known. The mean is that of rays that meet
+//! In the channel a ray that hits nothing counts as covered: its radiance, the background, is known. The mean is that of rays that hit
 //! surfaces with data.
 
 use std::path::Path;

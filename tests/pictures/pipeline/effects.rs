@@ -1,4 +1,4 @@
-//! Each effect turned off alone changes what it says, and nothing else.
+//! Turning off a single effect changes that effect, and nothing else.
 
 use glam::DVec3;
 use nullray::colour::line_colour;

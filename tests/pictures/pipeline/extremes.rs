@@ -1,4 +1,4 @@
-//! Extreme scenes: a correct picture.
+//! Extreme scenes give correct pictures.
 
 use glam::DVec3;
 use nullray::render::aov::Aov;

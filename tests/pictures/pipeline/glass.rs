@@ -1,4 +1,4 @@
-//! Light that goes through glass, against closed forms.
+//! Light through glass, against closed forms.
 
 use nullray::render::aov::Aov;
 use nullray::render::bake::{self, Bins, CubePrecision};

@@ -1,10 +1,9 @@
-//! No velocity is special: a scene without anything that rests in "the world" (no pulse, no medium) is
-//! the same picture when all of it and its camera are boosted together.
+//! No velocity is special: a scene without anything at rest in "the world" (no pulse, no medium) gives the same picture if everything,
+//! including the camera, is boosted together.
 //!
-//! A frame with rapidity w, boosted by Λ, is one with rapidity w′ whose contents have turned:
-//! Λ B(w) = B(w′) R. Objects turn by R in their own coordinates and so do the camera's axes. What is
-//! compared are the numbers that no boost changes: which triangle, where on it, the object's own time
-//! and place of the emission event, W, and the radiance.
+//! A frame with rapidity w, boosted by Λ, is one with rapidity w′ whose contents are rotated: Λ B(w) = B(w′) R. Objects are rotated by R in
+//! their own coordinates and so are the camera's axes. The test compares numbers that no boost changes: the triangle hit, the position on
+//! it, the object's own time and position of the emission event, W, and the radiance.
 
 use std::path::Path;
 use std::sync::LazyLock;

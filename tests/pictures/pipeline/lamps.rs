@@ -1,8 +1,8 @@
 //! Lamps and shining surfaces, against closed forms.
 //!
-//! A lamp of intensity I that passes at the velocity β gives a floor at rest, at the event (t, x), the irradiance
-//! I W⁻² cos θ/r_G² with r = t − t′ to where it was at the retarded time t′, r_G = γ (r − β·R), R = x − x′, W = r_G/r and
-//! cos θ = h/r at the height h. t′ is the smaller root of (t − t′)² = |x − x₀ − β t′|².
+//! A lamp of intensity I that passes at the velocity β gives a floor at rest, at the event (t, x), the irradiance I W⁻² cos θ/r_G² with r =
+//! t − t′ to its position at the retarded time t′, r_G = γ (r − β·R), R = x − x′, W = r_G/r and cos θ = h/r at the height h. t′ is the
+//! smaller root of (t − t′)² = |x − x₀ − β t′|².
 
 use glam::DVec3;
 use nullray::colour::{Scale, Spectrum, SpectrumShape};

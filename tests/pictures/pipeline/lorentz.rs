@@ -1,4 +1,4 @@
-//! The textbook's Lorentz transformation as 4×4 matrices on (ct, x, y, z), apart from the program's own.
+//! The textbook Lorentz transformation as 4×4 matrices on (ct, x, y, z), independent of the program's own.
 
 use glam::{DMat3, DMat4, DVec3, DVec4};
 use nullray::scene::model::{Beam, LightKind, Scene};

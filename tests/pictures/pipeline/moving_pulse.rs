@@ -1,10 +1,9 @@
-//! A pulse from a source at rest on a moving surface, against the counting of photons.
+//! A pulse from a source at rest on a moving surface, against photon counting.
 //!
-//! A point p of a moving plate meets the light cone of an emission event (t, S) once, at X(τ): the light
-//! left S along n = (X − S)/|X − S|. The photons that fall on dA of the plate are those emitted into the
-//! solid angle |∂n/∂u × ∂n/∂v| dA, with u, v the plate's own coordinates: no Doppler factor, no
-//! aberration, only where the plate is met. The rendered irradiance of photons, integrated over the
-//! plate's own time, must be the same, with emission weighted by the pulse.
+//! The world line of a point p of a moving plate crosses the light cone of an emission event (t, S) once, at X(τ): the light left S along n
+//! = (X − S)/|X − S|. The photons that fall on dA of the plate are those emitted into the solid angle |∂n/∂u × ∂n/∂v| dA, with u, v the
+//! plate's own coordinates: no Doppler factor, no aberration, only where the light reaches the plate. The rendered irradiance of photons,
+//! integrated over the plate's own time, must be the same, with emission weighted by the pulse.
 
 use glam::{DVec3, DVec4};
 use nullray::render::film::Film;

@@ -1,4 +1,4 @@
-//! Pictures that improve by passes, and errors that are told with them.
+//! Pictures that improve by passes, and their reported errors.
 
 use nullray::render::aov::Aov;
 use nullray::render::film::Film;

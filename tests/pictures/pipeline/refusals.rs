@@ -1,4 +1,4 @@
-//! Input that cannot be rendered: one clear error.
+//! Input that cannot be rendered gives one clear error.
 
 use std::path::Path;
 

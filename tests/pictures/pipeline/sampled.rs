@@ -1,8 +1,8 @@
-//! Light that surfaces reflect at sampled wavelengths, against sums of spectra over wavelengths and directions.
+//! Light reflected by surfaces at sampled wavelengths, against sums of spectra over wavelengths and directions.
 //!
-//! The sums are by rows of the published tables, with steps of their own: nothing of how the renderer draws wavelengths, shifts or weighs them is in
-//! them. A lamp of irradiance S(λ) across its light, in whose frame it goes along n, is met by a plane with w = λ_plane/λ_lamp; the plane reflects
-//! R(λ) w⁻³ S(λ/w) cos θ/π, seen with W⁻⁵ at λ/W.
+//! The sums are over rows of the published tables, with their own steps: they share nothing with the renderer's sampling, shifts and
+//! weights of wavelengths. A lamp of irradiance S(λ) perpendicular to its light, which travels along n in its frame, lights a plane with w
+//! = λ_plane/λ_lamp; the plane reflects R(λ) w⁻³ S(λ/w) cos θ/π, seen with W⁻⁵ at λ/W.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;

@@ -1,7 +1,7 @@
-//! Paths that points share, beside the same light of paths that they do not share.
+//! Paths shared between points, against the same light without sharing.
 //!
-//! Paths are shared where nothing changes. A lamp with a table of emission does, if only in principle: one that is 1 for longer than light is
-//! under way is as bright, and has every point follow its own path.
+//! Paths are shared only if nothing changes with time. A lamp with a table of emission does change, if only in principle: a table that is 1
+//! for longer than light travels is as bright, and makes every point follow its own path.
 
 use nullray::render::aov::Aov;
 use nullray::render::bake::{self, Bins, CubePrecision};

@@ -1,4 +1,4 @@
-//! The sky, seen and as a light.
+//! Skies, as background and as light.
 
 use std::path::Path;
 

@@ -1,5 +1,4 @@
-//! What a plan skips is not loaded: broken data that nothing needs do no harm, and are named where
-//! something needs them.
+//! Data that a plan skips are not loaded: broken data that nothing needs do no harm, and are reported if something needs them.
 
 use std::path::Path;
 

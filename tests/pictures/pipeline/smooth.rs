@@ -1,7 +1,7 @@
-//! Surfaces that are smooth by normals of vertices.
+//! Surfaces smoothed by vertex normals.
 //!
-//! A ball whose vertices lie on a sphere about the origin, with their places as normals, has the normal p/|p| at each place p of its triangles: what
-//! is linear between the corners is p itself. So its shading is known in closed form, however coarse it is.
+//! A ball whose vertices lie on a sphere about the origin, with their positions as normals, has the normal p/|p| at each point p of its
+//! triangles: linear interpolation between the vertices gives p itself. So its shading is known in closed form, however coarse it is.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! Colours that stand for spectra: RGB whose hue shifts, and objects with spectra of their own.
 //!
-//! What an observer sees at W of a spectrum is ∫ W⁻⁵ L(λ/W) m_j(λ) dλ; here it is summed from the spectrum's own
-//! values over 0.025 nm, apart from how the renderer tabulates it.
+//! The light of a spectrum seen at W is ∫ W⁻⁵ L(λ/W) m_j(λ) dλ; here it is summed from the spectrum's own values over 0.025 nm,
+//! independently of the renderer's tables.
 
 use glam::DVec3;
 use nullray::colour::{

@@ -1,4 +1,4 @@
-//! Apparent positions: the ray tracer draws every point exactly where they say.
+//! Apparent positions: the ray tracer draws every point exactly there.
 
 use super::stage::{BODIES, camera, centred, errors, film, greatest, scene, scene_file};
 

@@ -1,4 +1,4 @@
-//! Rasterizers converge to the ray tracer, at the rate that curved edges have: second order in their length.
+//! Rasterizers converge to the ray tracer at the rate of curved edges: second order in their length.
 
 use nullray::render::aov::Aov;
 

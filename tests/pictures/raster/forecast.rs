@@ -1,4 +1,4 @@
-//! The forecast of tessellation against what is measured.
+//! The forecast of tessellation against measurements.
 
 use nullray::approximate::tessellation::{Forecast, forecast};
 use nullray::render::aov::Aov;

@@ -1,5 +1,5 @@
-//! Rasterizers and warps against the ray tracer: what they share is the same, what they approximate
-//! converges as it should, and the forecast of their tessellation holds.
+//! Rasterizers and warps against the ray tracer: what they share is equal, what they approximate converges as it should, and the forecast
+//! of their tessellation holds.
 
 mod apparent;
 mod convergence;

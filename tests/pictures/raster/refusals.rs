@@ -1,4 +1,4 @@
-//! What rasterizers and warps cannot do is refused in words, before and after loading.
+//! Rasterizers and warps refuse scenes that they cannot draw with a message, before and after loading.
 
 use nullray::Error;
 use nullray::approximate::projection::displacements;

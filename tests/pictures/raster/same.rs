@@ -1,4 +1,4 @@
-//! What is the same, whatever the method.
+//! Results that do not depend on the method.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Scenes, films by any method, and how they differ.
+//! Scenes, films by any method, and their differences.
 
 use std::path::Path;
 

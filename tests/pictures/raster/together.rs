@@ -1,4 +1,4 @@
-//! Samples that are rasterized together, and hits that tell no more than radiance depends on.
+//! Samples that are rasterized together, and hits with no more data than radiance needs.
 
 use nullray::render::aov::{self, Aov};
 use nullray::render::film::Film;

@@ -1,4 +1,4 @@
-//! Warps: exact but for the directions between texels.
+//! Warps: exact except for the directions between texels.
 
 use nullray::render::aov::Aov;
 

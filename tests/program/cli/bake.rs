@@ -1,4 +1,4 @@
-//! `nullray bake`: what it writes is a source as it says.
+//! `nullray bake`: the file that it writes is a source as described.
 
 use nullray::io::budget::Budget;
 use nullray::io::image::exr;

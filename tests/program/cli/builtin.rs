@@ -1,4 +1,4 @@
-//! The program without arguments: a newcomer's first minute.
+//! The program without arguments: the first minute of a new user.
 
 use std::time::{Duration, Instant};
 

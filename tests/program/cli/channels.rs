@@ -1,4 +1,4 @@
-//! Channels of infrared and ultraviolet beside those of what is visible.
+//! Infrared and ultraviolet channels beside the visible ones.
 
 use nullray::io::image::exr;
 

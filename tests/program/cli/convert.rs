@@ -1,4 +1,4 @@
-//! `nullray convert`: there and back, parts, merged bins, clocks.
+//! `nullray convert`: round trips, parts, merged bins, clocks.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! What is said of dark pictures, and of those that show the sky alone.
+//! Messages about dark pictures, and about pictures of the sky only.
 
 use super::Folder;
 

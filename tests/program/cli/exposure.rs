@@ -1,4 +1,4 @@
-//! How bright pictures are: exposure of series, scales and captions.
+//! The brightness of pictures: exposure of series, scales and captions.
 
 use nullray::io::image::{exr, png};
 

@@ -1,4 +1,4 @@
-//! Films: they decode to the pictures that they are made of, whatever made them.
+//! Films decode to the pictures that they contain, whatever made them.
 
 use std::io::Cursor;
 

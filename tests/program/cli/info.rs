@@ -1,4 +1,4 @@
-//! What `nullray info` says of files of every kind.
+//! The output of `nullray info` for files of every kind.
 
 use std::fs;
 use std::io::Write;

@@ -1,4 +1,4 @@
-//! Ctrl-C: soon, with exit code 130, and every file as it was.
+//! Ctrl-C: a quick end, with exit code 130, and every file as it was.
 #![cfg(unix)]
 
 use std::process::{Command, Output, Stdio};

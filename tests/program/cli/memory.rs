@@ -1,4 +1,4 @@
-//! `--max-memory`: what a process takes at most, as the system counts it.
+//! `--max-memory`: the most memory that a process takes, as counted by the system.
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

@@ -1,4 +1,4 @@
-//! The program as its users meet it: what it prints, writes, refuses, and with which exit code.
+//! The program as its users see it: what it prints, writes and refuses, and its exit codes.
 
 mod bake;
 mod builtin;

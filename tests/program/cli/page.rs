@@ -1,4 +1,4 @@
-//! Pages of HTML: whole, alone, and alive in a browser.
+//! HTML pages: complete, self-contained, and working in a browser.
 
 use std::path::Path;
 use std::process::Command;

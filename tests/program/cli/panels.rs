@@ -1,4 +1,4 @@
-//! Scenes with panels: what `render`, `plan` and `info` make of them.
+//! Scenes with panels in `render`, `plan` and `info`.
 
 use nullray::io::image::{exr, png};
 use serde_json::Value;

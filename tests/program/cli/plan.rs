@@ -1,4 +1,4 @@
-//! What `nullray plan` prints, and what it does without.
+//! The output of `nullray plan`, and the work that it avoids.
 
 use std::fs;
 use std::time::{Duration, Instant};

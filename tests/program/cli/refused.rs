@@ -1,4 +1,4 @@
-//! One clear error per mistake: which place, what would be right, exit code 2, nothing written.
+//! One clear error per mistake: its place, what would be right, exit code 2, nothing written.
 
 use std::fs;
 

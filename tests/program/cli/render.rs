@@ -1,4 +1,4 @@
-//! What `nullray render` writes.
+//! The output of `nullray render`.
 
 use std::process::Stdio;
 

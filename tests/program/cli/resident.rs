@@ -1,4 +1,4 @@
-//! What the program keeps in memory, by what the system says of its process.
+//! Resident memory of the program, as reported by the system.
 
 use std::fs::File;
 use std::io::{Seek, SeekFrom, Write};

@@ -1,4 +1,4 @@
-//! Skies, of pictures and by themselves.
+//! Skies, from pictures and alone.
 
 use nullray::io::image::{Channel, Layers, Samples, exr};
 

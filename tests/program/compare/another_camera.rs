@@ -1,4 +1,4 @@
-//! Cameras that move at another velocity, are turned, or whose boost lacks γ: each is named with its numbers, whatever channels say so.
+//! Cameras with another velocity or orientation, or whose boost lacks γ: each is named with its numbers, whichever channels show it.
 
 use nullray::scene::model::Scene;
 use nullray::validate::compare::{Diagnosis, Kind, Picture};

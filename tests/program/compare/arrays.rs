@@ -1,4 +1,4 @@
-//! Pictures as numpy writes them: types, shapes and orders of arrays.
+//! Pictures as written by numpy: types, shapes and orders of arrays.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Bugs planted in pictures of which light alone is compared: the candidate has three channels, or both pictures have.
+//! Bugs planted in pictures that are compared by light only: the candidate has three channels, or both pictures have.
 
 use std::sync::Arc;
 

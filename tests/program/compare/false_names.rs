@@ -1,4 +1,4 @@
-//! Pairs of pictures of which another mistake than the planted one was near at hand, or of which nothing is wrong.
+//! Pairs of pictures that could be mistaken for another bug than the planted one, or that have no bug.
 
 use std::sync::Arc;
 

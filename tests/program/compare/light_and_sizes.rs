@@ -1,4 +1,4 @@
-//! Bugs of light beyond exposure and gamma, of lookups by any time, of normals and distances in other terms, and of sizes.
+//! Bugs of light beyond exposure and gamma, of lookups at other times, of normals and distances in other terms, and of sizes.
 
 use std::sync::Arc;
 

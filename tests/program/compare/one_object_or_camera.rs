@@ -1,4 +1,4 @@
-//! Right pictures of other samples, cameras at another velocity or time, and mistakes of one object alone.
+//! Right pictures with other samples, cameras with another velocity or time, and bugs in a single object.
 
 use std::path::Path;
 

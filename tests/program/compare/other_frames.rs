@@ -1,5 +1,5 @@
-//! Bugs of programs that are right but for what a channel counts from: coordinates of another frame, signs, triangles and their
-//! corners, W of another camera; and objects that are in the wrong place by themselves.
+//! Bugs of programs that differ only in the reference of a channel: coordinates of another frame, signs, numberings of triangles and
+//! vertices, W of another camera; and misplaced single objects.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Channels that hold other numbers than they should: one number everywhere, rounded times, another number of the Doppler shift.
+//! Channels with wrong numbers: one number everywhere, rounded times, another measure of the Doppler shift.
 
 use std::sync::Arc;
 

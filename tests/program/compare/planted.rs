@@ -1,4 +1,4 @@
-//! Errors that were planted one at a time are found and named; a clean pair has none.
+//! Errors planted one at a time are found and named; a clean pair has none.
 
 use nullray::io::image::{Channel, Layers, Samples};
 use nullray::render::aov::{self, Aov};

@@ -1,4 +1,4 @@
-//! A scene to plant bugs in, and what is asked of the pictures.
+//! A scene to plant bugs in, and queries on the pictures.
 
 use nullray::approximate::raster;
 use nullray::io::image::{Layers, Samples};

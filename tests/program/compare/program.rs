@@ -1,4 +1,4 @@
-//! `nullray compare` as its users meet it.
+//! `nullray compare` as its users see it.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Errors in pixels, metres and ulp, of surfaces that are known.
+//! Errors in pixels, metres and ulp, for known surfaces.
 
 use nullray::io::image::{Layers, Samples};
 use nullray::validate::compare::surface::{Distribution, Summary};

@@ -1,5 +1,5 @@
-//! The usual bugs of programs that render such scenes, planted one at a time: each is named with its size, and
-//! nothing is named of pictures that are right.
+//! The usual bugs of programs that render such scenes, planted one at a time: each is named with its size, and right pictures get no
+//! diagnosis.
 
 use std::sync::Arc;
 

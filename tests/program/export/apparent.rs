@@ -1,8 +1,8 @@
-//! A program that reads nothing but the bundle finds what the ray tracer saw.
+//! A program that reads only the bundle reproduces the ray tracer's picture.
 //!
-//! For each pixel of the reference: the point with its barycentric coordinates on its triangle, in the object's
-//! frame; from there by the vertex transform of the README the emission event, the direction, the wavelength
-//! ratio, and the place in the picture, which has to be the pixel's centre.
+//! For each pixel of the reference: the point with its barycentric coordinates on its triangle, in the object's frame; then, by the vertex
+//! transform of the README, the emission event, the direction, the wavelength ratio, and the film position, which must be the pixel's
+//! centre.
 
 use super::reader::{
     Bundle, Object, Vec3, Vec4, apply, dot, inverse, length, matrix, minkowski, minus, place, plus,

@@ -1,4 +1,4 @@
-//! What a bundle holds, and what it says of it.
+//! The contents of a bundle, and its description of them.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! The light of lamps, by the formula of the bundle's page alone; and what bundles say that they do not describe.
+//! The light of lamps, by the formula on the bundle's page only; and the list of what a bundle does not describe.
 
 use std::f64::consts::PI;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Exported scenes: what other programs read of them.
+//! Exported scenes, as read by other programs.
 
 mod apparent;
 mod contents;

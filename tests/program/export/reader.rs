@@ -1,5 +1,4 @@
-//! A reader of bundles that shares nothing with the program: JSON, GLB, npy and zip, and the formulas of the
-//! bundle's README.
+//! A reader of bundles that shares no code with the program: JSON, GLB, npy and zip, and the formulas of the bundle's README.
 
 use std::fs;
 use std::io::Read;

@@ -1,4 +1,4 @@
-//! The snippets of the bundle's page run as they stand, and the test vectors are what they give.
+//! The snippets of the bundle's page run unchanged, and reproduce the test vectors.
 
 use std::fs;
 use std::path::Path;

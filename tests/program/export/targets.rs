@@ -1,4 +1,4 @@
-//! Where bundles are written, and where not.
+//! Valid and invalid destinations of bundles.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Vertices that are not finite, and the largest valid ones: through the library's tree and through files.
+//! Vertices that are not finite, and the smallest that are: through the library's tree and through files.
 
 use std::path::Path;
 

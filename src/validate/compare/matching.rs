@@ -265,7 +265,7 @@ fn no_hit([r, c]: [&Picture; 2], options: &CompareOptions) -> Option<Message> {
     let says_nothing = at_empty > 0 && at_empty as f64 >= SAYS_NOTHING * empty as f64;
     let is_object = at_full as f64 > STANDS_ELSEWHERE * full as f64;
     (says_nothing && !is_known && !is_object).then(|| {
-        let place = format!("{id} stands in {} where nothing is met: ", c.name);
+        let place = format!("{id} marks no hit in {}: ", c.name);
         Message::from(place) + Setting::NoHit + format!(" {id} says so")
     })
 }
@@ -317,7 +317,7 @@ fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<Message>> {
         && [r, c].iter().any(|p| !p.is_high_range())
         && r.encoding == Encoding::Linear
     {
-        notes.push("one picture is a .png of linear values, which ends at 1: FLIP is that of high dynamic range".into());
+        notes.push("one picture is a .png of linear values, which is limited to 1: FLIP is that of high dynamic range".into());
     }
     let samples = |p: &Picture| {
         p.metadata("samples_per_pixel")
@@ -461,7 +461,10 @@ fn common<'a>(
             r.name,
             list(&names_of(r))
         );
-        let help = format!("name its channels so; it holds {}", list(&names_of(c)));
+        let help = format!(
+            "give its channels these names; it holds {}",
+            list(&names_of(c))
+        );
         return refuse(c, "channels", what, help);
     }
     Ok(([a, b], uncompared))
@@ -614,7 +617,7 @@ impl Unusable {
         let overflow = self.infinite > 0 && picture.half.contains(&channel.name);
         let what = match overflow {
             true => format!(
-                "{}: the channel is stored in half precision, which ends at 65504",
+                "{}: the channel is stored in half precision, whose largest number is 65504",
                 self.words()
             ),
             false => self.words(),

@@ -372,7 +372,7 @@ fn spread((bias, d): Values, unit: &str, scale: f64) -> String {
 fn nothing(d: &Distribution) -> String {
     match d.unmeasured {
         0 => "no pixel shows the same object in both pictures".into(),
-        n => format!("at none of the {n} pixels of the same object can it be measured"),
+        n => format!("it cannot be measured at any of the {n} pixels of the same object"),
     }
 }
 
@@ -422,7 +422,7 @@ fn gaps(d: &Distribution) -> Option<String> {
     let compared = d.count + d.unmeasured;
     if d.lacking as f64 > MOST_LACKING * compared as f64 {
         return Some(format!(
-            "at {} of the {compared} pixels at which both show the same object the candidate has no numbers (NaN), and the reference has",
+            "at {} of the {compared} pixels where both show the same object, the candidate has no numbers (NaN) and the reference has some",
             d.lacking
         ));
     }

@@ -86,7 +86,7 @@ impl Region {
             };
             if !fits(x, w, width) || !fits(y, h, height) {
                 let what = format!(
-                    "{w} × {h} pixels at ({x}, {y}) are not all in {width} × {height} pixels"
+                    "{w} × {h} pixels at ({x}, {y}) are not entirely within {width} × {height} pixels"
                 );
                 return refuse(
                     "crop",

@@ -75,7 +75,7 @@ fn one_factor_on_all_light_is_no_curve() {
         let dark = scaled(&exact(), |_| factor);
         for candidate in [dark.clone(), light(&dark), bare(&dark)] {
             let found = diagnosed(&exact(), &candidate);
-            named(Kind::Exposure, &["everywhere alike"], &found);
+            named(Kind::Exposure, &["uniformly"], &found);
             assert!((evidence(&found, "factor") / factor - 1.0).abs() < 1e-6);
         }
     }
@@ -190,7 +190,7 @@ fn exchanged_velocities_are_named_by_light_where_the_scene_is_there() {
     let found = diagnosed_with(&exact(), &light(&wrong), &options);
     named(
         Kind::VelocitiesSwapped,
-        &["objects 1 and 2 are swapped", "light alone"],
+        &["objects 1 and 2 are swapped", "light only"],
         &found,
     );
 }
@@ -229,7 +229,7 @@ fn exposures_of_pictures_of_codes_are_those_of_linear_light() {
     let reference = encode(&exact(), 0.3);
     for factor in [0.5, 1.5] {
         let found = diagnosed(&reference, &encode(&exact(), 0.3 * factor));
-        named(Kind::Exposure, &["everywhere alike"], &found);
+        named(Kind::Exposure, &["uniformly"], &found);
         let measured = evidence(&found, "factor");
         assert!(
             (measured / factor - 1.0).abs() < 0.02,

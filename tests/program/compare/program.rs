@@ -328,7 +328,7 @@ fn notes_name_options_in_tables_in_json_and_on_pages() {
         let layers = layers(8, 9, &channels);
         npz::write(&folder.path().join(name), &layers).unwrap();
     }
-    let said = "99 stands in b.npz where nothing is met: --no-hit 99 says so";
+    let said = "99 marks no hit in b.npz: --no-hit 99 says so";
     for more in [&["--json"][..], &["--report", "page.html"]] {
         let output = run(folder.path(), &[&["a.npz", "b.npz"], more].concat());
         assert!(

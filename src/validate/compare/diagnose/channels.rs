@@ -83,14 +83,10 @@ fn renamed(case: &Case, name: &'static str, [r, c]: [Option<Plane>; 2]) -> Optio
     // For an object that fills the picture, both explain almost all pixels.
     if right < ALMOST_ALL && one_based >= ALMOST_ALL && !(is_exchange && exchanged > one_based) {
         let zero = nothing.is_some_and(|c| c.contains_key(&0));
-        let at = if zero {
-            ", and 0 stands where nothing is met"
-        } else {
-            ""
-        };
+        let at = if zero { ", and 0 marks no hit" } else { "" };
         return Some(Diagnosis {
             kind: Kind::IdentitiesOneBased,
-            what: format!("indices of {name} count from 1 and should from 0{at}").into(),
+            what: format!("indices of {name} count from 1 and should count from 0{at}").into(),
             evidence: vec![("part of the pixels with surfaces", one_based)],
         });
     }
@@ -294,7 +290,7 @@ pub(super) fn order_of_events(case: &Case) -> Option<Diagnosis> {
     let (tally, words) = best?;
     Some(Diagnosis {
         kind: Kind::AxesExchanged,
-        what: format!("the numbers of event come in another order: (ct, x, y, z) holds ({words})")
+        what: format!("the numbers of event are in another order: (ct, x, y, z) holds ({words})")
             .into(),
         evidence: vec![
             (

@@ -69,7 +69,7 @@ fn offset(case: &Case) -> Option<Explanation> {
     (told.explains_from(NOTABLE_OFFSET) && told.left <= LEFT_BY_OFFSET).then(|| {
         let usual = middle(&lit) / 3f64.sqrt();
         let what = format!(
-            "light has {added:+.6} added to it, everywhere alike: {:+.2} % of the reference's median",
+            "light has {added:+.6} added to it, uniformly: {:+.2} % of the reference's median",
             100.0 * added / usual
         );
         let evidence = [("added", added)].into_iter().chain(evidence(&told.tally));
@@ -305,7 +305,7 @@ fn any(lit: &[Lit]) -> Option<Explained> {
         [0.5, 0.9].map(|part| values[(part * (values.len() - 1) as f64) as usize]);
     let [at_usual, at_bright] = [usual, bright].map(|v| curve.at(v));
     let words = format!(
-        "light went through one curve, of {of}, as of tone mapping or another gamma: {usual:.4} became {at_usual:.4}, {bright:.4} became {at_bright:.4}"
+        "light was transformed by one curve, of {of}, such as tone mapping or another gamma: {usual:.4} became {at_usual:.4}, {bright:.4} became {at_bright:.4}"
     );
     let sizes = vec![
         ("factor at the median of light", at_usual / usual),

@@ -132,7 +132,7 @@ fn buffer(case: &Case, pixels: &[usize], [r, c]: [&Plane; 2], usual: f64) -> Opt
         sizes.extend((a > 1.0 && b < 0.0).then_some(("near plane", -b / a)));
         sizes.extend((a > 1.0 && b < 0.0).then_some(("far plane", -b / (a - 1.0))));
         let what = format!(
-            "distance is what a depth buffer holds, {a:.6} {b:+.6}/depth, and should be the world's distance"
+            "distance is the value of a depth buffer, {a:.6} {b:+.6}/depth, and should be the world's distance"
         );
         describe(what, &tally, sizes)
     })

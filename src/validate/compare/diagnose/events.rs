@@ -321,7 +321,7 @@ fn other_velocity(
         false => (
             Kind::VelocityMissing,
             format!(
-                "the velocity of object {object} is missing: its events are those of its rest, and should be those of β = {beta}"
+                "the velocity of object {object} is missing: its events are those of the object at rest, and should be those of β = {beta}"
             ),
         ),
         true => (

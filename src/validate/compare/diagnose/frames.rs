@@ -143,7 +143,7 @@ pub(super) fn beginnings(case: &Case) -> Option<Diagnosis> {
     (!found.is_empty()).then(|| Diagnosis {
         kind: Kind::IdentitiesShifted,
         what: format!(
-            "indices of triangles begin {}, and should at 0 in each object",
+            "indices of triangles begin {}, and should begin at 0 in each object",
             words.join(", ")
         )
         .into(),

@@ -403,7 +403,7 @@ fn exposure(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         let diagnosis = Diagnosis {
             kind: Kind::Exposure,
             what: format!(
-                "light is {} times what it should be, everywhere alike ({:+.2} stops)",
+                "light is {} times what it should be, uniformly ({:+.2} stops)",
                 in_words(factor),
                 libm::log2(factor)
             )

@@ -115,7 +115,7 @@ fn aberration(looks: &[Look], velocity: Velocity) -> Option<Diagnosis> {
     let hypotheses: [(Kind, &str, Looks); 4] = [
         (
             Kind::AberrationReversed,
-            "aberration is reversed: look directions are those of a camera that moves the opposite way (−β for β)",
+            "aberration is reversed: look directions are those of a camera that moves in the opposite direction (−β for β)",
             Box::new(|look| Some(backwards.direction(look.own).0.unit())),
         ),
         (

@@ -186,7 +186,7 @@ fn another_camera(
     let hypotheses = [
         ("at rest", tally(|_| 0.0, 1.0)),
         (
-            "that moves the opposite way (−β for β)",
+            "that moves in the opposite direction (−β for β)",
             tally(|along| -along, gamma),
         ),
     ];
@@ -302,7 +302,7 @@ impl Moved {
             },
             what: match is_at_rest {
                 true => format!(
-                    "the velocity of object {object} is missing: its wavelength ratios are those of rest, and should be those of β = {}",
+                    "the velocity of object {object} is missing: its wavelength ratios are those of the object at rest, and should be those of β = {}",
                     text(r)
                 ),
                 false => format!(
@@ -556,7 +556,7 @@ pub(super) fn describe_aberration_by_light(
         Change::CameraReversed => (
             Kind::AberrationReversed,
             "aberration is reversed",
-            "where a camera sees it that moves the opposite way (−β for β)",
+            "where a camera moving in the opposite direction sees it (−β for β)",
         ),
         Change::CameraAtRest
         | Change::CameraWithoutGamma
@@ -598,7 +598,7 @@ fn describe_change(known: &KnownScene, change: Change, tally: &Tally) -> Diagnos
         ),
         Change::CameraReversed => (
             Kind::AberrationReversed,
-            "aberration is reversed: points are shown where a camera sees them that moves the opposite way (−β for β)".into(),
+            "aberration is reversed: points are shown where a camera moving in the opposite direction sees them (−β for β)".into(),
             known.camera_velocity().beta().length(),
         ),
         Change::CameraAtRest => (
@@ -613,7 +613,7 @@ fn describe_change(known: &KnownScene, change: Change, tally: &Tally) -> Diagnos
         ),
         Change::AtRest(k) => (
             Kind::VelocityMissing,
-            format!("the velocity of object {k} is missing: its points are shown where they are seen at rest"),
+            format!("the velocity of object {k} is missing: its points are shown where they would be seen at rest"),
             beta(k),
         ),
         Change::Standing(k) => (
@@ -623,7 +623,7 @@ fn describe_change(known: &KnownScene, change: Change, tally: &Tally) -> Diagnos
         ),
         Change::Reversed(k) => (
             Kind::VelocityWrong,
-            format!("the velocity of object {k} is reversed: its points are shown where they are seen with −β for β"),
+            format!("the velocity of object {k} is reversed: its points are shown where they would be seen with −β for β"),
             beta(k),
         ),
         Change::Swapped(j, k) => (

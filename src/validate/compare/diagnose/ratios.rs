@@ -105,7 +105,7 @@ fn form(case: &Case) -> Option<Diagnosis> {
     Some(Diagnosis {
         kind: Kind::RatioForm,
         what: format!(
-            "wavelength_ratio holds {name}, and should W, observed over emitted wavelength"
+            "wavelength_ratio holds {name}, and should hold W, observed over emitted wavelength"
         )
         .into(),
         evidence: vec![
@@ -127,7 +127,7 @@ fn describe_power(p: f64, tally: &Tally) -> Diagnosis {
     Diagnosis {
         kind: Kind::RatioForm,
         what: format!(
-            "wavelength_ratio holds W^({p:+}), and should W, observed over emitted wavelength"
+            "wavelength_ratio holds W^({p:+}), and should hold W, observed over emitted wavelength"
         )
         .into(),
         evidence: vec![

@@ -162,7 +162,7 @@ impl Fit {
     fn describe(&self, case: &Case) -> Diagnosis {
         let evidence = vec![
             (
-                "light alone says so: displacement (pixels, rms)",
+                "judged by light only: displacement (pixels, rms)",
                 self.displacement,
             ),
             ("what it leaves of the squared error", self.left),

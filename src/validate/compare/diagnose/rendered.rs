@@ -425,7 +425,7 @@ fn motions(scene: &Scene) -> Vec<Mistake> {
     let mut add = |change: Change, kind, what: String, beta: Velocity| {
         mistakes.extend(changed(scene, change).map(|scene| Mistake {
             kind,
-            what: format!("{what}: light alone says so"),
+            what: format!("{what} (judged by light only)"),
             size: ("beta", beta.beta().length()),
             scene,
         }));
@@ -448,7 +448,7 @@ fn motions(scene: &Scene) -> Vec<Mistake> {
     let camera = scene.camera.velocity;
     if moves(&camera) {
         let (reversed, missing) = (Kind::AberrationReversed, Kind::AberrationMissing);
-        let what = "aberration is reversed: the picture is that of a camera that moves the opposite way (−β for β)";
+        let what = "aberration is reversed: the picture is that of a camera that moves in the opposite direction (−β for β)";
         add(Change::CameraReversed, reversed, what.into(), camera);
         let what = "aberration is missing: the picture is that of a camera at rest";
         add(Change::CameraAtRest, missing, what.into(), camera);
@@ -459,8 +459,9 @@ fn motions(scene: &Scene) -> Vec<Mistake> {
         .map(|object| object.velocity)
         .enumerate();
     for (k, velocity) in moving.filter(|(_, v)| moves(v)).take(MOST_OBJECTS) {
-        let what =
-            format!("the velocity of object {k} is missing: the picture is that of its rest");
+        let what = format!(
+            "the velocity of object {k} is missing: the picture is that of the object at rest"
+        );
         add(Change::AtRest(k), Kind::VelocityMissing, what, velocity);
         let what =
             format!("the velocity of object {k} is reversed: the picture is that of −β for β");
@@ -474,7 +475,7 @@ fn motions(scene: &Scene) -> Vec<Mistake> {
         for (k, of_k) in velocities.iter().enumerate().skip(j + 1) {
             if of_j != of_k {
                 let what = format!(
-                    "the velocities of objects {j} and {k} are swapped: the picture is that with each other's"
+                    "the velocities of objects {j} and {k} are swapped: the picture is that with exchanged velocities"
                 );
                 let swapped = Change::Swapped(j, k);
                 add(swapped, Kind::VelocitiesSwapped, what, *of_j);
@@ -492,7 +493,7 @@ fn camera_at_rest(scene: &Scene) -> Option<Mistake> {
     at_rest.camera.velocity = Velocity::REST;
     Some(Mistake {
         kind: Kind::CameraVelocity,
-        what: "the camera's velocity is missing: the picture is that of a camera that rests, without aberration, Doppler shift and searchlight effect: light alone says so".into(),
+        what: "the camera's velocity is missing: the picture is that of a camera at rest, without aberration, Doppler shift and searchlight effect (judged by light only)".into(),
         size: ("beta", velocity.beta().length()),
         scene: at_rest,
     })
@@ -535,7 +536,7 @@ fn by_whole_bins(scene: &Scene) -> Option<Mistake> {
     Some(Mistake {
         kind: Kind::TimesRounded,
         what: format!(
-            "times are rounded to whole bins in the lookup of light: it is that of the bin of {width:.4} m in which they are, and not between bins"
+            "times are rounded to whole bins in the lookup of light: it is that of the bin of {width:.4} m that contains them, without interpolation between bins"
         ),
         size: ("width of a bin (m)", width),
         scene: whole,
@@ -551,7 +552,7 @@ fn absences(scene: &Scene, far: f64) -> Vec<Mistake> {
         Mistake {
             kind: Kind::ObjectMissing,
             what: format!(
-                "object {k} is missing, or out of view: the picture is that without it: light alone says so"
+                "object {k} is missing, or out of view: the picture is that without it (judged by light only)"
             ),
             size: ("object", k as f64),
             scene: without,

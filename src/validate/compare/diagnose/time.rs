@@ -47,7 +47,7 @@ fn describe_shift(case: &Case, shift: f64, share: f64) -> Diagnosis {
     evidence.extend(case.bin_width.map(|width| ("shift (bins)", shift / width)));
     Diagnosis {
         kind: Kind::TimeShifted,
-        what: format!("emission times are too {late} {amount}, everywhere alike").into(),
+        what: format!("emission times are too {late} {amount}, uniformly").into(),
         evidence,
     }
 }

@@ -237,7 +237,7 @@ fn errors(html: &mut String, comparison: &Comparison) {
 }
 
 fn histograms(html: &mut String, comparison: &Comparison) {
-    html.push_str("<h2>How often</h2><p>Pixels by the size of their error, in quarters of octaves.</p><div class=\"pictures\">\n");
+    html.push_str("<h2>Histograms</h2><p>Pixels by the size of their error, in quarters of octaves.</p><div class=\"pictures\">\n");
     let surface = comparison.surface.as_ref();
     let geometric = surface
         .and_then(|s| s.geometric.as_ref())

@@ -121,7 +121,10 @@ fn ratios_of_another_camera_are_named() {
     // W = γ (1 + β·d)/(γc (1 + βc·d)) of objects over the camera.
     let d = vectors("direction");
     let camera = |i: usize, beta: f64| (1.0 + beta * d[i][0]) / (1.0 - beta * beta).sqrt();
-    for (beta, words) in [(0.0, "of a camera at rest"), (-0.5, "the opposite way")] {
+    for (beta, words) in [
+        (0.0, "of a camera at rest"),
+        (-0.5, "the opposite direction"),
+    ] {
         let wrong = changed(&["wavelength_ratio"], |i, w| {
             w * camera(i, 0.5) / camera(i, beta)
         });

@@ -236,7 +236,7 @@ fn a_write_of_a_page_that_fails_leaves_what_was_there() {
 }
 
 #[test]
-fn a_write_of_what_a_comparison_found_that_fails_leaves_what_was_there() {
+fn a_write_of_a_comparison_that_fails_leaves_what_was_there() {
     let picture = |beta: &str| {
         let folder = Folder::new();
         folder.write("a.toml", SCENE);
@@ -312,7 +312,7 @@ fn a_full_disk_is_said_and_nothing_half_written_stays() {
 }
 
 #[test]
-fn a_full_disk_is_said_of_the_export_that_was_asked_for() {
+fn a_full_disk_is_reported_with_the_name_of_the_requested_export() {
     let folder = Folder::new();
     folder.write("a.toml", SCENE.replace("[48, 32]", "[400, 300]"));
     std::fs::create_dir(folder.path("disk")).unwrap();

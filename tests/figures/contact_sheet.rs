@@ -230,7 +230,7 @@ fn the_signs_of_figures_can_be_set() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_refused() {
+fn invalid_contact_sheets_are_refused() {
     let refusal = |panels: &[Panel], title: &str| {
         let options = SheetOptions {
             title: Some(title.into()),

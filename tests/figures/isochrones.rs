@@ -99,7 +99,7 @@ fn an_endless_floor_leaves_the_near_part_readable() {
 }
 
 #[test]
-fn a_picture_in_which_nothing_is_seen_is_grey_and_has_no_legend() {
+fn an_empty_picture_is_grey_and_has_no_legend() {
     let image = draw(
         200,
         200,

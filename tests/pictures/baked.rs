@@ -957,7 +957,7 @@ fn a_bake_that_is_taken_up_again_has_the_bits_of_one_that_was_not_stopped() {
 }
 
 #[test]
-fn what_cannot_be_baked_is_refused_in_words() {
+fn scenes_that_cannot_be_baked_are_refused_with_a_message() {
     let bins = Bins {
         start: 0.0,
         width: 0.1,

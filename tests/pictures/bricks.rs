@@ -270,7 +270,7 @@ fn as_much_is_read_as_was_estimated_and_nothing_twice_where_there_is_room() {
 }
 
 #[test]
-fn a_file_that_shrinks_and_samples_that_are_no_numbers_are_errors() {
+fn a_file_that_shrinks_and_non_finite_samples_are_errors() {
     let folder = tempfile::tempdir().unwrap();
     plain(&folder);
     let path = folder.path().join("cube.npy");

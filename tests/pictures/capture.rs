@@ -265,7 +265,7 @@ fn outside_the_image_and_behind_the_pinhole_is_off_the_texture() {
 }
 
 #[test]
-fn what_was_not_seen_is_filled_by_its_policy() {
+fn unseen_points_are_filled_by_policy() {
     let hidden = CapturePoint {
         position: CENTRE + DVec3::Y * RADIUS,
         normal: DVec3::Y,

@@ -323,7 +323,7 @@ fn a_bake_of_a_shining_wall_has_its_light_when_that_arrives() {
 }
 
 #[test]
-fn times_that_show_none_of_a_flash_are_told_with_those_that_do() {
+fn times_that_miss_a_flash_are_reported_with_those_that_do_not() {
     // Right before and on the floor: from 3 m to 3.3 m away, with 0.3 m ± 8 σ.
     let text = wall(0.0, 0.0, "", &flash(0.1));
     let dark = scene(&text);

@@ -451,7 +451,7 @@ fn refusals_name_the_field() {
 }
 
 #[test]
-fn an_object_with_a_world_line_of_its_own_is_told_why_not() {
+fn an_object_with_its_own_world_line_is_refused_with_the_reason() {
     let scene = camera("refused").mesh("a", Arc::new(triangle()));
     let error = scene
         .set("object.a.motion.acceleration.proper", "1 /m")

@@ -98,7 +98,7 @@ fn write_flash(folder: &Path) {
 }
 
 #[test]
-fn nothing_is_said_of_surfaces_that_light_reaches_later_than_others() {
+fn surfaces_that_light_reaches_later_get_no_warning() {
     let folder = tempfile::tempdir().unwrap();
     write_flash(folder.path());
     assert_eq!(misfits_of(FLASH, folder.path()), [""; 0]);
@@ -115,7 +115,7 @@ fn nothing_is_said_of_surfaces_that_light_reaches_later_than_others() {
 
 /// Data of textures as long as they should be that begin too late are said to begin too late, before another unit that would also fit.
 #[test]
-fn a_wrong_start_of_a_texture_is_not_said_to_be_a_wrong_unit_alone() {
+fn a_wrong_start_of_a_texture_is_not_reported_as_a_wrong_unit_only() {
     let folder = tempfile::tempdir().unwrap();
     write_flash(folder.path());
     let late = FLASH.replace("start = \"0 m\"", "start = \"60 m\"");
@@ -137,7 +137,7 @@ fn a_wrong_start_of_a_texture_is_not_said_to_be_a_wrong_unit_alone() {
 }
 
 #[test]
-fn light_before_it_can_arrive_is_said_with_a_start_that_would_fit() {
+fn light_that_arrives_too_early_is_reported_with_a_start_that_would_fit() {
     let said = remarks("start = \"7 m\"", "start = \"0 m\"");
     assert!(
         said.contains("before time 0") && said.contains("start (now 0 m)"),
@@ -287,7 +287,7 @@ fn an_order_of_axes_in_which_time_is_not_like_time_is_said() {
 }
 
 #[test]
-fn a_sample_that_is_no_number_is_refused_by_its_place() {
+fn a_non_finite_sample_is_refused_with_its_position() {
     let cube = recording();
     let mut all = samples(&cube);
     let [_, w, t, c] = cube.shape;
@@ -301,7 +301,7 @@ fn a_sample_that_is_no_number_is_refused_by_its_place() {
 }
 
 #[test]
-fn times_that_do_not_reach_the_light_in_view_are_told_with_those_that_would() {
+fn times_that_miss_the_light_in_view_are_reported_with_those_that_would_not() {
     let scene = scene(|text| text.replace("time = \"0 m\"", "time = \"-60 m\""));
     let mut prepared = prepared(&scene).unwrap();
     let seen = seen_times(&prepared);
@@ -311,7 +311,7 @@ fn times_that_do_not_reach_the_light_in_view_are_told_with_those_that_would() {
 }
 
 #[test]
-fn dead_bins_are_said_and_no_longer_once_they_are_declared() {
+fn dead_bins_are_reported_until_they_are_declared() {
     let cube = recording();
     let [_, _, t, c] = cube.shape;
     let mut all = samples(&cube);
@@ -389,7 +389,7 @@ fn cubes_on_disk_are_looked_at_and_mended_too() {
 /// Of the recording, a thousandth of the samples below 0: counted, said with the least, and dealt with as is asked, from memory
 /// and from disk alike.
 #[test]
-fn samples_below_zero_are_counted_with_the_least_and_dealt_with_as_is_asked() {
+fn samples_below_zero_are_counted_with_the_least_and_treated_as_requested() {
     let cube = recording();
     let mut all = samples(&cube);
     all.iter_mut().step_by(1009).for_each(|x| *x = -0.25 - *x);
@@ -455,7 +455,7 @@ fn samples_below_zero_are_counted_with_the_least_and_dealt_with_as_is_asked() {
 
 /// The header says the other order of bytes than the samples have.
 #[test]
-fn bytes_in_the_wrong_order_are_said_and_no_right_ones() {
+fn bytes_in_the_wrong_order_are_reported_and_right_ones_are_not() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.npy");
     let recorded = recording();
@@ -536,7 +536,7 @@ fn no_cube_of_the_scenes_and_of_other_programs_is_doubted() {
 
 /// Noise about 0 at the ends of the data is no light that is cut off there; light is, beside it.
 #[test]
-fn noise_about_zero_is_no_light_that_is_cut_off() {
+fn noise_about_zero_is_not_light_that_is_cut_off() {
     let noise = |n: usize| {
         let hash = (n as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         (hash >> 40) as f64 / f64::from(1 << 24) - 0.5

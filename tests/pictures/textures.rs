@@ -115,7 +115,7 @@ fn wrapping_repeats_and_mirrors() {
 }
 
 #[test]
-fn coordinates_that_are_no_numbers_or_huge_give_a_finite_colour() {
+fn non_finite_or_huge_coordinates_give_a_finite_colour() {
     let texture = decode(&rgb_png(3, 2, &[200; 18])).unwrap();
     for x in [
         f64::NAN,

@@ -113,7 +113,7 @@ fn the_same_diagram_is_drawn_to_the_same_bytes() {
 }
 
 #[test]
-fn a_diagram_alone_is_no_scene_to_render() {
+fn a_diagram_alone_is_not_a_scene_to_render() {
     let file = &files()[0];
     let error = nullray::scene::load(file, &Default::default()).unwrap_err();
     assert!(error.to_string().contains("no camera"), "{error}");

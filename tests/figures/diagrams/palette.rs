@@ -104,7 +104,7 @@ fn lines_stand_out_from_the_page_in_grey_too() {
 }
 
 #[test]
-fn lines_are_told_apart_without_long_or_middle_cones() {
+fn lines_are_distinguishable_without_long_or_middle_cones() {
     for theme in ["light", "dark"] {
         for [a, b] in pairs(&line_colours(theme)) {
             let (p, q) = (dichromatic(linear(a)), dichromatic(linear(b)));

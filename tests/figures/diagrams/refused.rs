@@ -246,7 +246,7 @@ fn several_views_are_not_boosted() {
 }
 
 #[test]
-fn one_picture_is_no_animation() {
+fn one_picture_is_not_an_animation() {
     check(
         "event = [{ name = \"A\", at = [0, 0] }]\nanimation = { frames = 1, now = { from = 0, to = 1 } }\n",
         "diagram.animation.frames",

@@ -30,7 +30,7 @@ fn svg_files_say_their_size_and_title() {
 }
 
 #[test]
-fn svg_text_says_what_it_says() {
+fn svg_text_has_the_given_characters() {
     let labels = all()
         .into_iter()
         .find(|(name, _)| *name == "labels")

@@ -118,7 +118,7 @@ fn in_three_dimensions_now_is_on_the_plane() {
 }
 
 #[test]
-fn a_ray_that_meets_nothing_says_so() {
+fn a_ray_that_hits_nothing_is_reported() {
     let probe = seen(STILL, [0, 0]);
     let model = diagram(&probe, base(&text(STILL)), None, None).unwrap();
     let panel = &layout(&model).panels[0];

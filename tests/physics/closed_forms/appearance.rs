@@ -70,7 +70,7 @@ proptest! {
 }
 
 #[test]
-fn without_delay_the_outline_of_a_moving_sphere_is_no_circle() {
+fn without_delay_the_outline_of_a_moving_sphere_is_not_a_circle() {
     // A sphere contracted to 1/γ along x, seen "now": stretching x by γ makes it a sphere again.
     let gamma = 2.0;
     let centre = DVec3::new(0.0, 0.0, 5.0);

@@ -226,7 +226,7 @@ fn dropped_triangles_are_counted_and_leave_the_others_their_numbers() {
 }
 
 #[test]
-fn texture_coordinates_that_are_no_numbers_are_dropped_as_positions_are() {
+fn non_finite_texture_coordinates_are_dropped_like_positions() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("square.glb");
     write(&path, [0.0, 0.0, 1.0], [f32::NAN, 0.0]);

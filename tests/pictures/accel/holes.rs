@@ -33,7 +33,7 @@ fn nearest(alone: &[Bvh], origin: DVec3, direction: DVec3, beyond: f64) -> Optio
 }
 
 #[test]
-fn every_kernel_finds_the_nearest_hit_that_is_no_hole() {
+fn every_kernel_finds_the_nearest_hit_outside_holes() {
     let mut random = Random(5);
     let triangles = random.soup(200, DVec3::ZERO, 1.0, 0.5);
     let alone: Vec<Bvh> = triangles.iter().map(|t| build(&[*t])).collect();

@@ -256,7 +256,7 @@ fn either_half_of_a_stereo_pair_is_the_picture_of_a_camera_there() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_with_its_place() {
+fn invalid_cameras_are_refused_with_the_position_of_the_error() {
     let one = |keys: &str| {
         let text = format!(
             "camera = {{ eye = [0, 0, 0], look_at = [0, 0, -1], {keys} }}\n\

@@ -212,7 +212,7 @@ fn a_pixel_of_one_radiance_has_no_standard_error() {
 }
 
 #[test]
-fn one_sample_has_no_standard_error_to_tell() {
+fn one_sample_has_no_standard_error() {
     let film = standard_errors(&square(1));
     assert!(
         film.aov(Aov::StandardError)

@@ -151,7 +151,7 @@ cube = { file = \"cube.npy\", start = \"1 m\", bin_width = \"0.5 m\", values = \
 ";
 
 #[test]
-fn before_and_after_the_data_is_told_apart_and_misses_are_held() {
+fn times_before_and_after_the_data_are_distinguished_and_misses_are_covered() {
     // Light from the square left 4 to 4.3 m ago; the data are from 1 to 3 m.
     for (time, expected, held) in [
         (4.5, [1.0, 0.0, 0.0], 0.0),

@@ -142,7 +142,7 @@ fn a_body_that_recedes_near_the_speed_of_light_is_seen_where_it_was() {
 }
 
 #[test]
-fn a_view_of_nothing_is_the_background_and_says_so_in_its_channels() {
+fn a_view_without_hits_shows_the_background_and_marks_it_in_channels() {
     let mut scene = crate_at_rest();
     scene.camera.axes = scene.camera.axes.map(|a| -a);
     scene.background = [0.1, 0.2, 0.3];
@@ -272,7 +272,7 @@ fn far_from_the_origin_and_from_time_zero_the_picture_is_the_same() {
 }
 
 #[test]
-fn in_a_medium_a_moving_body_is_met_where_slow_light_left_it() {
+fn in_a_medium_a_moving_body_is_hit_where_slow_light_left_it() {
     // Light at 1/η: world time T − η s; there the box must be, by the textbook's transformation.
     let mut scene = crate_at_rest();
     scene.medium_index = 1.5;

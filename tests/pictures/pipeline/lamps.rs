@@ -356,7 +356,7 @@ fn a_lamp_of_the_spectrum_of_white_is_a_white_lamp() {
 }
 
 #[test]
-fn what_no_light_can_be_is_refused_in_words() {
+fn invalid_lights_are_refused_with_a_message() {
     let refused = |light: &str| {
         let text = format!(
             "camera = {{ eye = [0, 1, 5], look_at = [0, 0, 0] }}\nobject = [{{ shape = {{ plane = {{ size = [1, 1] }} }} }}]\n{light}"

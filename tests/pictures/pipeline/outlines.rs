@@ -110,7 +110,7 @@ fn the_outline_of_a_moving_ball_is_the_predicted_circle() {
 }
 
 #[test]
-fn without_retardation_the_outline_is_no_circle() {
+fn without_retardation_the_outline_is_not_a_circle() {
     let mut scene = ball(DVec3::new(0.9, 0.0, 0.0));
     scene.effects.retardation = false;
     // The ball is then where it is at the shot, 5.4 m further on.

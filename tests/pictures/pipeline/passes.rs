@@ -176,7 +176,7 @@ fn errors_of_light_that_few_samples_find_are_within_the_standard_error_as_often_
 }
 
 #[test]
-fn tiles_that_stop_by_their_error_have_no_bias_and_tell_their_error() {
+fn tiles_that_stop_by_their_error_are_unbiased_and_report_their_error() {
     // Passes of four samples: single parts of two are far from normal where few pixels of a tile see the edge of the panel.
     let films: Vec<_> = (1..=100)
         .map(|seed| passes(&room(4, seed), Some(0.05), 200).film())

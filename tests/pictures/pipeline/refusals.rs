@@ -49,7 +49,7 @@ fn a_cube_of_one_bin_is_a_cube() {
 }
 
 #[test]
-fn cubes_that_are_none_are_refused_by_name() {
+fn files_that_are_not_cubes_are_refused_by_name() {
     for (shape, values) in [
         (vec![1, 1, 2], vec![1.0, f64::NAN]),
         (vec![1, 1, 2], vec![f64::INFINITY, 0.0]),
@@ -70,7 +70,7 @@ fn refused(text: &str) -> String {
 }
 
 #[test]
-fn an_image_of_no_pixels_is_refused() {
+fn an_empty_image_is_refused() {
     for size in ["[0, 8]", "[8, 0]", "[70000, 1]", "[65536, 65536]"] {
         let error = refused(&SPHERE.replace("[8, 8]", size));
         assert!(error.contains("camera.size"), "{error}");
@@ -78,7 +78,7 @@ fn an_image_of_no_pixels_is_refused() {
 }
 
 #[test]
-fn fields_of_view_that_no_pinhole_has_are_refused() {
+fn impossible_fields_of_view_of_pinholes_are_refused() {
     for fov in ["0 deg", "180 deg", "-1 deg", "nan deg"] {
         let size = format!("size = [8, 8]\nhfov = \"{fov}\"");
         let error = refused(&SPHERE.replace("size = [8, 8]", &size));

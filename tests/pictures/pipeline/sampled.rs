@@ -545,7 +545,7 @@ samples_per_pixel = {samples}"
 }
 
 #[test]
-fn what_shines_of_its_own_is_seen_without_noise() {
+fn emissive_surfaces_are_seen_without_noise() {
     // A black panel, seen by a camera that approaches: by tables, as where nothing is sampled.
     for bounces in [0, 1] {
         let film = |spectra: &str| {
@@ -664,7 +664,7 @@ fn sampled_spectra_are_the_same_on_any_number_of_threads() {
 }
 
 #[test]
-fn what_cannot_be_sampled_is_refused_in_words() {
+fn scenes_that_cannot_be_sampled_spectrally_are_refused() {
     let base = |more: &str| {
         format!(
             "

@@ -80,7 +80,7 @@ fn a_quarter_of_the_error_takes_half_the_length() {
 }
 
 #[test]
-fn what_rests_before_a_camera_at_rest_needs_no_tessellation() {
+fn objects_at_rest_relative_to_the_camera_need_no_tessellation() {
     let found = forecast_of(&scene(&(camera("") + BODIES)), 0.5);
     assert_eq!(found.objects.len(), 2);
     for object in &found.objects {

@@ -93,7 +93,7 @@ fn places_on_films_without_their_channels_are_refused() {
 }
 
 #[test]
-fn a_camera_within_a_surface_is_no_reason_to_fail() {
+fn a_camera_within_a_surface_does_not_fail() {
     for eye in ["[0, 0, 1]", "[0, 0.5, 0]", "[3, 0, 3]"] {
         let text = format!(
             "[camera]\neye = {eye}\nlook_at = [0, 0.2, -4]\nsize = [20, 16]\nvelocity = {{ beta = [0, 0, -0.9] }}\n{BODIES}"
@@ -111,7 +111,7 @@ fn a_camera_within_a_surface_is_no_reason_to_fail() {
 }
 
 #[test]
-fn numbers_that_no_text_of_a_method_has_are_refused() {
+fn numbers_that_no_method_string_can_have_are_refused() {
     let scene = scene(&(camera("") + BODIES));
     let plan = Plan::new(&scene, &Request::default()).unwrap();
     let stage = prepared(&scene, &Request::default());

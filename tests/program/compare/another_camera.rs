@@ -207,7 +207,7 @@ fn ratios_of_a_camera_of_another_velocity_are_named_with_it() {
 }
 
 #[test]
-fn films_are_no_turned_cameras_and_right_pictures_have_none() {
+fn films_are_not_turned_cameras_and_right_pictures_have_none() {
     // Of a narrow view, another film and a camera that is turned or moves otherwise are nearly alike.
     let narrow = |fov: &str| shot(&parsed(&SCENE.replace("60 deg", fov)));
     let right = narrow("8 deg");

@@ -110,7 +110,7 @@ fn integers_of_every_width_and_order_are_read() {
 }
 
 #[test]
-fn what_stands_where_nothing_is_met_can_be_said() {
+fn the_number_that_marks_no_hit_can_be_given() {
     let header = header("|u1", "False", "(1, 3)");
     let picture = read_as("object.npz", Some(0), header, &[0, 1, 2]).unwrap();
     assert_eq!(values(&picture.layers, "object"), [-1.0, 1.0, 2.0]);
@@ -159,7 +159,7 @@ fn arrays_of_one_three_and_four_numbers_per_pixel_are_channels() {
 }
 
 #[test]
-fn what_is_no_picture_is_refused_with_what_it_is() {
+fn files_that_are_not_pictures_are_refused_with_what_they_are() {
     for (descr, shape, bytes, words) in [
         ("<c16", "(1, 1)", 16, "complex numbers (<c16)"),
         ("<f16", "(1, 1)", 16, "more than 64 bits (<f16)"),
@@ -216,7 +216,7 @@ fn with_others(others: &[(&str, Vec<u8>)]) -> Result<Picture, String> {
 }
 
 #[test]
-fn arrays_that_are_no_channels_are_noted_and_the_others_compared() {
+fn arrays_that_are_not_channels_are_noted_and_the_others_compared() {
     let others = [
         ("camera", zeros("<f8", "(4, 4)", 128)),
         ("fps", zeros("<f8", "()", 8)),
@@ -265,7 +265,7 @@ fn arrays_that_are_no_channels_are_noted_and_the_others_compared() {
 }
 
 #[test]
-fn a_plane_beside_others_is_no_grey_light() {
+fn a_plane_beside_others_is_not_grey_light() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mask.npz");
     let grey = |arrays: &[(&str, Vec<u8>)]| {
@@ -295,7 +295,7 @@ fn objects(nothing: i8) -> Picture {
 }
 
 #[test]
-fn a_number_that_stands_where_nothing_is_met_is_named() {
+fn a_number_that_marks_no_hit_is_named() {
     let notes = |nothing: i8| {
         let options = CompareOptions::default();
         compare(&objects(-1), &objects(nothing), &options)
@@ -321,7 +321,7 @@ fn a_number_that_stands_where_nothing_is_met_is_named() {
 }
 
 #[test]
-fn indices_that_are_no_whole_numbers_are_refused() {
+fn indices_that_are_not_integers_are_refused() {
     let mut wrong = objects(-1);
     let mut ids = wrong.layers.channels[0].samples.to_f64();
     ids[40] = 0.5;
@@ -332,7 +332,7 @@ fn indices_that_are_no_whole_numbers_are_refused() {
 }
 
 #[test]
-fn an_array_of_no_channels_is_refused() {
+fn an_array_without_channels_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("none.npz");
     let arrays = [

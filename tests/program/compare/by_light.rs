@@ -257,7 +257,7 @@ fn wrong_aberration_is_named_by_light_alone() {
 }
 
 #[test]
-fn missing_aberration_along_the_axis_is_no_other_field_of_view() {
+fn missing_aberration_along_the_axis_is_not_another_field_of_view() {
     // Towards what is seen, tan(θ′/2) = √((1 − β)/(1 + β)) tan(θ/2): nearly another focal length.
     let overrides = Overrides {
         size: Some([96, 72]),
@@ -351,7 +351,7 @@ fn a_black_picture_is_said_to_be_one_and_nothing_else() {
 }
 
 #[test]
-fn one_object_that_moves_alone_is_no_film_that_moves() {
+fn a_single_moving_object_is_not_a_shifted_film() {
     // Of light without its scene, nothing says which object it is; nothing is said of the film either.
     let wrong = with(&[("velocity = { beta = [-0.4, 0, 0] }", "")]);
     let found = diagnosed(&bare(&exact()), &bare(&wrong));
@@ -361,7 +361,7 @@ fn one_object_that_moves_alone_is_no_film_that_moves() {
 }
 
 #[test]
-fn half_a_pixel_of_means_is_no_mistake_of_the_light() {
+fn half_a_pixel_of_means_is_not_a_mistake_of_the_light() {
     // Means of 4 × 4: at edges before the dark sky a few pixels are nearly black.
     for floor in ["[0.2, 0.5, 0.8]", "[0.002, 0.005, 0.008]"] {
         let text = SCENE.replace("[0.2, 0.5, 0.8]", floor);

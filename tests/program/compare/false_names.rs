@@ -53,7 +53,7 @@ fn scaled(picture: &Picture, factor: impl Fn(usize) -> f64) -> Picture {
 }
 
 #[test]
-fn an_outline_of_single_samples_is_no_other_field_of_view() {
+fn an_outline_of_single_samples_is_not_another_field_of_view() {
     let mut scene = parsed(BOX);
     let single = shot(&scene);
     scene.samples_per_pixel = 16;
@@ -70,7 +70,7 @@ fn an_outline_of_single_samples_is_no_other_field_of_view() {
 }
 
 #[test]
-fn one_factor_on_all_light_is_no_curve() {
+fn one_factor_on_all_light_is_not_a_curve() {
     for factor in [0.003, 0.01, 0.03, 0.1, 1.5] {
         let dark = scaled(&exact(), |_| factor);
         for candidate in [dark.clone(), light(&dark), bare(&dark)] {
@@ -86,7 +86,7 @@ fn one_factor_on_all_light_is_no_curve() {
 }
 
 #[test]
-fn factors_of_any_size_on_dark_light_are_no_gamma() {
+fn factors_of_any_size_on_dark_light_are_not_gamma() {
     let random = |i: usize| ((i * 7919 + 13) % 1009) as f64 / 1009.0;
     let dark = bare(&scaled(&exact(), |i| 0.04 * random(i)));
     for reference in [exact(), unknown(&exact())] {
@@ -97,7 +97,7 @@ fn factors_of_any_size_on_dark_light_are_no_gamma() {
 }
 
 #[test]
-fn millimetres_of_a_moving_camera_are_no_other_time_of_it() {
+fn millimetres_of_a_moving_camera_are_not_another_time() {
     let names = ["event.x", "event.y", "event.z"];
     let wrong = changed(&names, |_, v| 1e3 * v);
     let found = diagnosed(&exact(), &only(&wrong, &["object", "event"]));
@@ -105,7 +105,7 @@ fn millimetres_of_a_moving_camera_are_no_other_time_of_it() {
 }
 
 #[test]
-fn reversed_aberration_along_the_axis_is_no_inverse_ratio() {
+fn reversed_aberration_along_the_axis_is_not_an_inverted_ratio() {
     let mut wrong = shot(&parsed(&BOX.replace("[0, 0, -0.5]", "[0, 0, 0.5]")));
     wrong.layers.metadata.clear();
     let found = diagnosed(&shot(&parsed(BOX)), &wrong);
@@ -239,7 +239,7 @@ fn exposures_of_pictures_of_codes_are_those_of_linear_light() {
 }
 
 #[test]
-fn an_object_in_millimetres_is_no_larger_one() {
+fn an_object_in_millimetres_is_not_a_larger_one() {
     let object = values(&exact(), "object");
     let names = ["event.x", "event.y", "event.z"];
     let wrong = changed(&names, |i, v| if object[i] == 2.0 { 1e3 * v } else { v });

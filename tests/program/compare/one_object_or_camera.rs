@@ -45,7 +45,7 @@ fn pixel_centres_and_sixteen_samples_of_moving_objects_get_no_diagnosis() {
 }
 
 #[test]
-fn a_slower_camera_is_named_and_no_film_or_object() {
+fn a_slower_camera_is_named_rather_than_a_film_or_object() {
     let slower = with(&[(
         "velocity = { beta = [0.5, 0, 0] } }",
         "velocity = { beta = [0.45, 0, 0] } }",
@@ -88,7 +88,7 @@ fn metadata_of_another_shot_head_what_follows_from_it() {
 }
 
 #[test]
-fn wavelength_ratios_times_a_factor_are_no_velocity() {
+fn wavelength_ratios_times_a_factor_give_no_velocity() {
     let scaled = changed_in(2.0, &["wavelength_ratio"], |w| 1.02 * w);
     let words = ["by a factor: 1.0200 (object 2)"];
     let found = diagnosed(&exact(), &scaled);
@@ -193,7 +193,7 @@ fn light_is_diagnosed_beside_a_channel() {
 }
 
 #[test]
-fn zeros_are_no_mirror() {
+fn zeros_are_not_a_mirrored_picture() {
     let mut zeros = only(&exact(), &["object", "event"]);
     let names: Vec<String> = zeros
         .layers
@@ -233,7 +233,7 @@ fn huge_exposures_are_exposures_in_few_digits_and_similar_within_bounds() {
 }
 
 #[test]
-fn missing_shadows_are_named_and_no_missing_object() {
+fn missing_shadows_are_named_rather_than_a_missing_object() {
     let pulse = |shadows: bool| {
         let source = |x: f64| {
             format!(
@@ -370,7 +370,7 @@ fn missing_velocities_are_named_by_events_of_sides_that_move_along_themselves() 
 }
 
 #[test]
-fn events_of_right_pictures_and_of_objects_elsewhere_are_no_missing_velocities() {
+fn events_of_right_pictures_and_of_displaced_objects_are_not_missing_velocities() {
     let right = shot(&parsed(SEVERAL));
     assert_eq!(diagnosed(&right, &several(&[], false)), []);
     // Half of a velocity is none of those that are named.

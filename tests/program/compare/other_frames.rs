@@ -139,7 +139,7 @@ fn ratios_of_another_camera_are_named() {
 }
 
 #[test]
-fn an_object_that_stands_where_it_is_at_the_shot_is_named() {
+fn an_object_at_rest_at_its_position_at_the_shot_is_named() {
     // At β = 0.3 for 4 m from −1.
     let standing = with(&[
         ("velocity = { beta = [0.3, 0, 0] }", ""),

@@ -113,14 +113,14 @@ fn swapped_arguments_are_refused() {
 }
 
 #[test]
-fn samples_that_are_no_numbers_are_refused_with_their_place() {
+fn non_finite_samples_are_refused_with_their_position() {
     let [r, mut c] = light(8, 8);
     set(&mut c, 19, f32::NAN);
     says(&r, &c, &["radiance.R", "1 NaN", "column 3, row 2"]);
 }
 
 #[test]
-fn samples_that_are_no_numbers_can_be_left_out_or_counted() {
+fn non_finite_samples_can_be_skipped_or_replaced() {
     let [r, mut c] = light(8, 8);
     set(&mut c, 19, f32::NAN);
     let with = |not_finite| {

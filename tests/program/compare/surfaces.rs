@@ -225,7 +225,7 @@ fn emission_times_and_wavelength_ratios_have_their_errors() {
 }
 
 #[test]
-fn where_one_picture_meets_nothing_there_is_no_geometric_error_but_a_wrong_object() {
+fn where_one_picture_has_no_hit_the_object_is_wrong_and_there_is_no_geometric_error() {
     let r = sphere([0.0, 0.0]);
     let mut c = r.clone();
     for channel in &mut c.channels {
@@ -245,7 +245,7 @@ fn where_one_picture_meets_nothing_there_is_no_geometric_error_but_a_wrong_objec
 }
 
 #[test]
-fn a_distribution_of_nothing_is_none_and_not_0() {
+fn an_empty_distribution_is_none_and_not_0() {
     // Every pixel shows another object: there is no error of places, and none is claimed.
     let all = |object: f64| {
         let n = 16;

@@ -554,7 +554,7 @@ fn events_alone_measure_no_moving_object_and_name_lost_velocities() {
 }
 
 #[test]
-fn an_object_that_is_nowhere_is_named_and_breaks_limits_on_what_is_left() {
+fn a_missing_object_is_named_and_exceeds_limits_on_the_others() {
     let exact = exact();
     let start = SCENE.find("    [[object]]\n    name = \"right\"").unwrap();
     let gone = shot(&parsed(&SCENE[..start]));
@@ -585,7 +585,7 @@ fn an_object_that_is_nowhere_is_named_and_breaks_limits_on_what_is_left() {
 }
 
 #[test]
-fn events_whose_numbers_come_in_another_order_are_no_mirrored_picture() {
+fn events_in_another_order_are_not_a_mirrored_picture() {
     let exact = exact();
     let [ct, x, y, z] =
         ["event.ct", "event.x", "event.y", "event.z"].map(|name| values(&exact, name));
@@ -761,7 +761,7 @@ fn wrong_times_of_several_moving_objects_are_named_by_events_alone() {
 }
 
 #[test]
-fn exchanged_indices_of_an_object_that_fills_the_picture_are_no_indices_from_1() {
+fn exchanged_indices_of_an_object_that_fills_the_picture_do_not_count_from_1() {
     // Of the boxes, a few pixels alone.
     let mut exact = exact();
     map(&mut exact, "object", |i, id| match id {

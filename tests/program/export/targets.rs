@@ -82,7 +82,7 @@ fn a_list_that_leads_out_of_the_directory_removes_nothing() {
 }
 
 #[test]
-fn a_directory_that_is_no_export_is_never_replaced() {
+fn a_directory_that_is_not_an_export_is_never_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let target = folder.path().join("mine");
     fs::create_dir(&target).unwrap();

@@ -3,8 +3,7 @@
 //! | part | content |
 //! |---|---|
 //! | isochrones | lines of equal retarded time ct of the light's emission, labelled along the line |
-//! | outlines | of every object, where it is seen (solid lines) and where it is (dashed lines); its name is placed where it is, or is
-//! seen |
+//! | outlines | of every object, where it is seen (solid lines) and where it is (dashed lines); its name is placed where it is, or is seen |
 //! | beta | the direction of the camera's motion in its picture: ⊗ ahead, ⊙ behind, an arrow at the edge if both are outside |
 //! | legend | what the lines mean, the step of the isochrones, an angle to scale, and the camera's time |
 //!

@@ -3,8 +3,7 @@
 //! | error | from | definition |
 //! |---|---|---|
 //! | wrong object | `object` | pixels that show another object, or none although the reference shows one |
-//! | coverage | `object` | of the reference's pixels with surfaces, those at which the candidate shows the same object: the part over which
-//! the errors below are measured |
+//! | coverage | `object` | of the reference's pixels with surfaces, those at which the candidate shows the same object: the part over which the errors below are measured |
 //! | silhouette, mean | `object` | wrong-object pixels / length of the boundaries between objects in the reference: the area that a boundary sweeps when it moves by d is d times its length. The length is π/4 times the pixel edges that it crosses (Cauchy and Crofton; exact for boundaries of all directions alike) |
 //! | silhouette, largest | `object` | Hausdorff distance of the boundary pixels, to a pixel |
 //! | geometric | `object_event`, or `event`; `object` | the distance of a surface point from where it should be, see below |

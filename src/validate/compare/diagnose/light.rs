@@ -151,8 +151,6 @@ impl Told {
 
 /// |c − r| and |c − h(r)| relative to the reference's light, so that bright pixels do not dominate. If both c and h are far darker than r,
 /// |c − h| is measured relative to them, as |c − r| is relative to r: otherwise any hypothesis of nearly black light would fit.
-/// darker than r, |c − h| is measured in parts of them, as |c − r| is in parts of r: of what is nearly black, anything else that is does
-/// not tell.
 pub(super) fn told(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Told {
     let middle = middle(lit);
     let length = |light: [f64; 3]| distance(light, [0.0; 3]);

@@ -10,24 +10,18 @@
 //! | picture moved by whole pixels | the same for a shift by one or two pixels |
 //! | channels never written | the candidate's hold one number at every pixel, while the reference's vary (`constant`) |
 //! | identities wrong | the indices of objects (or triangles) count from 1, or are those of other objects |
-//! | aberration reversed, missing, or without γ | look directions, or positions in a known scene, are those for −β, for 0, or for a boost
-//! that lacks γ (`looks`) |
-//! | camera at another velocity, or turned | look directions are those of another boost, or of a rotation before it (`looks`); points of a
-//! known scene are where such a camera sees them (`camera`) |
+//! | aberration reversed, missing, or without γ | look directions, or positions in a known scene, are those for −β, for 0, or for a boost that lacks γ (`looks`) |
+//! | camera at another velocity, or turned | look directions are those of another boost, or of a rotation before it (`looks`); points of a known scene are where such a camera sees them (`camera`) |
 //! | camera at another time | points of a known scene are where a camera whose clock is ahead sees them (`camera`) |
-//! | shots that differ | the metadata of both pictures state different velocities or times of the camera: then consequences are not
-//! reported |
-//! | retardation missing | all emission times are equal; or points of a known scene, or of one object, are where they are at the time of
-//! the shot |
+//! | shots that differ | the metadata of both pictures state different velocities or times of the camera: then consequences are not reported |
+//! | retardation missing | all emission times are equal; or points of a known scene, or of one object, are where they are at the time of the shot |
 //! | velocities swapped, reversed, missing, wrong | by wavelength ratios, or by positions in a known scene (`motion`) |
 //! | film moved or scaled | points belong at a + k p for the pixel p: half a pixel, another field of view or focal length, another aspect ratio |
 //! | axes exchanged | x, y, z of events, normals, directions are permuted, or negated |
 //! | directions reversed | d is −d |
 //! | frame wrong | events are those of the objects' or the camera's frame, or relative to the shot; directions have the camera's axes |
-//! | normals of another frame | normals are those of the contracted or of the apparent body, or along the camera's axes, or those of the
-//! file (`normals`) |
-//! | depth for distance | the distance is the depth along the axis, or one over it, or the path length in the camera's frame; times are
-//! delayed by it (`depth`) |
+//! | normals of another frame | normals are those of the contracted or of the apparent body, or along the camera's axes, or those of the file (`normals`) |
+//! | depth for distance | the distance is the depth along the axis, or one over it, or the path length in the camera's frame; times are delayed by it (`depth`) |
 //! | sign opposite | times are −t |
 //! | units | lengths, or times, are multiplied by one factor: mm, cm, km, s, ns |
 //! | texture coordinates flipped | v is 1 − v; u is 1 − u; u and v exchanged |
@@ -46,18 +40,15 @@
 //! | exposure | light is multiplied by one factor |
 //! | offset | one number is added to all light (`curve`) |
 //! | tone mapping | one curve, of each channel or of luminance, maps the reference's light to the candidate's (`curve`) |
-//! | motion, by light | the light is that of the scene without retardation, with another aberration, or with an object at rest or reversed;
-//! needs the scene, and is tested if no channel shows it |
+//! | motion, by light | the light is that of the scene without retardation, with another aberration, or with an object at rest or reversed; needs the scene, and is tested if no channel shows it |
 //! | film, or aberration, by light | the pictures match after a shift, scales, or a boost (`registration`) |
 //! | shadows missing | the light is that of the scene whose pulses cast no shadows; needs the scene |
 //! | size | the surfaces of an object are those of the reference scaled by a factor (`size`) |
 //! | one object's channels, or light | if nothing explains the picture, the explanation of one object's pixels (`object`) |
-//! | object elsewhere | by their events, points of an object are not on its surface, although nothing hides it; or they are in the frame of
-//! another velocity (`events`) |
+//! | object elsewhere | by their events, points of an object are not on its surface, although nothing hides it; or they are in the frame of another velocity (`events`) |
 //! | object missing | the reference shows it, the candidate does not |
 //! | object misplaced | most of its points are not where they should be seen, and those of other objects are; nothing else explains it |
-//! | triangle, or object displaced | δ is on one triangle, or one object, only: nine tenths of Σ\|δ\|², on at most half of the pixels of
-//! surfaces |
+//! | triangle, or object displaced | δ is on one triangle, or one object, only: nine tenths of Σ\|δ\|², on at most half of the pixels of surfaces |
 //!
 //! A hypothesis whose channels are missing is not tested. Consequences of a wrong film or a wrong velocity (time, brightness, positions)
 //! are not diagnosed again.

@@ -112,7 +112,7 @@ impl CompanionShift {
     }
 }
 
-/// What is seen at W of the infrared band, below 1, or of the ultraviolet one: linear RGB.
+/// The colour at W of the infrared band, below 1, or of the ultraviolet one: linear RGB.
 fn band_colour(w: f64) -> [f64; 3] {
     let side = usize::from(w < 1.0);
     let [from, to] = [ULTRAVIOLET, INFRARED][side].map(|end| end * w);
@@ -128,7 +128,7 @@ fn band_colour(w: f64) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// Ratios over all that the table holds and beyond it, none of which is an entry.
+    /// Ratios in the table's range and beyond, none of which is an entry.
     fn ratios() -> impl Iterator<Item = f64> {
         (0..3000).map(|k| 0.08 * libm::pow(125.0, (f64::from(k) + 0.37) / 3000.0))
     }

@@ -47,7 +47,7 @@ pub(super) fn between(table: &[[f64; 3]], position: f64) -> Option<[f64; 3]> {
     Some(std::array::from_fn(|k| a[k] + (b[k] - a[k]) * weight))
 }
 
-/// The CIE's own numbers, apart from what the library makes of them: wavelength in nm, x̄, ȳ, z̄ per row.
+/// The CIE's own numbers, without processing by the library: wavelength in nm, x̄, ȳ, z̄ per row.
 #[cfg(test)]
 pub(super) fn numbers() -> Vec<Vec<f64>> {
     let row = |line: &str| line.split(',').map(|x| x.trim().parse().ok()).collect();

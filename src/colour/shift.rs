@@ -117,7 +117,7 @@ impl RgbShift {
     /// For ratios beyond the table, where the observer sees only the continuation.
     #[inline(never)]
     pub(crate) fn beyond(&self, w: f64, rgb: [f64; 3]) -> [f64; 3] {
-        // Blueshift shows what is above 830 nm.
+        // Blueshift shows wavelengths above 830 nm.
         let side = usize::from(w < 1.0);
         if !(w > 0.0 && w.is_finite()) {
             return [0.0; 3];
@@ -308,7 +308,7 @@ fn reach(spectrum: &Spectrum) -> Option<[f64; 2]> {
     Some([FIRST * 1e-9 / to, LAST * 1e-9 / from])
 }
 
-/// The largest colour over a few ratios, so that what is tabulated is about 1.
+/// The largest colour over a few ratios, so that tabulated values are about 1.
 fn peak(spectrum: &Spectrum, [from, to]: [f64; 2]) -> f64 {
     let at = |k: u32| {
         let part = f64::from(k) / 16.0;

@@ -295,14 +295,14 @@ fn between(rows: &[[f64; 2]], at: f64) -> f64 {
     }
 }
 
-/// x̄, ȳ, z̄ (rows) of what linear red, green and blue (columns) reflect at a wavelength.
+/// x̄, ȳ, z̄ (rows) of the light that linear red, green and blue surfaces (columns) reflect at a wavelength.
 fn reflected(wavelength: f64) -> [f64; 9] {
     let basis = rgb_basis::weights(wavelength);
     let xyz = colour_matching(wavelength);
     std::array::from_fn(|k| xyz[k / 3] * basis[k % 3])
 }
 
-/// A wavelength at which integrals take spectra without knots, and what the observer makes of it.
+/// A wavelength at which integrals evaluate spectra without knots, with the observer's functions there.
 struct Node {
     wavelength: f64,
     weight: f64,
@@ -336,7 +336,7 @@ static NODES: LazyLock<Vec<Node>> = LazyLock::new(|| {
 /// smooth.
 pub(super) fn integrate<const N: usize>(knots: &[f64], f: impl Fn(f64) -> [f64; N]) -> [f64; N] {
     let (first, last) = (FIRST * 1e-9, LAST * 1e-9);
-    // What is below the observer's range is not seen, and makes no panel.
+    // Wavelengths below the observer's range are not visible, and make no panel.
     let begin = knots.partition_point(|knot| *knot <= first);
     let mut own = knots[begin..].iter().copied().peekable();
     let mut sum = [0.0; N];

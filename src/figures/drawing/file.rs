@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::io::image::write_atomically;
 
-/// Writes what a writer of this module made to `path`, whole or not at all.
+/// Writes the output of a writer of this module to `path`, completely or not at all.
 ///
 /// # Errors
 /// I/O errors.

@@ -10,7 +10,7 @@ use crate::figures::text::{Rect, Segment};
 /// The most lines in one area.
 pub(super) const MOST_LINES: f64 = 10_000.0;
 
-/// The lines that cover what is seen of `area` on the page.
+/// The lines that cover the visible part of `area` on the page.
 pub(super) fn lines(hatch: &Hatch, area: Rect, page: Rect) -> Path {
     let (sin, cos) = libm::sincos(hatch.angle);
     let seen = meet(area, page);
@@ -18,7 +18,7 @@ pub(super) fn lines(hatch: &Hatch, area: Rect, page: Rect) -> Path {
     let along = range(seen, [cos, -sin], hatch.width);
     let first = (across[0] / hatch.spacing).ceil();
     let last = (across[1] / hatch.spacing).floor();
-    // At most MOST_LINES, as `check` has it.
+    // At most MOST_LINES, as ensured by `check`.
     let count = (last - first + 1.0).clamp(0.0, MOST_LINES) as u32;
     let mut segments = Vec::with_capacity(2 * count as usize);
     for k in 0..count {

@@ -222,7 +222,7 @@ impl<'a> Page<'a> {
         let mut content = Content::new();
         // y runs down from the top.
         content.transform([1.0, 0.0, 0.0, -1.0, 0.0, float(height)]);
-        // As SVG has it by default.
+        // The default of SVG.
         content.set_miter_limit(4.0);
         Page {
             content,
@@ -437,7 +437,7 @@ fn fraction(value: u8) -> f32 {
     float(f64::from(value) / 255.0)
 }
 
-/// A number to 4 decimals, as precise as it is in SVG.
+/// A number with 4 decimals, the precision of SVG.
 fn float(value: f64) -> f32 {
     ((value * 1e4).round() / 1e4) as f32
 }

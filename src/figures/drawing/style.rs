@@ -39,7 +39,7 @@ impl Colour {
 pub struct Fill {
     /// The colour of the whole inside, or of the lines of the hatch.
     pub colour: Colour,
-    /// Lines in place of the whole inside.
+    /// Lines instead of a filled interior.
     pub hatch: Option<Hatch>,
 }
 
@@ -59,7 +59,7 @@ pub struct Hatch {
 /// A line along a path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stroke {
-    /// Its colour. Where a translucent shaft meets its head, both are seen.
+    /// Its colour. Where a translucent shaft meets its head, both are visible.
     pub colour: Colour,
     /// Its width, points.
     pub width: f64,

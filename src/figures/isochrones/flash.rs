@@ -1,4 +1,4 @@
-//! Arrival times of the light of one flash, in place of the emission times of the picture's light.
+//! Arrival times of the light of one flash, instead of the emission times of the picture's light.
 //!
 //! A flash at the event S lights a surface point x, at rest, at the world time ct_S + η|x − x_S|. That light arrives at a receiver y, at
 //! rest, at ct_S + η|x − x_S| + η|y − x|. On a plane, lines of equal time are circles about the flash in the world's time, and sections

@@ -338,7 +338,7 @@ mod tests {
         assert_eq!(both.level(&places[1..2], [30.0, 8.0]), None);
         assert_eq!(both.level(&places[..1], [30.0, 8.0]), Some(places[0]));
         assert_eq!(both.beside(&upright).len(), 2);
-        // Nothing stands beyond the page.
+        // Nothing is placed beyond the page.
         assert_eq!(
             both.level(&[[290.0, 150.0], [200.0, 2.0]], [30.0, 8.0]),
             None

@@ -116,7 +116,7 @@ pub fn bounds(segments: &[Segment]) -> Option<Rect> {
     Rect::around(points)
 }
 
-/// Adds the points of a cubic Bézier curve at which a coordinate turns round.
+/// Adds the points of a cubic Bézier curve where a coordinate has an extremum.
 ///
 /// With B′(t)/3 = a t² + b t + c: a = p₃ − 3p₂ + 3p₁ − p₀, b = 2(p₂ − 2p₁ + p₀), c = p₁ − p₀.
 fn extremes(p: [[f64; 2]; 4], points: &mut Vec<[f64; 2]>) {

@@ -37,7 +37,7 @@ pub struct RichText {
     runs: Vec<Run>,
 }
 
-/// `text` with all that markup would take for its own taken as it is.
+/// `text` with all markup characters escaped.
 pub(crate) fn escaped(text: &str) -> String {
     let own = |c| "*_^{}\\'".contains(c);
     let escape = |c| match own(c) {

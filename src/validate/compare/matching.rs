@@ -233,7 +233,7 @@ fn unread(pair: [&Picture; 2]) -> Vec<Message> {
 const SAYS_NOTHING: f64 = 0.95;
 const STANDS_ELSEWHERE: f64 = 0.05;
 
-/// A note on a number that marks pixels without an object in the candidate, other than the known ones.
+/// A note on a number that marks pixels without an object in the candidate, if it is not a known one.
 fn no_hit([r, c]: [&Picture; 2], options: &CompareOptions) -> Option<Message> {
     let points = Points::pair([&r.layers, &c.layers]);
     let theirs = points[1].object?;

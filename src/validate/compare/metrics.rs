@@ -31,7 +31,7 @@ pub struct Metric {
     largest: f64,
     /// The channels that it needs in both pictures.
     needs: &'static str,
-    /// What else must be set for it, and the setting.
+    /// An additional requirement, and its setting.
     set: Option<(&'static str, Setting)>,
     of: Of,
 }

@@ -214,7 +214,7 @@ impl Pen<'_> {
         all.collect()
     }
 
-    /// A broad band, which is seen beside an axis under it too, and the pattern of the kind on it.
+    /// A broad band, which is visible beside an axis under it, with the pattern of its kind on it.
     fn intervals(&self) -> Vec<Item> {
         let mut items = Vec::new();
         for interval in &self.panel.intervals {

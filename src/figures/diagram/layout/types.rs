@@ -334,7 +334,7 @@ pub struct Solid {
     pub grid: Vec<[Point; 2]>,
     /// The shadows of world lines, in their order.
     pub shadows: Vec<Curve>,
-    /// What is straight below light signals.
+    /// The shadows of light signals.
     pub light: Vec<[Point; 2]>,
     /// From events down to the floor.
     pub drops: Vec<[Point; 2]>,
@@ -530,7 +530,7 @@ impl Nappe {
 }
 
 impl Plane {
-    /// Whether the plane, as far as it is drawn, is between the reader and a point, by more than `clearance`.
+    /// Whether the drawn part of the plane is between the viewer and a point, by more than `clearance`.
     pub fn hides(&self, p: Point, clearance: f64) -> bool {
         let n = Point::TOWARDS;
         let above = |p: Point| p.ct - self.rise[0] * p.x - self.rise[1] * p.y;

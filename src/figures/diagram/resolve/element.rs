@@ -119,7 +119,7 @@ fn receivers(names: &mut Names, to: &At<OneOrMany>) -> Result<Vec<(Track, Range<
     }
 }
 
-/// The events at which a signal is sent: one, or every so often of the emitter's own time.
+/// The events at which a signal is sent: one, or at regular intervals of the emitter's proper time.
 fn emissions(names: &mut Names, at: &At<file::Signal>) -> Result<Vec<Event<World>>> {
     let signal = &at.value;
     let cx = names.cx;
@@ -190,7 +190,7 @@ fn slice(names: &mut Names, at: &At<file::Slice>, kind: SliceKind) -> Result<Sli
     })
 }
 
-/// Where a line of equal time or place through `event` meets the world line `name`.
+/// Where a line of equal time or place through `event` crosses the world line `name`.
 fn slice_end(
     names: &mut Names,
     name: &At<String>,

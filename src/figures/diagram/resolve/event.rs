@@ -121,7 +121,7 @@ pub(super) fn at_own_time(
     })
 }
 
-/// The refusal of a light cone that a world line does not meet.
+/// The error for a light cone that a world line does not cross.
 pub(super) fn found(
     names: &Names,
     moment: Option<Moment>,
@@ -157,7 +157,7 @@ pub(super) fn meeting(names: &Names, a: &Track, b: &Track) -> Option<Moment> {
         let other = b.where_zero(|e| e.ct - event.ct)?;
         Some(names.across?.dot(event.x - other.event.x).abs())
     };
-    // Lines that meet are as near as this, but for rounding.
+    // Lines that cross are this close, except for rounding.
     aside(moment.event)
         .is_none_or(|y| y <= 1e-9 * names.unit)
         .then_some(moment)

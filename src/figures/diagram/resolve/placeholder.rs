@@ -111,7 +111,7 @@ fn rapidity(document: &DocumentMut, frame: &str, most: u32) -> Option<f64> {
     }
 }
 
-/// With a minus sign in place of a hyphen.
+/// With a minus sign instead of a hyphen.
 fn signed(number: &str) -> String {
     number.replace('-', "−")
 }

@@ -16,7 +16,7 @@ const MOST_OBJECTS: usize = 32;
 /// Objects with less than this fraction of the picture's rms light are ignored for light: it comes from their edges.
 const DIM: f64 = 0.05;
 
-/// What is wrong with single objects.
+/// Mistakes of single objects.
 pub(super) fn single(case: &Case) -> Vec<Diagnosis> {
     let usual = light::lit(case).map_or(0.0, |lit| light::middle(&lit));
     of_each(case, |case| of_object(case, usual))

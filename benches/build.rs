@@ -13,7 +13,7 @@ mod common;
 use std::time::Instant;
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, NoTally, Origins, Preset, Ray, Traversal};
+use nullray::accel::{Bvh, Facing, Origins, Preset, Ray, Traversal};
 
 use common::{
     Camera, Peer, Ratio, TILE, best, best_of, meshes, on_threads, report, report_file, sphere,
@@ -224,7 +224,7 @@ fn worth(name: &str, triangles: &[[DVec3; 3]], preset: Preset, image: usize) -> 
             let mut hits = [None; TILE * TILE];
             let (method, from) = (Traversal::default(), Origins::Each(origins));
             let hits = &mut hits[..origins.len()];
-            bvh.closest_by(method, from, directions, hits, &mut NoTally, |_| ());
+            bvh.closest_by(method, from, directions, hits, None, None);
             std::hint::black_box(hits);
         }
     });

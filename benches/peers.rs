@@ -27,8 +27,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 use nullray::accel::{
-    Bvh, Converging, Facing, Hit, Kernel, NoTally, Origins, Precision, Preset, Ray, Segment,
-    Traversal,
+    Bvh, Converging, Facing, Hit, Kernel, Origins, Precision, Preset, Ray, Segment, Traversal,
 };
 use nullray::render::progress::Silent;
 use nullray::render::render;
@@ -377,14 +376,7 @@ fn trace(bvh: &Bvh, origin: DVec3, directions: &[DVec3], method: Traversal) {
     for tile in directions.chunks(TILE * TILE) {
         let mut hits: [Option<Hit>; TILE * TILE] = [None; TILE * TILE];
         let from = Origins::Shared(origin);
-        bvh.closest_by(
-            method,
-            from,
-            tile,
-            &mut hits[..tile.len()],
-            &mut NoTally,
-            |_| (),
-        );
+        bvh.closest_by(method, from, tile, &mut hits[..tile.len()], None, None);
         std::hint::black_box(&hits);
     }
 }
@@ -395,7 +387,7 @@ fn trace_each(bvh: &Bvh, origins: &[DVec3], directions: &[DVec3], method: Traver
     for (origins, directions) in batches.zip(directions.chunks(TILE * TILE)) {
         let mut hits: [Option<Hit>; TILE * TILE] = [None; TILE * TILE];
         let (from, entries) = (Origins::Each(origins), &mut hits[..origins.len()]);
-        bvh.closest_by(method, from, directions, entries, &mut NoTally, |_| ());
+        bvh.closest_by(method, from, directions, entries, None, None);
         std::hint::black_box(&hits);
     }
 }
@@ -465,7 +457,7 @@ fn block(bvh: &Bvh, tiles: &[Shadows], method: Traversal) {
             skip: &tile.skip,
             at: None,
         };
-        bvh.any_to_point(method, segments, &mut blocked, &mut NoTally);
+        bvh.any_to_point(method, segments, &mut blocked, None);
         std::hint::black_box(&blocked);
     }
 }
@@ -474,7 +466,7 @@ fn block(bvh: &Bvh, tiles: &[Shadows], method: Traversal) {
 fn block_segments(bvh: &Bvh, tiles: &[Vec<Segment>], method: Traversal) {
     for segments in tiles {
         let mut blocked = [false; TILE * TILE];
-        bvh.any_by(method, segments, &mut blocked, &mut NoTally);
+        bvh.any_by(method, segments, &mut blocked, None);
         std::hint::black_box(&blocked);
     }
 }
@@ -487,7 +479,7 @@ fn shadows(bvh: &Bvh, camera: &Camera) -> Vec<Shadows> {
         let mut hits = vec![None; tile.len()];
         let from = Origins::Shared(camera.origin);
         let method = Traversal::default();
-        bvh.closest_by(method, from, tile, &mut hits, &mut NoTally, |_| ());
+        bvh.closest_by(method, from, tile, &mut hits, None, None);
         let mut shadows = Shadows {
             lamp,
             from: Default::default(),

@@ -21,9 +21,7 @@ use std::io::Write;
 use std::time::Instant;
 
 use glam::DVec3;
-use nullray::accel::{
-    Bvh, Facing, Hit, Kernel, NoTally, Origins, Precision, Ray, Segment, Traversal,
-};
+use nullray::accel::{Bvh, Facing, Hit, Kernel, Origins, Precision, Ray, Segment, Traversal};
 
 use common::{Camera, Peer, Rounds, TILE, meshes};
 
@@ -191,8 +189,9 @@ fn trace_batches<'a>(
     for (at, tile) in shots.camera.directions.chunks(TILE * TILE).enumerate() {
         hits = [None; TILE * TILE];
         let (from, entries) = (from(at * TILE * TILE), &mut hits[..tile.len()]);
-        bvh.closest_by(method, from, tile, entries, &mut NoTally, |_| count += 1);
+        bvh.closest_by(method, from, tile, entries, None, None);
         std::hint::black_box(&hits);
+        count += hits.iter().flatten().count();
     }
     count
 }
@@ -202,7 +201,7 @@ fn trace_shadows(bvh: &Bvh, method: Traversal, shots: &Shots) -> usize {
     for segments in &shots.shadows {
         let mut blocked = [false; TILE * TILE];
         let blocked = &mut blocked[..segments.len()];
-        bvh.any_by(method, segments, blocked, &mut NoTally);
+        bvh.any_by(method, segments, blocked, None);
         count += blocked.iter().filter(|b| **b).count();
     }
     count
@@ -246,7 +245,7 @@ impl Shots {
 fn shadows(bvh: &Bvh, eye: DVec3, directions: &[DVec3], lamp: DVec3) -> Vec<Segment> {
     let mut hits = vec![None; directions.len()];
     let (method, from) = (Traversal::default(), Origins::Shared(eye));
-    bvh.closest_by(method, from, directions, &mut hits, &mut NoTally, |_| ());
+    bvh.closest_by(method, from, directions, &mut hits, None, None);
     let seen = directions
         .iter()
         .zip(hits)

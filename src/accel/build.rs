@@ -128,6 +128,14 @@ impl Bvh {
         facing: impl Fn(u32) -> Facing + Sync,
         preset: Preset,
     ) -> Bvh {
+        Bvh::build_from(triangles, &facing, preset)
+    }
+
+    fn build_from(
+        triangles: Vec<[DVec3; 3]>,
+        facing: &(dyn Fn(u32) -> Facing + Sync),
+        preset: Preset,
+    ) -> Bvh {
         let count = triangles.len().min(Bvh::MAX_TRIANGLES);
         let solid = solid_triangles(&triangles[..count]);
         let Some(whole) = Bounds::of_all(&triangles, &solid) else {

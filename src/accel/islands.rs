@@ -160,7 +160,7 @@ fn widest_gap(triangles: &[[DVec3; 3]], island: &Island) -> Option<Plane> {
 mod tests {
     use super::*;
     use crate::accel::packet::{Kernel, Precision, Traversal};
-    use crate::accel::{Bvh, Counts, Facing, Hit, NoTally, Origins, Ray, Segment, numbers};
+    use crate::accel::{Bvh, Counts, Facing, Hit, Origins, Ray, Segment, numbers};
 
     /// A round net of 2 n² triangles around `centre`.
     fn ball(centre: DVec3, radius: f64, n: usize) -> Vec<[DVec3; 3]> {
@@ -297,9 +297,16 @@ mod tests {
             let mut hits: Vec<Option<Hit>> = vec![None; rays.len()];
             let mut told = vec![false; rays.len()];
             let from = Origins::Each(&origins);
-            bvh.closest_by(method, from, &directions, &mut hits, &mut NoTally, |ray| {
-                told[ray] = true;
-            });
+            let mut replaced = Vec::new();
+            bvh.closest_by(
+                method,
+                from,
+                &directions,
+                &mut hits,
+                None,
+                Some(&mut replaced),
+            );
+            replaced.into_iter().for_each(|ray: usize| told[ray] = true);
             for (ray, hit) in hits.iter().enumerate() {
                 let found = hit.map(|hit| (hit.triangle, hit.s));
                 assert_eq!(found, expected[ray], "{kernel:?}, ray {ray}");
@@ -330,7 +337,7 @@ mod tests {
                     })
                     .collect();
                 let mut blocked = vec![false; rays.len()];
-                bvh.any_by(method, &segments, &mut blocked, &mut NoTally);
+                bvh.any_by(method, &segments, &mut blocked, None);
                 for (ray, &blocked) in blocked.iter().enumerate() {
                     assert_eq!(blocked, is_beyond && expected[ray].is_some(), "ray {ray}");
                 }
@@ -369,14 +376,7 @@ mod tests {
                     precision: Precision::Certified,
                 };
                 let (mut hits, from) = ([None], Origins::Shared(ray.origin));
-                bvh.closest_by(
-                    method,
-                    from,
-                    &[ray.direction],
-                    &mut hits,
-                    &mut NoTally,
-                    |_| (),
-                );
+                bvh.closest_by(method, from, &[ray.direction], &mut hits, None, None);
                 assert_eq!(hits[0], hit, "{kernel:?}");
             }
         }
@@ -399,7 +399,14 @@ mod tests {
             let mut hits = vec![None; directions.len()];
             let method = Traversal::default();
             let from = Origins::Shared(DVec3::Z * 3.0);
-            bvh.closest_by(method, from, &directions, &mut hits, &mut counts, |_| ());
+            bvh.closest_by(
+                method,
+                from,
+                &directions,
+                &mut hits,
+                Some(&mut counts),
+                None,
+            );
             counts.triangles
         };
         let [alone, together] = [statue, with_planet].map(work);

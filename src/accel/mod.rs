@@ -56,7 +56,7 @@ pub use build::{ExpectedRays, Preset};
 pub use bvh::Bvh;
 pub use packet::{Kernel, Precision, Traversal};
 pub use rays::{Converging, Facing, Hit, NO_SLOT, Origins, Ray, Segment};
-pub use tally::{Counts, NoTally, Tally, Work};
+pub use tally::Counts;
 
 /// Pseudo-random numbers from −1 to 1, for tests: a linear congruential generator.
 #[cfg(test)]

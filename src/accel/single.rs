@@ -39,6 +39,14 @@ impl Bvh {
     }
 }
 
+/// Adds a ray to the list of those whose hits were replaced, if one is wanted.
+#[inline(always)]
+pub(super) fn note(replaced: &mut Option<&mut Vec<usize>>, ray: usize) {
+    if let Some(list) = replaced {
+        list.push(ray);
+    }
+}
+
 impl View<'_> {
     /// [`Bvh::closest_by`] for `rays`, one by one.
     pub(super) fn closest_singly(
@@ -48,7 +56,7 @@ impl View<'_> {
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
         tally: &mut impl Tally,
-        mut replaced: impl FnMut(usize),
+        mut replaced: Option<&mut Vec<usize>>,
     ) {
         self.with_stack(|stack| {
             for i in rays {
@@ -66,7 +74,7 @@ impl View<'_> {
                 let closest = |ray: ScaledRay| self.closest_of(&ray, s_max, left, stack, tally);
                 if let Some(hit) = ray.and_then(closest) {
                     *entry = Some(hit);
-                    replaced(i);
+                    note(&mut replaced, i);
                 }
             }
         })

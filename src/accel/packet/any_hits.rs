@@ -505,7 +505,7 @@ mod tests {
     use super::*;
     use crate::accel::packet::method::{Kernel, Precision, Traversal};
     use crate::accel::vectors::Columns;
-    use crate::accel::{Bvh, Facing, NoTally, numbers};
+    use crate::accel::{Bvh, Facing, numbers};
 
     #[test]
     fn segments_to_one_point_are_blocked_as_single_ones_are() {
@@ -563,10 +563,10 @@ mod tests {
                         precision: Precision::Certified,
                     };
                     let mut expected = vec![false; count];
-                    bvh.any_by(method(Kernel::Scalar), &single, &mut expected, &mut NoTally);
+                    bvh.any_by(method(Kernel::Scalar), &single, &mut expected, None);
                     for kernel in Kernel::ALL.into_iter().filter(|k| k.is_supported()) {
                         let mut blocked = vec![true; count];
-                        bvh.any_to_point(method(kernel), segments, &mut blocked, &mut NoTally);
+                        bvh.any_to_point(method(kernel), segments, &mut blocked, None);
                         assert_eq!(blocked, expected, "{kernel:?}, {count} to {end}");
                     }
                 }

@@ -15,8 +15,8 @@ use crate::accel::bvh::{Bvh, View};
 use crate::accel::float::power_of_two;
 use crate::accel::node::NodeRef;
 use crate::accel::rays::{Converging, Hit, Origins, Segment};
-use crate::accel::single::ScaledRay;
-use crate::accel::tally::{Tally, Work};
+use crate::accel::single::{ScaledRay, note};
+use crate::accel::tally::{Counts, NoTally, Tally, Work};
 use crate::accel::vectors::prefetch_all;
 use crate::accel::wide::WIDTH;
 
@@ -38,8 +38,8 @@ struct Workspace {
 }
 
 impl Bvh {
-    /// For each direction, finds the first hit with s > 0 that is nearer than the entry in `hits`, and replaces that entry; `replaced`
-    /// receives the indices of replaced entries, and `tally` counts the work.
+    /// For each direction, finds the first hit with s > 0 that is nearer than the entry in `hits`, and replaces that entry. The indices of
+    /// replaced entries are added to `replaced`, and the work done to `counts`, where these are given.
     ///
     /// Fastest if the directions are those of a tile of pixels, row by row, and the origins are equal or close together. The number of rays
     /// is the length of the shortest slice.
@@ -49,24 +49,60 @@ impl Bvh {
         from: Origins,
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
+        counts: Option<&mut Counts>,
+        replaced: Option<&mut Vec<usize>>,
+    ) {
+        // The traversal is compiled with counting and without.
+        match counts {
+            None => self.closest_of_all(method, from, directions, hits, &mut NoTally, replaced),
+            Some(counts) => self.closest_of_all(method, from, directions, hits, counts, replaced),
+        }
+    }
+
+    fn closest_of_all(
+        &self,
+        method: Traversal,
+        from: Origins,
+        directions: &[DVec3],
+        hits: &mut [Option<Hit>],
         tally: &mut impl Tally,
-        mut replaced: impl FnMut(usize),
+        mut replaced: Option<&mut Vec<usize>>,
     ) {
         let count = from.limit(directions.len().min(hits.len()));
         let (directions, hits) = (&directions[..count], &mut hits[..count]);
         tally.add(Work::Rays, count);
-        self.main()
-            .closest_of_batch(method, from, directions, hits, tally, &mut replaced);
+        self.main().closest_of_batch(
+            method,
+            from,
+            directions,
+            hits,
+            tally,
+            replaced.as_deref_mut(),
+        );
         for island in self.islands() {
-            island.closest_of_some(method, from, directions, hits, tally, &mut replaced);
+            let replaced = replaced.as_deref_mut();
+            island.closest_of_some(method, from, directions, hits, tally, replaced);
         }
     }
 
-    /// Whether each segment is blocked. `tally` counts the work.
+    /// Whether each segment is blocked. `counts`, if any, receives the work done.
     ///
     /// Fastest if the segments run from the points that a tile of pixels shows, row by row, to one common point or nearly so. Results are
     /// certified for any `method`.
     pub fn any_by(
+        &self,
+        method: Traversal,
+        segments: &[Segment],
+        blocked: &mut [bool],
+        counts: Option<&mut Counts>,
+    ) {
+        match counts {
+            None => self.any_of_all(method, segments, blocked, &mut NoTally),
+            Some(counts) => self.any_of_all(method, segments, blocked, counts),
+        }
+    }
+
+    fn any_of_all(
         &self,
         method: Traversal,
         segments: &[Segment],
@@ -82,9 +118,22 @@ impl Bvh {
         }
     }
 
-    /// Whether each of these segments is blocked; they all end at one point, like those to a lamp or a pinhole. They are traced from there,
-    /// which is faster than [`Bvh::any_by`]; the answers are the same. `tally` counts the work.
+    /// Whether each of these segments is blocked; they all end at one point, like those to a lamp or a pinhole. They are traced from
+    /// there, which is faster than [`Bvh::any_by`]; the answers are the same. `counts`, if any, receives the work done.
     pub fn any_to_point(
+        &self,
+        method: Traversal,
+        segments: Converging,
+        blocked: &mut [bool],
+        counts: Option<&mut Counts>,
+    ) {
+        match counts {
+            None => self.any_of_converging(method, segments, blocked, &mut NoTally),
+            Some(counts) => self.any_of_converging(method, segments, blocked, counts),
+        }
+    }
+
+    fn any_of_converging(
         &self,
         method: Traversal,
         segments: Converging,
@@ -98,7 +147,7 @@ impl Bvh {
         let rays = ColumnsToPoint::new(segments, &main.tree.space).filter(|_| is_usual);
         let Some(rays) = rays else {
             let segments: Vec<_> = (0..count).map(|at| segments.segment(at)).collect();
-            return self.any_by(method, &segments, blocked, tally);
+            return self.any_of_all(method, &segments, blocked, tally);
         };
         tally.add(Work::Rays, count);
         let blocked = &mut blocked[..count];
@@ -118,7 +167,7 @@ impl View<'_> {
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
         tally: &mut impl Tally,
-        mut replaced: impl FnMut(usize),
+        mut replaced: Option<&mut Vec<usize>>,
     ) {
         if !self.has_holes() {
             return self.closest_of_whole(method, from, directions, hits, tally, replaced);
@@ -126,9 +175,7 @@ impl View<'_> {
         // Transparent hits are discarded, and their rays are traced again with an alpha test for everything they hit.
         let before = hits.to_vec();
         let mut nearer = Vec::new();
-        self.closest_of_whole(method, from, directions, hits, tally, |ray| {
-            nearer.push(ray);
-        });
+        self.closest_of_whole(method, from, directions, hits, tally, Some(&mut nearer));
         let is_opaque = |hit: &Hit| self.is_opaque(hit.triangle, [hit.u, hit.v]);
         let is_final = |ray: &usize| hits[*ray].as_ref().is_some_and(is_opaque);
         let (opaque, transparent): (Vec<usize>, Vec<_>) = nearer.into_iter().partition(is_final);
@@ -136,7 +183,9 @@ impl View<'_> {
             hits[*ray] = before[*ray];
         }
         let again = transparent.into_iter();
-        opaque.into_iter().for_each(&mut replaced);
+        if let Some(list) = &mut replaced {
+            list.extend(opaque);
+        }
         self.closest_singly(again, from, directions, hits, tally, replaced);
     }
 
@@ -148,7 +197,7 @@ impl View<'_> {
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
         tally: &mut impl Tally,
-        mut replaced: impl FnMut(usize),
+        mut replaced: Option<&mut Vec<usize>>,
     ) {
         let all = 0..directions.len();
         let near: Vec<usize> = all
@@ -172,15 +221,20 @@ impl View<'_> {
         let known = |&ray: &usize| hits[ray].map(|hit| hit.up_to());
         let mut found: Vec<_> = near.iter().map(known).collect();
         let mut nearer = Vec::new();
-        self.closest_of_batch(method, from, &directions, &mut found, tally, |place| {
-            nearer.push(place);
-        });
+        self.closest_of_batch(
+            method,
+            from,
+            &directions,
+            &mut found,
+            tally,
+            Some(&mut nearer),
+        );
         for place in nearer {
             let ray = near[place];
             let first = Hit::first(hits[ray], found[place]);
             if first != hits[ray] {
                 hits[ray] = first;
-                replaced(ray);
+                note(&mut replaced, ray);
             }
         }
     }
@@ -193,7 +247,7 @@ impl View<'_> {
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
         tally: &mut impl Tally,
-        replaced: impl FnMut(usize),
+        replaced: Option<&mut Vec<usize>>,
     ) {
         let all = 0..directions.len();
         // The set-up of a block costs more than a few single rays; single rays are also used where the bounds of packets do not hold.
@@ -368,7 +422,7 @@ impl View<'_> {
         (from, directions): (Origins, &[DVec3]),
         hits: &mut [Option<Hit>],
         tally: &mut impl Tally,
-        mut replaced: impl FnMut(usize),
+        mut replaced: Option<&mut Vec<usize>>,
     ) {
         // Blocks take rays from several rows of the batch, which the hardware does not prefetch.
         prefetch_all(directions);
@@ -408,13 +462,15 @@ impl View<'_> {
                     Outcome::Missed => {}
                     Outcome::Traced => {
                         let precision = method.precision;
-                        space.replace(self.bvh, precision, rays, hits, tally, &mut replaced)
+                        let replaced = replaced.as_deref_mut();
+                        space.replace(self.bvh, precision, rays, hits, tally, replaced)
                     }
                     Outcome::Incoherent => {
                         let order = &space.block.order[..space.block.count];
                         if order.len() < FEW {
                             let all = chosen(order, u64::MAX);
-                            self.closest_singly(all, from, directions, hits, tally, &mut replaced);
+                            let replaced = replaced.as_deref_mut();
+                            self.closest_singly(all, from, directions, hits, tally, replaced);
                             continue;
                         }
                         let walked = method.kernel.of_singles().run(ClosestSingles {
@@ -425,9 +481,10 @@ impl View<'_> {
                             room: &mut space.singles,
                             tally,
                         });
-                        chosen(order, walked.replaced).for_each(&mut replaced);
+                        chosen(order, walked.replaced).for_each(|ray| note(&mut replaced, ray));
+                        let replaced = replaced.as_deref_mut();
                         let left = chosen(order, walked.left);
-                        self.closest_singly(left, from, directions, hits, tally, &mut replaced);
+                        self.closest_singly(left, from, directions, hits, tally, replaced);
                     }
                 }
             }
@@ -500,7 +557,7 @@ impl Workspace {
         rays: impl RaySet,
         hits: &mut [Option<Hit>],
         tally: &mut impl Tally,
-        replaced: &mut impl FnMut(usize),
+        mut replaced: Option<&mut Vec<usize>>,
     ) {
         let block = &self.block;
         let certified = precision == Precision::Certified;
@@ -522,7 +579,7 @@ impl Workspace {
                 replace(bvh, block.slots[lane] & !FRONT, numbers, entry)
             };
             if is_replaced {
-                replaced(ray);
+                note(&mut replaced, ray);
             }
         }
     }

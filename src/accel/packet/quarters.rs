@@ -114,7 +114,7 @@ mod tests {
 
     use super::*;
     use crate::accel::packet::method::{Kernel, Precision, Traversal};
-    use crate::accel::{Bvh, Facing, NoTally, Origins, numbers};
+    use crate::accel::{Bvh, Facing, Origins, numbers};
 
     #[test]
     fn triangles_as_small_as_pixels_are_hit_in_every_quarter() {
@@ -147,7 +147,7 @@ mod tests {
                 };
                 let mut hits = vec![None; directions.len()];
                 let from = Origins::Shared(origin);
-                bvh.closest_by(method, from, &directions, &mut hits, &mut NoTally, |_| ());
+                bvh.closest_by(method, from, &directions, &mut hits, None, None);
                 hits
             };
             let expected = trace(Kernel::Scalar);

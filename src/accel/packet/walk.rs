@@ -472,7 +472,7 @@ mod tests {
 
     use super::*;
     use crate::accel::packet::method::{Kernel, Precision, Traversal};
-    use crate::accel::{Bvh, Counts, Facing, NoTally, Origins, Ray, Segment, numbers};
+    use crate::accel::{Bvh, Counts, Facing, Origins, Ray, Segment, numbers};
 
     fn certified(kernel: Kernel) -> Traversal {
         Traversal {
@@ -491,9 +491,14 @@ mod tests {
         let mut hits = vec![None; origins.len()];
         let mut replaced = Vec::new();
         let from = Origins::Each(origins);
-        bvh.closest_by(method, from, directions, &mut hits, &mut NoTally, |ray| {
-            replaced.push(ray);
-        });
+        bvh.closest_by(
+            method,
+            from,
+            directions,
+            &mut hits,
+            None,
+            Some(&mut replaced),
+        );
         replaced.sort_unstable();
         (hits, replaced)
     }
@@ -558,7 +563,7 @@ mod tests {
                 let method = certified(kernel);
                 let (hits, _) = closest(&bvh, method, &origins, &directions);
                 let mut blocked = vec![false; rays.len()];
-                bvh.any_by(method, &segments, &mut blocked, &mut NoTally);
+                bvh.any_by(method, &segments, &mut blocked, None);
                 (hits, blocked)
             };
             let expected = trace(Kernel::Scalar);
@@ -594,7 +599,14 @@ mod tests {
                 let mut counts = Counts::default();
                 let mut hits = vec![None; origins.len()];
                 let (method, from) = (certified(kernel), Origins::Each(&origins));
-                bvh.closest_by(method, from, &directions, &mut hits, &mut counts, |_| ());
+                bvh.closest_by(
+                    method,
+                    from,
+                    &directions,
+                    &mut hits,
+                    Some(&mut counts),
+                    None,
+                );
                 assert!(hits == expected.0, "{kernel:?}, depth {depth}");
                 counts.nodes
             });

@@ -10,7 +10,7 @@ use super::histogram::Histogram;
 use super::part::{Part, Summary, kept};
 use super::stored::Stored;
 use super::{Baked, Bins, CubePrecision, PARTS, baked, check, paths};
-use crate::accel::{NoTally, Origins};
+use crate::accel::Origins;
 use crate::error::{Error, Result};
 use crate::render::film::Tile;
 use crate::render::journal::Journal;
@@ -160,7 +160,7 @@ impl<'a> Pixels<'a> {
         let mut hits = vec![None; directions.len()];
         let from = Origins::Shared(shot.x);
         let (bvh, method) = (&paths.rest.bvh, prepared.method);
-        bvh.closest_by(method, from, &directions, &mut hits, &mut NoTally, |_| ());
+        bvh.closest_by(method, from, &directions, &mut hits, None, None);
 
         // The paths that meet something, and their pixels.
         let (mut starts, mut met) = (Vec::new(), Vec::new());

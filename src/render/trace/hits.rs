@@ -6,7 +6,7 @@ use super::camera_rays::Rays;
 use super::cone::VisibleCone;
 use super::stats::Meter;
 use crate::accel::vectors::{VectorLoop, dispatch};
-use crate::accel::{Bvh, Hit, NO_SLOT, NoTally, Origins};
+use crate::accel::{Bvh, Hit, NO_SLOT, Origins};
 use crate::camera::RayOrigin;
 use crate::spacetime::{Boost, Displacement, Event, NullRay, Rest, Tangents, World};
 
@@ -43,6 +43,8 @@ pub struct HitBuffer {
     origin_times: Vec<f64>,
     /// Slots of the triangles of that frame that rays leave; empty if no ray leaves a triangle in any frame.
     left: Vec<u32>,
+    /// Rays whose hits that frame has replaced.
+    replaced: Vec<usize>,
 }
 
 impl HitBuffer {
@@ -158,20 +160,19 @@ impl HitBuffer {
             local,
             chosen,
             chosen_hits,
+            replaced,
             ..
         } = self;
         chosen_hits.clear();
         chosen_hits.extend(chosen.iter().map(|ray| hits[*ray as usize]));
-        // If there is only one rest frame, no record is kept of which frame was hit.
-        let replaced = |k: usize| {
-            if let Some(known) = frames.get_mut(chosen[k] as usize) {
-                *known = frame;
-            }
-        };
+        // Where there is one rest frame, no record is kept of which was hit.
+        replaced.clear();
+        let wanted = (!frames.is_empty()).then_some(&mut *replaced);
         let (method, from) = (rays.method, Origins::Shared(origin));
-        match meter.visibility() {
-            None => bvh.closest_by(method, from, local, chosen_hits, &mut NoTally, replaced),
-            Some(counts) => bvh.closest_by(method, from, local, chosen_hits, counts, replaced),
+        let counts = meter.visibility();
+        bvh.closest_by(method, from, local, chosen_hits, counts, wanted);
+        for k in replaced {
+            frames[chosen[*k] as usize] = frame;
         }
         for (ray, hit) in chosen.iter().zip(chosen_hits) {
             hits[*ray as usize] = *hit;
@@ -237,12 +238,15 @@ impl HitBuffer {
         directions: Option<&[DVec3]>,
         meter: &mut Meter,
     ) {
-        let (hits, frames) = (&mut self.hits, &mut self.frames);
-        let replaced = |ray: usize| {
-            if let Some(known) = frames.get_mut(ray) {
-                *known = frame;
-            }
-        };
+        let HitBuffer {
+            hits,
+            frames,
+            replaced,
+            ..
+        } = self;
+        // As above.
+        replaced.clear();
+        let wanted = (!frames.is_empty()).then_some(&mut *replaced);
         let origins = match self.origins.as_slice() {
             [] => Origins::Shared(origin),
             origins if rays.left.is_empty() => Origins::Each(origins),
@@ -258,19 +262,10 @@ impl HitBuffer {
             }
         };
         let directions = directions.unwrap_or(&self.local);
-        // The traversal is compiled both with and without counting.
-        match meter.visibility() {
-            None => bvh.closest_by(
-                rays.method,
-                origins,
-                directions,
-                hits,
-                &mut NoTally,
-                replaced,
-            ),
-            Some(counts) => {
-                bvh.closest_by(rays.method, origins, directions, hits, counts, replaced)
-            }
+        let counts = meter.visibility();
+        bvh.closest_by(rays.method, origins, directions, hits, counts, wanted);
+        for ray in replaced {
+            frames[*ray] = frame;
         }
     }
 

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::points::Points;
 use super::tubes::Bundle;
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, store};
-use crate::accel::{Bvh, Converging, Counts, NoTally, Ray, Segment, Traversal};
+use crate::accel::{Bvh, Converging, Counts, Ray, Segment, Traversal};
 use crate::spacetime::{Boost, Direction, Rest, World};
 
 /// Occlusion queries and their answers: whether a ray from a point of a run along a direction in the world hits anything but the point's
@@ -292,10 +292,7 @@ pub(super) fn any_hit(
 ) {
     blocked.clear();
     blocked.resize(segments.len(), false);
-    match counts {
-        None => bvh.any_by(method, segments, blocked, &mut NoTally),
-        Some(counts) => bvh.any_by(method, segments, blocked, counts),
-    }
+    bvh.any_by(method, segments, blocked, counts);
 }
 
 /// The same for segments that all end at one point.
@@ -308,10 +305,7 @@ pub(super) fn any_to_point(
 ) {
     blocked.clear();
     blocked.resize(segments.count(), false);
-    match counts {
-        None => bvh.any_to_point(method, segments, blocked, &mut NoTally),
-        Some(counts) => bvh.any_to_point(method, segments, blocked, counts),
-    }
+    bvh.any_to_point(method, segments, blocked, counts);
 }
 
 /// A ray along `direction` from the point `from` of a surface that was seen from `camera`.

@@ -31,7 +31,7 @@ use super::paths::{AREA, balance};
 use super::rest_frame::{Patch, RestFrame};
 use super::sharing::{End, Groups, MOST, Receivers, Sharing, Ungrouped};
 use super::time_resolved::{Emitter, TimeResolved};
-use crate::accel::{Hit, NoTally, Origins, Segment, Traversal};
+use crate::accel::{Hit, Origins, Segment, Traversal};
 use crate::light::lamp::{Emission, Lamp};
 use crate::light::reflection::{Reflection, Scattered};
 use crate::render::sampler::sobol;
@@ -646,7 +646,7 @@ impl TimedPaths<'_> {
     ) {
         let mut blocked = vec![false; segments.len()];
         let bvh = &self.rest.bvh;
-        bvh.any_by(self.method, segments, &mut blocked, &mut NoTally);
+        bvh.any_by(self.method, segments, &mut blocked, None);
         let mut blocked = blocked.into_iter();
         let open = falling
             .into_iter()
@@ -686,14 +686,7 @@ impl TimedPaths<'_> {
             slots: &slots,
         };
         let bvh = &self.rest.bvh;
-        bvh.closest_by(
-            self.method,
-            from,
-            &directions,
-            &mut hits,
-            &mut NoTally,
-            |_| (),
-        );
+        bvh.closest_by(self.method, from, &directions, &mut hits, None, None);
         let met = paths.into_iter().zip(hits).zip(origins);
         let meetings = met.filter_map(|(((path, leaving, carried, delay), hit), from)| {
             let hit: Hit = hit?;

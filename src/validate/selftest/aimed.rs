@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::meshes::{PLACES, Random, Triangle, build, disc, fan, grid, of_grid, placed, sphere};
 use super::{Check, Outcome, count_in_batches, counted};
 use crate::Result;
-use crate::accel::{Bvh, Hit, Kernel, NoTally, Origins, Precision, Ray, Traversal};
+use crate::accel::{Bvh, Hit, Kernel, Origins, Precision, Ray, Traversal};
 use crate::render::progress::Progress;
 
 /// Bytes of a triangle while a tree is built over it. Measured: 270.
@@ -62,8 +62,8 @@ fn by_every_kernel(bvh: &Bvh, origin: DVec3, directions: &[DVec3]) -> [Vec<Optio
             Origins::Shared(origin),
             directions,
             &mut hits,
-            &mut NoTally,
-            |_| (),
+            None,
+            None,
         );
         hits
     })

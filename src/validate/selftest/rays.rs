@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::meshes::{PLACES, Random, Triangle, build, disc, placed, soup, sphere, tile};
 use super::{Check, Outcome, count_in_batches, counted};
 use crate::Result;
-use crate::accel::{Bvh, Facing, Hit, Kernel, NoTally, Origins, Precision, Preset, Traversal};
+use crate::accel::{Bvh, Facing, Hit, Kernel, Origins, Precision, Preset, Traversal};
 use crate::render::progress::Progress;
 
 pub(super) const CHECKS: [Check; 3] = [
@@ -45,7 +45,7 @@ fn trace(bvh: &Bvh, kernel: Kernel, origin: DVec3, directions: &[DVec3]) -> Vec<
     };
     let mut hits = vec![None; directions.len()];
     let from = Origins::Shared(origin);
-    bvh.closest_by(method, from, directions, &mut hits, &mut NoTally, |_| ());
+    bvh.closest_by(method, from, directions, &mut hits, None, None);
     hits
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Kernel, NoTally, Origins, Precision, Ray, Traversal};
+use nullray::accel::{Bvh, Facing, Kernel, Origins, Precision, Ray, Traversal};
 use nullray::io::gltf::{self, Want};
 use nullray::render::aov::Aov;
 use nullray::render::film::Film;
@@ -40,8 +40,8 @@ fn hits(bvh: &Bvh, origin: DVec3, directions: &[DVec3]) -> Vec<Option<(u32, f64)
             Origins::Shared(origin),
             directions,
             &mut hits,
-            &mut NoTally,
-            |_| (),
+            None,
+            None,
         );
         hits.iter()
             .map(|h| h.map(|h| (h.triangle, h.s)))

@@ -1,7 +1,7 @@
 //! Meshes, rays and random numbers for the tests.
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Hit, Kernel, NoTally, Origins, Precision, Ray, Traversal};
+use nullray::accel::{Bvh, Facing, Hit, Kernel, Origins, Precision, Ray, Traversal};
 
 pub type Triangle = [DVec3; 3];
 
@@ -104,7 +104,7 @@ pub fn certified(kernel: Kernel) -> Traversal {
 /// Traces rays from one point as pictures do.
 pub fn trace(bvh: &Bvh, origin: DVec3, directions: &[DVec3], hits: &mut [Option<Hit>]) {
     let (method, from) = (Traversal::default(), Origins::Shared(origin));
-    bvh.closest_by(method, from, directions, hits, &mut NoTally, |_| ());
+    bvh.closest_by(method, from, directions, hits, None, None);
 }
 
 /// A tile of `n` × `n` directions about `axis`, `pitch` apart, each off its place by as much as `jitter`.

@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use nullray::accel::{
-    AlphaTest, Bvh, Facing, Hit, Kernel, NoTally, Origins, Precision, Segment, Traversal,
-};
+use nullray::accel::{AlphaTest, Bvh, Facing, Hit, Kernel, Origins, Precision, Segment, Traversal};
 
 use crate::accel::common::*;
 
@@ -78,9 +76,14 @@ fn every_kernel_finds_the_nearest_hit_outside_holes() {
             let before: Vec<Option<Hit>> =
                 (0..256).map(|ray| (ray % 2 == 1).then_some(wall)).collect();
             let (mut hits, mut replaced) = (before.clone(), Vec::new());
-            bvh.closest_by(method, from, directions, &mut hits, &mut NoTally, |ray| {
-                replaced.push(ray)
-            });
+            bvh.closest_by(
+                method,
+                from,
+                directions,
+                &mut hits,
+                None,
+                Some(&mut replaced),
+            );
             let mut blocked = vec![false; 256];
             let segment = |ray: usize| Segment {
                 ray: crate::accel::common::ray(origin(ray), directions[ray]),
@@ -89,7 +92,7 @@ fn every_kernel_finds_the_nearest_hit_outside_holes() {
                 end: None,
             };
             let segments: Vec<Segment> = (0..256).map(segment).collect();
-            bvh.any_by(method, &segments, &mut blocked, &mut NoTally);
+            bvh.any_by(method, &segments, &mut blocked, None);
             replaced.sort_unstable();
             for ray in 0..256 {
                 let (origin, direction) = (origin(ray), directions[ray]);

@@ -1,7 +1,7 @@
 //! Rays that leave surfaces in all directions, in small and large trees: the same hits as single rays, with every kernel.
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Counts, Facing, Hit, Kernel, NO_SLOT, NoTally, Origins, Ray, Segment};
+use nullray::accel::{Bvh, Counts, Facing, Hit, Kernel, NO_SLOT, Origins, Ray, Segment};
 
 use crate::accel::common::*;
 
@@ -77,15 +77,8 @@ fn closest(bvh: &Bvh, rays: &Leaving, tally: &mut Counts) -> Vec<Option<Hit>> {
         };
         let method = certified(kernel);
         match kernel == Kernel::Portable {
-            true => bvh.closest_by(method, from, &rays.directions, &mut hits, tally, |_| ()),
-            false => bvh.closest_by(
-                method,
-                from,
-                &rays.directions,
-                &mut hits,
-                &mut NoTally,
-                |_| (),
-            ),
+            true => bvh.closest_by(method, from, &rays.directions, &mut hits, Some(tally), None),
+            false => bvh.closest_by(method, from, &rays.directions, &mut hits, None, None),
         }
         hits
     };
@@ -123,7 +116,7 @@ fn connect(bvh: &Bvh, ids: &[u32], rays: &Leaving) -> usize {
         .collect();
     let ask = |kernel| {
         let mut blocked = vec![false; segments.len()];
-        bvh.any_by(certified(kernel), &segments, &mut blocked, &mut NoTally);
+        bvh.any_by(certified(kernel), &segments, &mut blocked, None);
         blocked
     };
     let expected = ask(Kernel::Scalar);

@@ -1,7 +1,7 @@
 //! Packets of rays with separate origins against single rays: the same hits, bit for bit, with every kernel.
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Counts, Facing, Hit, Kernel, NoTally, Origins, Precision, Traversal};
+use nullray::accel::{Bvh, Counts, Facing, Hit, Kernel, Origins, Precision, Traversal};
 
 use crate::accel::common::*;
 
@@ -16,8 +16,8 @@ fn compare(bvh: &Bvh, origins: &[DVec3], directions: &[DVec3]) -> usize {
             from,
             directions,
             &mut hits,
-            &mut NoTally,
-            |i| replaced.push(i),
+            None,
+            Some(&mut replaced),
         );
         replaced.sort_unstable();
         (hits, replaced)
@@ -96,7 +96,7 @@ fn rays_with_one_origin_are_met_as_those_that_share_it() {
         let trace = |from| {
             let mut hits: Vec<Option<Hit>> = vec![None; 256];
             let method = Traversal::default();
-            bvh.closest_by(method, from, &directions, &mut hits, &mut NoTally, |_| ());
+            bvh.closest_by(method, from, &directions, &mut hits, None, None);
             hits
         };
         assert_eq!(
@@ -231,7 +231,7 @@ fn a_closed_mesh_has_no_gap_for_rays_with_origins_of_their_own() {
         let kernel = Kernel::ALL[i % 3];
         let from = Origins::Each(&origins);
         let method = certified(kernel);
-        bvh.closest_by(method, from, &directions, &mut hits, &mut NoTally, |_| ());
+        bvh.closest_by(method, from, &directions, &mut hits, None, None);
         let inside = |hit: &Option<Hit>| hit.is_some_and(|hit| !hit.front);
         assert!(hits.iter().all(inside), "{kernel:?}: a leak near {place}");
     }
@@ -268,7 +268,7 @@ fn fast_results_from_origins_near_one_another_are_those_of_f32() {
             let trace = |precision| {
                 let mut hits: Vec<Option<Hit>> = vec![None; 256];
                 let (method, from) = (Traversal { kernel, precision }, Origins::Each(&origins));
-                bvh.closest_by(method, from, &directions, &mut hits, &mut NoTally, |_| ());
+                bvh.closest_by(method, from, &directions, &mut hits, None, None);
                 hits
             };
             for (fast, hit) in trace(Precision::Fast)
@@ -298,8 +298,15 @@ fn a_tally_counts_the_rays_and_changes_nothing() {
         for kernel in Kernel::ALL {
             let (mut counts, method) = (Counts::default(), certified(kernel));
             let (mut counted, mut hits) = (vec![None; 256], vec![None; 256]);
-            bvh.closest_by(method, from, &directions, &mut counted, &mut counts, |_| ());
-            bvh.closest_by(method, from, &directions, &mut hits, &mut NoTally, |_| ());
+            bvh.closest_by(
+                method,
+                from,
+                &directions,
+                &mut counted,
+                Some(&mut counts),
+                None,
+            );
+            bvh.closest_by(method, from, &directions, &mut hits, None, None);
             assert_eq!(counted, hits);
             assert_eq!(counts.rays, 256);
             assert!(counts.nodes > 0 && counts.triangles > 0, "{counts:?}");

@@ -1,7 +1,7 @@
 //! Packets against single rays: the same hits, bit for bit, with every kernel.
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Hit, Kernel, NoTally, Origins};
+use nullray::accel::{Bvh, Facing, Hit, Kernel, Origins};
 
 use crate::accel::common::*;
 
@@ -11,9 +11,14 @@ fn compare(bvh: &Bvh, origin: DVec3, directions: &[DVec3], before: &[Option<Hit>
         let (mut hits, mut replaced) = (before.to_vec(), Vec::new());
         let from = Origins::Shared(origin);
         let method = certified(kernel);
-        bvh.closest_by(method, from, directions, &mut hits, &mut NoTally, |i| {
-            replaced.push(i)
-        });
+        bvh.closest_by(
+            method,
+            from,
+            directions,
+            &mut hits,
+            None,
+            Some(&mut replaced),
+        );
         replaced.sort_unstable();
         (hits, replaced)
     };
@@ -201,8 +206,8 @@ fn hits_known_before_are_replaced_as_by_single_rays() {
             Origins::Shared(origin),
             &directions,
             &mut hits,
-            &mut NoTally,
-            |_| (),
+            None,
+            None,
         );
         compare(&far, origin, &directions, &hits);
         // A hit doesn't replace its equal.

@@ -1,7 +1,7 @@
 //! Packets of segments against single rays: the same answers with every kernel.
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Counts, Facing, Kernel, NoTally, Ray, Segment};
+use nullray::accel::{Bvh, Counts, Facing, Kernel, Ray, Segment};
 
 use crate::accel::common::*;
 
@@ -12,7 +12,7 @@ fn compare(bvh: &Bvh, segments: &[Segment]) -> usize {
     for kernel in Kernel::ALL {
         // What was there before doesn't count.
         let mut blocked: Vec<bool> = (0..segments.len()).map(|i| i % 2 == 0).collect();
-        bvh.any_by(certified(kernel), segments, &mut blocked, &mut NoTally);
+        bvh.any_by(certified(kernel), segments, &mut blocked, None);
         for (i, segment) in segments.iter().enumerate() {
             assert_eq!(blocked[i], expected[i], "{kernel:?}: {i}, {segment:?}");
         }
@@ -250,7 +250,12 @@ fn packets_of_shadows_visit_fewer_nodes_than_single_rays() {
     let count = |kernel| {
         let mut counts = Counts::default();
         let mut blocked = vec![false; segments.len()];
-        bvh.any_by(certified(kernel), &segments, &mut blocked, &mut counts);
+        bvh.any_by(
+            certified(kernel),
+            &segments,
+            &mut blocked,
+            Some(&mut counts),
+        );
         assert_eq!(counts.rays, segments.len() as u64);
         counts
     };

@@ -1,6 +1,6 @@
 //! Packets by the million: closed meshes, and the failures of f32 alone on them.
 
-use nullray::accel::{Hit, Kernel, NoTally, Origins, Precision, Traversal};
+use nullray::accel::{Hit, Kernel, Origins, Precision, Traversal};
 
 use glam::DVec3;
 
@@ -32,8 +32,8 @@ fn watertight(rays: usize) {
             Origins::Shared(origin),
             &directions,
             &mut hits,
-            &mut NoTally,
-            |_| (),
+            None,
+            None,
         );
         let inside = |hit: &Option<Hit>| hit.is_some_and(|hit| !hit.front);
         assert!(
@@ -59,8 +59,8 @@ fn fast_results_are_those_of_f32() {
                     Origins::Shared(origin),
                     &directions,
                     &mut hits,
-                    &mut NoTally,
-                    |_| (),
+                    None,
+                    None,
                 );
                 hits
             };

@@ -1,9 +1,12 @@
 //! `nullray bake`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use nullray::error::number;
+use nullray::io::budget::Budget;
 use nullray::io::image::npz::{self, CubeOptions};
+use nullray::io::npy;
+use nullray::io::sealed::hexadecimal;
 use nullray::mesh::Factors;
 use nullray::render::aov::Aov;
 use nullray::render::bake::{self, Baked, Bins, Coordinates, CubePrecision, Surface};
@@ -15,7 +18,7 @@ use nullray::render::progress::{Progress, Silent};
 use nullray::scene::model::{CubeBacks, Scene};
 use nullray::{Error, Result};
 
-use super::args::BakeArguments;
+use super::args::{BakeArguments, WorkArguments};
 use super::check::Names;
 use super::failure::refused;
 use super::film::in_pool;
@@ -25,7 +28,7 @@ use super::progress::Bar;
 use super::{inputs, interrupt, print, say, warn};
 
 /// What is baked into one file.
-struct Job {
+pub struct Job {
     path: PathBuf,
     /// An object's surface; none for what the camera sees.
     surface: Option<Surface>,
@@ -40,114 +43,200 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
     // A wrong name is told before what is wrong with objects, which may be others.
     let named = named(arguments, &scene)?;
     bake::check(&scene)?;
-    let bins = bins(arguments, &scene)?;
-    let mut jobs = jobs(arguments, &scene, named)?;
-    let limit = arguments.scene.changes.memory.bytes();
-    // Memory: each thread has a texel or tile of its own beside the cube.
-    let threads = arguments
-        .work
-        .threads
-        .count
-        .map_or_else(rayon::current_num_threads, usize::from);
-    let precision = match arguments.half {
-        true => CubePrecision::Half,
-        false => CubePrecision::Single,
+    let threads = arguments.work.threads.count;
+    let bake = Bake {
+        scene: &scene,
+        path: arguments.scene.path(),
+        bins: bins(arguments, &scene)?,
+        precision: match arguments.half {
+            true => CubePrecision::Half,
+            false => CubePrecision::Single,
+        },
+        coordinates: match (arguments.atlas, arguments.uv) {
+            (true, _) => Some(Coordinates::Atlas),
+            (false, set) => set.map(|set| Coordinates::Set(set.into())),
+        },
+        request: arguments.scene.changes.request(threads),
+        work: &arguments.work,
+        of_flash: false,
     };
-    let pixels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
-    let pixels_of = |job: &Job| pixels(job.size(&scene));
-    let largest = |jobs: &[Job]| {
+    let jobs = jobs(arguments, &scene, named)?;
+    match arguments.plan {
+        true => bake.print_plan(jobs),
+        false => bake.run(jobs),
+    }
+}
+
+/// A bake of a scene.
+pub struct Bake<'a> {
+    pub scene: &'a Scene,
+    /// The scene file.
+    pub path: Option<&'a Path>,
+    pub bins: Bins,
+    pub precision: CubePrecision,
+    /// Those of all surfaces; none: set 0, or an atlas for objects without any.
+    pub coordinates: Option<Coordinates>,
+    pub request: Request,
+    pub work: &'a WorkArguments,
+    /// Whether it is for a film of a flash: files that are there already are kept, and sources are not printed.
+    pub of_flash: bool,
+}
+
+impl Bake<'_> {
+    /// Bytes of the largest of `jobs`, each alone: each thread has a texel or tile of its own beside the cube.
+    fn largest(&self, jobs: &[Job]) -> u64 {
+        let threads = self.work.threads.count;
+        let threads = threads.map_or_else(rayon::current_num_threads, usize::from);
         let bytes = |job: &Job| {
-            bake::bytes(job.size(&scene), &bins, precision, threads).saturating_add(job.lists)
+            let size = job.size(self.scene);
+            bake::bytes(size, &self.bins, self.precision, threads).saturating_add(job.lists)
         };
         jobs.iter().map(bytes).max().unwrap_or(0)
-    };
-    let request = Request {
-        // Texture coordinates are loaded where a channel shows them.
-        aovs: match arguments.camera {
-            true => Vec::new(),
-            false => vec![Aov::UvU],
-        },
-        memory_limit: limit,
-        // Whether light comes to backs is not known before models are loaded.
-        beside: largest(&jobs),
-        // As many paths as so many pictures have.
-        pictures: jobs.iter().map(pixels_of).sum::<u64>() / pixels(scene.camera.size) + 1,
-        ..arguments
-            .scene
-            .changes
-            .request(arguments.work.threads.count)
-    };
-    let mut plan = Plan::new(&scene, &request)?;
-    choose_coordinates(arguments, &plan, &mut jobs)?;
-    let read = inputs::of(&scene, &plan);
-    check_names(arguments, &jobs, &read)?;
-    // Charts that overlap are refused before anything is baked, and so is a texture without room.
-    let check = |prepared: &Prepared, jobs: &mut [Job]| {
+    }
+
+    fn texels(&self, jobs: &[Job]) -> u64 {
+        let sizes = jobs.iter().map(|job| job.size(self.scene));
+        sizes.map(|[w, h]| u64::from(w) * u64::from(h)).sum()
+    }
+
+    /// What is loaded for `jobs`, whose coordinates are chosen.
+    fn planned(&self, jobs: &mut [Job]) -> Result<(Request, Plan)> {
+        let [width, height] = self.scene.camera.size.map(u64::from);
+        let on_surfaces = jobs.iter().all(|job| job.surface.is_some());
+        let request = Request {
+            // Texture coordinates are loaded where a channel shows them.
+            aovs: match on_surfaces {
+                true => vec![Aov::UvU],
+                false => Vec::new(),
+            },
+            // Whether light comes to backs is not known before models are loaded.
+            beside: self.largest(jobs),
+            // As many paths as so many pictures have.
+            pictures: self.texels(jobs) / (width * height) + 1,
+            ..self.request.clone()
+        };
+        let plan = Plan::new(self.scene, &request)?;
+        choose_coordinates(self.coordinates, &plan, jobs)?;
+        Ok((request, plan))
+    }
+
+    /// Charts that overlap are refused before anything is baked, and so is a texture without room.
+    fn check(&self, prepared: &Prepared, jobs: &mut [Job]) -> Result<()> {
         jobs.iter_mut().try_for_each(|job| match &job.surface {
             Some(surface) => {
-                let needs = bake::check_surface(&scene, prepared, surface, &bins, precision)?;
+                let needs =
+                    bake::check_surface(self.scene, prepared, surface, &self.bins, self.precision)?;
                 (job.has_backs, job.lists) = (needs.backs, needs.lists);
                 Ok(())
             }
-            None => bake::check_camera(&scene, prepared),
+            None => bake::check_camera(self.scene, prepared),
         })
-    };
-    if arguments.plan {
-        check(&Prepared::new(&scene, &plan, &Silent)?, &mut jobs)?;
-        plan.memory.beside = largest(&jobs);
-        return print(&planned((&scene, &plan), &jobs, &bins, precision));
     }
-    // A journal is gone on with only where all that it depends on is the same.
-    let inputs = Inputs::read(read.get(1..).unwrap_or_default());
-    let identity = Identity::new(&scene, &request, &Outputs::default(), &inputs);
-    let quiet = arguments.work.quiet.on;
-    in_pool(arguments.work.threads.count, || {
-        let prepared = Prepared::new(&scene, &plan, &Bar::new(0, true))?;
-        check(&prepared, &mut jobs)?;
-        let texels: u64 = jobs.iter().map(pixels_of).sum();
-        let bar = Bar::new(texels.saturating_mul(plan.film.samples.into()), quiet);
-        for job in &jobs {
+
+    fn print_plan(&self, mut jobs: Vec<Job>) -> Result<()> {
+        let (_, mut plan) = self.planned(&mut jobs)?;
+        check_names(self.path, &jobs, &inputs::of(self.scene, &plan))?;
+        self.check(&Prepared::new(self.scene, &plan, &Silent)?, &mut jobs)?;
+        plan.memory.beside = self.largest(&jobs);
+        let text = planned((self.scene, &plan), &jobs, &self.bins, self.precision);
+        print(&text)
+    }
+
+    /// Bakes all `jobs`.
+    pub fn run(&self, mut jobs: Vec<Job>) -> Result<()> {
+        let (scene, bins, precision) = (self.scene, &self.bins, self.precision);
+        let (request, plan) = self.planned(&mut jobs)?;
+        let read = inputs::of(scene, &plan);
+        check_names(self.path, &jobs, &read)?;
+        // A journal is gone on with only where all that it depends on is the same.
+        let inputs = Inputs::read(read.get(1..).unwrap_or_default());
+        let identity = Identity::new(scene, &request, &Outputs::default(), &inputs);
+        let quiet = self.work.quiet.on;
+        let sum = |job: &Job| {
             let what = format!("baked {:?} {bins:?} {}", job.surface, plan.film.samples);
-            let journal = Journal::open(&job.unfinished(), &identity.of_sums(&what))?;
-            interrupt::can_resume(ANEW);
-            if journal.found() > 0 {
-                interrupt::keeps(RESUME);
-                say(quiet, &format!("resuming {}\n", job.path.display()))?;
+            identity.of_sums(&what)
+        };
+        if self.of_flash {
+            let (done, left) = jobs.into_iter().partition(|job| job.is_done(&sum(job)));
+            let done: Vec<Job> = done;
+            for job in &done {
+                say(quiet, &format!("{} exists already\n", job.path.display()))?;
             }
-            if journal.forgot() {
-                let name = job.unfinished();
-                let text = format!(
-                    "{} held parts of another bake (other options or another scene); starting over",
-                    name.display()
-                );
-                warn(quiet, &[text]);
-            }
-            let (kept, bar) = (Some(&journal), &Kept(&bar));
-            let baked = match &job.surface {
-                None => bake::camera_cube(&scene, &prepared, &bins, precision, kept, bar),
-                Some(surface) => {
-                    bake::surface_cube(&scene, &prepared, surface, &bins, precision, kept, bar)
-                }
-            };
-            // Parts of what is refused are of no use, but for what does not fit half precision.
-            let baked = match baked {
-                Err(error @ Error::Invalid { .. }) => return journal.remove().and(Err(error)),
-                baked => baked?,
-            };
-            interrupt::check()?;
-            let table = source((&scene, &plan), &prepared, job, &bins, &baked);
-            let mut metadata = metadata::of_baked(&scene, &bins, plan.film.samples, &baked);
-            metadata.push(("source_table".into(), table.clone()));
-            write(job, &metadata, bins.count, &baked)?;
-            journal.remove()?;
-            let (text, warnings) = report((&scene, &plan), job, (&baked, &bins), &table);
-            say(quiet, &text)?;
-            warn(quiet, &warnings);
+            jobs = left;
         }
-        warn(quiet, &prepared.warnings);
-        Ok(())
-    })
+        if jobs.is_empty() {
+            return Ok(());
+        }
+        in_pool(self.work.threads.count, || {
+            let prepared = Prepared::new(scene, &plan, &Bar::new(0, true))?;
+            self.check(&prepared, &mut jobs)?;
+            if self.of_flash {
+                let largest = self.largest(&jobs) as f64 / 1e6;
+                let [columns, rows] = jobs[0].surface.map_or([0; 2], |surface| surface.size);
+                let text = format!(
+                    "baking the light of the flash: {columns} × {rows} texels, {} bins; takes {largest:.0} MB of memory\n",
+                    bins.count
+                );
+                say(quiet, &text)?;
+            }
+            let rays = self.texels(&jobs).saturating_mul(plan.film.samples.into());
+            let bar = Bar::new(rays, quiet);
+            for job in &jobs {
+                let journal = Journal::open(&job.unfinished(), &sum(job))?;
+                interrupt::can_resume(ANEW);
+                if journal.found() > 0 {
+                    interrupt::keeps(RESUME);
+                    say(quiet, &format!("resuming {}\n", job.path.display()))?;
+                }
+                if journal.forgot() {
+                    let name = job.unfinished();
+                    let text = format!(
+                        "{} held parts of another bake (other options or another scene); starting over",
+                        name.display()
+                    );
+                    warn(quiet, &[text]);
+                }
+                let (kept, bar) = (Some(&journal), &Kept(&bar));
+                let baked = match &job.surface {
+                    None => bake::camera_cube(scene, &prepared, bins, precision, kept, bar),
+                    Some(surface) => {
+                        bake::surface_cube(scene, &prepared, surface, bins, precision, kept, bar)
+                    }
+                };
+                // Parts of what is refused are of no use, but for what does not fit half precision.
+                let baked = match baked {
+                    Err(error @ Error::Invalid { .. }) => {
+                        return journal.remove().and(Err(error));
+                    }
+                    baked => baked?,
+                };
+                interrupt::check()?;
+                let table = source((scene, &plan), &prepared, job, bins, &baked);
+                let mut metadata = metadata::of_baked(scene, bins, plan.film.samples, &baked);
+                metadata.push(("source_table".into(), table.clone()));
+                metadata.push((FINGERPRINT.into(), hexadecimal(&sum(job))));
+                write(job, &metadata, bins.count, &baked)?;
+                journal.remove()?;
+                let (text, warnings) = report((scene, &plan), job, (&baked, bins), &table);
+                let text = match self.of_flash {
+                    true => text
+                        .lines()
+                        .take(1)
+                        .map(|line| format!("{line}\n"))
+                        .collect(),
+                    false => text,
+                };
+                say(quiet, &text)?;
+                warn(quiet, &warnings);
+            }
+            warn(quiet, &prepared.warnings);
+            Ok(())
+        })
+    }
 }
+
+/// The key in metadata of what a bake depends on.
+const FINGERPRINT: &str = "bake_fingerprint";
 
 /// What is said of work that is stopped once a part of it is kept, and before.
 const RESUME: &str = "its finished parts are kept: run the same command again to resume";
@@ -168,7 +257,7 @@ impl Progress for Kept<'_> {
 }
 
 /// Refuses options that other commands share and that change nothing of what is baked.
-fn check_effects(arguments: &BakeArguments) -> Result<()> {
+pub fn check_effects(arguments: &BakeArguments) -> Result<()> {
     let changes = &arguments.scene.changes;
     let picture = "a bake has no picture, whose brightness it would set";
     let camera = "light on surfaces does not depend on the camera";
@@ -183,9 +272,12 @@ fn check_effects(arguments: &BakeArguments) -> Result<()> {
             camera,
         ),
         (
-            on_surfaces && changes.edits.time.is_some(),
+            changes.edits.time.is_some(),
             "--time",
-            camera,
+            match on_surfaces {
+                true => camera,
+                false => "the cube of a camera holds light of all times",
+            },
         ),
     ];
     match without_effect.into_iter().find(|(is_given, ..)| *is_given) {
@@ -206,7 +298,8 @@ fn bins(arguments: &BakeArguments, scene: &Scene) -> Result<Bins> {
     let metres = |time: &nullray::spacetime::units::Time| time.metres(scene.speed_of_light);
     let bins = Bins {
         start: arguments.start.as_ref().map_or(0.0, metres),
-        width: metres(&arguments.bin_width),
+        // Required for all but flashes.
+        width: arguments.bin_width.as_ref().map_or(0.0, metres),
         count: arguments.bins as usize,
     };
     if !(bins.width > 0.0 && bins.width.is_finite()) {
@@ -237,6 +330,9 @@ fn bins(arguments: &BakeArguments, scene: &Scene) -> Result<Bins> {
     Ok(bins)
 }
 
+/// Columns and rows of a surface for which none are given.
+const TEXELS: [u32; 2] = [64, 64];
+
 /// One file for the camera, or one for each object.
 fn jobs(arguments: &BakeArguments, scene: &Scene, named: Vec<usize>) -> Result<Vec<Job>> {
     let path = match &arguments.output {
@@ -259,9 +355,14 @@ fn jobs(arguments: &BakeArguments, scene: &Scene, named: Vec<usize>) -> Result<V
             lists: 0,
         }]);
     }
+    surfaces(scene, &named, &path, arguments.texels.unwrap_or(TEXELS))
+}
+
+/// The surfaces of these objects, or of all that reflect light: one file for each.
+pub fn surfaces(scene: &Scene, named: &[usize], path: &Path, size: [u32; 2]) -> Result<Vec<Job>> {
     let objects = match named.is_empty() {
         true => reflecting(scene)?,
-        false => named,
+        false => named.to_vec(),
     };
     if let Some(object) = objects.iter().find(|k| !reflects(scene, **k)) {
         return Err(nothing_to_bake(scene, *object));
@@ -269,16 +370,13 @@ fn jobs(arguments: &BakeArguments, scene: &Scene, named: Vec<usize>) -> Result<V
     let alone = objects.len() == 1;
     let job = |object: usize| Job {
         path: match alone {
-            true => path.clone(),
-            false => suffixed(&path, &in_file_name(&scene.objects[object].name)),
+            true => path.to_path_buf(),
+            false => suffixed(path, &in_file_name(&scene.objects[object].name)),
         },
         surface: Some(Surface {
             object,
-            coordinates: match arguments.atlas {
-                true => Coordinates::Atlas,
-                false => Coordinates::Set(arguments.uv.map_or(0, usize::from)),
-            },
-            size: arguments.texels,
+            coordinates: Coordinates::Set(0),
+            size: size,
         }),
         has_backs: false,
         lists: 0,
@@ -286,16 +384,17 @@ fn jobs(arguments: &BakeArguments, scene: &Scene, named: Vec<usize>) -> Result<V
     Ok(objects.into_iter().map(job).collect())
 }
 
-/// An atlas for objects without texture coordinates, unless a set is asked for; and a file that can hold it.
-fn choose_coordinates(arguments: &BakeArguments, plan: &Plan, jobs: &mut [Job]) -> Result<()> {
+/// The coordinates `said`, or set 0, or an atlas for objects without any; and a file that can hold it.
+fn choose_coordinates(said: Option<Coordinates>, plan: &Plan, jobs: &mut [Job]) -> Result<()> {
     for job in jobs {
         let Some(surface) = &mut job.surface else {
             continue;
         };
-        let has_none = plan.objects[surface.object].uv_sets == 0;
-        if has_none && arguments.uv.is_none() {
-            surface.coordinates = Coordinates::Atlas;
-        }
+        let own = match plan.objects[surface.object].uv_sets {
+            0 => Coordinates::Atlas,
+            _ => Coordinates::Set(0),
+        };
+        surface.coordinates = said.unwrap_or(own);
         if surface.coordinates == Coordinates::Atlas && extension(&job.path) != "npz" {
             let what =
                 "a .npy file cannot hold the texture coordinates that are made for the light";
@@ -367,14 +466,10 @@ fn nothing_to_bake(scene: &Scene, object: usize) -> Error {
     Error::invalid(&scene.name, place, what, help)
 }
 
-fn check_names(arguments: &BakeArguments, jobs: &[Job], inputs: &[PathBuf]) -> Result<()> {
+fn check_names(scene: Option<&Path>, jobs: &[Job], inputs: &[PathBuf]) -> Result<()> {
     let overwritten = "the scene reads this file: it would be overwritten";
     let mut names = Names::new(
-        arguments
-            .scene
-            .path()
-            .into_iter()
-            .chain(inputs.iter().map(PathBuf::as_path)),
+        scene.into_iter().chain(inputs.iter().map(PathBuf::as_path)),
         overwritten,
         " cube",
     );
@@ -393,6 +488,15 @@ impl Job {
             .surface
             .map_or(scene.camera.size, |surface| surface.size);
         [columns, rows * (1 + u32::from(self.has_backs))]
+    }
+
+    /// Whether its file is there, of the bake with this sum.
+    fn is_done(&self, sum: &[u8; 32]) -> bool {
+        // Metadata are no longer than a few scenes.
+        let budget = Budget::new(1 << 26);
+        let text = npy::load_text(&self.path, "metadata", &budget).ok();
+        let said = text.and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok());
+        said.is_some_and(|said| said[FINGERPRINT] == hexadecimal(sum))
     }
 
     /// The file of finished parts.

@@ -85,8 +85,8 @@ pub fn model_as<'a>(
     overrides: &Overrides,
     memory: u64,
 ) -> Result<Option<(&'a Path, ModelScene)>> {
-    let moves = model.beta.is_some() || model.flyby;
-    if model.direction.is_some() && !moves {
+    let moves = model.beta.is_some() || model.flyby || model.flash.is_some();
+    if model.direction.is_some() && model.beta.is_none() && !model.flyby {
         let what = "it says where a moving camera goes, but this one is at rest";
         return Err(refused("--direction", what, "add --beta 0.9, or --flyby"));
     }
@@ -94,6 +94,11 @@ pub fn model_as<'a>(
         Some(path) if is_model(path) => {
             let made = model_scene(path, model, overrides, memory)?;
             Ok(Some((path, made)))
+        }
+        _ if model.flash.is_some() => {
+            let what = "it lights a model without a scene, but this is a scene";
+            let help = "give a [[light]] of the scene an emission, like { gaussian = { sigma = \"5 cm\" } }, and `nullray bake` it";
+            Err(refused("--flash", what, help))
         }
         _ if moves => {
             let option = match model.flyby {

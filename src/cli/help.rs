@@ -40,6 +40,7 @@ Examples:
   nullray render figure.toml --panel beta-0.9 -o right.png
   nullray render model.glb --beta 0.9 --direction x
   nullray render model.glb --flyby -o \"frame-####.png\"
+  nullray render model.glb --flash --beta 0.5 -o light.apng
   nullray render model.glb --beta 0.9 --print-scene > scene.toml
 
 `nullray help render` lists formats and channels.";

@@ -14,6 +14,7 @@ mod exposure;
 mod failure;
 mod film;
 mod flags;
+mod flash;
 mod frames;
 mod help;
 mod info;
@@ -75,6 +76,7 @@ fn carry_out(command: Option<Command>) -> Result<Done> {
         Some(Command::Film(film)) => motion::run(*film),
         Some(Command::Page(page)) => page::run(&page),
         Some(Command::Sheet(sheet)) => sheet::run(&sheet),
+        Some(Command::Bake(bake)) if bake.flash.flash => flash::bake(&bake),
         Some(Command::Bake(bake)) => bake::run(&bake),
         Some(Command::Diagram(diagram)) => diagram::run(*diagram),
         Some(Command::Export(export)) => export::run(&export),

@@ -24,7 +24,7 @@ pub fn run(arguments: &PlanArguments) -> Result<()> {
     let changes = &arguments.scene.changes;
     let file = builtin::open_as(
         arguments.scene.path(),
-        &arguments.model.view(),
+        &arguments.model.view(None),
         &changes.overrides(),
         changes.memory.bytes(),
     )?;

@@ -15,6 +15,7 @@ use super::args::{FrameArguments, RenderArguments};
 use super::check::{check_all, check_statistics};
 use super::failure::refused;
 use super::film::{check_one, in_pool, one};
+use super::flash::{self, FlashFilm};
 use super::frames::{self, Frames, Job};
 use super::names::{named_after, numbered, suffixed};
 use super::output::{Kind, Outputs, extension};
@@ -36,7 +37,16 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
     arguments.work.quiet.on |= films.iter().any(|path| reel::is_pipe(path));
     let arguments = &arguments;
     let overrides = arguments.changes.overrides();
-    let file = file(arguments, &overrides)?;
+    let (file, flash) = file(arguments, &overrides, &films)?;
+    if let Some(flash) = &flash {
+        if arguments.print_scene {
+            return print(&file.changed_text(&overrides)?);
+        }
+        // All that can be refused before its light is baked.
+        let scene = flash.direct.scene(&overrides)?;
+        check_sequence(arguments, &films, &scene)?;
+        in_pool(arguments.work.threads.count, || flash.bake(arguments))?;
+    }
     let scene = file.scene(&overrides)?;
     // Everything that can be refused is refused before anything heavy is loaded.
     if arguments.changes.pixel_centers && scene.camera.shutter.is_some() {
@@ -49,22 +59,7 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
     if arguments.print_scene {
         return print(&scene.text);
     }
-    let mut outputs = outputs(arguments, &scene);
-    // A film alone leaves no numbered pictures behind.
-    if !films.is_empty() && arguments.output.is_empty() {
-        outputs.images.clear();
-    }
-    let frames = match Frames::of(&arguments.frames, &scene)? {
-        None if arguments.model.flyby => Frames::of(&FrameArguments::all_of_flyby(), &scene)?,
-        frames => frames,
-    };
-    let film = Film {
-        films: &films,
-        fps: arguments.play_fps.unwrap_or(PLAY_FPS),
-    };
-    film.check(frames.is_some())?;
-    check_caption(arguments, &outputs, &films)?;
-    check_effects(arguments, &outputs, &films)?;
+    let (outputs, frames, film) = check_sequence(arguments, &films, &scene)?;
     // Three ways from here: a sequence, all panels, or one picture, which passes may improve.
     let of_panels = !scene.panels.is_empty() || !arguments.panel.is_empty();
     if arguments.exposure.says_same() && frames.is_none() && !of_panels {
@@ -85,9 +80,6 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
     }
     let mut account = wanted.then(Account::default);
     let improves = arguments.passes.given();
-    if let Some(option) = improves {
-        check_passes(option, arguments, frames.is_some())?;
-    }
     in_pool(arguments.work.threads.count, || match frames {
         Some(_) if of_panels => Err(panels_and_frames()),
         Some(frames) => {
@@ -127,6 +119,35 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
         }
     })?;
     account.map_or(Ok(()), |account| settle(arguments, &account))
+}
+
+/// The outputs, the frames of a sequence, and its films.
+fn check_sequence<'a>(
+    arguments: &RenderArguments,
+    films: &'a [PathBuf],
+    scene: &Scene,
+) -> Result<(Outputs, Option<Frames>, Film<'a>)> {
+    let mut outputs = outputs(arguments, scene);
+    // A film alone leaves no numbered pictures behind.
+    if !films.is_empty() && arguments.output.is_empty() {
+        outputs.images.clear();
+    }
+    let is_film = arguments.model.flyby || arguments.flash.flash;
+    let frames = match Frames::of(&arguments.frames, scene)? {
+        None if is_film => Frames::of(&FrameArguments::all_of_model(), scene)?,
+        frames => frames,
+    };
+    let film = Film {
+        films,
+        fps: arguments.play_fps.unwrap_or(PLAY_FPS),
+    };
+    film.check(frames.is_some())?;
+    check_caption(arguments, &outputs, films)?;
+    check_effects(arguments, &outputs, films)?;
+    if let Some(option) = arguments.passes.given() {
+        check_passes(option, arguments, frames.is_some())?;
+    }
+    Ok((outputs, frames, film))
 }
 
 /// The films of a sequence.
@@ -243,15 +264,26 @@ fn check_words(caption: Option<&str>) -> Result<()> {
     RichText::plain(words)?.width(1.0).map(|_| ())
 }
 
-/// The named scene file, or the scene for a model.
-fn file(arguments: &RenderArguments, overrides: &Overrides) -> Result<SceneFile> {
-    let (path, model) = (arguments.scene.path(), &arguments.model);
+/// The named scene file, or the scene for a model, which may be under a flash.
+fn file<'a>(
+    arguments: &'a RenderArguments,
+    overrides: &Overrides,
+    films: &[PathBuf],
+) -> Result<(SceneFile, Option<FlashFilm<'a>>)> {
+    let path = arguments.scene.path();
     let memory = arguments.changes.memory.bytes();
-    let Some((path, made)) = builtin::model_as(path, &model.view(), overrides, memory)? else {
-        return builtin::open(path, overrides, memory);
+    let outputs: Vec<PathBuf> = films.iter().chain(&arguments.output).cloned().collect();
+    let flash = arguments.flash.flash(|| flash::light_file(&outputs, path));
+    let view = arguments.model.view(flash);
+    let Some((path, made)) = builtin::model_as(path, &view, overrides, memory)? else {
+        return Ok((builtin::open(path, overrides, memory)?, None));
     };
+    if let Some(flash) = &view.flash {
+        let (file, film) = FlashFilm::of(path, &made, flash, arguments)?;
+        return Ok((file, Some(film)));
+    }
     let file = builtin::of_model(path, &made.text());
-    exposed(file, path, &made, arguments)
+    Ok((exposed(file, path, &made, arguments)?, None))
 }
 
 /// How many pictures of a fly-by are looked at for its exposure.

@@ -11,9 +11,12 @@ use glam::DVec3;
 
 use super::at::At;
 use super::memory::Memory;
+use super::model::CubeBacks;
 use crate::error::Result;
+use crate::io::budget::Budget;
 use crate::io::cube::FileTimes;
 use crate::io::gltf::GltfTrack;
+use crate::io::npy;
 
 /// The pose of a camera.
 #[derive(Debug, Clone)]
@@ -151,6 +154,24 @@ pub(super) struct Inputs {
     numbers: RefCell<HashMap<usize, Result<Vec<f64>>>>,
     /// By place in the text: the time axis in the cube file named there.
     times: RefCell<HashMap<usize, Result<Option<FileTimes>>>>,
+    /// By place in the text: what the file of baked light named there says of backs.
+    backs: HashMap<usize, CubeBacks>,
+}
+
+/// What the backs show of a cube that `nullray bake` has written to `path`, by its metadata.
+pub(crate) fn backs_of_baked(path: &Path) -> CubeBacks {
+    // Metadata are no longer than a few scenes.
+    const MOST: u64 = 1 << 26;
+    if path.extension().is_none_or(|ending| ending != "npz") {
+        return CubeBacks::default();
+    }
+    let text = npy::load_text(path, "metadata", &Budget::new(MOST));
+    let said = text
+        .ok()
+        .and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok());
+    let name = said.map(|said| said[CubeBacks::KEY].clone());
+    name.and_then(|name| serde_json::from_value(name).ok())
+        .unwrap_or_default()
 }
 
 impl Inputs {
@@ -221,6 +242,19 @@ impl Inputs {
     /// The time axis of the cube in the file named at `file`, if it was looked for. Can be called once.
     pub fn times(&self, file: &At<String>) -> Option<Result<Option<FileTimes>>> {
         self.times.borrow_mut().remove(&file.span.start)
+    }
+
+    /// Records what the file of baked light named at `file` says of backs.
+    pub fn add_backs(&mut self, file: &At<String>, backs: CubeBacks) {
+        self.backs.insert(file.span.start, backs);
+    }
+
+    /// What the file of baked light named at `file` says of backs.
+    pub fn backs(&self, file: &At<String>) -> CubeBacks {
+        self.backs
+            .get(&file.span.start)
+            .copied()
+            .unwrap_or_default()
     }
 
     /// Records the numbers in the file named at `file`, or why they cannot be read.

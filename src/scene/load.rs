@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 
 use super::at::At;
 use super::file;
-use super::inputs::{FileCache, Inputs, Pose};
+use super::inputs::{FileCache, Inputs, Pose, backs_of_baked};
 use super::memory::{self, Memory};
 use super::model::Scene;
 use super::overrides::{self, Overrides};
@@ -89,6 +89,15 @@ impl SceneFile {
     pub fn reaching(mut self, folder: &Path) -> SceneFile {
         self.reach = folder.to_path_buf();
         self
+    }
+
+    /// The text with the changes of `overrides`; no file that it names is looked for.
+    ///
+    /// # Errors
+    /// Changes that cannot be made.
+    pub fn changed_text(&self, overrides: &Overrides) -> Result<String> {
+        let report = report(&self.text, &self.name, overrides)?;
+        Ok(report.text.to_string())
     }
 
     /// The scene with the changes of `overrides`.
@@ -223,6 +232,10 @@ fn look_for_cube(inputs: &mut Inputs, cache: &FileCache, cube: &file::Cube) {
     if inputs.problem(name).is_none() && format.is_some() {
         let times = cache.times(&path, array, || cube::times(&path, array));
         inputs.add_times(name, times);
+    }
+    let backs = cube.backs.as_ref().map(|at| at.value);
+    if inputs.problem(name).is_none() && backs == Some(file::Backs::AsBaked) {
+        inputs.add_backs(name, backs_of_baked(&path));
     }
 }
 

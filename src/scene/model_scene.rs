@@ -25,12 +25,16 @@
 //! of the picture, or at W = 2.5, beyond which daylight is darker than a three-hundredth. From the one to the other it takes (x₂ − x₁)/(γβ) of the camera's
 //! own time.
 //!
+//! *Flash.* Light leaves a lamp at time 0, as a Gaussian of a sixteenth of the radius, and reaches the model and a floor under it. It is baked, and
+//! looked up by a camera that moves on through a film: at camera time 0 it is at the place of the still picture, and sees the direct light reach C. The film lasts from the first light to some
+//! time after the last ([`Show::span`]); the camera has the model in view, and W within the factor of 4, at both ends and at time 0.
+//!
 //! *Display.* What is white at 6504 K is seen with W as a blackbody of 6504 K/W, and colours that keep their hue with W⁻⁴ of their radiance. Where that
 //! differs by more than a factor of 20 over the model, the display is logarithmic. Where the model is seen with W > 5, which shows what left below 170 nm, with a part in
 //! 10⁷ of its brightness, colours keep their hue.
 
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use toml_edit::Value;
@@ -57,6 +61,39 @@ pub struct ModelView {
     pub size: Option<[u32; 2]>,
     /// Whether the model may refer to files outside its own folder.
     pub allow_outside: bool,
+    /// Whether its lights flash, and their light in flight is seen.
+    pub flash: Option<Flash>,
+}
+
+/// A flash of light on a model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Flash {
+    /// Reflections after the first that its light is followed over.
+    pub bounces: u32,
+    /// The file for the baked light, an `.npz`; that of a model and the floor under it goes to two files, with `-model` and `-floor` in their names.
+    pub file: PathBuf,
+}
+
+/// What of a flash has to be baked before it is looked at.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FlashLight {
+    /// The scene whose objects are to be baked; its camera is always the same.
+    pub scene: String,
+    /// The start of the first bin, metres.
+    pub start: f64,
+    /// Width of a bin, metres.
+    pub width: f64,
+    /// Number of bins.
+    pub bins: u32,
+    /// What is seen of it without bounces, by the camera that looks at it: to choose an exposure.
+    direct: String,
+}
+
+impl FlashLight {
+    /// The scene of direct light alone, by the camera of the film.
+    pub fn direct(&self) -> &str {
+        &self.direct
+    }
 }
 
 /// Where a camera moves to that looks at a model.
@@ -71,7 +108,7 @@ pub enum Heading {
 }
 
 impl ModelView {
-    /// How many pictures a fly-by has.
+    /// How many pictures a fly-by or a flash has.
     pub const FLYBY_FRAMES: u64 = 48;
     /// The speed of a fly-by for which none is given: what passes is turned by 30° and changes its hue.
     const FLYBY_SPEED: f64 = 0.5;
@@ -128,9 +165,16 @@ pub struct ModelScene {
     range: Option<f64>,
     /// The radiance of white, where it is not measured.
     white: f64,
+    /// What has to be baked for it.
+    flash: Option<FlashLight>,
 }
 
 impl ModelScene {
+    /// What has to be baked before it can be rendered.
+    pub fn flash(&self) -> Option<&FlashLight> {
+        self.flash.as_ref()
+    }
+
     /// Its text; a logarithmic display is for a white model in daylight.
     pub fn text(&self) -> String {
         match self.range {
@@ -170,9 +214,17 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Mod
     let subject = Subject::of(path, &held, budget)?;
     let motion = Motion::new(path, view)?;
     let size = view.size.unwrap_or(SIZE);
+    if let Some(flash) = &view.flash {
+        let model = Model {
+            path,
+            name,
+            held: &held,
+        };
+        return flashing(&model, &subject, motion, size, flash);
+    }
     let camera = match (view.flyby, motion) {
         (true, Some(motion)) => passing(&subject.ball, motion),
-        (_, motion) => framing(&subject, motion, size),
+        (_, motion) => framing(&subject, motion, size, None),
     };
     let mut text = format!("{MADE_FOR_MODEL}\n");
     // Writing to a text does not fail.
@@ -208,7 +260,282 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Mod
         text,
         range: (range > LINEAR).then(|| (range * SHADOWS).min(DECADES)),
         white,
+        flash: None,
     })
+}
+
+/// The file of a model.
+struct Model<'a> {
+    path: &'a Path,
+    /// Its path as text.
+    name: &'a str,
+    held: &'a GltfSummary,
+}
+
+/// Standard deviation of a flash over the radius of the model: its front is an eighth of the model deep, and 48 pictures that follow it through
+/// 5 radii are less far apart than that.
+const SIGMA: f64 = 1.0 / 16.0;
+/// Bins per standard deviation: a Gaussian of two bins has 2·10⁻³ of its light beyond the frequencies that bins keep.
+const BINS_PER_SIGMA: f64 = 2.0;
+/// Emission begins so many standard deviations before its peak: what is before is a millionth of the light.
+const BEGINS: f64 = 5.0;
+/// The first picture shows what leaves the flash so many standard deviations before its peak, at a thirtieth of it.
+const DAWN: f64 = 2.6;
+/// Reflected light is followed in the film for so many radii after the last direct light, and in bins for twice as many.
+const FADES: f64 = 1.0;
+/// Towards the flash of a model without point or spot lights, from its middle: above the viewer's left shoulder, in radii.
+const FLASH: DVec3 = DVec3::new(-1.0, 1.5, 1.2);
+/// Half the side of the floor under a model, in radii, and how far below the model it is.
+const FLOOR: f64 = 3.0;
+const BELOW: f64 = 1e-3;
+/// White over black of a flash: light that comes by way of two surfaces is a hundredth of what comes directly.
+const FLASH_RANGE: f64 = 300.0;
+
+/// The scene of a model under a flash.
+fn flashing(
+    model: &Model,
+    subject: &Subject,
+    motion: Option<Motion>,
+    size: [u32; 2],
+    flash: &Flash,
+) -> Result<ModelScene> {
+    let held = model.held;
+    let is_bare = |f: &Factors| f.metallic >= 1.0 || f.transmission >= 1.0;
+    if held.factors.iter().all(is_bare) && !held.has_gloss_textures {
+        let what = "all its surfaces are metal or glass, whose light depends on the direction, and a flash is baked without it";
+        let help = "materials with a metallicFactor below 1, or a scene with `render.bounces`";
+        return Err(Error::unsupported(model.path, "materials", what, help));
+    }
+    let Ball { centre, radius } = subject.ball;
+    let sigma = SIGMA * radius;
+    // Its own lamps, or one for it.
+    let mut lamps = String::new();
+    let mut sources: Vec<Front> = Vec::new();
+    for light in &gltf::lights(model.path)? {
+        // Writing to a text does not fail.
+        let _ = write_light(&mut lamps, light);
+        let _ = writeln!(
+            lamps,
+            "emission = {{ gaussian = {{ sigma = \"{sigma:?} m\" }} }}"
+        );
+        sources.push(match light.kind {
+            GltfLightKind::Directional => Front::Plane(light.direction),
+            _ => Front::Sphere(light.position),
+        });
+    }
+    if sources.is_empty() {
+        let place = centre + FLASH * radius;
+        // White that faces it at the middle has about the radiance 1 when the flash is there.
+        let intensity = 8.0 * sigma * FLASH.length_squared() * radius * radius;
+        let _ = write!(
+            lamps,
+            "\n[[light]]\nname = \"flash\"\nposition = {}\nintensity = {intensity:?}\nemission = {{ gaussian = {{ sigma = \"{sigma:?} m\" }} }}\n",
+            vector(place)
+        );
+        sources.push(Front::Sphere(place));
+    }
+    let arrivals = |points: &[DVec3]| {
+        let all = points
+            .iter()
+            .flat_map(|p| sources.iter().map(|s| s.arrival(*p)));
+        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], t| {
+            [a.min(t), b.max(t)]
+        })
+    };
+    let floor = subject.floor.map(|bottom| {
+        let y = bottom - BELOW * radius;
+        let half = FLOOR * radius;
+        let corner = |x: f64, z: f64| DVec3::new(centre.x + x * half, y, centre.z + z * half);
+        (
+            DVec3::new(centre.x, y, centre.z),
+            [
+                corner(-1.0, -1.0),
+                corner(1.0, -1.0),
+                corner(-1.0, 1.0),
+                corner(1.0, 1.0),
+            ],
+        )
+    });
+    let fades = match flash.bounces {
+        0 => 0.0,
+        _ => FADES * radius,
+    };
+    let show = Show {
+        sources: &sources,
+        dawn: DAWN * sigma,
+        fades: fades + DAWN * sigma,
+        middle: arrivals(&[centre])[0],
+    };
+    let camera = framing(subject, motion, size, Some(&show));
+    // Bins for all light that reaches the model or the floor directly, and for what follows.
+    let corners = floor.iter().flat_map(|(_, corners)| corners).copied();
+    let places: Vec<DVec3> = subject.outline.iter().copied().chain(corners).collect();
+    let [first, last] = arrivals(&places);
+    let under = floor.map(|(middle, _)| {
+        sources
+            .iter()
+            .map(|s| s.arrival(DVec3::new(middle.x, middle.y, middle.z)))
+            .fold(f64::INFINITY, f64::min)
+    });
+    let first = under.map_or(first, |t| first.min(t));
+    let width = sigma / BINS_PER_SIGMA;
+    let start = ((first - BEGINS * sigma) / width).floor() * width;
+    let end = last + BEGINS * sigma + 2.0 * fades;
+    let bins = ((end - start) / width)
+        .ceil()
+        .clamp(1.0, f64::from(MOST_BINS)) as u32;
+
+    let objects = |is_baked: bool| {
+        let mut text = String::new();
+        let texture = |text: &mut String, name: &str| {
+            if is_baked {
+                let file = Value::from(flash.of(name, floor.is_some()));
+                let _ = writeln!(
+                    text,
+                    "texture_coordinates = {{ file = {} }}",
+                    file.to_string().trim()
+                );
+            }
+        };
+        let _ = write!(
+            text,
+            "\n[[object]]\nname = \"model\"\ngltf = {}\n",
+            Value::from(model.name).to_string().trim()
+        );
+        texture(&mut text, "model");
+        if let Some((middle, _)) = floor {
+            let side = 2.0 * FLOOR * radius;
+            let _ = write!(
+                text,
+                "\n[[object]]\nname = \"floor\"\nshape = {{ plane = {{ size = [{side:?}, {side:?}] }} }}\ntransform = {{ translate = {} }}\ncolour = [0.6, 0.6, 0.6]\n",
+                vector(middle)
+            );
+            texture(&mut text, "floor");
+        }
+        text
+    };
+    let quantity = camera.quantity();
+    let said = match quantity {
+        Quantity::Rgb => "quantity = \"rgb\"".to_owned(),
+        _ => format!(
+            "# Hues stay, as W up to {:.3} would shift all light out of sight.\nquantity = \"luminance\"",
+            camera.ratios[1]
+        ),
+    };
+    let mut seen = String::new();
+    let _ = camera.write(&mut seen, size);
+    let mut text = format!(
+        "{MADE_FOR_MODEL}\n\n{seen}{}\n[radiance]\n{said}\n",
+        objects(true)
+    );
+    for (name, set) in [("model", held.uv_sets), ("floor", 1)] {
+        if name == "model" || floor.is_some() {
+            let file = Value::from(flash.of(name, floor.is_some()));
+            let _ = write!(
+                text,
+                "\n[[source]]\nname = \"light on {name}\"\nobjects = [\"{name}\"]\ncube = {{ file = {}, array = \"radiance\", start = \"{start:?} m\", bin_width = \"{width:?} m\", clock = \"world\", uv = {set}, backs = \"as_baked\" }}\n",
+                file.to_string().trim()
+            );
+        }
+    }
+    let plain = objects(false);
+    let light = FlashLight {
+        scene: format!(
+            "{MADE_FOR_MODEL}\n\n[camera]\neye = {}\nlook_at = {}\n{plain}\n[radiance]\nquantity = \"rgb\"\n\n[render]\nbounces = {}\n{lamps}",
+            vector(centre + 3.0 * radius * VIEWPOINT),
+            vector(centre),
+            flash.bounces
+        ),
+        start,
+        width,
+        bins,
+        direct: format!("{MADE_FOR_MODEL}\n{seen}{plain}\n[radiance]\n{said}\n{lamps}"),
+    };
+    let [white, _] = camera.ratios.map(|w| brightness(quantity, w));
+    Ok(ModelScene {
+        text,
+        range: Some(FLASH_RANGE),
+        white,
+        flash: Some(light),
+    })
+}
+
+/// More bins than any flash has, for a model that is far from its lamps.
+const MOST_BINS: u32 = 2048;
+
+impl Flash {
+    /// The file for the light on this object.
+    fn of(&self, object: &str, has_floor: bool) -> String {
+        if !has_floor {
+            return self.file.display().to_string();
+        }
+        let stem = self.file.file_stem().unwrap_or_default().to_string_lossy();
+        let name = self.file.with_file_name(format!("{stem}-{object}.npz"));
+        name.display().to_string()
+    }
+}
+
+/// The front of a flash that leaves its lamp at time 0, or the origin if its light is parallel.
+enum Front {
+    Sphere(DVec3),
+    Plane(DVec3),
+}
+
+impl Front {
+    /// When it is at `point`.
+    fn arrival(&self, point: DVec3) -> f64 {
+        match self {
+            Front::Sphere(place) => point.distance(*place),
+            Front::Plane(direction) => point.dot(*direction),
+        }
+    }
+}
+
+/// What of a flash a film shows.
+struct Show<'a> {
+    sources: &'a [Front],
+    /// How long before its front the film begins, and how long after it the film ends.
+    dawn: f64,
+    fades: f64,
+    /// When it is at the middle of the model.
+    middle: f64,
+}
+
+impl Show<'_> {
+    /// When a camera sees the light of the middle of the model that leaves it with the front: it is at `eye` then.
+    fn zero(&self, ball: &Ball, eye: DVec3) -> f64 {
+        self.middle + eye.distance(ball.centre)
+    }
+
+    /// World times, after that moment, at which the first light of the model is seen, and the last.
+    ///
+    /// From E, relative to the point, at that moment, the camera is at E + βn(q + a) when it sees light that left a time q before, where a is
+    /// the time of emission after that moment. q² = |E + βna + βnq|², with F = E + βna, is q = γ²(βF·n + √(β²(F·n)² + F²/γ²)).
+    fn span(&self, subject: &Subject, eye: DVec3, motion: Option<&Motion>) -> [f64; 2] {
+        let zero = self.zero(&subject.ball, eye);
+        let seen = |point: DVec3, time: f64| {
+            let after = time - zero;
+            let (beta, gamma, n) = motion.map_or((0.0, 1.0, DVec3::X), |m| (m.beta, m.gamma, m.n));
+            let from = eye - point + n * (beta * after);
+            let along = beta * from.dot(n);
+            let root = (along * along + from.length_squared() / (gamma * gamma)).sqrt();
+            // Without cancellation, on either side.
+            let delay = match along < 0.0 {
+                true => from.length_squared() / (root - along),
+                false => gamma * gamma * (along + root),
+            };
+            after + delay
+        };
+        let mut span = [f64::INFINITY, f64::NEG_INFINITY];
+        for point in &subject.outline {
+            for source in self.sources {
+                let front = source.arrival(*point);
+                span[0] = span[0].min(seen(*point, front - self.dawn));
+                span[1] = span[1].max(seen(*point, front + self.fades));
+            }
+        }
+        span
+    }
 }
 
 /// How many times as bright what is white is seen with W as at rest.
@@ -264,6 +591,8 @@ struct Subject {
     ball: Ball,
     /// Points of edges that are farthest from the middle of the ball, each in its cell of directions.
     outline: Vec<DVec3>,
+    /// The height of its bottom, if it does not stand on a ground of its own.
+    floor: Option<f64>,
 }
 
 impl Subject {
@@ -297,13 +626,17 @@ impl Subject {
     fn in_mesh(mesh: &Mesh) -> Option<Subject> {
         let all = Ball::of_those(mesh, |_| true)?;
         let corners = (0..mesh.triangles.len() as u32).flat_map(|i| mesh.corners(i));
-        let top = corners.map(|p| p.y).fold(f64::INFINITY, f64::min) + LEVEL * all.radius;
+        let bottom = corners.map(|p| p.y).fold(f64::INFINITY, f64::min);
+        let top = bottom + LEVEL * all.radius;
         let is_above = |corners: &[DVec3; 3]| corners.iter().any(|p| p.y > top);
         let above = Ball::of_those(mesh, is_above);
         Some(
             match above.filter(|above| above.radius < WIDE * all.radius) {
                 Some(above) => Subject::within(above, mesh, is_above),
-                None => Subject::within(all, mesh, |_| true),
+                None => Subject {
+                    floor: Some(bottom),
+                    ..Subject::within(all, mesh, |_| true)
+                },
             },
         )
     }
@@ -331,6 +664,7 @@ impl Subject {
         Subject {
             ball,
             outline: outline.map(|(_, point)| point).collect(),
+            floor: None,
         }
     }
 }
@@ -432,6 +766,8 @@ struct Framing {
     motion: Option<Motion>,
     /// Camera time between the pictures of a sequence, metres.
     interval: Option<f64>,
+    /// The world time at which the camera is at `eye`, and its own time of the first picture after that, metres.
+    times: Option<[f64; 2]>,
     /// A length of the scene, to which `look_at` is.
     reach: f64,
     /// The least and the greatest W of the model.
@@ -465,6 +801,10 @@ impl Framing {
                 "velocity = {{ beta = {beta:?}, direction = {direction} }}"
             )?;
         }
+        if let Some([zero, first]) = self.times {
+            writeln!(text, "clock_zero = \"{zero:?} m\"")?;
+            writeln!(text, "time = \"{first:?} m\"")?;
+        }
         match self.interval {
             Some(interval) => writeln!(text, "frame_interval = \"{interval:?} m\""),
             None => Ok(()),
@@ -472,8 +812,13 @@ impl Framing {
     }
 }
 
-/// A camera that has the whole model in view.
-fn framing(subject: &Subject, motion: Option<Motion>, [width, height]: [u32; 2]) -> Framing {
+/// A camera that has the whole model in view, in each picture of a film if it shows a flash.
+fn framing(
+    subject: &Subject,
+    motion: Option<Motion>,
+    [width, height]: [u32; 2],
+    show: Option<&Show>,
+) -> Framing {
     let away = VIEWPOINT.normalize();
     let Ball { centre, radius } = subject.ball;
     let aspect = f64::from(width) / f64::from(height);
@@ -483,8 +828,15 @@ fn framing(subject: &Subject, motion: Option<Motion>, [width, height]: [u32; 2])
     let boost = motion.as_ref().map(Motion::boost);
     let look = |alpha: f64| {
         let eye = centre + away * (radius / libm::sin(alpha));
-        let look = Look::at(subject, eye, boost.as_ref(), film);
-        (eye, look)
+        let span = show.map(|show| show.span(subject, eye, motion.as_ref()));
+        let eyes = match (span, motion) {
+            (Some([first, last]), Some(Motion { beta, n, .. })) => {
+                vec![eye, eye + n * (beta * first), eye + n * (beta * last)]
+            }
+            _ => vec![eye],
+        };
+        let look = Look::at(subject, &eyes, boost.as_ref(), film);
+        (eye, look, span)
     };
     let widest = WIDEST.to_radians();
     let fits = |alpha: f64| {
@@ -493,7 +845,8 @@ fn framing(subject: &Subject, motion: Option<Motion>, [width, height]: [u32; 2])
     };
     let alpha = bisect(widest, fits);
     // What is found is at most one last digit beyond the edge, where nothing may be in view at all.
-    let (eye, look) = look(alpha * (1.0 - f64::EPSILON));
+    let (eye, look, span) = look(alpha * (1.0 - f64::EPSILON));
+    let gamma = motion.map_or(1.0, |motion| motion.gamma);
     let Look {
         forward,
         filled,
@@ -510,7 +863,11 @@ fn framing(subject: &Subject, motion: Option<Motion>, [width, height]: [u32; 2])
         forward,
         fov: 2.0 * libm::atan(tangent).to_degrees(),
         motion,
-        interval: None,
+        interval: span
+            .map(|[first, last]| (last - first) / gamma / (ModelView::FLYBY_FRAMES - 1) as f64),
+        times: show
+            .zip(span)
+            .map(|(show, [first, _])| [show.zero(&subject.ball, eye), first / gamma]),
         reach: eye.distance(centre),
         ratios,
     }
@@ -527,14 +884,14 @@ struct Look {
 }
 
 impl Look {
-    /// From `eye`, of a camera whose film has these half extents at the distance 1; none where the model is seen too far to the side.
+    /// From the first of `eyes`, and all others on its way, of a camera whose film has these half extents at the distance 1; none where the model is seen too far to the side.
     fn at(
         subject: &Subject,
-        eye: DVec3,
+        eyes: &[DVec3],
         boost: Option<&Boost<CameraFrame, World>>,
         film: [f64; 2],
     ) -> Option<Look> {
-        let seen = |point: DVec3| {
+        let seen = |point: DVec3, eye: DVec3| {
             let d = (point - eye).normalize();
             match boost {
                 None => (d, 1.0),
@@ -545,12 +902,17 @@ impl Look {
                 }
             }
         };
-        let outline: Vec<(DVec3, f64)> = subject.outline.iter().map(|p| seen(*p)).collect();
+        let from = |eye: &DVec3| {
+            let eye = *eye;
+            subject.outline.iter().map(move |p| seen(*p, eye))
+        };
+        let outline: Vec<(DVec3, f64)> = eyes.iter().flat_map(from).collect();
         let ratios = outline.iter().map(|(_, w)| *w);
         let ratios = ratios.fold([f64::INFINITY, 0.0], |[a, b]: [f64; 2], w| {
             [a.min(w), b.max(w)]
         });
-        let mut forward = seen(subject.ball.centre).0;
+        let middles = eyes.iter().map(|eye| seen(subject.ball.centre, *eye).0);
+        let mut forward = middles.sum::<DVec3>().normalize();
         let mut filled = f64::INFINITY;
         for turn in 1..=TURNS {
             let right = forward.cross(up_of(forward)).normalize();
@@ -641,6 +1003,7 @@ fn passing(ball: &Ball, motion: Motion) -> Framing {
         fov: (2.0 * (middle - first) / BEYOND).to_degrees(),
         motion: Some(motion),
         interval: Some(duration / (ModelView::FLYBY_FRAMES - 1) as f64),
+        times: None,
         reach: distance,
         ratios: [first, last].map(|seen| gamma * (1.0 - beta * libm::cos(seen))),
     }
@@ -661,6 +1024,7 @@ mod tests {
                 radius: 0.5 * size.length(),
             },
             outline,
+            floor: None,
         }
     }
 
@@ -679,7 +1043,7 @@ mod tests {
                 let n = n.normalize();
                 let gamma = 1.0 / f64::sqrt(1.0 - beta * beta);
                 let motion = Motion { beta, gamma, n };
-                let camera = framing(&subject, Some(motion), [640, 320]);
+                let camera = framing(&subject, Some(motion), [640, 320], None);
                 // cos θ′ = (cos θ + β)/(1 + β cos θ) about the motion, in the plane of both.
                 let seen = |p: DVec3| {
                     let d = (p - camera.eye).normalize();

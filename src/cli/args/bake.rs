@@ -5,10 +5,12 @@ use std::path::PathBuf;
 use clap::Args;
 use nullray::spacetime::units::Time;
 
+use super::render::FlashArguments;
 use super::shared::{SceneArguments, WorkArguments};
 use crate::cli::values;
 
 #[derive(Debug, Args)]
+#[command(mut_arg("flash", |flash| flash.help("Bake the light of a flash on a model without a scene, as `nullray render MODEL --flash` does; places, bins and samples are chosen.").conflicts_with_all(["camera", "object", "uv", "atlas", "start", "bin_width", "bins", "half", "plan"])))]
 pub struct BakeArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
@@ -25,9 +27,9 @@ pub struct BakeArguments {
     /// Bake the surface of this object. Default: all objects that reflect light. Repeatable.
     #[arg(long, value_name = "NAME")]
     pub object: Vec<String>,
-    /// Columns and rows of texels of a surface.
-    #[arg(long, value_name = "WxH", value_parser = values::size, default_value = "64x64", allow_hyphen_values = true)]
-    pub texels: [u32; 2],
+    /// Columns and rows of texels of a surface. Default: 64x64.
+    #[arg(long, value_name = "WxH", value_parser = values::size, allow_hyphen_values = true)]
+    pub texels: Option<[u32; 2]>,
     /// The set of texture coordinates; no two parts of an object's surface may overlap in it. Default: 0, or an atlas for objects without
     /// any.
     #[arg(long, value_name = "SET")]
@@ -40,8 +42,13 @@ pub struct BakeArguments {
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub start: Option<Time>,
     /// Width of a bin, with its unit: "5 cm" or "100 ps".
-    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
-    pub bin_width: Time,
+    #[arg(
+        long,
+        value_name = "TIME",
+        required_unless_present = "flash",
+        allow_hyphen_values = true
+    )]
+    pub bin_width: Option<Time>,
     /// The number of bins.
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub bins: u32,
@@ -53,4 +60,7 @@ pub struct BakeArguments {
     pub plan: bool,
     #[command(flatten)]
     pub work: WorkArguments,
+    // Last, because options that follow would appear under its heading.
+    #[command(flatten)]
+    pub flash: FlashArguments,
 }

@@ -36,7 +36,7 @@ pub use page::PageArguments;
 pub use plan::PlanArguments;
 pub use render::{FrameArguments, PassArguments, RenderArguments};
 pub use selftest::SelftestArguments;
-pub use shared::Changes;
+pub use shared::{Changes, WorkArguments};
 pub use sheet::SheetArguments;
 pub use study::StudyArguments;
 pub use tessellation::TessellationArguments;

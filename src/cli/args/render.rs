@@ -4,7 +4,8 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::Args;
-use nullray::scene::{Heading, ModelView};
+use nullray::scene::model::MOST_BOUNCES;
+use nullray::scene::{Flash, Heading, ModelView};
 use nullray::spacetime::units::Time;
 
 use super::shared::{
@@ -77,6 +78,12 @@ pub struct RenderArguments {
     #[command(flatten)]
     pub model: ModelArguments,
     #[command(flatten)]
+    pub flash: FlashArguments,
+    /// Columns and rows of texels that the light of --flash is baked into, for the model, and as many for the floor. Default: 192x192, or as
+    /// many more as an atlas of the model needs.
+    #[arg(long, value_name = "WxH", requires = "flash", value_parser = values::size, allow_hyphen_values = true, help_heading = "Flashes of light on models (.glb, .gltf)")]
+    pub texels: Option<[u32; 2]>,
+    #[command(flatten)]
     pub frames: FrameArguments,
 }
 
@@ -126,13 +133,39 @@ pub struct ModelArguments {
     pub flyby: bool,
 }
 
+/// Light in flight on a model.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Flashes of light on models (.glb, .gltf)")]
+pub struct FlashArguments {
+    /// Light a model without a scene by a flash, and see its light in flight: in a film of 48 pictures (or those chosen by --frames) from
+    /// just before the light arrives until it has faded. The model's own lamps flash, or one above the viewer's left shoulder, and
+    /// a model that does not stand on a ground of its own stands on a floor. The light, indirect light too, is baked first, into
+    /// NAME-light.npz or NAME-light-model.npz and -floor.npz beside the film; the same light is not baked again.
+    #[arg(long, conflicts_with = "flyby")]
+    pub flash: bool,
+    /// Reflections after the first that light of --flash is followed over. Default: 2.
+    #[arg(long, value_name = "N", requires = "flash", value_parser = clap::value_parser!(u32).range(0..=i64::from(MOST_BOUNCES)))]
+    pub bounces: Option<u32>,
+}
+
+impl FlashArguments {
+    /// The flash whose light is baked into `file`, if there is one.
+    pub fn flash(&self, file: impl FnOnce() -> PathBuf) -> Option<Flash> {
+        self.flash.then(|| Flash {
+            bounces: self.bounces.unwrap_or(2),
+            file: file(),
+        })
+    }
+}
+
 impl ModelArguments {
     /// The view of the model.
-    pub fn view(&self) -> ModelView {
+    pub fn view(&self, flash: Option<Flash>) -> ModelView {
         ModelView {
             beta: self.beta,
             direction: self.direction,
             flyby: self.flyby,
+            flash,
             ..ModelView::default()
         }
     }
@@ -185,8 +218,8 @@ pub struct FrameArguments {
 }
 
 impl FrameArguments {
-    /// The frames of a fly-by for which the command line gives none.
-    pub fn all_of_flyby() -> Self {
+    /// The frames of a fly-by or a flash for which the command line gives none.
+    pub fn all_of_model() -> Self {
         FrameArguments {
             frames: Some(0..ModelView::FLYBY_FRAMES),
             from: None,

@@ -15,14 +15,13 @@ mod report;
 use crate::accel::{Precision, Preset};
 use crate::camera::Camera;
 use crate::error::{Error, Message, Result, Setting};
-use crate::io::budget::Budget;
 use crate::io::cube::{self as cubes, Channels};
 use crate::io::gltf;
-use crate::io::npy;
 use crate::light::time_texture::TimeTexture;
 use crate::mesh::{Factors, shapes};
 use crate::render::aov::Aov;
 use crate::render::film::Layout;
+use crate::scene::backs_of_baked;
 use crate::scene::model::{
     Crop, CubeBacks, CubeData, CubeSource, Elements, Geometry, Mapping, Object, Scene, Shape,
     Source, SourceKind, Spectra, TimeBins,
@@ -384,19 +383,8 @@ fn check_backs(scene: &Scene, source: &Source, cube: &CubeSource, rows: usize) -
 
 /// Whether a file written by `nullray bake` says that it contains backs.
 fn has_rows_of_backs(cube: &CubeSource) -> bool {
-    // Metadata are no longer than a few scenes.
-    const MOST: u64 = 1 << 26;
-    let Some(path) = cube.data.path() else {
-        return false;
-    };
-    if path.extension().is_none_or(|ending| ending != "npz") {
-        return false;
-    }
-    let text = npy::load_text(path, "metadata", &Budget::new(MOST));
-    let said = text
-        .ok()
-        .and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok());
-    said.is_some_and(|said| said[CubeBacks::KEY] == CubeBacks::SecondHalf.name())
+    let said = cube.data.path().map(backs_of_baked);
+    said == Some(CubeBacks::SecondHalf)
 }
 
 /// Refuses a table of edges that does not match the number of bins.

@@ -36,7 +36,9 @@ pub(super) use panel::{Panel, Sheet};
 pub(super) use radiance::Radiance;
 pub(super) use sensor::{Sensor, SensorRotation};
 pub(super) use sky::{Sky, Stars, Sun};
-pub(super) use source::{Capture, Crop, Cube, EdgesFile, GivenPose, PoseConvention, Pulse, Source};
+pub(super) use source::{
+    Backs, Capture, Crop, Cube, EdgesFile, GivenPose, PoseConvention, Pulse, Source,
+};
 pub(super) use spectrum::{Gaussian, SpectralLine, Spectrum};
 
 /// A scene of nullray. Positions are plain numbers in metres; times, angles, wavelengths and speeds are texts with a unit, like "2 ps",

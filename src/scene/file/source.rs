@@ -7,9 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::radiance::Radiance;
 use crate::io::cube::{Negative, Transfer};
 use crate::scene::at::At;
-use crate::scene::model::{
-    BinValues, Clock, CubeBacks, FovAxis, ProjectionKind, Reconstruction, TimeFilter,
-};
+use crate::scene::model::{BinValues, Clock, FovAxis, ProjectionKind, Reconstruction, TimeFilter};
 use crate::scene::values::{Number, NumberOrVector, Vector};
 use crate::spacetime::units::{Angle, Time};
 
@@ -99,10 +97,27 @@ pub(in crate::scene) struct Cube {
     /// `capture`. Default: 0.
     pub uv: Option<At<u32>>,
     /// What the backs of surfaces show, if they are visible: "as_front" (the same light), "black", or "second_half" (their own light:
-    /// rows from H/2 on belong to backs, at the same texture coordinates), as written by `bake`. Excludes `capture`. Default: "as_front".
-    pub backs: Option<At<CubeBacks>>,
+    /// rows from H/2 on belong to backs, at the same texture coordinates), as written by `bake`; or "as_baked": which of these the .npz
+    /// file of `bake` says. Excludes `capture`. Default: "as_front".
+    pub backs: Option<At<Backs>>,
     /// Surface points address the cube by projection into the camera that captured it, if it saw them. Excludes `uv`.
     pub capture: Option<At<Capture>>,
+}
+
+/// What the backs of surfaces show of a cube.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub(in crate::scene) enum Backs {
+    /// The same as fronts.
+    AsFront,
+    /// Nothing: they are black, and hide what is behind them.
+    Black,
+    /// Their own light: the first half of the cube's rows belongs to fronts, the second half to backs, both at the same texture
+    /// coordinates.
+    SecondHalf,
+    /// What the metadata of a file of baked light say.
+    AsBaked,
 }
 
 impl Cube {

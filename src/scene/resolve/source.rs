@@ -438,8 +438,12 @@ fn mapping(cx: &Context, cube: &file::Cube) -> Result<Mapping> {
     if let Some(camera) = &cube.capture {
         return capture(cx, camera).map(Mapping::Capture);
     }
-    let backs = cube.backs.as_ref();
-    let backs = backs.map_or_else(CubeBacks::default, |at| at.value);
+    let backs = match cube.backs.as_ref().map(|at| at.value) {
+        None | Some(file::Backs::AsFront) => CubeBacks::AsFront,
+        Some(file::Backs::Black) => CubeBacks::Black,
+        Some(file::Backs::SecondHalf) => CubeBacks::SecondHalf,
+        Some(file::Backs::AsBaked) => cx.inputs.backs(&cube.file),
+    };
     let Some(uv) = &cube.uv else {
         return Ok(Mapping::Uv { set: 0, backs });
     };

@@ -493,3 +493,129 @@ fn glass_of_a_model_is_seen_through_and_is_called_opaque_where_no_light_is_follo
         }
     }
 }
+
+/// What makes a flash on a model quick.
+const COARSE: [&str; 4] = ["--flash", "--texels", "16x16", "--bounces=1"];
+
+#[test]
+fn a_flash_goes_over_a_model_in_a_film() {
+    let folder = folder(0.3);
+    let film = ["model.gltf", "-o", "a-##.exr", "--aovs", "object"];
+    render(&folder, &[&film[..], &COARSE].concat());
+    assert!(folder.path("model-light-model.npz").exists());
+    assert!(folder.path("model-light-floor.npz").exists());
+    let films: Vec<Layers> = (0..48)
+        .map(|k| picture(&folder, &format!("a-{k:02}.exr")))
+        .collect();
+    // By row, when the light that is seen there of the model is brightest: the lamp is above it, and so is the camera.
+    let seen = seen(&films[0]);
+    let light: Vec<Vec<[f64; 3]>> = films.iter().map(|film| film.radiance().unwrap()).collect();
+    let when = |row: usize| {
+        let columns: Vec<usize> = (0..60).filter(|&j| seen[row][j]).collect();
+        let sum =
+            |frame: &[[f64; 3]]| -> f64 { columns.iter().map(|j| frame[60 * row + j][1]).sum() };
+        let sums: Vec<f64> = light.iter().map(|frame| sum(frame)).collect();
+        (0..48)
+            .max_by(|a, b| sums[*a].total_cmp(&sums[*b]))
+            .unwrap()
+    };
+    let rows: Vec<usize> = (0..40)
+        .filter(|&i| seen[i][20..40].iter().all(|s| *s))
+        .collect();
+    let (top, bottom) = (rows[1], rows[rows.len() - 2]);
+    // Of the square's side of 1.41 radii, these rows are at least 1 apart; light that comes from above at about 45° and is seen from above
+    // is later by more than that, and a picture shows a tenth of a radius.
+    assert!(
+        when(top) + 5 < when(bottom),
+        "{} {}",
+        when(top),
+        when(bottom)
+    );
+    // Nothing is seen before, and nearly nothing at the end.
+    let total = |k: usize| -> f64 { light[k].iter().flatten().sum() };
+    let most = (0..48).map(total).fold(0.0, f64::max);
+    assert!(total(0) < 0.1 * most && total(24) > 0.01 * most);
+    // The same light serves a camera that moves.
+    let said = folder.ok(&[
+        &["render", "model.gltf", "--beta", "0.5", "-o", "film.apng"][..],
+        &["--frames", "20..26"],
+        &COARSE,
+        &SIZE,
+    ]
+    .concat());
+    assert_eq!(said.matches("exists already").count(), 2, "{said}");
+    assert!(said.contains("6 pictures"), "{said}");
+}
+
+#[test]
+fn the_scene_of_a_flash_shows_the_same_and_says_how_its_light_is_baked() {
+    let folder = folder(20.0);
+    let motion = ["--beta", "0.9", "--direction", "towards"];
+    let all = [&["model.gltf"][..], &motion, &COARSE].concat();
+    let printed = folder.ok(&[&["render", "--print-scene"], &all[..], &SIZE].concat());
+    assert_eq!(folder.names(), ["model.bin", "model.gltf"]);
+    folder.write("printed.toml", &printed);
+    // Without its light it says what to do.
+    let run = folder.run(&["render", "printed.toml"]);
+    let line = printed
+        .lines()
+        .find(|line| line.starts_with("#   nullray bake"));
+    let command = line.unwrap().trim_start_matches("#   nullray ");
+    assert!(
+        run.code == 2 && run.message().contains(command),
+        "{}",
+        run.message()
+    );
+    let command = command.replace('"', "");
+    let said = folder.ok(&command.split(' ').collect::<Vec<_>>());
+    assert!(said.contains("wrote model-light-floor.npz"), "{said}");
+    folder.ok(&[
+        "render",
+        "printed.toml",
+        "--frames",
+        "24..25",
+        "-o",
+        "b-##.exr",
+    ]);
+    let frames = ["-o", "a-##.exr", "--frames", "24..25"];
+    let said = folder.ok(&[&["render"], &all[..], &frames, &SIZE].concat());
+    assert_eq!(said.matches("exists already").count(), 2, "{said}");
+    let [a, b] = ["a-24.exr", "b-24.exr"].map(|name| picture(&folder, name));
+    assert_eq!(a.channels, b.channels);
+    assert!(a.radiance().unwrap().iter().any(|rgb| rgb[1] > 0.0));
+}
+
+#[test]
+fn flashes_that_show_nothing_are_refused() {
+    let folder = folder(1.0);
+    folder.write("scene.toml", super::SMALL);
+    let refused = |arguments: &[&str], what: &str| {
+        let run = folder.run(arguments);
+        let said = run.message();
+        assert!(
+            run.code == 2 && said.contains(what),
+            "{arguments:?}: {said}"
+        );
+    };
+    refused(&["render", "scene.toml", "--flash"], "this is a scene");
+    refused(&["bake", "scene.toml", "--flash"], "this is a scene");
+    refused(&["render", "model.gltf", "--flash", "--flyby"], "--flyby");
+    refused(&["render", "model.gltf", "--bounces", "1"], "--flash");
+    refused(
+        &["render", "model.gltf", "--flash", "--error=1%"],
+        "this is a sequence",
+    );
+    refused(&["bake", "model.gltf", "--flash", "-o", "a.npy"], ".npz");
+    refused(&["bake", "model.gltf", "--flash", "--bins", "9"], "--bins");
+    refused(&["bake", "scene.toml"], "--bin-width");
+    let text = String::from_utf8(folder.read("model.gltf")).unwrap();
+    folder.write(
+        "model.gltf",
+        text.replace("\"metallicFactor\":0.0", "\"metallicFactor\":1.0"),
+    );
+    refused(
+        &["render", "model.gltf", "--flash"],
+        "all its surfaces are metal or glass",
+    );
+    assert!(!folder.names().iter().any(|name| name.contains("light")));
+}

@@ -376,7 +376,7 @@ pub fn surfaces(scene: &Scene, named: &[usize], path: &Path, size: [u32; 2]) -> 
         surface: Some(Surface {
             object,
             coordinates: Coordinates::Set(0),
-            size: size,
+            size,
         }),
         has_backs: false,
         lists: 0,

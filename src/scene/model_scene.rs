@@ -433,7 +433,7 @@ fn flashing(
             let file = Value::from(flash.of(name, floor.is_some()));
             let _ = write!(
                 text,
-                "\n[[source]]\nname = \"light on {name}\"\nobjects = [\"{name}\"]\ncube = {{ file = {}, array = \"radiance\", start = \"{start:?} m\", bin_width = \"{width:?} m\", clock = \"world\", uv = {set}, backs = \"as_baked\" }}\n",
+                "\n[[source]]\nname = \"light on {name}\"\nobjects = [\"{name}\"]\ncube = {{ file = {}, array = \"radiance\", axes = \"H W T C\", start = \"{start:?} m\", bin_width = \"{width:?} m\", clock = \"world\", uv = {set}, backs = \"as_baked\" }}\n",
                 file.to_string().trim()
             );
         }

@@ -208,7 +208,7 @@ fn is_zip(reader: &mut dyn ReadSeek, file: &Path) -> Result<bool> {
 
 fn open<'a>(reader: &'a mut dyn ReadSeek, file: &Path) -> Result<ZipArchive<&'a mut dyn ReadSeek>> {
     let place = Place::new(file, None);
-    let mut archive = ZipArchive::new(reader).map_err(|error| zip_error(&place, error))?;
+    let mut archive = ZipArchive::new(reader).map_err(|error| end_error(&place, error))?;
     if archive.has_duplicate_names() {
         return Err(place.invalid("archive", "two members have the same name", WRITE_AGAIN));
     }
@@ -295,6 +295,18 @@ fn with_member<T>(
         length,
         most: compressed.saturating_mul(LARGEST_EXPANSION),
     })
+}
+
+/// Why the end of an archive cannot be read, where the list of its members is.
+fn end_error(place: &Place, error: ZipError) -> Error {
+    // The reader calls the record at the end EOCD.
+    match error {
+        ZipError::InvalidArchive(said) if said.contains("EOCD") => {
+            let what = "it is cut short: the list of its arrays, which an archive has at its end, is missing";
+            place.invalid("archive", what, WRITE_AGAIN)
+        }
+        error => zip_error(place, error),
+    }
 }
 
 fn zip_error(place: &Place, error: ZipError) -> Error {

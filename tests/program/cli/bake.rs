@@ -389,6 +389,7 @@ fn options_that_change_nothing_of_what_is_baked_are_refused() {
         (["--object=floor", "--white=2"], "no picture"),
         (["--camera", "--white=2"], "no picture"),
         (["--camera", "--exposure=90 %"], "no picture"),
+        (["--camera", "--time=1 m"], "light of all times"),
         (["--camera", "--texels=8x8"], "cannot be used with"),
     ] {
         let run = folder.run(&[&["bake", "lit.toml", "--bin-width=1 m"], &options[..]].concat());

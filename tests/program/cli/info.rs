@@ -580,3 +580,23 @@ fn models_of_other_kinds_are_said_to_be_unread() {
         }
     }
 }
+
+#[test]
+fn archives_that_are_cut_short_are_called_that() {
+    let folder = Folder::empty();
+    let whole = std::fs::read(super::repository("scenes/corner/capture_rgb.npz")).unwrap();
+    folder.write("cut.npz", &whole[..whole.len() - 100]);
+    let scene = super::SMALL.split("[[source]]").next().unwrap().to_string()
+        + "[[source]]\ncube = { file = \"cut.npz\", start = \"0 m\", bin_width = \"1 m\" }\n";
+    folder.write("scene.toml", scene);
+    for arguments in [
+        "info cut.npz",
+        "convert cut.npz -o a.npy",
+        "render scene.toml",
+    ] {
+        let run = folder.run(&arguments.split(' ').collect::<Vec<_>>());
+        let said = run.message() + &run.stdout;
+        assert!(said.contains("it is cut short"), "{arguments:?}: {said}");
+        assert!(said.contains("cut.npz") && !said.contains("EOCD"), "{said}");
+    }
+}

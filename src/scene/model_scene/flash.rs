@@ -1,0 +1,221 @@
+//! A flash of light on a model.
+//!
+//! A lamp emits a Gaussian pulse at time 0 (σ = 1/16 of the radius), which reaches the model and a floor under it. The light is baked, and looked up by
+//! a camera that keeps moving through the film: at camera time 0 it is at the place of the still picture and sees the direct light reach the centre of the
+//! model. The film lasts from the first light to some time after the last ([`Show::span`]); at both ends and at time 0 the camera has the
+//! model in view, with W within a factor of 4.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use glam::DVec3;
+use toml_edit::Value;
+
+use super::framing::framing;
+use super::fronts::{Front, Show};
+use super::motion::Motion;
+use super::subject::{Ball, Subject};
+use super::text::{FlashLight, MADE_FOR_MODEL, ModelScene, brightness, vector, write_light};
+use super::view::{Flash, VIEWPOINT};
+use crate::error::{Error, Result};
+use crate::io::gltf::{self, GltfLightKind, GltfSummary};
+use crate::mesh::Factors;
+use crate::spacetime::Quantity;
+
+/// Standard deviation of the pulse in radii of the model: the front is an eighth of the model deep, and consecutive ones of 48 pictures, over
+/// 5 radii, are less far apart than that.
+const SIGMA: f64 = 1.0 / 16.0;
+/// Bins per standard deviation: a Gaussian of two bins has 2·10⁻³ of its light beyond the frequencies that bins keep.
+const BINS_PER_SIGMA: f64 = 2.0;
+/// Bins begin this many standard deviations before the peak: a millionth of the light is earlier.
+const BEGINS: f64 = 5.0;
+/// The first picture shows light emitted this many standard deviations before the peak, at a thirtieth of its power.
+const DAWN: f64 = 2.6;
+/// The film follows reflected light for this many radii after the last direct light, and the bins for twice as many.
+const FADES: f64 = 1.0;
+/// From the centre of a model without lamps to its flash, in radii: above the viewer's left shoulder.
+const FLASH: DVec3 = DVec3::new(-1.0, 1.5, 1.2);
+/// Half the side of the floor under a model, and its distance below the model, in radii.
+const FLOOR: f64 = 3.0;
+const BELOW: f64 = 1e-3;
+/// White over black of a flash: light that comes by way of two surfaces is a hundredth of what comes directly.
+const FLASH_RANGE: f64 = 300.0;
+/// Most bins, for a model that is far from its lamps.
+const MOST_BINS: u32 = 2048;
+
+/// The file of a model.
+pub(super) struct Model<'a> {
+    pub(super) path: &'a Path,
+    /// Its path as text.
+    pub(super) name: &'a str,
+    pub(super) held: &'a GltfSummary,
+}
+
+/// The scene of a model under a flash.
+pub(super) fn flashing(
+    model: &Model,
+    subject: &Subject,
+    motion: Option<Motion>,
+    size: [u32; 2],
+    flash: &Flash,
+) -> Result<ModelScene> {
+    let held = model.held;
+    let is_bare = |f: &Factors| f.metallic >= 1.0 || f.transmission >= 1.0;
+    if held.factors.iter().all(is_bare) && !held.has_gloss_textures {
+        let what = "all its surfaces are metal or glass, whose light depends on the direction, and a flash is baked without it";
+        let help = "materials with a metallicFactor below 1, or a scene with `render.bounces`";
+        return Err(Error::unsupported(model.path, "materials", what, help));
+    }
+    let Ball { centre, radius } = subject.ball;
+    let sigma = SIGMA * radius;
+    // Its own lamps, or one for it.
+    let mut lamps = String::new();
+    let mut sources: Vec<Front> = Vec::new();
+    for light in &gltf::lights(model.path)? {
+        // Writing to a text does not fail.
+        let _ = write_light(&mut lamps, light);
+        let _ = writeln!(
+            lamps,
+            "emission = {{ gaussian = {{ sigma = \"{sigma:?} m\" }} }}"
+        );
+        sources.push(match light.kind {
+            GltfLightKind::Directional => Front::Plane(light.direction),
+            _ => Front::Sphere(light.position),
+        });
+    }
+    if sources.is_empty() {
+        let place = centre + FLASH * radius;
+        // White that faces it at the middle has about the radiance 1 when the flash is there.
+        let intensity = 8.0 * sigma * FLASH.length_squared() * radius * radius;
+        let _ = write!(
+            lamps,
+            "\n[[light]]\nname = \"flash\"\nposition = {}\nintensity = {intensity:?}\nemission = {{ gaussian = {{ sigma = \"{sigma:?} m\" }} }}\n",
+            vector(place)
+        );
+        sources.push(Front::Sphere(place));
+    }
+    let arrivals = |points: &[DVec3]| {
+        let all = points
+            .iter()
+            .flat_map(|p| sources.iter().map(|s| s.arrival(*p)));
+        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], t| {
+            [a.min(t), b.max(t)]
+        })
+    };
+    let floor = subject.floor.map(|bottom| {
+        let y = bottom - BELOW * radius;
+        let half = FLOOR * radius;
+        let corner = |x: f64, z: f64| DVec3::new(centre.x + x * half, y, centre.z + z * half);
+        (
+            DVec3::new(centre.x, y, centre.z),
+            [
+                corner(-1.0, -1.0),
+                corner(1.0, -1.0),
+                corner(-1.0, 1.0),
+                corner(1.0, 1.0),
+            ],
+        )
+    });
+    let fades = match flash.bounces {
+        0 => 0.0,
+        _ => FADES * radius,
+    };
+    let show = Show {
+        sources: &sources,
+        dawn: DAWN * sigma,
+        fades: fades + DAWN * sigma,
+        middle: arrivals(&[centre])[0],
+    };
+    let camera = framing(subject, motion, size, Some(&show));
+    // Bins for all light that reaches the model or the floor directly, and for what follows.
+    let corners = floor.iter().flat_map(|(_, corners)| corners).copied();
+    let places: Vec<DVec3> = subject.outline.iter().copied().chain(corners).collect();
+    let [first, last] = arrivals(&places);
+    let under = floor.map(|(middle, _)| {
+        sources
+            .iter()
+            .map(|s| s.arrival(DVec3::new(middle.x, middle.y, middle.z)))
+            .fold(f64::INFINITY, f64::min)
+    });
+    let first = under.map_or(first, |t| first.min(t));
+    let width = sigma / BINS_PER_SIGMA;
+    let start = ((first - BEGINS * sigma) / width).floor() * width;
+    let end = last + BEGINS * sigma + 2.0 * fades;
+    let bins = ((end - start) / width)
+        .ceil()
+        .clamp(1.0, f64::from(MOST_BINS)) as u32;
+
+    let objects = |is_baked: bool| {
+        let mut text = String::new();
+        let texture = |text: &mut String, name: &str| {
+            if is_baked {
+                let file = Value::from(flash.of(name, floor.is_some()));
+                let _ = writeln!(
+                    text,
+                    "texture_coordinates = {{ file = {} }}",
+                    file.to_string().trim()
+                );
+            }
+        };
+        let _ = write!(
+            text,
+            "\n[[object]]\nname = \"model\"\ngltf = {}\n",
+            Value::from(model.name).to_string().trim()
+        );
+        texture(&mut text, "model");
+        if let Some((middle, _)) = floor {
+            let side = 2.0 * FLOOR * radius;
+            let _ = write!(
+                text,
+                "\n[[object]]\nname = \"floor\"\nshape = {{ plane = {{ size = [{side:?}, {side:?}] }} }}\ntransform = {{ translate = {} }}\ncolour = [0.6, 0.6, 0.6]\n",
+                vector(middle)
+            );
+            texture(&mut text, "floor");
+        }
+        text
+    };
+    let quantity = camera.quantity();
+    let said = match quantity {
+        Quantity::Rgb => "quantity = \"rgb\"".to_owned(),
+        _ => format!(
+            "# Hues stay, as W up to {:.3} would shift all light out of sight.\nquantity = \"luminance\"",
+            camera.ratios[1]
+        ),
+    };
+    let mut seen = String::new();
+    let _ = camera.write(&mut seen, size);
+    let mut text = format!(
+        "{MADE_FOR_MODEL}\n\n{seen}{}\n[radiance]\n{said}\n",
+        objects(true)
+    );
+    for (name, set) in [("model", held.uv_sets), ("floor", 1)] {
+        if name == "model" || floor.is_some() {
+            let file = Value::from(flash.of(name, floor.is_some()));
+            let _ = write!(
+                text,
+                "\n[[source]]\nname = \"light on {name}\"\nobjects = [\"{name}\"]\ncube = {{ file = {}, array = \"radiance\", axes = \"H W T C\", start = \"{start:?} m\", bin_width = \"{width:?} m\", clock = \"world\", uv = {set}, backs = \"as_baked\" }}\n",
+                file.to_string().trim()
+            );
+        }
+    }
+    let plain = objects(false);
+    let light = FlashLight {
+        scene: format!(
+            "{MADE_FOR_MODEL}\n\n[camera]\neye = {}\nlook_at = {}\n{plain}\n[radiance]\nquantity = \"rgb\"\n\n[render]\nbounces = {}\n{lamps}",
+            vector(centre + 3.0 * radius * VIEWPOINT),
+            vector(centre),
+            flash.bounces
+        ),
+        start,
+        width,
+        bins,
+        direct: format!("{MADE_FOR_MODEL}\n{seen}{plain}\n[radiance]\n{said}\n{lamps}"),
+    };
+    let [white, _] = camera.ratios.map(|w| brightness(quantity, w));
+    Ok(ModelScene {
+        text,
+        range: Some(FLASH_RANGE),
+        white,
+        flash: Some(light),
+    })
+}

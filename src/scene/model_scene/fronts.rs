@@ -1,0 +1,69 @@
+//! When light of a flash is seen on a model.
+
+use glam::DVec3;
+
+use super::motion::Motion;
+use super::subject::{Ball, Subject};
+
+/// The front of a flash that leaves its lamp at time 0, or the origin if its light is parallel.
+pub(super) enum Front {
+    Sphere(DVec3),
+    Plane(DVec3),
+}
+
+impl Front {
+    /// When it is at `point`.
+    pub(super) fn arrival(&self, point: DVec3) -> f64 {
+        match self {
+            Front::Sphere(place) => point.distance(*place),
+            Front::Plane(direction) => point.dot(*direction),
+        }
+    }
+}
+
+/// What of a flash a film shows.
+pub(super) struct Show<'a> {
+    pub(super) sources: &'a [Front],
+    /// How long before its front the film begins, and how long after it the film ends.
+    pub(super) dawn: f64,
+    pub(super) fades: f64,
+    /// When it is at the middle of the model.
+    pub(super) middle: f64,
+}
+
+impl Show<'_> {
+    /// When a camera sees the light of the middle of the model that leaves it with the front: it is at `eye` then.
+    pub(super) fn zero(&self, ball: &Ball, eye: DVec3) -> f64 {
+        self.middle + eye.distance(ball.centre)
+    }
+
+    /// World times, after that moment, at which the first light of the model is seen, and the last.
+    ///
+    /// From E, relative to the point, at that moment, the camera is at E + βn(q + a) when it sees light that left a time q before, where a is
+    /// the time of emission after that moment. q² = |E + βna + βnq|², with F = E + βna, is q = γ²(βF·n + √(β²(F·n)² + F²/γ²)).
+    pub(super) fn span(&self, subject: &Subject, eye: DVec3, motion: Option<&Motion>) -> [f64; 2] {
+        let zero = self.zero(&subject.ball, eye);
+        let seen = |point: DVec3, time: f64| {
+            let after = time - zero;
+            let (beta, gamma, n) = motion.map_or((0.0, 1.0, DVec3::X), |m| (m.beta, m.gamma, m.n));
+            let from = eye - point + n * (beta * after);
+            let along = beta * from.dot(n);
+            let root = (along * along + from.length_squared() / (gamma * gamma)).sqrt();
+            // Without cancellation, on either side.
+            let delay = match along < 0.0 {
+                true => from.length_squared() / (root - along),
+                false => gamma * gamma * (along + root),
+            };
+            after + delay
+        };
+        let mut span = [f64::INFINITY, f64::NEG_INFINITY];
+        for point in &subject.outline {
+            for source in self.sources {
+                let front = source.arrival(*point);
+                span[0] = span[0].min(seen(*point, front - self.dawn));
+                span[1] = span[1].max(seen(*point, front + self.fades));
+            }
+        }
+        span
+    }
+}

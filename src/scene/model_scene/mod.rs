@@ -1,0 +1,114 @@
+//! The scene for a model that comes without one: a camera that frames it, a sky, and its own lights or a sun; or a flash of light on it.
+
+mod flash;
+mod flyby;
+mod framing;
+mod fronts;
+mod motion;
+mod subject;
+#[cfg(test)]
+mod tests;
+mod text;
+mod view;
+
+use std::fmt::Write;
+use std::path::Path;
+
+use glam::DVec3;
+use toml_edit::Value;
+
+use self::flash::{Model, flashing};
+use self::flyby::passing;
+use self::framing::framing;
+use self::motion::Motion;
+use self::subject::Subject;
+pub(crate) use self::text::MADE_FOR_MODEL;
+pub use self::text::{FlashLight, ModelScene};
+use self::text::{brightness, vector, write_light};
+pub use self::view::{Flash, Heading, ModelView};
+use crate::error::{Error, Result};
+use crate::io::budget::Budget;
+use crate::io::gltf;
+use crate::mesh::Factors;
+use crate::spacetime::Quantity;
+
+/// How many times as bright one part of the model may be as another on a linear display, by their wavelength ratios alone.
+const LINEAR: f64 = 20.0;
+/// How much darker than it is what is black on a logarithmic one: shadows.
+const SHADOWS: f64 = 100.0;
+/// Beyond nine decades neighbouring radiances have one code.
+const DECADES: f64 = 1e9;
+/// Bounces of a model with glass: two hollow bodies, of four surfaces each, are seen through.
+const GLASS_BOUNCES: u32 = 8;
+/// The size of a scene that says nothing.
+const SIZE: [u32; 2] = [640, 480];
+/// Towards the sun of a model that has no lights of its own: above the viewer's right shoulder.
+const SUN: DVec3 = DVec3::new(1.0, 1.4, 0.9);
+
+/// The scene for the glTF file at `path`, seen as `view` says. The path is written into the scene as given, so the scene file belongs in
+/// the folder that `path` is relative to. The model is loaded for framing only.
+///
+/// # Errors
+/// As [`gltf::load`]; a model that refers to files outside its folder without permission, or takes more than `budget` has; a path that is not
+/// UTF-8; a model without extent; a speed of c or more; a direction of length 0.
+pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<ModelScene> {
+    let name = path.to_str().ok_or_else(|| {
+        let help = "rename the file, so that a scene file can name it";
+        Error::unsupported(path, "path", "its name is not UTF-8 text", help)
+    })?;
+    if !view.allow_outside {
+        gltf::refuse_outside(path)?;
+    }
+    let held = gltf::inspect(path, None)?;
+    let subject = Subject::of(path, &held, budget)?;
+    let motion = Motion::new(path, view)?;
+    let size = view.size.unwrap_or(SIZE);
+    if let Some(flash) = &view.flash {
+        let model = Model {
+            path,
+            name,
+            held: &held,
+        };
+        return flashing(&model, &subject, motion, size, flash);
+    }
+    let camera = match (view.flyby, motion) {
+        (true, Some(motion)) => passing(&subject.ball, motion),
+        (_, motion) => framing(&subject, motion, size, None),
+    };
+    let mut text = format!("{MADE_FOR_MODEL}\n");
+    // Writing to a text does not fail.
+    let _ = camera.write(&mut text, size);
+    let _ = write!(
+        text,
+        "\n[[object]]\ngltf = {}\n\n[radiance]\n",
+        Value::from(name).to_string().trim()
+    );
+    let quantity = camera.quantity();
+    let _ = match quantity {
+        Quantity::Rgb => writeln!(text, "quantity = \"rgb\""),
+        _ => writeln!(
+            text,
+            "# Hues stay, as W up to {:.3} would shift all light out of sight.\nquantity = \"luminance\"",
+            camera.ratios[1]
+        ),
+    };
+    if held.factors.iter().any(Factors::is_glass) {
+        let _ = write!(text, "\n[render]\nbounces = {GLASS_BOUNCES}\n");
+    }
+    let lights = gltf::lights(path)?;
+    let _ = writeln!(text, "\n[sky]\ngradient = {{}}");
+    if lights.is_empty() {
+        let _ = writeln!(text, "sun = {{ direction = {} }}", vector(SUN));
+    }
+    for light in &lights {
+        let _ = write_light(&mut text, light);
+    }
+    let [white, dark] = camera.ratios.map(|w| brightness(quantity, w));
+    let range = white / dark;
+    Ok(ModelScene {
+        text,
+        range: (range > LINEAR).then(|| (range * SHADOWS).min(DECADES)),
+        white,
+        flash: None,
+    })
+}

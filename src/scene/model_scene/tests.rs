@@ -1,0 +1,177 @@
+//! Tests of how models are framed.
+
+use glam::DVec3;
+
+use super::flyby::passing;
+use super::framing::{FILLED, framing};
+use super::motion::Motion;
+use super::subject::{Ball, Subject};
+use super::view::{ModelView, VIEWPOINT};
+use crate::mesh::Mesh;
+
+/// A box, by the corners of a grid on it, and the sphere about it.
+fn slab(size: DVec3, middle: DVec3) -> Subject {
+    let steps = || (0..=4).map(|k| f64::from(k) / 4.0 - 0.5);
+    let grid = steps().flat_map(|x| steps().flat_map(move |y| steps().map(move |z| [x, y, z])));
+    let outline = grid.map(|p| middle + size * DVec3::from_array(p)).collect();
+    Subject {
+        ball: Ball {
+            centre: middle,
+            radius: 0.5 * size.length(),
+        },
+        outline,
+        floor: None,
+    }
+}
+
+#[test]
+fn the_model_fills_the_middle_of_the_picture_at_any_speed_and_scale() {
+    for scale in [1e-3, 1.0, 1e4] {
+        let size = DVec3::new(4.0, 1.0, 0.5) * scale;
+        let subject = slab(size, DVec3::new(3.0, -1.0, 7.0) * scale);
+        for (beta, n) in [
+            (0.0, DVec3::X),
+            (0.9, DVec3::X),
+            (0.99, DVec3::new(0.3, 0.9, -0.3)),
+            (0.5, -VIEWPOINT),
+            (0.99, VIEWPOINT),
+        ] {
+            let n = n.normalize();
+            let gamma = 1.0 / f64::sqrt(1.0 - beta * beta);
+            let motion = Motion { beta, gamma, n };
+            let camera = framing(&subject, Some(motion), [640, 320], None);
+            // cos θ′ = (cos θ + β)/(1 + β cos θ) about the motion, in the plane of both.
+            let seen = |p: DVec3| {
+                let d = (p - camera.eye).normalize();
+                let cos = d.dot(n);
+                let along = (cos + beta) / (1.0 + beta * cos);
+                let across = d.reject_from(n).normalize_or_zero();
+                n * along + across * (1.0 - along * along).max(0.0).sqrt()
+            };
+            let right = camera.forward.cross(DVec3::Y).normalize();
+            let up = right.cross(camera.forward);
+            let half = libm::tan(0.5 * camera.fov.to_radians());
+            let extent = |axis: DVec3, half: f64| {
+                let places = subject.outline.iter().map(|p| {
+                    let l = seen(*p);
+                    l.dot(axis) / l.dot(camera.forward) / half
+                });
+                places.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| {
+                    [a.min(x), b.max(x)]
+                })
+            };
+            let edges = [extent(right, half), extent(up, 0.5 * half)];
+            let case = format!("{scale} {beta} {n}: {edges:?}");
+            let filled = edges.map(|[a, b]| b.max(-a));
+            assert!(
+                (filled[0].max(filled[1]) / FILLED - 1.0).abs() < 1e-6,
+                "{case}"
+            );
+            // The margins are alike.
+            assert!(edges.iter().all(|[a, b]| (a + b).abs() < 1e-2), "{case}");
+        }
+    }
+}
+
+#[test]
+fn the_outline_has_what_is_farthest_in_every_direction() {
+    // A spike out of a ball of many triangles.
+    let mut corners = Vec::new();
+    for k in 0..20_000 {
+        let z = 1.0 - f64::from(k) / 10_000.0;
+        let (sin, cos) = libm::sincos(2.4 * f64::from(k));
+        corners.push(DVec3::new(cos, sin, 0.0) * (1.0 - z * z).max(0.0).sqrt() + DVec3::Z * z);
+    }
+    corners[5000] *= 1.5;
+    let spike = corners[5000];
+    let triangles = (0..corners.len() as u32 - 2).map(|k| [k, k + 1, k + 2]);
+    let mesh = Mesh::new(corners.clone(), triangles.collect(), [1.0; 3]);
+    let subject = Subject::in_mesh(&mesh).unwrap();
+    assert!(subject.outline.len() < 4000 && subject.outline.contains(&spike));
+    for direction in [
+        DVec3::X,
+        DVec3::new(-1.0, 2.0, 0.4),
+        DVec3::new(0.1, -0.3, -2.0),
+    ] {
+        let reach = |all: &[DVec3]| {
+            let along = all.iter().map(|p| p.dot(direction.normalize()));
+            along.fold(f64::NEG_INFINITY, f64::max)
+        };
+        let [all, outline] = [&corners, &subject.outline].map(|all| reach(all));
+        assert!(outline > all * (1.0 - 4e-3), "{outline} of {all}");
+    }
+}
+
+#[test]
+fn a_model_on_a_wide_ground_is_framed_without_it() {
+    let square = |size: f64, y: f64| {
+        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, z)| DVec3::new(x * size, y, z * size))
+    };
+    let with = |ground: f64| {
+        let mut mesh = crate::mesh::shapes::mesh(
+            crate::mesh::shapes::Shape::Plane { size: [1.0; 2] },
+            [1.0; 3],
+        );
+        mesh.positions = [square(ground, 0.0), square(1.0, 2.0)].concat();
+        mesh.triangles = vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+        Subject::in_mesh(&mesh).unwrap().ball
+    };
+    // The upper square alone: its half diagonal. With a ground of its size both are framed.
+    let alone = with(100.0);
+    assert!((alone.radius - 2f64.sqrt()).abs() < 1e-12, "{alone:?}");
+    assert!((alone.centre - DVec3::Y * 2.0).length() < 1e-12);
+    assert!((with(1.0).radius - 3f64.sqrt()).abs() < 1e-12);
+}
+
+#[test]
+fn a_flyby_crosses_the_picture_about_the_place_without_a_shift() {
+    let ball = Ball {
+        centre: DVec3::new(5.0, 0.0, 0.0),
+        radius: 2.0,
+    };
+    // β, γ, and where all but the fastest leave the picture, half of which is 45/50 of the way from the first place to the middle.
+    for (beta, gamma) in [
+        (0.02, 1.0002),
+        (0.6, 1.25),
+        (0.96, 1.0 / 0.28),
+        (0.9999, 70.71),
+    ] {
+        let n = DVec3::X;
+        let motion = Motion { beta, gamma, n };
+        let camera = passing(&ball, motion);
+        let seen = |time: f64| {
+            // γβ of path per proper time.
+            let path = camera.interval.unwrap() * time * gamma * beta;
+            let to = ball.centre - (camera.eye + DVec3::X * path);
+            let cos = to.normalize().x;
+            let w = 1.0 / (gamma * (1.0 + beta * cos));
+            (((cos + beta) / (1.0 + beta * cos)).acos(), w)
+        };
+        let ahead = camera.forward.x.acos();
+        assert!((gamma * (1.0 - beta * ahead.cos()) - 1.0).abs() < 1e-4);
+        let steps = (ModelView::FLYBY_FRAMES - 1) as f64;
+        let ([first, _], [last, w]) = (seen(0.0).into(), seen(steps).into());
+        let half = 0.5 * camera.fov.to_radians();
+        assert!(
+            ((ahead - first) / half - 50.0 / 45.0).abs() < 1e-4,
+            "{beta}"
+        );
+        let is_at_edge = ((last - ahead) / half - 50.0 / 45.0).abs() < 1e-4;
+        let is_reddest = (w / 2.5 - 1.0).abs() < 1e-3 && last - ahead < half * 50.0 / 45.0;
+        assert!(
+            is_at_edge == (beta < 0.9) && is_at_edge != is_reddest,
+            "{beta} {last} {w}"
+        );
+    }
+}
+
+#[test]
+fn triangles_without_extent_are_not_framed() {
+    let flat = Mesh::new(vec![DVec3::ONE; 3], vec![[0, 1, 2]], [1.0; 3]);
+    assert_eq!(Subject::in_mesh(&flat), None);
+    let corners = vec![DVec3::ZERO, DVec3::X * 2.0, DVec3::Y, DVec3::Z * 1e9];
+    let one = Mesh::new(corners, vec![[0, 1, 2], [3, 3, 3]], [1.0; 3]);
+    let ball = Subject::in_mesh(&one).unwrap().ball;
+    assert_eq!(ball.centre, DVec3::new(1.0, 0.5, 0.0));
+}

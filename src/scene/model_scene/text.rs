@@ -1,0 +1,112 @@
+//! The text of a model's scene.
+//!
+//! *Display.* White light of 6504 K is seen with W as a blackbody of 6504 K/W, and colours that keep their hue with W⁻⁴ of their radiance. Where
+//! this brightness varies by more than a factor of 20 over the model, the display is logarithmic. Where the model is seen with W > 5, that is, by
+//! light emitted below 170 nm with 10⁻⁷ of its brightness, colours keep their hue.
+
+use std::fmt::Write;
+
+use glam::DVec3;
+
+use crate::io::gltf::{GltfLight, GltfLightKind};
+use crate::spacetime::Quantity;
+
+/// The first line of such a scene.
+pub(crate) const MADE_FOR_MODEL: &str = "# Made by nullray for a model without a scene.";
+
+/// The scene made for a model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModelScene {
+    /// All of it but the exposure.
+    pub(super) text: String,
+    /// White over black, of a logarithmic display.
+    pub(super) range: Option<f64>,
+    /// The radiance of white, where it is not measured.
+    pub(super) white: f64,
+    /// What has to be baked before it can be rendered.
+    pub(super) flash: Option<FlashLight>,
+}
+
+impl ModelScene {
+    /// What has to be baked before it can be rendered.
+    pub fn flash(&self) -> Option<&FlashLight> {
+        self.flash.as_ref()
+    }
+
+    /// Its text; a logarithmic display is exposed for a white model in daylight.
+    pub fn text(&self) -> String {
+        match self.range {
+            Some(_) => self.exposed(self.white),
+            None => self.text.clone(),
+        }
+    }
+
+    /// Its text, with the radiance `white` displayed as white.
+    pub fn exposed(&self, white: f64) -> String {
+        let short = |radiance: f64| format!("{radiance:.2e}").parse().unwrap_or(radiance);
+        let white: f64 = short(white);
+        let display = match self.range {
+            Some(range) => format!("logarithmic = [{:?}, {white:?}]", short(white / range)),
+            None => format!("white = {white:?}"),
+        };
+        format!("{}\n[display]\n{display}\n", self.text)
+    }
+}
+
+/// The light of a flash, which is baked before it is looked up.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FlashLight {
+    /// The scene whose objects are to be baked; its camera is always the same.
+    pub scene: String,
+    /// The start of the first bin, metres.
+    pub start: f64,
+    /// Width of a bin, metres.
+    pub width: f64,
+    /// Number of bins.
+    pub bins: u32,
+    /// The same light without bounces, seen by the film's camera: for choosing an exposure.
+    pub(super) direct: String,
+}
+
+impl FlashLight {
+    /// The scene of direct light alone, by the camera of the film.
+    pub fn direct(&self) -> &str {
+        &self.direct
+    }
+}
+
+/// The brightness of white light seen with W, relative to W = 1.
+pub(super) fn brightness(quantity: Quantity, w: f64) -> f64 {
+    // hc/(λkT) at 555 nm and 6504 K.
+    const X: f64 = 0.014_387_769 / (555e-9 * 6504.0);
+    match quantity {
+        Quantity::Rgb => libm::expm1(X) / libm::expm1(X * w),
+        _ => 1.0 / (w * w * w * w),
+    }
+}
+
+/// A light of the file as one of the scene.
+pub(super) fn write_light(text: &mut String, light: &GltfLight) -> std::fmt::Result {
+    let direction = vector(light.direction);
+    let intensity = vector(DVec3::from_array(light.intensity));
+    writeln!(text, "\n[[light]]")?;
+    match light.kind {
+        GltfLightKind::Directional => {
+            writeln!(text, "type = \"directional\"\ndirection = {direction}")?;
+            return writeln!(text, "irradiance = {intensity}");
+        }
+        GltfLightKind::Point => writeln!(text, "type = \"point\"")?,
+        GltfLightKind::Spot { inner, outer } => {
+            let [inner, outer] = [inner, outer].map(f64::to_degrees);
+            writeln!(text, "type = \"spot\"\ndirection = {direction}")?;
+            writeln!(text, "inner = \"{inner:?} deg\"\nouter = \"{outer:?} deg\"")?;
+        }
+    }
+    writeln!(text, "position = {}", vector(light.position))?;
+    writeln!(text, "intensity = {intensity}")
+}
+
+/// A vector as the scene file has it.
+pub(super) fn vector(v: DVec3) -> String {
+    format!("[{:?}, {:?}, {:?}]", v.x + 0.0, v.y + 0.0, v.z + 0.0)
+}

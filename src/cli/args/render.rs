@@ -15,7 +15,7 @@ use super::shared::{
 use crate::cli::values;
 
 #[derive(Debug, Args)]
-#[command(group = clap::ArgGroup::new("timed").multiple(true))]
+#[command(group = clap::ArgGroup::new("timed").multiple(true), mut_arg("flash", |flash| flash.conflicts_with("flyby")))]
 pub struct RenderArguments {
     #[command(flatten)]
     pub scene: ScenePath,
@@ -79,7 +79,7 @@ pub struct RenderArguments {
     pub model: ModelArguments,
     #[command(flatten)]
     pub flash: FlashArguments,
-    /// Columns and rows of texels that the light of --flash is baked into, for the model, and as many for the floor. Default: 192x192, or as
+    /// Columns and rows of texels for the baked light of --flash, for the model and for the floor. Default: 192x192, or as
     /// many more as an atlas of the model needs.
     #[arg(long, value_name = "WxH", requires = "flash", value_parser = values::size, allow_hyphen_values = true, help_heading = "Flashes of light on models (.glb, .gltf)")]
     pub texels: Option<[u32; 2]>,
@@ -137,13 +137,13 @@ pub struct ModelArguments {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Flashes of light on models (.glb, .gltf)")]
 pub struct FlashArguments {
-    /// Light a model without a scene by a flash, and see its light in flight: in a film of 48 pictures (or those chosen by --frames) from
-    /// just before the light arrives until it has faded. The model's own lamps flash, or one above the viewer's left shoulder, and
-    /// a model that does not stand on a ground of its own stands on a floor. The light, indirect light too, is baked first, into
-    /// NAME-light.npz or NAME-light-model.npz and -floor.npz beside the film; the same light is not baked again.
-    #[arg(long, conflicts_with = "flyby")]
+    /// Light a model without a scene by a flash, and show the light in flight: a film of 48 pictures (or those chosen by --frames), from
+    /// just before the light arrives until it has faded. The model's own lamps flash, or else one above the viewer's left shoulder. A model
+    /// without a ground of its own gets a floor. The light, direct and indirect, is first baked into NAME-light.npz, or NAME-light-model.npz
+    /// and NAME-light-floor.npz, beside the film; a bake of the same light is reused.
+    #[arg(long)]
     pub flash: bool,
-    /// Reflections after the first that light of --flash is followed over. Default: 2.
+    /// Number of reflections after the first, for --flash. Default: 2.
     #[arg(long, value_name = "N", requires = "flash", value_parser = clap::value_parser!(u32).range(0..=i64::from(MOST_BOUNCES)))]
     pub bounces: Option<u32>,
 }

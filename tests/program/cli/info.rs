@@ -501,7 +501,7 @@ fn a_json_that_is_no_gltf_is_told_what_it_lacks() {
         assert_eq!(run.code, 2, "{name}");
         for words in [
             name,
-            "not glTF: it has no `asset` with the version",
+            "not glTF: it has no `asset` with its glTF version",
             "\"asset\": {\"version\": \"2.0\"}",
         ] {
             assert!(run.message().contains(words), "{words}: {}", run.stderr);

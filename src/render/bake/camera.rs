@@ -1,4 +1,4 @@
-//! The cube of what a camera sees.
+//! The light cube of a camera's view.
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -21,10 +21,11 @@ use crate::render::trace::{AT_ONCE, CameraRays, Seen, Start, TimedPaths, generat
 use crate::scene::model::{Clock, Motion, ProjectionKind, Scene};
 use crate::spacetime::Direction;
 
-/// The cube of the scene's camera, which rests relative to all objects; tiles are kept in `journal`, where there is one.
+/// The cube of the scene's camera, which is at rest relative to all objects; finished tiles are stored in `journal`, if given.
 ///
 /// # Errors
-/// What [`check`] refuses, surfaces that shine for ever, bins without width or number, energies beyond 65504 in half precision, a camera that moves relative to the objects, I/O errors of the journal, and [`Error::Cancelled`] when `progress` says so.
+/// Whatever [`check`] refuses, surfaces that shine for ever, bins without width or number, energies above 65504 in half precision, a camera
+/// that moves relative to the objects, I/O errors of the journal, and [`Error::Cancelled`] when `progress` says so.
 pub fn camera_cube(
     scene: &Scene,
     prepared: &Prepared,
@@ -63,7 +64,7 @@ fn cube<T: Stored>(
             let make = || pixels.of_tile(tile, AT_ONCE, rays, progress);
             let part = kept(journal, index, size, make)?;
             progress.rays_done(tile.pixels() as u64 * u64::from(prepared.layout.samples));
-            // A poisoned lock means a panic elsewhere, which rayon passes on.
+            // A poisoned lock means a panic elsewhere, which rayon propagates.
             let mut values = placed.lock().unwrap_or_else(PoisonError::into_inner);
             let pixels = part.values.chunks(3 * bins.count);
             for ((column, row), pixel) in tile.coordinates().zip(pixels) {
@@ -81,13 +82,13 @@ fn cube<T: Stored>(
     })
 }
 
-/// How the pixels of a cube are made.
+/// How the pixels of a cube are computed.
 struct Pixels<'a> {
     prepared: &'a Prepared,
     paths: &'a TimedPaths<'a>,
     bins: &'a Bins,
     sampler: Sampler,
-    /// Samples of each part whose mean is taken apart.
+    /// Samples per part; each part's mean is kept separately.
     per_part: u32,
 }
 
@@ -108,7 +109,7 @@ impl<'a> Pixels<'a> {
         }
     }
 
-    /// Those of a tile, so many samples followed together.
+    /// The pixels of a tile, with a limited number of samples traced together.
     fn of_tile(
         &self,
         tile: Tile,
@@ -121,7 +122,7 @@ impl<'a> Pixels<'a> {
         let (all, mut sample) = (self.prepared.layout.samples, 0);
         while sample < all {
             progress.check()?;
-            // Samples of different parts are kept apart.
+            // Samples of different parts are kept separate.
             let left = self.per_part - sample % self.per_part;
             let samples = sample..sample + left.min(at_once);
             sample = samples.end;
@@ -135,7 +136,7 @@ impl<'a> Pixels<'a> {
         Ok(part)
     }
 
-    /// Adds `samples`, which are of one part, to each pixel of a tile.
+    /// Adds `samples` samples, all of one part, to each pixel of a tile.
     fn add(
         &self,
         tile: Tile,
@@ -154,7 +155,7 @@ impl<'a> Pixels<'a> {
         let frame = &paths.rest.frame;
         let boost = frame.frame_from_world();
         let shot = frame.event_from_world(prepared.camera.shot.event);
-        // A plain camera: all rays leave one event.
+        // A plain camera: all rays start at one event.
         let direction = |d: &DVec3| boost.direction(Direction::from_unit(*d)).0.unit();
         let directions: Vec<_> = rays.directions.iter().map(direction).collect();
         let mut hits = vec![None; directions.len()];
@@ -162,7 +163,7 @@ impl<'a> Pixels<'a> {
         let (bvh, method) = (&paths.rest.bvh, prepared.method);
         bvh.closest_by(method, from, &directions, &mut hits, None, None);
 
-        // The paths that meet something, and their pixels.
+        // The paths that hit something, and their pixels.
         let (mut starts, mut met) = (Vec::new(), Vec::new());
         let numbers = rays.rays(method).samples;
         for (ray, (hit, d)) in hits.into_iter().zip(&directions).enumerate() {
@@ -188,18 +189,18 @@ impl<'a> Pixels<'a> {
     }
 }
 
-/// Refuses scenes that [`camera_cube`] would, before any light is followed.
+/// Refuses the scenes that [`camera_cube`] would refuse, before any light is traced.
 ///
 /// # Errors
-/// As there, but for those of bins and of the journal.
+/// As for [`camera_cube`], except those of bins and of the journal.
 pub fn check_camera(scene: &Scene, prepared: &Prepared) -> Result<()> {
     check(scene)?;
     check_plain(scene)?;
     paths(scene, prepared).map(|_| ())
 }
 
-/// The pinhole of the camera as [`camera_cube`] has it, where a capture camera is given: in the world, or in the coordinates of the
-/// first object where all moves.
+/// The pinhole of the camera of [`camera_cube`], if a capture camera is given: in the world, or in the coordinates of the first object if
+/// everything moves.
 pub fn eye(scene: &Scene, prepared: &Prepared) -> DVec3 {
     let event = prepared.camera.shot.event;
     let Some(rest) = prepared
@@ -224,7 +225,7 @@ fn check_plain(scene: &Scene) -> Result<()> {
     };
     let objects = scene.objects.first().map(|o| o.velocity.rapidity());
     let difference = objects.map_or(0.0, |w| (w - camera.velocity.rapidity()).length());
-    // Rapidities that are the same but for rounding.
+    // Rapidities that are equal up to rounding.
     if difference > 1e-12 || camera.motion != Motion::Inertial {
         return refuse("it moves relative to the objects");
     }
@@ -252,7 +253,7 @@ mod tests {
     use crate::render::progress::Silent;
     use crate::scene::{Overrides, parse};
 
-    /// Random numbers are the same, and sums of a bin go in another order.
+    /// The random numbers are the same, but the sums of a bin are in another order.
     #[test]
     fn samples_that_are_followed_together_are_those_that_are_followed_one_by_one() {
         let text = "[render]\nbounces = 2\n[display]\nsamples_per_pixel = 14\nback_faces = \"two_sided\"\n\

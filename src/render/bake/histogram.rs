@@ -1,34 +1,36 @@
-//! The energy of one pixel or texel by bins of time.
+//! The energy of one pixel or texel per time bin.
 //!
-//! # Pulses that are wide against the bins
+//! # Pulses much wider than the bins
 //!
-//! A pulse of standard deviation σ covers 16 σ. Where that is 128 bins or more, its light is put into bins that are 2ᵏ times as wide, with
-//! the k for which their width H is from σ/8 to σ/4. When all light of a part is there, bins are halved
-//! until they have the width that was asked for, once for all paths. With E_j the energies of bins in a row, the left half of bin 0 has
+//! A pulse of standard deviation σ covers 16 σ. If that is 128 bins or more, its light is put into bins that are 2ᵏ times as wide, with k
+//! such that their width H is from σ/8 to σ/4. When a part is complete, these bins are halved until they have the requested width, once for
+//! all paths. With E_j the energies of consecutive bins, the left half of bin 0 has
 //!
 //! ```text
 //! ½ E₀ + Σ_{k=1}^{5} a_k (E₋ₖ − E_k),                                                            (1)
 //! ```
 //!
-//! the integral's value in the middle by the polynomial through its values at the twelve edges around it (average interpolation: Donoho, "Smooth wavelet
-//! decompositions with blocky coefficient kernels", 1993), and the right half has the rest, so that no energy is lost.
+//! the value of the integral at the middle, from the polynomial through its values at the twelve edges around it (average interpolation:
+//! Donoho, "Smooth wavelet decompositions with blocky coefficient kernels", 1993). The right half has the rest, so that no energy is lost.
 //!
-//! The first paths of a part are put into the wide bins one by one, each into up to 128 of them. Of all others, which sharing makes thousands, each is fourteen impulses: as a function of
-//! the delay d, the energy of a bin is as smooth as the pulse is, and the polynomial through its values for the delays i H around d is a sum over them,
+//! The first paths of a part are put into the wide bins one by one, each into up to 128 of them. Each of the others, of which sharing makes
+//! thousands, becomes fourteen impulses: as a function of the delay d, the energy of a bin is as smooth as the pulse, and the polynomial
+//! through its values at the delays i H around d is the sum
 //!
 //! ```text
 //! E_j(d) ≈ Σ_i l_i(d) K_{j−i},    K_m the energy that a pulse without delay has from m H to (m + 1) H,           (2)
 //! ```
 //!
-//! with Lagrange's l_i. So weights l_i of all paths are added up, by i, and K is applied to the sums once. The cost of a path depends neither on the bins nor on the pulse. The
-//! errors of (1) and (2) for a Gaussian together are below 1·10⁻⁷ of the fullest bin, what rounding to f32 makes of that, as tests find. Bins beyond either end are kept as far as (1) reaches.
+//! with Lagrange's l_i. So the weights l_i of all paths are added up by i, and K is applied to the sums once. The cost of a path depends
+//! neither on the bins nor on the pulse. For a Gaussian, the errors of (1) and (2) together are below 1·10⁻⁷ of the fullest bin, about the
+//! size of rounding to f32 (tested). Bins beyond either end are kept as far as (1) reaches.
 
 use std::ops::Range;
 
 use super::{Bins, Energy};
 use crate::light::lamp::Emission;
 
-/// a₁ to a₅ of (1).
+/// The coefficients a₁ to a₅ of (1).
 const HALVING: [f64; 5] = [
     29_011.0 / 262_144.0,
     -569.0 / 16_384.0,
@@ -36,62 +38,62 @@ const HALVING: [f64; 5] = [
     -49.0 / 32_768.0,
     63.0 / 524_288.0,
 ];
-/// Bins beyond either end: (1) reaches 5 from those that become ends of their own, which are half as many.
+/// Bins kept beyond either end: (1) reaches 5 from those that become end bins themselves after halving, which are half as many.
 const BEYOND: usize = 2 * HALVING.len();
-/// Widest bins for a pulse, by its σ, and narrowest.
+/// Width of the widest bins for a pulse in units of its σ, and of the narrowest.
 const WIDEST: f64 = 0.25;
 const NARROWEST: f64 = 0.125;
 
-/// Points of (2), of which so many are before the delay and at it.
+/// Points of (2), and how many of them are at or before the delay.
 const POINTS: usize = 14;
 const BEFORE: usize = POINTS / 2 - 1;
 /// 1/∏ (k − m) over the other points m, for each point k of (2).
 const LAGRANGE: [f64; POINTS] = lagrange();
-/// Paths of a part that are put into bins one by one: about as many as take as long as to apply K once.
+/// Paths of a part that are put into bins one by one: about as many as cost the same as applying K once.
 const ONE_BY_ONE: usize = 16;
 
-/// Energies in bins that are 2ᵏ times as wide.
+/// Energies in bins that are 2ᵏ times as wide as requested.
 struct Wide {
     bins: Bins,
-    /// By bin and channel, those beyond either end too.
+    /// By bin and channel, including the bins beyond either end.
     part: Vec<f64>,
-    /// Of Gaussians, by their σ.
+    /// Impulses of Gaussian pulses, by σ.
     impulses: Vec<Impulses>,
 }
 
-/// Sums of (2) for pulses of one σ, and how many paths came before them.
+/// The sums of (2) for pulses of one σ, and the number of paths before them.
 struct Impulses {
     sigma: f64,
     paths: usize,
-    /// K of a pulse whose integral is 1, and the m of the first.
+    /// K of a pulse of unit integral, and the m of its first entry.
     kernel: Vec<f64>,
     first: i64,
-    /// By channel, sums of l_i from i = `from` on, where delays are from the start of the wide bins.
+    /// Sums of l_i by channel, from i = `from` on; delays are counted from the start of the wide bins.
     sums: [Vec<f64>; 3],
     from: i64,
-    /// Those that are not 0, by their places.
+    /// The range of indices of the nonzero sums.
     used: Range<usize>,
-    /// The wide bins that pulses reach; energies of others stay 0.
+    /// The range of wide bins reached by pulses; energies of the others stay 0.
     reached: [f64; 2],
-    /// Whether all light is 0 or more.
+    /// Whether all light is nonnegative.
     is_positive: bool,
 }
 
-/// Energy per bin of one pixel or texel.
+/// Energy of one pixel or texel per bin.
 pub(super) struct Histogram {
-    /// Of the part that is being taken: sums by bin and channel, and how many samples.
+    /// The current part: sums by bin and channel, and the number of samples.
     pub part: Vec<f64>,
     pub found: u32,
-    /// Of all parts before it.
+    /// Sums of all earlier parts.
     pub values: Vec<f64>,
     pub all_found: u32,
     pub parts: u32,
     /// Σ f².
     pub found_squares: f64,
-    /// By bin Σ S² and Σ S f, with S the mean of the channels.
+    /// By bin Σ S² and Σ S f, with S the mean over channels.
     pub squares: Vec<[f64; 2]>,
     pub energy: Energy,
-    /// Of the part that is being taken, light of wide pulses: of k = 1, 2, …
+    /// Light of wide pulses in the current part, for k = 1, 2, …
     wide: Vec<Wide>,
     has_wide: bool,
 }
@@ -112,7 +114,7 @@ impl Histogram {
         }
     }
 
-    /// Ends a part.
+    /// Finishes the current part.
     pub fn end_part(&mut self) {
         if self.found == 0 {
             return;
@@ -135,18 +137,18 @@ impl Histogram {
         self.found = 0;
     }
 
-    /// The square of the standard error in a bin, of two parts or more.
+    /// The square of the standard error of a bin, given two parts or more.
     pub fn error_square(&self, bin: usize) -> f64 {
         let (n, r) = (f64::from(self.all_found), f64::from(self.parts));
         let m = self.values[3 * bin..3 * bin + 3].iter().sum::<f64>() / (3.0 * n);
         let [squares, with_found] = self.squares[bin];
         // Σ (S − m f)².
         let spread = squares - 2.0 * m * with_found + m * m * self.found_squares;
-        // R/(R − 1) Σ (S − m f)²/n², as the head of `bake` says.
+        // R/(R − 1) Σ (S − m f)²/n², as derived at the head of `bake`.
         r / (r - 1.0) * spread.max(0.0) / (n * n)
     }
 
-    /// Adds `light` times `emission` at its proper times, which are `delay` before those of the bins.
+    /// Adds `light` times `emission` at its proper times, which are earlier than those of the bins by `delay`.
     pub fn add(&mut self, bins: &Bins, emission: &Emission, light: [f64; 3], delay: f64) {
         let Some([from, to]) = emission.span() else {
             return;
@@ -159,7 +161,7 @@ impl Histogram {
             0 => spread(&mut self.part, bins, emission, (light, delay)),
             k => {
                 self.wide(bins, k).add(emission, (light, delay));
-                // What is in the bins that were asked for.
+                // The part within the requested bins.
                 [bins.start, end_of(bins)].map(|time| emission.until(time - delay))
             }
         };
@@ -176,7 +178,7 @@ impl Histogram {
         });
     }
 
-    /// Bins that are 2ᵏ times as wide as `bins`, k ≥ 1.
+    /// The bins that are 2ᵏ times as wide as `bins`, k ≥ 1.
     fn wide(&mut self, bins: &Bins, k: usize) -> &mut Wide {
         while self.wide.len() < k {
             let last = self.wide.last().map_or(*bins, |wide| wide.bins);
@@ -192,7 +194,7 @@ impl Histogram {
         if !std::mem::take(&mut self.has_wide) {
             return;
         }
-        // The widest first: each goes into the next finer ones.
+        // The widest first: each level is added to the next finer one.
         for k in (0..self.wide.len()).rev() {
             let (finer, wide) = self.wide.split_at_mut(k);
             wide[0].apply();
@@ -205,7 +207,7 @@ impl Histogram {
 }
 
 impl Wide {
-    /// Bins twice as wide as `bins`, whose first `beyond` and last are beyond the ends.
+    /// Bins twice as wide as `bins`, of which the first and last `beyond` are beyond the ends.
     fn of(bins: &Bins, beyond: usize) -> Wide {
         let width = 2.0 * bins.width;
         let start = bins.start + beyond as f64 * bins.width;
@@ -221,7 +223,7 @@ impl Wide {
         }
     }
 
-    /// Adds `light` times `emission`, `delay` later.
+    /// Adds `light` times `emission`, delayed by `delay`.
     fn add(&mut self, emission: &Emission, (light, delay): ([f64; 3], f64)) {
         let Wide {
             bins,
@@ -237,7 +239,7 @@ impl Wide {
             spread(part, bins, emission, (light, delay));
             return;
         };
-        // A pulse far wider than all bins, which are few here: K would be longer than they are.
+        // For a pulse much wider than all bins together, K would be longer than the bins.
         if bins.width < NARROWEST * sigma {
             spread(part, bins, emission, (light, delay));
             return;
@@ -256,16 +258,16 @@ impl Wide {
         }
     }
 
-    /// Adds what impulses are of to the bins, and takes them away.
+    /// Adds the light of the impulses to the bins, and removes the impulses.
     fn apply(&mut self) {
         for of in &mut self.impulses {
             of.apply(&mut self.part);
         }
     }
 
-    /// Adds halves of the bins to bins `finer`, whose first `beyond` and last are beyond the ends, and empties them.
+    /// Adds the halves of the bins to the bins `finer`, of which the first and last `beyond` are beyond the ends, and empties them.
     fn halve(&mut self, finer: &mut [f64], beyond: usize) {
-        // The first of the finer ones is the left half of this one.
+        // The first finer bin is the left half of this one.
         let first = BEYOND - beyond / 2;
         for (at, halves) in finer.chunks_mut(6).enumerate() {
             let own = 3 * (first + at);
@@ -275,7 +277,7 @@ impl Wide {
                     let [before, after] = [own - 3 * k, own + 3 * k];
                     a * (self.part[before + c] - self.part[after + c])
                 });
-                // Far from its middle a pulse is less than the error of (1): either half has a part of all, from 0 to 1.
+                // Far from its middle a pulse is smaller than the error of (1): each half gets a fraction of the whole, from 0 to 1.
                 let left = 0.5 * all + terms.sum::<f64>();
                 let left = left.clamp(all.min(0.0), all.max(0.0));
                 halves[c] += left;
@@ -300,7 +302,7 @@ impl Impulses {
         let first = (from / bins.width).floor() as i64;
         let end = (to / bins.width).ceil() as i64;
         let kernel = (first..end).map(|m| pulse.until(edge(m + 1)) - pulse.until(edge(m)));
-        // Delays of pulses that reach any bin, and the points around them.
+        // Delays of pulses that reach any bin, with the interpolation points around them.
         let begin = -end - POINTS as i64;
         let count = (bins.count as i64 - first + POINTS as i64 - begin) as usize;
         Impulses {
@@ -316,12 +318,12 @@ impl Impulses {
         }
     }
 
-    /// Adds the light of a path after this delay.
+    /// Adds the light of a path with this delay.
     fn add(&mut self, bins: &Bins, light: [f64; 3], delay: f64) {
         let delay = (delay - bins.start) / bins.width;
         let whole = delay.floor();
         let place = whole - self.from as f64 - BEFORE as f64;
-        // Others reach no bin.
+        // Other delays reach no bin.
         if !(place >= 0.0 && place + POINTS as f64 <= self.sums[0].len() as f64) {
             return;
         }
@@ -333,14 +335,14 @@ impl Impulses {
             }
         }
         self.used = self.used.start.min(first)..self.used.end.max(first + POINTS);
-        // K is symmetric: it reaches as many bins after the delay's as before it.
+        // K is symmetric: it reaches as many bins after that of the delay as before it.
         let reach = self.first as f64;
         let [least, most] = self.reached;
         self.reached = [least.min(whole + reach), most.max(whole - reach + 1.0)];
         self.is_positive &= light.iter().all(|c| *c >= 0.0);
     }
 
-    /// Adds the energies of all pulses to bins, and forgets them.
+    /// Adds the energies of all pulses to the bins, and clears the sums.
     fn apply(&mut self, part: &mut [f64]) {
         self.paths = 0;
         let used = std::mem::replace(&mut self.used, self.sums[0].len()..0);
@@ -353,7 +355,7 @@ impl Impulses {
             std::mem::replace(&mut self.reached, [f64::INFINITY, f64::NEG_INFINITY]);
         let reached = bin(least)..bin(most);
         let mut energies = vec![0.0; used.len() + self.kernel.len()];
-        // The bin that the first of these is.
+        // The index of the first bin reached.
         let first = self.from + used.start as i64 + self.first;
         for (c, sums) in self.sums.iter_mut().enumerate() {
             energies.fill(0.0);
@@ -363,7 +365,7 @@ impl Impulses {
                     *energy += sum * k;
                 }
             }
-            // Far from its middle a pulse is less than the error of (2): of light that is 0 or more nothing becomes negative by it.
+            // Far from its middle a pulse is smaller than the error of (2): nonnegative light must not become negative.
             let least = if self.is_positive {
                 0.0
             } else {
@@ -394,10 +396,10 @@ const fn lagrange() -> [f64; POINTS] {
     all
 }
 
-/// l_i at `x` from 0 to 1 past point `BEFORE`.
+/// The weights l_i at `x`, from 0 to 1 past point `BEFORE`.
 fn weights(x: f64) -> [f64; POINTS] {
     let off = |k: usize| x + BEFORE as f64 - k as f64;
-    // Products over the points before each, and then over those after it.
+    // Products over the points before each point, then over those after it.
     let mut weights = LAGRANGE;
     let mut product = 1.0;
     for (k, weight) in weights.iter_mut().enumerate() {
@@ -412,13 +414,13 @@ fn weights(x: f64) -> [f64; POINTS] {
     weights
 }
 
-/// How often bins for a pulse are halved until they are `bins`: not at all where it is no smooth pulse, or too short.
+/// How many halvings lead from the bins for a pulse to `bins`: 0 if the pulse is not smooth or is too short.
 fn halvings(bins: &Bins, emission: &Emission) -> usize {
     let Some(sigma) = emission.sigma() else {
         return 0;
     };
     let (mut k, mut width) = (0, bins.width);
-    // Not so often that most bins are beyond the ends.
+    // No more than that, or most bins would lie beyond the ends.
     while 2.0 * width <= WIDEST * sigma && bins.count >> k >= 4 * BEYOND {
         width *= 2.0;
         k += 1;
@@ -431,7 +433,8 @@ fn end_of(bins: &Bins) -> f64 {
     bins.start + bins.count as f64 * bins.width
 }
 
-/// Adds `light` times `emission`, `delay` later, to bins; its integral up to the first bin that it reaches, and to the end of the last.
+/// Adds `light` times `emission`, delayed by `delay`, to the bins; returns its integral up to the first bin that it reaches and up to the
+/// end of the last.
 fn spread(
     part: &mut [f64],
     bins: &Bins,
@@ -446,7 +449,7 @@ fn spread(
     let end = (bin(to).ceil().max(0.0) as usize).min(bins.count);
     let edge = |bin: usize| bins.start + bin as f64 * bins.width - delay;
     let until = |bin: usize| emission.until(edge(bin));
-    // Most paths have all of their light in the bins: its integral is not asked for before it begins.
+    // Most paths have all of their light within the bins: the integral before it begins is not evaluated.
     let begun = if edge(first) <= from {
         0.0
     } else {
@@ -484,10 +487,10 @@ mod tests {
         count: 501,
     };
 
-    /// The part's share of so many equal paths that most of them are impulses.
+    /// Enough equal paths that most of the part's light comes from impulses.
     const MANY: usize = 50 * ONE_BY_ONE;
 
-    /// Energies by bin and channel of pulses of these delays, in one part.
+    /// Energies by bin and channel of pulses with these delays, in one part.
     fn energies(emission: &Emission, delays: &[f64]) -> Histogram {
         let mut texel = Histogram::new(&BINS);
         for delay in delays {
@@ -500,7 +503,8 @@ mod tests {
 
     #[test]
     fn bins_that_were_halved_have_what_the_integral_of_the_pulse_says() {
-        // From a pulse of 8 bins, the least that is wide, to one of 400 that no bins hold whole; also cut off by the first and the last bin.
+        // From a pulse of 8 bins, the shortest treated as wide, to one of 400 that does not fit into the bins; also cut off by the first
+        // and last bins.
         for sigma in [0.4, 0.55, 0.799, 0.8, 3.0, 20.0] {
             let emission = pulse(sigma);
             assert!(halvings(&BINS, &emission) > 0, "{sigma}");
@@ -508,12 +512,12 @@ mod tests {
                 -3.0, -1.3, -0.98, 4.123, 11.0, 11.025, 11.05, 11.08, 23.7, 24.05, 30.0,
             ] {
                 let found = energies(&emission, &[delay]);
-                // Impulses alone: what many paths have, less those that are put into bins.
+                // Impulses alone: the result of many paths minus that of the paths put into bins one by one.
                 let [few, many] = [ONE_BY_ONE, MANY].map(|n| energies(&emission, &vec![delay; n]));
                 let rest = (MANY - ONE_BY_ONE) as f64;
                 let until = |bin: usize| emission.until(-1.0 + bin as f64 * 0.05 - delay);
                 let exact: Vec<f64> = (0..501).map(|bin| until(bin + 1) - until(bin)).collect();
-                // The fullest bin of a whole pulse.
+                // The fullest bin of an uncut pulse.
                 let most = 0.05;
                 for (bin, exact) in exact.iter().enumerate() {
                     for (c, light) in [1.0, 0.5, 0.0].into_iter().enumerate() {
@@ -550,12 +554,12 @@ mod tests {
             let emission = pulse(0.4);
             let halvings = halvings(&bins, &emission);
             let width = bins.width * 2f64.powi(halvings as i32);
-            // Those under 16 σ, or all there are.
+            // The bins within 16 σ, or all there are.
             let all = (bins.count >> halvings) + 2 * BEYOND;
             let reached = (16.0 * 0.4 / width).min(all as f64);
             assert!(reached <= 128.0 && width <= 0.1, "{k}: {width}");
         }
-        // Corners are no Gaussians.
+        // Functions with corners are not Gaussian.
         let table = Emission::from(&EmissionProfile::Table(vec![[0.0, 1.0], [20.0, 1.0]]));
         assert_eq!(halvings(&BINS, &table), 0);
     }
@@ -573,13 +577,13 @@ mod tests {
             assert!(texel.wide.iter().all(|wide| wide.impulses.is_empty()));
             texel.found = paths as u32;
             texel.end_part();
-            // Near its middle the pulse is as good as even: width times its greatest value.
+            // Near its middle the pulse is practically constant: width times its maximum.
             for (bin, of) in texel.values.chunks(3).enumerate() {
                 let even = paths as f64 * bins.width;
                 let time = bins.start + (bin as f64 + 0.5) * bins.width - delay - 0.3;
                 let exact = even * (-0.5 * (time / sigma).powi(2)).exp();
                 let off = (of[0] - exact).abs() / even;
-                // As well as differences of integrals of that size are known.
+                // As accurate as differences of integrals of that size.
                 assert!(off < 1e-7 + 1e-14 * sigma, "{sigma} {bin}: {off:e}");
             }
         }
@@ -606,7 +610,7 @@ mod tests {
                 "{at}: {value} {sum}"
             );
         }
-        // Two equal parts: no error but that of rounding.
+        // Two equal parts: only rounding error.
         let error = (0..501)
             .map(|bin| texel.error_square(bin))
             .fold(0.0, f64::max);

@@ -1,28 +1,29 @@
-//! Baking: time-resolved light of what rests relative to each other, as cubes that any moving camera can look up.
+//! Baking: time-resolved light of objects at rest relative to each other, as cubes that any moving camera can look up.
 //!
-//! A cube holds for each pixel of a camera, or each texel of a surface, the energy of its radiance in each bin of time: the integral of
-//! L over the bin, mean over pixel or texel. Paths come from `TimedPaths`; the light of one path goes into all bins in which its lamps' emission
-//! arrives, so that the cost is that of the paths, whatever the bins: light of pulses that are wide against them is put into bins once for all paths. Pixels and texels are each summed by one thread,
-//! sample by sample: the bits do not depend on the threads. Tiles of pixels and rows of texels are kept in a [`Journal`](crate::render::journal::Journal) as they are
-//! done, where one is given.
+//! A cube holds for each pixel of a camera, or each texel of a surface, the energy of its radiance in each time bin: the integral of L over
+//! the bin, averaged over the pixel or texel. Paths come from `TimedPaths`; the light of one path goes into all bins in which its lamps'
+//! emission arrives, so the cost is that of the paths, whatever the bins: light of pulses much wider than the bins is put into bins once
+//! for all paths. Each pixel or texel is summed by one thread, sample by sample, so the number of threads does not change a bit of the
+//! result. Tiles of pixels and rows of texels are stored in a [`Journal`](crate::render::journal::Journal) as they are finished, if one is
+//! given.
 //!
 //! # The standard error
 //!
-//! The samples of a texel are R = 2 or more independent parts ([`sampler`](crate::render::sampler)). With the sums S_k of part k in a bin, the
-//! numbers f_k of its samples that lie on the surface, and m = Σ S_k/Σ f_k what is baked,
+//! The samples of a texel form R = 2 or more independent parts ([`sampler`](crate::render::sampler)). With the sums S_k of part k in a bin,
+//! the numbers f_k of its samples that lie on the surface, and the baked value m = Σ S_k/Σ f_k,
 //!
 //! ```text
 //! standard error² = R/(R − 1) Σ (S_k − m f_k)²/(Σ f_k)²
 //! ```
 //!
-//! (Cochran, Sampling Techniques, § 6.4; of equal f_k it is the variance of R means over R). Of each bin the root of the mean square over all
-//! texels is told. Texels at the edges of charts that the samples of one part alone meet have no error of their own, and are left out of it.
+//! (Cochran, Sampling Techniques, § 6.4; for equal f_k it is the variance of R means over R). For each bin the root mean square over all
+//! texels is reported. Texels at the edges of charts that are hit by samples of one part only have no error estimate, and are left out.
 //!
-//! A camera's times are those of arrival: of emission at the surface, by the world's clock (or the object's own where all moves), plus η
-//! times the *distance* to the pinhole, as in mitransient with `camera_unwarp = false`, whose arrays (H, W, T, C) these are. A surface's times
-//! are those of emission, and its radiance is the diffuse part, which is the same for all directions. Where backs are seen, they have as many rows of their
-//! own behind those of fronts, at the same texture coordinates, unless no light comes to any of them. Where nothing that shines or reflects
-//! lies behind any triangle, none can come, and these rows take no memory and no time.
+//! A camera's times are arrival times: times of emission at the surface, by the world's clock (or the object's own if everything moves),
+//! plus η times the *distance* to the pinhole, as in mitransient with `camera_unwarp = false`, whose array layout (H, W, T, C) is used. A
+//! surface's times are those of emission, and its radiance is the diffuse part, which is the same in all directions. If backs are visible,
+//! they have the same number of rows after those of the fronts, at the same texture coordinates, unless no light reaches any of them. If
+//! nothing that shines or reflects lies behind any triangle, none can, and these rows take no memory and no time.
 
 mod camera;
 mod histogram;
@@ -46,28 +47,28 @@ use crate::render::trace::{RestFrame, TimedPaths};
 use crate::scene::model::{Clock, CubeBacks, LightKind, Motion, Scene, SourceKind, Spectra};
 use crate::spacetime::Velocity;
 
-/// Bins of time.
+/// Time bins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bins {
     /// Time at the start of bin 0, metres.
     pub start: f64,
     /// Width of a bin, metres, above 0.
     pub width: f64,
-    /// How many, at least 1.
+    /// Number of bins, at least 1.
     pub count: usize,
 }
 
-/// What the numbers of a cube are kept in. Parts in a journal are the same.
+/// The number format of a cube. Parts in a journal do not depend on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CubePrecision {
     /// f32.
     Single,
-    /// f16, which takes half of the memory.
+    /// f16, which takes half the memory.
     Half,
 }
 
 impl CubePrecision {
-    /// Bytes of a number.
+    /// Bytes per number.
     pub fn bytes(self) -> u64 {
         match self {
             CubePrecision::Single => 4,
@@ -77,7 +78,7 @@ impl CubePrecision {
 }
 
 impl Bins {
-    /// Refuses bins that hold no time, and cubes of `texels` for whose numbers there is no memory.
+    /// Refuses bins without any time, and cubes of `texels` texels that do not fit into memory.
     fn check<T: Stored>(&self, scene: &Scene, texels: usize) -> Result<()> {
         let refuse = |what: String, help| Err(Error::invalid(&scene.name, "bins", what, help));
         let Bins {
@@ -85,7 +86,7 @@ impl Bins {
             width,
             count,
         } = *self;
-        // In this form also for NaN.
+        // Written so that NaN is refused, too.
         if !(start.is_finite() && width > 0.0 && width.is_finite()) {
             let what = format!("bins that are {width} m wide from {start} m on hold no light");
             return refuse(what, "a finite start, and a width above 0");
@@ -105,17 +106,17 @@ impl Bins {
     }
 }
 
-/// Energy of light by when it arrives, sums over all pixels or texels.
+/// Energy of light by arrival time, summed over all pixels or texels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Energy {
-    /// In bins, before the first and after the last.
+    /// Within the bins.
     pub held: f64,
-    /// Before the first.
+    /// Before the first bin.
     pub before: f64,
-    /// After the last.
+    /// After the last bin.
     pub after: f64,
-    /// When the first light begins to arrive, and when the last has arrived; none where it is dark.
+    /// When the first light begins to arrive, and when the last has arrived; `None` if it is dark.
     pub span: Option<[f64; 2]>,
 }
 
@@ -125,30 +126,31 @@ pub struct Energy {
 pub struct Baked {
     /// Energy per bin, (H, W, T, 3), linear RGB, f32 or f16.
     pub cube: Cube,
-    /// Of each bin, the root of the mean square over pixels or texels of the standard error of its energy (mean of R, G, B); texels
-    /// that the samples of one part alone meet are left out. NaN where no others are left, as with one sample.
+    /// For each bin, the root mean square over pixels or texels of the standard error of its energy (mean of R, G, B); texels hit by the
+    /// samples of one part only are left out. NaN if no others are left, as with one sample.
     pub standard_error: Vec<f64>,
-    /// The mean square over the same texels, and bins, of the energy (mean of R, G, B).
+    /// The mean square of the energy (mean of R, G, B) over the same texels and all bins.
     mean_square: f64,
-    /// What is in it, and what is not.
+    /// The energy within the bins and outside them.
     pub energy: Energy,
-    /// The clock that its times are of.
+    /// The clock of its times.
     pub clock: Clock,
-    /// What the backs of a surface show of it.
+    /// What the cube shows on the backs of a surface.
     pub backs: CubeBacks,
-    /// The texture coordinates that were made for a surface, by triangle of its mesh and corner.
+    /// The texture coordinates generated for a surface, by triangle of its mesh and corner.
     pub texture_coordinates: Option<Vec<Corners>>,
 }
 
 impl Baked {
-    /// Whether no bin has any light.
+    /// Whether all bins are dark.
     pub fn is_dark(&self) -> bool {
         let [h, w, t, _] = self.cube.shape;
         let mut texels = 0..h * w;
         texels.all(|texel| (0..t).all(|bin| self.cube.total(texel, bin) == 0.0))
     }
 
-    /// The root of the mean square over all bins of the standard error, over that of the energy of the same texels; NaN where all bins are dark.
+    /// The root mean square over all bins of the standard error, relative to that of the energy of the same texels; NaN if all bins are
+    /// dark.
     pub fn relative_error(&self) -> f64 {
         let bins = self.standard_error.len().max(1);
         let errors: f64 = self.standard_error.iter().map(|e| e * e).sum();
@@ -159,22 +161,22 @@ impl Baked {
     }
 }
 
-/// Parts of the samples of a texel: few, as samples of one part are spread more evenly, and the error is a mean over many texels.
+/// Parts of the samples of a texel: few, because samples within a part are better distributed, and the error is averaged over many texels.
 const PARTS: u32 = 2;
 
-/// Bytes of a cube of `size` (columns and rows, of both sides of a surface that has [light on its back](SurfaceNeeds::backs)) and `bins`, and of
-/// what is summed at a time on this many threads.
+/// Bytes of a cube of `size` (columns and rows, of both sides of a surface that has [light on its back](SurfaceNeeds::backs)) and `bins`,
+/// and of the sums in progress on this many threads.
 pub fn bytes(size: [u32; 2], bins: &Bins, precision: CubePrecision, threads: usize) -> u64 {
     let [columns, rows] = size.map(u64::from);
     let texels = columns * rows;
     let bins = bins.count as u64;
-    // A tile of sums: two of three channels, two for the error, and those of wide pulses in half as many bins or fewer and as many impulses, each f64;
-    // and what it becomes, and that as bytes of a journal. Of a row of texels, the sums of one.
+    // The sums of a tile: two of three channels, two for the error, and those of wide pulses in at most half as many bins and as many
+    // impulses, each f64; then its result, and that as bytes of a journal. Of a row of texels, only one texel is summed at a time.
     let (sums, becomes) = (8 * 8 + 36, 2 * 12);
     let tile = u64::from(TILE * TILE).min(texels) * (sums + becomes);
     let row = sums + columns * becomes;
     let part = bins.saturating_mul(tile.max(row));
-    // Beside its numbers, errors by row and bin, and whether texels are covered, twice.
+    // Besides its numbers: errors by row and bin, and coverage of texels, twice.
     let each = 3 * precision.bytes();
     let cube = texels.saturating_mul(bins).saturating_mul(each);
     let beside = rows.saturating_mul(8 * bins).saturating_add(2 * texels);
@@ -185,7 +187,7 @@ pub fn bytes(size: [u32; 2], bins: &Bins, precision: CubePrecision, threads: usi
 /// Refuses scenes whose light cannot be baked.
 ///
 /// # Errors
-/// Bodies or lamps that move relative to each other, light without an end, no lamps.
+/// Bodies or lamps that move relative to each other, light that never ends, no lamps.
 pub fn check(scene: &Scene) -> Result<()> {
     let refuse = |place: String, what: String, help: &str| {
         Err(Error::invalid(&scene.name, place, what, help))
@@ -198,10 +200,10 @@ pub fn check(scene: &Scene) -> Result<()> {
     let Some(first) = scene.objects.first() else {
         return Ok(());
     };
-    // Bins are of one clock: all that is baked has one rest frame.
+    // Bins use one clock: everything baked shares one rest frame.
     let moves = |velocity: Velocity| {
         let difference = velocity.rapidity() - first.velocity.rapidity();
-        // Rapidities that are the same but for rounding.
+        // Rapidities that are equal up to rounding.
         difference.length() > 1e-12
     };
     if let Some(other) = scene.objects.iter().find(|o| moves(o.velocity)) {
@@ -215,7 +217,7 @@ pub fn check(scene: &Scene) -> Result<()> {
         let with_an_end = "give it an emission with an end, like emission = { gaussian = { sigma = \"5 cm\" } }, or follow light with `render.bounces`";
         let lamp = match &light.kind {
             LightKind::Lamp(lamp) => lamp,
-            // Its object rests with the others.
+            // Its object is at rest relative to the others.
             LightKind::Area { emission, .. } => match Emission::from(emission).span() {
                 Some(_) => continue,
                 None => return refuse(place, FOR_EVER.into(), with_an_end),
@@ -235,7 +237,7 @@ pub fn check(scene: &Scene) -> Result<()> {
         let what = "it lights surfaces steadily, which does not fit into bins of time";
         return refuse("sky".into(), what.into(), "set sky.lights = false");
     }
-    // Pulses have their place in the world's frame, which the objects have to share.
+    // Pulses are placed in the world's frame, so the objects must be at rest in it.
     let pulses = scene
         .sources
         .iter()
@@ -276,10 +278,10 @@ impl Energy {
     }
 }
 
-/// What is wrong with light that never ends.
+/// Why light that never ends is refused.
 const FOR_EVER: &str = "it shines for ever, which does not fit into bins of time";
 
-/// The paths of a scene, of which no surface shines for ever: only when models are loaded it is known which ones shine.
+/// The paths of a scene without surfaces that shine for ever: only once models are loaded is it known which surfaces shine.
 fn paths<'a>(scene: &Scene, prepared: &'a Prepared) -> Result<TimedPaths<'a>> {
     let rest = prepared.frames.first();
     let paths = match (rest, prepared.light.time_resolved()) {
@@ -320,7 +322,7 @@ fn baked<T: Stored>(
     let mut energy = Energy::NONE;
     summaries.iter().for_each(|part| energy.add(&part.energy));
     let texels: u64 = summaries.iter().map(|part| part.texels).sum();
-    // Over all texels, the root mean square of their standard errors.
+    // The root mean square of the standard errors over all texels.
     let square = |bin: usize| {
         summaries
             .iter()
@@ -336,7 +338,7 @@ fn baked<T: Stored>(
         let help = "lamps whose light f32 can hold";
         Error::invalid(&scene.name, "light", e.to_string(), help)
     })?;
-    // Where everything moves, times are those of the objects' own frame.
+    // If everything moves, times are those of the objects' own frame.
     let still = |frame: &RestFrame| frame.frame.velocity().is_rest();
     Ok(Baked {
         cube,

@@ -1,29 +1,29 @@
-//! What becomes of a tile of pixels or a row of texels, and how it is kept.
+//! The result of a tile of pixels or a row of texels, and how it is stored.
 
 use super::histogram::Histogram;
 use super::{Bins, Energy};
 use crate::error::Result;
 use crate::render::journal::Journal;
 
-/// What becomes of a tile of pixels or a row of texels.
+/// The result of a tile of pixels or a row of texels.
 #[derive(Debug, Default)]
 pub(super) struct Part {
     /// Energy by texel, bin and channel.
     pub values: Vec<f32>,
-    /// By texel, whether there is any surface.
+    /// By texel, whether it has any surface.
     pub covered: Vec<bool>,
     pub summary: Summary,
 }
 
-/// What is summed over texels.
+/// Sums over texels.
 #[derive(Debug)]
 pub(super) struct Summary {
     pub energy: Energy,
-    /// By bin, Σ of the squares of standard errors.
+    /// By bin, Σ of the squared standard errors.
     pub error_squares: Vec<f64>,
-    /// Σ over bins of the squares of energies (means of the channels) of the same texels.
+    /// Σ over bins of the squared energies (means of the channels) of the same texels.
     pub energy_squares: f64,
-    /// Of so many texels, those that samples of two parts or more meet.
+    /// Number of texels hit by samples of two parts or more.
     pub texels: u64,
 }
 
@@ -57,7 +57,7 @@ impl Part {
         let means = texel.values.iter().map(|sum| (sum * scale) as f32);
         self.values.extend(means);
         self.summary.energy.add(&texel.energy);
-        // One part says nothing of how parts differ.
+        // One part gives no error estimate.
         if texel.parts < 2 {
             return;
         }
@@ -79,7 +79,7 @@ impl Part {
             energy_squares,
             texels,
         } = &self.summary;
-        // No light has no span, which is written as NaN.
+        // Without light there is no span, which is written as NaN.
         let [from, to] = energy.span.unwrap_or([f64::NAN; 2]);
         let numbers = [
             energy.held,
@@ -97,10 +97,10 @@ impl Part {
         bytes
     }
 
-    /// Of so many texels; none where that is not what these bytes are.
+    /// Reads a part of `texels` texels; `None` if the bytes are not such a part.
     pub fn from_bytes(bytes: &[u8], texels: usize, bins: usize) -> Option<Part> {
         let (count, rest) = bytes.split_first_chunk::<8>()?;
-        // Three energies, the two ends of their span, the sum of squares, and an error by bin.
+        // Three energies, the two ends of their span, the sum of squares, and one error per bin.
         let (numbers, rest) = rest.split_at_checked(8 * (6 + bins))?;
         let (covered, values) = rest.split_at_checked(texels)?;
         let (values, left) = values.as_chunks::<4>();
@@ -129,7 +129,7 @@ impl Part {
     }
 }
 
-/// Part `index` of the work, of `texels` texels: from the journal, or else made by `make` and added to it.
+/// Part `index` of the work, of `texels` texels: read from the journal, or else computed by `make` and added to it.
 pub(super) fn kept(
     journal: Option<&Journal>,
     index: usize,

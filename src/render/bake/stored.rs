@@ -1,4 +1,4 @@
-//! The numbers that a cube is kept in while it is made: f32, or the bits of f16, which take half of the memory.
+//! The number formats of a cube in progress: f32, or the bits of f16, which take half the memory.
 
 use half::f16;
 use half::vec::HalfBitsVecExt;
@@ -8,14 +8,14 @@ use crate::error::{Error, Result, Setting};
 use crate::io::cube::CubeSamples;
 use crate::scene::model::Scene;
 
-/// A number of a cube. A vector of defaults, zeros, takes no memory before it is written to.
+/// A number of a cube. A vector of default values, zeros, takes no memory until it is written to.
 pub(super) trait Stored: Copy + Default + Send + Sync {
     const PRECISION: CubePrecision;
     fn of(number: f32) -> Self;
     fn number(self) -> f32;
     fn samples(values: Vec<Self>) -> CubeSamples;
 
-    /// Refuses what finite numbers do not fit.
+    /// Refuses finite numbers that overflow the format.
     fn check(_: &[Self], _: &Scene) -> Result<()> {
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! The cube of the surface of an object.
+//! The light cube of an object's surface.
 
 use std::ops::Range;
 
@@ -19,7 +19,7 @@ use crate::render::sampler::{Sampler, pixel_key, samples_per_part, sobol};
 use crate::render::trace::{Patch, RestFrame, Seen, Start, TimedPaths};
 use crate::scene::model::{CubeBacks, Object, Scene};
 
-/// What of an object is baked onto its texture.
+/// Which object is baked, and onto which texture.
 #[derive(Debug, Clone, Copy)]
 pub struct Surface {
     /// Index of the object in the scene.
@@ -30,20 +30,22 @@ pub struct Surface {
     pub size: [u32; 2],
 }
 
-/// Texture coordinates by which a surface is baked.
+/// Texture coordinates for baking a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coordinates {
-    /// Of a set that the mesh has, in which every place has its own.
+    /// A set of the mesh in which no two points of the surface share coordinates.
     Set(usize),
-    /// Made for it: an [`atlas`](crate::mesh::atlas).
+    /// Generated: an [`atlas`](crate::mesh::atlas).
     Atlas,
 }
 
-/// The cube of the surface of an object by its texture coordinates; rows are kept in `journal`, where there is one.
+/// The cube of an object's surface by its texture coordinates; finished rows are stored in `journal`, if given.
 ///
 /// # Errors
-/// What [`check`] refuses, an object that the scene does not have, a texture without texels, surfaces that shine for ever, bins without width or number, energies beyond 65504 in half precision, no texture coordinates, some outside [0, 1], charts that overlap, a texture too small for an atlas,
-/// lists of triangles or light of backs that take more than [`memory_left`](Prepared::memory_left), which fronts are taken off already, I/O errors of the journal, and [`Error::Cancelled`] when `progress` says so.
+/// Whatever [`check`] refuses, an object that is not in the scene, a texture without texels, surfaces that shine for ever, bins without
+/// width or number, energies above 65504 in half precision, no texture coordinates, some outside [0, 1], charts that overlap, a texture too
+/// small for an atlas, lists of triangles or light of backs that take more than [`memory_left`](Prepared::memory_left) (from which the
+/// fronts are already subtracted), I/O errors of the journal, and [`Error::Cancelled`] when `progress` says so.
 pub fn surface_cube(
     scene: &Scene,
     prepared: &Prepared,
@@ -75,9 +77,9 @@ fn cube<T: Stored>(
     let paths = paths(scene, prepared)?;
     let charts = Charts::new(scene, &paths, surface, prepared.memory_left)?;
     charts.check_backs(bins, T::PRECISION)?;
-    // Rows of fronts, and those of backs behind them, where light may come to any.
+    // Rows of fronts, followed by those of backs if light may reach any of them.
     let sides = 1 + usize::from(charts.has_lit_backs);
-    // A row of texels is the part that a journal keeps, and that threads share out.
+    // The journal stores rows of texels, and threads share them out.
     bins.check::<T>(scene, width * sides * height)?;
     let row = width * bins.count * 3;
     let mut values = vec![T::default(); sides * height * row];
@@ -93,13 +95,13 @@ fn cube<T: Stored>(
         }
         Ok(part)
     };
-    // Rows come back in their order, so that sums do not depend on the number of threads.
+    // Rows are collected in order, so that sums do not depend on the number of threads.
     let rows: Vec<(Summary, Vec<bool>)> = values
         .par_chunks_mut(row)
         .enumerate()
         .map(|(i, values)| {
             let part = kept(journal, i, [width, bins.count], || make(i))?;
-            // Zeros are there already: memory of what is never written is not taken.
+            // The values are zero already: memory that is never written is never allocated.
             if part.summary.energy.span.is_some() {
                 let places = values.iter_mut().zip(&part.values);
                 places.for_each(|(place, value)| *place = T::of(*value));
@@ -109,7 +111,7 @@ fn cube<T: Stored>(
         })
         .collect::<Result<_>>()?;
     let (summaries, covered): (Vec<Summary>, Vec<Vec<bool>>) = rows.into_iter().unzip();
-    // What no light comes to needs no rows.
+    // Sides that no light reaches need no rows.
     let is_dark = |summary: &Summary| summary.energy.span.is_none();
     let sides = match summaries[height..].iter().all(is_dark) {
         true => 1,
@@ -117,7 +119,7 @@ fn cube<T: Stored>(
     };
     values.truncate(sides * height * row);
     let summaries = &summaries[..sides * height];
-    // Bilinear lookups at the edge of a chart reach texels beyond it.
+    // Bilinear lookups at the edge of a chart read texels beyond it.
     let halves = values.chunks_mut(height * row).zip(covered.chunks(height));
     for (values, covered) in halves {
         fill_gutters(values, covered.concat(), [width, height], bins.count * 3);
@@ -134,20 +136,21 @@ fn cube<T: Stored>(
     })
 }
 
-/// What the cube of a surface takes beside the numbers of its fronts.
+/// Requirements of a surface's cube besides the numbers of its fronts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct SurfaceNeeds {
-    /// Whether light may come to its back, which has as many rows of its own then.
+    /// Whether light may reach its back, which then has as many rows of its own.
     pub backs: bool,
-    /// Bytes of the lists of triangles by texel.
+    /// Bytes of the per-texel lists of triangles.
     pub lists: u64,
 }
 
-/// Refuses surfaces that [`surface_cube`] would, before any light is followed, most that overlap among them; of others, what the cube takes.
+/// Refuses the surfaces that [`surface_cube`] would refuse, before any light is traced, including most overlapping charts; otherwise
+/// returns the cube's requirements.
 ///
 /// # Errors
-/// As there, but for those of the journal.
+/// As for [`surface_cube`], except those of the journal.
 pub fn check_surface(
     scene: &Scene,
     prepared: &Prepared,
@@ -166,7 +169,7 @@ pub fn check_surface(
     })
 }
 
-/// Refuses an object that the scene does not have, and textures without texels.
+/// Refuses an object that is not in the scene, and textures without texels.
 fn check_size(scene: &Scene, surface: &Surface) -> Result<()> {
     let refuse = |place, what, help: &str| Err(Error::invalid(&scene.name, place, what, help));
     let count = scene.objects.len();
@@ -185,20 +188,20 @@ fn check_size(scene: &Scene, surface: &Surface) -> Result<()> {
     Ok(())
 }
 
-/// The triangles of an object on its texture.
+/// The triangles of an object in texture space.
 struct Charts<'a> {
     scene: &'a Scene,
     object: &'a str,
     triangles: Vec<ChartTriangle>,
-    /// By texel, where the triangles that may lie in it begin in `listed`; at last, where all end.
+    /// By texel, where its candidate triangles begin in `listed`; the last entry is the end of the list.
     begins: Vec<u32>,
     listed: Vec<u32>,
     size: [usize; 2],
-    /// Whether light may come to a back that is seen.
+    /// Whether light may reach a visible back.
     has_lit_backs: bool,
-    /// Bytes that are left beside it.
+    /// Bytes of memory left besides this.
     left: u64,
-    /// What was made for it, by triangle of its mesh.
+    /// The generated atlas, by triangle of the object's mesh.
     atlas: Option<Vec<Corners>>,
 }
 
@@ -208,12 +211,12 @@ struct ChartTriangle {
     slot: u32,
     /// Corners in texels.
     corners: [DVec2; 3],
-    /// Whether its back is seen, and shines.
+    /// Whether its back is visible and not black.
     has_back: bool,
 }
 
 impl<'a> Charts<'a> {
-    /// The triangles of the object, laid into its texture, and for each texel those that touch it, within so many bytes.
+    /// Lays the triangles of the object into its texture, and lists for each texel those that touch it, within `memory` bytes.
     fn new(scene: &'a Scene, paths: &TimedPaths, surface: &Surface, memory: u64) -> Result<Self> {
         let rest = paths.rest;
         let object = scene.objects[surface.object].name.as_str();
@@ -229,7 +232,7 @@ impl<'a> Charts<'a> {
             left: memory,
             atlas: None,
         };
-        // The frame's tree holds other objects at rest with it, too.
+        // The frame's tree also holds other objects at rest relative to it.
         let of_object = |slot: &u32| {
             let patch = rest.patch(rest.bvh.triangle(*slot).0);
             patch.object as usize == surface.object
@@ -269,9 +272,9 @@ impl<'a> Charts<'a> {
         Ok(charts)
     }
 
-    /// Refuses texture coordinates on which triangles lie in points and lines, where no sample would meet them.
+    /// Refuses texture coordinates that collapse triangles to points or lines, which no sample would hit.
     fn check_areas(&self, rest: &RestFrame) -> Result<()> {
-        // Of the object's surface: what f32 leaves of a triangle that is a line itself, which loses nothing.
+        // As a fraction of the object's surface: the area that f32 rounding gives to a degenerate triangle, which loses no light.
         const LEAST: f64 = 1e-7;
         let area = |t: &ChartTriangle| {
             let [a, b, c] = rest.bvh.corners(t.slot);
@@ -283,7 +286,7 @@ impl<'a> Charts<'a> {
         let flat = all.clone().filter(|t| t.is_flat(self.size)).count();
         let what = match (flat, all.count()) {
             (flat, all) if flat == all => "its texture coordinates have no area".into(),
-            // An atlas has slivers of slivers.
+            // In an atlas, slivers of the mesh remain slivers.
             (1.., all) if self.atlas.is_none() => format!(
                 "{flat} of its {all} triangles have texture coordinates without an area, where no light can be baked"
             ),
@@ -293,7 +296,7 @@ impl<'a> Charts<'a> {
         Err(self.refuse(what, help))
     }
 
-    /// Refuses light of backs that takes more memory than is left.
+    /// Refuses light of backs that needs more memory than is left.
     fn check_backs(&self, bins: &Bins, precision: CubePrecision) -> Result<()> {
         let [width, height] = self.size.map(|n| n as u32);
         let of_sides =
@@ -314,13 +317,13 @@ impl<'a> Charts<'a> {
         Err(self.refuse(what, help))
     }
 
-    /// Bytes of its lists.
+    /// Bytes of the lists of triangles.
     fn bytes(&self) -> u64 {
         let listed = size_of::<u32>() * (self.begins.len() + self.listed.len());
         (size_of::<ChartTriangle>() * self.triangles.len() + listed) as u64
     }
 
-    /// An atlas of the object, whose triangles are in these slots: by triangle of its mesh.
+    /// Generates an atlas of the object, whose triangles are in these slots, by triangle of its mesh.
     fn made(&self, rest: &RestFrame, slots: &[u32], size: [u32; 2]) -> Result<Vec<Corners>> {
         let Some(first) = slots.first() else {
             return Ok(Vec::new());
@@ -328,7 +331,7 @@ impl<'a> Charts<'a> {
         let patch = rest.patch(rest.bvh.triangle(*first).0);
         let parts = &rest.meshes[patch.mesh as usize].parts;
         let count: u32 = parts.iter().map(|part| part.triangles).sum();
-        // Triangles without an area may have no slot.
+        // Triangles of zero area may have no slot.
         let mut triangles = vec![[DVec3::ZERO; 3]; count as usize];
         for slot in slots {
             let (triangle, _) = rest.bvh.triangle(*slot);
@@ -340,7 +343,7 @@ impl<'a> Charts<'a> {
         })
     }
 
-    /// The atlas by triangles as the mesh's file has them: a mirroring transform exchanges two of their corners.
+    /// The atlas by triangle in the order of the mesh's file: a mirroring transform swaps two of their corners.
     fn into_coordinates(self, object: &Object) -> Option<Vec<Corners>> {
         let mut atlas = self.atlas?;
         if object.transform.matrix3.determinant() < 0.0 {
@@ -354,7 +357,7 @@ impl<'a> Charts<'a> {
         Error::invalid(&self.scene.name, place, what, help)
     }
 
-    /// The coordinates of a triangle in a set that the mesh has.
+    /// The coordinates of a triangle in a set of the mesh.
     fn of_set(
         &self,
         rest: &RestFrame,
@@ -370,7 +373,7 @@ impl<'a> Charts<'a> {
             return Err(self.refuse(what, help()));
         };
         let corners = [a, b, c];
-        // What was stored in f32 may be a little beyond.
+        // Values stored in f32 may be slightly outside.
         let inside = |uv: DVec2| uv.min_element() >= -1e-6 && uv.max_element() <= 1.0 + 1e-6;
         if let Some(uv) = corners.into_iter().find(|uv| !inside(*uv)) {
             let what = format!(
@@ -382,16 +385,15 @@ impl<'a> Charts<'a> {
         Ok(corners)
     }
 
-    /// Lists the triangles by the texels that they reach.
+    /// Lists the triangles by the texels that they touch.
     ///
     /// # Errors
-    /// Triangles that lie on others at the centre of a texel: most overlaps are found here, before any light is followed. More memory
-    /// than is left.
+    /// Triangles that overlap at the centre of a texel: most overlaps are found here, before any light is traced. More memory than is left.
     fn list(&mut self) -> Result<()> {
         let texels = self.size[0] * self.size[1];
         self.take(size_of::<ChartTriangle>() * self.triangles.len())?;
         self.take(size_of::<u32>() * (texels + 1))?;
-        // How many reach each texel, and whether its centre is inside one.
+        // How many triangles touch each texel, and whether its centre is inside one.
         self.begins = vec![0; texels + 1];
         let mut centres = vec![false; texels];
         for k in 0..self.triangles.len() {
@@ -409,7 +411,7 @@ impl<'a> Charts<'a> {
                 }
             }
         }
-        // Where the list of each texel ends, from where it is filled backwards, from the last triangle on.
+        // Where the list of each texel ends; it is filled backwards, from the last triangle on.
         let mut sum = 0u32;
         for begin in &mut self.begins {
             sum = match sum.checked_add(*begin) {
@@ -430,7 +432,7 @@ impl<'a> Charts<'a> {
         Ok(())
     }
 
-    /// Takes so many bytes of those that are left.
+    /// Subtracts `bytes` from the memory left.
     fn take(&mut self, bytes: usize) -> Result<()> {
         match self.left.checked_sub(bytes as u64) {
             Some(left) => self.left = left,
@@ -450,7 +452,7 @@ impl<'a> Charts<'a> {
         &self.listed[self.begins[texel] as usize..self.begins[texel + 1] as usize]
     }
 
-    /// The refusal of charts of which so many triangles share a point, in texels.
+    /// The error for charts in which this many triangles share a point, in texels.
     fn overlap(&self, triangles: u32, point: DVec2) -> Error {
         let what = format!(
             "its charts overlap: {triangles} triangles share the texture coordinates ({:.4}, {:.4})",
@@ -461,7 +463,7 @@ impl<'a> Charts<'a> {
         self.refuse(what, help)
     }
 
-    /// The place of the front, or of the back, of the surface at a point of the texture, in texels.
+    /// The point on the front or back of the surface at a point of the texture, in texels.
     fn locate(&self, [j, i]: [usize; 2], point: DVec2, front: bool) -> Result<Option<Hit>> {
         let mut found = None;
         let mut inside = 0;
@@ -473,7 +475,7 @@ impl<'a> Charts<'a> {
             let least = u.min(v).min(1.0 - u - v);
             if least >= 0.0 && (front || triangle.has_back) {
                 let at = place(triangle.triangle, triangle.slot, [u, v]);
-                // On an edge that triangles share the first of them has it.
+                // On a shared edge the first triangle is taken.
                 found = found.or(Some(Hit { front, ..at }));
             }
             inside += u32::from(is_inside([u, v]));
@@ -484,7 +486,7 @@ impl<'a> Charts<'a> {
         Ok(found)
     }
 
-    /// Adds all samples of a texel that lie on the surface; rows from the height of the texture on are those of backs.
+    /// Adds all samples of a texel that lie on the surface; rows from the height of the texture on are rows of backs.
     fn gather(
         &self,
         paths: &TimedPaths,
@@ -495,7 +497,7 @@ impl<'a> Charts<'a> {
     ) -> Result<()> {
         let height = self.size[1];
         let row = i % height;
-        // Part by part, and of a large part so many paths at a time.
+        // Part by part; a large part is traced in batches of limited size.
         let (per_part, mut begin) = (sampler.samples(), 0);
         while begin < samples {
             let end = (begin + TOGETHER).min((begin / per_part + 1) * per_part);
@@ -528,20 +530,20 @@ impl<'a> Charts<'a> {
     }
 }
 
-/// Paths of a texel that are followed together.
+/// Paths of a texel that are traced together.
 const TOGETHER: u32 = 1024;
 
-/// What random numbers of a texel are for, beside those of its paths.
+/// Random dimensions of a texel besides those of its paths.
 const IN_TEXEL: u32 = 1 << 16;
 
-/// What to do about texture coordinates that are not what a bake needs: those that a mesh should have.
+/// The advice for unsuitable texture coordinates: which ones the mesh needs instead.
 fn other_coordinates(needed: &str) -> Message {
     Setting::Atlas
         + format!(", which makes coordinates; a mesh that has its own {needed}; or ")
         + Setting::CameraCube
 }
 
-/// A place of a triangle, on its front.
+/// A point of a triangle, on its front.
 fn place(triangle: u32, slot: u32, [u, v]: [f64; 2]) -> Hit {
     Hit {
         s: 0.0,
@@ -553,16 +555,16 @@ fn place(triangle: u32, slot: u32, [u, v]: [f64; 2]) -> Hit {
     }
 }
 
-/// Whether a point of these weights is in a triangle by more than rounding: points on a shared edge are in both triangles, and charts
-/// overlap only where a point is inside two.
+/// Whether a point with these weights is inside a triangle by more than rounding: points on a shared edge are in both triangles, and charts
+/// overlap only if a point is inside two.
 fn is_inside([u, v]: [f64; 2]) -> bool {
     u.min(v).min(1.0 - u - v) > 1e-6
 }
 
 impl ChartTriangle {
-    /// The rows of texels that it reaches, and of each the columns: those between the ends of what the row has of its edges.
+    /// The rows of texels that the triangle touches, and the range of columns in each: between the extremes of its edges within the row.
     fn reaches(&self, size: [usize; 2]) -> impl Iterator<Item = (usize, Range<usize>)> + use<> {
-        // Points that rounding puts inside lie no farther away, texels.
+        // Distance within which rounding may put points inside, texels.
         const MARGIN: f64 = 1e-6;
         let corners = self.corners;
         let span = |low: f64, high: f64, size: usize| {
@@ -579,7 +581,7 @@ impl ChartTriangle {
                     continue;
                 }
                 for end in [p, q] {
-                    // An end beyond the row counts where the edge crosses the row's border.
+                    // If an end is outside the row, the edge counts where it crosses the border of the row.
                     let y = end.y.clamp(from, to);
                     let x = match y == end.y {
                         true => end.x,
@@ -592,9 +594,9 @@ impl ChartTriangle {
         })
     }
 
-    /// Whether it is a point or a line on a texture of this size.
+    /// Whether it degenerates to a point or a line on a texture of this size.
     fn is_flat(&self, size: [usize; 2]) -> bool {
-        // Twice the distance of f32 below 1: what rounding makes of coordinates that are meant to be on one line.
+        // Twice the spacing of f32 below 1: the effect of rounding on coordinates meant to be on one line.
         const WIDTH: f64 = f32::EPSILON as f64;
         let [a, b, c] = self
             .corners
@@ -603,7 +605,7 @@ impl ChartTriangle {
         (b - a).perp_dot(c - a).abs() <= WIDTH * longest
     }
 
-    /// The weights of the second and third corner at a point; none where the triangle has no area on the texture.
+    /// The weights of the second and third corner at a point; `None` if the triangle has no area on the texture.
     fn barycentric(&self, point: DVec2) -> Option<[f64; 2]> {
         let [a, b, c] = self.corners;
         let (b, c, p) = (b - a, c - a, point - a);
@@ -613,7 +615,7 @@ impl ChartTriangle {
     }
 }
 
-/// Gives texels beside charts the mean of their neighbours on them, two texels wide, so that bilinear lookups find no black there.
+/// Fills texels beside charts with the mean of their neighbours on charts, two texels wide, so that bilinear lookups find no black there.
 fn fill_gutters<T: Stored>(
     values: &mut [T],
     mut covered: Vec<bool>,
@@ -648,7 +650,7 @@ fn fill_gutters<T: Stored>(
 mod tests {
     use super::*;
 
-    /// Numbers from 0 to 1 that look random: a linear congruential generator.
+    /// Pseudorandom numbers from 0 to 1: a linear congruential generator.
     fn random() -> impl FnMut() -> f64 {
         let mut state = 1u64;
         move || {
@@ -667,7 +669,7 @@ mod tests {
         for k in 0..200 {
             let mut corner = || DVec2::new(40.0 * random(), 30.0 * random());
             let [a, b, mut c] = [corner(), corner(), corner()];
-            // Every other one is a sliver.
+            // Every other triangle is a sliver.
             if k % 2 == 0 {
                 c = a.lerp(b, 0.3) + 1e-3 * (c - a);
             }
@@ -696,8 +698,8 @@ mod tests {
                 );
             }
         }
-        // Half of them are 1/13 of a rectangle of 40 × 30 on average, the others lines about 18 texels long: with edges, fewer than
-        // 160 and 40 texels. The rectangles around them have 133.
+        // Half of the triangles cover 1/13 of a rectangle of 40 × 30 on average, the others are lines about 18 texels long: with edges,
+        // fewer than 160 and 40 texels. Their bounding boxes have 133.
         assert!(listed < 100 * (160 + 40), "{listed}");
     }
 }

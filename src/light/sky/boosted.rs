@@ -1,25 +1,26 @@
-//! What falls from the sky on surfaces at rest in a frame that moves.
+//! Illumination by the sky of surfaces at rest in a moving frame.
 //!
-//! In the frame F the sky has the radiance L_F(d_F) = W⁻ᵖ L(d) along the aberrated direction d_F, and dω_F = W² dω, so
-//! that a surface of the normal n is lit, with nothing in the way, by
+//! In the frame F the sky has the radiance L_F(d_F) = W⁻ᵖ L(d) along the aberrated direction d_F, and dω_F = W² dω, so an unoccluded
+//! surface of normal n receives
 //!
 //! ```text
 //! E_F(n) = ∫ L_F max(0, n·d_F) dω_F = ∫ W²⁻ᵖ L(d) max(0, n·d_F) dω.
 //! ```
 //!
-//! The integral is a sum over the texels of a grid of the world's sphere ([`grid`](super::grid)), each with the mean of L in it, the d_F and W of its middle
-//! and its own solid angle. They are gathered in 96 × 48 blocks, 3.75° wide: of each Σ dE and Σ d_F dE are known, and with d̄ their quotient a block lights by
-//! max(0, n·d̄), which is exact unless n's horizon runs through it. E_F is kept at 6 × 33² normals on the faces of a cube, and
-//! interpolated bilinearly: max(0, cos) to (4°)²/8 = 6·10⁻⁴, and to 4°/4 = 1.6·10⁻² where a block sets. So the few blocks that send more than
-//! a fiftieth of the whole, as that with a sun does, are left out of it and counted one by one; E_F is right to 2·10⁻³ of its largest value over n.
-//! A background that is the same all around lights by the integral of [`even`](super::even) in place of that, right to 2·10⁻⁴ of E_F for each n. What has a spectrum of its own has its colour at W in place of W⁻ᵖ L, at
-//! each texel, and a star at its own. What is in the way is found by [`BoostedSky::sample`]. There and where light is followed, the stars of a
-//! block shine from all of it: the mean is theirs, and no direction that is drawn meets a disc that is some thousand times as bright as what is about it. Mirrors show
-//! the discs.
+//! The integral is a sum over the texels of a grid of the world's sphere ([`grid`](super::grid)), each with its mean L, the d_F and W of
+//! its centre and its own solid angle. The texels are grouped into 96 × 48 blocks, 3.75° wide: for each, Σ dE and Σ d_F dE are stored, and
+//! with d̄ their quotient a block contributes with the cosine max(0, n·d̄), which is exact unless the horizon of n crosses it. E_F is
+//! stored at 6 × 33² normals on the faces of a cube and interpolated bilinearly: max(0, cos) to (4°)²/8 = 6·10⁻⁴, and to 4°/4 = 1.6·10⁻²
+//! where a block sets. The few blocks that send more than a fiftieth of the total, such as one with a sun, are therefore excluded and
+//! summed one by one; the error of E_F is 2·10⁻³ of its largest value over n. For a background that is the same in all directions the
+//! integral of [`even`](super::even) is used instead, with an error of 2·10⁻⁴ of E_F for each n. Light with a spectrum of its own has its
+//! colour at W instead of W⁻ᵖ L, per texel, and per star. Occlusion is tested with directions from [`BoostedSky::sample`]. For those, and
+//! for light paths, the stars of a block shine uniformly from the whole block: this conserves the mean, and no sampled direction hits a
+//! disc some thousand times brighter than its surroundings. Mirrors show the discs.
 //!
-//! Directions are drawn with the cosine; where some block sends 8 times the mean, half of the time by what blocks and their texels send
-//! in place of that, and weighed by the mean of the two densities (Veach and Guibas, "Optimally combining sampling techniques", SIGGRAPH 1995). Light from there is the
-//! mean of its texel: a sun of a few of them is drawn as often as it is bright.
+//! Directions are sampled by the cosine; if some block sends 8 times the mean, half of them are sampled by the light of blocks and their
+//! texels instead, weighted with the mean of the two densities (Veach and Guibas, "Optimally combining sampling techniques", SIGGRAPH
+//! 1995). The light of a sampled direction is the mean of its texel: a sun of a few texels is sampled in proportion to its brightness.
 
 use std::f64::consts::{FRAC_1_PI, PI};
 use std::sync::Arc;
@@ -36,36 +37,36 @@ use crate::light::Received;
 use crate::light::reflection::by_cosine;
 use crate::spacetime::{Boost, Direction, Rest, World};
 
-/// The part of the whole from which on a block is counted by itself: there are at most as many as its inverse says.
+/// The fraction of the total above which a block is summed by itself: at most as many blocks as its inverse.
 const BRIGHT: f64 = 0.02;
 /// Steps along an edge of a face of the cube of normals.
 const STEPS: usize = 32;
 
-/// The sky as surfaces at rest in one frame see it.
+/// The sky as seen by surfaces at rest in one frame.
 #[derive(Debug)]
 pub struct BoostedSky {
     world_from_rest: Boost<World, Rest>,
     rest_from_world: Boost<Rest, World>,
     received: Received,
     grid: Arc<LightGrid>,
-    /// E_F by normal, of what is neither even nor bright; empty where there is nothing else.
+    /// E_F by normal, of everything neither even nor bright; empty if there is nothing else.
     irradiance: Vec<[f64; 3]>,
-    /// Blocks that send much of the whole.
+    /// Blocks that send much of the total.
     bright: Vec<Beam>,
     /// E_F of an even background.
     even: Option<EvenSky>,
-    /// W²⁻ᵖ L dω of the stars of each block; empty where there are none.
+    /// W²⁻ᵖ L dω of the stars of each block; empty if there are none.
     stars: Vec<[f64; 3]>,
-    /// What all blocks up to each send, in parts of the whole; empty where drawing by the cosine is as good.
+    /// Cumulative distribution over blocks of the light sent; empty if cosine sampling is as good.
     cumulative: Vec<f64>,
 }
 
-/// A direction drawn.
+/// A sampled direction.
 #[derive(Debug, Clone, Copy)]
 pub struct SkySample {
-    /// In the world.
+    /// The direction in the world.
     pub d: Direction<World>,
-    /// In the rest frame.
+    /// The direction in the rest frame.
     pub in_rest: DVec3,
     /// ω_rest/ω_world of light from there.
     pub rho: f64,
@@ -74,7 +75,7 @@ pub struct SkySample {
 }
 
 impl SkySample {
-    /// What comes from there of `sky`: by channel, or at some wavelengths of the rest frame.
+    /// The light of `sky` from this direction: by channel, or at some wavelengths of the rest frame.
     #[inline]
     pub fn of<'a>(&self, sky: &'a Sky, wavelengths: Option<&'a Wavelengths>) -> FromSky<'a> {
         FromSky {
@@ -89,13 +90,13 @@ impl SkySample {
 /// Light of a sky from one direction.
 #[derive(Debug, Clone, Copy)]
 pub struct FromSky<'a> {
-    /// The sky that [`BoostedSky::new`] was made of.
+    /// The sky that was passed to [`BoostedSky::new`].
     pub sky: &'a Sky,
-    /// In the world.
+    /// The direction in the world.
     pub d: Direction<World>,
     /// ω_rest/ω_world.
     pub rho: f64,
-    /// Those of the rest frame at which it is asked for; by channel where there are none.
+    /// The wavelengths of the rest frame to evaluate; `None` for channels.
     pub wavelengths: Option<&'a Wavelengths>,
 }
 
@@ -107,26 +108,26 @@ impl FromSky<'_> {
     }
 }
 
-/// What a block sends, W²⁻ᵖ L dω, and from where.
+/// The light sent by a block, W²⁻ᵖ L dω, and its direction.
 #[derive(Debug, Clone, Copy)]
 struct Beam {
-    /// The mean direction by flux, in the rest frame: no unit vector, but for a block that is lit at one place.
+    /// The mean direction weighted by flux, in the rest frame: not a unit vector unless the light of the block comes from one point.
     in_rest: DVec3,
     flux: [f64; 3],
 }
 
 impl Beam {
-    /// Its flux over all channels; colours outside the gamut may have a sum below 0.
+    /// Its flux summed over channels; colours outside the gamut may have a sum below 0.
     fn size(&self) -> f64 {
         self.flux.iter().sum::<f64>().max(0.0)
     }
 
-    /// Whether it sends much of a whole.
+    /// Whether it sends much of the total `whole`.
     fn is_bright(&self, whole: f64) -> bool {
         self.size() > BRIGHT * whole
     }
 
-    /// Adds what it sends to a surface of the normal `n`.
+    /// Adds its contribution to a surface with normal `n`.
     #[inline(always)]
     fn add_to(&self, sum: &mut [f64; 3], n: DVec3) {
         let cosine = n.dot(self.in_rest).max(0.0);
@@ -136,7 +137,7 @@ impl Beam {
     }
 }
 
-/// Sums over light: dE, and d_F |dE| with |dE| over all channels.
+/// Sums over light: dE, and d_F |dE| with |dE| summed over channels.
 #[derive(Debug, Clone, Copy, Default)]
 struct Moment {
     flux: [f64; 3],
@@ -167,8 +168,8 @@ impl Moment {
 }
 
 impl BoostedSky {
-    /// `sky` without its sun, whose radiance `grid` has, and of whose light `received` comes to surfaces in the frame that
-    /// `rest_from_world` leads to.
+    /// `sky` without its sun, for surfaces at rest in the frame of `rest_from_world`, which receive the quantity `received`; `grid` has the
+    /// radiance of the sky.
     pub fn new(
         sky: &Sky,
         grid: &Arc<LightGrid>,
@@ -187,7 +188,7 @@ impl BoostedSky {
             .into_iter()
             .filter(|beam| beam.flux != [0.0; 3])
             .partition(|beam| beam.is_bright(whole));
-        // Each sum in the order of the blocks, whatever the threads.
+        // Each sum is taken in the order of the blocks, independent of the number of threads.
         let irradiance = match others.is_empty() {
             true => Vec::new(),
             false => {
@@ -209,7 +210,7 @@ impl BoostedSky {
         }
     }
 
-    /// E_F on a surface of the unit normal `n`, with nothing in the way.
+    /// E_F on an unoccluded surface with the unit normal `n`.
     #[inline]
     pub fn irradiance(&self, n: DVec3) -> [f64; 3] {
         let mut all = match &self.even {
@@ -268,14 +269,14 @@ impl BoostedSky {
         }
     }
 
-    /// Whether a surface that draws a direction with this `density` has a lobe narrower than a texel there.
+    /// Whether a surface that samples a direction with this `density` has a lobe narrower than a texel there.
     #[inline]
     pub fn shows_picture(&self, d: Direction<World>, rho: f64, density: f64) -> bool {
         // dω_F = dω/ρ².
         density * self.grid.solid_angle_about(d.unit()) / (rho * rho) > 1.0
     }
 
-    /// L_F where the background has the radiance `channels`.
+    /// L_F if the background has the radiance `channels`.
     #[inline]
     fn seen(&self, channels: [f64; 3], from: &FromSky) -> [f64; 3] {
         let FromSky { sky, d, rho, .. } = *from;
@@ -287,7 +288,7 @@ impl BoostedSky {
         if sky.has_spectra() {
             seen = sum(seen, sky.spectral_background(w));
         }
-        // Through dω_F = W² dω.
+        // By dω_F = W² dω.
         match self.stars.is_empty() {
             true => seen,
             false => {
@@ -299,14 +300,14 @@ impl BoostedSky {
         }
     }
 
-    /// The radiance at some wavelengths of the frame where the background has the radiance `channels`, seen at `w`.
+    /// The radiance at some wavelengths of the frame if the background has the radiance `channels`, seen at `w`.
     #[inline]
     fn seen_at(&self, sky: &Sky, channels: [f64; 3], w: f64, wavelengths: Wavelengths) -> [f64; 3] {
         let seen = self.received.at(w, channels, wavelengths);
         sum(seen, sky.spectral_at(w, wavelengths))
     }
 
-    /// L_F with the sun, and with stars as the discs that they are.
+    /// L_F with the sun, and with stars as discs.
     #[inline]
     pub fn radiance_with_sun(&self, from: &FromSky) -> [f64; 3] {
         let (sky, d, w) = (from.sky, from.d.unit(), 1.0 / from.rho);
@@ -320,7 +321,7 @@ impl BoostedSky {
         }
     }
 
-    /// The world's direction of a direction of the rest frame, and ω_rest/ω_world of light from there.
+    /// The direction in the world of a direction of the rest frame, and ω_rest/ω_world of light from there.
     #[inline]
     pub fn in_world(&self, in_rest: DVec3) -> (Direction<World>, f64) {
         let (d, ratio) = self
@@ -329,16 +330,16 @@ impl BoostedSky {
         (d, 1.0 / ratio)
     }
 
-    /// A direction drawn by two numbers in [0, 1) for a surface of the unit normal `n`; none where it goes into it.
+    /// A direction sampled by two numbers in [0, 1) for a surface with the unit normal `n`; `None` if it points below the surface.
     #[inline]
     pub fn sample(&self, n: DVec3, [x, y]: [f64; 2]) -> Option<SkySample> {
-        // Half of the directions are drawn by what blocks send, half by cosine; the density is the mean of both.
+        // Half of the directions are sampled by the light of blocks, half by cosine; the density is the mean of both.
         let (d, in_rest, rho) = if x < 0.5 && !self.cumulative.is_empty() {
             let d = Direction::from_unit(self.in_a_block(2.0 * x, y));
             let (in_rest, rho) = self.rest_from_world.direction(d);
             (d, in_rest.unit(), rho)
         } else {
-            // What is left of x, uniform again.
+            // The remainder of x, again uniform.
             let x = if self.cumulative.is_empty() {
                 x
             } else {
@@ -360,7 +361,7 @@ impl BoostedSky {
         })
     }
 
-    /// The direction `in_rest` as one that was drawn for a surface of the unit normal `n`.
+    /// The direction `in_rest` as a sampled direction for a surface with the unit normal `n`.
     #[inline]
     pub fn sample_at(&self, n: DVec3, in_rest: DVec3) -> SkySample {
         let (d, rho) = self.in_world(in_rest);
@@ -372,8 +373,8 @@ impl BoostedSky {
         }
     }
 
-    /// The density per solid angle of the rest frame with which [`BoostedSky::sample`] draws a direction that is `d` in
-    /// the world, at this cosine to the normal; `rho` is ω_rest/ω_world of light from there.
+    /// The density per solid angle of the rest frame with which [`BoostedSky::sample`] samples the direction with `d` in the world, at this
+    /// cosine to the normal; `rho` is ω_rest/ω_world of light from there.
     #[inline]
     pub fn density(&self, cosine: f64, d: Direction<World>, rho: f64) -> f64 {
         match self.cumulative.is_empty() {
@@ -387,26 +388,26 @@ impl BoostedSky {
         }
     }
 
-    /// Whether some blocks send so much more than others that directions are drawn by it.
+    /// Whether directions are sampled by light because some blocks send much more than others.
     #[inline]
     pub fn is_uneven(&self) -> bool {
         !self.cumulative.is_empty()
     }
 
-    /// What surfaces receive of the sky's light.
+    /// The quantity that surfaces receive of the sky's light.
     #[inline]
     pub fn received(&self) -> Received {
         self.received
     }
 
-    /// The part of the whole that a block sends.
+    /// The fraction of the total sent by a block.
     #[inline]
     fn share(&self, block: usize) -> f64 {
         let before = block.checked_sub(1).map_or(0.0, |k| self.cumulative[k]);
         self.cumulative[block] - before
     }
 
-    /// A direction of the world in a block drawn by `x`, which also places it across, and `y` along.
+    /// A direction of the world sampled within a block: by `x`, which selects the texel and the position across, and by `y` along.
     #[inline]
     fn in_a_block(&self, x: f64, y: f64) -> DVec3 {
         let last = self.cumulative.len() - 1;
@@ -418,9 +419,9 @@ impl BoostedSky {
     }
 }
 
-/// What a background that is the same all around sends; none of others.
+/// The light of a background that is the same in all directions; `None` for other backgrounds.
 fn even(sky: &Sky, boost: &Boost<Rest, World>, received: Received) -> Option<EvenSky> {
-    // The frame moves against the world that moves in it.
+    // The frame moves opposite to the world's motion in it.
     let (against, rapidity) = boost.motion();
     match &sky.background {
         Background::Uniform(radiance) => Some(EvenSky::new(-against, rapidity, |w| {
@@ -431,7 +432,7 @@ fn even(sky: &Sky, boost: &Boost<Rest, World>, received: Received) -> Option<Eve
     }
 }
 
-/// What all blocks send, `stars` included.
+/// The light sent by each block, including `stars`.
 fn beams(
     sky: &Sky,
     grid: &LightGrid,
@@ -460,7 +461,7 @@ fn beams(
     (0..BLOCKS).into_par_iter().map(of_block).collect()
 }
 
-/// What the stars of each block send, and Σ of their directions by that; none where there are none.
+/// The light of the stars of each block, and Σ of their directions weighted by it; empty if there are none.
 fn stars(
     sky: &Sky,
     grid: &LightGrid,
@@ -501,7 +502,7 @@ fn normals() -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// Sums of what blocks send over all channels, up to 1; empty for a dark or even sky.
+/// The cumulative light of blocks over all channels, normalized to 1; empty for a dark or even sky.
 fn cumulative(beams: &[Beam], grid: &LightGrid) -> Vec<f64> {
     let mut sum = 0.0;
     let sums = beams.iter().map(|beam| {
@@ -509,7 +510,7 @@ fn cumulative(beams: &[Beam], grid: &LightGrid) -> Vec<f64> {
         sum
     });
     let sums: Vec<f64> = sums.collect();
-    // Worth drawing by where a block sends more than eight times the mean per solid angle; otherwise cosines alone will do.
+    // Sampling by light pays where a block sends more than eight times the mean per solid angle; otherwise cosine sampling is enough.
     let per_solid_angle =
         |(block, beam): (usize, &Beam)| beam.size() / grid.solid_angle_of_block(block);
     let largest = beams
@@ -558,8 +559,8 @@ mod tests {
         Boost::new(Velocity::from_rapidity(-rapidity).unwrap())
     }
 
-    /// E_F of a uniform sky of radiance 1 as a plain sum over directions of the rest frame: L_F = (γ (1 + β c))⁴ with
-    /// γ (1 + β c) = 1/(γ (1 − β c′)), in rings that are closer the nearer c′ is to 1.
+    /// E_F of a uniform sky of radiance 1 as a plain sum over directions of the rest frame: L_F = (γ (1 + β c))⁴ with γ (1 + β c) = 1/(γ (1
+    /// − β c′)), in rings that get narrower towards c′ = 1.
     fn expected(beta: f64, tilt: f64) -> f64 {
         let gamma = 1.0 / (1.0 - beta * beta).sqrt();
         let (n, m) = (6000, 720);
@@ -583,7 +584,7 @@ mod tests {
         sum
     }
 
-    /// What `count`² draws, spread evenly, make of the irradiance of a surface with normal `n`: their mean, and the most of one.
+    /// The irradiance of a surface with normal `n` estimated from `count`² evenly distributed samples: their mean, and the largest one.
     fn drawn(boosted: &BoostedSky, sky: &Sky, n: DVec3, count: usize) -> [f64; 2] {
         let (mut sum, mut most) = (0.0, 0.0f64);
         let at = |k: usize| (k as f64 + 0.5) / count as f64;
@@ -616,7 +617,7 @@ mod tests {
         }
     }
 
-    /// A sky of Planck's law at T is one of T/W in each direction, for surfaces in motion too: by the same plain sum, seen from behind the motion, where it
+    /// A Planck sky of temperature T has T/W in each direction, for moving surfaces too: by the same plain sum, seen from behind, where it
     /// is cold.
     #[test]
     fn a_sky_of_a_blackbody_lights_the_far_side_of_what_moves() {
@@ -631,7 +632,7 @@ mod tests {
         let lit = of(&sky, &boost(beta), received).irradiance(-motion);
         let (n, mut expected) = (20_000, [0.0; 3]);
         for k in 0..n {
-            // c is the cosine to the normal, which looks back.
+            // c is the cosine to the normal, which points backwards.
             let c = (f64::from(k) + 0.5) / f64::from(n);
             let w = (1.0 + beta * c) / (1.0 - beta * beta).sqrt();
             let seen = blackbody_colour(5000.0 / w).map(|l| l * TAU * c / f64::from(n));
@@ -654,8 +655,8 @@ mod tests {
         }
     }
 
-    /// Discs of stars are met by a few of a million directions, and are as much brighter than what is about them: no sum of some draws would have
-    /// their light.
+    /// Discs of stars are hit by only a few of a million directions, and are brighter than their surroundings by as much: no sum of a few
+    /// samples would have their light.
     #[test]
     fn stars_light_surfaces_without_noise() {
         let direction = |k: u32| {
@@ -681,7 +682,7 @@ mod tests {
                 };
                 let boosted = of(&sky, &boost(beta), received);
                 let n = DVec3::new(0.6, 0.0, -0.8);
-                // No multiple of the stars, whose blocks would be met at their edges.
+                // Not a multiple of the number of stars, whose blocks would be hit at their edges.
                 let ([mean, most], e) = (drawn(&boosted, &sky, n, 463), boosted.irradiance(n)[1]);
                 assert!(
                     (mean - e).abs() < 0.03 * e,
@@ -692,7 +693,8 @@ mod tests {
         }
     }
 
-    /// A picture with a sun of 2 × 2 texels, wherever they lie: by a plain sum over its texels, with each one's own direction, W and solid angle.
+    /// A picture with a sun of 2 × 2 texels at several positions: by a plain sum over its texels, each with its own direction, W and solid
+    /// angle.
     #[test]
     fn a_small_sun_in_a_picture_lights_surfaces_from_where_it_is() {
         let width = 512;
@@ -714,7 +716,7 @@ mod tests {
             let boost = boost(beta);
             let boosted = of(&sky, &boost, Received::Scaled(Quantity::Integrated));
             let edge = |i: usize| libm::cos(PI * i as f64 / (width / 2) as f64);
-            // n·d_F W⁻² L dω: the fourth power of 1/W, and its square taken by dω_F.
+            // n·d_F W⁻² L dω: the fourth power of 1/W, reduced to its square by dω_F.
             let expected = |n: DVec3| -> f64 {
                 let of_texel = |(i, j): (usize, usize)| {
                     let longitude = TAU * ((j as f64 + 0.5) / width as f64 - 0.5);
@@ -739,7 +741,7 @@ mod tests {
                 let off = (found - expected).abs() / largest;
                 assert!(off < 2e-3, "{at:?} {beta}: {found} {expected} of {largest}");
             }
-            // What is drawn has it, too, and no draw has a thousand times the mean.
+            // Samples have it, too, and none is a thousand times the mean.
             let n = DVec3::Y;
             let ([mean, most], e) = (drawn(&boosted, &sky, n, 256), expected(n));
             let off = (mean - e).abs();

@@ -1,8 +1,8 @@
-//! Catalogues of stars: tables, and random ones by a law.
+//! Catalogues of stars: tables, and random catalogues.
 //!
 //! A star of magnitude m has the luminance E = scale · 10^(−0.4 m) and the colour of a blackbody of its temperature.
-//! Random ones fill space evenly with stars of one luminosity: those within r are r³, and E ∝ r⁻², so that
-//! N(<m) ∝ 10^(0.6 m) (Seeliger 1898); the sky that is seen by eye comes near to it.
+//! Random catalogues fill space uniformly with stars of equal luminosity: the number within r is as r³, and E ∝ r⁻², so N(<m) ∝ 10^(0.6 m)
+//! (Seeliger 1898), which is close to the counts of naked-eye stars.
 
 use std::path::Path;
 
@@ -13,16 +13,16 @@ use crate::error::{Error, Result};
 use crate::io::spectrum::rows_of;
 use crate::scene::model::{Catalogue, Stars};
 
-/// The most stars of a table.
+/// The maximum number of stars in a table.
 const MOST: usize = 1_000_000;
 
-/// What would be right.
+/// The expected format.
 const FORM: &str = "lines are x,y,z,magnitude,temperature: a direction, a magnitude from -30 to 30, 1000 to 100000 K";
 
-/// The stars of a catalogue; `text` is that of its table, where it has one.
+/// The stars of a catalogue; `text` is its table, if it has one.
 ///
 /// # Errors
-/// Lines of a table that are no stars, and a table that has none.
+/// Lines of a table that are not stars, and a table without stars.
 pub fn stars(stars: &Stars, text: &str) -> Result<Vec<Star>> {
     match &stars.catalogue {
         Catalogue::Random {
@@ -55,7 +55,7 @@ fn random(scale: f64, key: u64, faintest: f64) -> Star {
     let d = DVec3::new(sine * across, height, cosine * across);
     // N(<m)/N = 10^(0.6 (m − faintest)) = u.
     let magnitude = faintest + libm::log10(number(2)) / 0.6;
-    // From 3000 to 12000 K, more of them cool.
+    // From 3000 to 12000 K, with more cool than hot stars.
     let u = number(3);
     star(scale, d, magnitude, 3000.0 * libm::pow(4.0, u * u))
 }
@@ -112,7 +112,7 @@ mod tests {
             let [r, g, b] = s.colour(1.0);
             0.2126 * r + 0.7152 * g + 0.0722 * b
         };
-        // A magnitude brighter: 10^−0.6 = 0.2512 of all, ± √(20000 · 0.25 · 0.75) = 61.
+        // Stars down to one magnitude brighter: 10^−0.6 = 0.2512 of all, ± √(20000 · 0.25 · 0.75) = 61.
         let brighter = |m: f64| {
             stars
                 .iter()
@@ -133,7 +133,7 @@ mod tests {
         )
         .unwrap();
         assert_eq!(read.len(), 2);
-        // As a spreadsheet writes it, and with names of columns behind a comment.
+        // As a spreadsheet writes it, and with column names after a comment.
         for start in [
             "\u{feff}",
             "\u{feff}x,y,z,magnitude,temperature\r\n",

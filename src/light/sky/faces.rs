@@ -1,19 +1,20 @@
-//! Square cells on the faces of a cube about the observer, and the discs of the sky that lie in them.
+//! Square cells on the faces of a cube around the observer, and the discs of the sky in them.
 //!
-//! A direction d goes through the face of its longest coordinate, at u and v, the other two over that one, from −1 to 1. What is within an
-//! angle R of d is, on that face, between the planes through the v axis that touch the cap about d: they are turned from d's by δ either way, with
+//! A direction d goes through the face of its largest coordinate, at u and v, the other two divided by that one, from −1 to 1. On that
+//! face, everything within an angle R of d lies between the planes through the v axis that touch the cap around d: they are rotated from
+//! that of d by ±δ, with
 //!
 //! ```text
 //! sin δ = sin R / √(1 − d_v²) = sin R √((1 + u² + v²)/(1 + u²)) ≤ sin R √(1 + v²),
 //! ```
 //!
-//! so that u is from tan(atan u − δ) to tan(atan u + δ), and v likewise.
+//! so u ranges from tan(atan u − δ) to tan(atan u + δ), and v likewise.
 
 use glam::DVec3;
 
 /// The cosine of the angle between the axis of a face and its corners, 1/√3.
 const CORNER: f64 = 0.577_350_269;
-/// What rectangles are widened by: 10⁷ times the rounding, 2⁻⁵³ each, of the few steps from a direction to its place, from −1 to 1.
+/// Margin of rectangles: 10⁷ times the rounding error, 2⁻⁵³ per step, of the few steps from a direction to its position, from −1 to 1.
 const ROUNDING: f64 = 1e-9;
 
 /// The outward axis of a face of the cube, and its sides.
@@ -26,7 +27,7 @@ pub(super) fn axes(face: usize) -> (DVec3, DVec3, DVec3) {
     }
 }
 
-/// The face of the cube that `d` goes through, and where, from −1 to 1 along its sides.
+/// The face of the cube that `d` goes through, and the position there, from −1 to 1 along its sides.
 #[inline]
 pub(super) fn on_cube(d: DVec3) -> (usize, [f64; 2]) {
     let a = d.abs();
@@ -39,19 +40,19 @@ pub(super) fn on_cube(d: DVec3) -> (usize, [f64; 2]) {
     }
 }
 
-/// A rectangle of a face that holds some directions.
+/// A rectangle of a face that contains some directions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rectangle {
     face: usize,
-    /// The least and the greatest place along each side.
+    /// The smallest and largest position along each side.
     sides: [[f64; 2]; 2],
 }
 
 impl Rectangle {
-    /// That of all directions with coordinates from `low` to `high`; none where they may go through more than one face.
+    /// The rectangle of all directions with coordinates from `low` to `high`; `None` if they may go through more than one face.
     #[inline]
     pub fn of(low: [f64; 3], high: [f64; 3]) -> Option<Rectangle> {
-        // The least and the greatest size of each coordinate.
+        // The smallest and largest absolute value of each coordinate.
         let far: [f64; 3] = std::array::from_fn(|k| high[k].max(-low[k]));
         let near: [f64; 3] = std::array::from_fn(|k| low[k].max(-high[k]));
         let is_longest =
@@ -71,7 +72,7 @@ impl Rectangle {
         })
     }
 
-    /// What is within an angle of this `sine`, at most 35°, of the directions, as the head of this file says.
+    /// The rectangle of everything within an angle of this `sine`, at most 35°, of the directions, as derived at the head of this file.
     #[inline]
     pub fn widened(self, sine: f64) -> Rectangle {
         let [u, v] = self.sides;
@@ -79,7 +80,7 @@ impl Rectangle {
             let across = last.max(-first);
             let square = sine * sine * (1.0 + across * across);
             let tangent = (square / (1.0 - square)).sqrt();
-            // tan(atan x + δ); beyond a right angle, beyond all.
+            // tan(atan x + δ); infinite beyond a right angle.
             let moved = |x: f64| match 1.0 - x * tangent {
                 rest if rest > 0.0 => (x + tangent) / rest + ROUNDING,
                 _ => f64::INFINITY,
@@ -96,34 +97,34 @@ impl Rectangle {
 /// Cells on all faces.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Grid {
-    /// Along an edge of a face.
+    /// Number of cells along an edge of a face.
     pub cells: usize,
 }
 
 impl Grid {
-    /// The cell along an edge in which a place is, or the first or the last one for what is beyond.
+    /// The cell along an edge that contains a position, or the first or last cell for positions outside.
     #[inline]
     fn along(self, x: f64) -> usize {
-        // Conversion takes what is below 0 for 0.
+        // The conversion saturates negative numbers to 0.
         ((0.5 * (x + 1.0) * self.cells as f64) as usize).min(self.cells - 1)
     }
 
-    /// The number of a cell.
+    /// The index of a cell.
     fn number(self, face: usize, [u, v]: [f64; 2]) -> usize {
         (face * self.cells + self.along(v)) * self.cells + self.along(u)
     }
 
-    /// The cell in which a direction lies.
+    /// The index of the cell that contains a direction.
     pub fn cell(self, d: DVec3) -> usize {
         let (face, place) = on_cube(d);
         self.number(face, place)
     }
 
-    /// Calls `each` with a cell of each face into which a disc about `d` reaches, that of its middle or the nearest one to that. Its radius
-    /// has this sine, and is at most 35°.
+    /// Calls `each` with one cell of each face that a disc around `d` touches: that of its centre, or the one nearest to it. The radius of
+    /// the disc has this sine, and is at most 35°.
     fn each_face(self, d: DVec3, sine: f64, mut each: impl FnMut(usize)) {
         let cosine = (1.0 - sine * sine).sqrt();
-        // Of the angle from a face's axis to its corners and the radius together.
+        // The cosine of the sum of the angle from a face's axis to its corners and the radius.
         let (corner, across) = (CORNER, (1.0 - CORNER * CORNER).sqrt());
         let least = corner * cosine - across * sine - ROUNDING;
         for face in 0..6 {
@@ -132,8 +133,8 @@ impl Grid {
             if depth < least {
                 continue;
             }
-            // Whether the planes through the other side that touch the disc leave room for the face between them. There are none where the disc
-            // has the other side in it.
+            // Whether part of the face lies between the planes through the other side that touch the disc. There are no such planes if the
+            // disc contains the other side.
             let reaches = |side: DVec3| {
                 let along = d.dot(side);
                 let rest = (depth * depth + along * along - sine * sine)
@@ -155,19 +156,19 @@ impl Grid {
     }
 }
 
-/// Discs by the cells in which their middles are, on each face into which they reach.
+/// Discs by the cells of their centres, on each face that they touch.
 #[derive(Debug)]
 pub(super) struct Index {
     grid: Grid,
-    /// Where what is in a cell begins, and the numbers of the discs, cell by cell and row by row.
+    /// Where each cell begins in the list, and the indices of the discs, cell by cell and row by row.
     begins: Vec<u32>,
     numbers: Vec<u32>,
 }
 
 impl Index {
-    /// Of discs about directions, whose radii have these sines.
+    /// The index of discs around directions, with radii of these sines.
     pub fn new(grid: Grid, discs: impl Iterator<Item = (DVec3, f64)> + Clone) -> Index {
-        // Where cells begin, by counting; filled disc by disc, each cell has them in that order.
+        // Where cells begin, from counts; filled disc by disc, so that each cell lists them in order.
         let mut begins = vec![0; 6 * grid.cells * grid.cells + 1];
         for (d, sine) in discs.clone() {
             grid.each_face(d, sine, |cell| begins[cell] += 1);
@@ -193,8 +194,8 @@ impl Index {
         }
     }
 
-    /// The numbers of all discs whose middles are in the cells of a rectangle, row by row; none where there are more than `most` cells. The
-    /// order of those near a direction is the same in any rectangle.
+    /// The indices of all discs with centres in the cells of a rectangle, row by row; `None` if there are more than `most` cells. The order
+    /// of those near a direction is the same for any rectangle.
     #[inline]
     pub fn rows(&self, near: Rectangle, most: usize) -> Option<impl Iterator<Item = &[u32]>> {
         let [[left, right], [top, bottom]] =
@@ -213,7 +214,7 @@ impl Index {
 mod tests {
     use super::*;
 
-    /// Directions all over the sky, and many near edges and corners of the cube.
+    /// Directions all over the sky, with many near edges and corners of the cube.
     fn directions() -> impl Iterator<Item = DVec3> {
         let mut state = 7u64;
         let mut next = move || {
@@ -238,7 +239,7 @@ mod tests {
             let grid = Grid { cells: 16 };
             let index = Index::new(grid, all.iter().map(|d| (*d, sine)));
             for (k, d) in all.iter().enumerate() {
-                // Within the disc, right before its edge, in some direction.
+                // Within the disc, just inside its edge, in some direction.
                 let side = d.any_orthonormal_vector();
                 let turned = side * (k as f64).cos() + d.cross(side) * (k as f64).sin();
                 let (sin, cos) = (sine * (1.0 - 1e-9), (1.0 - sine * sine).sqrt());
@@ -246,7 +247,7 @@ mod tests {
                 let near = Rectangle::of(look, look).unwrap().widened(sine);
                 let mut rows = index.rows(near, usize::MAX).unwrap();
                 assert!(rows.any(|row| row.contains(&(k as u32))), "{sine} {d}");
-                // And few others.
+                // And few others are listed.
                 if sine < 0.1 {
                     let rows = index.rows(near, 9);
                     assert!(rows.is_some(), "{sine} {d}");

@@ -1,10 +1,10 @@
-//! The sky as a light: mean radiances in the texels of an equirectangular grid, and directions drawn by them.
+//! The sky as a light: mean radiances in the texels of an equirectangular grid, and directions sampled by them.
 //!
-//! Texels have equal widths in longitude and latitude; a texel of Δφ between the heights y₁ > y₂ of its edges (y = sin latitude) has the solid
-//! angle Δφ (y₁ − y₂). Those of a picture are means over it by solid angle, so that no light is lost and none comes from elsewhere,
-//! however small a sun in it is. 96 × 48 blocks of them are what each rest frame knows the flux of; in a block a
-//! texel is drawn by its light in the world, whose ratio to its neighbours' hardly depends on the frame, and in a texel all directions alike
-//! (Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th edition, 2023, A.5: piecewise-constant distributions).
+//! Texels have equal widths in longitude and latitude; a texel of Δφ between the heights y₁ > y₂ of its edges (y = sin latitude) has the
+//! solid angle Δφ (y₁ − y₂). Texels are means over the picture by solid angle, so that all light is kept in its place, however small a sun
+//! in it is. They are grouped into 96 × 48 blocks, whose flux is computed for each rest frame. Within a block a texel is sampled by its
+//! light in the world, whose ratio to that of its neighbours hardly depends on the frame, and within a texel directions are sampled
+//! uniformly (Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th edition, 2023, A.5: piecewise-constant distributions).
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,12 +14,12 @@ use rayon::prelude::*;
 use super::panorama::arctan;
 use super::{Background, Sky};
 
-/// Blocks around, and from pole to pole.
+/// Number of blocks around, and from pole to pole.
 const AROUND: usize = 96;
 const BANDS: usize = AROUND / 2;
-/// Blocks of all directions.
+/// Number of blocks of the sphere.
 pub(super) const BLOCKS: usize = AROUND * BANDS;
-/// Texels along the edge of a block: as many as the picture has, from 1.9° to 0.38°.
+/// Texels along the edge of a block: according to the width of the picture, from 1.9° to 0.38°.
 const LEAST_SIDE: usize = 2;
 const GREATEST_SIDE: usize = 10;
 
@@ -28,15 +28,15 @@ const GREATEST_SIDE: usize = 10;
 pub struct LightGrid {
     /// Texels along the edge of a block.
     side: usize,
-    /// By block, and in it row by row.
+    /// By block, and row by row within a block.
     radiance: Vec<[f32; 3]>,
-    /// What the texels of a block up to each send, in parts of all of them.
+    /// Cumulative distribution over the texels of each block of the light sent.
     within: Vec<f32>,
     /// y of the upper edges of rows, from +1 down to −1.
     heights: Vec<f64>,
 }
 
-/// A texel: its block, and its number among all.
+/// A texel: its block, and its index among all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Texel {
     pub block: usize,
@@ -44,7 +44,7 @@ pub(super) struct Texel {
 }
 
 impl LightGrid {
-    /// That of the background of `sky`.
+    /// The grid of the background of `sky`.
     pub fn new(sky: &Sky) -> LightGrid {
         let side = match &sky.background {
             Background::Image(picture) => {
@@ -83,13 +83,13 @@ impl LightGrid {
         grid
     }
 
-    /// Bytes of the grid of a picture of so many columns.
+    /// Bytes of the grid of a picture with this many columns.
     pub fn bytes(width: usize) -> u64 {
         let side = (width / AROUND).clamp(LEAST_SIDE, GREATEST_SIDE);
         (BLOCKS * side * side * (size_of::<[f32; 3]>() + size_of::<f32>())) as u64
     }
 
-    /// What the texels of a block up to each send, in parts of all; by solid angle where the block is dark.
+    /// Cumulative distribution over the texels of a block of the light sent; by solid angle if the block is dark.
     fn parts(&self, block: usize) -> Vec<f32> {
         // Colours outside the gamut may have a sum below 0.
         let sent = |index: usize| {
@@ -110,7 +110,7 @@ impl LightGrid {
             (sum / total) as f32
         });
         let mut parts: Vec<f32> = parts.collect();
-        // Rounding must leave no number without a texel: those after the last one that sends anything have nothing.
+        // Rounding must leave no number without a texel: texels after the last one that sends anything get nothing.
         let last = all.iter().rposition(|part| *part > 0.0).unwrap_or(0);
         parts[last..].fill(1.0);
         parts
@@ -153,12 +153,12 @@ impl LightGrid {
         TAU / AROUND as f64 * (self.heights[row] - self.heights[row + self.side])
     }
 
-    /// The direction of the middle of a texel.
+    /// The direction of the centre of a texel.
     pub(super) fn middle(&self, index: usize) -> DVec3 {
         self.direction(index, 0.5, 0.5)
     }
 
-    /// The direction at the fractions (x, y) of a texel, by longitude and by height.
+    /// The direction at the fractions (x, y) of a texel, in longitude and height.
     #[inline]
     fn direction(&self, index: usize, x: f64, y: f64) -> DVec3 {
         let [row, column] = self.place(index);
@@ -170,7 +170,7 @@ impl LightGrid {
         DVec3::new(sine * across, height, -cosine * across)
     }
 
-    /// The texel in which a direction lies.
+    /// The texel that contains a direction.
     #[inline]
     pub(super) fn texel(&self, d: DVec3) -> Texel {
         let (columns, rows) = (AROUND * self.side, BANDS * self.side);
@@ -186,19 +186,19 @@ impl LightGrid {
         }
     }
 
-    /// The mean radiance about a direction.
+    /// The mean radiance of the texel around a direction.
     #[inline]
     pub(super) fn radiance_about(&self, texel: Texel) -> [f64; 3] {
         self.radiance(texel.index)
     }
 
-    /// The solid angle of the texel about a direction.
+    /// The solid angle of the texel around a direction.
     #[inline]
     pub(super) fn solid_angle_about(&self, d: DVec3) -> f64 {
         self.solid_angle(self.texel(d).index)
     }
 
-    /// A direction of `block`, drawn by two numbers in [0, 1).
+    /// A direction of `block`, sampled by two numbers in [0, 1).
     #[inline]
     pub(super) fn sample(&self, block: usize, x: f64, y: f64) -> DVec3 {
         let texels = self.texels(block);
@@ -211,19 +211,19 @@ impl LightGrid {
             block,
             index: first + at,
         };
-        // What is left of x, uniform again.
+        // The remainder of x, again uniform.
         let share = self.share(texel);
         let rest = (x - (f64::from(parts[at]) - share)) / share.max(f64::MIN_POSITIVE);
         self.direction(texel.index, rest.clamp(0.0, 1.0), y)
     }
 
-    /// The density per solid angle with which [`LightGrid::sample`] draws a direction of this texel in its block.
+    /// The density per solid angle with which [`LightGrid::sample`] samples a direction of this texel within its block.
     #[inline]
     pub(super) fn density(&self, texel: Texel) -> f64 {
         self.share(texel) / self.solid_angle(texel.index)
     }
 
-    /// The part of its block that a texel sends.
+    /// The fraction of the light of its block sent by a texel.
     #[inline]
     fn share(&self, texel: Texel) -> f64 {
         let first = self.texels(texel.block).start;
@@ -291,7 +291,7 @@ mod tests {
                 (sum / expected_sum - 1.0).abs() < 1e-6,
                 "{width}: {sum} {expected_sum}"
             );
-            // Its place is known to half a texel of the grid.
+            // Its direction is known to half a texel of the grid.
             let off = moment.angle_between(expected_moment);
             let texel = TAU / (AROUND * grid.side) as f64;
             assert!(off < 0.5 * texel, "{width}: {off} of {texel}");
@@ -310,7 +310,7 @@ mod tests {
             [sine * across, libm::sin(latitude), -cosine * across]
         });
         let block = grid.texel(sun).block;
-        // The density is one over the block's share of directions, and integrates to one.
+        // The density is one over the block's fraction of directions, and integrates to one.
         let all = grid.texels(block);
         let texel = |index: usize| Texel { block, index };
         let total: f64 = all
@@ -318,7 +318,7 @@ mod tests {
             .map(|index| grid.density(texel(index)) * grid.solid_angle(index))
             .sum();
         assert!((total - 1.0).abs() < 1e-6, "{total}");
-        // Drawn directions lie in the block, and fall to each texel by its share.
+        // Sampled directions lie in the block, and are distributed over texels by their fractions.
         let count = 400;
         let mut counts = vec![0; all.len()];
         for k in 0..count * count {

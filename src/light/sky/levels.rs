@@ -1,7 +1,7 @@
-//! Stars as they are seen where pixels are wider than their discs: spread over about a pixel, and in one place where one pixel holds many.
+//! Stars seen by pixels wider than their discs: spread over about a pixel, and merged where one pixel holds many.
 //!
-//! What is derived at the head of `stars` is computed here: the profile of a widened disc, levels for discs up to some
-//! width, and sums of stars that are alike.
+//! Implements the derivation at the head of `stars`: the profile of a widened disc, levels for discs up to some width, and sums of similar
+//! stars.
 
 use std::f64::consts::FRAC_1_PI;
 use std::ops::Range;
@@ -13,44 +13,44 @@ use super::rays::Rays;
 use super::star::{Star, luminance};
 use crate::accel::vectors::{BLOCK, Block, VectorLoop, dispatch};
 
-/// Steps of 1/T in which stars are summed up, 1/K: ½ in c₂/(λT), at 0.55 µm.
+/// Step of 1/T for merging stars, 1/K: ½ in c₂/(λT), at 0.55 µm.
 const STEP: f64 = 0.5 * 0.55e-6 / 1.438_777e-2;
-/// How many, down to 817 K; what is colder is in the last.
+/// Number of steps, down to 817 K; colder stars are in the last.
 const STEPS: usize = 64;
 /// An eighth of a block.
 const LANES: usize = BLOCK / 8;
-/// A chord of up to 30° over the sine of its angle, and more.
+/// An upper bound of a chord of up to 30° divided by the sine of its angle.
 const CHORD: f64 = 1.04;
 
-/// Stars to be seen with sin R up to some bound.
+/// Stars for sin R up to some bound.
 #[derive(Debug)]
 pub(super) struct Level {
     pub families: Vec<Family>,
-    /// The places of all families of more than one.
+    /// The places of all families with more than one.
     pub members: Vec<Place>,
     pub parts: Vec<Part>,
-    /// Families by where they are, with what they reach.
+    /// Families by direction, with their reach.
     pub index: Index,
 }
 
-/// Places that the next level has as one.
+/// Places that the next level merges into one.
 #[derive(Debug, Clone)]
 pub(super) struct Family {
     pub merged: Place,
-    /// Those that they are; none for one that stays as it is.
+    /// Its members; empty for a single place, which does not move.
     pub members: Range<u32>,
     /// The longest chord from one of them to there.
     pub spread: f64,
 }
 
-/// A place from which light comes, and its parts by steps of 1/T.
+/// A place from which light comes, and its parts by step of 1/T.
 #[derive(Debug, Clone)]
 pub(super) struct Place {
     pub direction: DVec3,
     pub parts: Range<u32>,
 }
 
-/// Stars that are alike in 1/T.
+/// Stars of similar 1/T.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part {
     step: usize,
@@ -60,10 +60,10 @@ pub(super) struct Part {
     solid_angle: f64,
 }
 
-/// Sums of parts.
+/// Accumulated parts.
 #[derive(Debug)]
 pub(super) struct Sums {
-    /// By step, where its bit is set in `some`, and left over where it is not; `many` says where there is more than one.
+    /// By step, valid only if its bit is set in `some`; `many` marks steps with more than one part.
     luminance: [f64; STEPS],
     per_kelvin: [f64; STEPS],
     solid_angle: [f64; STEPS],
@@ -72,11 +72,11 @@ pub(super) struct Sums {
 }
 
 impl Level {
-    /// `places` to be seen with sin R up to `reach`, a power of 2, from half of that on.
+    /// `places` for sin R up to `reach`, a power of 2, from half of it on.
     pub fn new(places: &[Place], of_places: &[Part], reach: f64) -> Level {
         let parts_of =
             |place: &Place| &of_places[place.parts.start as usize..place.parts.end as usize];
-        // By squares of a quarter of that.
+        // Grouped by squares of a quarter of that width.
         let squares = Grid {
             cells: (8.0 / reach) as usize,
         };
@@ -110,7 +110,7 @@ impl Level {
                     let one = &places[*one as usize];
                     copied(one.direction, parts_of(one))
                 }
-                // Without light, anywhere among them.
+                // If all are dark, any of their places.
                 [(_, first), ..] => {
                     let first = places[*first as usize].direction;
                     let direction = middle.try_normalize().unwrap_or(first);
@@ -126,8 +126,8 @@ impl Level {
                 members: begin..members.len() as u32,
             });
         }
-        // About where places end: there they have the whole radius, and where they begin half of it, which reaches less far, as they move by at
-        // most the diagonal of a square: 0.36 of the radius.
+        // Discs around the merged places: at the end of the move they have the whole radius, and at the start half of it, which reaches
+        // less far, as they move by at most the diagonal of a square: 0.36 of the radius.
         let disc = |family: &Family| (family.merged.direction, 1.0001 * reach);
         let discs: Vec<_> = families.iter().map(disc).collect();
         let grid = Grid {
@@ -144,7 +144,7 @@ impl Level {
 }
 
 impl Place {
-    /// Where it is when it has gone this part of the way to the `merged` one.
+    /// The place after this fraction of the way to the `merged` one.
     #[inline(always)]
     fn towards(&self, merged: &Place, way: f64) -> DVec3 {
         let between = self.direction + (merged.direction - self.direction) * way;
@@ -163,7 +163,7 @@ impl Part {
         }
     }
 
-    /// One star in its place.
+    /// A single star in its place.
     fn star(&self, direction: DVec3) -> Star {
         Star {
             direction,
@@ -184,12 +184,12 @@ impl Sums {
         }
     }
 
-    /// Forgets all.
+    /// Clears the sums.
     fn clear(&mut self) {
         (self.some, self.many) = (0, 0);
     }
 
-    /// Adds a part of that many times the light, unless it is dark.
+    /// Adds a part with `times` its light, unless it is dark.
     #[inline(always)]
     fn add(&mut self, part: &Part, times: f64) {
         if part.luminance > 0.0 {
@@ -210,9 +210,9 @@ impl Sums {
         }
     }
 
-    /// One for each step: of one part itself, and of more of their luminance and mean 1/T.
+    /// One part per step: a single part unchanged, several as one of their total luminance and mean 1/T.
     fn parts(&self) -> impl Iterator<Item = Part> {
-        // The lowest bit that is left, and all without it.
+        // The lowest set bit, and the rest without it.
         let lowest = |left: &u64| (*left != 0).then_some(left & left.wrapping_sub(1));
         let lefts = std::iter::successors(Some(self.some), lowest).take_while(|left| *left != 0);
         lefts.map(|left| {
@@ -232,23 +232,23 @@ impl Sums {
     }
 }
 
-/// How discs of some rays are widened, ray by ray.
+/// How discs are widened for some rays, ray by ray.
 #[derive(Debug)]
 struct Profiles {
-    /// sin² R, and one over it.
+    /// sin² R and its inverse.
     squares: Block,
     inverses: Block,
-    /// L/E is that of the part that falls off, times (1 − s)⁴, and that of the even one.
+    /// L/E is the sum of the first, times (1 − s)⁴, and the second, uniform one.
     densities: Block,
     evens: Block,
-    /// How far stars are on the way to where the next level has them, and the square of how far from there a direction sees a family at most,
-    /// without the chord to its members.
+    /// The fraction of the way of stars to their places on the next level, and sin R, which bounds how far from there a direction can see a
+    /// family, besides the chord to its members.
     ways: Block,
     reaches: Block,
 }
 
 impl Profiles {
-    /// To be written.
+    /// Placeholder to be overwritten.
     const ZERO: Profiles = Profiles {
         squares: [0.0; BLOCK],
         inverses: [0.0; BLOCK],
@@ -261,7 +261,7 @@ impl Profiles {
     /// L/E along `d` of ray `k`, of a star at `middle`.
     #[inline(always)]
     fn density(&self, k: usize, d: DVec3, middle: DVec3) -> f64 {
-        // Of the chord c: sin² θ = c² (1 − c²/4), ahead where c² < 2.
+        // From the chord c: sin² θ = c² (1 − c²/4), in front if c² < 2.
         let chord = (d - middle).length_squared();
         let left = self.squares[k] - chord * (1.0 - 0.25 * chord);
         let part = left * self.inverses[k];
@@ -275,7 +275,7 @@ impl Profiles {
     }
 }
 
-/// Makes profiles of discs whose radius has this `sine`, as wide as those of the sines `reaches`, on a level for up to `most`.
+/// Computes the profiles of discs whose radius has this `sine`, widened to the sines `reaches`, on a level for up to `most`.
 struct Widen<'a> {
     sine: f64,
     reaches: &'a Block,
@@ -306,12 +306,12 @@ impl VectorLoop for Widen<'_> {
     }
 }
 
-/// L/E of a place for each of some rays, and by bits, which eighths of them have any.
+/// L/E of a place for each of some rays, and a bit mask of the eighths of the block in which any is above 0.
 struct Densities<'a> {
     rays: Rays<'a>,
     profiles: &'a Profiles,
     place: &'a Place,
-    /// Where the place goes; none for one that stays.
+    /// The place it moves to; `None` for one that stays.
     merged: Option<&'a Place>,
     densities: &'a mut Block,
     eighths: &'a mut u64,
@@ -350,12 +350,12 @@ impl VectorLoop for Densities<'_> {
     }
 }
 
-/// Whether any ray is as near to a family as it may see one of its members.
+/// Whether any ray is close enough to a family to see one of its members.
 struct IsNear<'a> {
     rays: Rays<'a>,
     profiles: &'a Profiles,
     family: &'a Family,
-    /// 1 if so.
+    /// Set to 1 if so.
     near: &'a mut u64,
 }
 
@@ -367,7 +367,7 @@ impl VectorLoop for IsNear<'_> {
         let (spread, middle) = (self.family.spread, self.family.merged.direction);
         let mut near = 0;
         for k in 0..count {
-            // None is farther from there than what is left of the way.
+            // No member is farther from the merged place than the rest of the way.
             let left = (1.0 - self.profiles.ways[k]) * spread;
             let farthest = CHORD * self.profiles.reaches[k] + left;
             let d = DVec3::new(x[k], y[k], z[k]) - middle;
@@ -384,18 +384,18 @@ pub(super) struct Tally<'a> {
     rays: Rays<'a>,
     profiles: Profiles,
     densities: Block,
-    /// Rays that see anything, and those that see more than one part, by bits.
+    /// Bit masks of the rays that see anything, and of those that see more than one part.
     some: u64,
     many: u64,
-    /// The first part that a ray sees, and L/E; where it sees more, which of the sums are its own.
+    /// The first part that a ray sees, and L/E; for rays that see more, the index of their sums.
     first: [(u32, f64); BLOCK],
     slots: [u8; BLOCK],
     sums: &'a mut Vec<Sums>,
 }
 
 impl<'a> Tally<'a> {
-    /// Of nothing yet. Discs whose radius has this `sine` are seen as wide as those of the sines `reaches`, by `rays`, on a level for up
-    /// to `most`; `sums` is room for sums.
+    /// An empty tally. Discs whose radius has this `sine` are widened to the sines `reaches` for `rays`, on a level for up to `most`;
+    /// `sums` is scratch space.
     #[inline(always)]
     pub fn new(
         (level, most): (&'a Level, f64),
@@ -466,7 +466,7 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// One part is seen as it is, more of them are summed up.
+    /// A single part stays as it is; several are summed.
     #[inline]
     fn add_part(&mut self, ray: usize, number: u32, density: f64) {
         let part = &self.level.parts[number as usize];
@@ -490,8 +490,8 @@ impl<'a> Tally<'a> {
         self.sums[self.slots[ray] as usize].add(part, density);
     }
 
-    /// Calls `each` with the rays that see light, and with the sum of the `light` of what they see: of stars that send through a surface across what their
-    /// radiance is.
+    /// Calls `each` with each ray that sees light, and with the sum of the `light` of the stars it sees, with solid angles scaled so that
+    /// their irradiance is the radiance seen.
     pub fn each_seen(
         &self,
         light: impl Fn(usize, &Star) -> [f64; 3],

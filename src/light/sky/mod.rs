@@ -1,18 +1,18 @@
-//! The sky: radiance of all directions of the world, from afar.
+//! The sky: radiance from infinity in all directions of the world.
 //!
-//! A look direction d of the world sees the radiance L(d) of the background, of the sun and of the stars within whose
-//! discs it lies. An observer in motion sees W⁻ᵖ L along the aberrated direction (W = ω_world/ω_observer, p by the
-//! declared quantity), which is what a camera's ray that meets nothing has as its W anyway; discs keep their radiance
-//! and change their solid angle with W², so that their irradiance is that of [`lamp`](super::lamp).
+//! A look direction d of the world sees the radiance L(d) of the background, of the sun and of the stars whose discs contain it. A moving
+//! observer sees W⁻ᵖ L along the aberrated direction (W = ω_world/ω_observer, p by the declared quantity), and W is known for a camera ray
+//! that hits nothing anyway; discs keep their radiance and change their solid angle with W², so their irradiance is that of
+//! [`lamp`](super::lamp).
 //!
-//! Where radiance has a spectrum (quantity RGB), stars are blackbodies, and so may all directions be, or have any other
-//! spectrum: an observer sees L′(λ) = W⁻⁵ L(λ/W), of a blackbody B(λ; T/W) with nothing else to it (Peebles and
-//! Wilkinson, Phys. Rev. 174, 2168, 1968). For one at β, W = γ (1 − β cos θ′) at the angle θ′ from where it goes to, so that a
-//! sky of T₀ has T′(θ′) = T₀/(γ (1 − β cos θ′)) there: the dipole of the cosmic background. Colours are looked up by W
-//! in the tables of [`colour`](crate::colour), right to 1·10⁻⁴.
+//! If radiance has a spectrum (quantity RGB), stars are blackbodies, and the background may be one too, or have any other spectrum: an
+//! observer sees L′(λ) = W⁻⁵ L(λ/W), which for a blackbody is exactly B(λ; T/W) (Peebles and Wilkinson, Phys. Rev. 174, 2168, 1968). For an
+//! observer moving at β, W = γ (1 − β cos θ′) at the angle θ′ from the direction of motion, so a sky of T₀ has T′(θ′) = T₀/(γ (1 − β cos
+//! θ′)) there: the dipole of the cosmic background. Colours are looked up by W in the tables of [`colour`](crate::colour), with an error of
+//! 1·10⁻⁴.
 //!
-//! A pixel of the angle a sees a/W of the world's sky: ahead, where W is small, the sky is crowded, and pictures are
-//! looked up in a copy whose texels are as wide as that (`panorama`), and stars are seen at least about as wide (`stars`).
+//! A pixel of the angle a sees a/W of the world's sky: ahead, where W is small, the sky is crowded, so pictures are looked up in a copy
+//! with texels of that width (`panorama`), and stars are widened to at least about that (`stars`).
 
 mod boosted;
 mod catalogue;
@@ -38,13 +38,13 @@ use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
 use crate::colour::{ColourTable, Line, Spectrum, Wavelengths};
 use crate::scene::model;
 
-/// A sky, ready to be looked at.
+/// A sky, ready for look-ups.
 #[derive(Debug)]
 pub struct Sky {
     background: Background,
     sun: Option<Disc>,
     stars: Option<StarMap>,
-    /// Whether stars are seen as the blackbodies that they are; otherwise by the channels of their colour at rest.
+    /// Whether stars are seen as blackbodies; otherwise by the channels of their colour at rest.
     thermal_stars: bool,
 }
 
@@ -57,7 +57,7 @@ enum Background {
     Spectrum(ColourTable),
 }
 
-/// From the horizon up to the zenith, above a uniform ground.
+/// A gradient from the horizon to the zenith, above a uniform ground.
 #[derive(Debug, Clone, Copy)]
 struct Gradient {
     zenith: [f64; 3],
@@ -65,7 +65,7 @@ struct Gradient {
     ground: [f64; 3],
 }
 
-/// The sun: the directions whose cosine with its own is above one.
+/// The sun: the directions whose cosine to its direction is above a bound.
 #[derive(Debug)]
 struct Disc {
     direction: DVec3,
@@ -73,28 +73,28 @@ struct Disc {
     radiance: [f64; 3],
 }
 
-/// How wide pixels are in the world: those of a camera at rest have these angles, and one that moves sees them 1/W as wide.
+/// The width of pixels in the world: these angles for a camera at rest, and 1/W times these for a moving one.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PixelAngles<'a> {
-    /// Of a sample's part.
+    /// Angle of one sample's share of a pixel.
     pub angle: f64,
-    /// That of whole pixels, where it is widest: as wide as stars are seen at least.
+    /// Angle of a whole pixel where it is widest: the least width of stars.
     pub pixel: f64,
     /// W by direction.
     pub ratios: &'a [f64],
 }
 
-/// Look directions in the world: those of some rays.
+/// Look directions of some rays in the world.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Looks<'a> {
-    /// Of all rays.
+    /// The directions of all rays.
     pub directions: &'a [DVec3],
-    /// Which of them.
+    /// The indices of the rays in use.
     pub rays: &'a [u32],
 }
 
 impl Looks<'_> {
-    /// Number `k` of them.
+    /// The direction of ray `k` of those in use.
     #[inline(always)]
     fn get(&self, k: usize) -> DVec3 {
         self.directions[self.rays[k] as usize]
@@ -102,7 +102,7 @@ impl Looks<'_> {
 }
 
 impl Sky {
-    /// `sky`, with its picture, where it has one, and its stars, which are seen as blackbodies where `thermal_stars` says so.
+    /// `sky`, with its picture, if any, and its stars, which are seen as blackbodies if `thermal_stars` is set.
     pub fn new(
         sky: &model::Sky,
         panorama: Option<Panorama>,
@@ -142,7 +142,7 @@ impl Sky {
         }
     }
 
-    /// Whether [`Sky::radiance`] is anything but 0.
+    /// Whether [`Sky::radiance`] can be nonzero.
     pub(crate) fn has_channels(&self) -> bool {
         let is_dark = self.is_black() || matches!(self.background, Background::Spectrum(_));
         let stars = !self.thermal_stars && self.stars.is_some();
@@ -153,13 +153,13 @@ impl Sky {
         matches!(self.background, Background::Uniform(radiance) if radiance == [0.0; 3])
     }
 
-    /// Stars without spectra, where there is nothing else.
+    /// The stars, if they have no spectra and there is nothing else.
     pub(crate) fn only_stars(&self) -> Option<&StarMap> {
         let stars = self.stars.as_ref();
         stars.filter(|_| !self.thermal_stars && self.is_black() && self.sun.is_none())
     }
 
-    /// Whether loops over directions take them by component; pictures and what is uniform take them where they lie.
+    /// Whether loops over directions need them by component; pictures and uniform skies use them in place.
     pub(crate) fn takes_columns(&self) -> bool {
         let is_plain = matches!(
             self.background,
@@ -175,8 +175,7 @@ impl Sky {
         stars || matches!(self.background, Background::Spectrum(_))
     }
 
-    /// Linear sRGB, as it is seen at W, of what has a spectrum of its own along the look direction `d` of the world, with stars as the discs that
-    /// they are.
+    /// Linear sRGB, seen at W, of light with a spectrum of its own along the look direction `d` of the world, with stars as discs.
     #[inline]
     pub fn spectral(&self, d: DVec3, w: f64) -> [f64; 3] {
         let background = self.spectral_background(w);
@@ -186,8 +185,8 @@ impl Sky {
         }
     }
 
-    /// Calls `each` with the numbers of the directions along which there is something of it, and with its colour, as `ratio` of W says
-    /// that it is seen, in pixels as wide as `angles` says; once for the background and once for stars.
+    /// Calls `each` with the index of each direction along which there is such light, and with its colour as seen at the W of `ratio`, in
+    /// pixels as wide as `angles` says; once for the background and once for stars.
     pub(crate) fn each_spectral(
         &self,
         directions: &Columns,
@@ -206,7 +205,7 @@ impl Sky {
         }
     }
 
-    /// The same without stars.
+    /// [`Sky::spectral`] without stars.
     #[inline]
     fn spectral_background(&self, w: f64) -> [f64; 3] {
         match &self.background {
@@ -215,7 +214,7 @@ impl Sky {
         }
     }
 
-    /// What has a spectrum of its own, beside stars.
+    /// The spectrum of the background, if it has one of its own.
     #[inline]
     fn spectrum(&self) -> Option<&Spectrum> {
         match &self.background {
@@ -224,25 +223,26 @@ impl Sky {
         }
     }
 
-    /// The lines of its light, as they are seen at `w`.
+    /// The spectral lines of its light, as seen at `w`.
     pub(crate) fn lines(&self, w: f64) -> impl Iterator<Item = Line> {
         let lines = self.spectrum().into_iter().flat_map(Spectrum::lines);
         lines.map(move |line| line.received(w))
     }
 
-    /// Whether it has any.
+    /// Whether it has spectral lines.
     pub(crate) fn has_lines(&self) -> bool {
         self.spectrum().is_some_and(Spectrum::is_of_lines)
     }
 
-    /// The radiance of what has a spectrum of its own, beside stars and lines, as it is seen at `w` at each of `wavelengths`.
+    /// The radiance of light with a spectrum of its own, without stars and lines, as seen at `w` at each of `wavelengths`.
     #[inline]
     fn spectral_at(&self, w: f64, wavelengths: Wavelengths) -> [f64; 3] {
         let spectrum = self.spectrum();
         spectrum.map_or([0.0; 3], |spectrum| spectrum.at(w, wavelengths))
     }
 
-    /// Radiance by channel, without what has a spectrum of its own, along the look direction `d` of the world: of pictures and stars as they are.
+    /// Radiance by channel, without light that has a spectrum of its own, along the look direction `d` of the world: of pictures and stars
+    /// at full resolution.
     #[inline]
     pub fn radiance(&self, d: DVec3) -> [f64; 3] {
         let mut radiance = self.background.radiance(d, 0.0);
@@ -259,8 +259,8 @@ impl Sky {
         radiance
     }
 
-    /// What [`Sky::radiance`] says of each of `looks`, with pixels as wide as `angles` says, in vector loops. `directions` are the same by
-    /// component where [`Sky::takes_columns`] asks for them.
+    /// Sets the radiance of [`Sky::radiance`] for each of `looks`, with pixels as wide as `angles` says, in vector loops. `directions` are
+    /// the same by component if [`Sky::takes_columns`] is true.
     pub(crate) fn radiance_each(
         &self,
         looks: Looks,
@@ -269,7 +269,7 @@ impl Sky {
         radiance: &mut Vec<[f64; 3]>,
     ) {
         radiance.resize(looks.rays.len(), [0.0; 3]);
-        // What is everywhere comes first: it overwrites what is there, and stars and sun are added to it.
+        // The background comes first: it overwrites the output, and stars and sun are added to it.
         match &self.background {
             Background::Uniform(everywhere) => radiance.fill(*everywhere),
             Background::Gradient(gradient) => dispatch(Gradients {
@@ -309,10 +309,10 @@ impl Background {
 }
 
 impl Gradient {
-    /// Along directions of this height.
+    /// The radiance along directions of this height.
     #[inline(always)]
     fn radiance(&self, y: f64) -> [f64; 3] {
-        // The zenith's part is 1 − (1 − y)⁴: most of the change is near the horizon. The ground is chosen without a branch.
+        // The weight of the zenith is 1 − (1 − y)⁴: most of the change is near the horizon. The ground is selected without a branch.
         let square = (1.0 - y) * (1.0 - y);
         let weight = 1.0 - square * square;
         let mut radiance = self.ground;
@@ -324,7 +324,7 @@ impl Gradient {
     }
 }
 
-/// Directions to the radiance of a gradient.
+/// Sets radiances from directions in a gradient.
 struct Gradients<'a> {
     gradient: Gradient,
     directions: &'a Columns,

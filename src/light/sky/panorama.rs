@@ -1,10 +1,10 @@
-//! Equirectangular pictures of all directions.
+//! Equirectangular pictures of the sky.
 //!
-//! Texel (j, i) of N × N/2 has its centre at u = (j + ½)/N, v = (i + ½)/(N/2), longitude 2π (u − ½) and latitude
-//! π (½ − v): the direction (sin λ cos φ, sin φ, −cos λ cos φ). The picture is kept in sizes of halves, each texel the
-//! mean of those above it by solid angle, and looked up bilinearly in the two sizes whose texels are next to the width
-//! that a pixel sees, linearly between them in the logarithm (Williams, "Pyramidal parametrics", SIGGRAPH 1983). Near
-//! the poles texels are narrower than that: the mean is over rows, not along them.
+//! Texel (j, i) of N × N/2 has its centre at u = (j + ½)/N, v = (i + ½)/(N/2), longitude 2π (u − ½) and latitude π (½ − v): the direction
+//! (sin λ cos φ, sin φ, −cos λ cos φ). The picture is stored in sizes that are halved, each texel being the mean by solid angle of those it
+//! replaces, and looked up bilinearly in the two sizes whose texels are closest to the width that a pixel sees, with linear interpolation
+//! in the logarithm (Williams, "Pyramidal parametrics", SIGGRAPH 1983). Near the poles texels are narrower than that: the average is over
+//! rows, not along them.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -14,28 +14,28 @@ use super::{Looks, PixelAngles};
 use crate::accel::texels::{Taps, TapsBlock, mixed, mixed_each};
 use crate::accel::vectors::{BLOCK, VectorLoop, dispatch, prefetch};
 
-/// An equirectangular picture in sizes of halves.
+/// An equirectangular picture with a pyramid of halved sizes.
 #[derive(Debug)]
 pub struct Panorama {
-    /// Of all sizes, the largest first; the last is 1 texel high. By rows, which end with their first texel again, so that two neighbours
-    /// lie side by side everywhere; of three channels, and [`MORE`] numbers after all.
+    /// Texels of all sizes, the largest first; the last is 1 texel high. By rows, each followed by a copy of its first texel, so that two
+    /// horizontal neighbours are always adjacent; three channels, with [`MORE`] numbers of padding at the end.
     texels: Vec<f32>,
     sizes: Box<Sizes>,
-    /// How many.
+    /// Number of sizes.
     count: usize,
-    /// Factor by channel.
+    /// Scale factor by channel.
     scale: [f64; 3],
-    /// Turns it back: cosine and sine of the rotation about +Y.
+    /// The inverse rotation: cosine and sine of the rotation about +Y.
     turn: [f32; 2],
 }
 
-/// Sizes by their number: of more than so many the largest would have 2³¹ columns.
+/// The maximum number of sizes: with more, the largest would have 2³¹ columns.
 const MOST: usize = 32;
 
-/// Numbers after the last texel: two texels are read as eight numbers.
+/// Padding after the last texel: two texels are read as eight numbers.
 const MORE: usize = 2;
 
-/// Columns and rows by size, and the number of its first texel.
+/// Columns and rows by size, and the index of its first texel.
 #[derive(Debug, Default)]
 struct Sizes {
     widths: [f32; MOST],
@@ -43,7 +43,7 @@ struct Sizes {
     begins: [u32; MOST],
 }
 
-/// One of them.
+/// The layout of one size.
 #[derive(Debug, Clone, Copy)]
 struct Size {
     width: f32,
@@ -51,7 +51,7 @@ struct Size {
     begin: u32,
 }
 
-/// The picture in one size.
+/// The picture at one size.
 #[derive(Debug)]
 struct Level {
     width: usize,
@@ -60,7 +60,7 @@ struct Level {
 }
 
 impl Panorama {
-    /// The picture of `width` × `width`/2 texels by rows from the top, by `scale`, turned by `rotation` about +Y.
+    /// The picture of `width` × `width`/2 texels by rows from the top, scaled by `scale` and rotated by `rotation` about +Y.
     pub fn new(texels: Vec<[f32; 3]>, width: usize, scale: [f64; 3], rotation: f64) -> Panorama {
         let mut panorama = Panorama {
             texels: Vec::with_capacity(numbers(width)),
@@ -92,21 +92,21 @@ impl Panorama {
         self.sizes.widths[0] as usize
     }
 
-    /// The mean radiance by solid angle in each texel of a grid of all directions, `columns` × `columns`/2, which is not turned: every texel of the
-    /// largest size falls to those of the grid by the parts of it that they cover.
+    /// The mean radiance by solid angle in each texel of an unrotated grid of all directions, `columns` × `columns`/2: every texel of the
+    /// largest size is distributed over the grid texels that it overlaps.
     pub(super) fn means(&self, columns: usize) -> Vec<[f64; 3]> {
         let (width, rows) = (self.width(), columns / 2);
         let height = self.sizes.heights[0] as usize;
         let [cosine, sine] = self.turn.map(f64::from);
-        // Columns of the grid from the picture's left edge to the grid's.
+        // Offset in grid columns from the picture's left edge to the grid's.
         let turned = libm::atan2(sine, cosine) / (2.0 * PI) * columns as f64;
         let across = columns as f64 / width as f64;
-        // y of an edge at this part of the height.
+        // y of an edge at this fraction of the height.
         let y = |part: f64| libm::cos(PI * part);
         let mut means = vec![[0.0; 3]; columns * rows];
         let mut line = vec![[0.0; 3]; columns];
         for i in 0..height {
-            // A row of the picture in columns of the grid.
+            // A row of the picture resampled to columns of the grid.
             line.fill([0.0; 3]);
             for j in 0..width {
                 let at = 3 * (i * (width + 1) + j);
@@ -120,7 +120,7 @@ impl Panorama {
                     }
                 });
             }
-            // Its part of each row of the grid, by solid angle.
+            // Its share of each row of the grid, by solid angle.
             let [from, to] = [i, i + 1].map(|i| i as f64 * rows as f64 / height as f64);
             each_covered(from, to, |row, begin, end| {
                 let row = (row as usize).min(rows - 1);
@@ -154,7 +154,7 @@ impl Panorama {
         }
     }
 
-    /// Radiance along `d` in texels about `angle` wide.
+    /// Radiance along `d` with texels about `angle` wide.
     #[inline]
     pub fn radiance(&self, d: DVec3, angle: f64) -> [f64; 3] {
         let place = place(self.turn, d.as_vec3().to_array());
@@ -166,7 +166,7 @@ impl Panorama {
         mixed(&self.texels, [fine, coarse], weight, self.scale)
     }
 
-    /// Sets `radiance` to that along `looks`, each in texels about as wide as `angles` says: [`Panorama::radiance`] in vector loops.
+    /// Sets `radiance` along `looks`, each with texels about as wide as `angles` says: [`Panorama::radiance`] in vector loops.
     pub(super) fn radiance_each(
         &self,
         looks: Looks,
@@ -181,19 +181,19 @@ impl Panorama {
         });
     }
 
-    /// How many texels of the largest size a radian of the equator has.
+    /// The number of texels of the largest size per radian along the equator.
     #[inline(always)]
     fn texels_per_angle(&self) -> f32 {
         self.sizes.widths[0] * TURN
     }
 
-    /// The number of the smallest size.
+    /// The index of the smallest size.
     #[inline(always)]
     fn last(&self) -> f32 {
         (self.count - 1) as f32
     }
 
-    /// The number of the size after this, if there is one.
+    /// The index of the next smaller size, or of this one if it is the smallest.
     #[inline(always)]
     fn next(&self, size: u32) -> u32 {
         (size + 1).min(self.count as u32 - 1)
@@ -213,7 +213,7 @@ impl Sizes {
 }
 
 impl Size {
-    /// The first, or else the second, without a branch.
+    /// Selects the first or the second, without a branch.
     #[inline(always)]
     fn choose(is_first: bool, first: Size, second: Size) -> Size {
         Size {
@@ -227,7 +227,7 @@ impl Size {
         }
     }
 
-    /// The texels around a place, around the longitudes.
+    /// The texels around a position, wrapping in longitude.
     #[inline(always)]
     fn taps(self, [u, v]: [f32; 2]) -> Taps {
         let Size {
@@ -250,7 +250,7 @@ impl Size {
     }
 }
 
-/// Calls `each` with every whole number k for which k to k + 1 has a part between `from` and `to`, and with the ends of that part.
+/// Calls `each` with every integer k whose interval k to k + 1 overlaps `from` to `to`, and with the ends of the overlap.
 fn each_covered(from: f64, to: f64, mut each: impl FnMut(i64, f64, f64)) {
     let mut begin = from;
     while begin < to {
@@ -264,7 +264,7 @@ fn each_covered(from: f64, to: f64, mut each: impl FnMut(i64, f64, f64)) {
 /// 1/2π.
 const TURN: f32 = 0.5 * std::f32::consts::FRAC_1_PI;
 
-/// Where a direction lies in the picture, turned back by `turn`: from 0 to 1 along its width and its height, to 2·10⁻⁷.
+/// The position of a direction in the picture, rotated back by `turn`: from 0 to 1 along its width and its height, to 2·10⁻⁷.
 #[inline(always)]
 fn place([cosine, sine]: [f32; 2], [x, y, z]: [f32; 3]) -> [f32; 2] {
     let (x, z) = (cosine * x - sine * z, sine * x + cosine * z);
@@ -273,7 +273,7 @@ fn place([cosine, sine]: [f32; 2], [x, y, z]: [f32; 3]) -> [f32; 2] {
     [u, v]
 }
 
-/// The smaller one, and the larger one; `b` where `a` is NaN.
+/// The smaller and the larger of two numbers; `b` if `a` is NaN.
 #[inline(always)]
 pub(super) fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
@@ -284,20 +284,20 @@ pub(super) fn greater(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// A whole number from 0 to 2²³ − 1, of anything else some such number: a sum with 2²³ has it in its last bits.
+/// An integer from 0 to 2²³ − 1, arbitrary for other input: adding 2²³ puts it into the last bits.
 #[inline(always)]
 pub(super) fn integer(whole: f32) -> u32 {
     (whole + 8_388_608.0).to_bits() & 0x7f_ffff
 }
 
-/// A number from 0 on in two parts.
+/// Splits a nonnegative number into integer and fraction.
 #[inline(always)]
 fn whole_and_rest(x: f32) -> (u32, f32) {
     let whole = x.floor();
     (integer(whole), x - whole)
 }
 
-/// Directions to radiance.
+/// Looks up radiances of directions.
 struct LookUp<'a> {
     panorama: &'a Panorama,
     looks: Looks<'a>,
@@ -306,7 +306,7 @@ struct LookUp<'a> {
 }
 
 impl TapsBlock {
-    /// Those around places in sizes of these numbers.
+    /// Sets the taps around positions, in the sizes with these indices.
     #[inline(always)]
     fn fill(&mut self, sizes: &Sizes, numbers: &[u32; BLOCK], [u, v]: [&[f32; BLOCK]; 2]) {
         let (mut first, mut last) = (u32::MAX, 0);
@@ -316,7 +316,7 @@ impl TapsBlock {
         }
         let [one, other] = [sizes.get(first), sizes.get(last)];
         if last - first <= 1 {
-            // Neighbours most often are of one size or two, which then are looked up only once.
+            // Neighbours usually share one or two sizes, which are then looked up only once.
             for k in 0..BLOCK {
                 let size = Size::choose(numbers[k] == first, one, other);
                 self.set(k, size.taps([u[k], v[k]]));
@@ -336,8 +336,7 @@ impl TapsBlock {
         self.below[k] = taps.below;
     }
 
-    /// Has their texels come from memory: those of each `STEP`th, as neighbours look at texels near each other, of which five are in a cache
-    /// line.
+    /// Prefetches every `STEP`th set of texels: neighbours read texels close to each other, five of which share a cache line.
     #[inline(always)]
     fn prefetch<const STEP: usize>(&self, texels: &[f32]) {
         let mut k = 0;
@@ -349,7 +348,7 @@ impl TapsBlock {
     }
 }
 
-/// Where a block of directions lies in two sizes, of which the second counts with `weight`.
+/// The positions of a block of directions in two sizes, the second of which has weight `weight`.
 struct PlacesBlock {
     fine: TapsBlock,
     coarse: TapsBlock,
@@ -363,7 +362,7 @@ impl PlacesBlock {
         weight: [0.0; BLOCK],
     };
 
-    /// Those of directions, by component, in texels that are so wide, radians.
+    /// Sets the positions of directions, given by component, for texels of these widths in radians.
     #[inline(always)]
     fn fill(&mut self, panorama: &Panorama, [x, y, z]: [&[f32; BLOCK]; 3], width: &[f32; BLOCK]) {
         let (turn, last) = (panorama.turn, panorama.last());
@@ -381,7 +380,7 @@ impl PlacesBlock {
         let sizes = &*panorama.sizes;
         self.fine.fill(sizes, &size, [&u, &v]);
         self.fine.prefetch::<1>(&panorama.texels);
-        // Texels that are wider than pixels need no smaller size.
+        // If texels are wider than pixels, no smaller size is needed.
         let mut is_mixed = false;
         for weight in &self.weight {
             is_mixed |= *weight > 0.0;
@@ -404,8 +403,8 @@ impl VectorLoop for LookUp<'_> {
         let mut places = PlacesBlock::ZERO;
         let blocks = rays.chunks(BLOCK).zip(ratios.chunks(BLOCK));
         for (radiance, (rays, ratios)) in self.radiance.chunks_mut(BLOCK).zip(blocks) {
-            // To single precision by itself: a loop that has both goes by vectors of half as many numbers. Rays in a row, as most are, have
-            // their directions one after another.
+            // Converted to single precision in a separate loop: a mixed loop would use vectors of half the length. Rays in a row, the usual
+            // case, have contiguous directions.
             match row(directions, rays) {
                 Some(row) => {
                     for (k, d) in row.iter().enumerate() {
@@ -422,9 +421,9 @@ impl VectorLoop for LookUp<'_> {
             for (width, ratio) in widths.iter_mut().zip(ratios) {
                 *width = (angle / *ratio) as f32;
             }
-            // Places of a block in vectors.
+            // Positions of a block in vectors.
             places.fill(panorama, [&x, &y, &z], &widths);
-            // Texels by eights.
+            // Texels in groups of eight.
             let taps = [&places.fine, &places.coarse];
             mixed_each(
                 &panorama.texels,
@@ -437,7 +436,7 @@ impl VectorLoop for LookUp<'_> {
     }
 }
 
-/// The directions of a whole block of rays, where they lie one after another.
+/// The directions of a whole block of rays, if they are contiguous.
 #[inline(always)]
 fn row<'a>(directions: &'a [DVec3], rays: &[u32]) -> Option<&'a [DVec3; BLOCK]> {
     let rays: &[u32; BLOCK] = rays.first_chunk()?;
@@ -450,29 +449,29 @@ fn row<'a>(directions: &'a [DVec3], rays: &[u32]) -> Option<&'a [DVec3; BLOCK]> 
     row.filter(|_| differences == 0)
 }
 
-/// Columns and rows of a picture so wide, and of its halves.
+/// Columns and rows of a picture of this width and of its halved sizes.
 fn sizes(width: usize) -> impl Iterator<Item = [usize; 2]> {
     let first = [width, width / 2];
     std::iter::successors(Some(first), |size| half(*size)).take(MOST)
 }
 
-/// How many numbers all sizes of a picture so wide are.
+/// The number of floats in all sizes of a picture of this width.
 fn numbers(width: usize) -> usize {
     let texels = sizes(width).map(|[width, height]| (width + 1) * height);
     3 * texels.sum::<usize>() + MORE
 }
 
-/// Half of a size, as far as there are halves.
+/// Half of a size, or `None` if it cannot be halved further.
 fn half([width, height]: [usize; 2]) -> Option<[usize; 2]> {
     (height >= 2).then_some([(width / 2).max(1), height / 2])
 }
 
 impl Level {
-    /// Half as wide and high, as far as there are halves.
+    /// The picture at half the size, or `None` if it cannot be halved further.
     fn half(&self) -> Option<Level> {
         let [width, height] = half([self.width, self.height])?;
         let columns = shares(self.width, width, |j| j as f64 / self.width as f64);
-        // The solid angle above row i is as 1 − sin φ.
+        // The solid angle above row i is proportional to 1 − sin φ.
         let rows = shares(self.height, height, |i| {
             0.5 * (1.0 - libm::cos(PI * i as f64 / self.height as f64))
         });
@@ -499,10 +498,10 @@ impl Level {
     }
 }
 
-/// For each of `to` equal parts of 0..`from`: which entries it takes, and what share of it each is by `measure`.
+/// For each of `to` equal parts of 0..`from`: the entries it takes, and the share of each by `measure`.
 fn shares(from: usize, to: usize, measure: impl Fn(usize) -> f64) -> Vec<Vec<(usize, f64)>> {
     let part = |k: usize| {
-        // From an odd number, the last part takes three.
+        // If `from` is odd, the last part takes three.
         let (begin, end) = (k * from / to, (k + 1) * from / to);
         let whole = measure(end) - measure(begin);
         (begin..end)
@@ -512,7 +511,7 @@ fn shares(from: usize, to: usize, measure: impl Fn(usize) -> f64) -> Vec<Vec<(us
     (0..to).map(part).collect()
 }
 
-/// The angle of (x, y) from +x to y, right to 2·10⁻⁸ rad, which is far below a texel: Abramowitz and Stegun 4.4.49.
+/// The angle of (x, y) from +x towards y, with an error of 2·10⁻⁸ rad, far below a texel: Abramowitz and Stegun 4.4.49.
 #[inline(always)]
 pub(super) fn arctan(y: f64, x: f64) -> f64 {
     let (a, b) = (x.abs(), y.abs());
@@ -533,14 +532,14 @@ pub(super) fn arctan(y: f64, x: f64) -> f64 {
     if y < 0.0 { -angle } else { angle }
 }
 
-/// The same in f32, right to 3·10⁻⁷ rad.
+/// The same in f32, with an error of 3·10⁻⁷ rad.
 #[inline(always)]
 fn arctan_f32(y: f32, x: f32) -> f32 {
     let (a, b) = (x.abs(), y.abs());
     let (small, large) = if a < b { (a, b) } else { (b, a) };
     let t = small / greater(large, f32::MIN_POSITIVE);
     let s = t * t;
-    // In pairs, which need not wait for each other.
+    // In pairs that do not depend on each other.
     let (s2, s4) = (s * s, (s * s) * (s * s));
     let low = (1.0 - 0.333_331_45 * s) + (0.199_935_51 - 0.142_089 * s) * s2;
     let high = (0.106_562_64 - 0.075_289_64 * s) + (0.042_909_614 - 0.016_165_737 * s) * s2;
@@ -559,7 +558,7 @@ fn arctan_f32(y: f32, x: f32) -> f32 {
     if y < 0.0 { -angle } else { angle }
 }
 
-/// About the logarithm to base 2 of x, from 0 on: exact at powers of 2, linear between them (0.09 too low at most).
+/// An approximate logarithm to base 2 of x ≥ 0: exact at powers of 2, linear between them (at most 0.09 too low).
 #[inline(always)]
 fn logarithm(x: f32) -> f32 {
     let bits = greater(x, 1.0).to_bits();
@@ -621,7 +620,7 @@ mod tests {
             .map(|k| [value(k), value(k + 1), value(k + 2)])
             .collect();
         let sky = Panorama::new(texels, width, [1.0, 2.0, 3.0], 0.7);
-        // The poles, the seam, and what lies between, as parts of texels and as many of them.
+        // The poles, the seam, and points between, at fractions of texels.
         let all: Vec<DVec3> = (0..=180)
             .flat_map(|i| {
                 (0..7).map(move |j| direction(f64::from(j) - PI, PI * (f64::from(i) / 180.0 - 0.5)))
@@ -657,7 +656,7 @@ mod tests {
 
     #[test]
     fn looking_up_in_single_precision_is_off_by_less_than_2e_5_of_steps_between_texels() {
-        // Noise from 0 to 1 on 128 columns, which places in f32 miss by 2·10⁻⁷ · 128 texels.
+        // Noise from 0 to 1 on 128 columns, where f32 positions give errors of 2·10⁻⁷ · 128 texels.
         let (width, height) = (128, 64);
         let value = |j: usize, i: usize| ((j * 7919 + i * 6151) % 1009) as f32 / 1009.0;
         let texels: Vec<_> = (0..width * height)
@@ -670,7 +669,7 @@ mod tests {
                 TAU * ((f64::from(k) * 0.618_033_988_75).fract() - 0.5),
                 PI * ((f64::from(k) + 0.5) / 20_000.0 - 0.5),
             );
-            // The same in f64, by the library's functions: turned about +Y by 0.7, longitudes are less by as much.
+            // The same in f64 with library functions: rotated about +Y by 0.7, longitudes decrease by 0.7.
             let u = ((longitude + 0.7) / TAU + 0.5).rem_euclid(1.0);
             let (x, y) = (u * 128.0 - 0.5, (0.5 - latitude / PI) * 64.0 - 0.5);
             let texel = |j: f64, i: f64| {
@@ -688,7 +687,7 @@ mod tests {
 
     #[test]
     fn a_picture_is_turned_right_handed_about_y() {
-        // One bright texel in the middle, −Z; by +90° about +Y −Z goes to −X.
+        // One bright texel in the middle, −Z; a rotation by +90° about +Y takes −Z to −X.
         let mut texels = vec![[0.0f32; 3]; 64 * 32];
         for (i, j) in [(15, 31), (15, 32), (16, 31), (16, 32)] {
             texels[i * 64 + j] = [1.0; 3];
@@ -719,7 +718,7 @@ mod tests {
         let row = &sky.texels[3 * begin as usize..][..3 * columns];
         let got = row.chunks(3).map(|t| f64::from(t[0])).sum::<f64>() / columns as f64;
         assert_eq!(sky.sizes.heights[last], 1.0);
-        // Odd widths leave parts of three texels: of equal columns that is a per cent.
+        // Odd widths leave parts of three texels: with columns taken as equal, an error of about one per cent.
         assert!((got - mean).abs() < 0.05 * mean, "{got} {mean}");
     }
 }

@@ -1,37 +1,37 @@
-//! Look directions of a block of rays, taken together.
+//! Look directions of a block of rays.
 
 use glam::DVec3;
 
 use crate::accel::vectors::{VectorLoop, dispatch};
 
-/// How many rays are taken together that do not look into the same part of a face with the others of their block.
+/// The number of rays processed together when a block does not look into one part of a face.
 pub(super) const FEW: usize = 8;
 
-/// Up to a block of look directions, by component, with W of each.
+/// Up to one block of look directions, by component, with the W of each.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rays<'a> {
     pub axes: [&'a [f64]; 3],
-    /// W of each.
+    /// W of each ray.
     pub ratios: &'a [f64],
-    /// How wide pixels are at W = 1.
+    /// The width of pixels at W = 1.
     pub pixel: f64,
 }
 
 impl<'a> Rays<'a> {
-    /// How many.
+    /// The number of rays.
     #[inline(always)]
     pub fn len(self) -> usize {
         self.ratios.len()
     }
 
-    /// Ray `k`.
+    /// The direction of ray `k`.
     #[inline(always)]
     pub fn get(self, k: usize) -> DVec3 {
         let [x, y, z] = self.axes;
         DVec3::new(x[k], y[k], z[k])
     }
 
-    /// Those of a range.
+    /// The rays of a range.
     #[inline]
     pub fn part(self, begin: usize, end: usize) -> Rays<'a> {
         Rays {
@@ -41,7 +41,7 @@ impl<'a> Rays<'a> {
         }
     }
 
-    /// The least and the greatest of each coordinate, and of W.
+    /// The minimum and maximum of each coordinate, and of W.
     #[inline]
     pub fn bounds(self) -> [[f64; 4]; 2] {
         let [x, y, z] = self.axes;
@@ -62,7 +62,7 @@ impl<'a> Rays<'a> {
     }
 }
 
-/// The least and the greatest numbers of columns.
+/// The minimum and maximum of columns of numbers.
 struct Bounds<'a> {
     columns: [&'a [f64]; 4],
     bounds: &'a mut [[f64; 4]; 2],
@@ -78,7 +78,7 @@ impl VectorLoop for Bounds<'_> {
     }
 }
 
-/// The greatest of some numbers, or the least, lane by lane and then across; NaN is passed over.
+/// The maximum or minimum of some numbers, lane by lane and then across lanes; NaN is ignored.
 #[inline(always)]
 fn extreme<const GREATEST: bool>(numbers: &[f64]) -> f64 {
     let start = if GREATEST {
@@ -103,7 +103,7 @@ fn extreme<const GREATEST: bool>(numbers: &[f64]) -> f64 {
     all
 }
 
-/// The greater of two numbers, or the lesser; the second if one is NaN.
+/// The greater or the lesser of two numbers; the second if one is NaN.
 #[inline(always)]
 fn farther<const GREATEST: bool>(a: f64, b: f64) -> f64 {
     let is_first = if GREATEST { a > b } else { a < b };

@@ -1,4 +1,4 @@
-//! A star: the blackbody that it is, and how much of it there is.
+//! A star: the blackbody and its solid angle.
 
 use glam::DVec3;
 
@@ -9,14 +9,14 @@ use crate::colour::blackbody_colour;
 pub struct Star {
     /// Unit vector towards it.
     pub direction: DVec3,
-    /// Of its spectrum, in kelvin.
+    /// Temperature of its spectrum, kelvin.
     pub temperature: f64,
-    /// Ω: what it sends through a surface across, over the radiance of a blackbody.
+    /// Ω: its irradiance on a perpendicular surface divided by the radiance of a blackbody.
     pub solid_angle: f64,
 }
 
 impl Star {
-    /// One that sends light of this luminance through a surface across, at rest in the world.
+    /// A star with this luminance on a perpendicular surface at rest in the world.
     pub fn new(direction: DVec3, temperature: f64, luminance: f64) -> Star {
         Star {
             direction,
@@ -31,13 +31,13 @@ impl Star {
         blackbody_colour(self.temperature / w).map(|c| c * self.solid_angle)
     }
 
-    /// The same at rest, within sRGB.
+    /// Linear sRGB of Ω B at rest, with negative channels clipped to 0.
     #[inline]
     pub fn channels(&self) -> [f64; 3] {
         self.colour(1.0).map(|c| c.max(0.0))
     }
 
-    /// Its luminance through a surface across, at rest.
+    /// Its luminance on a perpendicular surface at rest.
     pub(super) fn luminance(&self) -> f64 {
         self.solid_angle * luminance(self.temperature)
     }

@@ -1,31 +1,33 @@
-//! Stars: discs of uniform radiance, found by the cells of a cube in which they are.
+//! Stars: discs of uniform radiance, looked up by the cells of a cube that contain them.
 //!
-//! A star is a blackbody: seen at W it is one of the temperature T/W, for W⁻⁵ B(λ/W; T) = B(λ; T/W). What comes of it
-//! through a surface across is that times the solid angle Ω that a blackbody would have, and with dω_F = W² dω
+//! A star is a blackbody: seen at W it is one of the temperature T/W, because W⁻⁵ B(λ/W; T) = B(λ; T/W). Its irradiance on a perpendicular
+//! surface is that times the solid angle Ω that a blackbody would have, and with dω_F = W² dω
 //!
 //! ```text
 //! E_F = W² Ω B(λ; T/W).
 //! ```
 //!
-//! Discs smaller than pixels would fall between samples. Pixels at rest in a camera's frame that are a wide see a/W of the world, alike in all directions,
-//! for the boost of directions is conformal. So a disc of a radius ρ below 1.2 a/W is seen with a larger one R, and at the angle θ from its middle, with
-//! s = sin² θ/sin² R and q = sin² ρ/sin² R, as
+//! Discs smaller than pixels would fall between samples. Pixels of width a in a camera's frame see a/W of the world, in all directions
+//! alike, because the boost of directions is conformal. So a disc with a radius ρ below 1.2 a/W is seen with a larger one R, and at the
+//! angle θ from its centre, with s = sin² θ/sin² R and q = sin² ρ/sin² R,
 //!
 //! ```text
 //! sin² R = (1.4 a/W)² − 0.36 sin² ρ,
 //! L = E/(π sin² R) · (5 (1 − q²) (1 − s)⁴ + q²),        ∫ L cos θ dω = π sin² R ∫₀¹ L ds = E,
 //! ```
 //!
-//! which is the disc itself where R = ρ. Of a point, q = 0, the transform of (1 − s)⁴ is as J₅(kR)/(kR)⁵, whose first zero is at R = 1.396 (2π/k): the sum over
-//! pixel centres keeps its light to 0.4 %, wherever it lies among them, and half of the radiance is reached across 1.1 pixels.
+//! which is the disc itself if R = ρ. For a point, q = 0, the transform of (1 − s)⁴ is as J₅(kR)/(kR)⁵, whose first zero is at R = 1.396
+//! (2π/k): the sum over pixel centres conserves its light to 0.4 %, wherever it lies among them, and the width at half of the radiance is
+//! 1.1 pixels.
 //!
-//! For sin R up to a bound r there is a level, with lists of what reaches into cells as wide as r; the next is for 2r. There the stars of a square of r/4 are in one
-//! place, in the middle of their light, which moves them by half a pixel at most. As R grows from r/2 to r they move there, so that levels meet without a step.
-//! Of what is seen in one direction, stars whose ln B, about −c₂/(λT), differs by at most ½ are summed up to one of their luminance and their mean 1/T, whose
-//! colours at W ≤ 1 are right to (½)²/24 = 1 %. Sizes of levels, and times of look-ups, thus have bounds however many stars a pixel sees.
+//! For sin R up to a bound r there is a level, with lists of everything that reaches into cells of width r; the next level is for 2r. There
+//! the stars of a square of width r/4 are merged into one place, at the centre of their light, which moves them by half a pixel at most. As
+//! R grows from r/2 to r they move there gradually, so there is no step between levels. Among the light seen in one direction, stars whose
+//! ln B, about −c₂/(λT), differs by at most ½ are merged into one of their total luminance and their mean 1/T, whose colours at W ≤ 1 have
+//! an error of (½)²/24 = 1 %. This bounds the sizes of levels and the times of look-ups however many stars a pixel sees.
 //!
-//! Rays come in blocks, most of which look into one small part of a face: what is there is found once for all of them, and each disc is tried with all rays in one
-//! vector loop.
+//! Rays come in blocks, most of which look into one small part of a face: the candidates there are found once for the whole block, and each
+//! disc is tested against all rays in one vector loop.
 
 use std::sync::OnceLock;
 
@@ -38,24 +40,25 @@ use super::rays::{FEW, Rays};
 use super::star::Star;
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
 
-/// sin R of a point over the width of a pixel: the zero of the fundamental.
+/// sin R of a point divided by the width of a pixel: the zero of the fundamental.
 const REACH: f64 = 1.4;
-/// By how much sin² R is less for each of sin² ρ: so that R = ρ at 1.4/√1.36 = 1.2 pixels.
+/// The decrease of sin² R per sin² ρ, such that R = ρ at 1.4/√1.36 = 1.2 pixels.
 const LESS: f64 = 0.36;
-/// The largest sin R, 2 to the power of −1: pixels that see more of the world see little of the change of W across them either.
+/// The largest sin R, 2 to the power of −1: pixels that see more of the world do not resolve the change of W across them either.
 const WIDEST: f64 = 0.5;
-/// The power of 2 in it.
+/// Its power of 2.
 const WIDEST_POWER: i32 = -1;
-/// Cells per star, so that most are empty, and the most along an edge of a face; the same of the finest level of widened discs. And the fewest.
+/// Cells per star, so that most are empty, and the maximum along an edge of a face; the same for the finest level of widened discs. And the
+/// minimum.
 const PER_STAR: f64 = 16.0;
 const FINEST: f64 = 512.0;
 const PER_STAR_WIDENED: f64 = 64.0;
 const FINEST_WIDENED: f64 = 1024.0;
 const COARSEST: f64 = 64.0;
-/// How many cells rays look through together at most: of those of a picture, 64 do with fewer, and so do 8.
+/// The maximum number of cells that rays look through together: in pictures, 64 rays mostly need fewer, and so do 8.
 const MOST_CELLS: usize = 512;
 
-/// Stars of one angular radius ρ: radiance E/(π sin² ρ) within it, or as the head of this file says where pixels are wider than that.
+/// Stars of one angular radius ρ: radiance E/(π sin² ρ) within it, or as given at the head of this file if pixels are wider than that.
 #[derive(Debug)]
 pub struct StarMap {
     stars: Vec<Star>,
@@ -63,13 +66,13 @@ pub struct StarMap {
     sine: f64,
     cosine: f64,
     density: f64,
-    /// Stars by where they are.
+    /// The stars' discs by direction.
     discs: Index,
-    /// For wider discs, the finest first, each made when it is first asked for.
+    /// Levels for widened discs, the finest first, each built on first use.
     levels: Vec<OnceLock<Level>>,
 }
 
-/// Which rays look at a disc: 1, others 0.
+/// Which rays look at a disc: 1 if so, else 0.
 struct Within<'a> {
     rays: Rays<'a>,
     direction: DVec3,
@@ -94,17 +97,17 @@ impl VectorLoop for Within<'_> {
 }
 
 impl StarMap {
-    /// More bytes than a map of so many stars takes once all of its levels are made.
+    /// An upper bound on the bytes of a map of this many stars once all of its levels are built.
     pub fn bytes(stars: usize) -> u64 {
         let faces = |cells: usize| 6 * 4 * (cells * cells) as u64;
         let finest = faces(cells(stars, PER_STAR_WIDENED, FINEST_WIDENED));
-        // All levels have 4/3 as many cells as the finest, and those are counted once more while a level is made.
+        // All levels have 4/3 as many cells as the finest, which are counted once more while a level is built.
         let cells = faces(cells(stars, PER_STAR, FINEST)) + finest * 7 / 3;
-        // 720 bytes were measured for each of 500,000 stars, with their families and parts on all levels.
+        // 720 bytes per star were measured for 500,000 stars, with their families and parts on all levels.
         cells + 800 * stars as u64
     }
 
-    /// `stars` of the angular `radius`, at most some degrees.
+    /// `stars` with the angular `radius`, at most a few degrees.
     pub fn new(stars: Vec<Star>, radius: f64) -> StarMap {
         let sine = libm::sin(radius);
         // Most cells are empty, unless discs are as wide as cells.
@@ -113,7 +116,7 @@ impl StarMap {
             cells: cells(stars.len(), PER_STAR, by_radius),
         };
         let discs = Index::new(grid, stars.iter().map(|star| (star.direction, sine)));
-        // Cells of a level are as wide as its largest sin R: 2/cells, from this on, up to the widest.
+        // Cells of a level are as wide as its largest sin R: 2/cells, starting from this and up to the widest.
         let finest = cells(stars.len(), PER_STAR_WIDENED, FINEST_WIDENED).ilog2() as i32;
         let levels = finest + WIDEST_POWER;
         StarMap {
@@ -126,8 +129,8 @@ impl StarMap {
         }
     }
 
-    /// The sum of the radiances of the stars within whose discs `d` lies, `light` of each being what it sends through a surface across, in
-    /// proportion to its solid angle.
+    /// The sum of the radiances of the stars whose discs contain `d`; `light` of each is its irradiance on a perpendicular surface,
+    /// proportional to its solid angle.
     #[inline]
     pub fn radiance(&self, d: DVec3, light: impl Fn(&Star) -> [f64; 3]) -> [f64; 3] {
         let mut sum = [0.0; 3];
@@ -145,8 +148,8 @@ impl StarMap {
         sum
     }
 
-    /// Calls `each` with the numbers of the directions along which stars are seen, and with the sum of their radiances, where pixels are as wide
-    /// as `angles` says; `light` of each star along a direction is what it sends through a surface across.
+    /// Calls `each` with the indices of the directions along which stars are seen, and with the sum of their radiances, for pixels as wide
+    /// as `angles` says; `light` of each star along a direction is its irradiance on a perpendicular surface.
     pub(crate) fn each_seen(
         &self,
         directions: &Columns,
@@ -163,7 +166,7 @@ impl StarMap {
         let mut begin = 0;
         while begin < directions.len() {
             let end = directions.len().min(begin + BLOCK);
-            // All together, few of them, or one by one.
+            // The whole block, groups of a few rays, or single rays.
             let mut see = |begin: usize, end: usize| {
                 let light = |k: usize, star: &Star| light(begin + k, star);
                 let each = |k: usize, radiance| each(begin + k, radiance);
@@ -183,8 +186,8 @@ impl StarMap {
         }
     }
 
-    /// The same of up to a block of rays; does nothing and says so where these look into more than one face, through too many cells, or see
-    /// stars of more than one level.
+    /// [`StarMap::each_seen`] for up to a block of rays; does nothing and says so if these look into more than one face, through too many
+    /// cells, or see stars of more than one level.
     fn see(
         &self,
         rays: Rays,
@@ -193,7 +196,7 @@ impl StarMap {
         each: impl FnMut(usize, [f64; 3]),
     ) -> bool {
         let [[x, y, z, least], [far_x, far_y, far_z, greatest]] = rays.bounds();
-        // Discs are widest where W is least.
+        // Discs are widest where W is smallest.
         let reaches = [least, greatest].map(|w| self.reach(rays.pixel / w));
         let levels = reaches.map(|reach| (reach > self.sine).then(|| self.level_of(reach)));
         let Some(at) =
@@ -233,7 +236,7 @@ impl StarMap {
         }
     }
 
-    /// The same of discs as they are, of these numbers.
+    /// The same with unwidened discs, those with these indices.
     fn see_discs<'a>(
         &self,
         rays: Rays,
@@ -268,7 +271,7 @@ impl StarMap {
         }
     }
 
-    /// sin R in pixels so wide; sin ρ or less where discs stay as they are.
+    /// sin R for pixels of this width; sin ρ or less if discs are not widened.
     #[inline(always)]
     fn reach(&self, pixel: f64) -> f64 {
         let point = REACH * pixel;
@@ -279,7 +282,7 @@ impl StarMap {
     /// The level for discs with sin R = `reach`, from above 0 to the widest.
     #[inline(always)]
     fn level_of(&self, reach: f64) -> usize {
-        // The power of 2 from which on numbers are not below it, counted from the widest down.
+        // The exponent of the smallest power of 2 that is not below `reach`; levels are counted down from the widest.
         let power = ((reach.to_bits() - 1) >> 52) as i32 - 1022;
         let coarser = (WIDEST_POWER - power) as usize;
         (self.levels.len() - 1).saturating_sub(coarser)
@@ -292,7 +295,7 @@ impl StarMap {
         f64::from_bits(WIDEST.to_bits() - (halvings << 52))
     }
 
-    /// A level, of the stars of the one before it: the same whoever asks first.
+    /// A level, built from the stars of the one before it: the same whichever thread builds it.
     fn level(&self, number: usize) -> &Level {
         self.levels[number].get_or_init(|| match number.checked_sub(1) {
             None => {
@@ -319,7 +322,7 @@ impl StarMap {
     }
 }
 
-/// Cells along an edge of a face, for so many of them per star.
+/// Cells along an edge of a face for this many cells per star.
 fn cells(stars: usize, per_star: f64, most: f64) -> usize {
     let cells = (per_star / 6.0 * stars as f64).sqrt().clamp(COARSEST, most);
     (cells as usize).next_power_of_two()
@@ -330,7 +333,7 @@ mod tests {
     use super::super::levels::Family;
     use super::*;
 
-    /// What is seen along each of `directions`, in pixels of these widths there.
+    /// What is seen along each of `directions`, for pixels of these widths there.
     fn seen(
         map: &StarMap,
         directions: &[DVec3],
@@ -357,7 +360,7 @@ mod tests {
         seen
     }
 
-    /// The same of one direction, with discs of this sin R.
+    /// The same for one direction, with discs of this sin R.
     fn widened(map: &StarMap, d: DVec3, reach: f64, light: impl Fn(&Star) -> [f64; 3]) -> [f64; 3] {
         let pixel = (reach * reach + LESS * map.sine * map.sine).sqrt() / REACH;
         seen(map, &[d], &[pixel], light)[0]
@@ -404,8 +407,8 @@ mod tests {
     #[test]
     fn a_disc_that_ends_before_the_edge_of_a_cell_is_found_beyond_it() {
         const RADIUS: f64 = 3e-7;
-        // On the face z = 1, where x = 0 is an edge between cells: directions just before it, and for each a star whose disc ends little beyond the
-        // direction. Near x = 0 an angle is as wide there as du / √(1 + y²).
+        // On the face z = 1, where x = 0 is an edge between cells: directions just before it, each with a star whose disc ends just beyond
+        // the direction. Near x = 0 an angle is du / √(1 + y²).
         let places = (0..2000).map(|k| {
             let (before, y) = (
                 (f64::from(k) + 0.5) / 2000.0 * 4e-8,
@@ -456,7 +459,7 @@ mod tests {
         }
     }
 
-    /// Directions within some distance of −Z on the plane one before, and within a cap that is as large.
+    /// Directions within some distance of −Z in the plane at distance one, and within a cap of the same size.
     fn cap(count: usize, half: f64, seed: u64) -> Vec<DVec3> {
         let mut next = numbers(seed);
         let direction = |_| DVec3::new(half * next(), half * next(), -1.0).normalize();
@@ -472,7 +475,7 @@ mod tests {
         directions.iter().map(star).collect()
     }
 
-    /// L/E as the head of this file has it.
+    /// L/E as given at the head of this file.
     fn density(sine: f64, reach: f64, d: DVec3, middle: DVec3) -> f64 {
         let s = d.cross(middle).length_squared() / (reach * reach);
         let q = (sine / reach).powi(2);
@@ -485,7 +488,7 @@ mod tests {
         }
     }
 
-    /// Sums over pixel centres are within 0.4 % of the integral: so far the second ring of harmonics comes at the first one's zero.
+    /// Sums over pixel centres are within 0.4 % of the integral: the contribution of the second ring of harmonics at the first one's zero.
     #[test]
     fn pixel_centres_keep_the_light_of_a_star_wherever_it_lies_among_them() {
         const PIXEL: f64 = 1e-3;
@@ -506,7 +509,7 @@ mod tests {
         }
     }
 
-    /// Where a disc is as wide as 1.2 pixels: sin² R = 1.96 a² − 0.36 sin² ρ = sin² ρ.
+    /// At a width of 1.2 pixels: sin² R = 1.96 a² − 0.36 sin² ρ = sin² ρ.
     #[test]
     fn wide_discs_are_as_they_were_and_become_wider_without_a_step() {
         const RADIUS: f64 = 1e-3;
@@ -520,7 +523,7 @@ mod tests {
                 -(1.0 - (part * RADIUS.sin()).powi(2)).sqrt(),
             );
             let at = |pixel| seen(&map, &[d], &[pixel], |star| [star.luminance(); 3])[0][0];
-            // All the same bits up to there, and little less beyond.
+            // The same bits up to there, and only a little less beyond.
             let (narrow, wide) = (at(edge * (1.0 - 1e-9)), at(edge * (1.0 + 1e-9)));
             assert_eq!(narrow, at(1e-12));
             assert!((narrow - if part < 1.0 { expected } else { 0.0 }).abs() < 1e-6 * expected);
@@ -544,7 +547,7 @@ mod tests {
             assert_eq!(map.level_of(0.501 * bound), number);
             let level = map.level(number);
             merged += level.members.len();
-            // What is there of all places on their way, from no list.
+            // The sum over all places on their way, without using the lists.
             let reach = 0.8 * bound;
             let profile = |d: DVec3, middle: DVec3| density(map.sine, reach, d, middle);
             let all = level.families.iter().flat_map(
@@ -573,7 +576,7 @@ mod tests {
                     (found - expected).abs() <= 1e-9 * expected,
                     "{number} {d}: {found} {expected}"
                 );
-                // The last of this level, and the first of the next.
+                // The end of this level, and the start of the next.
                 if number + 1 < map.levels.len() {
                     let (last, first) = (
                         widened(&map, d, bound, light),
@@ -616,12 +619,12 @@ mod tests {
                         whole += expected;
                     }
                 }
-                // Places within a square make most of that; on the whole there is as much light.
+                // Merging within a square makes most of that; the total light is conserved.
                 assert!(off < 0.05 * whole, "{w} {reach}: {off} of {whole}");
                 assert!(more.abs() < 0.01 * whole, "{w} {reach}: {more} of {whole}");
             }
         }
-        // However many there are: 6 · 16² squares of the last level, each of at most 15 steps from 3000 to 12000 K.
+        // However many stars there are: 6 · 16² squares of the last level, each of at most 15 steps from 3000 to 12000 K.
         let last = map.level(map.levels.len() - 1);
         assert!(last.families.len() <= 6 * 256, "{}", last.families.len());
         for Family { merged, .. } in &last.families {
@@ -629,7 +632,7 @@ mod tests {
         }
     }
 
-    /// Blocks in which W changes by little and by much, over one level and over several.
+    /// Blocks in which W changes by little and by much, within one level and across several.
     #[test]
     fn directions_see_the_same_in_blocks_as_alone_in_pixels_of_any_width() {
         let stars = stars_at(&cap(3000, 1.0, 11), 12);

@@ -379,7 +379,7 @@ mod tests {
                     "{found} is not {truth}"
                 );
             }
-            // Light that came before it could.
+            // Light that arrived before this was possible.
             assert!(rays.distances(&[flash.time - 1.0], &flash, index)[0].is_nan());
         }
     }
@@ -414,14 +414,14 @@ mod tests {
                 assert!((middle.distance(centre) - 0.6).abs() < 0.05, "{middle}");
                 on_ball += 1;
             }
-            // Seen from the camera it is the front.
+            // Its front faces the camera.
             let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
             assert!(normal.dot(middle - rays.eye) < 0.0);
         }
         let known = distances.iter().filter(|r| !r.is_nan()).count();
         assert!(on_floor > 0 && on_ball > 300, "{on_floor} {on_ball}");
         assert!(mesh.triangles.len() > 2 * known - 2 * known / 8, "{known}");
-        // Texture coordinates are those of the pixels that look there.
+        // Texture coordinates are those of the pixels in that direction.
         for (position, [u, v]) in mesh.positions.iter().zip(&mesh.uvs[0]) {
             let (column, row) = (f64::from(*u) * 96.0 - 0.5, f64::from(*v) * 72.0 - 0.5);
             let pixel = row.round() as usize * 96 + column.round() as usize;
@@ -437,7 +437,7 @@ mod tests {
         let arrivals = [1.234, 2.0, 3.871];
         let mut samples = Vec::new();
         for at in arrivals {
-            // The mean over bins of 0.1, by 20 places each; then a second, brighter pulse by way of another surface.
+            // The mean over bins of 0.1, from 20 points each; then a second, brighter pulse via another surface.
             samples.extend((0..BINS).map(|k| {
                 let mean = |n: i32| {
                     let t = (k as f64 + (f64::from(n) + 0.5) / 20.0) * 0.1;

@@ -437,7 +437,7 @@ mod tests {
                 assert!((train(x, 1.5, count) - sum).abs() < 1e-13, "{count} {x}");
             }
         }
-        // No time is too late, and a train that has ended stays dark.
+        // No time is too late, and a finished train stays dark.
         assert_eq!(train(1e300, 1.5, 3.0), 0.0);
     }
 

@@ -501,7 +501,7 @@ mod tests {
             };
             let (beta, gamma) = (v.beta(), v.gamma());
             for (ray, s) in points.rays.iter().zip(&points.s) {
-                // The lamp at the time of the point, and r from |w − βr| = r.
+                // The lamp at the time of the point, and r by |w − βr| = r.
                 let at = ray.origin + ray.tangent * *s;
                 let w = DVec3::new(0.4, 2.0, -1.0) + beta * (at.ct + 3.0) - at.x;
                 let (along, rest) = (w.dot(beta), 1.0 - beta.length_squared());

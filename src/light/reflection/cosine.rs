@@ -82,7 +82,7 @@ fn sine_and_cosine_of_turn(y: f64) -> (f64, f64) {
         cosine = 1.0 - b * COSINE[k] * cosine;
     }
     let sine = a * sine;
-    // Odd quarters exchange the two; of 1 and 2 the cosine, of 2 and 3 the sine turns its sign.
+    // Odd quarters swap the two; quarters 1 and 2 change the sign of the cosine, 2 and 3 that of the sine.
     let odd = quarter == 1.0 || quarter == 3.0;
     let (s, c) = if odd { (cosine, sine) } else { (sine, cosine) };
     let s = if quarter == 2.0 || quarter == 3.0 {
@@ -110,7 +110,7 @@ mod tests {
                 (f64::from(k) / 4096.0).next_down().abs(),
             ] {
                 let (sine, cosine) = sine_and_cosine_of_turn(y);
-                // The product 2πy of the other way is rounded, too.
+                // The product 2πy in the reference is rounded, too.
                 let (s, c) = libm::sincos(TAU * y);
                 assert!(
                     (sine - s).abs() < 1e-15 && (cosine - c).abs() < 1e-15,

@@ -1,4 +1,4 @@
-//! Sampling of directions from a surface by its reflection; the symbols are those of [`reflection`](super).
+//! Sampling of directions in proportion to a surface's reflection; the symbols are those of [`reflection`](super).
 //!
 //! When light is traced from surface to surface, r = 0 is a mirror: F D V is F δ(l − v mirrored)/(n·l). A direction is sampled for the
 //! specular part with the probability q = F₀/(F₀ + d), F₀ = F at n·v and d the diffuse albedo less F₀ (both as means of the channels, and
@@ -47,7 +47,7 @@ impl Reflection {
         // The view, stretched to the hemisphere of α = 1.
         let v = local(self.view);
         let stretched = DVec3::new(self.alpha * v.x, self.alpha * v.y, v.z.max(1e-9)).normalize();
-        // A point of the disc that it sees of the hemisphere.
+        // A point of the disc in which the hemisphere appears in that view.
         let across = DVec3::new(-stretched.y, stretched.x, 0.0).try_normalize();
         let t1 = across.unwrap_or(DVec3::X);
         let t2 = stretched.cross(t1);
@@ -150,7 +150,7 @@ impl Reflection {
         if density.is_finite() {
             return self.value(drawn.l).map(|f| f * cosine / density);
         }
-        // One direction alone, by the chances of the other.
+        // A mirror has a single direction: weighted with the probabilities of the other surface.
         let share = other.specular_share();
         match (&self.through, cosine > 0.0) {
             (Some(glass), false) => {
@@ -221,7 +221,7 @@ impl Reflection {
         }
     }
 
-    /// Among directions other than a mirror's, the fraction that is transmitted.
+    /// The fraction transmitted among directions other than a mirror's.
     #[inline]
     fn share_through(&self) -> f64 {
         let Some(glass) = &self.through else {
@@ -238,7 +238,7 @@ impl Reflection {
     #[inline(always)]
     pub(super) fn distribution(&self, cosine: f64) -> f64 {
         let square = self.alpha * self.alpha;
-        // (n·h)² (α² − 1) + 1, whose terms cancel at the peak of a smooth surface only as far as α² is small.
+        // (n·h)² (α² − 1) + 1, whose terms cancel at the peak of a smooth surface down to α².
         let spread = cosine * cosine * (square - 1.0) + 1.0;
         square / (PI * spread * spread)
     }
@@ -268,7 +268,7 @@ mod tests {
 
     #[test]
     fn drawn_directions_give_the_integral_of_the_specular_part() {
-        // ∫ f (n·l) dω of white metal over the hemisphere: by z = n·l and azimuth, and by drawing.
+        // ∫ f (n·l) dω of white metal over the hemisphere: by z = n·l and azimuth, and by sampling.
         for (roughness, cosine) in [(0.5, 0.9), (0.7, 0.3), (1.0, 0.6)] {
             let r = Reflection::metallic_roughness(
                 DVec3::Z,
@@ -321,7 +321,7 @@ mod tests {
             for (a, b) in uniform.into_iter().zip(drawn) {
                 assert!((a - b).abs() < 3e-3 * a, "{metallic} {roughness}: {a} {b}");
             }
-            // The density is 1 in all, less what goes into the surface.
+            // The density integrates to 1, less the part below the surface.
             let lost = grid(n).filter(|u| r.sample(*u).is_none()).count();
             let kept = 1.0 - lost as f64 / (n * n) as f64;
             assert!((all - kept).abs() < 5e-3, "{metallic}: {all} {kept}");

@@ -31,8 +31,8 @@ pub(super) struct Through {
 }
 
 impl Reflection {
-    /// The same as smooth glass, which transmits the fraction `transmission` of what is not reflected, to the index `far`; a film without
-    /// thickness if `solid` is false.
+    /// The reflection with the surface as smooth glass, which transmits the fraction `transmission` of what is not reflected, to the index
+    /// `far`; a film without thickness if `solid` is false.
     pub fn as_glass(self, transmission: f64, far: f64, solid: bool) -> Self {
         let through = Through::new(
             (self.normal, self.view, self.facing),
@@ -123,7 +123,7 @@ mod tests {
         let beyond = glass(view(0.74), n, 1.0);
         assert!(0.74f64 < (1.0 - 1.0 / (n * n)).sqrt() && reflected(beyond.clone()) == 1.0);
         assert!(beyond.sample([0.999, 0.5]).unwrap().l.z > 0.0);
-        // A direction through: n₁ sin θ₁ = n₂ sin θ₂ on the other side, and radiance as n².
+        // A transmitted direction: n₁ sin θ₁ = n₂ sin θ₂ on the other side, and radiance as n².
         let s = glass(view(0.6), 1.0, n).sample([0.95, 0.5]).unwrap();
         assert!((s.l - DVec3::new(-0.8 / n, 0.0, -(1.0 - 0.64 / (n * n)).sqrt())).length() < 1e-15);
         assert!((s.index, s.density) == (n, f64::INFINITY));
@@ -145,14 +145,14 @@ mod tests {
             let r = Reflection::metallic_roughness(DVec3::Z, v, [1.0; 3], [0.0, 0.0], 0.04);
             r.within(1.0).as_glass(1.0, index, true)
         };
-        // Of index 1 nothing is reflected, and each draw goes through with all of the light.
+        // At index 1 nothing is reflected, and each sample is transmitted with all of the light.
         for cosine in [1.0, 0.6, 0.05] {
             for u in grid(50) {
                 let s = glass(view(cosine), 1.0).sample(u).unwrap();
                 assert!(s.l.z < 0.0 && s.weight.iter().all(|w| (w - 1.0).abs() < 1e-12));
             }
         }
-        // Of others each part is drawn with its chance and weighs what it has over that.
+        // At other indices each part is sampled with its probability, and weighted with its share divided by that.
         for (cosine, index) in [
             (1.0, 1.05),
             (1.0, 1.3),

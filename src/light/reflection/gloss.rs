@@ -13,7 +13,7 @@ const SMOOTHEST: f64 = 1e-3;
 /// underflow.
 const LEAST_SQUARE: f64 = 1e-60;
 
-/// The coefficients of reflection by the metallic-roughness model.
+/// The coefficients of the reflection in the metallic-roughness model.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Coefficients {
     pub(super) f0: DVec3,
@@ -25,7 +25,7 @@ pub(crate) struct Coefficients {
 }
 
 impl Coefficients {
-    /// Of this base colour, metalness and roughness, and of a dielectric of this f₀.
+    /// For this base colour, metalness and roughness, and a dielectric with this f₀.
     #[inline(always)]
     pub fn new(colour: DVec3, [metallic, roughness]: [f64; 2], dielectric: f64) -> Self {
         let [diffuse, f0] = diffuse_and_specular(colour.to_array(), metallic, dielectric);
@@ -54,7 +54,7 @@ impl Coefficients {
         }
     }
 
-    /// The same for the view alone, for loops over many.
+    /// [`Self::value`] for the view alone, for loops over many.
     #[inline(always)]
     pub fn value_at<const ROUGHEST: bool, const METAL: bool>(
         &self,
@@ -85,7 +85,7 @@ impl Coefficients {
     ) -> (f64, f64) {
         let sum = view + l;
         let square = sum.length_squared();
-        // Light that grazes from behind may have no h: n stands for it.
+        // Light that grazes from behind may have no h: n replaces it.
         let has_half = square > LEAST_SQUARE;
         let along = 0.5 * square.sqrt();
         let along = if has_half { along } else { facing };
@@ -100,9 +100,9 @@ impl Coefficients {
         };
         let alpha = self.alpha * self.alpha;
         let masking = cosine * root(alpha, facing) + facing * root(alpha, cosine);
-        // Its terms cancel at the peak of a smooth surface only as far as α² is small.
+        // At the peak of a smooth surface its terms cancel down to α².
         let spread = height * height * (alpha - 1.0) + norm;
-        // Of the roughest |v + l|² in both, which cancels.
+        // At the greatest roughness |v + l|² is a factor of both, and cancels.
         let is_roughest = alpha == 1.0;
         let norm = if is_roughest { 1.0 } else { norm * norm };
         let spread = if is_roughest { 1.0 } else { spread * spread };
@@ -119,7 +119,7 @@ pub(crate) struct Glosses {
     pub colours: Columns,
     pub metallic: Vec<f64>,
     pub roughness: Vec<f64>,
-    /// f₀ of the dielectric part, of all of them.
+    /// f₀ of the dielectric part, common to all.
     pub dielectric: f64,
 }
 
@@ -129,7 +129,7 @@ impl Glosses {
         self.metallic.is_empty()
     }
 
-    /// Forgets all.
+    /// Removes all surfaces.
     pub fn clear(&mut self) {
         self.alike = false;
         self.colours.clear();
@@ -137,7 +137,7 @@ impl Glosses {
         self.roughness.clear();
     }
 
-    /// Makes all of them surfaces of this base colour, metalness and roughness, and of a dielectric of this f₀.
+    /// Gives all of them this base colour, metalness and roughness, and a dielectric with this f₀.
     pub fn fill_alike(
         &mut self,
         colour: [f64; 3],
@@ -159,7 +159,7 @@ impl Glosses {
         if self.alike { 0 } else { begin }
     }
 
-    /// The reflection of all of them, if they are equal.
+    /// The reflection shared by all, if they are equal.
     pub fn shared(&self) -> Option<Coefficients> {
         let look = || [self.metallic[0], self.roughness[0]];
         self.alike
@@ -167,7 +167,7 @@ impl Glosses {
     }
 }
 
-/// c (1 − m) and f₀ of a metal and a dielectric of this f₀.
+/// c (1 − m), and f₀ of a mixture of metal and a dielectric with this f₀.
 #[inline(always)]
 pub(super) fn diffuse_and_specular(
     colour: [f64; 3],
@@ -180,7 +180,7 @@ pub(super) fn diffuse_and_specular(
     ]
 }
 
-/// f₀ of a dielectric of this index: 0.04 to the last bit for 1.5, as both squares are exact.
+/// f₀ of a dielectric with this index: 0.04 to the last bit for 1.5, as both squares are exact.
 pub(crate) fn reflectance_of_index(ior: f64) -> f64 {
     (ior - 1.0) * (ior - 1.0) / ((ior + 1.0) * (ior + 1.0))
 }
@@ -197,7 +197,7 @@ pub(super) fn facing(normal: DVec3, view: DVec3) -> f64 {
     normal.dot(view).max(1e-9)
 }
 
-/// √(α² + (1 − α²) c²) by α².
+/// √(α² + (1 − α²) c²), from α².
 #[inline(always)]
 pub(super) fn root(square: f64, cosine: f64) -> f64 {
     (square + (1.0 - square) * cosine * cosine).sqrt()
@@ -230,7 +230,7 @@ mod tests {
             let many = |look| Coefficients::new(colour.into(), look, 0.04);
             let all = many(look).value_at::<false, false>(n, v, l).to_array();
             assert_eq!(one.map(f64::to_bits), all.map(f64::to_bits));
-            // Surfaces as rough as can be, and metals, have loops of their own.
+            // Fully rough surfaces and metals have loops of their own.
             let one = |m, r| Reflection::metallic_roughness(n, v, colour, [m, r], 0.04).value(l);
             let rough = many([look[0], 1.0]).value_at::<true, false>(n, v, l);
             assert_eq!(one(look[0], 1.0), rough.to_array());
@@ -243,7 +243,7 @@ mod tests {
 
     #[test]
     fn reflection_with_one_division_is_that_of_the_formulas() {
-        // F D V by h, D and V each by itself; among them peaks of smooth surfaces, and grazing light.
+        // F D V from h, with D and V computed separately; including peaks of smooth surfaces and grazing light.
         for k in 0..500 {
             let part = |n: u32| f64::from(k * n % 101) / 100.0;
             let v = DVec3::new(part(3), -part(5), 0.02 + part(7)).normalize();
@@ -260,7 +260,7 @@ mod tests {
                 let f0 = r.specular.unwrap()[c];
                 let f = f0 + (1.0 - f0) * weight;
                 let expected = (1.0 - f) * r.diffuse[c] / PI + f * gloss;
-                // At peaks of α = 10⁻³ the 1 in D leaves α² = 10⁻⁶ of itself, with an error of some eps.
+                // At peaks of α = 10⁻³ the cancelling 1 in D leaves α² = 10⁻⁶, with an error of some eps.
                 let alpha = r.alpha * r.alpha;
                 let bound = 1e-14 + 1e-15 / alpha;
                 assert!(

@@ -6,7 +6,7 @@ use super::Reflection;
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch};
 
 impl Reflection {
-    /// [`Reflection::value`] of each of `reflections` that `chosen` names, for the light from its own of `l`.
+    /// [`Reflection::value`] of each of `reflections` with an index in `chosen`, for its own light direction in `l`.
     pub(crate) fn values(
         reflections: &[Reflection],
         chosen: &[u32],
@@ -23,7 +23,7 @@ impl Reflection {
     }
 }
 
-/// The loop over points: their reflections are brought together by component first.
+/// The loop over points, whose reflections are first gathered by component.
 struct Values<'a> {
     reflections: &'a [Reflection],
     chosen: &'a [u32],
@@ -67,7 +67,7 @@ impl VectorLoop for Values<'_> {
                 };
                 values.set(k, of.glossy_value(specular.get(k), l.get(k)));
             }
-            // The others one by one.
+            // The others are evaluated one by one.
             for (k, point) in chosen.iter().enumerate() {
                 let of = &self.reflections[*point as usize];
                 if of.is_mirror || of.specular.is_none() {

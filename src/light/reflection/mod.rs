@@ -61,7 +61,7 @@ pub struct Reflection {
 }
 
 impl Reflection {
-    /// Of a diffuse surface of albedo `colour`.
+    /// A diffuse surface of albedo `colour`.
     pub fn diffuse(normal: DVec3, colour: [f64; 3]) -> Self {
         Reflection {
             normal,
@@ -77,7 +77,7 @@ impl Reflection {
         }
     }
 
-    /// Of a surface of base colour `colour`, and of a dielectric of the f₀ `dielectric`.
+    /// A surface of base colour `colour`, and of a dielectric with the f₀ `dielectric`.
     #[inline(always)]
     pub fn metallic_roughness(
         normal: DVec3,
@@ -203,7 +203,7 @@ impl Reflection {
 mod tests {
     use super::*;
 
-    /// Of a grid of n × n points in the unit square.
+    /// A grid of n × n points in the unit square.
     pub(super) fn grid(n: usize) -> impl Iterator<Item = [f64; 2]> {
         let at = move |k: usize| (k as f64 + 0.5) / n as f64;
         (0..n * n).map(move |k| [at(k % n), at(k / n)])

@@ -16,22 +16,22 @@ const LEAST: f64 = 0.01;
 const PART: f64 = 0.9;
 
 impl Reflection {
-    /// The same on a surface with this geometric normal: on the side of the observer.
+    /// The normal on a surface with this geometric normal: on the side of the observer.
     pub fn on(self, geometric: DVec3) -> Self {
         Reflection { geometric, ..self }
     }
 
-    /// That of the surface itself.
+    /// The normal of the surface itself.
     pub fn geometric_normal(&self) -> DVec3 {
         self.geometric
     }
 
-    /// Whether these are two.
+    /// Whether the shading normal differs from the geometric one.
     pub(crate) fn is_smooth(&self) -> bool {
         self.normal != self.geometric
     }
 
-    /// Whether `l` is on the same side of the surface as of its normal: other light contributes nothing.
+    /// Whether `l` is on the same side of the surface and of its normal: other light contributes nothing.
     #[inline]
     pub fn is_open(&self, l: DVec3) -> bool {
         (self.normal.dot(l) < 0.0) == (self.geometric.dot(l) < 0.0)
@@ -52,7 +52,7 @@ pub(crate) fn bent(normal: DVec3, geometric: DVec3, view: DVec3) -> DVec3 {
     if height >= least {
         return normal;
     }
-    // What is mirrored straight down, or seen from the edge, has no direction to be lifted to.
+    // A direction mirrored straight down, or a view along the surface, leaves no direction to lift towards.
     let along = (mirrored - geometric * height).try_normalize();
     let lifted = along.map(|along| along * (1.0 - least * least).sqrt() + geometric * least);
     let between = lifted.and_then(|lifted| (lifted + view).try_normalize());
@@ -89,10 +89,10 @@ mod tests {
             }
             lifted += 1;
             assert!(before.z < least);
-            // Lifted as far as need be, in the plane of r and n_g.
+            // Lifted as far as necessary, in the plane of r and n_g.
             assert!((mirrored.z - least).abs() < 1e-12, "{n} {v}");
             assert!(before.cross(mirrored).z.abs() < 1e-9, "{n} {v}");
-            // Where nothing has to be lifted, the rule begins with n itself.
+            // If nothing has to be lifted, the rule starts from n itself.
             if before.z > least - 1e-4 && n.dot(v) > 0.1 {
                 assert!((bent - n).length() < 1e-3, "{n} {v}");
             }
@@ -106,7 +106,7 @@ mod tests {
             let v = DVec3::new(1.0, 0.0, f64::from(k) / 1000.0).normalize();
             assert_eq!(bent(DVec3::Z, DVec3::Z, v), DVec3::Z);
         }
-        // The view along the surface, and what would be mirrored straight down, have normals, too.
+        // A view along the surface and a direction mirrored straight down have normals, too.
         for (n, v) in [
             (DVec3::X, DVec3::X),
             (-DVec3::X, DVec3::X),

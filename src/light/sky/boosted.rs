@@ -248,8 +248,8 @@ impl BoostedSky {
         })
     }
 
-    /// L_F without the sun; stars shine from all of their block. By channel, or at some wavelengths of the frame, where there are neither stars nor
-    /// lines. For directions of [`BoostedSky::sample`]: where these are drawn by light, it is the mean about them.
+    /// L_F without the sun; stars shine uniformly from their whole block. By channel, or at some wavelengths of the frame if there are
+    /// neither stars nor lines. For directions of [`BoostedSky::sample`]: if these are sampled by light, it is the mean of the texel.
     #[inline]
     pub fn mean_radiance(&self, from: &FromSky) -> [f64; 3] {
         let channels = match self.is_uneven() {
@@ -259,8 +259,9 @@ impl BoostedSky {
         self.seen(channels, from)
     }
 
-    /// The same for a direction that a surface draws with this `density`. What it reflects and what [`BoostedSky::sample`] finds have to be parts of
-    /// one light, so it is the mean, too, but for lobes narrower than a texel, which show the picture.
+    /// L_F for a direction that a surface samples with this `density`. Light found by reflected rays and light found by
+    /// [`BoostedSky::sample`] must be consistent, so this is also the mean of the texel, except for lobes narrower than a texel, which show
+    /// the picture.
     #[inline]
     pub fn reflected_radiance(&self, from: &FromSky, density: f64) -> [f64; 3] {
         match self.shows_picture(from.d, from.rho, density) {

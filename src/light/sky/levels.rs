@@ -39,7 +39,7 @@ pub(super) struct Family {
     pub merged: Place,
     /// Its members; empty for a single place, which does not move.
     pub members: Range<u32>,
-    /// The longest chord from one of them to there.
+    /// The longest chord from a member to the merged place.
     pub spread: f64,
 }
 

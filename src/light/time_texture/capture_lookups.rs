@@ -1,7 +1,7 @@
-//! Many lookups at a time at points that a capture camera saw: [`TimeTexture::sample_located`] if all taps have data.
+//! Batched lookups at points that a capture camera saw: [`TimeTexture::sample_located`] if all taps have data.
 //!
-//! As for lookups by texture coordinates, but each tap is read at its own time, with its own weights of bins. Each
-//! operation is that of a single lookup, in its order, so that results are the same bit for bit.
+//! As for lookups by texture coordinates, but each tap is read at its own time, with its own bin weights. The operations are those of a
+//! single lookup, in the same order, so that results are the same bit for bit.
 
 use super::axis::{Reading, Timeline};
 use super::capture_points::CapturePoints;
@@ -16,12 +16,12 @@ use crate::scene::model::TimeFilter;
 /// A batch of lookups and, after [`TimeTexture::sample_taps`], the answers.
 #[derive(Debug)]
 pub struct CaptureLookups {
-    /// How many there are.
+    /// The number of lookups.
     count: usize,
     /// The first sample of each tap, and the weights of its bins.
     origins: [[u64; BATCH]; 4],
     bins: [[[f64; BATCH]; MOST_BINS]; 4],
-    /// Whether all of it is in the data.
+    /// Whether the lookup is entirely within the data.
     plain: [bool; BATCH],
     radiance: [[f64; 4]; BATCH],
     /// The sum of its taps' weights.
@@ -58,7 +58,7 @@ impl CaptureLookups {
         self.plain = [false; BATCH];
     }
 
-    /// The radiance of point `at` of the batch and the sum of its taps' weights; `None` if not all of it is in the data.
+    /// The radiance of point `at` of the batch and the sum of its taps' weights; `None` if the lookup is not entirely within the data.
     #[inline(always)]
     pub fn answer(&self, at: usize) -> Option<([f64; 3], f64)> {
         let [r, g, b, _] = self.radiance[at];
@@ -66,7 +66,7 @@ impl CaptureLookups {
     }
 }
 
-/// Where a batch reads, and with which weights.
+/// The reads of a batch, with their weights.
 struct TapReads<'a> {
     weights: [&'a [f64; BATCH]; 4],
     origins: &'a [[u64; BATCH]; 4],
@@ -131,7 +131,7 @@ impl TimeTexture {
     }
 }
 
-/// All that a batch needs.
+/// The inputs of a batch.
 struct Plan<'a, F, const N: usize> {
     texture: &'a TimeTexture,
     timeline: &'a Timeline,
@@ -188,7 +188,7 @@ impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
             held[at] = 0.0 + weights[0][at] + weights[1][at] + weights[2][at] + weights[3][at];
         }
         let source = from_disk.source::<N>(store, (origins, plain), count);
-        // Only those are read that are plain.
+        // Only plain lookups are read.
         let (mut which, mut open) = ([0; BATCH], 0);
         for (at, is_plain) in plain.iter().enumerate().take(count) {
             which[open % BATCH] = at as u8;
@@ -204,7 +204,7 @@ impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
     }
 }
 
-/// One of the four taps of a batch: texels as numbers, when the light of the points left, and how much later each recorded it.
+/// One of the four taps of a batch: texel indices, the times at which the light of the points left, and each texel's recording delay.
 #[derive(Clone, Copy)]
 struct TapTimes<'a> {
     texels: &'a [f64; BATCH],
@@ -212,10 +212,10 @@ struct TapTimes<'a> {
     times: &'a [f64; BATCH],
 }
 
-/// Lookups of a batch that are passed over together.
+/// Lookups of a batch that are skipped together.
 const PART: usize = 64;
 
-/// Where that tap of lookups reads, and with which weights of bins, where any is plain.
+/// The reads of that tap of the lookups, and their bin weights, if any is plain.
 #[inline(always)]
 fn place<F: Filter<N>, const N: usize>(
     [_, _, bins, channels]: [usize; 4],
@@ -230,7 +230,7 @@ fn place<F: Filter<N>, const N: usize>(
     let last = bins - 1.0;
     let mut begin = 0;
     while begin < BATCH {
-        // Where none of a part is plain, nothing is read.
+        // If no lookup of a group is plain, nothing is read.
         let mut any = false;
         for is_plain in &plain[begin..begin + PART] {
             any |= *is_plain;
@@ -239,7 +239,7 @@ fn place<F: Filter<N>, const N: usize>(
             for i in begin..begin + PART {
                 let t = tap.times[i] + tap.delays[i];
                 let there = (t >= start) & (t <= end);
-                // Limited so that bins far away fit an integer; such lookups are not plain.
+                // Limited so that far-away bins fit into an integer; such lookups are not plain.
                 let b = ((t - start) * per_metre).max(-3.0).min(last + 4.0);
                 let (first, of_bins) = F::weights(b, last);
                 let within = (first >= 0.0) & (first + N as f64 <= bins);
@@ -257,7 +257,7 @@ fn place<F: Filter<N>, const N: usize>(
     }
 }
 
-/// The numbers of a whole batch from `begin` on.
+/// The numbers of a whole batch starting at `begin`.
 #[inline(always)]
 fn part(from: &[f64], begin: usize) -> &[f64; BATCH] {
     const NONE: &[f64; BATCH] = &[0.0; BATCH];

@@ -1,4 +1,4 @@
-//! Projection of many points at a time into a capture camera: [`TimeTexture::locate`] in loops.
+//! Batched projection of points into a capture camera: [`TimeTexture::locate`] in loops.
 //!
 //! A block of points is projected; the pixels around each image point are gathered, and compared with the point; those that saw its
 //! surface get their weights. The rest are points outside the image, behind the pinhole, or seen by no pixel. For other reconstructions,
@@ -18,10 +18,10 @@ use crate::scene::model::Reconstruction;
 /// The points of a run as seen by a capture camera.
 #[derive(Debug, Default)]
 pub struct CapturePoints {
-    /// By point, padded to a whole batch: whether pixels that saw its surface are read directly.
+    /// By point, padded to a whole batch: whether the pixels that saw its surface can be read directly.
     is_plain: Vec<bool>,
-    /// For those points: the four pixels around each as numbers, their weights, and the delay between emission and recording of each
-    /// one's light, metres. For others the values have no meaning.
+    /// For those points: the indices of the four pixels around each, their weights, and the delay between emission and recording of each
+    /// one's light, metres. Meaningless for other points.
     pub(super) texels: [Vec<f64>; 4],
     pub(super) weights: [Vec<f64>; 4],
     pub(super) delays: [Vec<f64>; 4],
@@ -31,7 +31,7 @@ pub struct CapturePoints {
     others: Vec<(u32, Located)>,
     /// Whether all points are plain.
     is_all_plain: bool,
-    /// Room for one block, once it was needed.
+    /// Scratch space for one block, allocated on first use.
     block: Option<Box<LocatedBlock>>,
 }
 
@@ -57,7 +57,7 @@ impl CapturePoints {
         self.is_plain[at]
     }
 
-    /// Whether it lies beside the image, or behind the pinhole.
+    /// Whether it is outside the image, or behind the pinhole.
     #[inline(always)]
     pub fn is_beside_at(&self, at: usize) -> bool {
         self.is_beside[at]
@@ -119,7 +119,7 @@ impl CapturePoints {
                 continue;
             }
             self.is_beside[begin..begin + now].copy_from_slice(&seen.is_beside[..now]);
-            // Of some blocks no pixel can have seen anything.
+            // For some blocks no pixel can have seen anything.
             if seen.may_be_plain == [false; BLOCK] {
                 begin += BLOCK;
                 continue;
@@ -141,22 +141,22 @@ impl CapturePoints {
     }
 }
 
-/// How the capture camera sees a block of points.
+/// A block of points as seen by the capture camera.
 #[derive(Debug)]
 struct LocatedBlock {
-    /// Film points, and whether they are before the pinhole.
+    /// Film points, and whether they are in front of the pinhole.
     place: [Block; 2],
     is_before: [bool; BLOCK],
-    /// Positions and normals by the camera's axes, and whether the points face it.
+    /// Positions and normals in the camera's axes, and whether the points face it.
     p: Vectors,
     n: Vectors,
     faces: [bool; BLOCK],
-    /// Width of a pixel there.
+    /// Width of a pixel at the point.
     footprint: Block,
-    /// Whether each is read as it is if pixels saw its surface, and whether it is beside the image.
+    /// Whether each is read directly if pixels saw its surface, and whether it is outside the image.
     may_be_plain: [bool; BLOCK],
     is_beside: [bool; BLOCK],
-    /// The four pixels about each, [`NO_ROW`] where none is to be looked at, and what they saw, word by word.
+    /// The four pixels around each, [`NO_ROW`] for those to be skipped, and what they saw, word by word.
     pixels: [[u32; BLOCK]; 4],
     seen: [[[u32; BLOCK]; 8]; 4],
     /// As in [`CapturePoints`].
@@ -232,7 +232,7 @@ impl<P: Projection> VectorLoop for Locate<'_, P> {
     fn run(self) {
         let block = self.to;
         block.project(self.capture, self.film, self.positions, self.normals);
-        // Those that are read as means of pixels are left to single lookups.
+        // Those read as means of pixels are left to single lookups.
         match self.texture.reconstruction() {
             Reconstruction::Sharp => {}
             Reconstruction::Bilinear | Reconstruction::Footprint => {
@@ -242,7 +242,7 @@ impl<P: Projection> VectorLoop for Locate<'_, P> {
     }
 }
 
-/// The loop over the points of a block that weighs the pixels about them.
+/// The loop over the points of a block that weights the pixels around them.
 struct Weigh<'a>(&'a mut LocatedBlock, &'a Capture);
 
 impl VectorLoop for Weigh<'_> {
@@ -253,7 +253,7 @@ impl VectorLoop for Weigh<'_> {
 }
 
 impl LocatedBlock {
-    /// Looks at the points from the capture camera.
+    /// Projects the points into the capture camera.
     #[inline(always)]
     fn project<P: Projection>(
         &mut self,
@@ -262,7 +262,7 @@ impl LocatedBlock {
         positions: VectorsRef,
         normals: VectorsRef,
     ) {
-        // Into arrays of its own: of those the compiler knows that nothing which is read lies in them.
+        // Into separate arrays, so that the compiler knows they do not alias the inputs.
         let (mut x, mut y) = ([0.0; BLOCK], [0.0; BLOCK]);
         let (mut p, mut n) = (Vectors::ZERO, Vectors::ZERO);
         let mut footprint = [0.0; BLOCK];
@@ -286,7 +286,7 @@ impl LocatedBlock {
         (self.footprint, self.is_before, self.faces) = (footprint, is_before, faces);
     }
 
-    /// The four pixels of an image of `size` (width, height) about each place, with their bilinear weights.
+    /// The four pixels of an image of `size` (width, height) around each position, with their bilinear weights.
     #[inline(always)]
     fn find_taps(&mut self, size: [usize; 2]) {
         let [width, height] = size.map(|n| n as f64);
@@ -307,7 +307,7 @@ impl LocatedBlock {
             self.weights[2][k] = (1.0 - fx) * fy;
             self.weights[3][k] = fx * fy;
         }
-        // In a loop of their own: together with the above they would not go in vectors.
+        // In a separate loop: merged with the one above it would not vectorize.
         let mut tap = 0;
         while tap < 4 {
             for k in 0..BLOCK {
@@ -318,7 +318,7 @@ impl LocatedBlock {
         }
     }
 
-    /// Leaves the weights of pixels that saw the point's surface alone, made up to 1 where some are left out.
+    /// Keeps only the weights of pixels that saw the point's surface, normalized to 1 if some are dropped.
     #[inline(always)]
     fn weigh(&mut self, capture: &Capture) {
         let mut saw = [[false; BLOCK]; 4];

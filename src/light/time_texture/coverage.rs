@@ -19,7 +19,7 @@ pub struct Coverage {
 }
 
 impl Coverage {
-    /// Nothing was asked.
+    /// No lookup.
     pub const NONE: Coverage = Coverage {
         held: 0.0,
         before: 0.0,
@@ -27,17 +27,17 @@ impl Coverage {
         off_texture: 0.0,
         occluded: 0.0,
     };
-    /// All of it in the data.
+    /// All within the data.
     pub const HELD: Coverage = Coverage {
         held: 1.0,
         ..Coverage::NONE
     };
-    /// All of it off the texture.
+    /// All off the texture.
     pub const OFF_TEXTURE: Coverage = Coverage {
         off_texture: 1.0,
         ..Coverage::NONE
     };
-    /// All of it unseen.
+    /// All occluded.
     pub const OCCLUDED: Coverage = Coverage {
         occluded: 1.0,
         ..Coverage::NONE

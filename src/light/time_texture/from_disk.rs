@@ -1,4 +1,4 @@
-//! The bricks that a batch of lookups reads in a cube on disk.
+//! The bricks that a batch of lookups reads from a cube on disk.
 
 use super::gather::{AnySource, Source};
 use super::places::BATCH;
@@ -10,9 +10,9 @@ pub(super) struct FromDisk {
     held: Held,
     wanted: Vec<u64>,
     pieces: Pieces,
-    /// Which of the pieces each tap reads, by tap and lookup.
+    /// Which piece each tap reads, by tap and lookup.
     which: [[u16; BATCH]; 4],
-    /// Samples of all taps, brought together, where some bins are mended.
+    /// Gathered samples of all taps, used if some bins have to be repaired.
     mended: CubeSamples,
 }
 
@@ -29,8 +29,8 @@ impl Default for FromDisk {
 }
 
 impl FromDisk {
-    /// The samples of those of the first `count` lookups of N bins that are plain. Of a cube on disk their bricks are read, each once, and
-    /// the origins of their taps are then places in what they read.
+    /// The samples of those of the first `count` lookups of N bins that are plain. For a cube on disk, their bricks are read, each once,
+    /// and the origins of their taps then refer to the data read.
     #[inline(always)]
     pub fn source<'a, const N: usize>(
         &'a mut self,
@@ -56,7 +56,7 @@ impl FromDisk {
         if bricks.is_mended() {
             return self.mend(bricks, (origins, plain), count, each);
         }
-        // All bricks of the batch are named first, so that each is read once.
+        // All bricks of the batch are collected first, so that each is read once.
         let FromDisk {
             held,
             wanted,
@@ -88,7 +88,7 @@ impl FromDisk {
         }
     }
 
-    /// The same where some bins are mended.
+    /// The samples if some bins have to be repaired.
     #[cold]
     fn mend(
         &mut self,

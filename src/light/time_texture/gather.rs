@@ -7,14 +7,14 @@ use super::reader::Sample;
 use crate::accel::vectors::prefetch;
 use crate::io::cube::CubeSamples;
 
-/// Lookups whose samples are brought together.
+/// Lookups whose samples are gathered together.
 const GROUP: usize = 16;
-/// Samples of a group, and one that may be read without effect.
+/// Samples of a group, plus one that may be read without effect.
 const ROOM: usize = GROUP * 4 * MOST_BINS * 3 + 1;
 
 /// The positions and weights of lookups: by tap, bin and lookup.
 pub(super) trait Reads {
-    /// Which lookup comes `k`-th.
+    /// The index of the `k`-th lookup.
     #[inline(always)]
     fn lookup(&self, k: usize) -> usize {
         k
@@ -46,9 +46,9 @@ impl Reads for Places {
 
 /// The samples that lookups read.
 pub(super) enum Source<'a, S> {
-    /// All, as origins count them.
+    /// All samples, with absolute origins.
     Whole(&'a [S]),
-    /// In pieces: which of them each tap reads, by tap and lookup; origins count in it.
+    /// Samples in pieces: the piece that each tap reads, by tap and lookup, in which its origin counts.
     Pieces(Vec<&'a [S]>, &'a [[u16; BATCH]; 4]),
 }
 
@@ -72,7 +72,7 @@ pub(super) enum AnySource<'a> {
 }
 
 impl<'a> AnySource<'a> {
-    /// All of these.
+    /// The whole slice of samples.
     pub fn whole(samples: &'a CubeSamples) -> Self {
         match samples {
             CubeSamples::F16(samples) => AnySource::F16(Source::Whole(samples)),
@@ -82,7 +82,7 @@ impl<'a> AnySource<'a> {
     }
 }
 
-/// Sums the samples of `count` lookups of N bins, of cubes with so many channels.
+/// Sums the samples of `count` lookups of N bins, for cubes with `C` channels.
 #[inline(always)]
 pub(super) fn read<R: Reads, const N: usize>(
     (source, channels): (&AnySource, usize),
@@ -109,7 +109,7 @@ fn read_as<S: Sample, R: Reads, const C: usize, const N: usize>(
     factor: f64,
     radiance: &mut [[f64; 4]; BATCH],
 ) {
-    // The samples of the next group are on their way while those of this one are summed.
+    // The samples of the next group are being prefetched while those of this one are summed.
     let mut staged = [S::ZERO; ROOM];
     let mut wide = [S::ZERO.wide(); ROOM];
     ask_for::<S, R, C, N>(source, places, 0, count);
@@ -192,7 +192,7 @@ fn sum<S: Sample, R: Reads, const C: usize, const N: usize>(
     at: usize,
     factor: f64,
 ) -> [f64; 4] {
-    // Four lanes, which fill a vector: with three channels the fourth sums what belongs to others.
+    // Four lanes, which fill a vector: with three channels the fourth is meaningless.
     let values = &values[..4 * N * C + 1];
     let mut sum = [0.0; 4];
     let mut tap = 0;

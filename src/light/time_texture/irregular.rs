@@ -51,7 +51,7 @@ impl Run {
 }
 
 impl Irregular {
-    /// `edges` has been checked: two at least, ascending.
+    /// `edges` has been checked: at least two, ascending.
     pub fn new(edges: &Arc<[f64]>, values: BinValues, filter: TimeFilter) -> Irregular {
         Irregular {
             edges: edges.clone(),
@@ -60,7 +60,7 @@ impl Irregular {
         }
     }
 
-    /// The first bin that `t` reads, and the weights of densities from it on; bins beyond the ends are numbered on.
+    /// The first bin that `t` reads, and the density weights from it on; bins beyond the ends continue the numbering.
     pub fn weights(&self, t: f64) -> (i64, Run) {
         if self.filter == TimeFilter::Nearest {
             return (self.containing(t).clamp(0, self.last()), Run::new(&[1.0]));
@@ -73,7 +73,7 @@ impl Irregular {
         }
     }
 
-    /// Weights of densities as weights of stored values.
+    /// Converts weights of densities to weights of stored values.
     pub fn per_metre(&self, bins: &mut BinWeights) {
         if self.values == BinValues::PerBin {
             let run = (bins.first as i64..).zip(&mut bins.weights[..bins.count]);
@@ -96,9 +96,9 @@ impl Irregular {
         centre + (bin - there) as f64 * self.width(there)
     }
 
-    /// The bin that contains `t`, at most a few beyond the ends; NaN is in the first.
+    /// The bin that contains `t`, at most a few beyond the ends; the first for NaN.
     fn containing(&self, t: f64) -> i64 {
-        // No filter reads farther.
+        // No filter reads any farther.
         const BEYOND: f64 = 4.0;
         let (start, end) = (self.edges[0], self.edges[self.edges.len() - 1]);
         if t < start {
@@ -111,7 +111,7 @@ impl Irregular {
         }
     }
 
-    /// The bin whose centre lies before `t`, and how far `t` is from there to the next centre, 0 to 1.
+    /// The bin with the last centre at or before `t`, and the fraction of the way from there to the next centre, 0 to 1.
     fn between(&self, t: f64) -> (i64, f64) {
         let bin = self.containing(t).max(-4);
         let k = if t < self.centre(bin) { bin - 1 } else { bin };
@@ -125,10 +125,10 @@ impl Irregular {
     fn cubic(&self, k: i64, f: f64) -> [f64; 4] {
         let [p, q, r, s] = [-1, 0, 1, 2].map(|i| self.centre(k + i));
         let (h, g, l) = (q - p, r - q, s - r);
-        // The basis, with H of the slopes.
+        // The Hermite basis, with the slopes multiplied by H.
         let value = [(2.0 * f - 3.0) * f * f + 1.0, (3.0 - 2.0 * f) * f * f];
         let slope = [((f - 2.0) * f + 1.0) * f * g, (f - 1.0) * f * f * g];
-        // Slopes at both centres as weights of the three values about each.
+        // Slopes at both centres as weights of the three values around each.
         let before = slope_weights(h, g).map(|weight| weight * slope[0]);
         let after = slope_weights(g, l).map(|weight| weight * slope[1]);
         [
@@ -162,7 +162,7 @@ impl Irregular {
     }
 }
 
-/// The slope at the middle one of three centres, h after the first and g before the last, as weights of their values.
+/// The slope at the middle of three centres, h after the first and g before the last, as weights of their values.
 fn slope_weights(h: f64, g: f64) -> [f64; 3] {
     let (before, after) = (g / (h * (h + g)), h / (g * (h + g)));
     [-before, before - after, after]
@@ -179,7 +179,7 @@ mod tests {
         Irregular::new(&edges.into(), BinValues::Density, filter)
     }
 
-    /// What the filter makes at `t` of `value(bin)`.
+    /// The filtered value at `t` of `value(bin)`.
     fn read(bins: &Irregular, t: f64, value: impl Fn(i64) -> f64) -> f64 {
         let (first, run) = bins.weights(t);
         (first..)
@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn quadratics_come_back_from_their_values_and_from_their_means() {
         let quadratic = |t: f64| 2.0 - 3.0 * t + 0.7 * t * t;
-        // ∫ q over a bin, by its antiderivative.
+        // ∫ q over a bin, from its antiderivative.
         let integral = |t: f64| 2.0 * t - 1.5 * t * t + 0.7 / 3.0 * t * t * t;
         let cubic = bins(&EDGES, TimeFilter::Cubic);
         let means = bins(&EDGES, TimeFilter::CubicMeans);

@@ -1,4 +1,4 @@
-//! Many lookups at a time, by texture coordinates: [`TimeTexture::sample_uv`] in loops.
+//! Batched lookups by texture coordinates: [`TimeTexture::sample_uv`] in loops.
 //!
 //! Three passes: the positions and weights of each lookup, eight lookups per vector; prefetches of the cache lines of those samples, some
 //! lookups ahead of their use; and gathering, widening and summing the samples of a group of lookups. Each operation is that of a single
@@ -24,7 +24,7 @@ pub struct Lookups {
     pub v: [f64; BATCH],
     /// Times, metres of ct.
     pub t: [f64; BATCH],
-    /// Radiance if all of it is in the data, and a fourth lane without meaning.
+    /// Radiance if the lookup is entirely within the data, with a meaningless fourth lane.
     pub radiance: [[f64; 4]; BATCH],
     /// Lookups that are not plain.
     pub others: Vec<(usize, Sampled)>,
@@ -61,18 +61,18 @@ impl Lookups {
     }
 }
 
-/// Bytes of samples that so many lookups read from `texture`.
+/// Bytes of samples that `count` lookups read from `texture`.
 pub(super) fn bytes_of(texture: &TimeTexture, lookups: usize) -> u64 {
     let cube = texture.cube();
     (lookups * 4 * bins_of(texture.axis().filter) * cube.shape()[3] * cube.sample_bytes()) as u64
 }
 
 impl TimeTexture {
-    /// Carries out the first `count` of `lookups`, no more than [`BATCH`].
+    /// Performs the first `count` of `lookups`, at most [`BATCH`].
     pub fn sample_each(&self, lookups: &mut Lookups, count: usize) {
         let count = count.min(BATCH);
         let timeline = self.timeline();
-        // One loop for each filter, whose number of bins is then known to the compiler.
+        // One loop per filter, so that the compiler knows its number of bins.
         match &timeline.reading {
             Reading::Uniform(TimeFilter::Nearest) => {
                 dispatch(Plan::<Nearest, 1>::new(self, lookups, count))
@@ -89,7 +89,7 @@ impl TimeTexture {
             Reading::Irregular(_) => lookups.places.plain[..count].fill(false),
         }
         lookups.others.clear();
-        // Lookups near the ends of the data, or in bins of several widths, one by one.
+        // Lookups near the ends of the data, or in bins of different widths, are done one by one.
         for at in 0..count {
             if !lookups.places.plain[at] {
                 let uv = DVec2::new(lookups.u[at], lookups.v[at]);
@@ -101,7 +101,7 @@ impl TimeTexture {
     }
 }
 
-/// All that a batch needs.
+/// The inputs of a batch.
 struct Plan<'a, F, const N: usize> {
     texture: &'a TimeTexture,
     timeline: &'a Timeline,

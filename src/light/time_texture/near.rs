@@ -36,7 +36,7 @@ impl Near {
         }
     }
 
-    /// Whether as many bricks are requested as there is room for.
+    /// Whether as many bricks are requested as fit.
     fn wants_enough(&self, bricks: &Bricks) -> bool {
         let mut wanted = self.wanted.borrow_mut();
         if wanted.len() < bricks.at_hand() {

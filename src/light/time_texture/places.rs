@@ -6,13 +6,13 @@
 use super::axis::Timeline;
 use super::weights::{catmull_rom, less_curvature};
 
-/// Lookups in one batch, at most.
+/// Maximum number of lookups in a batch.
 pub const BATCH: usize = 256;
 
-/// Bins that a filter reads, at most.
+/// Maximum number of bins that a filter reads.
 pub(super) const MOST_BINS: usize = 6;
 
-/// What lookups read.
+/// The reads of lookups.
 #[derive(Debug)]
 pub(super) struct Places {
     /// The first sample of each tap.
@@ -21,11 +21,11 @@ pub(super) struct Places {
     pub taps: [[f64; BATCH]; 4],
     /// Weights of the bins.
     pub bins: [[f64; BATCH]; MOST_BINS],
-    /// Whether all of it is there.
+    /// Whether the lookup is entirely within the data.
     pub plain: [bool; BATCH],
 }
 
-/// A filter along time: N weights from a bin on.
+/// A filter along time: N weights on consecutive bins.
 pub(super) trait Filter<const N: usize> {
     /// The first bin and the weights, for bin coordinate `b`, and the number of bins less one.
     fn weights(b: f64, last: f64) -> (f64, [f64; N]);
@@ -68,23 +68,23 @@ impl Filter<6> for CubicMeans {
     }
 }
 
-/// ⌊x⌋ for |x| < 2⁵⁰, by additions that vectors have.
+/// ⌊x⌋ for |x| < 2⁵⁰, by additions, which are vectorized.
 #[inline(always)]
 fn floor(x: f64) -> f64 {
-    // From 2⁵² on f64 holds integers alone, so that the sum is rounded to one; 1.5 keeps it there for x < 0.
+    // From 2⁵² on f64 holds only integers, so the sum is rounded to one; the factor 1.5 keeps it there for x < 0.
     const INTEGERS: f64 = 1.5 * (1u64 << 52) as f64;
     let nearest = (x + INTEGERS) - INTEGERS;
     nearest - if nearest > x { 1.0 } else { 0.0 }
 }
 
-/// An integer in [0, 2⁵²) as one, by an addition.
+/// Converts an f64 integer in [0, 2⁵²) to an integer type, by an addition.
 #[inline(always)]
 pub(super) fn integer(x: f64) -> u64 {
     const INTEGERS: f64 = (1u64 << 52) as f64;
     (x + INTEGERS).to_bits() & ((1 << 52) - 1)
 }
 
-/// Where lookups read, and with which weights.
+/// The positions of lookups, and their weights.
 #[inline(always)]
 pub(super) fn place<F: Filter<N>, const N: usize>(
     [height, width, bins, channels]: [usize; 4],
@@ -101,10 +101,10 @@ pub(super) fn place<F: Filter<N>, const N: usize>(
     let last = bins - 1.0;
     for i in 0..count.min(BATCH) {
         let (u, v, t) = (u[i], v[i], t[i]);
-        // Plain: on the texture, within the data, and with all bins of the filter there.
+        // Plain: on the texture, within the data, and with all bins of the filter present.
         let on_texture = (0.0..=1.0).contains(&u) & (0.0..=1.0).contains(&v);
         let there = on_texture & (t >= start) & (t <= end);
-        // The four texels about the point, and the bins about the time.
+        // The four texels around the point, and the bins around the time.
         let (left, right, fx) = neighbours(u * width, width - 1.0);
         let (top, bottom, fy) = neighbours(v * height, height - 1.0);
         let b = ((t - start) * per_metre).max(-3.0).min(last + 4.0);
@@ -130,7 +130,7 @@ pub(super) fn place<F: Filter<N>, const N: usize>(
     }
 }
 
-/// The two cells whose centres embrace `x`, and the weight of the second; `last` is that of the last cell.
+/// The two cells whose centres enclose `x`, and the weight of the second; `last` is the index of the last cell.
 #[inline(always)]
 pub(super) fn neighbours(x: f64, last: f64) -> (f64, f64, f64) {
     let x = (x - 0.5).max(0.0).min(last);

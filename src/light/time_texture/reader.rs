@@ -1,5 +1,5 @@
-//! Reading of samples: the only place that depends on their stored type. Monomorphised over type and channels; the choice is made once
-//! per lookup, and nothing is allocated or converted ahead.
+//! Reads samples: the only place that depends on their stored type. Monomorphised over type and channels, which are selected once per
+//! lookup; nothing is allocated or converted in advance.
 
 use super::axis::Moment;
 use super::bilinear::Tap;
@@ -11,9 +11,9 @@ use crate::io::cube::{Bricks, Cube, CubeSamples, CubeStore};
 pub(super) trait Sample: Copy {
     /// 0.
     const ZERO: Self;
-    /// Holds it exactly, and is calculated with faster.
+    /// A type that holds it exactly and is faster in arithmetic.
     type Wide: Copy + Into<f64>;
-    /// The same number.
+    /// Its value in that type.
     fn wide(self) -> Self::Wide;
     /// Exact in f64.
     #[inline(always)]
@@ -26,8 +26,8 @@ impl Sample for half::f16 {
     const ZERO: Self = half::f16::ZERO;
     type Wide = f32;
 
-    /// For finite numbers, as all samples are: the exponent and mantissa bits stand in an f32 that is
-    /// too small by the difference of the exponents' biases, 127 − 15.
+    /// For finite numbers, as all samples are: the exponent and mantissa bits give an f32 that is too small by the difference of the
+    /// exponent biases, 127 − 15.
     #[inline(always)]
     fn wide(self) -> f32 {
         const BIAS: f32 = f32::from_bits((127 + 127 - 15) << 23);
@@ -57,7 +57,7 @@ impl Sample for f64 {
     }
 }
 
-/// The weighted sum over taps and over the bins of each; one channel is given to all three.
+/// The weighted sum over taps and over the bins of each; a single channel is copied to all three.
 #[inline]
 pub(super) fn read(
     cube: &CubeStore,
@@ -76,7 +76,7 @@ pub(super) fn read(
     }
 }
 
-/// The weighted sum over the bins of one texel; one channel is given to all three.
+/// The weighted sum over the bins of one texel; a single channel is copied to all three.
 pub(super) fn read_texel(cube: &CubeStore, texel: usize, moment: &Moment, near: &Near) -> [f64; 3] {
     match cube {
         CubeStore::Memory(cube) => read_texel_in_memory(cube, texel, moment),
@@ -104,7 +104,7 @@ fn read_texel_in_memory(cube: &Cube, texel: usize, moment: &Moment) -> [f64; 3] 
     }
 }
 
-/// As [`read`], operation by operation, from bricks.
+/// [`read`] from bricks, with the same operations.
 #[cold]
 fn read_from_disk(
     bricks: &Bricks,
@@ -166,7 +166,7 @@ fn blend<S: Sample, const C: usize>(
     sum
 }
 
-/// The weighted sum over a run of bins of the texel whose bin 0 is the `origin`-th of all bins.
+/// The weighted sum over a run of bins of the texel whose bin 0 has the index `origin` among all bins.
 #[inline]
 fn along_time<S: Sample, const C: usize>(
     samples: &[S],
@@ -174,10 +174,10 @@ fn along_time<S: Sample, const C: usize>(
     run: &BinWeights,
 ) -> [f64; C] {
     let first = (origin + run.first) * C;
-    // A texture is made of a checked cube, so the run is always there.
+    // Textures are made of checked cubes, so the run always exists.
     let values = samples.get(first..first + run.count * C);
     let (bins, _) = values.unwrap_or_default().as_chunks::<C>();
-    // The lengths that filters have away from the ends, as constants: the loop is unrolled.
+    // The filter lengths away from the ends, as constants, so that the loop is unrolled.
     match bins.len() {
         2 => weighted::<S, C>(&bins[..2], &run.weights),
         4 => weighted::<S, C>(&bins[..4], &run.weights),

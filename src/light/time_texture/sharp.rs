@@ -18,7 +18,7 @@ use super::near::Near;
 use super::texture::{Sampled, TimeTexture, When};
 use super::weights::catmull_rom;
 
-/// The 4 × 4 pixels about a place, with their weights.
+/// The 4 × 4 pixels around a position, with their weights.
 fn bicubic([x, y]: [f64; 2], [width, height]: [usize; 2]) -> Option<[Tap; 16]> {
     let (left, fx) = first(x, width)?;
     let (top, fy) = first(y, height)?;
@@ -29,18 +29,18 @@ fn bicubic([x, y]: [f64; 2], [width, height]: [usize; 2]) -> Option<[Tap; 16]> {
     }))
 }
 
-/// The first of four cells of `count` about `x`, and how far `x` is from the second's centre to the third's.
+/// The first of four cells of `count` around `x`, and the fraction of the way of `x` from the second's centre to the third's.
 fn first(x: f64, count: usize) -> Option<(usize, f64)> {
     let x = x - 0.5;
     let inside = x >= 1.0 && x <= count as f64 - 2.0;
     let second = inside.then_some(x as usize)?;
-    // At the last place of all, the third is the second to last cell.
+    // At the very last position, the third is the second to last cell.
     let second = second.min(count.checked_sub(3).filter(|last| *last > 0)?);
     Some((second - 1, x - second as f64))
 }
 
 impl TimeTexture {
-    /// Whether all 4 × 4 pixels about `place` saw the surface that is aimed at.
+    /// Whether all 4 × 4 pixels around `place` saw the target surface.
     pub(super) fn is_sharp_at(&self, capture: &Capture, place: [f64; 2], aim: &Aim) -> bool {
         let taps = bicubic(place, self.size());
         taps.is_some_and(|taps| taps.iter().all(|tap| capture.saw(tap.texel, aim)))
@@ -57,7 +57,7 @@ impl TimeTexture {
         near: &Near,
     ) -> Sampled {
         let mut sampled = Sampled::default();
-        // Parts without data are weighed as bilinear interpolation has them, so that none is negative.
+        // Parts without data have the weights of bilinear interpolation, so that none is negative.
         for tap in taps {
             self.account_for(&mut sampled, tap.weight, &when(tap.texel));
         }
@@ -135,11 +135,11 @@ mod tests {
         assert!(bicubic([1.5, 1.5], [3, 3]).is_none());
     }
 
-    /// The figures of the head of this file, by summing squared weights over a grid of places.
+    /// The numbers at the head of this file, by summing squared weights over a grid of positions.
     #[test]
     fn noise_grows_as_the_head_of_this_file_says() {
         let rms = |weights: &dyn Fn(f64) -> Vec<f64>| {
-            // Per axis the weights are a product's factors only without the differences: sum over both axes.
+            // The weights are products of factors per axis only without the differences: sum over both axes.
             let mut total = 0.0;
             const N: usize = 40;
             for (i, j) in (0..N * N).map(|n| (n / N, n % N)) {

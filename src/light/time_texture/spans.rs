@@ -1,6 +1,6 @@
 //! Means over time spans: for exposures of finite length, and for parts of a tilted surface.
 //!
-//! What a filter makes of the bins is L(t) = Σ_k a_k φ(b − ½ − k) with b = (t − start)/w, so that over [b₀, b₁] its mean is
+//! Applied to the bins, a filter gives L(t) = Σ_k a_k φ(b − ½ − k) with b = (t − start)/w, so that over [b₀, b₁] its mean is
 //!
 //! ```text
 //! 1/(b₁ − b₀) Σ_k a_k (Φ(b₁ − ½ − k) − Φ(b₀ − ½ − k)),      Φ(x) = ∫ φ from −∞ to x
@@ -28,17 +28,17 @@ use crate::scene::model::{Fill, TimeFilter};
 
 /// Bins between prefix sums.
 const BLOCK: usize = 16;
-/// Beyond so many bins from a bin's centre its weight is over.
+/// Distance in bins from a bin's centre beyond which its weight is 0.
 const REACH: f64 = 3.0;
-/// Beyond so many bins from the data a held end is constant.
+/// Distance in bins from the data beyond which a held end is constant.
 const FAR: f64 = 4.0;
-/// Bins at the ends of a span that are neither out of it nor full, at most: at each end those within the reach.
+/// Maximum number of bins at the ends of a span that are neither outside it nor full: at each end those within the reach.
 const ENDS: usize = 18;
 
-/// Sums over the bins before every 16th, of each texel and channel.
+/// Sums over all bins before every 16th, for each texel and channel.
 #[derive(Debug)]
 pub(super) struct PrefixSums {
-    /// Texel by texel, block by block, channel by channel: a sum, and what it lost to rounding.
+    /// Texel by texel, block by block, channel by channel: a sum and its rounding error.
     sums: Vec<[f64; 2]>,
     blocks: usize,
     channels: usize,
@@ -58,7 +58,7 @@ pub(super) struct Span {
 }
 
 impl PrefixSums {
-    /// Bytes that those of a cube of this shape take.
+    /// Bytes of the sums of a cube of this shape.
     pub fn bytes([h, w, t, c]: [usize; 4]) -> u64 {
         [h, w, t / BLOCK + 1, c, size_of::<[f64; 2]>()]
             .iter()
@@ -98,7 +98,7 @@ impl PrefixSums {
     }
 }
 
-/// Adds exactly, but for what is lost of the rest (Knuth's two-sum).
+/// Adds exactly, up to rounding of the compensation (Knuth's two-sum).
 fn add(sum: &mut [f64; 2], x: f64) {
     let total = sum[0] + x;
     let part = total - sum[0];
@@ -113,7 +113,7 @@ fn integral(filter: TimeFilter, x: f64) -> f64 {
         if y >= 2.0 {
             return f64::from(x > 0.0);
         }
-        // ∫ of the kernel of Catmull and Rom from 0 to y: 1 − 5/2 y² + 3/2 y³ up to 1, 2 − 4 y + 5/2 y² − ½ y³ from there to 2.
+        // ∫ of the Catmull–Rom kernel from 0 to y: 1 − 5/2 y² + 3/2 y³ up to 1, 2 − 4 y + 5/2 y² − ½ y³ from there to 2.
         let half = match y <= 1.0 {
             true => ((0.375 * y - 5.0 / 6.0) * y * y + 1.0) * y,
             false => {
@@ -130,13 +130,13 @@ fn integral(filter: TimeFilter, x: f64) -> f64 {
             if x < 0.0 { outer } else { 1.0 - outer }
         }
         TimeFilter::Cubic => cubic(x),
-        // The kernel less 1/24 of its second difference.
+        // The kernel minus 1/24 of its second difference.
         TimeFilter::CubicMeans => (26.0 * cubic(x) - cubic(x - 1.0) - cubic(x + 1.0)) / 24.0,
     }
 }
 
 impl Timeline {
-    /// What the time from `from` to `to` reads, which must be finite and ascending; `None` if bins differ in width.
+    /// The reads for the times from `from` to `to`, which must be finite and ascending; `None` if bins differ in width.
     pub(super) fn span(&self, from: f64, to: f64) -> Option<Span> {
         let Reading::Uniform(filter) = self.reading else {
             return None;
@@ -153,7 +153,7 @@ impl Timeline {
             full_weight: 1.0 / length,
             parts: [before, (1.0 - before - after).max(0.0), after],
         };
-        // What lies far beyond held ends is the end's own value.
+        // Far beyond held ends the value is that of the end.
         let (mut low, mut high) = (b0.max(0.0), b1.min(last));
         let mut far = [0.0; 2];
         if self.before == Fill::Hold {
@@ -175,12 +175,12 @@ impl Timeline {
         Some(span)
     }
 
-    /// Weights, in bins, of what `low` to `high` reads.
+    /// Weights, in bins, of the range `low` to `high`.
     fn read(&self, filter: TimeFilter, low: f64, high: f64, span: &mut Span) {
         let first = (low - REACH - 0.5).floor() as i64;
         let last = (high + REACH - 0.5).ceil() as i64;
         let bins = self.bins as i64;
-        // Full ones that there are; without any, all are at the ends.
+        // The existing full bins; without any, all are at the ends.
         let full = ((low + REACH - 0.5).ceil() as i64).max(0)
             ..((high - REACH - 0.5).floor() as i64 + 1).min(bins);
         let (before, after) = match full.is_empty() {
@@ -203,7 +203,7 @@ impl Timeline {
 }
 
 impl Span {
-    /// Adds `weight` bins of `bin`.
+    /// Adds the weight `weight`, in bins, of `bin`.
     fn push(&mut self, bin: usize, weight: f64) {
         match self.ends[..self.count].iter_mut().find(|end| end.0 == bin) {
             Some(end) => end.1 += weight,
@@ -224,7 +224,7 @@ impl Span {
         ]
     }
 
-    /// The weighted sum over the bins of a texel of `cube`, whose prefix sums are `sums`; one channel is given to all three.
+    /// The weighted sum over the bins of a texel of `cube`, with the prefix sums `sums`; a single channel is copied to all three.
     pub fn texel(
         &self,
         cube: &CubeStore,
@@ -244,7 +244,7 @@ impl Span {
                 let at = (texel * bins + bin) * channels + channel;
                 cube.samples.get(at).unwrap_or(0.0)
             }),
-            // All at once, since each is in a brick that has to be found.
+            // All at once, since finding each one's brick is expensive.
             CubeStore::Disk(bricks) => {
                 let run = self.run();
                 let mut values = vec![0.0; run.len() * channels];
@@ -260,7 +260,7 @@ impl Span {
         }
     }
 
-    /// The number of bins of a texel that it reads, by prefix sums or one by one.
+    /// The number of bins of a texel that it reads, with prefix sums or one by one.
     pub fn bins_read(&self, by_sums: bool) -> usize {
         let (first, last) = (self.full.start.div_ceil(BLOCK), self.full.end / BLOCK);
         let summed = if by_sums && first < last {
@@ -316,10 +316,10 @@ mod tests {
         TimeFilter::CubicMeans,
     ];
 
-    /// φ by the weights that lookups have: that of the bin whose centre lies x before the time.
+    /// φ from the weights of lookups: the weight of the bin whose centre is x before the time.
     fn kernel(filter: TimeFilter, x: f64) -> f64 {
         let (k, f) = (x.floor(), x - x.floor());
-        // Bin 0 is the n-th of the run, which begins k − n bins before the time's own.
+        // Bin 0 is the n-th of the run, which begins k − n bins before that of the time.
         let of = |weights: &[f64], lead: f64| {
             let n = lead - k;
             match n >= 0.0 && (n as usize) < weights.len() {

@@ -25,13 +25,13 @@ use super::texture::TimeTexture;
 use crate::io::cube::{BelowZero, ByteOrder, CubeStore, Negative, Sign};
 use crate::scene::model::TimeBins;
 
-/// Samples that are enough to judge their sizes by.
+/// Enough samples to judge their sizes.
 const MOST_SIZES: usize = 1 << 20;
-/// The number of pixels that is enough to judge a picture by.
+/// Enough pixels to judge a picture.
 const ENOUGH: usize = 256;
-/// Dark bins in a row, and no more, may be dead ones.
+/// The longest run of dark bins that may be dead ones.
 const DEAD: usize = 2;
-/// Fewer entries along an axis tell nothing about it.
+/// An axis with fewer entries gives no evidence.
 const FEWEST: usize = 8;
 /// The fraction of all light that is tolerated where there should be none.
 const TOLERATED: f64 = 0.05;
@@ -71,7 +71,7 @@ pub fn of_samples_with(
         return Vec::from_iter(is_all.then(|| "every sample examined is 0".into()));
     }
     if let Some(remark) = byte_order(&mut lines) {
-        // Nothing else means anything then.
+        // If so, nothing else is meaningful.
         return vec![remark];
     }
     if negative.is_none() {
@@ -100,7 +100,7 @@ fn byte_order(lines: &mut Lines) -> Option<String> {
     }
     let ByteOrder { sign, now, turned } = ByteOrder::of(&samples, bytes, lines.store.shape()[3])?;
     let [now_part, turned_part] = [now, turned].map(percent);
-    // No light is of the sizes that are counted; of numbers whose bytes are turned round, a third (f32) and two thirds (f64) are.
+    // No light has such magnitudes; of numbers with swapped bytes, a third (f32) or two thirds (f64) have them.
     let seen = match (sign, bytes) {
         (Sign::Sizes, 4) => {
             format!(
@@ -171,7 +171,7 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture, index: f64) -> Vec<S
     let (mut total, mut unseen, mut early) = (0.0, 0.0, 0.0);
     let (mut nearest, mut farthest) = (f64::INFINITY, 0.0f64);
     let mut per_bin = vec![0.0; bins];
-    // By how many bins it is too early.
+    // How many bins too early it is.
     let mut by_lack: BTreeMap<u64, f64> = BTreeMap::new();
     let mut first_light = FirstLight::new(axis.bins.width(), index);
     for &pixel in &pixels {
@@ -209,7 +209,7 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture, index: f64) -> Vec<S
             percent(unseen / total)
         ));
     }
-    // Of steady data there is no time, and of short ones no order in time.
+    // Steady data have no time, and short data no order in time.
     if bins == 1 || farthest == 0.0 {
         return remarks;
     }
@@ -233,7 +233,7 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture, index: f64) -> Vec<S
     if early > TOLERATED * total {
         let lack = lack(&by_lack, TOLERATED * total) as f64 * width;
         let later = rounded(start + lack);
-        // Light that takes as long as the way across the scene needs no other unit, and no unit moves a start at 0.
+        // If light takes about as long as the way across the scene, the unit is right, and no unit moves a start at 0.
         let is_long = lit.is_some_and(|[first, last]| last - first >= 0.5 * (farthest - nearest));
         let fit = fit
             .clone()
@@ -283,12 +283,12 @@ pub fn lit_span(texture: &TimeTexture) -> Option<[f64; 2]> {
     Some([texture.axis().end(first), texture.axis().end(last + 1)])
 }
 
-/// Light that first arrives after so many times the way to the farthest object comes from nothing in the scene.
+/// Light that first arrives after more than this many times the way to the farthest object cannot come from the scene.
 const LATE: f64 = 100.0;
-/// The same of light in a unit that would fit better than the one that is said.
+/// The same if another unit would fit better than the stated one.
 const FITTING: f64 = 30.0;
 
-/// The first and the last bin that are lit.
+/// The first and the last lit bin.
 fn lit_bins(per_bin: &[f64]) -> Option<[usize; 2]> {
     let brightest = per_bin.iter().copied().fold(0.0, f64::max);
     let is_lit = |light: &f64| *light > TOLERATED * brightest;
@@ -315,7 +315,7 @@ fn other_unit([first, last]: [f64; 2], [nearest, farthest]: [f64; 2]) -> Option<
     }
 }
 
-/// How many bins later no more than `tolerated` of the light is too early.
+/// How many bins later at most `tolerated` of the light is too early.
 fn lack(by_lack: &BTreeMap<u64, f64>, tolerated: f64) -> u64 {
     let mut left = tolerated;
     let mut later = by_lack.iter().rev().skip_while(|(_, light)| {
@@ -325,13 +325,13 @@ fn lack(by_lack: &BTreeMap<u64, f64>, tolerated: f64) -> u64 {
     later.next().map_or(0, |(lack, _)| *lack)
 }
 
-/// The light of the pixels that are looked at.
+/// The light of the examined pixels.
 struct Light {
-    /// Sums over pixels, in which noise about 0 cancels; no less than 0.
+    /// Sums over pixels, in which noise about 0 cancels; at least 0.
     per_bin: Vec<f64>,
-    /// The same of samples without their signs.
+    /// The same with the absolute values of samples.
     unsigned: Vec<f64>,
-    /// Of all samples, without their signs.
+    /// Of all samples, absolute values.
     total: f64,
     /// Of samples below 0.
     negative: f64,
@@ -361,7 +361,7 @@ impl Light {
     }
 }
 
-/// Whether light is cut off at an end of the window.
+/// Whether light is cut off at one end of the window.
 fn ends(per_bin: &[f64]) -> Option<String> {
     let brightest = per_bin.iter().copied().fold(0.0, f64::max);
     let (&first, &last) = (per_bin.first()?, per_bin.last()?);
@@ -381,7 +381,7 @@ fn ends(per_bin: &[f64]) -> Option<String> {
     ))
 }
 
-/// Bins without any light among lit ones.
+/// Bins without any light between lit ones.
 fn dead(per_bin: &[f64]) -> Option<String> {
     let brightest = per_bin.iter().copied().fold(0.0, f64::max);
     let is_lit = |bin: usize| {
@@ -390,7 +390,7 @@ fn dead(per_bin: &[f64]) -> Option<String> {
             .is_some_and(|light| *light > TOLERATED * brightest)
     };
     let mut dead: Vec<String> = Vec::new();
-    // A short run of empty bins between lit ones; at an end of the data, or long, it is plain darkness.
+    // A short run of empty bins between lit ones; at an end of the data, or if long, it is ordinary darkness.
     let mut begin = 1;
     for run in per_bin[1..].chunk_by(|a, b| (*a == 0.0) == (*b == 0.0)) {
         let end = begin + run.len();
@@ -420,12 +420,12 @@ mod tests {
     fn units_that_are_off_by_powers_of_ten_are_named() {
         let seen = |scale: f64| other_unit([4.0 * scale, 20.0 * scale], [3.0, 5.0]);
         assert_eq!(seen(1.0), None);
-        // Millimetres that are taken for metres, and metres for millimetres; picoseconds for seconds of path.
+        // Millimetres taken for metres, and metres for millimetres; picoseconds for seconds of path.
         assert_eq!(seen(1e3), Some(-2));
         assert_eq!(seen(1e6), Some(-5));
         assert_eq!(seen(1e-3), Some(3));
         assert_eq!(seen(1e-12), Some(12));
-        // No unit brings what begins at 0 to where objects are.
+        // No unit brings a start at 0 to where the objects are.
         assert_eq!(other_unit([0.0, 1e-3], [3.0, 5.0]), None);
     }
 

@@ -37,11 +37,11 @@ pub struct Located(Spot);
 /// A place in an image, pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Spot {
-    /// In it, and these pixels saw the surface around the point; the weight of those of the four that did.
+    /// In it, with pixels that saw the surface around the point; the total weight of those of the four.
     Seen([f64; 2], [Tap; 4], f64),
-    /// The same, with pixels taken as means; whether all 4 × 4 around it saw the surface.
+    /// The same, with pixels taken as means; whether all 4 × 4 pixels around it saw the surface.
     Sharp([f64; 2], [Tap; 4], f64, bool),
-    /// On it, where no pixel saw the surface.
+    /// In it, but no pixel saw the surface.
     Unseen([f64; 2]),
     /// Outside it.
     Beside([f64; 2]),
@@ -73,7 +73,7 @@ pub struct TimeTexture {
 pub(super) trait When {
     /// The weighted sum over the bins of a texel.
     fn texel(&self, texture: &TimeTexture, texel: usize, near: &Near) -> [f64; 3];
-    /// Its parts by where they lie.
+    /// The fractions of its span before, inside and after the data.
     fn parts(&self) -> [(Phase, f64); 3];
 }
 
@@ -376,7 +376,7 @@ impl TimeTexture {
         self.located(capture, place, aim)
     }
 
-    /// What is at `place` of the image, behind the pinhole if that is `None`; `aim` is the point, if it faces the pinhole.
+    /// What is at `place` of the image; `None` is behind the pinhole. `aim` is the point, if it faces the pinhole.
     #[inline]
     pub(super) fn located(
         &self,

@@ -8,7 +8,7 @@ pub(super) struct BinWeights {
     pub first: usize,
     /// 0 to 6.
     pub count: usize,
-    /// Only the first `count` count.
+    /// Only the first `count` are used.
     pub weights: [f64; 6],
 }
 
@@ -19,8 +19,8 @@ pub(super) const NOTHING: BinWeights = BinWeights {
     weights: [0.0; 6],
 };
 
-/// Weights of the four bins around a place, `f` after the second: the cubic of Catmull and Rom (1974), whose slopes at the middle
-/// bins are central differences.
+/// Weights of the four bins around a position, `f` after the second: the cubic of Catmull and Rom (1974), whose slopes at the middle bins
+/// are central differences.
 #[inline(always)]
 pub(super) fn catmull_rom(f: f64) -> [f64; 4] {
     [

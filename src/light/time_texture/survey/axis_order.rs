@@ -1,39 +1,39 @@
 //! Detects which axis of an array is time, from the shapes of lines of samples along each.
 //!
-//! - Light at a place is brief: along time a pulse and its tail hold most of a line, along the axes of a picture many pixels do. How large a
-//!   part of a line holds 90 % of its light is 0.11 to 0.17 along T of the corner's captures and its lightmap, and 0.33 to 0.53 along H
-//!   and W. What was assumed to be T is doubted where another axis has less than half of its part.
-//! - Light that decays slowly fills as much of T as of the others. But it rises at once and falls gradually, and pictures have edges up and
-//!   down: with d the steps from sample to sample, Σ d³ / Σ |d|³ is near 1 along time and anywhere between −0.85 and 0.85 along
-//!   pictures. Neighbours are joined, by 2, 4, 8 and 16, and the greatest value is taken, as a pulse rises over some bins and noise has steps
-//!   of both signs. Of the corner's captures, nine baked textures and cubes of cameras with tails of 20 to 200 bins it is 0.94 to 1.00 along T,
-//!   0.86 at most along H and W, and 0.1 to 0.4 along T of short symmetric pulses, whose light is brief.
+//! - Light at a point is brief: along time a pulse and its tail hold most of a line, along the axes of a picture many pixels do. The
+//! fraction of a line that holds 90 % of its light is 0.11 to 0.17 along T of the corner's captures and its lightmap, and 0.33 to 0.53
+//! along H and W. The assumed T is doubted if another axis has less than half of its fraction.
+//! - Light that decays slowly fills T as much as the other axes. But it rises suddenly and falls gradually, while pictures have edges in
+//! both directions: with d the steps from sample to sample, Σ d³ / Σ |d|³ is near 1 along time and anywhere between −0.85 and 0.85 along
+//! pictures. Neighbours are joined in groups of 2, 4, 8 and 16, and the largest value is taken, because a pulse rises over some bins and
+//! noise has steps of both signs. For the corner's captures, nine baked textures and cubes of cameras with tails of 20 to 200 bins it is
+//! 0.94 to 1.00 along T, at most 0.86 along H and W, and 0.1 to 0.4 along T of short symmetric pulses, whose light is brief.
 
 use super::lines::{Lines, percent, spread};
 
-/// Fewer entries along an axis are no evidence.
+/// An axis with fewer entries gives no evidence.
 const FEWEST: usize = 8;
 /// An axis along which light fills less than this fraction of the assumed one looks more like time.
 const BRIEFER: f64 = 0.5;
-/// Light that fills less of the axis taken for time is brief: that is time.
+/// Light that fills less than this of the assumed time axis is brief: the axis is time.
 const BRIEF: f64 = 0.3;
-/// Along time slow light rises by more than this, and along an axis of a picture by that much less.
+/// Slow light rises by more than this along time, and by less than this minus the second along an axis of a picture.
 const RISE: f64 = 0.85;
 const LESS: f64 = 0.1;
-/// A line that comes back by less of its way only rises or only falls, as gradients of pictures do, and light that is cut off: it tells
-/// nothing for an axis and nothing against it.
+/// A line that returns by less than this fraction of its range only rises or only falls, like gradients of pictures and light that is cut
+/// off: it is no evidence for an axis or against it.
 const BOTH: f64 = 0.1;
-/// The most neighbours that are joined.
+/// The maximum number of joined neighbours.
 const JOINED: usize = 16;
 
-/// Shapes of lines along an axis, in the mean over lines that are not dark.
+/// Shapes of lines along an axis, averaged over lines that are not dark.
 #[derive(Debug, Clone, Copy, Default)]
 struct LineShape {
-    /// The part that holds 90 % of the light.
+    /// The fraction that holds 90 % of the light.
     lit: f64,
-    /// Σ d³ / Σ |d|³ of the steps from sample to sample: 1 where light rises suddenly and falls gradually, −1 where the reverse.
+    /// Σ d³ / Σ |d|³ of the steps from sample to sample: 1 if light rises suddenly and falls gradually, −1 for the reverse.
     rise: f64,
-    /// The same where lines that only rise or only fall count as 0.
+    /// The same with lines that only rise or only fall counted as 0.
     rise_and_fall: f64,
 }
 
@@ -86,10 +86,10 @@ pub(super) fn doubt(lines: &mut Lines, pictures: bool) -> Option<String> {
     })
 }
 
-/// The mean shape of lines along `axis`; none where all that are looked at are dark.
+/// The mean shape of lines along `axis`; `None` if all examined lines are dark.
 fn shape(from: &mut Lines, axis: usize) -> Option<LineShape> {
     let [h, w, t, _] = from.store.shape();
-    // The sizes of the two other axes and of this one, and how to get from them to a pixel and a bin.
+    // The sizes of the two other axes and of this one, and how to map them to a pixel and a bin.
     let (others, length): (_, usize) = match axis {
         0 => ([w, t], h),
         1 => ([h, t], w),
@@ -100,7 +100,7 @@ fn shape(from: &mut Lines, axis: usize) -> Option<LineShape> {
         1 => (a * w + n, b),
         _ => (a * w + b, n),
     };
-    // Lines are joined alike: the greatest mean, not the mean of greatest ones.
+    // All lines use the same joining: the largest mean, not the mean of the largest values.
     let joined: Vec<usize> = (0..)
         .map(|power| 1 << power)
         .take_while(|n| *n <= JOINED && length / n >= FEWEST)
@@ -145,10 +145,11 @@ fn shape(from: &mut Lines, axis: usize) -> Option<LineShape> {
     })
 }
 
-/// Of one line: its light, the part that holds 90 % of it, and its rises by how many neighbours are joined, as they are and with a fall.
+/// For one line: its light, the fraction that holds 90 % of it, and its rises by number of joined neighbours, for all lines and for those
+/// with a fall.
 type LineNumbers = (f64, f64, Vec<f64>, Vec<f64>);
 
-/// The part of a line that holds 90 % of its light.
+/// The fraction of a line that holds 90 % of its light.
 fn lit_part(line: &[f64]) -> f64 {
     let mut values = line.to_vec();
     values.sort_by(|a, b| b.total_cmp(a));
@@ -161,13 +162,13 @@ fn lit_part(line: &[f64]) -> f64 {
     (lit.count() + 1) as f64 / line.len() as f64
 }
 
-/// Σ d³ / Σ |d|³ of the steps between sums of `joined` neighbours; with `both` 0 of a line that only rises or only falls.
+/// Σ d³ / Σ |d|³ of the steps between sums of `joined` neighbours; with `both`, 0 for a line that only rises or only falls.
 fn rise(line: &[f64], joined: usize, both: bool) -> f64 {
     let sums: Vec<f64> = (line.chunks_exact(joined))
         .map(|part| part.iter().sum())
         .collect();
     let steps = || sums.windows(2).map(|pair| pair[1] - pair[0]);
-    // By the greatest step, so that cubes are finite.
+    // Relative to the largest step, so that cubes are finite.
     let greatest = steps().fold(0.0, |most: f64, step| most.max(step.abs()));
     let way = |sign: f64| steps().map(|step| (sign * step).max(0.0)).sum::<f64>();
     let [up, down] = [1.0, -1.0].map(way);

@@ -1,13 +1,12 @@
 //! First arrivals of light from surface points, which reveal a wrong bin width, a wrong start, or a missing near plane.
 //!
-//! - The time at which light first reaches a point differs between two points by no more than the way of light from one to the other
-//!   takes, whatever lights them: else the bins are not as wide as is said.
-//! - Where one flash at a place s lit everything, light that was recorded t after the start o of the data, d of which are
-//!   the delay from a point x to the camera, obeys t + o − d = η|s − x| + f, f being the time of the flash. With e = (t − d)/η and p = (o − f)/η
-//!   its square is linear in p, s and p² − s²: 2 e p + 2 s·x + (p² − s²) = x² − e². Points in shadow do not obey; the half that fits best
-//!   is taken again.
-//! - Rays that begin on a near plane at depth n record times that lack its distance n / cos θ, so that e is too small by it: the flash seems
-//!   to be early by about n. The n at which it is at time 0 would explain that.
+//! - The times at which light first reaches two points differ by no more than the time of light from one to the other, whatever lights
+//! them: otherwise the bin width is not as stated.
+//! - If one flash at a place s lit everything, light that was recorded t after the start o of the data, with d the delay from a point x to
+//! the camera, obeys t + o − d = η|s − x| + f, where f is the time of the flash. With e = (t − d)/η and p = (o − f)/η its square is linear
+//! in p, s and p² − s²: 2 e p + 2 s·x + (p² − s²) = x² − e². Points in shadow do not obey this, so the half that fits best is fitted again.
+//! - Rays that begin on a near plane at depth n record times that lack its distance n / cos θ, so e is too small by that: the flash appears
+//! to be early by about n. The n that puts it at time 0 would explain that.
 
 use glam::DVec3;
 
@@ -15,9 +14,9 @@ use super::lines::{percent, rounded, spread};
 
 /// Fewer bins or points are no evidence.
 const FEWEST: usize = 8;
-/// Pixels that are enough to judge a picture by.
+/// Enough pixels to judge a picture.
 const ENOUGH: usize = 256;
-/// The light of a point that is bright, as a part of that of the brightest.
+/// The least light of a bright point, as a fraction of that of the brightest.
 const BRIGHT: f64 = 0.05;
 /// The precision of times of first light, bins.
 const ROUGH: f64 = 4.0;
@@ -29,30 +28,30 @@ const FAST: f64 = 0.2;
 /// First light from the points that a capture camera saw.
 pub(super) struct FirstLight {
     points: Vec<Onset>,
-    /// Of a bin, metres.
+    /// Width of a bin, metres.
     width: f64,
     /// η of the medium.
     index: f64,
 }
 
 struct Onset {
-    /// Bins from the start of the data.
+    /// In bins from the start of the data.
     bin: f64,
     /// The bin at which first light is brightest: the middle of a flash.
     peak: f64,
-    /// The most light of a bin.
+    /// The largest light of a bin.
     brightest: f64,
-    /// By the camera's axes, from its pinhole.
+    /// In the camera's axes, from its pinhole.
     position: DVec3,
-    /// How much later than it left the point its light is recorded, metres.
+    /// The delay from leaving the point to being recorded, metres.
     delay: f64,
 }
 
 /// A flash that first light fits.
 struct Flash {
-    /// The start of the data by which it would be at time 0, metres.
+    /// The start of the data that would put it at time 0, metres.
     start: f64,
-    /// By how many metres of light path the worst of the better half of points is off.
+    /// The error of the worst of the better half of points, metres of light path.
     off: f64,
 }
 
@@ -104,7 +103,7 @@ impl FirstLight {
         let rows: Vec<[f64; 6]> = (self.bright().into_iter())
             .map(|onset| {
                 let x = onset.position;
-                // n / cos θ, the axis of the camera being z.
+                // n / cos θ, where the axis of the camera is z.
                 let skipped = deeper * x.length() / x.z;
                 let e = ((onset.peak + 0.5) * self.width - onset.delay) / self.index + skipped;
                 let right = x.length_squared() - e * e;
@@ -116,7 +115,7 @@ impl FirstLight {
         for _ in 0..8 {
             let solved = least_squares(&kept)?;
             let [p, x, y, z, _] = solved;
-            // By how many metres a point is off: the row is the difference of two squares.
+            // The error of a point in metres: the row is the difference of two squares.
             let off = |row: &[f64; 6]| {
                 let at = DVec3::new(row[1], row[2], row[3]) * 0.5;
                 ((0.5 * row[0] + p) - at.distance(DVec3::new(x, y, z))).abs()
@@ -151,7 +150,7 @@ impl FirstLight {
     pub(super) fn explained(&self, start: f64) -> Option<String> {
         let flash = self.flash(0.0)?;
         let other = format!("start = \"{} m\"", self.in_bins(flash.start));
-        // Another start fits as well where no angles tell them apart.
+        // Another start fits as well if no angles distinguish them.
         let near_plane = self
             .near_plane(start)
             .filter(|(_, off)| *off < 1.5 * flash.off);
@@ -164,19 +163,19 @@ impl FirstLight {
         })
     }
 
-    /// The multiple of the width of a bin, to which times of first light are known, that is nearest.
+    /// The nearest multiple of the bin width, to which times of first light are known.
     fn in_bins(&self, time: f64) -> f64 {
         rounded((time / self.width).round() * self.width)
     }
 
-    /// The depth of a near plane by which first light is that of a flash at time 0, of data that begin at `start`; and by how many metres it
-    /// is off then; none that is behind what was seen.
+    /// The depth of a near plane for which first light is that of a flash at time 0, for data that begin at `start`, and its error in
+    /// metres; `None` if the plane would lie behind what was seen.
     fn near_plane(&self, start: f64) -> Option<(f64, f64)> {
         let nearest = self.points.iter().fold(f64::INFINITY, |least: f64, point| {
             least.min(point.position.z)
         });
         let mut depth = 0.0;
-        // The flash moves by η times the depth, but for the cosines: each step leaves a small part of what was amiss.
+        // The flash moves by η times the depth, except for the cosines: each step leaves a small part of the error.
         for _ in 0..16 {
             let flash = self.flash(depth)?;
             let early = (flash.start - start) / self.index;
@@ -190,7 +189,7 @@ impl FirstLight {
         None
     }
 
-    /// Points whose light is well above nothing, spread evenly.
+    /// Points well above darkness, evenly spread.
     fn bright(&self) -> Vec<&Onset> {
         let brightest =
             (self.points.iter()).fold(0.0, |most: f64, onset| most.max(onset.brightest));
@@ -200,7 +199,7 @@ impl FirstLight {
         spread(bright.len(), ENOUGH).map(|at| bright[at]).collect()
     }
 
-    /// The warning if light would have been faster than light because of the bin width.
+    /// The warning if light would have been faster than light with this bin width.
     pub(super) fn too_wide(&self) -> Option<String> {
         let now = self.too_fast(self.width);
         if self.points.len() < FEWEST || now < FAST {
@@ -224,7 +223,7 @@ impl FirstLight {
     }
 }
 
-/// The unknowns a of rows a·row = right, the last entry, by normal equations; none where they do not follow.
+/// The unknowns a of rows a·row = right (the last entry), by normal equations; `None` if these are singular.
 fn least_squares(rows: &[&[f64; 6]]) -> Option<[f64; 5]> {
     let mut m = [[0.0; 6]; 5];
     for row in rows {
@@ -238,7 +237,7 @@ fn least_squares(rows: &[&[f64; 6]]) -> Option<[f64; 5]> {
         .iter()
         .flatten()
         .fold(0.0, |most: f64, entry| most.max(entry.abs()));
-    // Gauss and Jordan, with pivots; below 1e-12 of the largest entry a pivot is rounding.
+    // Gauss–Jordan elimination with pivoting; a pivot below 1e-12 of the largest entry is rounding.
     for i in 0..5 {
         let pivot = (i..5).max_by(|a, b| m[*a][i].abs().total_cmp(&m[*b][i].abs()))?;
         m.swap(i, pivot);

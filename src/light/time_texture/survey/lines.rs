@@ -2,14 +2,14 @@
 
 use crate::io::cube::{CubeStore, Peeked};
 
-/// Pixels that are looked at.
+/// Examined pixels.
 const PIXELS: usize = 4096;
-/// Lines along each axis that are looked at.
+/// Examined lines along each axis.
 const LINES: usize = 512;
-/// Of cubes on disk: lines, and neighbours in a row that are looked at together.
+/// For cubes on disk: examined lines, and neighbours in a row that are examined together.
 const LINES_ON_DISK: usize = 12;
 const TOGETHER: usize = 16;
-/// The part of a cube on disk that is read, and bounds on it, bytes.
+/// The fraction of a cube on disk that is read, and bounds on it, bytes.
 const PART_ON_DISK: u64 = 256;
 const READ_ON_DISK: [u64; 2] = [8 << 20, 64 << 20];
 
@@ -29,7 +29,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The sums over the channels of bins `bin` and on of a pixel, as many as `to` has room for.
+    /// The sums over channels of consecutive bins of a pixel from `bin` on, as many as `to` has room for.
     pub fn read(&mut self, pixel: usize, bin: usize, to: &mut [f64]) {
         match self.store {
             CubeStore::Memory(cube) => {
@@ -49,7 +49,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// All samples of a pixel, bin by bin, channel by channel, in place of what is in `to`.
+    /// All samples of a pixel, bin by bin, channel by channel, replacing the contents of `to`.
     pub fn all(&mut self, pixel: usize, to: &mut Vec<f64>) {
         let [_, _, bins, channels] = self.store.shape();
         let each = bins * channels;
@@ -66,7 +66,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The pixels that are looked at.
+    /// The examined pixels.
     pub fn pixels(&self) -> Vec<usize> {
         let [h, w, ..] = self.store.shape();
         let Some(bricks) = self.store.on_disk() else {
@@ -86,7 +86,7 @@ impl<'a> Lines<'a> {
         pixels
     }
 
-    /// How many lines along each axis are looked at.
+    /// The number of examined lines along each axis.
     pub fn lines(&self) -> usize {
         match self.store.on_disk() {
             None => LINES,
@@ -95,18 +95,18 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// A number of six digits, for people.
+/// Formats a number with six digits.
 pub(crate) fn rounded(value: f64) -> f64 {
-    // Adding 0 makes 0 of −0.
+    // Adding 0 turns −0 into 0.
     format!("{value:.5e}").parse().unwrap_or(value) + 0.0
 }
 
-/// About `most` of `count` indices, evenly spread: every s-th of them, s odd, so that it is not the size of rows.
+/// About `most` of `count` indices, evenly spread: every s-th one, with s odd, so that it is not a row size.
 pub(super) fn spread(count: usize, most: usize) -> impl Iterator<Item = usize> {
     (0..count).step_by((count / most).max(1) | 1)
 }
 
-/// A part of a whole, for people.
+/// Formats a fraction.
 pub(super) fn percent(part: f64) -> String {
     format!("{:.1} %", 100.0 * part)
 }

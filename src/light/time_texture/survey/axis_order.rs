@@ -1,13 +1,13 @@
 //! Detects which axis of an array is time, from the shapes of lines of samples along each.
 //!
 //! - Light at a point is brief: along time a pulse and its tail hold most of a line, along the axes of a picture many pixels do. The
-//! fraction of a line that holds 90 % of its light is 0.11 to 0.17 along T of the corner's captures and its lightmap, and 0.33 to 0.53
-//! along H and W. The assumed T is doubted if another axis has less than half of its fraction.
+//!   fraction of a line that holds 90 % of its light is 0.11 to 0.17 along T of the corner's captures and its lightmap, and 0.33 to 0.53
+//!   along H and W. The assumed T is doubted if another axis has less than half of its fraction.
 //! - Light that decays slowly fills T as much as the other axes. But it rises suddenly and falls gradually, while pictures have edges in
-//! both directions: with d the steps from sample to sample, Σ d³ / Σ |d|³ is near 1 along time and anywhere between −0.85 and 0.85 along
-//! pictures. Neighbours are joined in groups of 2, 4, 8 and 16, and the largest value is taken, because a pulse rises over some bins and
-//! noise has steps of both signs. For the corner's captures, nine baked textures and cubes of cameras with tails of 20 to 200 bins it is
-//! 0.94 to 1.00 along T, at most 0.86 along H and W, and 0.1 to 0.4 along T of short symmetric pulses, whose light is brief.
+//!   both directions: with d the steps from sample to sample, Σ d³ / Σ |d|³ is near 1 along time and anywhere between −0.85 and 0.85 along
+//!   pictures. Neighbours are joined in groups of 2, 4, 8 and 16, and the largest value is taken, because a pulse rises over some bins and
+//!   noise has steps of both signs. For the corner's captures, nine baked textures and cubes of cameras with tails of 20 to 200 bins it is
+//!   0.94 to 1.00 along T, at most 0.86 along H and W, and 0.1 to 0.4 along T of short symmetric pulses, whose light is brief.
 
 use super::lines::{Lines, percent, spread};
 

@@ -1,12 +1,12 @@
 //! First arrivals of light from surface points, which reveal a wrong bin width, a wrong start, or a missing near plane.
 //!
 //! - The times at which light first reaches two points differ by no more than the time of light from one to the other, whatever lights
-//! them: otherwise the bin width is not as stated.
+//!   them: otherwise the bin width is not as stated.
 //! - If one flash at a place s lit everything, light that was recorded t after the start o of the data, with d the delay from a point x to
-//! the camera, obeys t + o − d = η|s − x| + f, where f is the time of the flash. With e = (t − d)/η and p = (o − f)/η its square is linear
-//! in p, s and p² − s²: 2 e p + 2 s·x + (p² − s²) = x² − e². Points in shadow do not obey this, so the half that fits best is fitted again.
+//!   the camera, obeys t + o − d = η|s − x| + f, where f is the time of the flash. With e = (t − d)/η and p = (o − f)/η its square is linear
+//!   in p, s and p² − s²: 2 e p + 2 s·x + (p² − s²) = x² − e². Points in shadow do not obey this, so the half that fits best is fitted again.
 //! - Rays that begin on a near plane at depth n record times that lack its distance n / cos θ, so e is too small by that: the flash appears
-//! to be early by about n. The n that puts it at time 0 would explain that.
+//!   to be early by about n. The n that puts it at time 0 would explain that.
 
 use glam::DVec3;
 

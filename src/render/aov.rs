@@ -1,5 +1,5 @@
-//! Auxiliary channels: one table of names, meanings and units, from which the command line's help,
-//! the files' channel names and the documentation are made.
+//! Auxiliary channels: one table of names, meanings and units, from which the command line's help, the files' channel names and the
+//! documentation are generated.
 //!
 //! Identities and barycentric positions (object, primitive, barycentric, uv) are those of the sample nearest to the pixel's centre, and
 //! so are a capture's footprint and cosine; the other channels are means over the samples that hit a surface. With one sample per pixel
@@ -9,7 +9,7 @@
 
 use serde::{Serialize, Serializer};
 
-/// Makes the enumeration and its table from one list.
+/// Generates the enumeration and its table from one list.
 macro_rules! aovs {
     ($($variant:ident, $name:literal, $combine:ident $(($why:ident))?, $meaning:literal, $definition:literal;)*) => {
         /// One auxiliary channel.
@@ -44,7 +44,7 @@ macro_rules! aovs {
                 }
             }
 
-            /// How a pixel's value comes from its samples.
+            /// How a pixel's value is computed from its samples.
             pub(crate) fn combine(self) -> Combine {
                 match self {
                     $(Aov::$variant => Combine::$combine $((Why::$why))?,)*
@@ -54,7 +54,7 @@ macro_rules! aovs {
     };
 }
 
-/// How a pixel's value comes from its samples.
+/// How a pixel's value is computed from its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Combine {
     /// An integer, from the sample nearest to the pixel's centre; −1 if that hit nothing.

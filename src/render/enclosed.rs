@@ -84,7 +84,7 @@ fn around_without_backs(prepared: &Prepared, at: Event<World>) -> Option<u32> {
             continue;
         };
         let at = rest.frame.event_from_world(at).x;
-        // No face is farther away.
+        // No face is farther away than this.
         let reach = (at - low).abs().max((high - at).abs()).length();
         let is_within = at.cmpge(low).all() && at.cmple(high).all();
         if !is_within || !reach.is_finite() {
@@ -140,8 +140,8 @@ fn each_front(bvh: &Bvh, origin: DVec3, direction: DVec3, reach: f64, mut each: 
     }
 }
 
-/// The object whose inside is hit first by most of the rays from `at`, if all of them hit something and most of them an inside: a body
-/// that stands on a floor has that for its ground.
+/// The object whose inside is hit first by most of the rays from `at`, if all of them hit something and most of them an inside: the floor
+/// may close a body that stands on it.
 fn around(prepared: &Prepared, at: Event<World>) -> Option<u32> {
     let directions = directions();
     let surfaces = Surfaces::unbuffered(&prepared.frames, at, prepared.ray_index);

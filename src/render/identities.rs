@@ -10,7 +10,7 @@ use crate::render::trace::{CameraRays, HitBuffer, Meter, Surfaces, generator};
 /// Points of one batch.
 const BATCH: usize = 4096;
 
-/// The index of the visible object at each of these film points (pixels; (0, 0) is the upper left corner); `None` where there is none. An
+/// The index of the visible object at each of these film points (pixels; (0, 0) is the upper left corner); `None` if there is none. An
 /// exposure is sampled at its middle.
 ///
 /// # Errors

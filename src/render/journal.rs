@@ -197,8 +197,7 @@ fn scan(file: &mut File, fingerprint: &[u8; FINGERPRINT]) -> io::Result<(Parts, 
     }
     let mut at = head.len() as u64;
     let mut block = vec![0; 1 << 16];
-    // Consecutive parts, as long as they are complete and their checksums are right; what a kill left of the last part is overwritten.
-    // part is written over.
+    // Consecutive parts, as long as they are complete and their checksums match; an incomplete last part is overwritten.
     while let Some(after) = at.checked_add(HEAD as u64).filter(|after| *after <= length) {
         let mut crc = flate2::Crc::new();
         let mut numbers = [0; HEAD];
@@ -243,7 +242,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("parts");
         let journal = Journal::open(&path, &[1; 32]).unwrap();
-        // No file without a part.
+        // No file before the first part.
         assert!(!path.exists());
         journal.add(7, b"seven").unwrap();
         journal.add(2, &[9; 100_000]).unwrap();
@@ -261,7 +260,7 @@ mod tests {
             let journal = Journal::open(&path, &[1; 32]).unwrap();
             assert_eq!(journal.part(3).unwrap().unwrap(), b"more");
         }
-        // A changed byte ends what is whole; other work begins anew.
+        // A changed byte ends the valid parts; other work starts anew.
         let mut changed = whole.clone();
         changed[60] ^= 1;
         std::fs::write(&path, &changed).unwrap();
@@ -273,7 +272,7 @@ mod tests {
         other.add(1, b"one").unwrap();
         other.remove().unwrap();
         assert!(!path.exists());
-        // Nothing that is not ours is written over.
+        // Files that are not journals are never overwritten.
         for text in [
             "notes",
             "notes that are longer than the first line of a journal",

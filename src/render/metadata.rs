@@ -15,7 +15,7 @@ use crate::scene::model::{
 };
 use crate::spacetime::Quantity;
 
-/// For a file made from a text alone: program, name of the text, hash, and the text.
+/// For a file generated from a text alone: program, name of the text, hash, and the text.
 pub fn of_text(name: &str, text: &str) -> Vec<(String, String)> {
     let pairs = [
         ("software", software()),

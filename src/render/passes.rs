@@ -1,18 +1,17 @@
 //! Progressive rendering: passes of independent samples, until an error is reached or the caller stops.
 //!
-//! Each pass takes the samples of the layout anew, with random numbers of its own ([`sampler`](crate::render::sampler)). Passes come in
-//! pairs, one for each half of a tile's samples, and each half decides how many passes of the other count, so that the picture has
-//! no bias ([`film`](crate::render::film)). A half asks for no more passes of the other once, in its own eyes,
-//!
+//! Each pass repeats the samples of the layout with random numbers of its own ([`sampler`](crate::render::sampler)). Passes come in pairs,
+//! one for each half of a tile's samples, and each half decides how many passes the other gets, so the picture has no bias
+//! ([`film`](crate::render::film)). A half requests no more passes of the other as soon as, by its own estimates,
 //! ```text
-//! √(mean over pixels of standard error²) ≤ ε · (mean radiance of the tile, or of the picture where that is more),
+//! √(mean over pixels of standard error²) ≤ ε · (mean radiance of the tile, or of the picture if that is higher),
 //! ```
 //!
-//! and a tile takes part in passes until both halves are decided. The picture of P passes is a function of scene, ε and P: the same bits
-//! on any number of threads, and whether or not the work was stopped and taken up again in between.
+//! and a tile is rendered until both halves are decided. The picture of P passes is a function of scene, ε and P: the same bits on any
+//! number of threads, and whether or not the work was interrupted and resumed in between.
 //!
-//! The file of the sums: a line that names the format, the fingerprint of what is rendered, passes, ε and the picture's mean
-//! radiance by half, the sums of all tiles in order, numbers in little-endian order, and the SHA-256 of all that.
+//! The file of the sums: a line that names the format, the fingerprint of what is rendered, passes, ε and the picture's mean radiance per
+//! half, the sums of all tiles in order (numbers in little-endian order), and the SHA-256 of all that.
 
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -30,11 +29,11 @@ use crate::render::tiles::{Buffers, Pipeline};
 use crate::render::trace::Meter;
 use crate::scene::model::MOST_SAMPLES;
 
-/// Passes of each half before it decides anything.
+/// Passes of each half before its first decision.
 const FIRST: u32 = 4;
 /// The first line of a file of sums.
 const FORMAT: &[u8] = b"nullray passes 2\n";
-/// What is wrong with a file of sums.
+/// The error message for an invalid file of sums.
 const DAMAGED: &str = "this file of finished passes is damaged";
 /// Bytes of a SHA-256.
 const DIGEST: usize = 32;
@@ -48,12 +47,12 @@ pub struct Passes {
     done: u32,
     /// ε.
     error: Option<f64>,
-    /// By half, mean radiance of the picture when the first decisions were taken.
+    /// The mean radiance of the picture per half at the first decisions.
     mean: Option<[f64; 2]>,
 }
 
 impl Passes {
-    /// No passes yet of a prepared scene, towards the error `error`, a part of the radiance; none for passes without an end.
+    /// Zero passes of a prepared scene; `error` is the requested error relative to radiance, or `None` for unlimited passes.
     pub fn new(scene: &Prepared, error: Option<f64>) -> Self {
         let layout = scene.layout.clone();
         let tiles = 0..Tile::count(layout.size);
@@ -69,22 +68,22 @@ impl Passes {
         }
     }
 
-    /// How many passes are done; an even number.
+    /// The number of finished passes, which is even.
     pub fn done(&self) -> u32 {
         self.done
     }
 
-    /// The most passes of a layout: those of 65,536 samples per pixel, or 16.
+    /// The maximum number of passes of a layout: those of 65,536 samples per pixel, or 16.
     pub fn most(&self) -> u32 {
         (MOST_SAMPLES / self.layout.samples / 2 * 2).max(4 * FIRST)
     }
 
-    /// Whether all tiles have the error that was asked for.
+    /// Whether all tiles have reached the requested error.
     pub fn is_settled(&self) -> bool {
         self.unsettled() == 0
     }
 
-    /// How many tiles need more passes.
+    /// The number of tiles that need more passes.
     pub fn unsettled(&self) -> usize {
         let parts = self.tiles.iter().filter_map(TileFilm::parts);
         parts.filter(|parts| !parts.is_settled()).count()
@@ -97,10 +96,10 @@ impl Passes {
         2 * pixels as u64 * u64::from(self.layout.samples)
     }
 
-    /// Renders two more passes of the tiles that need them, on rayon's current thread pool; `scene` is the one that they began with.
+    /// Renders two more passes of the tiles that need them, on rayon's current thread pool; `scene` is the one they were started with.
     ///
     /// # Errors
-    /// [`Error::Cancelled`] when `progress` says so, and data that cannot be read: what is held is then of no use any more.
+    /// [`Error::Cancelled`] when `progress` says so, and data that cannot be read, after which these sums are unusable.
     pub fn advance(&mut self, scene: &Prepared, progress: &dyn Progress) -> Result<()> {
         let pipeline = Pipeline::new(scene, self.sampler);
         let samples = self.layout.samples;
@@ -117,7 +116,7 @@ impl Passes {
         Ok(())
     }
 
-    /// Has each half of each tile decide whether it needs more passes of the other.
+    /// Lets each half of each tile decide whether it needs more passes of the other.
     fn decide(&mut self) {
         let Some(error) = self.error.filter(|_| self.done >= 2 * FIRST) else {
             return;
@@ -127,7 +126,7 @@ impl Passes {
             for half in 0..2 {
                 let judge = 1 - half;
                 let [radiance, standard_error] = parts.tile_judgement(judge);
-                // Light that is no number does not get better.
+                // NaN does not improve with more samples.
                 let is_coarse = standard_error > error * radiance.max(mean[judge]);
                 parts.settled[half] |= !is_coarse;
             }
@@ -141,7 +140,7 @@ impl Passes {
         film.finish().with_passes(self.done, self.error)
     }
 
-    /// The standard error of the picture so far: root of the mean square over pixels, over their mean radiance. 0 where it is dark.
+    /// The standard error of the picture so far: root mean square over pixels, divided by their mean radiance. 0 if it is dark.
     pub fn error(&self) -> f64 {
         let (mut square, mut pixels) = (0.0, 0);
         for parts in self.tiles.iter().filter_map(TileFilm::parts) {
@@ -159,7 +158,7 @@ impl Passes {
         }
     }
 
-    /// Writes all sums to `path`, whole or not at all. `fingerprint` tells what is rendered.
+    /// Writes all sums to `path` atomically. `fingerprint` identifies what is rendered.
     ///
     /// # Errors
     /// I/O errors.
@@ -169,7 +168,7 @@ impl Passes {
             let mut hash = Sha256::new();
             let mut block = head;
             let mut failed = Ok(());
-            // The digest covers all that is before it, so that a file that was cut off or changed is noticed.
+            // The digest covers everything before it, so that a truncated or changed file is detected.
             let mut flush = |block: &mut Vec<u8>, least: usize| {
                 if block.len() > least && failed.is_ok() {
                     hash.update(&*block);
@@ -205,10 +204,10 @@ impl Passes {
         head
     }
 
-    /// Goes on from the sums in `path`; false, with nothing changed, where they are of something else, and where there is no such file.
+    /// Resumes from the sums in `path`; returns false, with nothing changed, if they belong to other work or there is no such file.
     ///
     /// # Errors
-    /// A file that is damaged, or no file of passes; I/O errors.
+    /// A file that is damaged, or not a file of passes; I/O errors.
     pub fn resume(&mut self, path: &Path, fingerprint: &[u8; DIGEST]) -> Result<bool> {
         let file = match std::fs::File::open(path) {
             Ok(file) => file,
@@ -245,7 +244,7 @@ impl Passes {
         let found = reader.hash.finalize();
         let mut digest = [0; DIGEST];
         reader.reader.read_exact(&mut digest).map_err(failed)?;
-        // Nothing follows.
+        // Nothing may follow.
         let ends = reader.reader.read(&mut [0]).map_err(failed)? == 0;
         if found[..] != digest || !ends || done % 2 != 0 {
             return Err(damaged(path));
@@ -264,7 +263,7 @@ impl Passes {
         for mean in &mut mean {
             *mean = f64::from_le_bytes(read_eight(reader)?);
         }
-        // The closures below read by turns and cannot return errors: the first one is kept, and ends the loop.
+        // The closures below are called in turn and cannot return errors: the first error is stored, and ends the loop.
         let reader = std::cell::RefCell::new(reader);
         let mut failed = Ok(());
         let failed = std::cell::RefCell::new(&mut failed);
@@ -294,7 +293,7 @@ impl Passes {
     }
 }
 
-/// Bytes that passes of `layout` hold beside the film.
+/// Bytes of the passes of `layout` besides the film.
 pub fn bytes(layout: &Layout) -> u64 {
     layout.bytes_of_passes()
 }
@@ -303,7 +302,7 @@ fn needs_more(tile: &TileFilm) -> bool {
     tile.parts().is_some_and(|parts| !parts.is_settled())
 }
 
-/// By half, the mean radiance of all pixels.
+/// The mean radiance of all pixels, per half.
 fn means(tiles: &[TileFilm]) -> [f64; 2] {
     std::array::from_fn(|half| {
         let (mut sum, mut pixels) = (0.0, 0);
@@ -326,7 +325,7 @@ fn read_eight(reader: &mut impl Read) -> io::Result<[u8; 8]> {
     Ok(bytes)
 }
 
-/// Hashes what is read.
+/// Hashes what it reads.
 struct Hashed<R> {
     reader: R,
     hash: Sha256,

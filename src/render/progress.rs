@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::{Error, Result};
 
-/// Lets a caller watch and stop work. Methods are called from worker threads, and from the thread that started the work.
+/// Lets a caller monitor and stop work. Methods are called from worker threads, and from the thread that started the work.
 pub trait Progress: Sync {
     /// Reports that `rays` more camera rays are done, of `rays.camera` in [`Plan`](crate::render::plan::Plan).
     fn rays_done(&self, _rays: u64) {}
@@ -14,7 +14,7 @@ pub trait Progress: Sync {
         false
     }
 
-    /// Ends work that is to stop.
+    /// Returns the error if work is to stop.
     ///
     /// # Errors
     /// [`Error::Cancelled`].

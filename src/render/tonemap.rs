@@ -91,7 +91,7 @@ pub fn white<T: Copy + Into<f64>>(pixels: &[[T; 3]], exposure: Exposure) -> Resu
 #[derive(Clone, Copy)]
 struct Scale {
     white: f64,
-    /// Where brightness goes by the logarithm.
+    /// Black on a logarithmic scale; `None` on a linear one.
     black: Option<f64>,
 }
 
@@ -131,13 +131,13 @@ fn percentile<T: Copy + Into<f64>>(pixels: &[[T; 3]], p: f64) -> f64 {
     *lit.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
-/// The largest component; NaN where there is one.
+/// The largest component; NaN if any is NaN.
 fn brightest(rgb: [f64; 3]) -> f64 {
     let larger = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
     larger(larger(rgb[0], rgb[1]), rgb[2])
 }
 
-/// Linear light of the display, in [0, 1]; none for NaN.
+/// Linear light of the display, in [0, 1]; `None` for NaN.
 fn show(rgb: [f64; 3], Scale { white, black }: Scale) -> Option<[f64; 3]> {
     if rgb.iter().any(|c| c.is_nan()) {
         return None;
@@ -162,7 +162,7 @@ fn show(rgb: [f64; 3], Scale { white, black }: Scale) -> Option<[f64; 3]> {
     }))
 }
 
-/// Luminance of linear sRGB (the middle row of its primaries in XYZ).
+/// Luminance of linear sRGB (the middle row of the matrix from its primaries to XYZ).
 fn luminance([r, g, b]: [f64; 3]) -> f64 {
     0.2126390058715103 * r + 0.7151686787677559 * g + 0.0721923153607337 * b
 }
@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn a_colour_outside_the_gamut_is_exposed_by_what_is_shown_of_it() {
-        // Y = 0.2126 · 4 − 0.7152 − 0.0722 = 0.0630; what is left of red is Y + Y/(Y + 1) (4 − Y).
+        // Y = 0.2126 · 4 − 0.7152 − 0.0722 = 0.0630; the remaining red is Y + Y/(Y + 1) (4 − Y).
         let outside = [4.0, -1.0, -1.0];
         let y = 0.2126390058715103 * 4.0 - 0.7151686787677559 - 0.0721923153607337;
         let expected = y + y / (y + 1.0) * (4.0 - y);
@@ -250,7 +250,7 @@ mod tests {
 
     #[test]
     fn overexposure_keeps_the_hue_on_the_way_to_white() {
-        // Componentwise clipping would show blue (0.4, 0.1, 1) × 10 as magenta (1, 1, 1)-ish at once.
+        // Clipping each component would turn blue (0.4, 0.1, 1) × 10 into roughly magenta, (1, 1, 1), at once.
         let mut last = [0; 3];
         for exposure in [1.0, 1.5, 2.0, 4.0, 16.0, 1e6] {
             let rgb = shown([0.2, 0.05, 1.0].map(|c| c * 2.0 * exposure));
@@ -263,12 +263,12 @@ mod tests {
 
     #[test]
     fn a_colour_outside_the_gamut_keeps_its_hue_and_its_luminance() {
-        // (2, 1, −0.2): Y = 1.1260; t = Y/(Y + 0.2); what is left of c − Y are parts t of it, and blue is 0.
+        // (2, 1, −0.2): Y = 1.1260; t = Y/(Y + 0.2); c − Y is scaled by t, and blue becomes 0.
         let [r, g, b] = within_gamut([2.0, 1.0, -0.2]);
         let y = 0.2126390058715103 * 2.0 + 0.7151686787677559 - 0.0721923153607337 * 0.2;
         assert!((luminance([r, g, b]) - y).abs() < 1e-12);
         assert!(b.abs() < 1e-15);
-        // Direction from white: (r − y)/(g − y) is as before.
+        // The direction from white, (r − y)/(g − y), is unchanged.
         assert!(((r - y) / (g - y) - (2.0 - y) / (1.0 - y)).abs() < 1e-9);
         assert_eq!(within_gamut([-1.0, 0.2, -1.0]), [0.0; 3]);
     }
@@ -288,7 +288,7 @@ mod tests {
     #[test]
     fn on_a_logarithmic_scale_equal_ratios_are_equal_steps_of_code_and_hues_stay() {
         let exposure = Exposure::Logarithmic([1e-2, 1e3]);
-        // Five decades over 255 codes: 51 for each.
+        // Five decades over 255 codes: 51 per decade.
         for (radiance, code) in [
             (1e-3, 0),
             (1e-2, 0),
@@ -302,7 +302,7 @@ mod tests {
             assert_eq!(display.rgb, [code; 3], "{radiance}");
             assert_eq!((display.white, display.black), (1e3, Some(1e-2)));
         }
-        // Red with half as much green, as light: decode(204/255) = 0.60383, and half of it is encoded as 0.58553 = 149.31/255.
+        // Red with half as much green, in linear light: decode(204/255) = 0.60383, half of which is encoded as 0.58553 = 149.31/255.
         let display = tonemap(&[[1e2, 5e1, 0.0]], exposure).unwrap();
         assert_eq!(display.rgb, [204, 149, 0]);
         assert_eq!(tonemap(&[[0.0f64; 3]], exposure).unwrap().rgb, [0; 3]);

@@ -128,7 +128,7 @@ impl Arrival {
 }
 
 impl Lamp {
-    /// Prepares `lamp`, of which surfaces receive `received`, for points near those seen from `shot`.
+    /// Prepares `lamp`, whose light surfaces receive as `received`, for points near those seen from `shot`.
     pub fn new(lamp: &model::Lamp, received: Received, shadows: bool, shot: Event<World>) -> Self {
         // Lamps in uniform motion have arrivals in closed form; on other world lines the crossing is searched near that of the shot.
         let path = match lamp.line.frame() {
@@ -160,7 +160,7 @@ impl Lamp {
         }
     }
 
-    /// Prepares `pulse`, of which surfaces receive `received`: its intensity is an energy per solid angle.
+    /// Prepares `pulse`, whose light surfaces receive as `received`: its intensity is an energy per solid angle.
     pub fn pulse(pulse: &Pulse, received: Received) -> Self {
         Lamp {
             path: Path::Rest(pulse.origin),
@@ -183,7 +183,7 @@ impl Lamp {
         self.pulse
     }
 
-    /// A sun at rest in the world, of which surfaces receive `received`: parallel light.
+    /// A sun at rest in the world, whose light surfaces receive as `received`: parallel light.
     pub fn sun(sun: &model::Sun, received: Received, shadows: bool) -> Self {
         Lamp {
             path: Path::Rest(Event::ORIGIN),

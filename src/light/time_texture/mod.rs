@@ -10,7 +10,7 @@
 //! - f: nearest, linear or Catmull–Rom (see [`TimeFilter`](crate::scene::model::TimeFilter)) about
 //!   bin centres. A stored value is the mean over its bin; all but `CubicMeans` take it as the value at
 //!   the centre. Catmull–Rom has negative lobes: beside a step it dips below zero, and is left so.
-//! - t_tap: the time asked for; for a cube in capture-camera time, that time plus η × the distance
+//! - t_tap: the requested time; for a cube in capture-camera time, that time plus η × the distance
 //!   *of that tap's own* surface point from the capture pinhole ([`Capture`]).
 //!
 //! Missing data are filled as [`Outside`](crate::scene::model::Outside) says and counted in [`Coverage`]; nothing is clamped silently.

@@ -1,4 +1,4 @@
-//! Random numbers of samples: their positions in a pixel and times, and points for all other random choices.
+//! Random numbers of samples: positions in a pixel, times, and points for all other random choices.
 //!
 //! All are pure functions of pixel and index: nothing depends on threads, tiles or the order of rendering.
 

@@ -12,11 +12,11 @@ pub(super) fn unit(bits: u32) -> f64 {
     bits as f64 * UNIT
 }
 
-/// 2⁻³²: takes 32 bits to [0, 1), exactly.
+/// 2⁻³²: maps 32 bits to [0, 1), exactly.
 pub(super) const UNIT: f64 = 1.0 / 4_294_967_296.0;
 
-/// The lower and the upper 32 bits of `x` as numbers. AVX2 has no vector instruction for this conversion: below 2⁵² a whole number is the
-/// fraction of 2⁵² plus it, exactly.
+/// The lower and the upper 32 bits of `x` as numbers. AVX2 has no vector instruction for this conversion: for an integer below 2⁵² it is
+/// the mantissa of 2⁵² plus that integer, exactly.
 #[inline(always)]
 pub(crate) fn halves(x: u64) -> [f64; 2] {
     const BEFORE: f64 = (1u64 << 52) as f64;

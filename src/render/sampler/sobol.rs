@@ -57,7 +57,7 @@ impl VectorLoop for SobolOfEach<'_> {
     }
 }
 
-/// The same with an index for each pixel.
+/// [`sobol_of_each`] with an index for each pixel.
 pub(crate) fn sobol_of_each_at(
     pixels: &[u64],
     indices: &[u32],
@@ -110,8 +110,8 @@ pub(crate) fn sobol_among(pixel: u64, index: u32, count: u32, dimension: u32) ->
     sobol(pixel & !WITHIN, first.wrapping_add(index), dimension)
 }
 
-/// The digits of the second dimension of Sobol's sequence. Its direction numbers are (1 + s)ᵏ, s a shift by one digit, so that with the index as a
-/// polynomial f over two elements they are f(1 + s): block by block, as (1 + s)ᵐ = 1 + sᵐ for powers of two (Ahmed, "An
+/// The digits of the second dimension of Sobol's sequence. Its direction numbers are (1 + s)ᵏ, where s is a shift by one digit, so with the
+/// index as a polynomial f over GF(2) they are f(1 + s): computed block by block, as (1 + s)ᵐ = 1 + sᵐ for powers of two (Ahmed, "An
 /// implementation algorithm of 2D Sobol sequence fast, elegant, and compact", EGSR 2024).
 #[inline(always)]
 fn second_dimension(index: u32) -> u32 {
@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn scrambled_points_fill_all_elementary_intervals_once() {
-        // 2⁶ points, in rectangles of 2ᵃ × 2⁶⁻ᵃ: one in each. Also of a part that begins at a multiple of 2⁶.
+        // 2⁶ points: one in each rectangle of 2ᵃ × 2⁶⁻ᵃ. Also for a part that begins at a multiple of 2⁶.
         for (pixel, dimension) in [(0, 0), (7, 3), (1 << 33, 11)] {
             for first in [0, 64, 640] {
                 let points: Vec<_> = (first..first + 64)
@@ -185,8 +185,8 @@ mod tests {
 
     #[test]
     fn neighbouring_pixels_share_one_set_of_points() {
-        // 16 numbers of each of 4 × 4 pixels: each pixel's fill 4 × 4 cells once, those of all 16 × 16, in any replicate. Of
-        // 12 numbers each is in a cell of its own.
+        // 16 numbers for each of 4 × 4 pixels: those of each pixel fill 4 × 4 cells once, and those of all fill 16 × 16, in any replicate.
+        // With 12 numbers each is in a cell of its own.
         for (salt, count) in [(0, 16), (hash(7), 16), (0, 12)] {
             let mut all = [0; 256];
             for key in 0..16 {
@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn scrambled_dimensions_are_independent() {
-        // Products of centred coordinates over 4096 points have the variance (1/12)²: the mean is within 5 of 1.3e-3.
+        // Products of centred coordinates over 4096 points have the variance (1/12)²: the mean is within 5 standard errors of 1.3e-3.
         for (a, b) in [(0, 1), (2, 9)] {
             let product = |k| (sobol(3, k, a)[0] - 0.5) * (sobol(3, k, b)[0] - 0.5);
             let mean = (0..4096).map(product).sum::<f64>() / 4096.0;

@@ -45,12 +45,12 @@ impl Sampler {
         }
     }
 
-    /// The same with other random numbers, independent of those of other seeds.
+    /// The sampler with other random numbers, independent of those of other seeds.
     pub fn with_seed(self, seed: u32) -> Self {
         Sampler { seed, ..self }
     }
 
-    /// The same random numbers for replicates of `samples` samples.
+    /// The sampler with the same random numbers for replicates of `samples` samples.
     pub(crate) fn with_samples(self, samples: u32) -> Self {
         Sampler::stratified(samples).with_seed(self.seed)
     }
@@ -101,16 +101,16 @@ impl Sampler {
         [x[0], y[0]]
     }
 
-    /// The same in many pixels, by their keys; `index` is below [`Sampler::samples`].
+    /// [`Sampler::offset`] in many pixels, by their keys; `index` is below [`Sampler::samples`].
     pub(crate) fn offsets(&self, pixels: &[u64], index: u32, x: &mut [f64], y: &mut [f64]) {
         if self.centred {
             x.fill(0.5);
             y.fill(0.5);
             return;
         }
-        // The cell (i, j) of this sample, in all pixels alike.
+        // The cell (i, j) of this sample, the same in all pixels.
         let (i, j) = (index % self.columns, index / self.columns);
-        // In it the sub-column that row j has in this pixel, and the sub-row that column i has.
+        // Within it, the sub-column of row j in this pixel, and the sub-row of column i.
         let [columns, rows] = [self.columns, self.rows];
         if columns.is_power_of_two() && rows.is_power_of_two() {
             return dispatch(Offsets {
@@ -124,7 +124,7 @@ impl Sampler {
         for ((pixel, x), y) in pixels.iter().zip(&mut *x).zip(&mut *y) {
             let pixel = hash(*pixel);
             *x = sub_cell(j, rows, pixel);
-            // Turned by 31 bits, so that shift and stride come from other bits of the hash than those of x.
+            // Rotated by 31 bits, so that shift and stride come from other bits of the hash than those of x.
             *y = sub_cell(i, columns, pixel.rotate_left(31));
         }
         let [width, height] = self.cell;
@@ -140,8 +140,7 @@ impl Sampler {
 }
 
 impl Sampler {
-    /// The offsets of `samples` of many pixels, by their keys without a replicate's, pixel by pixel: the same bits as
-    /// [`Sampler::offset`].
+    /// The offsets of `samples` in many pixels, by their keys without a replicate's, pixel by pixel: the same bits as [`Sampler::offset`].
     pub(crate) fn offsets_by_pixel(
         &self,
         pixels: &[u64],
@@ -166,7 +165,7 @@ impl Sampler {
                 x,
                 y,
             };
-            // Loops have a fixed length, the shortest of three that holds all samples.
+            // Loops have a fixed length, the shortest of three that fits all samples.
             match each {
                 0..=4 => dispatch(of.at_most::<4>()),
                 5..=8 => dispatch(of.at_most::<8>()),
@@ -185,12 +184,12 @@ impl Sampler {
     }
 }
 
-/// The loop over the samples of each pixel, at most this many, of a grid whose numbers of columns and rows are powers of two.
+/// The loop over at most `MOST` samples of each pixel, for a grid with powers of two of columns and rows.
 struct ByPixel<'a, const MOST: usize> {
     sampler: &'a Sampler,
     pixels: &'a [u64],
     salt: u64,
-    /// The first sample, and how many there are.
+    /// The first sample, and the number of samples.
     first: u32,
     each: usize,
     x: &'a mut [f64],
@@ -198,7 +197,7 @@ struct ByPixel<'a, const MOST: usize> {
 }
 
 impl<'a, const MOST: usize> ByPixel<'a, MOST> {
-    /// The same for fewer samples.
+    /// The same loop for fewer samples.
     fn at_most<const FEWER: usize>(self) -> ByPixel<'a, FEWER> {
         let ByPixel {
             sampler,
@@ -225,7 +224,7 @@ impl<const MOST: usize> VectorLoop for ByPixel<'_, MOST> {
     #[inline(always)]
     fn run(self) {
         let sampler = *self.sampler;
-        // Values that are the same in all pixels.
+        // Values common to all pixels.
         let (mut i, mut j, mut salts) = ([0; MOST], [0; MOST], [0; MOST]);
         for (k, index) in (self.first..).take(self.each.min(MOST)).enumerate() {
             ([i[k], j[k]], salts[k]) = sampler.cell_and_salt(index);
@@ -252,7 +251,7 @@ impl<const MOST: usize> VectorLoop for ByPixel<'_, MOST> {
     }
 }
 
-/// A number below 2³², in a form that the compiler recognises: products of two are one instruction of AVX2.
+/// A number below 2³², in a form that the compiler recognises: the product of two of these is one AVX2 instruction.
 #[inline(always)]
 fn low(x: u64) -> u64 {
     x & 0xffff_ffff
@@ -264,9 +263,9 @@ fn whole(x: u64) -> f64 {
     halves(x)[0]
 }
 
-/// Samples of each of at least `parts` equal parts of `samples`, or of as many as there are samples.
+/// The number of samples in each of at least `parts` equal parts of `samples`, or in as many parts as there are samples.
 pub(crate) fn samples_per_part(samples: u32, parts: u32) -> u32 {
-    // The fewest parts, of those that are enough, that divide the samples evenly.
+    // The smallest sufficient number of parts that divides the samples evenly.
     let counts = parts.min(samples)..=samples;
     let parts = counts
         .into_iter()
@@ -274,7 +273,7 @@ pub(crate) fn samples_per_part(samples: u32, parts: u32) -> u32 {
     samples / parts.unwrap_or(1)
 }
 
-/// The offsets of one sample of each pixel, of a grid whose numbers of columns and rows are powers of two.
+/// The offsets of one sample of each pixel, for a grid with powers of two of columns and rows.
 struct Offsets<'a> {
     sampler: &'a Sampler,
     pixels: &'a [u64],
@@ -290,7 +289,7 @@ impl VectorLoop for Offsets<'_> {
         let (x, y) = (&mut self.x[..count], &mut self.y[..count]);
         let sampler = *self.sampler;
         let (cell, salt) = sampler.cell_and_salt(self.index);
-        // Of one sample the cell is the pixel, and what the general formula adds is 0.
+        // For a single sample the cell is the pixel, and the terms of the general formula are 0.
         if sampler.samples() == 1 {
             for k in 0..count {
                 let [for_x, for_y] = halves(hash(hash(self.pixels[k]) ^ salt));
@@ -305,20 +304,20 @@ impl VectorLoop for Offsets<'_> {
 }
 
 impl Sampler {
-    /// The cell (i, j) of sample `index`, in all pixels alike, and what its hashes come from.
+    /// The cell (i, j) of sample `index`, the same in all pixels, and the salt of its hashes.
     #[inline(always)]
     fn cell_and_salt(&self, index: u32) -> ([u64; 2], u64) {
         let cell = [index % self.columns, index / self.columns].map(u64::from);
         (cell, u64::from(index).wrapping_mul(STEP))
     }
 
-    /// The offset of the sample with that cell and salt in the pixel whose hashed key is `pixel`, where there are powers of two of columns and
-    /// rows.
+    /// The offset of the sample with this cell and salt in the pixel with the hashed key `pixel`, if the numbers of columns and rows are
+    /// powers of two.
     #[inline(always)]
     fn offset_of_powers(&self, pixel: u64, [i, j]: [u64; 2], salt: u64) -> [f64; 2] {
         let [of_columns, of_rows] = [self.columns, self.rows].map(|n| u64::from(n - 1));
         let [width, height] = self.cell;
-        // The sub-column of row j and the sub-row of column i: `among_power_of_two`, in u64, whose lower digits are the same.
+        // The sub-column of row j and the sub-row of column i: `among_power_of_two` in u64, whose low bits are the same.
         let turned = pixel.rotate_left(31);
         let stride_x = (1 + ((pixel >> 32) & of_rows)) | 1;
         let stride_y = (1 + ((turned >> 32) & of_columns)) | 1;
@@ -335,7 +334,7 @@ impl Sampler {
     }
 }
 
-/// Random places in the sub-cells that `x` and `y` name, as offsets in the pixel.
+/// Random positions in the sub-cells given by `x` and `y`, as offsets in the pixel.
 struct Jitter<'a> {
     pixels: &'a [u64],
     salt: u64,
@@ -377,10 +376,9 @@ impl Sampler {
     /// The moment of sample `index` in an exposure, in [0, 1): n samples take n different strata of
     /// time.
     ///
-    /// Of an a × b grid of cells (a ≤ b columns, rows) the a samples of each b-th part of the time lie
-    /// in all columns, and in rows b/a apart: what depends on time less delay, and so on time and
-    /// place alike, finds place and time uncorrelated (an orthogonal array; Owen 1992). Columns and rows
-    /// are permuted at random in each pixel, or the samples would lie on planes of place and time.
+    /// In an a × b grid of cells (a ≤ b columns, rows) the a samples of each b-th part of the time lie in all columns, and in rows b/a
+    /// apart, so time and position are uncorrelated for anything that depends on time minus delay, and hence on both alike (an orthogonal
+    /// array; Owen 1992). Columns and rows are permuted at random in each pixel, or the samples would lie on planes of position and time.
     #[inline]
     pub fn moment(&self, column: u32, row: u32, index: u32) -> f64 {
         let mut moment = [0.0];
@@ -390,7 +388,7 @@ impl Sampler {
         moment[0]
     }
 
-    /// The same in many pixels, by their keys; `index` is below [`Sampler::samples`].
+    /// [`Sampler::moment`] in many pixels, by their keys; `index` is below [`Sampler::samples`].
     pub(crate) fn moments(&self, pixels: &[u64], index: u32, moments: &mut [f64]) {
         if self.centred {
             moments.fill(0.5);
@@ -403,7 +401,7 @@ impl Sampler {
             pixels,
             moments,
         };
-        // Permutations of powers of two take no walk: loops of them go in vectors.
+        // Permutations of powers of two need no cycle walking, so their loops vectorize.
         match (self.columns.is_power_of_two(), self.rows.is_power_of_two()) {
             (true, true) => dispatch(of),
             _ => of.fill::<false>(),
@@ -411,7 +409,7 @@ impl Sampler {
     }
 }
 
-/// Pixels to moments of one of their samples.
+/// Computes the moments of one sample in many pixels.
 struct Moments<'a> {
     columns: u32,
     rows: u32,
@@ -428,14 +426,14 @@ impl VectorLoop for Moments<'_> {
 }
 
 impl Moments<'_> {
-    /// For grids whose numbers of columns and rows are powers of two, or any.
+    /// `POWERS_OF_TWO` says that the numbers of columns and rows are powers of two.
     #[inline(always)]
     fn fill<const POWERS_OF_TWO: bool>(self) {
         let (a, b) = (self.columns, self.rows);
         let (i, j) = (self.index % a, self.index / a);
         let salt = (self.index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         for (pixel, moment) in self.pixels.iter().zip(self.moments) {
-            // The complement has other hashes than those that places come from.
+            // The complement has other hashes than those used for positions.
             let pixel = hash(!pixel);
             let noise = hash(pixel ^ salt);
             let (columns, rows) = (pixel as u32, (pixel >> 32) as u32);
@@ -446,11 +444,11 @@ impl Moments<'_> {
                 true => place & (b - 1),
                 false => place % b,
             };
-            // Within the part, one of a strata, permuted anew for each part.
+            // Within the part, one of its a strata, permuted anew for each part.
             let seed = !columns ^ part.wrapping_mul(0x9e37_79b9);
             let within = permuted::<POWERS_OF_TWO>(i, a, seed);
             let within = (f64::from(within) + unit(noise as u32)) / f64::from(a);
-            // Rounding may lift the last sample to 1.
+            // Rounding may raise the last sample to 1.
             *moment = ((f64::from(part) + within) / f64::from(b)).min(1.0 - f64::EPSILON);
         }
     }
@@ -495,7 +493,7 @@ fn permuted<const POWER_OF_TWO: bool>(k: u32, n: u32, seed: u32) -> u32 {
     }
 }
 
-/// Place `k` of an affine permutation of 0..n: a·k + b mod n with a coprime to n.
+/// Position `k` in an affine permutation of 0..n: a·k + b mod n with a coprime to n.
 fn sub_cell(k: u32, n: u32, seed: u64) -> f64 {
     if n.is_power_of_two() {
         return f64::from(among_power_of_two(k, n, seed));
@@ -506,10 +504,10 @@ fn sub_cell(k: u32, n: u32, seed: u64) -> f64 {
     ((k as u64 * stride as u64 + shift as u64) % n as u64) as f64
 }
 
-/// The same where n is a power of two, without divisions: the odd strides are the coprime ones.
+/// The same if n is a power of two, without divisions: the odd strides are the coprime ones.
 #[inline(always)]
 fn among_power_of_two(k: u32, n: u32, seed: u64) -> u32 {
-    // Of products and sums the lowest digits alone count.
+    // Only the lowest bits of products and sums matter.
     let stride = (1 + ((seed >> 32) as u32 & (n - 1))) | 1;
     k.wrapping_mul(stride).wrapping_add(seed as u32) & (n - 1)
 }
@@ -521,7 +519,7 @@ fn coprime(mut a: u32, mut b: u32) -> bool {
     a == 1
 }
 
-/// What the salts of samples are apart: 2⁶⁴ over the golden ratio, odd.
+/// The difference between salts of consecutive samples: 2⁶⁴ divided by the golden ratio, odd.
 const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 
 #[cfg(test)]
@@ -641,7 +639,7 @@ mod tests {
 
     #[test]
     fn place_and_time_are_uncorrelated_in_every_pixel() {
-        // Of 64 samples those of each eighth of the time lie in all 8 columns and all 8 rows.
+        // Of 64 samples, those of each eighth of the time lie in all 8 columns and all 8 rows.
         let sampler = Sampler::stratified(64);
         for pixel in [(0, 0), (7, 2), (90, 4000)] {
             let mut seen = [[0; 8]; 16];
@@ -657,7 +655,7 @@ mod tests {
 
     #[test]
     fn what_moves_through_a_pixel_is_averaged_as_well_as_by_random_samples() {
-        // The mean of cos 2π(x ± y ± t) is 0, and random samples would miss it by √(½/n).
+        // The mean of cos 2π(x ± y ± t) is 0, and random samples would have an error of √(½/n).
         for n in [64, 256, 1024, 60] {
             let sampler = Sampler::stratified(n);
             for signs in [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0]] {

@@ -34,7 +34,7 @@ use crate::scene::model::{Clock, CubeSource, LightKind, Mapping, Scene, SourceKi
 /// How many standard deviations of a pulse count as its duration, on either side.
 const PULSE_REACH: f64 = 4.0;
 
-/// The largest number of tiles surveyed for when light is in view.
+/// The maximum number of tiles surveyed for the times of light in view.
 const MOST_TILES: u64 = 1024;
 
 /// The number of tiles surveyed first.
@@ -91,7 +91,7 @@ impl SeenTimes {
         source.is_some_and(|source| matches!(source.kind, SourceKind::Cube(_)))
     }
 
-    /// Their source, in words.
+    /// Their source, as text.
     fn source(&self, scene: &Scene) -> String {
         let name = |name: &str| name.escape_debug().to_string();
         let light = self.source.checked_sub(scene.sources.len());
@@ -107,7 +107,7 @@ impl SeenTimes {
         }
     }
 
-    /// When light in view was emitted, and when there is any, in words; for lamps and pulses.
+    /// When light in view was emitted, and the times that have data, as text; for lamps and pulses.
     fn said(&self, scene: &Scene, is_train: bool) -> String {
         let [[a, b], [c, d]] = [self.seen, self.data].map(|span| span.map(rounded));
         let source = self.source(scene);
@@ -126,10 +126,10 @@ impl SeenTimes {
     }
 }
 
-/// For each lamp and pulse whose light begins and ends and reaches surfaces in view: when the light in view was emitted, when there is
-/// any, and the camera times that show some of it; with `dark`, only for those with none in view.
+/// For each lamp and pulse whose light begins and ends and reaches surfaces in view: when the light in view was emitted, the times that
+/// have light, and the camera times that show some of it; with `dark`, only for those with none in view.
 pub fn moments(scene: &Scene, prepared: &mut Prepared, dark: bool) -> Vec<Message> {
-    // As many rays as tell the ends of what is seen.
+    // Enough rays to find the ends of the times in view.
     let every = (Tile::count(scene.camera.size) / MOST_TILES) | 1;
     let mut remarks = Vec::new();
     let mut shots = Shots::among(scene, prepared, every);
@@ -239,12 +239,12 @@ pub fn seen_times(scene: &Prepared) -> Vec<SeenTimes> {
     seen_times_among(scene, 1)
 }
 
-/// The same, of one tile in `every`.
+/// [`seen_times`] for one tile in `every`.
 fn seen_times_among(scene: &Prepared, every: u64) -> Vec<SeenTimes> {
     seen_times_by(scene, every, PixelSamples::centred())
 }
 
-/// The same; where no ray through the centre of a pixel meets anything lit, by all samples.
+/// [`seen_times_among`]; if no ray through the centre of a pixel hits anything lit, with all samples.
 fn seen_or_sampled(scene: &Prepared, every: u64) -> Vec<SeenTimes> {
     let seen = seen_times_among(scene, every);
     match seen.is_empty() {
@@ -268,7 +268,7 @@ fn seen_times_by(scene: &Prepared, every: u64, pixel_samples: PixelSamples) -> V
             pixel_samples,
         )
     };
-    // Least and greatest do not depend on an order.
+    // Minimum and maximum do not depend on the order.
     let all = tiles.into_par_iter().map(survey);
     all.reduce(Vec::new, |mut a, b| {
         b.into_iter().for_each(|times| note(&mut a, times));
@@ -286,7 +286,7 @@ pub fn wavelength_ratios(scene: &Prepared) -> Option<[f64; 2]> {
     }
 }
 
-/// The same where all of them are below `least` or all above `most`: of most pictures a few rays tell that they are not.
+/// [`wavelength_ratios`] if all of them are below or all above the range `within`: for most pictures a few rays show that they are not.
 pub fn wavelength_ratios_outside(scene: &Prepared, within: [f64; 2]) -> Option<[f64; 2]> {
     let (few, _) = ratios_by(scene, one_in(scene.layout.size), PixelSamples::centred());
     match few {
@@ -295,7 +295,8 @@ pub fn wavelength_ratios_outside(scene: &Prepared, within: [f64; 2]) -> Option<[
     }
 }
 
-/// The same of all directions in view of the camera where everything rests in the world, whatever is seen there; none where something moves.
+/// The range of W over all directions in the camera's view if everything rests in the world, whatever is seen there; `None` if something
+/// moves.
 ///
 /// # Errors
 /// A camera that sees nothing at its time.
@@ -335,12 +336,12 @@ fn is_outside([low, high]: [f64; 2], [least, most]: [f64; 2]) -> bool {
     low > most || high < least
 }
 
-/// One tile in so many shows what most pictures are like: odd, so that they do not lie in columns.
+/// One tile in this many is representative of most pictures: odd, so that these tiles do not lie in columns.
 fn one_in(size: [u32; 2]) -> u64 {
     (Tile::count(size) / LOOKED_AT) | 1
 }
 
-/// The same of one tile in `every`, and whether the rays meet a surface.
+/// The range of W for one tile in `every`, and whether the rays hit a surface.
 fn ratios_by(
     scene: &Prepared,
     every: u64,
@@ -380,7 +381,7 @@ fn ratios_by(
     )
 }
 
-/// Adds to `plan` the mirrors whose light is not found because of their textures, which are known only once loaded.
+/// Adds to `plan` the mirrors whose light is not found because of their textures, which are known only after loading.
 pub fn note_mirrors_by_texture(scene: &Scene, plan: &mut Plan, prepared: &Prepared) {
     let by_factors = unfound_light(scene, &plan.objects, |_| false);
     if by_factors != prepared.unfound_light {
@@ -389,9 +390,9 @@ pub fn note_mirrors_by_texture(scene: &Scene, plan: &mut Plan, prepared: &Prepar
     }
 }
 
-/// Cubes that the light in view misses, or meets only where they are dark: both time spans, and the start or the unit that would fit, or
-/// the camera times that would. Cubes whose times are those of a cube that is lit in view are skipped: light reaches some surfaces later
-/// than others.
+/// Cubes that the light in view misses, or hits only where they are dark: both time spans, and the start or unit that would fit, or else
+/// the camera times that would. Cubes with the same times as a cube that is lit in view are skipped: light reaches some surfaces later than
+/// others.
 pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
     let is_dark = |prepared: &Prepared, times: &SeenTimes| {
         let data = lit(prepared, times.source).unwrap_or(times.data);
@@ -404,7 +405,7 @@ pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
     {
         return Vec::new();
     }
-    // Most pictures show in a few tiles that their data are in view.
+    // For most pictures a few tiles show that their data are in view.
     let few = seen_times_among(prepared, one_in(scene.camera.size));
     if !few.is_empty() && !few.iter().any(|times| is_dark(prepared, times)) {
         return Vec::new();
@@ -439,7 +440,7 @@ pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
         if cube(&times).is_some_and(|own| is_alike(own)) {
             continue;
         }
-        // What is 0 up to rounding.
+        // Values that are 0 up to rounding.
         let least = 1e-9 * (times.data[1] - times.data[0]);
         let shown = |time: f64| {
             if time.abs() < least {
@@ -475,7 +476,7 @@ pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
 }
 
 impl SeenTimes {
-    /// The unit or the start for which data lit in `self.data` would meet what is seen.
+    /// The unit or the start with which data lit in `self.data` would match what is seen.
     fn other_times(&self, scene: &Scene) -> String {
         let Some(SourceKind::Cube(cube)) = scene.sources.get(self.source).map(|s| &s.kind) else {
             return String::new();
@@ -487,12 +488,12 @@ impl SeenTimes {
             data: self.data.map(|time| time * 10f64.powi(power)),
             ..*self
         };
-        // At least as long as what is seen, to a power of ten.
+        // About as long as what is seen, within a power of ten or so.
         let is_long = |power: i32| {
             let [data, seen] = [at(power).data, self.seen].map(|[from, to]| to - from);
             data > 0.3 * seen && data < 30.0 * seen
         };
-        // The nearest powers of ten first.
+        // The smallest powers of ten first.
         let mut powers = (1..=15).flat_map(|power| [-power, power]);
         let fitting = powers.find(|power| start != 0.0 && at(*power).meets() && is_long(*power));
         let unit = fitting.map(|power| {
@@ -540,7 +541,7 @@ fn tile(
     all
 }
 
-/// Calls a function with the hits of rays through a tile's pixels, and with W of the resting world for those that hit nothing.
+/// Calls a function with the hits of rays through a tile's pixels, and another with the W of a world at rest for those that hit nothing.
 fn each_point(
     scene: &Prepared,
     surfaces: &Surfaces,
@@ -635,7 +636,7 @@ fn at_point(
     }
 }
 
-/// Records the times of surfaces with their own emission profile, which the point is on, or which light it.
+/// Records the times of surfaces with their own emission profile that the point is on, or that light it.
 fn shining_at_point(
     light: &TimeResolved,
     surfaces: &Surfaces,
@@ -659,7 +660,7 @@ fn shining_at_point(
         Emitter::Uv { .. } | Emitter::Captured(_) => (None, false),
     };
     match (own.and_then(|own| own.profile.as_deref()), &light.areas) {
-        // A surface that shines itself is seen by its own clock; other lights are seen by what they light.
+        // A surface that shines is seen by its own clock; other lights are seen by the surfaces that they light.
         (Some(emission), _) => of_light(
             point.patch.object,
             emission,

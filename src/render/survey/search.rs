@@ -35,12 +35,12 @@ pub struct Shots<'a> {
 }
 
 impl<'a> Shots<'a> {
-    /// Of all tiles of the pictures.
+    /// For all tiles of the pictures.
     pub fn new(scene: &'a Scene, prepared: &'a mut Prepared) -> Self {
         Shots::among(scene, prepared, 1)
     }
 
-    /// Of one tile in `every`.
+    /// For one tile in `every`.
     pub(super) fn among(scene: &'a Scene, prepared: &'a mut Prepared, every: u64) -> Self {
         let seen = seen_or_sampled(prepared, every);
         Shots {
@@ -57,7 +57,7 @@ impl<'a> Shots<'a> {
     }
 
     /// The times of a source seen in a shot at a camera time; `None` if nothing that it lights is in view, the camera's world line has no
-    /// such time, or enough shots have been taken.
+    /// such time, or the maximum number of shots has been taken.
     fn at(&mut self, time: f64, source: usize) -> Option<[f64; 2]> {
         let place = match self.known.iter().position(|(known, _)| *known == time) {
             Some(place) => place,
@@ -77,7 +77,7 @@ impl<'a> Shots<'a> {
             .map(|times| times.seen)
     }
 
-    /// Camera times, in metres, from and until which some of the data of `wanted` are in view; `None` if no shot shows any, or one of the
+    /// The range of camera times, in metres, at which some of the data of `wanted` are in view; `None` if no shot shows any, or one of the
     /// ends is not found.
     pub fn showing(&mut self, wanted: &SeenTimes) -> Option<[f64; 2]> {
         let [from, to] = wanted.data;
@@ -92,7 +92,7 @@ impl<'a> Shots<'a> {
     /// The camera time at which an end of the visible range is `target`.
     fn end(&mut self, wanted: &SeenTimes, end: usize, target: f64) -> Option<f64> {
         let tolerance = TOLERANCE * (wanted.data[1] - wanted.data[0]);
-        // Shots before and after the target, nearest last, and one that shows nothing of the source.
+        // Shots before and after the target, the nearest last, and one that shows nothing of the source.
         let mut sides: [Vec<[f64; 2]>; 2] = [Vec::new(), Vec::new()];
         let (mut hidden, mut last) = (None, None);
         let mut time = self.known[0].0;
@@ -100,12 +100,13 @@ impl<'a> Shots<'a> {
             match self.at(time, wanted.source) {
                 Some(seen) => {
                     let off = seen[end] - target;
-                    // Nothing nearer can be told apart from it.
+                    // Indistinguishable from the target.
                     if off.abs() <= tolerance || (off.abs() <= 1e-12 * target.abs()) {
                         return Some(time);
                     }
                     let side = usize::from(off > 0.0);
-                    // Twice on one side: the other counts half (the Illinois rule), because its end of the bracket does not move.
+                    // Twice on the same side: the other side is weighted by half (the Illinois rule), because its end of the bracket does
+                    // not move.
                     if last == Some(side)
                         && let Some([_, off]) = sides[1 - side].last_mut()
                     {
@@ -121,7 +122,7 @@ impl<'a> Shots<'a> {
                 None => break,
             }
         }
-        // If things come into view or leave it, there may be no such time, but one at which light is in view right beside one at which
+        // If things come into view or leave it, there may be no such time, but a time at which light is in view right next to one at which
         // none is.
         let is_between = sides.iter().all(|side| !side.is_empty());
         let within = &sides[end];
@@ -129,7 +130,7 @@ impl<'a> Shots<'a> {
     }
 }
 
-/// The next camera time to try; `None` if there is nothing left between shots, or the visible times do not rise.
+/// The next camera time to try; `None` if no time is left between shots, or the visible times do not rise.
 fn next(sides: &[Vec<[f64; 2]>; 2], hidden: Option<f64>) -> Option<f64> {
     let time = match [sides[0].last(), sides[1].last()] {
         [Some(&[before, under]), Some(&[after, over])] => {
@@ -151,7 +152,7 @@ fn next(sides: &[Vec<[f64; 2]>; 2], hidden: Option<f64>) -> Option<f64> {
         }
         [None, None] => return None,
     };
-    // Not as far as where nothing of it is in view.
+    // Stop short of times at which nothing of it is in view.
     let nearest = sides.iter().filter_map(|side| side.last()).map(|[t, _]| *t);
     Some(match hidden {
         Some(end) => nearest.fold(time, |time, near| {

@@ -1,7 +1,7 @@
 //! Progressive rendering: passes of independent samples, until an error is reached or the caller stops.
 //!
 //! Each pass repeats the samples of the layout with random numbers of its own ([`sampler`](crate::render::sampler)). Passes come in pairs,
-//! one for each half of a tile's samples, and each half decides how many passes the other gets, so the picture has no bias
+//! one for each half of a tile's samples, and each half decides how many passes of the other are used, so the picture has no bias
 //! ([`film`](crate::render::film)). A half requests no more passes of the other as soon as, by its own estimates,
 //! ```text
 //! √(mean over pixels of standard error²) ≤ ε · (mean radiance of the tile, or of the picture if that is higher),

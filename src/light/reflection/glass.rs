@@ -107,8 +107,9 @@ mod tests {
 
     #[test]
     fn glass_reflects_by_fresnel_and_bends_by_snell() {
-        // Of normal incidence ((n − 1)/(n + 1))², in glass of 1.5 as from air; nothing is polarized at Brewster's angle, whose tangent is n, and
-        // (n² − 1)²/(n² + 1)²/2 is reflected there; beyond the critical angle, sin θ = 1/n, all of it.
+        // At normal incidence ((n − 1)/(n + 1))², in glass of 1.5 as from air; nothing polarized in the plane of incidence is reflected at
+        // Brewster's angle, whose tangent is n, and (n² − 1)²/(n² + 1)²/2 of unpolarized light is; beyond the critical angle, sin θ = 1/n,
+        // all of it.
         let n = 1.5;
         let glass = |v, near: f64, far: f64| {
             let r = Reflection::metallic_roughness(DVec3::Z, v, [1.0; 3], [0.0, 0.0], 0.04);

@@ -408,7 +408,7 @@ impl BoostedSky {
         self.cumulative[block] - before
     }
 
-    /// A direction of the world sampled within a block: by `x`, which selects the texel and the position across, and by `y` along.
+    /// A direction of the world: `x` selects the block, the texel and the position across, `y` the position along.
     #[inline]
     fn in_a_block(&self, x: f64, y: f64) -> DVec3 {
         let last = self.cumulative.len() - 1;

@@ -330,7 +330,7 @@ impl Lens {
         trace: &impl Fn(DVec3, DVec3) -> Option<SeenPoint>,
     ) -> Seen {
         let (row, column) = ((pixel / self.width) as f64, (pixel % self.width) as f64);
-        // Of depth 1: the distance is along the ray.
+        // The ray at depth 1: the distance is measured along it.
         let [left, above] = self.offset;
         let ray = (self.projection).components(column + 0.5 + left, row + 0.5 + above);
         let length = ray.length();

@@ -71,7 +71,7 @@ struct TapReads<'a> {
     weights: [&'a [f64; BATCH]; 4],
     origins: &'a [[u64; BATCH]; 4],
     bins: &'a [[[f64; BATCH]; MOST_BINS]; 4],
-    /// Those of the batch that are plain.
+    /// The plain lookups of the batch.
     plain: [u8; BATCH],
 }
 

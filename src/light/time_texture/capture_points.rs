@@ -232,7 +232,7 @@ impl<P: Projection> VectorLoop for Locate<'_, P> {
     fn run(self) {
         let block = self.to;
         block.project(self.capture, self.film, self.positions, self.normals);
-        // Those read as means of pixels are left to single lookups.
+        // Points that are read as means of pixels are left to single lookups.
         match self.texture.reconstruction() {
             Reconstruction::Sharp => {}
             Reconstruction::Bilinear | Reconstruction::Footprint => {

@@ -6,7 +6,7 @@
 //! - Order of axes: `axis_order`.
 //! - Order of bytes: the sizes of samples, as they are and after byte swapping ([`ByteOrder`]).
 //! - Samples below 0: all of them in memory; for cubes on disk those of the subset.
-//! - Ends: the light of the first and of the last bin, against that of the brightest. Noise about 0 cancels in their sums.
+//! - Ends: the light of the first and of the last bin, relative to that of the brightest. Noise about 0 cancels in their sums.
 //! - Capture: light recorded at time t left its surface at t − η (r − n / cos θ). Lamps that flash at time 0 light nothing before; and
 //!   pixels that see no object record nothing. The head of `first_light` explains what first light reveals.
 
@@ -331,9 +331,9 @@ struct Light {
     per_bin: Vec<f64>,
     /// The same with the absolute values of samples.
     unsigned: Vec<f64>,
-    /// Of all samples, absolute values.
+    /// The sum of the absolute values of all samples.
     total: f64,
-    /// Of samples below 0.
+    /// The sum of the absolute values of samples below 0.
     negative: f64,
 }
 

@@ -474,8 +474,8 @@ impl TimeTexture {
         }
     }
 
-    /// How well the image shows the point, 0 to 1: the weight of those of four pixels about it that saw its surface, times
-    /// its distance from the edge of the image, pixels, at most 1. Above 0 wherever the point is seen.
+    /// How well the image shows the point, 0 to 1: the weight of those of the four pixels around it that saw its surface, times its
+    /// distance from the edge of the image, pixels, at most 1. Above 0 wherever the point is seen.
     pub fn seen_part(&self, located: &Located) -> f64 {
         /// If only one capture sees a point, any weight will do.
         const LEAST: f64 = 1e-6;
@@ -600,7 +600,7 @@ impl TimeTexture {
         }
     }
 
-    /// A place without data: `hold` reads the nearest, whose times may be missing too and are filled.
+    /// A position without data: `hold` reads the nearest, whose times may be missing too and are filled.
     #[inline]
     fn fill(&self, fill: Fill, coverage: Coverage, hold: impl FnOnce() -> Sampled) -> Sampled {
         let sampled = match fill {

@@ -27,12 +27,12 @@ use super::output::{Identity, Inputs, Outputs, extension};
 use super::progress::Bar;
 use super::{inputs, interrupt, print, say, warn};
 
-/// What is baked into one file.
+/// The content of one baked file.
 pub struct Job {
     path: PathBuf,
-    /// An object's surface; none for what the camera sees.
+    /// An object's surface; `None` for what the camera sees.
     surface: Option<Surface>,
-    /// Whether light may come to its back, and bytes of lists beside the cube, as far as they are known yet.
+    /// Whether light may reach its back, and the bytes of lists beside the cube, as far as they are known yet.
     has_backs: bool,
     lists: u64,
 }
@@ -40,7 +40,7 @@ pub struct Job {
 pub fn run(arguments: &BakeArguments) -> Result<()> {
     check_effects(arguments)?;
     let scene = arguments.scene.load()?;
-    // A wrong name is told before what is wrong with objects, which may be others.
+    // A wrong name is reported before any problem of objects, which may be different ones.
     let named = named(arguments, &scene)?;
     bake::check(&scene)?;
     let threads = arguments.work.threads.count;
@@ -74,16 +74,16 @@ pub struct Bake<'a> {
     pub path: Option<&'a Path>,
     pub bins: Bins,
     pub precision: CubePrecision,
-    /// Those of all surfaces; none: set 0, or an atlas for objects without any.
+    /// Texture coordinates for all surfaces; `None`: set 0, or an atlas for objects without any.
     pub coordinates: Option<Coordinates>,
     pub request: Request,
     pub work: &'a WorkArguments,
-    /// Whether it is for a film of a flash: files that are there already are kept, and sources are not printed.
+    /// Whether it is for a film of a flash: existing files are kept, and the tables of sources are not printed.
     pub of_flash: bool,
 }
 
 impl Bake<'_> {
-    /// Bytes of the largest of `jobs`, each alone: each thread has a texel or tile of its own beside the cube.
+    /// The bytes of the largest of `jobs`, each counted alone: every thread needs a texel or tile of its own beside the cube.
     fn largest(&self, jobs: &[Job]) -> u64 {
         let threads = self.work.threads.count;
         let threads = threads.map_or_else(rayon::current_num_threads, usize::from);
@@ -99,19 +99,19 @@ impl Bake<'_> {
         sizes.map(|[w, h]| u64::from(w) * u64::from(h)).sum()
     }
 
-    /// What is loaded for `jobs`, whose coordinates are chosen.
+    /// The request and plan for `jobs`, whose coordinates are chosen.
     fn planned(&self, jobs: &mut [Job]) -> Result<(Request, Plan)> {
         let [width, height] = self.scene.camera.size.map(u64::from);
         let on_surfaces = jobs.iter().all(|job| job.surface.is_some());
         let request = Request {
-            // Texture coordinates are loaded where a channel shows them.
+            // Texture coordinates are loaded if a channel shows them.
             aovs: match on_surfaces {
                 true => vec![Aov::UvU],
                 false => Vec::new(),
             },
-            // Whether light comes to backs is not known before models are loaded.
+            // Whether light reaches backs is unknown until models are loaded.
             beside: self.largest(jobs),
-            // As many paths as so many pictures have.
+            // As many paths as this number of pictures has.
             pictures: self.texels(jobs) / (width * height) + 1,
             ..self.request.clone()
         };
@@ -120,7 +120,7 @@ impl Bake<'_> {
         Ok((request, plan))
     }
 
-    /// Charts that overlap are refused before anything is baked, and so is a texture without room.
+    /// Refuses overlapping charts, and textures without enough room, before anything is baked.
     fn check(&self, prepared: &Prepared, jobs: &mut [Job]) -> Result<()> {
         jobs.iter_mut().try_for_each(|job| match &job.surface {
             Some(surface) => {
@@ -148,7 +148,7 @@ impl Bake<'_> {
         let (request, plan) = self.planned(&mut jobs)?;
         let read = inputs::of(scene, &plan);
         check_names(self.path, &jobs, &read)?;
-        // A journal is gone on with only where all that it depends on is the same.
+        // A journal is resumed only if everything it depends on is unchanged.
         let inputs = Inputs::read(read.get(1..).unwrap_or_default());
         let identity = Identity::new(scene, &request, &Outputs::default(), &inputs);
         let quiet = self.work.quiet.on;
@@ -203,7 +203,7 @@ impl Bake<'_> {
                         bake::surface_cube(scene, &prepared, surface, bins, precision, kept, bar)
                     }
                 };
-                // Parts of what is refused are of no use, but for what does not fit half precision.
+                // Partial results of a refused bake are useless, unless the problem is the range of half precision.
                 let baked = match baked {
                     Err(error @ Error::Invalid { .. }) => {
                         return journal.remove().and(Err(error));
@@ -235,14 +235,14 @@ impl Bake<'_> {
     }
 }
 
-/// The key in metadata of what a bake depends on.
+/// The metadata key for the fingerprint of a bake's inputs.
 const FINGERPRINT: &str = "bake_fingerprint";
 
-/// What is said of work that is stopped once a part of it is kept, and before.
+/// The messages about stopped work: once a part of it is kept, and before.
 const RESUME: &str = "its finished parts are kept: run the same command again to resume";
 const ANEW: &str = "no part was finished; running the command again starts over";
 
-/// Rays are done once the part that they are of is kept, with which the work can be resumed.
+/// Counts rays as done once their part is kept, from which the work can be resumed.
 struct Kept<'a>(&'a Bar);
 
 impl Progress for Kept<'_> {
@@ -256,7 +256,7 @@ impl Progress for Kept<'_> {
     }
 }
 
-/// Refuses options that other commands share and that change nothing of what is baked.
+/// Refuses options that are shared with other commands and have no effect on a bake.
 pub fn check_effects(arguments: &BakeArguments) -> Result<()> {
     let changes = &arguments.scene.changes;
     let picture = "a bake has no picture, whose brightness it would set";
@@ -306,7 +306,7 @@ fn bins(arguments: &BakeArguments, scene: &Scene) -> Result<Bins> {
         let what = "bins need a width above 0";
         return Err(refused("--bin-width", what, "like \"5 cm\""));
     }
-    // Radiance 1 has the energy of a bin's width, for which f32 has all its digits from here on.
+    // Radiance 1 has the energy of one bin's width, which f32 holds with full precision from here on.
     let least = f64::from(f32::MIN_POSITIVE);
     if bins.width < least {
         let what = format!(
@@ -316,7 +316,7 @@ fn bins(arguments: &BakeArguments, scene: &Scene) -> Result<Bins> {
         let help = format!("{} m or more", number(least));
         return Err(refused("--bin-width", what, &help));
     }
-    // Bins that f64 can tell apart.
+    // Bins that f64 can distinguish.
     let end = bins.start + bins.width * bins.count as f64;
     let far = bins.start.abs().max(end.abs());
     if far >= 1e12 * bins.width || !far.is_finite() {
@@ -330,7 +330,7 @@ fn bins(arguments: &BakeArguments, scene: &Scene) -> Result<Bins> {
     Ok(bins)
 }
 
-/// Columns and rows of a surface for which none are given.
+/// Columns and rows of a surface if none are given.
 const TEXELS: [u32; 2] = [64, 64];
 
 /// One file for the camera, or one for each object.
@@ -358,7 +358,7 @@ fn jobs(arguments: &BakeArguments, scene: &Scene, named: Vec<usize>) -> Result<V
     surfaces(scene, &named, &path, arguments.texels.unwrap_or(TEXELS))
 }
 
-/// The surfaces of these objects, or of all that reflect light: one file for each.
+/// Jobs for these objects, or for all that reflect light: one file for each.
 pub fn surfaces(scene: &Scene, named: &[usize], path: &Path, size: [u32; 2]) -> Result<Vec<Job>> {
     let objects = match named.is_empty() {
         true => reflecting(scene)?,
@@ -384,7 +384,7 @@ pub fn surfaces(scene: &Scene, named: &[usize], path: &Path, size: [u32; 2]) -> 
     Ok(objects.into_iter().map(job).collect())
 }
 
-/// The coordinates `said`, or set 0, or an atlas for objects without any; and a file that can hold it.
+/// Chooses the coordinates `said`, or set 0, or an atlas for objects without any; and a file that can hold them.
 fn choose_coordinates(said: Option<Coordinates>, plan: &Plan, jobs: &mut [Job]) -> Result<()> {
     for job in jobs {
         let Some(surface) = &mut job.surface else {
@@ -408,7 +408,7 @@ fn choose_coordinates(said: Option<Coordinates>, plan: &Plan, jobs: &mut [Job]) 
     Ok(())
 }
 
-/// The objects that are named.
+/// The indices of the named objects.
 fn named(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<usize>> {
     let index = |name: &String| {
         let found = scene.objects.iter().position(|o| o.name == *name);
@@ -422,7 +422,7 @@ fn named(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<usize>> {
     arguments.object.iter().map(index).collect()
 }
 
-/// All objects that reflect light; the first object says why there is none.
+/// All objects that reflect light; if there are none, the error gives the reason for the first object.
 fn reflecting(scene: &Scene) -> Result<Vec<usize>> {
     let all = 0..scene.objects.len();
     let found: Vec<usize> = all.filter(|k| reflects(scene, *k)).collect();
@@ -446,7 +446,7 @@ fn reflects(scene: &Scene, object: usize) -> bool {
     matches!(lit_by(scene, object, ""), Lit::Reflecting(_))
 }
 
-/// The refusal of an object that reflects no light.
+/// The error for an object that reflects no light.
 fn nothing_to_bake(scene: &Scene, object: usize) -> Error {
     let (what, help) = match lit_by(scene, object, "") {
         Lit::Spectrum => (
@@ -482,7 +482,7 @@ fn check_names(scene: Option<&Path>, jobs: &[Job], inputs: &[PathBuf]) -> Result
 }
 
 impl Job {
-    /// Columns and rows of its cube, those of a back too.
+    /// Columns and rows of its cube, including those of a back.
     fn size(&self, scene: &Scene) -> [u32; 2] {
         let [columns, rows] = self
             .surface
@@ -490,7 +490,7 @@ impl Job {
         [columns, rows * (1 + u32::from(self.has_backs))]
     }
 
-    /// Whether its file is there, of the bake with this sum.
+    /// Whether its file exists, from the bake with this checksum.
     fn is_done(&self, sum: &[u8; 32]) -> bool {
         // Metadata are no longer than a few scenes.
         let budget = Budget::new(1 << 26);
@@ -499,7 +499,7 @@ impl Job {
         said.is_some_and(|said| said[FINGERPRINT] == hexadecimal(sum))
     }
 
-    /// The file of finished parts.
+    /// The file that keeps finished parts.
     fn unfinished(&self) -> PathBuf {
         let mut name = self.path.as_os_str().to_owned();
         name.push(".parts");
@@ -507,14 +507,14 @@ impl Job {
     }
 }
 
-/// What a bake would take.
+/// What a bake would cost.
 fn planned(
     (scene, plan): (&Scene, &Plan),
     jobs: &[Job],
     bins: &Bins,
     precision: CubePrecision,
 ) -> String {
-    // Of surfaces there is no camera, and no film.
+    // Surfaces have no camera and no film.
     let mut text = match jobs.iter().any(|job| job.surface.is_none()) {
         true => plan.to_string(),
         false => plan.of_surfaces().to_string(),
@@ -540,7 +540,7 @@ fn planned(
     text
 }
 
-/// Writes the light of one object, or of the camera, with what reads it again.
+/// Writes the light of one object, or of the camera, with the metadata needed to read it.
 fn write(job: &Job, metadata: &[(String, String)], bins: usize, baked: &Baked) -> Result<()> {
     let coordinates = baked.texture_coordinates.iter().flatten();
     let coordinates: Vec<f64> = coordinates
@@ -564,7 +564,7 @@ fn write(job: &Job, metadata: &[(String, String)], bins: usize, baked: &Baked) -
     npz::write_cube_with(&job.path, &baked.cube, &options)
 }
 
-/// What was written, and how a scene uses it; warnings of what is not in it.
+/// What was written and how a scene uses it, with warnings about what is missing from it.
 fn report(
     (scene, plan): (&Scene, &Plan),
     job: &Job,
@@ -593,7 +593,7 @@ fn report(
     let Some([from, to]) = energy.span else {
         let why = match (job.surface, backs_are_seen) {
             (None, _) => "no light arrives",
-            // What was said of gloss is the reason.
+            // The warning about gloss gives the reason.
             (Some(_), _) if !warnings.is_empty() => "no diffuse light leaves it",
             (Some(_), true) => "no diffuse light leaves its fronts or its backs",
             (Some(_), false) => {
@@ -630,13 +630,13 @@ fn report(
     (text + "\n\n" + table, warnings)
 }
 
-/// What of the light of an object a texture does not hold: what it does not reflect diffusely.
+/// The part of an object's light that a texture does not hold: whatever is not reflected diffusely; `None` if there is no such part.
 fn gloss(plan: &Plan, job: &Job) -> Option<String> {
     let object = &plan.objects[job.surface?.object];
     if !object.factors.iter().any(Factors::is_glossy) {
         return None;
     }
-    // Of metal, and of clear glass, nothing is left.
+    // Metal and clear glass have no diffuse part.
     let is_bare = |f: &Factors| f.metallic >= 1.0 || f.transmission >= 1.0;
     let part = match object.factors.iter().all(is_bare) {
         true => "all its light is gloss (metal or glass), which is not baked",
@@ -652,7 +652,7 @@ fn gloss(plan: &Plan, job: &Job) -> Option<String> {
     ))
 }
 
-/// The table of a scene file that reads the cube.
+/// The table with which a scene file reads the cube.
 fn source(
     (scene, plan): (&Scene, &Plan),
     prepared: &Prepared,
@@ -661,7 +661,7 @@ fn source(
     baked: &Baked,
 ) -> String {
     let file = job.path.file_name().unwrap_or_default().to_string_lossy();
-    // An archive holds more arrays than one.
+    // An archive holds several arrays.
     let array = match extension(&job.path).as_str() {
         "npz" => "array = \"radiance\", ",
         _ => "",
@@ -675,12 +675,12 @@ fn source(
         Some(surface) => {
             let object = &scene.objects[surface.object].name;
             let (clock, backs) = (baked.clock.name(), baked.backs.name());
-            // Another file of coordinates takes the place of one that it has.
+            // The new file of coordinates replaces an existing one.
             let has_file = scene.objects[surface.object].texture_coordinates.is_some();
             let own_sets = plan.objects[surface.object].uv_sets - usize::from(has_file);
             let (before, set) = match surface.coordinates {
                 Coordinates::Set(set) => (String::new(), set),
-                // The next after its own.
+                // The set after its own.
                 Coordinates::Atlas => (
                     format!(
                         "# Give object {object:?}\n# texture_coordinates = {{ file = {file:?} }}\n"

@@ -1,4 +1,4 @@
-//! Sources of scenes: files, standard input, and the built-in one.
+//! Where scenes come from: files, standard input, and the built-in scene.
 
 use std::io;
 use std::path::Path;
@@ -19,8 +19,8 @@ const FOLDER: &str = files::BUILT_IN;
 /// The name of a scene from standard input.
 const STANDARD_INPUT: &str = "<stdin>";
 
-/// The scene file of a command, read once: the one that was named, or the scene for a named model, or the built-in one. A model is loaded
-/// for it within `memory` bytes.
+/// The scene file of a command, read once: the named one, or the scene for a named model, or the built-in one. A model may take `memory`
+/// bytes to load.
 pub fn open(path: Option<&Path>, overrides: &Overrides, memory: u64) -> Result<SceneFile> {
     match path {
         Some(path) if is_model(path) => {
@@ -65,7 +65,7 @@ pub fn base(path: Option<&Path>) -> &Path {
     }
 }
 
-/// The same as [`open`]; a model is viewed according to `model`, which scenes refuse.
+/// Like [`open`], but a model is viewed according to `model`; scenes refuse those options.
 pub fn open_as(
     path: Option<&Path>,
     model: &ModelView,
@@ -78,7 +78,7 @@ pub fn open_as(
     }
 }
 
-/// Where `path` is that of a model, it and the scene that it stands for, seen as `model` says, which scenes refuse.
+/// If `path` is a model: the model, and the scene for it, viewed according to `model`; scenes refuse those options.
 pub fn model_as<'a>(
     path: Option<&'a Path>,
     model: &ModelView,
@@ -114,7 +114,7 @@ pub fn model_as<'a>(
     }
 }
 
-/// Whether a file is a model, by its name.
+/// Whether the file is a model, judging by its name.
 pub fn is_model(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default();
     ["glb", "gltf"]
@@ -122,7 +122,7 @@ pub fn is_model(path: &Path) -> bool {
         .any(|e| extension.eq_ignore_ascii_case(e))
 }
 
-/// The scene that a model stands for, seen as `view` says; `memory` bytes may be taken to load it.
+/// The scene for a model, viewed according to `view`; loading may take `memory` bytes.
 pub fn model_scene(
     path: &Path,
     view: &ModelView,
@@ -137,14 +137,14 @@ pub fn model_scene(
     scene::model_scene(path, &view, &Budget::new(memory))
 }
 
-/// The scene of this text for the model at `path`.
+/// The scene with this text for the model at `path`.
 pub fn of_model(path: &Path, text: &str) -> SceneFile {
     let name = path.display().to_string();
     let own = path.parent().unwrap_or(Path::new(""));
     SceneFile::of_text(text, &name, Path::new("")).reaching(own)
 }
 
-/// The space-time diagram of what [`open`] gives.
+/// The space-time diagram of the file that [`open`] returns.
 pub fn diagram(file: &SceneFile, overrides: &Overrides) -> Result<Diagram> {
     figures::diagram::parse(file.text(), file.name(), file.base(), overrides)
 }

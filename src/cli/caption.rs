@@ -5,7 +5,7 @@ use nullray::camera::Camera;
 use nullray::scene::model::Scene;
 use nullray::spacetime::Velocity;
 
-/// This text, the camera's time, and its speed if it moves.
+/// The caption: these words, the camera's time, and its speed if it moves.
 pub fn of(words: &str, scene: &Scene) -> Result<String> {
     let velocity = Camera::new(scene)?.shot.frame.velocity();
     let mut parts = vec![format!("t′ = {:.3} m", scene.camera.time).replace('-', "−")];
@@ -14,7 +14,7 @@ pub fn of(words: &str, scene: &Scene) -> Result<String> {
     Ok(parts.join(", "))
 }
 
-/// A speed and its Lorentz factor, in three digits.
+/// A speed and its Lorentz factor, to three digits.
 pub fn speed(velocity: Velocity) -> String {
     let (beta, gamma) = (velocity.beta().length(), velocity.gamma());
     match beta {

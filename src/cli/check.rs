@@ -9,10 +9,10 @@ use super::failure::refused;
 use super::inputs;
 use super::output::{Kind, Outputs, extension};
 
-/// The files that are read and those that will be written, by their identity.
+/// The files that are read and those that will be written, by identity.
 pub struct Names {
     read: HashSet<PathBuf>,
-    /// The message for overwriting those.
+    /// The message if an input would be overwritten.
     overwritten: &'static str,
     /// The content of an output, after a space.
     thing: &'static str,
@@ -59,7 +59,7 @@ pub fn check_statistics(path: &Path, read: &[PathBuf]) -> Result<()> {
     }
 }
 
-/// Refuses a name that the pages of `count` scenes cannot have.
+/// Refuses an output name that does not work for the pages of `count` scenes.
 pub fn check_page(output: &Path, count: usize) -> Result<()> {
     let option = format!("-o {}", output.display());
     if extension(output) != "png" {
@@ -74,7 +74,7 @@ pub fn check_page(output: &Path, count: usize) -> Result<()> {
 }
 
 impl Names {
-    /// With the files of a scene, of which pictures are made.
+    /// For pictures of a scene with these files.
     fn of_scene(read: &[PathBuf]) -> Names {
         let overwritten = "the scene is made from this file, which would be overwritten";
         Names::new(read, overwritten, " picture")
@@ -110,7 +110,7 @@ impl Names {
         Ok(())
     }
 
-    /// The same, and if it cannot be written.
+    /// Like `take`, and also refuses a path that cannot be written.
     pub fn check(&mut self, option: &str, path: &Path) -> Result<()> {
         self.take(option, path)?;
         refuse_dangling(option, path)?;
@@ -134,7 +134,7 @@ impl Names {
     }
 }
 
-/// Refuses a dangling link, which `option` names: its target may be on a disk that is not mounted.
+/// Refuses a dangling link, named by `option`: its target may be on a disk that is not mounted.
 pub fn refuse_dangling(option: &str, path: &Path) -> Result<()> {
     match std::fs::read_link(path) {
         Ok(link) if !path.exists() => {
@@ -166,7 +166,7 @@ fn check_options(outputs: &Outputs) -> Result<()> {
     }
 }
 
-/// Refuses a file whose extension the option does not write.
+/// Refuses a file whose extension the option does not support.
 fn check_kind(option: &str, flag: &str, path: &Path) -> Result<()> {
     let extension = extension(path);
     match (flag, extension.as_str()) {
@@ -194,7 +194,7 @@ fn check_kind(option: &str, flag: &str, path: &Path) -> Result<()> {
     }
 }
 
-/// Whether files can be created in `directory`, so that no rendering starts that cannot be saved.
+/// Checks that files can be created in `directory`, so that no rendering starts that cannot be saved.
 fn takes_files(option: &str, path: &Path, directory: &Path) -> Result<()> {
     if !directory.is_dir() {
         let what = format!("there is no directory {}", directory.display());

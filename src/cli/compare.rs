@@ -61,16 +61,16 @@ pub fn run(arguments: &CompareArguments) -> Result<Done> {
     })
 }
 
-/// The JSON that is printed: the comparison, and the limits that it exceeds.
+/// The JSON output: the comparison, and the limits that it exceeds.
 #[derive(Serialize)]
 struct ComparisonJson<'a> {
     #[serde(flatten)]
     comparison: &'a Comparison,
-    /// Limits that are exceeded.
+    /// Exceeded limits.
     breaches: &'a [Breach],
 }
 
-/// The named scene, as the reference shows it.
+/// The named scene at the state that the reference shows.
 fn scene(arguments: &CompareArguments, reference: &Picture) -> Result<Option<Arc<Scene>>> {
     let Some(path) = &arguments.scene else {
         return Ok(None);
@@ -142,7 +142,7 @@ fn write(
         let geometric = geometric
             .map(|errors| report::ErrorMap::new("geometric error (pixels)", comparison, errors));
         let mut maps = vec![map];
-        // Maps hold NaN, which equals nothing.
+        // Maps contain NaN, which equals nothing.
         maps.extend(geometric.filter(|geometric| geometric.title != maps[0].title));
         let pair = [reference, candidate];
         drawing::save(path, report::page(comparison, breaches, pair, &maps)?)?;
@@ -169,7 +169,7 @@ fn check_outputs(arguments: &CompareArguments, read: &[PathBuf]) -> Result<()> {
 }
 
 impl CompareArguments {
-    /// Option, path and extension of each file that is written.
+    /// The option, path and extension of each output file.
     fn outputs(&self) -> impl Iterator<Item = (&'static str, &Path, &'static str)> {
         [
             ("--maps", self.maps.as_deref(), "exr"),

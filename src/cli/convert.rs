@@ -33,7 +33,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
     if !arguments.quiet.on {
         warn(false, &info.remarks);
     }
-    // Errors come before the first sample is read.
+    // Errors are reported before the first sample is read.
     let times = Times::of(arguments)?;
     check_outputs(arguments)?;
     let surface = match &arguments.surface {
@@ -101,7 +101,7 @@ fn surface(arguments: &ConvertArguments, wanted: Wanted) -> Result<Option<Mesh>>
     }
 }
 
-/// The time axis of the input, metres, as far as it is known.
+/// The time axis of the input, metres, as far as known.
 struct Times {
     start: Option<f64>,
     width: Option<f64>,
@@ -122,7 +122,7 @@ impl Times {
         })
     }
 
-    /// The whole axis, where it is known.
+    /// The whole axis, if it is known.
     fn known(&self, arguments: &ConvertArguments) -> Option<FileTimes> {
         let still_at_sensor = self.at_sensor && arguments.unwarp.is_none();
         Some(FileTimes {
@@ -140,7 +140,7 @@ fn check_outputs(arguments: &ConvertArguments) -> Result<()> {
     let mut names = Names::new(read, "this file is read", "");
     let output = &arguments.output;
     let option = format!("-o {}", output.display());
-    // A new folder may be named with a slash at the end; whether there is one already is looked at when it is made.
+    // A new folder may be named with a slash at the end; whether it already exists is checked when it is created.
     match extension(output).as_str() {
         "" | "zarr" => names.take(&option, output)?,
         _ => names.check(&option, output)?,
@@ -180,7 +180,7 @@ fn shift(
     Ok(Some(distances.into_iter().map(shift).collect()))
 }
 
-/// Distances per pixel, row by row.
+/// Distances per pixel, row by row, from a file.
 fn distances(file: &Path, size: [usize; 2], memory: u64) -> Result<Vec<f64>> {
     let budget = Budget::new(memory);
     let named = |known: &str| {
@@ -207,7 +207,7 @@ fn distances(file: &Path, size: [usize; 2], memory: u64) -> Result<Vec<f64>> {
     Ok(map.samples.into_f64())
 }
 
-/// The distances of the points that the pixels are from the sensor, by the file of a capture.
+/// The distances from the sensor to the points of the pixels, from the file of a capture.
 fn distances_of_wall(file: &Path, size: [usize; 2]) -> Result<Vec<f64>> {
     let wall = cube::wall(file, Wanted::default())?;
     let distances = wall
@@ -222,7 +222,8 @@ fn distances_of_wall(file: &Path, size: [usize; 2]) -> Result<Vec<f64>> {
     })
 }
 
-/// A summary of the output, and the keys by which a scene reads it: from the width of the input's bins, or in bins if that is unknown.
+/// A summary of the output, and the keys with which a scene reads it; times follow from the width of the input's bins, or are in bins if
+/// that is unknown.
 fn report(arguments: &ConvertArguments, converted: &Converted, times: &Times) -> Result<()> {
     let [h, w, t, c] = converted.shape;
     let (name, size) = match converted.dtype {

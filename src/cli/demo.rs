@@ -15,8 +15,8 @@ use super::{film, interrupt, print};
 
 const DIRECTORY: &str = "nullray-out";
 
-/// Renders the built-in scene twice: as a camera at rest sees it, and as the moving one does, with the
-/// times at which its light left. Leaves the scene and its data there, to be changed.
+/// Renders the built-in scene twice: as seen by a camera at rest, and by the moving one, with retarded times. Leaves the scene and its data
+/// there for changes.
 pub fn run() -> Result<()> {
     let directory = Path::new(DIRECTORY);
     fs::create_dir_all(directory).map_err(Error::io(directory, "cannot create the directory"))?;
@@ -56,7 +56,7 @@ fn one(overrides: &Overrides, outputs: Outputs) -> Result<()> {
     film::one(&scene, &request, &outputs, false, None)
 }
 
-/// Writes the built-in scene and its files into `directory`, except for existing ones.
+/// Writes the built-in scene and its files into `directory`; existing files are kept.
 fn leave_scene(directory: &Path) -> Result<()> {
     leave(&directory.join("corner.toml"), TEXT.as_bytes())?;
     for name in files::built_in_names() {
@@ -69,7 +69,7 @@ fn leave_scene(directory: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Writes a new file; an existing one may have been changed by its owner.
+/// Writes a new file; an existing one is kept, because its owner may have changed it.
 fn leave(path: &Path, bytes: &[u8]) -> Result<()> {
     if path.exists() {
         return print(&format!("kept {} as it is\n", path.display()));
@@ -85,7 +85,7 @@ fn leave(path: &Path, bytes: &[u8]) -> Result<()> {
     print(&format!("wrote {}\n", path.display()))
 }
 
-/// Commands to try next, by the name under which the program was started.
+/// Commands to try next, with the name by which the program was started.
 fn next() -> String {
     let program = std::env::args_os().next();
     let program = program.map_or("nullray".into(), |name| name.to_string_lossy().into_owned());

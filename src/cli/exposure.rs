@@ -1,8 +1,8 @@
 //! One exposure for several pictures.
 //!
-//! That of panels is a percentile over small previews of them all. That of a film is a percentile over previews of its middle third,
-//! because a few very bright pictures at its ends, for instance when a camera has become fast, would leave all others black; but at least
-//! a hundredth of that of all its pictures, so that none is too far above white if the middle is dark.
+//! For panels it is a percentile over small previews of all of them. For a film it is a percentile over previews of its middle third: a few
+//! very bright pictures at its ends, for instance when a camera has become fast, would leave all others black. It is at least a hundredth
+//! of the percentile over all pictures, so that none is too far above white if the middle is dark.
 
 use glam::DVec3;
 use nullray::Result;
@@ -21,7 +21,7 @@ use super::interrupt;
 const PREVIEW: u32 = 128;
 /// The smallest `display.white` of scenes.
 const DARKEST_WHITE: f64 = 1e-30;
-/// How far above white the brightest picture may be for the sake of those in the middle.
+/// How many times brighter than white the brightest picture may be so that those in the middle are well exposed.
 const MOST_BEYOND: f64 = 100.0;
 
 /// The white radiance of all panels; `None` if the scenes set it themselves.
@@ -35,7 +35,7 @@ pub fn of_panels(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
     tonemap::white(&previews.concat(), exposure).map(Some)
 }
 
-/// The white radiance of all pictures of a film, of which `scenes` are a selection, in order; `None` if the scenes set it themselves.
+/// The white radiance of all pictures of a film, from a selection of them in order, `scenes`; `None` if the scenes set it themselves.
 ///
 /// The percentile is that of the first scene.
 pub fn of_film(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
@@ -69,10 +69,10 @@ fn previews(scenes: &[Scene], request: &Request) -> Result<Vec<Vec<[f64; 3]>>> {
     scenes.iter().map(pixels).collect()
 }
 
-/// The radiance that is white where surfaces of `scenes` are exposed for, whatever the sky is like: the 99th percentile of
-/// their brightest channel in small pictures, to three digits; none where nothing is seen of them.
+/// The white radiance that exposes for the surfaces of `scenes`, whatever the sky is like: the 99th percentile of their brightest channel
+/// in small pictures, to three digits; `None` if no surface is visible.
 ///
-/// Visibility is certified, whatever `request` says: fast pictures have the same exposure.
+/// Visibility is always certified, whatever `request` says, so that fast pictures have the same exposure.
 pub fn of_surfaces(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
     let request = Request {
         memory_limit: request.memory_limit,
@@ -90,15 +90,15 @@ pub fn of_surfaces(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
         return Ok(None);
     }
     let white = tonemap::white(&seen, Exposure::Percentile(99.0))?;
-    // What a scene cannot say as its white: light that is shifted out of sight.
+    // Scene files do not allow such a white: the light is shifted out of the visible range.
     if white < DARKEST_WHITE {
         return Ok(None);
     }
     Ok(format!("{white:.2e}").parse().ok())
 }
 
-/// The median distance of the surfaces in view of `scene` from its pinhole, metres, by positions in the world, in a small picture; `None`
-/// if none is in view.
+/// The median distance, metres, from the pinhole of `scene` to the surfaces in view, from world positions in a small picture; `None` if no
+/// surface is in view.
 pub fn median_distance(scene: &Scene, request: &Request) -> Result<Option<f64>> {
     let places = [Aov::EventX, Aov::EventY, Aov::EventZ];
     let film = preview(scene, request, places.to_vec())?;
@@ -112,7 +112,7 @@ pub fn median_distance(scene: &Scene, request: &Request) -> Result<Option<f64>> 
     Ok(distances.get(distances.len() / 2).copied())
 }
 
-/// A small picture, a ray through the centre of each pixel.
+/// A small picture with one ray through the centre of each pixel.
 fn preview(scene: &Scene, request: &Request, aovs: Vec<Aov>) -> Result<Film> {
     let mut small = scene.clone();
     let [width, height] = scene.camera.size;

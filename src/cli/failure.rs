@@ -36,7 +36,7 @@ pub enum Done {
 /// Does `work`, and reports errors.
 pub fn outcome(work: impl FnOnce() -> Result<Done>) -> ExitCode {
     match caught(work) {
-        // Errors while everything is being stopped are consequences of that.
+        // Errors during a shutdown are consequences of it.
         Ok(Err(_)) | Err(_) if interrupt::is_stopping() => {
             complain(&interrupt::message());
             ExitCode::from(interrupt::CODE)
@@ -56,8 +56,8 @@ pub fn outcome(work: impl FnOnce() -> Result<Done>) -> ExitCode {
 
 /// The result of `work`, or its panic message.
 ///
-/// The hook only records panics: those of image decoders are caught in the library, which reports them as broken files, and must not be
-/// shown here.
+/// The hook only records panics: the library catches those of image decoders and reports them as broken files, so they must not be shown
+/// here.
 fn caught<T>(work: impl FnOnce() -> Result<T>) -> Result<Result<T>, String> {
     panic::set_hook(Box::new(|info| {
         let mut last = LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner);
@@ -87,7 +87,7 @@ pub fn of_command_line(said: &clap::Error) -> ExitCode {
     let lines = styled
         .lines()
         .map(|line| match line.char_indices().nth(LONGEST_LINE) {
-            // Styles that were begun end with the line.
+            // Any open styles are closed at the end of the line.
             Some((end, _)) => format!("{}…\u{1b}[0m\n", &line[..end]),
             None => format!("{line}\n"),
         });

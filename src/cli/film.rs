@@ -1,4 +1,4 @@
-//! From a scene to a finished picture, and from there to files.
+//! Renders a scene to a finished picture, and writes its files.
 
 use std::time::Instant;
 
@@ -17,7 +17,7 @@ use super::progress::Bar;
 use super::stats::{Account, Preparation};
 use super::{inputs, interrupt, overlay, remarks, say, warn};
 
-/// The preparation of one scene. Everything that can be refused before anything heavy is loaded is refused here.
+/// The preparation of one scene. Refuses everything that can be refused before anything heavy is loaded.
 pub fn check_one(scene: &Scene, request: &Request, outputs: &Outputs) -> Result<Plan> {
     let plan = outputs.method.plan(scene, request)?;
     overlay::check(outputs, scene)?;
@@ -43,7 +43,7 @@ pub fn one(
     overlay::write(outputs, scene, film, prepared, quiet)
 }
 
-/// Retarded times at pixel centres, if a picture of them is requested: times of randomly placed samples would break its lines.
+/// The retarded times at pixel centres, if a picture of them is requested; times at randomly placed samples would break its lines.
 pub fn times(
     outputs: &Outputs,
     scene: &Scene,
@@ -70,12 +70,12 @@ pub struct Rendered {
     prepared_in: f64,
     rendered_in: f64,
     warnings: Vec<String>,
-    /// What was loaded, for more pictures of it.
+    /// The loaded data, for further pictures of the same scene.
     pub prepared: Prepared,
 }
 
 impl Rendered {
-    /// A film of passes that took so long to prepare and to render, in seconds.
+    /// A film of passes, with the seconds that preparation and rendering took.
     pub fn of_passes(
         film: Film,
         [prepared_in, rendered_in]: [f64; 2],
@@ -96,7 +96,7 @@ impl Rendered {
         let cost = remarks::cost(rays, self.prepared_in, self.rendered_in);
         say(quiet, &cost)?;
         say(quiet, &remarks::coverage(&self.film))?;
-        // These survey the scene again, which is worthwhile only if nothing is visible.
+        // These survey the scene again, which is worth it only if nothing is visible.
         let is_black = remarks::is_black(&self.film);
         let (times, shift) = match is_black {
             true => (

@@ -47,7 +47,7 @@ pub fn with_flags(message: &Message) -> String {
     message.with_names(flag)
 }
 
-/// The same error with flags.
+/// The same error, with flags in its message.
 pub fn of_error(mut error: Error) -> Error {
     if let Error::Invalid(problem) | Error::Unsupported(problem) = &mut error {
         let Problem {
@@ -64,7 +64,7 @@ pub fn of_error(mut error: Error) -> Error {
     error
 }
 
-/// The same comparison with flags.
+/// The same comparison, with flags in its messages.
 pub fn of_comparison(mut comparison: Comparison) -> Comparison {
     let diagnoses = comparison.diagnoses.iter_mut().map(|found| &mut found.what);
     for text in comparison.notes.iter_mut().chain(diagnoses) {
@@ -73,7 +73,7 @@ pub fn of_comparison(mut comparison: Comparison) -> Comparison {
     comparison
 }
 
-/// The same limit with flags.
+/// The same limit, with flags in its message.
 pub fn of_breach(mut breach: Breach) -> Breach {
     if let Measured::Nothing(why) = &mut breach.found {
         *why = with_flags(why).into();

@@ -1,6 +1,6 @@
-//! A flash of light on a model without a scene: its light is baked, and a film looks it up.
+//! A flash of light on a model without a scene: its light is baked, and a film reads it.
 //!
-//! What is baked depends neither on the camera nor on the display, so that films at all speeds share it.
+//! The baked light depends neither on the camera nor on the display, so films at all speeds share it.
 
 use std::path::{Path, PathBuf};
 
@@ -15,14 +15,15 @@ use super::failure::refused;
 use super::names::{named_after, stem};
 use super::{builtin, exposure, reel};
 
-/// Samples of a texel: on the models of scenes/ the standard error of a bin is some percent of the root mean square of all.
+/// Samples per texel: on the models of scenes/ the standard error of a bin is a few percent of the root mean square of all bins.
 const SAMPLES: u32 = 512;
-/// Texels along a side of a model without a word about them: an atlas that has no room takes the next size that the memory allows.
+/// Texels along a side of a model if the size is not given: if an atlas does not have enough room, the next size that fits in memory is
+/// tried.
 const SIDES: [u32; 7] = [64, 96, 128, 192, 256, 384, 512];
 const SIDE: u32 = 192;
-/// The most memory of a bake whose size is chosen, bytes.
+/// The memory limit of a bake whose size is chosen automatically, bytes.
 const MOST_MEMORY: u64 = 1 << 30;
-/// How many pictures are looked at for the exposure.
+/// The number of pictures that are previewed for the exposure.
 const MEASURED: u64 = 8;
 
 /// `nullray bake MODEL --flash`.
@@ -64,18 +65,18 @@ pub fn bake(arguments: &BakeArguments) -> Result<()> {
 /// The end of the name of baked light.
 const ENDING: &str = "-light.npz";
 
-/// What a bake of a flash is told.
+/// The parameters of a flash's bake.
 struct Work<'a> {
     path: &'a Path,
     changes: &'a Changes,
-    /// Of a texel.
+    /// Per texel.
     samples: Option<u32>,
     texels: Option<[u32; 2]>,
     work: &'a WorkArguments,
 }
 
 impl Work<'_> {
-    /// Bakes `light` into `file`, or one for each object beside it, unless it is there already.
+    /// Bakes `light` into `file`, or into one file for each object beside it, unless it already exists.
     fn bake(&self, light: &FlashLight, file: &Path) -> Result<()> {
         let overrides = Overrides {
             set: of_light(self.changes).cloned().collect(),
@@ -107,7 +108,7 @@ impl Work<'_> {
         let mut refusal = Ok(());
         for size in sizes {
             refusal = surfaces(&scene, &[], file, size).and_then(|jobs| bake.run(jobs));
-            // A larger texture may have room for what this one has none for.
+            // A larger texture may have enough room.
             if !matches!(refusal, Err(Error::Invalid { .. })) {
                 break;
             }
@@ -116,10 +117,10 @@ impl Work<'_> {
     }
 }
 
-/// Sizes of textures to be tried, smaller ones first.
+/// Texture sizes to try, the smallest first.
 fn sizes(bins: &Bins) -> Vec<[u32; 2]> {
     let fits = |side: &u32| {
-        // Of both sides of a surface, on one thread: the size does not depend on their number.
+        // For both sides of a surface, on one thread: the size must not depend on the number of threads.
         let bytes = bake::bytes([*side, 2 * side], bins, CubePrecision::Single, 1);
         bytes <= MOST_MEMORY
     };
@@ -139,7 +140,7 @@ fn of_light(changes: &Changes) -> impl Iterator<Item = &(String, String)> {
     set.filter(move |(key, _)| !of_picture(key.split('.').next().unwrap_or_default()))
 }
 
-/// The file for the baked light of a film, beside it.
+/// The file beside a film for its baked light.
 pub fn light_file(outputs: &[PathBuf], model: Option<&Path>) -> PathBuf {
     let mut name = stem(model).into_os_string();
     name.push(ENDING);
@@ -151,14 +152,14 @@ pub fn light_file(outputs: &[PathBuf], model: Option<&Path>) -> PathBuf {
 pub struct FlashFilm<'a> {
     path: &'a Path,
     light: FlashLight,
-    /// For its baked light.
+    /// The file for its baked light.
     file: PathBuf,
-    /// The scene of the film with direct light, which is followed: what can be refused before anything is baked is refused by it.
+    /// The film's scene with direct light, which is ray traced; everything that can be refused before anything is baked is refused with it.
     pub direct: SceneFile,
 }
 
 impl<'a> FlashFilm<'a> {
-    /// That of a model, and its scene, which reads the light.
+    /// The film of a model's flash, and its scene, which reads the baked light.
     pub fn of(
         path: &'a Path,
         made: &ModelScene,
@@ -181,7 +182,7 @@ impl<'a> FlashFilm<'a> {
         Ok((builtin::of_model(path, &text), film))
     }
 
-    /// Bakes its light, unless it is there already.
+    /// Bakes its light, unless the file already exists.
     pub fn bake(&self, arguments: &RenderArguments) -> Result<()> {
         Work {
             path: self.path,
@@ -194,7 +195,7 @@ impl<'a> FlashFilm<'a> {
     }
 }
 
-/// The radiance that is white in a film, by direct light in some of its pictures; none where the command line says it.
+/// The white radiance of a film, from direct light in some of its pictures; `None` if the command line sets it.
 fn white(direct: &SceneFile, arguments: &RenderArguments) -> Result<Option<f64>> {
     let changes = &arguments.changes;
     let mut overrides = changes.overrides();
@@ -208,7 +209,7 @@ fn white(direct: &SceneFile, arguments: &RenderArguments) -> Result<Option<f64>>
     };
     let mut scenes = Vec::new();
     for k in 0..MEASURED {
-        // In the middle of equal parts of the film.
+        // In the middle of each of the film's equal parts.
         let part = (k as f64 + 0.5) / MEASURED as f64;
         let time = start + part * interval * (ModelView::FLYBY_FRAMES - 1) as f64;
         overrides.time = Some(format!("{time} m"));
@@ -217,7 +218,7 @@ fn white(direct: &SceneFile, arguments: &RenderArguments) -> Result<Option<f64>>
     exposure::of_surfaces(&scenes, &changes.request(None))
 }
 
-/// The text of a film's scene with the commands that make its light and it.
+/// The text of a film's scene, with the commands that make its light and the film.
 fn with_commands(text: &str, path: &Path, flash: &Flash, arguments: &RenderArguments) -> String {
     let quoted = |path: &Path| format!("{:?}", path.display().to_string());
     let mut bake = format!("nullray bake {} --flash", quoted(path));

@@ -7,7 +7,7 @@ use nullray::io::{colmap, files};
 use nullray::render::plan::{Plan, Request};
 use nullray::scene::model::{Geometry, Scene, SourceKind};
 
-/// All files that `scene` and `plan` name, including sources that light nothing.
+/// All files that `scene` and `plan` name, including sources that light no surface.
 pub fn of(scene: &Scene, plan: &Plan) -> Vec<PathBuf> {
     let meshes = plan
         .objects
@@ -16,7 +16,7 @@ pub fn of(scene: &Scene, plan: &Plan) -> Vec<PathBuf> {
     with(scene, meshes)
 }
 
-/// The same of a scene that may be rendered or not: where it cannot be planned, the files beside its meshes are not known.
+/// Like [`of`], for a scene that may not be renderable: if it cannot be planned, the files beside its meshes are unknown.
 pub fn of_any(scene: &Scene) -> Vec<PathBuf> {
     match Plan::new(scene, &Request::default()) {
         Ok(plan) => of(scene, &plan),
@@ -52,13 +52,13 @@ fn with(scene: &Scene, meshes: impl Iterator<Item = PathBuf>) -> Vec<PathBuf> {
         .chain(coordinates)
         .chain(sky)
         .filter(|p| !p.starts_with(files::BUILT_IN));
-    // The built-in scene has a name, and no file.
+    // The built-in scene has a name, but no file.
     std::iter::once(PathBuf::from(&scene.name))
         .chain(named)
         .collect()
 }
 
-/// One name per file, whether it exists or not: links are followed, `.` and `..` are resolved.
+/// One name per file, whether it exists or not: follows links and resolves `.` and `..`.
 pub fn identity(path: &Path) -> PathBuf {
     if let Ok(path) = path.canonicalize() {
         return path;

@@ -1,8 +1,8 @@
 //! Ctrl-C and termination signals: work that checks the flag stops by itself. If it has not stopped after a while, for instance during
 //! the construction of a BVH or the encoding of a large file, the process exits.
 //!
-//! Files appear completely or not at all, so only unfinished ones have to be removed; what work is resumed from is kept, and reported.
-//! Nothing new is started once the flag is set ([`check`]).
+//! Files appear completely or not at all, so only unfinished ones have to be removed; files to resume from are kept, and reported. Nothing
+//! new is started once the flag is set ([`check`]).
 
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,13 +23,12 @@ const NONE_LEFT: &str = "no unfinished file is left";
 const PATIENCE: Duration = Duration::from_millis(600);
 
 static STOPPING: AtomicBool = AtomicBool::new(false);
-/// What happens when the work is started again, if there is something to say, and whether unfinished work is kept for that.
+/// The message about a restart, if there is one, and whether unfinished work is kept for it.
 static AGAIN: Mutex<Option<(&'static str, bool)>> = Mutex::new(None);
 
 /// Handles signals from now on.
 pub fn install() {
-    // Where a handler cannot be installed, Ctrl-C ends the process as it always does. The handler runs on
-    // a thread of its own, and may do as it likes.
+    // If a handler cannot be installed, Ctrl-C ends the process as usual. The handler runs on its own thread, so it may do anything.
     let _ = ctrlc::set_handler(stop);
 }
 
@@ -37,7 +36,7 @@ fn stop() {
     STOPPING.store(true, Ordering::Relaxed);
     std::thread::sleep(PATIENCE);
     temporary::remove_all();
-    // The progress bar leaves its line to us.
+    // Clears the line of the progress bar.
     if std::io::stderr().is_terminal() {
         complain_styled("\r\x1b[K");
     }
@@ -45,12 +44,12 @@ fn stop() {
     std::process::exit(CODE.into());
 }
 
-/// Records how stopped work can be resumed, or that it cannot, if no unfinished file is kept; the last call counts.
+/// Records how stopped work can be resumed, or that it cannot, if no unfinished file is kept; the last call wins.
 pub fn can_resume(how: &'static str) {
     note(how, false);
 }
 
-/// Records what unfinished work is kept, and how it can be resumed; the last call counts.
+/// Records what unfinished work is kept, and how it can be resumed; the last call wins.
 pub fn keeps(what: &'static str) {
     note(what, true);
 }
@@ -59,7 +58,7 @@ fn note(text: &'static str, keeps: bool) {
     *AGAIN.lock().unwrap_or_else(PoisonError::into_inner) = Some((text, keeps));
 }
 
-/// The message when everything has stopped.
+/// The message after everything has stopped.
 pub fn message() -> String {
     match *AGAIN.lock().unwrap_or_else(PoisonError::into_inner) {
         Some((what, true)) => format!("nullray: stopped; {what}\n"),
@@ -73,7 +72,7 @@ pub fn is_stopping() -> bool {
     STOPPING.load(Ordering::Relaxed)
 }
 
-/// An error if it is time to stop.
+/// An error if the work has to stop.
 pub fn check() -> Result<()> {
     if is_stopping() {
         Err(Error::Cancelled)

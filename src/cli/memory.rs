@@ -6,8 +6,8 @@ use std::fs;
 const USUAL: u64 = 16 << 30;
 
 /// The memory of the program itself, bytes: its code and tables of colours, and for each thread its stack, rays and allocator overhead.
-/// Measured: 34 MiB, and per thread a third of a MiB, half of one in lit scenes, and 2.2 MiB with bounces, which are traced for four
-/// samples of a tile together.
+/// Measured: 34 MiB, and per thread 1/3 MiB, 1/2 MiB in lit scenes, and 2.2 MiB with bounces, which are traced for four samples of a tile
+/// together.
 pub fn program(threads: Option<u16>) -> u64 {
     let threads = threads.map_or_else(rayon::current_num_threads, usize::from);
     (36 << 20) + threads as u64 * (5 << 19)
@@ -24,11 +24,11 @@ fn available() -> Option<u64> {
     containers.chain(machine()).min()
 }
 
-/// Where a version of control groups says how much memory they may have and do have.
+/// The files in which a version of control groups reports the memory limit and usage.
 struct Container {
     limit: &'static str,
     taken: &'static str,
-    /// Numbers by name, of which `cache` is what of it gives way: copies of files.
+    /// Named numbers, of which `cache` is the part of the usage that can be reclaimed: cached copies of files.
     statistics: &'static str,
     cache: &'static str,
 }
@@ -49,7 +49,7 @@ const CONTAINERS: [Container; 2] = [
 ];
 
 impl Container {
-    /// What is left of the limit, bytes; none without a limit.
+    /// The bytes left below the limit; `None` without a limit.
     fn left(&self) -> Option<u64> {
         let limit = number(self.limit)?;
         let cache = fs::read_to_string(self.statistics).ok();
@@ -75,7 +75,7 @@ fn machine() -> Option<u64> {
     in_meminfo(&fs::read_to_string("/proc/meminfo").ok()?)
 }
 
-/// `MemAvailable`, or of kernels before 3.14 `MemTotal`.
+/// `MemAvailable`, or `MemTotal` on kernels before 3.14.
 fn in_meminfo(text: &str) -> Option<u64> {
     let kibibytes = value(text, "MemAvailable:").or_else(|| value(text, "MemTotal:"))?;
     kibibytes.checked_mul(1024)

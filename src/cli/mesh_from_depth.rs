@@ -18,12 +18,12 @@ use super::names::named_after;
 use super::output::extension;
 use super::{print, warn};
 
-/// The defaults of the fraction of its highest value above which a pixel's first maximum is taken, and of the fraction of the brightest
-/// below which it is in shadow.
+/// The default fractions: of a pixel's highest value, above which its first maximum counts; and of the brightest pixel, below which a pixel
+/// is in shadow.
 const RISE: f64 = 0.2;
 const LEAST: f64 = 0.02;
 
-/// Makes the mesh of a capture's distances and writes it; names are checked before any reading.
+/// Builds the mesh from a capture's distances and writes it; names are checked before anything is read.
 pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
     let output = match &arguments.output {
         Some(path) => path.clone(),
@@ -59,7 +59,7 @@ pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
     report(&output, &made, &distances)
 }
 
-/// Refuses options for times of arrival when a map is read.
+/// Refuses options about arrival times when a map is read.
 fn refuse_unread(arguments: &MeshFromDepthArguments) -> Result<()> {
     if arguments.from == DepthKind::FirstLight {
         return Ok(());
@@ -94,7 +94,7 @@ fn camera(arguments: &MeshFromDepthArguments) -> Result<CaptureCamera> {
             "give a point on the forward axis",
         ));
     };
-    // Rounding leaves a little of what is parallel.
+    // For parallel vectors, rounding leaves a small remainder.
     let across = forward.cross(up);
     let is_across = across.length() > 1e-9 * up.length();
     let Some(right) = across.try_normalize().filter(|_| is_across) else {
@@ -117,7 +117,7 @@ fn camera(arguments: &MeshFromDepthArguments) -> Result<CaptureCamera> {
     })
 }
 
-/// Distances from the first arrival of light.
+/// Distances from the first arrival of light in each pixel.
 fn by_first_light(
     arguments: &MeshFromDepthArguments,
     camera: &CaptureCamera,
@@ -131,7 +131,7 @@ fn by_first_light(
             "add its place, like --lamp 1.2,2.8,1",
         ));
     };
-    // Options take precedence over the file's times.
+    // Options take precedence over the file's time axis.
     let said = cube::times(&arguments.input, arguments.array.as_deref())?;
     let metres = |time: &Time| time.metres(SPEED_OF_LIGHT);
     let width = (arguments.bin_width.as_ref().map(metres)).or(said.map(|said| said.width));
@@ -144,7 +144,7 @@ fn by_first_light(
         ));
     };
     let start = (arguments.start.as_ref().map(metres)).or(said.map(|said| said.start));
-    // Memory is taken from the budget before anything is read.
+    // The memory is reserved before anything is read.
     let wanted = Wanted {
         array: arguments.array.as_deref(),
         axes: arguments.axes.as_ref(),
@@ -170,7 +170,7 @@ fn by_first_light(
     Ok((rays, distances))
 }
 
-/// Distances that a map holds, or depths.
+/// Distances from a map of distances or depths.
 fn by_map(
     arguments: &MeshFromDepthArguments,
     camera: &CaptureCamera,
@@ -198,7 +198,7 @@ fn by_map(
     Ok((rays, distances))
 }
 
-/// Bytes per pixel of rays, distances and mesh, and of the file that is made of it.
+/// Bytes per pixel of rays, distances and mesh, and of the file that is written.
 const PIXEL: u64 = 200;
 
 /// Reserves the memory for this many rows and columns.
@@ -213,7 +213,7 @@ fn report(output: &Path, made: &DepthMesh, distances: &[f64]) -> Result<()> {
         torn,
         ..
     } = made;
-    // By these a wrong unit shows.
+    // A wrong unit shows in these numbers.
     let known = || {
         distances
             .iter()

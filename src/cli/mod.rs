@@ -53,7 +53,7 @@ use serde::Serialize;
 use args::{Arguments, Command};
 use failure::Done;
 
-/// Parses the command line, carries it out, reports what went wrong.
+/// Parses the command line, runs the command, and reports errors.
 pub fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
@@ -94,8 +94,8 @@ fn carry_out(command: Option<Command>) -> Result<Done> {
     done.map(|()| Done::Well)
 }
 
-/// `text` without terminal escapes or characters that change the writing direction; line breaks and tabs stay. File names, names in files
-/// and metadata texts are untrusted.
+/// `text` without terminal escapes or characters that change the writing direction; line breaks and tabs are kept. File names, names in
+/// files and metadata are untrusted.
 fn harmless(text: &str) -> Cow<'_, str> {
     let is_harmful =
         |c: char| c.is_control() && !matches!(c, '\n' | '\t') || info::is_reordering(c);
@@ -112,7 +112,7 @@ fn harmless(text: &str) -> Cow<'_, str> {
     out.into()
 }
 
-/// `text` with lines of a bounded length.
+/// `text` with long lines cut.
 fn with_short_lines(text: &str) -> String {
     const LONGEST: usize = 2000;
     let lines = text.split_inclusive('\n');
@@ -128,7 +128,7 @@ fn print(text: &str) -> Result<()> {
     write_to(io::stdout().lock(), &harmless(text))
 }
 
-/// Prints a text that was made for a terminal on standard output, in colour where that shows it.
+/// Prints a styled text on standard output, in colour if that is supported.
 fn print_styled(text: &str) -> Result<()> {
     write_to(anstream::stdout().lock(), text)
 }
@@ -162,12 +162,12 @@ fn print_json(value: &impl Serialize) -> Result<()> {
     print(&(escaped_json(&text) + "\n"))
 }
 
-/// A JSON text, whose strings say characters that are not [`harmless`] by their numbers.
+/// A JSON text in whose strings all characters that are not [`harmless`] are escaped by number.
 fn escaped_json(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match u32::from(c) {
-            // Beyond these, strings of JSON have none.
+            // Line breaks are layout: those in strings are already escaped.
             code if code != 10 && (c.is_control() || info::is_reordering(c)) => {
                 out.push_str(&format!("\\u{code:04x}"));
             }
@@ -182,7 +182,7 @@ fn complain(text: &str) {
     complain_styled(&harmless(text));
 }
 
-/// Writes a text that was made for a terminal to standard error, in colour where that shows it.
+/// Writes a styled text to standard error, in colour if that is supported.
 fn complain_styled(text: &str) {
     let _ = anstream::stderr().lock().write_all(text.as_bytes());
 }

@@ -1,17 +1,17 @@
-//! Names of the pictures of one request: numbers of frames, names of panels.
+//! File names for the pictures of one request, by frame number or panel name.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use super::builtin;
 
-/// A number's place in a pattern.
+/// The placeholder for a number in a pattern.
 const PLACE: char = '#';
-/// Digits of a number where there is no pattern.
+/// Digits of a number without a pattern.
 const DIGITS: usize = 4;
 
-/// The name of frame `number`: in place of the run of # in `path`'s name, padded to its length; or else before the extension,
-/// "name-0007.png".
+/// The name of frame `number`. The number replaces the run of # in `path`'s name, padded to its length; without one it goes before the
+/// extension: "name-0007.png".
 pub fn numbered(path: &Path, number: u64) -> PathBuf {
     let Some((name, [start, end])) = run(path) else {
         return suffixed(path, &format!("{number:0DIGITS$}"));
@@ -42,7 +42,7 @@ pub fn suffixed(path: &Path, suffix: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// A name as a part of a file name: path separators and invisible characters become `_`.
+/// A name made safe for use in a file name: path separators and invisible characters become `_`.
 pub fn in_file_name(name: &str) -> String {
     let is_apart = |c: char| std::path::is_separator(c) || c.is_control();
     name.replace(is_apart, "_")
@@ -59,7 +59,7 @@ pub fn stem(path: Option<&Path>) -> PathBuf {
 
 /// A file in the current directory with the scene's name and `ending`.
 pub fn named_after(path: Option<&Path>, ending: &str) -> PathBuf {
-    // Not `with_extension`, which would take the ".9" of "approaching-0.9" for one.
+    // Not `with_extension`, which would take ".9" in "approaching-0.9" for an extension.
     let mut name = stem(path).into_os_string();
     name.push(ending);
     name.into()

@@ -30,7 +30,7 @@ pub struct Output {
 }
 
 pub fn run(mut arguments: DiagramArguments) -> Result<()> {
-    // Pictures and words do not share standard output.
+    // Pictures and messages do not share standard output.
     arguments.quiet.on |= arguments.output.iter().any(|path| reel::is_pipe(path));
     let arguments = &arguments;
     let outputs = outputs(arguments)?;
@@ -63,7 +63,7 @@ fn model(arguments: &DiagramArguments) -> Result<Diagram> {
     }
 }
 
-/// The outputs.
+/// The outputs to write.
 pub struct Pages<'a> {
     arguments: &'a DiagramArguments,
     outputs: Vec<Output>,
@@ -88,7 +88,7 @@ impl Pages<'_> {
         }
     }
 
-    /// Writes the diagram as it stands.
+    /// Writes the diagram as a single picture.
     fn still(&self, model: &Diagram) -> Result<()> {
         if self.stills().next().is_none() {
             return Ok(());
@@ -133,7 +133,7 @@ impl Output {
     }
 }
 
-/// The outputs; refused before anything is read.
+/// The outputs; problems with them are reported before anything is read.
 fn outputs(arguments: &DiagramArguments) -> Result<Vec<Output>> {
     let path = arguments.scene.path();
     let outputs: Vec<Output> = match arguments.output.as_slice() {
@@ -160,16 +160,16 @@ fn outputs(arguments: &DiagramArguments) -> Result<Vec<Output>> {
     Ok(outputs)
 }
 
-/// The file, and what the scene in it, if there is one, is made of.
+/// The file, and the inputs of the scene in it, if there is one.
 fn read(arguments: &DiagramArguments) -> Vec<PathBuf> {
     let path = arguments.scene.path();
-    // Errors in the scene are reported where they matter, after this.
+    // Errors in the scene are reported later, where they matter.
     let scene = pixel::scene(arguments, &overrides(arguments, None));
     let files = scene.map_or_else(|_| Vec::new(), |scene| inputs::of_any(&scene));
     path.into_iter().map(PathBuf::from).chain(files).collect()
 }
 
-/// The command line's changes to the file; drawn in `frame`.
+/// The command line's changes to the file, with `frame` as the frame to draw in.
 fn overrides(arguments: &DiagramArguments, frame: Option<&str>) -> Overrides {
     let quoted = |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
     let said = [

@@ -13,7 +13,7 @@ use crate::cli::failure::refused;
 use crate::cli::progress::Bar;
 use crate::cli::{builtin, interrupt, panels, print_json};
 
-/// The diagram of what a pixel sees, and prints its numbers.
+/// Returns the diagram of what a pixel sees, and prints its numbers.
 pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
     let scene = scene(arguments, &overrides(arguments, None))?;
     let base = diagram_of(arguments, &scene)?;
@@ -47,13 +47,13 @@ pub fn scene(arguments: &DiagramArguments, overrides: &Overrides) -> Result<Scen
     panels::scene(path, arguments.panel.name(), overrides, memory)
 }
 
-/// The diagram of `scene`, whose text has all changes made.
+/// The diagram of `scene`, whose text already has all changes.
 pub fn diagram_of(arguments: &DiagramArguments, scene: &Scene) -> Result<Diagram> {
     let base = builtin::base(arguments.scene.path());
     figures::diagram::parse(&scene.text, &scene.name, base, &Overrides::default())
 }
 
-/// The frames that a diagram can be drawn in.
+/// The frames in which a diagram can be drawn.
 fn known(base: &Diagram, probe: &Probe) -> Vec<String> {
     let frames = base.frames.iter().map(|frame| frame.name.clone());
     let mut names: Vec<String> = frames

@@ -17,7 +17,7 @@ use crate::cli::failure::refused;
 use crate::cli::names::numbered;
 use crate::cli::{interrupt, reel, say};
 
-/// Writes the animated files among `outputs`, and the numbered pictures of all others if frames are requested.
+/// Writes the animated files among `outputs`, and numbered pictures for all others if frames are requested.
 pub fn write(pages: &Pages, model: &Diagram) -> Result<()> {
     let arguments = pages.arguments;
     let series = || Series::new(model).ok_or_else(|| nothing_moves(arguments));
@@ -34,7 +34,7 @@ pub fn write(pages: &Pages, model: &Diagram) -> Result<()> {
     Ok(())
 }
 
-/// The names of all files, to be checked before anything is drawn.
+/// The names of all files, for checks before anything is drawn.
 pub fn names(arguments: &DiagramArguments, output: &Output) -> Vec<PathBuf> {
     match &arguments.frames {
         Some(frames) if !output.is_animated() => {
@@ -73,7 +73,7 @@ fn pictures(pages: &Pages, series: Series, frames: &Range<u64>) -> Result<()> {
     for (k, drawing) in (0..frames.end).zip(series) {
         interrupt::check()?;
         let drawing = pages.signed(drawing?);
-        // It must be drawn anyway: the labels of later pictures depend on it.
+        // It must be drawn all the same: the labels of later pictures depend on it.
         if k < frames.start {
             continue;
         }
@@ -108,7 +108,7 @@ fn animate(pages: &Pages, series: Series, output: &Output, frames: &Range<u64>) 
     say(arguments.quiet.on, &what)
 }
 
-/// Raw video of the pictures.
+/// The pictures as raw video.
 fn video(
     out: &mut dyn Write,
     count: u32,

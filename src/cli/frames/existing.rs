@@ -1,4 +1,4 @@
-//! Whether a file already exists: complete, and with the fingerprint that it would get.
+//! Whether a file already exists, complete and with the expected fingerprint.
 
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -24,7 +24,7 @@ pub fn all(outputs: &Outputs) -> bool {
         })
 }
 
-/// Whether a file with lines over a picture is whole and has this fingerprint.
+/// Whether a picture with lines over it is complete and has this fingerprint.
 fn is_drawn(path: &Path, fingerprint: &str) -> bool {
     if extension(path) == "png" {
         let text = of_png(path).unwrap_or_default();
@@ -38,12 +38,12 @@ fn is_drawn(path: &Path, fingerprint: &str) -> bool {
     places.any(|part| part == fingerprint.as_bytes())
 }
 
-/// Whether a file is there, and is byte for byte as it was written with its checksum.
+/// Whether a file exists and matches its checksum byte for byte.
 fn is_sealed(path: &Path) -> bool {
     path.is_file() && sealed::is_whole(path).unwrap_or(false)
 }
 
-/// The fingerprint in a file that is whole; none in any other.
+/// The fingerprint of a complete file; `None` for any other.
 fn fingerprint(path: &Path, kind: Kind) -> Option<String> {
     let metadata = match kind {
         Kind::Display | Kind::Isochrones | Kind::Luminance => of_png(path)?,
@@ -55,7 +55,7 @@ fn fingerprint(path: &Path, kind: Kind) -> Option<String> {
     entry.map(|(_, value)| value)
 }
 
-/// The text of a PNG of which all checksums are right.
+/// The texts of a PNG whose checksums are all correct.
 fn of_png(path: &Path) -> Option<Vec<(String, String)>> {
     if !path.is_file() {
         return None;
@@ -67,7 +67,7 @@ fn of_png(path: &Path) -> Option<Vec<(String, String)>> {
     Some(png::inspect(path).ok()?.text)
 }
 
-/// Whether a PNG is chunks with their checksums (length, kind, data, CRC-32 of kind and data) up to its last one.
+/// Whether a PNG consists of chunks with correct checksums (length, kind, data, CRC-32 of kind and data) up to its last one.
 fn png_is_whole(bytes: &[u8]) -> bool {
     let Some(mut rest) = bytes.strip_prefix(b"\x89PNG\r\n\x1a\n") else {
         return false;
@@ -93,7 +93,7 @@ fn png_is_whole(bytes: &[u8]) -> bool {
     false
 }
 
-/// The metadata of an archive that is whole.
+/// The metadata of a complete archive.
 fn of_npz(path: &Path) -> Option<Vec<(String, String)>> {
     let file = BufReader::new(File::open(path).ok()?);
     let mut archive = zip::ZipArchive::new(file).ok()?;
@@ -104,9 +104,9 @@ fn of_npz(path: &Path) -> Option<Vec<(String, String)>> {
     Some(texts.collect())
 }
 
-/// The text of a numpy array of one `<U`: a header that ends with its line, then UTF-32.
+/// The text of a numpy array with one `<U` element: a header that ends with its line, then UTF-32.
 fn numpy_text(reader: &mut impl Read) -> Option<String> {
-    /// The longest metadata that are looked at, bytes.
+    /// The longest metadata that are read, bytes.
     const LONGEST: u64 = 256 << 20;
     let mut bytes = Vec::new();
     reader.take(LONGEST).read_to_end(&mut bytes).ok()?;

@@ -1,4 +1,4 @@
-//! Sequences: one scene at many moments. Everything is loaded and built once; existing frames are not rendered again.
+//! Sequences: one scene at many times. Everything is loaded and built once; existing frames are not rendered again.
 
 mod existing;
 mod range;
@@ -28,7 +28,7 @@ pub use range::{Frames, Shot};
 /// The number of frames that are previewed for a common exposure.
 const MEASURED: u64 = 9;
 
-/// The parts of a sequence.
+/// The inputs of a sequence.
 pub struct Job<'a> {
     pub changes: &'a Changes,
     /// Whether a common exposure is measured for all frames.
@@ -38,7 +38,7 @@ pub struct Job<'a> {
     pub scene: &'a Scene,
     pub frames: &'a Frames,
     pub request: &'a Request,
-    /// Their names are to be numbered.
+    /// The file names, still to be numbered.
     pub outputs: &'a Outputs,
 }
 
@@ -69,7 +69,7 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
     let mut sequence = Sequence {
         job,
         plan,
-        // The scene's own text counts as it is after its changes.
+        // The scene's own text is hashed separately, after its changes.
         inputs: Inputs::read(read.get(1..).unwrap_or_default()),
         scene_file: Stamp::of(read.iter().take(1)),
         prepared: None,
@@ -79,7 +79,7 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
         white: None,
         unwritten: None,
     };
-    // A sequence that exceeds the camera's motion is not started.
+    // A sequence that extends beyond the camera's motion is not started.
     if let Some(last) = frames.numbers.clone().last() {
         sequence.scene_at(last)?;
     }
@@ -90,14 +90,14 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
         interrupt::check()?;
         sequence.frame(number)
     });
-    // Also if the rest was abandoned: rendered frames are kept.
+    // Even if the rest was abandoned: rendered frames are kept.
     let written = Unwritten::write(sequence.unwritten.take());
     rendered?;
     sequence.say_each(&written?)?;
     sequence.conclude()
 }
 
-/// The largest number of frames that are reported one by one as they are written.
+/// Up to this number, frames are reported one by one as they are written.
 const NAMED_ONE_BY_ONE: u64 = 12;
 
 /// A sequence that is being rendered.
@@ -105,7 +105,7 @@ struct Sequence<'a> {
     job: &'a Job<'a>,
     plan: Plan,
     inputs: Inputs,
-    /// The scene file as it was.
+    /// The scene file as it was when it was read.
     scene_file: Stamp,
     /// `None` until the first missing frame.
     prepared: Option<Prepared>,
@@ -142,7 +142,7 @@ impl Unwritten {
     }
 }
 
-/// What was done so far.
+/// The work done so far.
 #[derive(Default)]
 struct Done {
     rendered: u64,
@@ -151,12 +151,12 @@ struct Done {
     prepared_in: f64,
     rendered_in: f64,
     black: u64,
-    /// Of the first black frame.
+    /// The remark on the first black frame.
     remark: String,
-    /// The number of frames whose light is all shifted out of sight, and the remark on the first of them.
+    /// The number of frames whose light is entirely shifted out of the visible range, and the remark on the first of them.
     shifted: u64,
     shift: String,
-    /// Frames that the precision of a file does not hold, and what is said of the first of them.
+    /// The number of frames that exceed the precision of a file, and the message for the first of them.
     beyond_precision: u64,
     limited: Option<String>,
 }
@@ -176,7 +176,7 @@ impl Sequence<'_> {
             &outputs,
             &self.inputs,
         ));
-        // Of long sequences a line for each frame says no more than the count at the end.
+        // In long sequences a line for each frame adds nothing to the count at the end.
         let quiet = self.job.quiet || self.is_long();
         if existing::all(&outputs) {
             self.done.skipped += 1;
@@ -197,7 +197,7 @@ impl Sequence<'_> {
             film,
             times,
         };
-        // A second film beside that of the next frame has to fit.
+        // A second film must fit in memory beside that of the next frame.
         let Plan {
             memory,
             memory_limit,
@@ -221,7 +221,7 @@ impl Sequence<'_> {
         numbers.end - numbers.start > NAMED_ONE_BY_ONE
     }
 
-    /// The scene as a frame shows it.
+    /// The scene at the time of a frame.
     fn scene_at(&self, number: u64) -> Result<Scene> {
         let Job { frames, file, .. } = self.job;
         let mut overrides = self.job.changes.overrides();
@@ -231,7 +231,7 @@ impl Sequence<'_> {
         let mut scene = file.scene(&overrides)?;
         if let Some(shot) = frames.shot(number) {
             scene = shot.seen(&scene);
-            // The scene's own white applies to its own camera: at other speeds the light is different.
+            // The scene's own white is meant for its own camera; at other speeds the light is different.
             if matches!(scene.exposure, Exposure::White(_)) && !self.job.changes.says_exposure() {
                 scene.exposure = Exposure::default();
             }
@@ -242,7 +242,7 @@ impl Sequence<'_> {
         Ok(scene)
     }
 
-    /// Measures one exposure for all frames, at [`MEASURED`] of them at most, the first and the last included.
+    /// Measures one exposure for all frames, from at most [`MEASURED`] of them, including the first and the last.
     fn measure(&mut self) -> Result<()> {
         let numbers = self.job.frames.numbers.clone();
         let count = numbers.end - numbers.start;
@@ -268,7 +268,7 @@ impl Sequence<'_> {
         let (index, count) = (number - numbers.start + 1, numbers.end - numbers.start);
         let what = format!("frame {index} of {count}");
         let rays = self.plan.rays.camera;
-        // Frames that an earlier run finished took no time of this one.
+        // Frames that an earlier run finished took no time in this one.
         let (own, rendered) = (count - self.done.skipped, self.done.rendered);
         let bar = Bar::new(rays.saturating_mul(own), self.job.quiet)
             .after(rays.saturating_mul(rendered), self.began)
@@ -278,7 +278,7 @@ impl Sequence<'_> {
             Some(prepared) => prepared,
             none => {
                 let prepared = Prepared::new(scene, &self.plan, &bar)?;
-                // What was loaded is what the fingerprints are of.
+                // The fingerprints must belong to the data that were loaded.
                 if let Some(path) = self.inputs.stamp.changed() {
                     return Err(changed(path));
                 }
@@ -338,7 +338,7 @@ impl Sequence<'_> {
         }
     }
 
-    /// Reports what was done, and what concerns all frames: inputs that have changed, and black frames.
+    /// Reports the work done, and whatever concerns all frames: changed inputs, and black frames.
     fn conclude(&self) -> Result<()> {
         let done = &self.done;
         if done.rendered > 0 && self.is_long() {
@@ -403,7 +403,7 @@ fn changed(path: &Path) -> Error {
     Error::invalid(path, "", what, "run the command again when it is complete")
 }
 
-/// Whether brightness matters to what is written.
+/// Whether brightness matters to the output.
 pub fn is_shown(outputs: &Outputs) -> bool {
     outputs.files().any(|(_, kind)| kind == Kind::Display) || !outputs.overlays.is_empty()
 }

@@ -1,8 +1,8 @@
 //! The frames of a sequence, and their times.
 //!
-//! Frame k is taken at the camera time t₀ + k Δ, by one multiplication: earlier frames do not matter, and any part of a sequence has the
-//! same frames as the whole, except for a measured white, which is common to all requested frames. For N frames per second of the
-//! camera's clock the offset is (k / N) c. A range of times is half-open; a frame within 10⁻⁹ Δ of its end counts as at the end.
+//! Frame k is taken at the camera time t₀ + k Δ, with a single multiplication, so that it does not depend on earlier frames: any part of a
+//! sequence has the same frames as the whole, except for a measured white, which is common to all requested frames. For N frames per second
+//! of the camera's clock the offset is (k / N) c. A range of times is half-open; a frame within 10⁻⁹ Δ of its end counts as at the end.
 
 use std::ops::Range;
 
@@ -15,13 +15,13 @@ use crate::cli::args::FrameArguments;
 use crate::cli::failure::refused;
 use crate::cli::values::MOST_FRAMES;
 
-/// A frame this near to the end of the range is at the end, in intervals.
+/// A frame this close to the end of the range counts as at the end, in intervals.
 const AT_THE_END: f64 = 1e-9;
 
 /// The frames of a sequence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frames {
-    /// Their numbers.
+    /// Frame numbers.
     pub numbers: Range<u64>,
     /// The camera time of frame 0, metres.
     start: f64,
@@ -38,7 +38,7 @@ pub struct Shot {
 }
 
 impl Shot {
-    /// The scene as a camera without acceleration sees it here.
+    /// The scene as seen here by a camera without acceleration.
     pub fn seen(self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
         scene.camera.origin = self.event;
@@ -48,7 +48,7 @@ impl Shot {
         scene
     }
 
-    /// The same at a later time of the world, in metres.
+    /// The same at a later world time, metres.
     pub fn later(self, time: f64) -> Shot {
         Shot {
             event: Event::new(self.event.ct + time, self.event.x),
@@ -60,14 +60,14 @@ impl Shot {
 /// The spacing of frames.
 #[derive(Debug, Clone, PartialEq)]
 enum Pace {
-    /// Each is given.
+    /// Each frame is given.
     Shots(Vec<Shot>),
-    /// A number per second of camera time.
+    /// A number of frames per second of camera time.
     Rate {
         per_second: f64,
         metres_per_second: f64,
     },
-    /// Metres of camera time between two.
+    /// The camera time between two frames, metres.
     Interval(f64),
 }
 
@@ -124,7 +124,7 @@ impl Frames {
         if count < 1.0 {
             return Err(not_after());
         }
-        // Also a count beyond all numbers.
+        // Also true for an infinite count.
         if count > MOST_FRAMES as f64 {
             return Err(too_many(count));
         }
@@ -144,7 +144,7 @@ impl Frames {
         }
     }
 
-    /// A number of frames, the first at one camera time and the last at the other, metres.
+    /// The given number of frames, from the first to the last camera time, metres.
     ///
     /// # Errors
     /// A last time that is not after the first.

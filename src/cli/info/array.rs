@@ -1,4 +1,4 @@
-//! What a file of arrays holds, from its headers, and whether it can be used as a cube; or that it is a picture.
+//! The contents of a file of arrays, from its headers, and whether it can be used as a cube; or that it is a picture.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -34,13 +34,13 @@ fn of_arrays(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
         headers => format!("{name} of {} arrays", headers.len()),
     };
     let mut info = Info::new(format.key, &title);
-    // Of a file that says which of its arrays is a cube, the others only describe it.
+    // If a file says which of its arrays is a cube, the others only describe it.
     let said = cube::inspect(path, Wanted::default());
     let said = said
         .ok()
         .filter(|info| !info.assumed)
         .and_then(|info| info.array);
-    // All arrays together, however many there are, are as much work as one large one.
+    // All arrays together, however many there are, may cost as much as one large one.
     let (mut looked_at, mut left) = (0, most_read(memory));
     let arrays = headers.iter().map(|header| {
         let is_beside = baked.is_some() || said.is_some() && said != header.name;
@@ -74,14 +74,14 @@ fn of_arrays(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
     Ok(info)
 }
 
-/// The metadata that nullray writes into its archives; none of other files.
+/// The metadata that nullray writes into its archives; empty for other files.
 fn metadata(path: &Path, headers: &[Header], memory: u64) -> Option<Map<String, Value>> {
     named(headers, "metadata")?;
     let text = npy::load_text(path, "metadata", &Budget::new(memory)).ok()?;
     serde_json::from_str(&text).ok()
 }
 
-/// Whether these are the metadata and arrays of light that `nullray bake` has written.
+/// Whether these are the metadata and arrays of light baked by `nullray bake`.
 fn is_baked(metadata: &Map<String, Value>, headers: &[Header]) -> bool {
     let keys = ["start", "bin_width", "bins", "clock"];
     named(headers, "radiance").is_some_and(|header| header.shape.len() == 4)
@@ -94,7 +94,7 @@ fn named<'a>(headers: &'a [Header], name: &str) -> Option<&'a Header> {
     headers.find(|header| header.name.as_deref() == Some(name))
 }
 
-/// Bins, clock and error of baked light, and the table of a scene that shows it.
+/// Adds the bins, clock and error of baked light, and the table of a scene that shows it.
 fn as_baked(info: &mut Info, path: &Path, metadata: &Map<String, Value>) {
     let text = |key: &str| metadata.get(key).and_then(Value::as_str);
     let said = |key: &str| text(key).unwrap_or("?");
@@ -103,7 +103,7 @@ fn as_baked(info: &mut Info, path: &Path, metadata: &Map<String, Value>) {
     info.row("clock", said("clock"));
     let number = |key: &str| text(key).and_then(|number| number.parse::<f64>().ok());
     let is_dark = number("energy_in_bins") == Some(0.0);
-    // Files of older versions do not say when.
+    // Files of older versions do not have these times.
     if let (Some(from), Some(to)) = (number("light_from"), number("light_until")) {
         let none = if is_dark {
             ", none of it in the bins"
@@ -126,7 +126,7 @@ fn as_baked(info: &mut Info, path: &Path, metadata: &Map<String, Value>) {
         return info.row("usable", "yes: as the file of a [[source]]");
     };
     info.row("usable", "yes, by these lines of a scene");
-    // The file may have another name by now.
+    // The file may have been renamed.
     let own = path.file_name().unwrap_or_default().to_string_lossy();
     for line in table.lines() {
         let line = match line.split_once("file = \"") {
@@ -140,10 +140,10 @@ fn as_baked(info: &mut Info, path: &Path, metadata: &Map<String, Value>) {
     }
 }
 
-/// A sequence of pictures as a cube.
+/// Adds a sequence of pictures as a cube.
 fn sequence(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
     let mut info = Info::new(format.key, format.name);
-    // Codes have no meaning without a transfer, and any will do to look at them.
+    // Coded pictures have no meaning without a transfer function, and any one will do for an inspection.
     let plain = Wanted::default().within(memory);
     let linear = Wanted {
         transfer: Some(Transfer::Linear),
@@ -180,24 +180,25 @@ fn sequence(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
     Ok(info)
 }
 
-/// What is known of a cube: what looks wrong about its samples (none where they were not read), and its header.
+/// The result of an inspection of a cube.
 type Cube = Result<Known>;
 
-/// What looks wrong about a cube, its header, and whether its times include the way to a sensor that only the file knows.
+/// Problems of a cube's samples (`None` if they were not read), its header, and whether its times include the path to a sensor that only
+/// the file knows.
 struct Known {
     remarks: Option<Vec<String>>,
     cube: CubeInfo,
     at_sensor: bool,
 }
 
-/// The array as a cube, whose samples are read where they take no more than what is `left`, bytes.
+/// Inspects the array as a cube; its samples are read if they take no more than the bytes `left`.
 fn inspected(path: &Path, header: &Header, memory: u64, left: &mut u64) -> Cube {
     let wanted = Wanted {
         array: header.name.as_deref(),
         ..Wanted::default()
     };
     let cube = cube::inspect(path, wanted)?;
-    // Where times cannot be told, `cube` says so.
+    // Ambiguous times are reported by `cube`.
     let times = cube::times(path, wanted.array).ok().flatten();
     Ok(Known {
         remarks: samples(path, wanted, &cube, memory, left)?,
@@ -206,18 +207,18 @@ fn inspected(path: &Path, header: &Header, memory: u64, left: &mut u64) -> Cube 
     })
 }
 
-/// Samples that take more memory than this are not read, bytes.
+/// Samples that need more memory than this are not read, bytes.
 const MOST_READ: u64 = 1 << 30;
 
-/// Memory for parts of larger ones.
+/// Memory for parts of larger arrays.
 const ROOM: u64 = 256 << 20;
 
-/// The most that is read of `memory` bytes: a cube may be there twice while it is brought into order.
+/// How many of `memory` bytes may be read: a cube may be in memory twice while it is reordered.
 fn most_read(memory: u64) -> u64 {
     MOST_READ.min(memory / 2)
 }
 
-/// Reads the samples, which tells whether all are finite, and looks at them.
+/// Reads the samples, which also checks that all are finite, and looks for problems.
 fn samples(
     path: &Path,
     wanted: Wanted,
@@ -234,7 +235,7 @@ fn samples(
         let cube = cube::load(path, wanted)?.into();
         return Ok(Some(survey::of_samples(&cube, order)));
     }
-    // Of larger ones a part, unless they would have to be unpacked.
+    // Only a part of larger arrays is read, unless they would have to be unpacked.
     let room = ROOM.min(memory / 2);
     if Bricks::counting(path, wanted, room)?.is_none() {
         return Ok(None);
@@ -249,8 +250,8 @@ fn samples(
     Ok(Some(remarks))
 }
 
-/// Whether these are the arrays of a picture: channels with a text of metadata, as `render` writes them, or channels
-/// alone, as other programs do.
+/// Whether these are the arrays of a picture: channels with metadata, as written by `render`, or only channels, as written by other
+/// programs.
 fn is_picture(headers: &[Header]) -> bool {
     let is_text = |header: &Header| match &header.dtype {
         Dtype::Other(descr) => descr.starts_with("<U"),
@@ -265,7 +266,7 @@ fn is_picture(headers: &[Header]) -> bool {
     headers.len() > 1 && (has_metadata || channels_alone)
 }
 
-/// The array's rows, and whether it is a cube where that is asked.
+/// Adds the rows of the array, and of the cube that it is, if it was inspected as one.
 fn describe(info: &mut Info, header: &Header, cube: Option<&Cube>) {
     if let Some(name) = &header.name {
         info.row("array", name);
@@ -291,7 +292,7 @@ fn describe(info: &mut Info, header: &Header, cube: Option<&Cube>) {
     }
 }
 
-/// What the samples are as a cube.
+/// Adds what the samples are as a cube.
 fn as_cube(info: &mut Info, known: &Known) {
     let Known { remarks, cube, .. } = known;
     let [h, w, t, c] = cube.shape;
@@ -364,7 +365,7 @@ fn data(header: &Header, cube: Option<&Cube>) -> Value {
 fn why(error: &Error) -> (String, String) {
     match error {
         Error::Invalid(problem) | Error::Unsupported(problem) => {
-            // Which array it is stands beside it; which sample only here.
+            // The row already names the array; only the sample is named here.
             let place = match problem.place.rfind("sample") {
                 Some(at) => format!(", {}", &problem.place[at..]),
                 None => String::new(),
@@ -383,7 +384,7 @@ fn shape(header: &Header) -> String {
     }
 }
 
-/// The type as numpy writes it.
+/// The type in numpy's notation.
 fn descr(header: &Header) -> String {
     let order = if header.big_endian { '>' } else { '<' };
     match &header.dtype {
@@ -403,7 +404,7 @@ fn precision(header: &Header) -> &'static str {
     }
 }
 
-/// Bytes of all samples, where the type says how many one has.
+/// The bytes of all samples, if the type gives the size of one.
 fn size(header: &Header) -> Option<u64> {
     let sample = match &header.dtype {
         Dtype::F16 => 2,
@@ -415,7 +416,7 @@ fn size(header: &Header) -> Option<u64> {
     sizes.try_fold(sample, |bytes: u64, &n| bytes.checked_mul(n as u64))
 }
 
-/// Bytes of a sample of a type like "<i4"; a character of "<U5" has 4 bytes.
+/// The bytes of a sample of a type like "<i4"; each character of "<U5" has 4 bytes.
 fn simple_size(descr: &str) -> Option<u64> {
     let mut chars = descr.chars();
     let kind = chars.find(|c| !matches!(c, '<' | '>' | '|' | '='))?;

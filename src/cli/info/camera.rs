@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use super::Info;
 
-/// What `nullray info` says of the camera; lines without a name continue the one above.
+/// Adds the rows about the camera; lines without a label continue the one above.
 pub fn rows(info: &mut Info, scene: &Scene) {
     let camera = &scene.camera;
     let [width, height] = camera.size;
@@ -55,7 +55,7 @@ pub fn rows(info: &mut Info, scene: &Scene) {
         .for_each(|text| info.row("", text));
 }
 
-/// What is said of a camera that is not a single pinhole before a plane.
+/// The text for a camera that is not a single pinhole in front of a plane.
 fn projection(camera: &CameraModel) -> String {
     let kind = match camera.projection {
         ProjectionKind::Perspective => "",
@@ -105,7 +105,7 @@ fn exposure(camera: &CameraModel) -> String {
     )
 }
 
-/// How the camera moves on; nothing for one without acceleration.
+/// How the camera moves later; `None` without acceleration.
 fn motion_text(motion: &Motion) -> Option<String> {
     Some(match motion {
         Motion::Inertial => return None,
@@ -115,7 +115,7 @@ fn motion_text(motion: &Motion) -> Option<String> {
         ),
         Motion::Segments(segments) => {
             let end: f64 = segments.iter().map(|s| s.duration).sum();
-            // A last segment without a duration goes on: it is infinite.
+            // A last segment without a duration never ends: it is infinite.
             let last = match end.is_finite() {
                 true => format!("to {end} m, and coasts then"),
                 false => "on, for ever".into(),
@@ -191,7 +191,7 @@ pub fn velocity(velocity: Velocity) -> Value {
     json!({ "beta": velocity.beta().to_array(), "gamma": velocity.gamma() })
 }
 
-/// The camera as data: times in metres, in its own time unless named otherwise.
+/// The camera as data: times in metres, in its own time unless the name says otherwise.
 pub fn data(camera: &CameraModel) -> Value {
     json!({
         "size": camera.size,

@@ -1,4 +1,4 @@
-//! What a glTF file holds, from its JSON alone.
+//! The contents of a glTF file, from its JSON alone.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use serde_json::json;
 
 use super::Info;
 
-/// Rows for people, and the same as data for `--json`.
+/// Rows to read, and the same as data for `--json`.
 pub fn info(path: &Path) -> Result<Info> {
     let held = gltf::inspect(path, None)?;
     let mut info = Info::new("gltf", "glTF 2.0");

@@ -1,4 +1,4 @@
-//! `nullray info`: what a file holds, recognised by its content.
+//! `nullray info`: the contents of a file, whose kind is recognised by its content.
 
 mod array;
 mod camera;
@@ -18,9 +18,9 @@ use serde_json::{Map, Value};
 use super::args::InfoArguments;
 use super::{builtin, print, print_json};
 
-/// The longest value that is shown to people; JSON has all of it.
+/// The longest value that is printed; JSON has all of it.
 const LONGEST: usize = 100;
-/// The most entries of a list that are shown to people.
+/// The most entries of a list that are printed.
 const MOST: usize = 20;
 
 pub fn run(arguments: &InfoArguments) -> Result<()> {
@@ -44,15 +44,14 @@ pub fn run(arguments: &InfoArguments) -> Result<()> {
     }
 }
 
-/// What is known of a file: for people rows of a label and a text, in columns, and for programs data. Whatever comes
-/// from the file is escaped.
+/// The facts about a file: rows of a label and a text to print in columns, and data for programs. All texts from the file are escaped.
 struct Info {
     text: String,
     data: Map<String, Value>,
 }
 
 impl Info {
-    /// A file of this kind, which people call `title`.
+    /// A file of this kind, printed as `title`.
     fn new(kind: &str, title: &str) -> Self {
         let mut info = Info {
             text: format!("{title}\n"),
@@ -76,13 +75,13 @@ impl Info {
         self.data.insert(key.into(), value.into());
     }
 
-    /// A row, and the same as data.
+    /// Adds a row, and the same as data.
     fn fact(&mut self, label: &str, text: impl AsRef<str>, key: &str, value: impl Into<Value>) {
         self.row(label, text);
         self.data(key, value);
     }
 
-    /// A row per entry, the first few of them.
+    /// Adds a row per entry, for the first few of them.
     fn list<T>(&mut self, label: &str, entries: &[T], text: impl Fn(&T) -> String) {
         for entry in entries.iter().take(MOST) {
             self.row(label, text(entry));
@@ -93,7 +92,7 @@ impl Info {
         }
     }
 
-    /// All names as data, the first few in one row; no row where there are none.
+    /// Adds all names as data, and the first few in one row; no row if there are none.
     fn names(&mut self, label: &str, names: Vec<String>) {
         let shown = names.iter().take(MOST).map(|name| match name.as_str() {
             "" => "(no name)",
@@ -127,7 +126,7 @@ impl Info {
     }
 }
 
-/// `text` without control characters, and not without end.
+/// `text` without control characters, cut to a bounded length.
 pub(super) fn escaped(text: &str) -> String {
     const LONGEST_LINE: usize = 2000;
     let mut out = String::new();
@@ -141,7 +140,7 @@ pub(super) fn escaped(text: &str) -> String {
     out
 }
 
-/// Whether the character changes the direction of what follows, or hides.
+/// Whether the character changes the direction of the text after it, or is invisible.
 pub(super) fn is_reordering(c: char) -> bool {
     matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
 }
@@ -151,16 +150,15 @@ enum Kind {
     Array(&'static CubeFormat),
     Exr,
     Png,
-    /// Another picture that may be a frame of a sequence, and what its kind is called.
+    /// Another picture that may be a frame of a sequence, and the name of its format.
     Frame(&'static str),
-    /// A spectrum, or stars.
+    /// A spectrum, or a table of stars.
     Table,
     Scene,
 }
 
 impl Kind {
-    /// By the first bytes; by the extension where these say nothing, so that the reader of that kind
-    /// tells what is wrong.
+    /// The kind by the first bytes, or by the extension if these are inconclusive, so that the reader of that kind reports the error.
     fn of(path: &Path) -> Result<Kind> {
         if builtin::is_standard_input(path) {
             return Ok(Kind::Scene);
@@ -220,7 +218,7 @@ fn start(path: &Path) -> Result<Vec<u8>> {
     let (file, _) = files::open(path).map_err(failed)?;
     let mut start = Vec::new();
     file.take(64).read_to_end(&mut start).map_err(failed)?;
-    // A character that is cut at the end is none of the file's faults.
+    // A character cut off at the end is not an error in the file.
     while start.len() >= 62 && start.last().is_some_and(|b| !b.is_ascii()) {
         start.pop();
     }

@@ -1,4 +1,4 @@
-//! What a picture holds.
+//! The contents of a picture.
 
 use std::path::Path;
 
@@ -47,7 +47,7 @@ pub fn png(path: &Path) -> Result<Info> {
     Ok(info)
 }
 
-/// A picture of another kind, which is of use as a frame.
+/// A picture of another format that can be used as a frame.
 pub fn frame(path: &Path, name: &str, memory: u64) -> Result<Info> {
     let [width, height, channels] = cube::frame_size(path, memory)?;
     let mut info = Info::new("frame", name);
@@ -99,12 +99,12 @@ fn precision(samples: &Samples) -> &'static str {
     }
 }
 
-/// The finite values of a channel.
+/// The range of finite values of a channel.
 struct Range {
-    /// None where no value is finite.
+    /// `None` if no value is finite.
     least: Option<f64>,
     greatest: Option<f64>,
-    /// How many values are NaN or infinite.
+    /// The number of values that are NaN or infinite.
     not_finite: usize,
 }
 

@@ -1,4 +1,4 @@
-//! What a scene file holds; nothing that it names is loaded.
+//! The contents of a scene file; the files that it names are not loaded.
 
 use std::path::Path;
 
@@ -28,7 +28,7 @@ pub fn info(path: &Path, memory: u64) -> Result<Info> {
         info.row("sky", self::sky(sky));
     }
     info.list("source", &scene.sources, |s| source(&scene, s));
-    // Headers of files alone; one that cannot be read is a row, not an error: the scene may still be worked on.
+    // Only headers of files are read; an unreadable one is shown as a row, not an error, because the scene may still be unfinished.
     for source in scene.sources.iter().take(super::MOST) {
         if let SourceKind::Cube(cube) = &source.kind {
             cube_rows(&mut info, &source.name, cube, memory);
@@ -112,7 +112,7 @@ fn bins(bins: &TimeBins) -> String {
     }
 }
 
-/// What is read of a cube's file, what the scene says of it, and what is assumed.
+/// Adds what is read from a cube's file, what the scene sets, and what is assumed.
 fn cube_rows(info: &mut Info, name: &str, cube: &CubeSource, memory: u64) {
     let header = header(cube, memory);
     let read = match &header {
@@ -145,7 +145,7 @@ fn cube_rows(info: &mut Info, name: &str, cube: &CubeSource, memory: u64) {
     }
 }
 
-/// The keys that neither the scene nor the file says, with what is assumed in their place.
+/// The keys that neither the scene nor the file sets, with the values assumed for them.
 fn assumed(header: &Result<CubeInfo>, cube: &CubeSource) -> Vec<String> {
     let axes = header.as_ref().ok().filter(|info| info.assumed);
     let axes = axes.map(|info| format!("axes = \"{}\"", info.axes));
@@ -154,7 +154,7 @@ fn assumed(header: &Result<CubeInfo>, cube: &CubeSource) -> Vec<String> {
         .collect()
 }
 
-/// What the file's header says.
+/// The file's header.
 fn header(cube: &CubeSource, memory: u64) -> Result<CubeInfo> {
     match &cube.data {
         CubeData::File(file) => {
@@ -251,7 +251,7 @@ fn lit(scene: &Scene, source: &Source) -> String {
     }
 }
 
-/// Whose equations hold, what radiance measures, and which effects are off.
+/// Adds the equations in use, the unit of radiance, and which effects are off.
 fn settings(info: &mut Info, scene: &Scene) {
     if scene.equations == Equations::Paper2015 {
         info.row(
@@ -267,7 +267,7 @@ fn settings(info: &mut Info, scene: &Scene) {
         _ => scene.quantity.to_string(),
     };
     info.row("radiance", radiance);
-    // What is as in nature has no row.
+    // Physical effects that are on have no row.
     let effects = scene.effects;
     let all = [
         ("aberration", effects.aberration),
@@ -310,7 +310,7 @@ fn cube_data(cube: &CubeSource, memory: u64) -> Value {
     })
 }
 
-/// What `--json` says of a scene.
+/// Adds the data about a scene for `--json`.
 fn data(info: &mut Info, scene: &Scene, memory: u64) {
     let objects = scene.objects.iter().map(|o| {
         let file = match &o.geometry {
@@ -319,7 +319,7 @@ fn data(info: &mut Info, scene: &Scene, memory: u64) {
         };
         json!({ "name": o.name, "file": file, "velocity": camera::velocity(o.velocity) })
     });
-    // Scripts read these keys: they do not follow the words of the rows.
+    // Scripts read these keys: they stay the same when the words of the rows change.
     let sources = scene.sources.iter().map(|s| {
         let file = match &s.kind {
             SourceKind::Cube(cube) => json!(path(cube)),

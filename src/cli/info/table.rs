@@ -1,4 +1,4 @@
-//! What a table in a text file holds: a spectrum, or stars.
+//! The contents of a table in a text file: a spectrum, or stars.
 
 use std::io::Read;
 use std::path::Path;
@@ -11,7 +11,7 @@ use nullray::{Error, Result};
 
 use super::Info;
 
-/// The longest table of stars, bytes.
+/// The longest table of stars that is read, bytes.
 const LONGEST: u64 = 1 << 28;
 
 pub fn info(path: &Path) -> Result<Info> {

@@ -1,7 +1,7 @@
 //! `nullray film`: common motions of a camera, as a film made by one command line.
 //!
-//! Every picture is taken by a camera without acceleration that has the position and velocity of the moving one at the moment of the
-//! picture. With the scene's pinhole at P when its clock shows 0 (world time t₀), n the direction of motion and s the distance:
+//! Every picture is taken by a camera without acceleration that has the position and velocity of the moving camera at that moment. With the
+//! scene's pinhole at P when its clock shows 0 (world time t₀), n the direction of motion and s the distance:
 //!
 //! ```text
 //! fly-by:        P + n x,  x from m − s/2 to m + s/2,  at t₀ + x/β;  m = d (c + γ (β − c))
@@ -10,10 +10,10 @@
 //! light:         the scene's own camera, at times of its own clock
 //! ```
 //!
-//! A passing camera sees what it looks at long after it has passed: it is d away from P at an angle to n with the cosine c. At P + n m its
-//! direction has the cosine (c − β)/(1 − βc), which aberration makes c again, so that it is where it is at rest: in the middle of the
-//! picture, and of the film. Its light then left it at t₀ (for c = 0: m = γβd, the time is t₀ + γd, and the way of the light is γd).
-//! Pictures of what goes from edge to edge at rest take γ times the distance.
+//! A passing camera sees its subject long after it has passed it. The subject is at the distance d from P, at an angle to n with the cosine
+//! c. Seen from P + n m, its direction has the cosine (c − β)/(1 − βc), which aberration turns back into c, so that it appears where a
+//! camera at rest sees it: in the middle of the picture, and of the film. The light seen there left it at t₀ (for c = 0: m = γβd, the time
+//! is t₀ + γd, and the path of the light is γd). A subject that moves from edge to edge for slow cameras needs γ times the distance.
 //!
 //! (Hyperbolic motion: Rindler, Relativity, 2nd ed., 3.7; aberration: 4.3.)
 
@@ -43,9 +43,9 @@ use super::output::Outputs;
 use super::reel::{self, Folder, Reel};
 use super::{builtin, caption, exposure, inputs};
 
-/// Pixels of a point in a diagram beside a picture, at least, where the page has room for it.
+/// The minimum number of pixels per point in a diagram beside a picture, if the page has room for it.
 const SMALLEST: f64 = 0.9;
-/// The least and the greatest side of such a diagram, points.
+/// The smallest and the largest side of such a diagram, points.
 const PAGES: [f64; 2] = [180.0, 320.0];
 
 pub fn run(mut arguments: FilmArguments) -> Result<()> {
@@ -71,12 +71,12 @@ pub fn run(mut arguments: FilmArguments) -> Result<()> {
     })
 }
 
-/// One of the pictures that a film shows side by side, over its whole length.
+/// One of the series of pictures that a film shows side by side, over its whole length.
 struct Take {
-    /// Part of the names of its pictures.
+    /// A part of the names of its pictures.
     name: &'static str,
     frames: Frames,
-    /// What stands beneath each picture.
+    /// The text below each picture.
     captions: Vec<String>,
 }
 
@@ -152,7 +152,7 @@ fn motion(
             Some(_) => None,
             None => subject(scene, request)?,
         };
-        // Not all the way, so that what it looks at stays in view.
+        // Not the whole distance, so that the subject stays in view.
         let a = (greatest.gamma() - 1.0) / distance(motion, scene, subject, 0.9)?;
         let rapidity = greatest.rapidity().length();
         let shot = |k| {
@@ -170,7 +170,7 @@ fn motion(
     speeds("--speeds", motion.direction, scene, beta, pictures).map(Some)
 }
 
-/// One place and moment, at speeds from 0 to `beta`, in equal steps of rapidity.
+/// The same place and moment at speeds from 0 to `beta`, in equal steps of rapidity.
 pub fn speeds(
     option: &str,
     direction: Option<Heading>,
@@ -188,7 +188,7 @@ pub fn speeds(
     (0..steps).map(step).collect()
 }
 
-/// The camera of `scene` when its clock shows its time, as if it rested, with this displacement.
+/// The camera of `scene` when its clock shows its time, as if at rest, with this displacement.
 fn shot(scene: &Scene, ct: f64, x: DVec3, velocity: Velocity) -> Shot {
     let origin = scene.camera.origin;
     Shot {
@@ -233,14 +233,14 @@ fn heading(direction: Option<Heading>, default: DVec3) -> Result<DVec3> {
     }
 }
 
-/// How far along `n` a camera has to move for a point that was at `way` from it, metres, to be seen in the same direction again, by
-/// aberration (m in the head of the module), metres.
+/// How far along `n` a camera has to move until aberration shows a point, which was at `way` from the camera, in its original direction
+/// again, metres (m in the head of the module).
 fn straight_ahead(way: DVec3, n: DVec3, velocity: Velocity) -> f64 {
     let (along, beta) = (way.dot(n), velocity.beta().length());
     along + velocity.gamma() * (beta * way.length() - along)
 }
 
-/// The distance that the camera covers, metres: the given one, or `times` the distance from its eye to the `subject`.
+/// The distance that the camera covers, metres: the given one, or `times` its distance from the `subject`.
 fn distance(
     motion: &MotionArguments,
     scene: &Scene,
@@ -264,9 +264,9 @@ fn distance(
     })
 }
 
-/// The point that the camera looks at: the one that the scene names; or else the one on its forward axis at the median distance of the
-/// surfaces in view; if none is in view, at the distance of the nearest object's origin; and in a scene without objects at 1 m. `None` if
-/// objects have their origins in the pinhole.
+/// The point that the camera looks at: the one in the scene file, or else a point on its forward axis. This is at the median distance of
+/// the surfaces in view; if none is in view, at the distance of the nearest object's origin; and in a scene without objects at 1 m. `None`
+/// if all objects have their origins in the pinhole.
 ///
 /// # Errors
 /// Errors of rendering a small picture.
@@ -287,7 +287,7 @@ fn subject(scene: &Scene, request: &Request) -> Result<Option<DVec3>> {
     Ok(distance.map(|distance| eye + forward * distance))
 }
 
-/// How far the nearest object is whose origin is not in the pinhole, metres.
+/// The distance of the nearest object whose origin is not in the pinhole, metres.
 fn nearest(scene: &Scene) -> Option<f64> {
     let eye = scene.camera.origin.x;
     let origins = scene.objects.iter();
@@ -337,10 +337,10 @@ fn light(arguments: &FilmArguments, scene: &Scene) -> Result<Take> {
     })
 }
 
-/// Light that is in view more than this many times as long as the shortest does not count: it shines on.
+/// Light that is in view more than this many times as long as the shortest is ignored: it counts as steady.
 const SHINING_ON: f64 = 10.0;
 
-/// The times from the first to the last of those ranges that are not far longer than the shortest.
+/// The times from the first to the last of the ranges that are not far longer than the shortest.
 fn brief(ranges: &[[f64; 2]]) -> Option<[f64; 2]> {
     let length = |[from, to]: &[f64; 2]| to - from;
     let shortest = ranges.iter().map(length).reduce(f64::min)?;
@@ -352,7 +352,7 @@ fn brief(ranges: &[[f64; 2]]) -> Option<[f64; 2]> {
         .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
 }
 
-/// The camera times between which light of some source that does not shine on is in view, by a small picture.
+/// The camera times between which light of some source that is not steady is in view, from a small picture.
 fn passing(arguments: &FilmArguments, scene: &Scene) -> Result<[f64; 2]> {
     let mut small = scene.clone();
     let [width, height] = scene.camera.size;
@@ -363,7 +363,7 @@ fn passing(arguments: &FilmArguments, scene: &Scene) -> Result<[f64; 2]> {
         &arguments.changes.request(arguments.work.threads.count),
     )?;
     let mut prepared = Prepared::new(&small, &plan, &Silent)?;
-    // Of a cube, the part of its data that is lit.
+    // For a cube, the lit part of its data.
     let mut wanted = survey::seen_times(&prepared);
     for times in &mut wanted {
         times.data = survey::lit(&prepared, times.source).unwrap_or(times.data);
@@ -377,12 +377,12 @@ fn passing(arguments: &FilmArguments, scene: &Scene) -> Result<[f64; 2]> {
     })
 }
 
-/// Renders all takes, and puts the film together.
+/// Renders all takes, and assembles the film.
 fn film(arguments: &FilmArguments, file: &SceneFile, scene: &Scene, takes: &[Take]) -> Result<()> {
     let count = u64::from(arguments.pictures);
     let folder = Folder::of(&arguments.output)?;
     let request = arguments.changes.request(arguments.work.threads.count);
-    // Pictures of all takes go into the folder first: what is there already is not rendered again.
+    // Pictures of all takes are first written to the folder; existing ones are not rendered again.
     for take in takes {
         let outputs = Outputs {
             images: vec![folder.pattern(take.name)],
@@ -390,7 +390,7 @@ fn film(arguments: &FilmArguments, file: &SceneFile, scene: &Scene, takes: &[Tak
         };
         let job = Job {
             changes: &arguments.changes,
-            // The searchlight effect makes one place at many speeds too dark or too bright for one exposure.
+            // With the searchlight effect, one place at many speeds is too dark or too bright for one exposure.
             same_exposure: arguments
                 .exposure
                 .is_same(arguments.motion.speeds.is_none()),
@@ -449,7 +449,7 @@ fn film(arguments: &FilmArguments, file: &SceneFile, scene: &Scene, takes: &[Tak
     Ok(())
 }
 
-/// What stands beneath picture `k` of a take.
+/// The text below picture `k` of a take.
 fn label(arguments: &FilmArguments, scene: &Scene, take: &Take, k: u64) -> String {
     let caption = take.captions.get(k as usize).cloned().unwrap_or_default();
     let words = arguments.caption.as_ref().or(scene.caption.as_ref());
@@ -460,7 +460,7 @@ fn label(arguments: &FilmArguments, scene: &Scene, take: &Take, k: u64) -> Strin
     }
 }
 
-/// The diagram of the scene in the frames of the camera's speeds, as high as its pictures.
+/// The scene's diagram in the frame of each of the camera's speeds, as high as its pictures.
 fn diagrams(arguments: &FilmArguments, file: &SceneFile, scene: &Scene) -> Result<Vec<RgbImage>> {
     let Some(beta) = arguments.motion.speeds else {
         let what = "a diagram is boosted along with the speeds of one place and moment";
@@ -471,7 +471,7 @@ fn diagrams(arguments: &FilmArguments, file: &SceneFile, scene: &Scene) -> Resul
         ));
     };
     let n = heading(arguments.motion.direction, scene.camera.axes[2])?;
-    // Its words are as large as those beneath the picture, and its lines as far apart as there is room for.
+    // Its text is as large as that below the picture, and its lines are as far apart as there is room for.
     let height = f64::from(scene.camera.size[1]);
     let page = (height / SMALLEST).clamp(PAGES[0], PAGES[1]);
     let series = boosts(
@@ -489,8 +489,9 @@ fn diagrams(arguments: &FilmArguments, file: &SceneFile, scene: &Scene) -> Resul
     series.map(picture).collect()
 }
 
-/// The diagram of a scene, boosted in `steps` equal steps of rapidity from the world to the camera's frame, which moves with `beta`; about
-/// the event of the picture, which stays where it is. On a page of so many points to a side, or of as many as a diagram has.
+/// The diagram of a scene, boosted in `steps` equal steps of rapidity from the world to the camera's frame, which moves with `beta`. The
+/// boosts are about the event of the picture, which stays in place. The page has the given number of points on each side, or a diagram's
+/// usual size.
 pub fn boosts(
     file: &SceneFile,
     overrides: &Overrides,
@@ -556,7 +557,7 @@ mod tests {
                 let cos = to.normalize().dot(n);
                 let seen = (cos + beta) / (1.0 + beta * cos);
                 assert!((seen - way.normalize().dot(n)).abs() < 1e-12, "{beta} {n}");
-                // Its light left when the camera's clock showed 0 in P, where it is at a right angle to the motion.
+                // Its light left when the camera's clock showed 0 at P, from where it is seen at a right angle to the motion.
                 if way.dot(n) == 0.0 {
                     assert!((x / beta - to.length()).abs() < 1e-9, "{beta} {n}");
                 }

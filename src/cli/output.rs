@@ -26,7 +26,7 @@ use sha2::{Digest, Sha256};
 
 use super::{caption, interrupt, say};
 
-/// The channels that isochrones of `scene` are computed from.
+/// The channels needed to compute isochrones of `scene`.
 pub fn times_need(scene: &Scene) -> Vec<Aov> {
     match scene.flash_times {
         Some(_) => isochrones::FLASH_NEEDS.to_vec(),
@@ -47,7 +47,7 @@ pub struct Outputs {
     pub luminance: Option<PathBuf>,
     /// Pictures with lines drawn over them, by extension: png, svg, pdf.
     pub overlays: Vec<PathBuf>,
-    /// What is drawn over those.
+    /// What is drawn over them.
     pub parts: Parts,
     /// Distance between isochrones, metres.
     pub step: Option<f64>,
@@ -79,7 +79,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The kind of a file of this name, which has been checked to be writable.
+    /// The kind of a file with this name, which has been checked to be writable.
     fn of(path: &Path, show: Show) -> Kind {
         match (extension(path).as_str(), show) {
             ("exr", _) => Kind::Exr,
@@ -106,10 +106,10 @@ impl Outputs {
     /// Auxiliary channels of `scene` that must be rendered.
     pub fn needs(&self, scene: &Scene) -> Vec<Aov> {
         let mut needed = self.aovs.clone();
-        // The tracer takes another picture for isochrones, but foresees this one too.
+        // The tracer renders a separate picture for isochrones, but this one's memory is planned too.
         if self.files().any(|(_, kind)| kind == Kind::Isochrones) {
             needed.extend(times_need(scene));
-            // Each once, in the order asked for, in which files list them.
+            // Each once, in the order of the request, in which files list them.
             let mut seen = Vec::new();
             needed.retain(|aov| {
                 !seen.contains(aov) && {
@@ -121,13 +121,13 @@ impl Outputs {
         needed
     }
 
-    /// The memory held beside a picture of `size`: films and pages of lines. Bytes.
+    /// The memory, in bytes, held beside a picture of `size`: films and pages of lines.
     pub fn beside(&self, size: [u32; 2]) -> u64 {
         let lines = match self.overlays.is_empty() {
             true => 0,
             false => overlay::bytes(size, self.parts),
         };
-        // The times at the centres of pixels: radiance and one channel, f64, as a film and as the channels of one.
+        // The times at the centres of pixels: radiance and one channel, f64, both as a film and as the channels of a picture.
         let centred = match self.files().any(|(_, kind)| kind == Kind::Isochrones) {
             true => 64 * u64::from(size[0]) * u64::from(size[1]),
             false => 0,
@@ -135,7 +135,7 @@ impl Outputs {
         lines.saturating_add(centred)
     }
 
-    /// All files of the film's own, and what they hold; not those with lines drawn over them.
+    /// All files of the film itself and their contents; not those with lines drawn over them.
     pub fn files(&self) -> impl Iterator<Item = (&Path, Kind)> {
         let images = self.images.iter();
         let images = images.map(|path| (path.as_path(), Kind::of(path, self.show)));
@@ -169,7 +169,7 @@ impl Outputs {
         }
     }
 
-    /// The same with every file's name changed.
+    /// The same, with every file renamed.
     pub fn renamed(&self, name: impl Fn(&Path) -> PathBuf) -> Outputs {
         Outputs {
             images: self.images.iter().map(|path| name(path)).collect(),
@@ -196,7 +196,7 @@ impl Outputs {
         })
     }
 
-    /// The same, with what to print of each file for `written`.
+    /// Like `write`, but passes the lines to print for each file to `written`.
     pub fn write_each(
         &self,
         scene: &Scene,
@@ -215,8 +215,8 @@ impl Outputs {
         Ok(())
     }
 
-    /// What half precision, or else single precision, cannot hold of the radiance, if a file has it: values above its largest number, or
-    /// for half precision so dim that they round to 0. A few dim pixels are not reported.
+    /// What half precision, or else single precision, cannot hold of the radiance, if it is written to a file: values above the largest
+    /// number, or, for half precision, values so small that they round to 0. A few dim pixels are not reported.
     pub fn beyond_precision(&self, film: &Film) -> Option<String> {
         if !self.files().any(|(_, kind)| kind == Kind::Exr) {
             return None;
@@ -225,7 +225,7 @@ impl Outputs {
             return beyond_single(film);
         }
         const GREATEST: f64 = 65504.0;
-        // Half of the least number above 0, 2⁻²⁴, and less are rounded to 0.
+        // Values up to half of the smallest number above 0, 2⁻²⁴, round to 0.
         const LEAST: f64 = 1.0 / (1u64 << 25) as f64;
         let of = |is_beyond: fn(f64) -> bool| {
             let pixels = film.radiance().iter();
@@ -346,7 +346,7 @@ impl Outputs {
         Layers::new(width, height, film.channels(&self.aovs), metadata)
     }
 
-    /// Whether files say that they are whole: of single pictures nobody asks later.
+    /// Whether files carry a checksum; those of single pictures are never checked later.
     fn is_sealed(&self) -> bool {
         self.identity.is_some()
     }
@@ -356,7 +356,7 @@ fn channel_count(layers: &Layers) -> String {
     format!(" ({} channels)", layers.channels.len())
 }
 
-/// What single precision cannot hold of the radiance.
+/// The values of the radiance that single precision cannot hold.
 fn beyond_single(film: &Film) -> Option<String> {
     let is_beyond = |c: &f64| c.is_finite() && c.abs() > f64::from(f32::MAX);
     let pixels = film.radiance().iter();
@@ -370,13 +370,13 @@ fn beyond_single(film: &Film) -> Option<String> {
     })
 }
 
-/// A number of pixels, as words.
+/// A number of pixels, in words.
 fn pixel_count(count: u64) -> String {
     let plural = if count == 1 { "" } else { "s" };
     format!("{} pixel{plural}", plan::count(count))
 }
 
-/// A number with five significant digits, which `--white` accepts again.
+/// A number to five significant digits, in a form that `--white` accepts.
 pub fn five_digits(value: f64) -> String {
     let exponent = value.abs().log10().floor();
     if !(-4.0..7.0).contains(&exponent) {
@@ -395,7 +395,7 @@ pub fn extension(path: &Path) -> String {
 #[derive(Debug, Clone, Copy)]
 pub struct Ends {
     white: f64,
-    /// On a logarithmic scale.
+    /// `None` for a linear scale.
     black: Option<f64>,
 }
 
@@ -408,7 +408,7 @@ impl Ends {
         }
     }
 
-    /// What is said of them beside the file's name.
+    /// The note about them beside the file's name.
     fn note(&self) -> String {
         let white = five_digits(self.white);
         match self.black {
@@ -436,7 +436,7 @@ struct Deep {
 }
 
 impl Deep {
-    /// On a page with these words beneath it. The page is that of a black picture, into which this one is copied.
+    /// The picture on a page with this caption. The page is made for a black picture, and this one is copied into it.
     fn with_caption(self, label: String) -> Result<Deep> {
         let [width, height] = self.size;
         let black = RgbImage {
@@ -447,7 +447,7 @@ impl Deep {
         let panels = [panel(black, label)];
         let layout = Layout::new(&panels, &SheetOptions::default())?;
         let page = contact_sheet::compose(&panels, &SheetOptions::default())?;
-        // 255 · 257 = 65535: codes of 8 bits as those of 16.
+        // 255 · 257 = 65535: converts 8-bit codes to 16 bits.
         let mut rgb: Vec<u16> = page.rgb.iter().map(|code| u16::from(*code) * 257).collect();
         if let Some(cell) = layout.cells.first() {
             let scale = layout.scale as usize;
@@ -470,13 +470,13 @@ impl Deep {
     }
 }
 
-/// A picture, and the ends of its scale, where it shows radiance.
+/// A picture, and the ends of its scale if it shows radiance.
 pub struct Picture {
     pub image: RgbImage,
     pub ends: Option<Ends>,
 }
 
-/// What `film` shows; isochrones `step` metres apart, or at round numbers.
+/// The picture of what `show` selects from `film`; isochrones are `step` metres apart, or at round numbers.
 pub fn picture(scene: &Scene, film: &Film, show: Show, step: Option<f64>) -> Result<Picture> {
     match show {
         Show::Picture => display(scene, film),
@@ -530,7 +530,7 @@ fn times(scene: &Scene, film: &Film, step: Option<f64>) -> Result<RgbImage> {
     isochrones::draw(width, height, times, &options)
 }
 
-/// A drawing in the format of this extension; .png with so many pixels a point.
+/// A drawing in the format with this extension; for .png with the given pixels per point.
 pub fn encoded(drawing: &Drawing, kind: &str, scale: f64) -> Result<Vec<u8>> {
     match kind {
         "svg" => Ok(svg::write(drawing)?.into_bytes()),
@@ -548,7 +548,7 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// Reads the files. One that cannot be read counts as missing: whether it is needed turns out later.
+    /// Reads the files. One that cannot be read counts as missing; whether it is needed is decided later.
     pub fn read(paths: &[PathBuf]) -> Inputs {
         let stamp = Stamp::of(paths);
         let mut all = Digests::default();
@@ -568,8 +568,7 @@ impl Inputs {
 /// The state of files at one moment: their lengths, times and identities.
 pub struct Stamp(Vec<(PathBuf, Option<Mark>)>);
 
-/// Length, time of the last change of the content, and where the system has it, what identifies the file and the
-/// time of its last change at all.
+/// Length and modification time, and on systems that have them, the numbers that identify the file and its last status change.
 type Mark = (u64, Option<SystemTime>, [i64; 3]);
 
 impl Stamp {
@@ -588,7 +587,7 @@ impl Stamp {
 
 fn mark(path: &Path) -> Option<Mark> {
     let metadata = std::fs::metadata(path).ok()?;
-    // Copying can set the time of the content back, but not that of the file's own entry.
+    // Copying can set the modification time back, but not the time of the last status change.
     #[cfg(unix)]
     let more = {
         use std::os::unix::fs::MetadataExt;
@@ -626,7 +625,7 @@ impl Identity {
     /// The key of the fingerprint in the metadata of files.
     pub const KEY: &'static str = "frame_fingerprint";
 
-    /// The identity of the frame that `scene` shows.
+    /// The identity of the frame shown by `scene`.
     pub fn new(scene: &Scene, request: &Request, outputs: &Outputs, inputs: &Inputs) -> Identity {
         let mut parts = Digests::default();
         parts.add(env!("CARGO_PKG_VERSION").as_bytes());
@@ -637,7 +636,7 @@ impl Identity {
         }
         parts.add(&[u8::from(request.pixel_centers)]);
         parts.add(&[u8::from(outputs.half)]);
-        // It may be measured over a whole sequence, and is not in the scene's text then.
+        // The white may be measured over a whole sequence; then it is not in the scene's text.
         if let Exposure::White(white) = scene.exposure {
             parts.add(&white.to_le_bytes());
         }
@@ -662,7 +661,7 @@ impl Identity {
         self.number(&format!("overlay {parts:?}"), self.step)
     }
 
-    /// The fingerprint of unfinished work of this description.
+    /// The fingerprint of unfinished work with this description.
     pub fn of_sums(&self, what: &str) -> [u8; 32] {
         let mut parts = Digests::default();
         parts.add(&self.common);
@@ -681,7 +680,7 @@ impl Identity {
     }
 }
 
-/// Cameras and spectra, which may come from files that are not inputs otherwise.
+/// Cameras and spectra, which may come from files that are not listed as inputs.
 fn looks(scene: &Scene) -> String {
     let captures = scene
         .sources
@@ -699,7 +698,7 @@ fn looks(scene: &Scene) -> String {
     format!("{:?} {captures:?} {spectra:?}", scene.camera)
 }
 
-/// Hashes parts, so that no two lists of parts are the same to it.
+/// Hashes parts so that different lists of parts give different input to the hash.
 #[derive(Default)]
 struct Digests(Sha256);
 

@@ -21,7 +21,7 @@ pub fn check(outputs: &Outputs, scene: &Scene) -> Result<()> {
     }
 }
 
-/// Writes the pictures with lines drawn over them, if any; prints which unless `quiet`.
+/// Writes the pictures with lines drawn over them, if any, and prints their names unless `quiet`.
 pub fn write(
     outputs: &Outputs,
     scene: &Scene,
@@ -46,7 +46,7 @@ pub fn write(
         interrupt::check()?;
         let kind = extension(path);
         let mut bytes = encoded(&page, &kind, scale)?;
-        // Pixels have checksums of their own.
+        // PNG files have their own checksums.
         if outputs.identity.is_some() && kind != "png" {
             sealed::seal_bytes(&mut bytes);
         }

@@ -23,7 +23,7 @@ use super::progress::Bar;
 use super::reel::Folder;
 use super::{builtin, inputs, interrupt, motion, say};
 
-/// Pixels of a point in the diagrams of pixels.
+/// Pixels per point in the diagrams of pixels.
 const PROBE_SCALE: f64 = 1.6;
 
 pub fn run(arguments: &PageArguments) -> Result<()> {
@@ -47,7 +47,7 @@ pub fn run(arguments: &PageArguments) -> Result<()> {
         })
     });
     if made.is_err() && is_new {
-        // It stays where pictures in it are to be gone on from.
+        // It is not empty if it holds pictures to resume from; then it stays.
         let _ = std::fs::remove_dir(directory);
     }
     made
@@ -67,7 +67,7 @@ fn check(arguments: &PageArguments, scene: &Scene, option: &str, path: &Path) ->
 fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path) -> Result<()> {
     let quiet = arguments.work.quiet.on;
     let steps = arguments.steps;
-    // A picture for every speed and time of the sliders.
+    // One picture for every combination of speed and time on the sliders.
     let still = motion::speeds("--beta", arguments.direction, scene, arguments.beta, steps)?;
     let times = times(arguments, scene)?;
     let moment = |time: &f64| {
@@ -94,7 +94,7 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
     };
     frames::run(&job, None)?;
     let files = frames.numbers.clone().map(|k| numbered(&pattern, k));
-    // Base 64 has four characters for three bytes. What is too large is not read.
+    // Base 64 uses four characters for three bytes. Files that are too large are not read.
     let bytes = files
         .clone()
         .map(|path| std::fs::metadata(path).map_or(0, |file| file.len()));

@@ -10,7 +10,7 @@ use nullray::scene::{Overrides, SceneFile};
 use super::failure::refused;
 use super::{builtin, exposure};
 
-/// The named panels of `scene`, in the order of the scene; all if none is named.
+/// The named panels of `scene`, in the scene's order; all panels if no name is given.
 ///
 /// # Errors
 /// Names that no panel has.
@@ -26,8 +26,7 @@ pub fn chosen<'s>(scene: &'s Scene, names: &[String]) -> Result<Vec<&'s Panel>> 
 
 /// The scene of a command, or its named panel.
 ///
-/// # Errors
-/// Errors in the scene; a name that no panel has.
+/// # Errors Errors in the scene; a name without a panel.
 pub fn scene(
     path: Option<&Path>,
     panel: Option<&String>,
@@ -37,7 +36,7 @@ pub fn scene(
     of_file(&builtin::open(path, overrides, memory)?, panel, overrides)
 }
 
-/// The same of a file that is open.
+/// Like [`scene`], for a file that is already open.
 ///
 /// # Errors
 /// As [`scene`].
@@ -64,8 +63,7 @@ fn unknown(scene: &Scene, name: &str) -> nullray::Error {
 
 /// The scenes of all panels, in their order.
 ///
-/// # Errors
-/// What is wrong with any of them.
+/// # Errors Errors in any of them.
 pub fn load_all(file: &SceneFile, whole: &Scene, overrides: &Overrides) -> Result<Vec<Scene>> {
     let panels = whole.panels.iter();
     panels

@@ -20,7 +20,7 @@ use super::output::{Identity, Inputs, Outputs};
 use super::progress::Bar;
 use super::{inputs, interrupt, overlay, say, warn};
 
-/// Files are written again after this many times the time for writing them, and after this many seconds.
+/// Files are written again after this many times the duration of writing them, and after this many seconds.
 const WRITING_SHARE: f64 = 10.0;
 const LEAST_BETWEEN: f64 = 1.0;
 /// The number of passes for which trees are built, because the actual one is unknown.
@@ -30,8 +30,7 @@ const USUAL_PASSES: u64 = 16;
 const RESUME: &str =
     "the passes up to the last save are kept: run the same command again to resume";
 
-/// Everything that the passes of one scene need, as requested. Everything that can be refused before anything heavy is loaded is refused
-/// here.
+/// Everything that the requested passes of one scene need. Refuses everything that can be refused before anything heavy is loaded.
 pub fn check_one(
     scene: &Scene,
     mut request: Request,
@@ -94,7 +93,7 @@ pub fn one(
     work.conclude(rendered)
 }
 
-/// The file of sums: beside the first picture.
+/// The file of sums, beside the first picture.
 fn sums_of(outputs: &Outputs) -> PathBuf {
     let first = outputs.paths().map(|(_, path)| path).next();
     let mut name = first.unwrap_or(Path::new("picture")).as_os_str().to_owned();
@@ -131,7 +130,7 @@ impl Work<'_> {
                 );
                 warn(self.quiet, &[text]);
             }
-            // What was read of another's sums is forgotten.
+            // Discards what was read of sums that belong to other work.
             self.passes = Passes::new(prepared, self.wanted.error);
         }
         Ok(())
@@ -183,10 +182,10 @@ impl Work<'_> {
         interrupt::check()
     }
 
-    /// Writes all files, reports the quality of the picture, and removes the sums if no more is to be done.
+    /// Writes all files, reports the quality of the picture, and removes the sums if nothing is left to do.
     fn conclude(mut self, mut rendered: Rendered) -> Result<()> {
         let (quiet, scene, outputs) = (self.quiet, self.scene, self.outputs);
-        // An error that was asked for and is not reached can be reached another time.
+        // If an error was requested and is not reached yet, the work can be resumed later.
         let is_left = self.wanted.error.is_some() && !self.passes.is_settled();
         if is_left {
             self.passes.write(&self.sums, &self.fingerprint)?;
@@ -196,7 +195,7 @@ impl Work<'_> {
         warn(quiet, &outputs.beyond_precision(&rendered.film));
         let (passes, error) = (self.passes.done(), 100.0 * self.passes.error());
         let of_pixels = format!("{error:.3} % of the mean radiance (root mean square over pixels)");
-        // Of an error that was asked for, what was asked: that of tiles, which is less than that of pixels.
+        // With a requested error, reports that of tiles, to which the request applies; it is smaller than that of pixels.
         let text = match self.wanted.error {
             Some(wanted) if self.passes.is_settled() => format!(
                 "{passes} passes: each tile of 16 × 16 pixels has reached the requested standard error, {} % of its radiance or of the \
@@ -215,7 +214,7 @@ impl Work<'_> {
         overlay::write(outputs, scene, film, prepared, quiet)
     }
 
-    /// The requests that were not met.
+    /// The message about tiles that have not reached the requested error.
     fn missing(&self) -> String {
         let error = 100.0 * self.wanted.error.unwrap_or_default();
         format!(

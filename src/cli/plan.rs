@@ -14,10 +14,10 @@ use super::flags::with_flags;
 use super::progress::Bar;
 use super::{builtin, print, print_json, remarks, warn, with_short_lines};
 
-/// The largest number of bytes of cubes that a plan reads to report when light in view misses their times; `render` examines larger ones.
+/// The largest cubes, bytes, that a plan reads to report whether light in view misses their times; `render` examines larger ones too.
 const LOOKED_INTO: u64 = 256 << 20;
 
-/// The largest mesh that is loaded to report how finely it is cut, triangles.
+/// The largest mesh that is loaded to report its tessellation, triangles.
 const LOADED: u64 = 1 << 20;
 
 pub fn run(arguments: &PlanArguments) -> Result<()> {
@@ -60,11 +60,11 @@ pub fn run(arguments: &PlanArguments) -> Result<()> {
     let is_pulse = |source: &Source| matches!(source.kind, SourceKind::Pulse(_));
     let is_timed = scene.lights.iter().any(is_timed) || scene.sources.iter().any(is_pulse);
     let triangles: u64 = plan.objects.iter().map(|object| object.triangles).sum();
-    // Light that is followed from mirrors that textures may make.
+    // Textures may make surfaces into mirrors, along which light is traced.
     let has_gloss_textures = plan.objects.iter().any(|object| object.has_gloss_textures);
     let is_followed = scene.bounces > 0 && has_gloss_textures;
     if (is_timed || is_followed) && bytes <= LOOKED_INTO && triangles <= LOADED {
-        // Where a mesh cannot be read yet the plan goes without: rendering says what is missing.
+        // A plan tolerates meshes that cannot be read yet: rendering reports what is missing.
         if let Ok(mut prepared) = Prepared::new(&scene, &plan, &Silent) {
             survey::note_mirrors_by_texture(&scene, &mut plan, &prepared);
             let moments = survey::moments(&scene, &mut prepared, false);

@@ -9,10 +9,10 @@ use nullray::render::progress::Progress;
 
 use super::interrupt;
 
-/// Writes how many of a `unit` are done per second, over all the time so far: the latest steps alone tell nothing of pictures that
-/// take milliseconds.
+/// Writes the number of `unit`s done per second, averaged over the whole time: the latest steps alone say nothing about pictures that take
+/// milliseconds.
 fn rate(unit: &'static str) -> impl Fn(&ProgressState, &mut dyn Write) + Clone + Send + Sync {
-    // Fails only where `out` does, and then there is nobody to tell.
+    // Fails only if `out` fails, and then the failure cannot be reported anyway.
     move |state, out| {
         let per_second = state.pos() as f64 / state.elapsed().as_secs_f64();
         let per_second = Some(per_second).filter(|rate| rate.is_finite());
@@ -20,12 +20,12 @@ fn rate(unit: &'static str) -> impl Fn(&ProgressState, &mut dyn Write) + Clone +
     }
 }
 
-/// Writes the remaining time at that rate; nothing before there is one.
+/// Writes the remaining time at that rate; nothing before there is a rate.
 fn left(state: &ProgressState, out: &mut dyn Write) {
     let done = state.pos() as f64;
     let rest = state.len().unwrap_or(0) as f64 - done;
     let seconds = state.elapsed().as_secs_f64() * rest.max(0.0) / done;
-    // Rates so small that the time is no `Duration` are none.
+    // A rate so small that the time exceeds `Duration` counts as no rate.
     if let Ok(time) = Duration::try_from_secs_f64(seconds) {
         let _ = write!(out, "{:#} left", HumanDuration(time));
     }
@@ -40,7 +40,7 @@ impl Bar {
         Bar::of(rays, "rays", quiet)
     }
 
-    /// The same for samples that are written.
+    /// The same for written samples.
     pub fn samples(samples: u64, quiet: bool) -> Self {
         Bar::of(samples, "samples", quiet)
     }
@@ -68,20 +68,20 @@ impl Bar {
         Bar(bar)
     }
 
-    /// The same, as a part of more work that began at `since`: `rays` of it are done.
+    /// The same, as a part of larger work that began at `since`: `rays` are already done.
     pub fn after(self, rays: u64, since: Instant) -> Self {
         self.0.set_position(rays);
         Bar(self.0.clone().with_elapsed(since.elapsed()))
     }
 
-    /// The same, with what it is of in front.
+    /// The same, with the name of its subject in front.
     pub fn named(self, what: String) -> Self {
         self.0
             .set_prefix(super::harmless(&(what + "  ")).into_owned());
         self
     }
 
-    /// Rate and time left count from now on.
+    /// Starts the measurement of the rate and the remaining time.
     pub fn start(&self) {
         self.0.reset_elapsed();
     }

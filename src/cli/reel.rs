@@ -1,8 +1,8 @@
 //! Films of finished pictures: animated PNG and raw video, to files or to a pipe.
 //!
 //! The pictures of a film are first numbered PNG files, in a folder beside it, so that stopped work can be resumed, as for sequences. The
-//! folder is removed once the film is complete; one left by a killed program is removed after a day by the next that makes a film beside
-//! it.
+//! folder is removed once the film is complete. One left behind by a killed program is removed after a day by the next run that makes a
+//! film beside it.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, ErrorKind, Write};
@@ -27,7 +27,7 @@ const PIPE: &str = "-";
 /// Its name in errors.
 const STDOUT: &str = "standard output";
 
-/// What a film is written as.
+/// The format of a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Apng,
@@ -75,12 +75,12 @@ pub fn check(films: &[PathBuf], read: &[PathBuf]) -> Result<()> {
 /// The end of the name of a film's folder.
 const ENDING: &str = ".frames";
 
-/// Whether outputs of this name have such a folder while they are made: films, and pages.
+/// Whether outputs with this name, films and pages, have such a folder while they are made.
 fn has_folder(name: &str) -> bool {
     [".apng", ".y4m", ".html"].iter().any(|e| name.ends_with(e))
 }
 
-/// Whether a file in such a folder is a picture of a film: a word, and a number of six digits.
+/// Whether a file in such a folder is a picture of a film: its name is a word and a number of six digits.
 fn is_picture(name: &str) -> bool {
     let number = name
         .strip_suffix(".png")
@@ -95,18 +95,18 @@ const PICTURES: [&str; 3] = ["film", "rest", "page"];
 
 /// The folder of a film's pictures.
 pub enum Folder {
-    /// Beside the film, to be resumed from.
+    /// Beside the film; work can be resumed from it.
     Beside {
         path: PathBuf,
-        /// As long as it is locked nobody takes it for left over.
+        /// While it is locked, it is not mistaken for a left-over folder.
         lock: Option<File>,
     },
-    /// Of a film that nobody can resume.
+    /// For a film that cannot be resumed.
     Passing(TempDir),
 }
 
 impl Folder {
-    /// That of the first of `films` that is a file, or one that goes with the program.
+    /// The folder of the first of `films` that is a file, or a temporary one.
     pub fn of(films: &[PathBuf]) -> Result<Folder> {
         let Some(film) = films.iter().find(|path| !is_pipe(path)) else {
             let made = tempfile::tempdir();
@@ -121,7 +121,7 @@ impl Folder {
         fs::create_dir_all(&path).map_err(Error::io(&path, "cannot create the directory"))?;
         let lock = File::open(&path).ok();
         if let Some(folder) = &lock {
-            // On file systems without locks its age has to do.
+            // On file systems without locks, only its age protects it.
             let _ = folder.try_lock_shared();
         }
         let is_folder = |name: &str| name.strip_suffix(ENDING).is_some_and(has_folder);
@@ -138,10 +138,10 @@ impl Folder {
         path.join(format!("{name}-######.png"))
     }
 
-    /// Removes all pictures, also those of earlier films of this name, and the folder if nothing else is in it; unless another program is
-    /// making the same film.
+    /// Removes all pictures, including those of earlier films with this name, and the folder if it is then empty; does nothing while
+    /// another program is making the same film.
     pub fn remove(self) {
-        // What stays costs space and nothing else.
+        // Anything that cannot be removed only takes space.
         if let Folder::Beside { path, lock } = &self {
             let is_alone = |lock: &File| !matches!(lock.try_lock(), Err(TryLockError::WouldBlock));
             if !lock.as_ref().is_none_or(is_alone) {
@@ -158,17 +158,17 @@ impl Folder {
 }
 
 impl Drop for Folder {
-    /// Removes the folder if it is empty: pictures of a film that was not finished stay.
+    /// Removes the folder if it is empty; pictures of an unfinished film stay.
     fn drop(&mut self) {
         if let Folder::Beside { path, lock } = self {
-            // Where open directories cannot be removed.
+            // Some systems cannot remove open directories.
             drop(lock.take());
             let _ = fs::remove_dir(path);
         }
     }
 }
 
-/// A picture that was written before.
+/// Reads a picture that was written before.
 pub fn read(path: &Path) -> Result<RgbImage> {
     let layers = png::read(path, &Budget::new(memory::limit(None)))?;
     let mut rgb = vec![0; 3 * layers.width as usize * layers.height as usize];
@@ -186,7 +186,7 @@ pub fn read(path: &Path) -> Result<RgbImage> {
     })
 }
 
-/// What is drawn, on white.
+/// The drawing on a white background.
 pub fn opaque(raster: &RgbaImage) -> RgbImage {
     let (pixels, _) = raster.rgba.as_chunks::<4>();
     let over_white = |[r, g, b, alpha]: [u8; 4]| {
@@ -224,7 +224,7 @@ pub fn pipe_or_save(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()
     let mut out = BufWriter::new(io::stdout().lock());
     match write(&mut out).and_then(|()| out.flush().map_err(Error::io(STDOUT, "cannot write"))) {
         Err(Error::Io { source, .. }) if source.kind() == ErrorKind::BrokenPipe => {
-            // Whoever read has enough; nothing of what is left is for anyone.
+            // The reader has closed the pipe: the buffered rest is discarded.
             drop(out.into_parts());
             Ok(())
         }
@@ -232,20 +232,20 @@ pub fn pipe_or_save(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()
     }
 }
 
-/// How films are written.
+/// The settings with which films are written.
 pub struct Reel<'a> {
     pub films: &'a [PathBuf],
-    /// Pictures of each.
+    /// Pictures per film.
     pub count: u64,
     /// Pictures per second.
     pub fps: f64,
-    /// Texts of those that hold texts.
+    /// Metadata, for formats that can hold them.
     pub metadata: &'a [(String, String)],
     pub quiet: bool,
 }
 
 impl Reel<'_> {
-    /// Writes all films of what `picture` gives by its number, from 0.
+    /// Writes all films, from the pictures that `picture` returns for each number from 0.
     pub fn write(&self, mut picture: impl FnMut(u64) -> Result<RgbImage>) -> Result<()> {
         for film in self.films {
             let kind = match extension(film).as_str() {

@@ -15,7 +15,7 @@ use nullray::spacetime::{Quantity, Velocity};
 
 use super::flags::with_flags;
 
-/// Rays and times.
+/// The line about rays and times.
 pub fn cost(rays: u64, prepared_in: f64, rendered_in: f64) -> String {
     let rate = rays as f64 / rendered_in.max(1e-9) / 1e6;
     format!(
@@ -24,7 +24,7 @@ pub fn cost(rays: u64, prepared_in: f64, rendered_in: f64) -> String {
     )
 }
 
-/// Whether a picture is black.
+/// Whether the picture is black.
 pub fn is_black(film: &Film) -> bool {
     !film.radiance().iter().flatten().any(|value| *value > 0.0)
 }
@@ -58,7 +58,7 @@ pub fn only_sky(scene: &Scene, film: &Film) -> String {
     }
 }
 
-/// A remark that no object is visible, and what would show one.
+/// The remark that no object is visible, with advice.
 fn nothing_met(scene: &Scene) -> String {
     let (from, behind) = match scene.back_faces {
         BackFaces::TwoSided => ("", ""),
@@ -70,22 +70,22 @@ fn nothing_met(scene: &Scene) -> String {
     format!("no ray meets an object{from}: look elsewhere, change camera.hfov{behind}")
 }
 
-/// When the light in view left and when there are data, for each lamp and pulse of which nothing is in view at its time; and
-/// the camera times that would show some of it.
+/// For each lamp and pulse whose light is not in view at its time: when the light in view left, when there are data, and the camera times
+/// that would show some of them.
 pub fn times(scene: &Scene, prepared: &mut Prepared) -> String {
     // Cubes that do not fit are reported before rendering.
     let moments = survey::moments(scene, prepared, true).into_iter();
     moments.map(|text| with_flags(&text) + "\n").collect()
 }
 
-/// The W = λ′/λ at which some of the spectra of colours, from 360 to 830 nm, is seen.
+/// The range of W = λ′/λ at which some part of the spectra of colours, from 360 to 830 nm, is visible.
 fn seen_ratios(scene: &Scene) -> [f64; 2] {
     let seen = scene.false_colour.map_or(1.0, |shown| shown / GREEN);
     let across = 830.0 / 360.0;
     [seen / across, seen * across]
 }
 
-/// The wavelength of false colours, metres: that which is shown looks as this one.
+/// The wavelength that the false-colour wavelength is shown as, metres.
 const GREEN: f64 = 555e-9;
 
 /// Whether colours stand for spectra that a Doppler shift can take out of sight.
@@ -101,7 +101,7 @@ fn has_colours(scene: &Scene) -> bool {
             || scene.sky.as_ref().is_some_and(of_sky))
 }
 
-/// That all light in view left out of sight, where a picture shows something of it all the same; empty otherwise.
+/// The remark that all light in view was emitted outside the visible range although a picture shows some of it; empty otherwise.
 pub fn shifted(scene: &Scene, prepared: &Prepared) -> String {
     if !has_colours(scene) {
         return String::new();
@@ -112,7 +112,7 @@ pub fn shifted(scene: &Scene, prepared: &Prepared) -> String {
     })
 }
 
-/// That all light will come from out of sight, whatever is in view, where that is known.
+/// The same before rendering, if it is known that all light will be emitted outside the visible range, whatever is in view.
 pub fn will_be_shifted(scene: &Scene) -> Result<Option<String>> {
     if !has_colours(scene) {
         return Ok(None);
@@ -121,9 +121,9 @@ pub fn will_be_shifted(scene: &Scene) -> Result<Option<String>> {
     Ok(range.map(|range| out_of_sight(scene, range, false)))
 }
 
-/// Where the light in view goes and comes from that is seen with these W, all of which take visible light out of sight.
+/// Where light in view with these W is shifted to and from; all of them take visible light out of the visible range.
 fn out_of_sight(scene: &Scene, [low, high]: [f64; 2], is_black: bool) -> String {
-    // What is visible, metres.
+    // The visible range, metres.
     let (violet, red) = (380e-9, 780e-9);
     let seen = scene.false_colour.map_or(1.0, |shown| shown / GREEN);
     let middle = (low * high).sqrt();
@@ -150,7 +150,7 @@ fn out_of_sight(scene: &Scene, [low, high]: [f64; 2], is_black: bool) -> String 
     )
 }
 
-/// Two wavelengths, metres, in a unit in which they are good to read.
+/// Two wavelengths, metres, in a readable unit.
 fn span(wavelengths: [f64; 2]) -> String {
     let (unit, name) = match wavelengths[1] {
         most if most < 10e-6 => (1e-9, "nm"),
@@ -161,7 +161,7 @@ fn span(wavelengths: [f64; 2]) -> String {
     format!("{from} to {to} {name}")
 }
 
-/// That all light in view is shifted out of sight, if it is; empty otherwise.
+/// The remark that all light in view is shifted out of the visible range; empty otherwise.
 pub fn shift(scene: &Scene, prepared: &Prepared) -> String {
     if scene.quantity != Quantity::Rgb || !scene.effects.doppler {
         return String::new();
@@ -187,7 +187,7 @@ pub fn shift(scene: &Scene, prepared: &Prepared) -> String {
 
 /// The objects whose spectra are invisible at all of these W.
 fn unseen_spectra(scene: &Scene, [low, high]: [f64; 2]) -> String {
-    // As finely as the eye's response changes, over a range that is no wider than what is visible.
+    // As fine as the changes of the eye's response, over a range no wider than the visible one.
     const PLACES: i32 = 32;
     let is_seen = |spectrum: &Spectrum| {
         let places = (0..=PLACES).map(|k| f64::from(k) / f64::from(PLACES));
@@ -227,14 +227,14 @@ pub fn enclosed(scene: &Scene, prepared: &Prepared) -> String {
     lamps.map(line).collect()
 }
 
-/// A number in four significant digits.
+/// A number to four significant digits.
 fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
-    // Adding 0 makes 0 of −0.
+    // Adding 0 turns −0 into 0.
     (rounded + 0.0).to_string()
 }
 
-/// Why surfaces in view are dark although no data are missing.
+/// Why surfaces in view are dark although no data are missing: advice on light.
 fn unlit(scene: &Scene) -> &'static str {
     if varies(scene) {
         "nothing in view is lit at the moment at which its light left: try another --time (see display.back_faces, \
@@ -251,7 +251,7 @@ fn unlit(scene: &Scene) -> &'static str {
     }
 }
 
-/// Whether the light that surfaces receive depends on the time: not if lights are steady, and they and all objects rest in the world.
+/// Whether the light on surfaces depends on time; it does not if lights are steady and rest in the world together with all objects.
 fn varies(scene: &Scene) -> bool {
     let moves = |velocity: Velocity, motion: &Motion| {
         !velocity.is_rest() || !matches!(motion, Motion::Inertial)
@@ -270,7 +270,7 @@ fn varies(scene: &Scene) -> bool {
             .any(|object| !object.velocity.is_rest())
 }
 
-/// Whether a sky lights nothing.
+/// Whether a sky lights no surface.
 fn is_dark(sky: &Sky) -> bool {
     let is_black = sky.background == SkyRadiance::Uniform([0.0; 3]);
     !sky.lights || (is_black && sky.sun.is_none() && sky.stars.is_none())
@@ -286,7 +286,7 @@ fn sends_nothing(light: &Light) -> bool {
     light == [0.0; 3]
 }
 
-/// Whether a shape is black, and mirrors nothing.
+/// Whether a shape is black and has no mirror reflection.
 fn reflects_nothing(object: &Object) -> bool {
     match &object.geometry {
         Geometry::Shape {
@@ -324,7 +324,7 @@ fn missing(c: Coverage) -> Option<&'static str> {
     largest.map(|(_, why)| why)
 }
 
-/// What part of the surfaces in view that have data these cover, and what the sensor hides, in words; empty where nothing is missing.
+/// The part of the surfaces with data in view that the data cover, and what the sensor hides, in words; empty if nothing is missing.
 pub fn coverage(film: &Film) -> String {
     let hidden = match film.hidden() {
         part if part > 0.0 => format!(
@@ -357,7 +357,7 @@ pub fn coverage(film: &Film) -> String {
     )
 }
 
-/// A part in per cent; what rounds to nothing or all, but is not, says so.
+/// A part in per cent; the text shows if a value that rounds to 0 or 100 is not exactly that.
 fn percent(part: f64) -> String {
     match part {
         p if p > 0.0 && p < 0.0005 => "< 0.1 %".into(),

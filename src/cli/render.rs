@@ -42,7 +42,7 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
         if arguments.print_scene {
             return print(&file.changed_text(&overrides)?);
         }
-        // All that can be refused before its light is baked.
+        // Everything that can be refused before its light is baked.
         let scene = flash.direct.scene(&overrides)?;
         check_sequence(arguments, &films, &scene)?;
         in_pool(arguments.work.threads.count, || flash.bake(arguments))?;
@@ -242,7 +242,7 @@ fn check_effects(arguments: &RenderArguments, outputs: &Outputs, films: &[PathBu
     Err(refused(option, what, &help))
 }
 
-/// Refuses a caption without a picture for it, and characters that cannot be set.
+/// Refuses a caption without a picture for it, and characters that the font lacks.
 fn check_caption(arguments: &RenderArguments, outputs: &Outputs, films: &[PathBuf]) -> Result<()> {
     let shown = outputs.files().any(|(_, kind)| kind == Kind::Display);
     if arguments.caption.is_some() && !shown && films.is_empty() {
@@ -256,7 +256,7 @@ fn check_caption(arguments: &RenderArguments, outputs: &Outputs, films: &[PathBu
     check_words(outputs.caption.as_deref())
 }
 
-/// Refuses characters that cannot be set beneath a picture.
+/// Refuses characters that the font for captions lacks.
 fn check_words(caption: Option<&str>) -> Result<()> {
     let Some(words) = caption else {
         return Ok(());
@@ -264,7 +264,7 @@ fn check_words(caption: Option<&str>) -> Result<()> {
     RichText::plain(words)?.width(1.0).map(|_| ())
 }
 
-/// The named scene file, or the scene for a model, which may be under a flash.
+/// The named scene file, or the scene for a model, possibly with a flash.
 fn file<'a>(
     arguments: &'a RenderArguments,
     overrides: &Overrides,
@@ -286,10 +286,10 @@ fn file<'a>(
     Ok((exposed(file, path, &made, arguments)?, None))
 }
 
-/// How many pictures of a fly-by are looked at for its exposure.
+/// The number of pictures of a fly-by that are previewed for its exposure.
 const MEASURED: u64 = 6;
 
-/// The same scene, exposed for the model rather than for the sky, which may be far brighter ahead: a fly-by for some of its pictures.
+/// The same scene, exposed for the model rather than for the sky, which may be far brighter ahead; for a fly-by, from some of its pictures.
 fn exposed(
     file: SceneFile,
     path: &Path,
@@ -318,7 +318,7 @@ fn exposed(
     Ok(white.map_or(file, |white| builtin::of_model(path, &made.exposed(white))))
 }
 
-/// Refuses passes of what is not a picture of the ray tracer.
+/// Refuses passes for anything but a picture of the ray tracer.
 fn check_passes(option: &str, arguments: &RenderArguments, is_sequence: bool) -> Result<()> {
     let refuse = |what: &str, help: &str| Err(refused(option, what, help));
     match () {
@@ -384,7 +384,7 @@ fn all_panels(
     let chosen = panels::chosen(whole, &arguments.panel)?;
     let (changes, threads) = (&arguments.changes, arguments.work.threads.count);
     let scenes = arguments.exposure.panels(file, whole, changes, threads)?;
-    // With one panel and a name for it there is nothing to be told apart.
+    // A single panel with a named output needs no suffix to distinguish it.
     let exact = arguments.panel.len() == 1 && !arguments.output.is_empty();
     let mut jobs = Vec::new();
     for (panel, scene) in whole.panels.iter().zip(scenes) {
@@ -443,7 +443,7 @@ fn outputs(arguments: &RenderArguments, scene: &Scene) -> Outputs {
     }
 }
 
-/// The caption of pictures of `scene`, which may be a panel with its own.
+/// The caption of pictures of `scene`, which may be a panel with its own caption.
 fn caption(arguments: &RenderArguments, scene: &Scene) -> Option<String> {
     arguments.caption.clone().or_else(|| scene.caption.clone())
 }

@@ -13,7 +13,7 @@ use super::failure::Done;
 use super::progress::Bar;
 use super::{failure, film, print};
 
-/// Runs every check, reports its result, and returns whether all hold.
+/// Runs every check, reports its result, and returns whether all pass.
 pub fn run(arguments: &SelftestArguments) -> Result<Done> {
     let checks = chosen(&arguments.check)?;
     let effort = match arguments.thorough {
@@ -37,7 +37,7 @@ pub fn run(arguments: &SelftestArguments) -> Result<Done> {
         }
         let mut lines = Vec::new();
         for check in checks {
-            // Each line is printed once it is known: thorough checks take minutes.
+            // Each line is printed as soon as it is known: thorough checks take minutes.
             let line = Line::of(check, effort)?;
             if !arguments.json.on {
                 print(&line.to_string())?;
@@ -56,7 +56,7 @@ pub fn run(arguments: &SelftestArguments) -> Result<Done> {
     })
 }
 
-/// The checks of these names, or all.
+/// The checks with these names, or all.
 fn chosen(names: &[String]) -> Result<Vec<Check>> {
     let checks = selftest::checks();
     let is_known = |name: &&String| checks.iter().any(|check| check.name == **name);
@@ -70,7 +70,7 @@ fn chosen(names: &[String]) -> Result<Vec<Check>> {
     Ok(checks.into_iter().filter(is_chosen).collect())
 }
 
-/// What a check has found, and how long that took.
+/// The result of a check, and its duration.
 struct Line {
     check: Check,
     outcome: Outcome,
@@ -124,7 +124,7 @@ impl std::fmt::Display for Line {
     }
 }
 
-/// Counts as they are, other numbers with two digits.
+/// Counts in full, other numbers to two digits.
 fn figure(x: f64) -> String {
     match x {
         x if x == x.trunc() && x.abs() < 1e6 => format!("{x}"),

@@ -39,21 +39,21 @@ pub fn run(arguments: &SheetArguments) -> Result<()> {
     })
 }
 
-/// A page to be made.
+/// A page to make.
 struct Figure {
-    /// The scene as it stands.
+    /// The scene with all its panels.
     whole: Scene,
     output: PathBuf,
     parts: Vec<Part>,
 }
 
-/// A panel to be rendered.
+/// A panel to render.
 struct Part {
     scene: Scene,
     label: String,
     /// Whether it begins a row.
     new_row: bool,
-    /// The panel's own file, where it is kept.
+    /// The panel's own file, if it is kept.
     outputs: Outputs,
     request: Request,
 }
@@ -75,8 +75,8 @@ impl Figure {
         })
     }
 
-    /// Refuses characters that cannot be set, and pictures that have no room on a page, before anything is rendered. Legends make
-    /// pictures larger than they are here, never smaller.
+    /// Refuses characters that the font lacks, and pictures that do not fit on a page, before anything is rendered. Legends can only
+    /// enlarge pictures beyond the sizes used here.
     fn check_page<'s>(&'s self) -> Result<()> {
         let size = |part: &'s Part| {
             let [width, height] = part.scene.camera.size;
@@ -98,7 +98,7 @@ impl Figure {
         }
     }
 
-    /// All that is read for it.
+    /// All files that are read for it.
     fn inputs(&self) -> Result<Vec<PathBuf>> {
         let mut read = Vec::new();
         for part in &self.parts {
@@ -110,7 +110,7 @@ impl Figure {
         Ok(read)
     }
 
-    /// Renders all panels, and writes the page that they make.
+    /// Renders all panels, and writes the page that they form.
     fn make(&self, quiet: bool) -> Result<()> {
         let mut panels = Vec::new();
         for part in &self.parts {
@@ -146,7 +146,7 @@ impl Figure {
     }
 }
 
-/// A part for each panel, or one for a scene without; pictures are named after `beside`.
+/// A part for each panel, or one for a scene without panels; pictures are named after `beside`.
 fn parts(
     path: &Path,
     file: &SceneFile,
@@ -202,7 +202,7 @@ impl Part {
         let plan = Plan::new(&self.scene, &self.request)?;
         let mut rendered = film::film(&self.scene, &plan, &Method::Trace, quiet, None)?;
         let prepared = &mut rendered.prepared;
-        // The name is never written: only that it is a picture matters to `times`.
+        // The file is never written: `times` only checks that it is a picture.
         let shown = Outputs {
             images: vec![PathBuf::from("panel.png")],
             ..self.outputs.clone()
@@ -229,9 +229,9 @@ fn make_directory(arguments: &SheetArguments) -> Result<()> {
     }
 }
 
-/// Refuses what cannot be written before anything is rendered.
+/// Refuses outputs that cannot be written before anything is rendered.
 fn check(figures: &[Figure]) -> Result<()> {
-    // Of all figures: the page of one must not replace what another is still to read.
+    // Across all figures: the page of one must not overwrite an input that another has still to read.
     let mut read = Vec::new();
     for figure in figures {
         read.extend(figure.inputs()?);

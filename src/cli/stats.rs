@@ -1,4 +1,4 @@
-//! The cost of a command, over all pictures that it rendered: a table, and the same as JSON.
+//! The cost of a command over all pictures that it rendered: a table, and the same as JSON.
 
 use std::io::Write;
 use std::path::Path;
@@ -47,7 +47,7 @@ impl Account {
         self.loaded_in + self.built_in + self.rendered_in
     }
 
-    /// As a table.
+    /// The table.
     pub fn table(&self) -> String {
         let stats = &self.stats;
         let mut rows = vec![
@@ -86,10 +86,10 @@ impl Account {
         rows.concat()
     }
 
-    /// Seconds of a stage, its share, and nanoseconds per ray.
+    /// The seconds of a stage, its share of the total, and its nanoseconds per ray.
     fn stage(&self, stage: Stage) -> [f64; 3] {
         let spent = self.stats.seconds[stage as usize];
-        // Without a ray or a measured second they are 0, not NaN.
+        // 0, not NaN, without a ray or measured time.
         let share = spent / self.stats.total_seconds().max(f64::MIN_POSITIVE);
         let per_ray = 1e9 * spent / (self.stats.rays.max(1)) as f64;
         [spent, share, per_ray]

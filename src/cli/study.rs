@@ -19,10 +19,10 @@ use super::output::{encoded, extension};
 use super::progress::Bar;
 use super::{inputs, interrupt, memory, say};
 
-/// Pixels of a point in a .png.
+/// Pixels per point in a .png.
 const SCALE: f64 = 2.0;
 
-/// Measures, prints the table, and writes it as the outputs' extensions say.
+/// Measures, prints the table, and writes it in the formats of the outputs' extensions.
 pub fn run(arguments: &StudyArguments) -> Result<()> {
     let scene = arguments.scene.load()?;
     let request = arguments
@@ -59,7 +59,7 @@ pub fn run(arguments: &StudyArguments) -> Result<()> {
     Ok(())
 }
 
-/// Where to write; refused before anything is measured.
+/// The output files; problems with them are reported before anything is measured.
 fn outputs(arguments: &StudyArguments, read: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let path = arguments.scene.path();
     let outputs = match arguments.output.as_slice() {

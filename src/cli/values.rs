@@ -1,4 +1,4 @@
-//! Values of options, from their texts.
+//! Parsers for the values of options.
 
 use std::ops::{Range, RangeBounds};
 
@@ -58,7 +58,7 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
     fits.ok_or_else(|| "write a number, 0 or above".into())
 }
 
-/// Where a camera moves to.
+/// The direction in which a camera moves.
 pub fn heading(text: &str) -> Result<Heading, String> {
     let (sign, axis) = match text.strip_prefix('-') {
         Some(axis) => (-1.0, axis),
@@ -72,7 +72,7 @@ pub fn heading(text: &str) -> Result<Heading, String> {
         (_, "away") => return Ok(Heading::Away),
         _ => {}
     }
-    // Of the whole text: the minus that was taken off may be that of the first component.
+    // Parsed from the whole text: the minus sign taken off may belong to the first component.
     let numbers = text.split(',').map(|n| n.trim().parse::<f64>().ok());
     let numbers: Option<Vec<f64>> = numbers.collect();
     match numbers.as_deref() {
@@ -96,7 +96,7 @@ pub fn vector(text: &str) -> Result<DVec3, String> {
 /// Columns and rows of a grid.
 pub fn grid(text: &str) -> Result<[u32; 2], String> {
     match size(text)? {
-        // Each pixel adds a diagram to the page: 400 keep it of a size that a browser opens.
+        // Each pixel adds a diagram to the page: with 400 its size is still one that a browser opens.
         [columns, rows] if columns.saturating_mul(rows) <= 400 => Ok([columns, rows]),
         _ => Err("more than 400 pixels; write columns and rows like 4x3".into()),
     }
@@ -112,13 +112,13 @@ pub fn pixel(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
-/// A number within `range`; `help` says what is.
+/// A number within `range`; `help` states what is allowed.
 fn number(text: &str, range: impl RangeBounds<f64>, help: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok();
     number.filter(|n| range.contains(n)).ok_or(help.into())
 }
 
-/// Pixels of a point.
+/// Pixels per point.
 pub fn scale(text: &str) -> Result<f64, String> {
     number(text, 0.1..=100.0, "a scale is a number from 0.1 to 100")
 }
@@ -140,7 +140,7 @@ pub fn assignment(text: &str) -> Result<(String, String), String> {
 /// An amount of memory.
 pub fn bytes(text: &str) -> Result<u64, String> {
     let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
-    // Powers of 1024 however the unit is written.
+    // Powers of 1024, however the unit is written.
     let unit = match text[digits.len()..].to_ascii_lowercase().as_str() {
         "" | "b" => 1,
         "k" | "kb" | "kib" => 1 << 10,
@@ -171,7 +171,7 @@ pub fn relative_error(text: &str) -> Result<f64, String> {
         Some(digits) => (digits, 0.01),
         None => (text, 1.0),
     };
-    // The range is that of the number as it is written, so it is divided by the unit.
+    // The range applies to the number as written, so it is divided by the unit.
     number(digits, f64::MIN_POSITIVE..=1.0 / unit, help).map(|number| number * unit)
 }
 
@@ -192,7 +192,7 @@ pub fn work_time(text: &str) -> Result<f64, String> {
     number(digits, 0.0..=MONTH / unit, help).map(|number| number * unit)
 }
 
-/// How many passes: pairs, one for each half of the samples.
+/// A number of passes; they come in pairs, one for each half of the samples.
 pub fn passes(text: &str) -> Result<u32, String> {
     let number = text.trim().parse::<u32>().ok();
     let even = number.filter(|n| (2..=65_536).contains(n) && n % 2 == 0);
@@ -216,7 +216,7 @@ pub fn precision(text: &str) -> Result<Precision, String> {
 
 /// A percentage; a bare number is one too.
 pub fn percentage(text: &str) -> Result<String, String> {
-    // A text with a unit is kept as it is: a scene file has the same key, and reads it the same way.
+    // A text with a unit is kept: the scene file has the same key, and reads it in the same way.
     let text = match text.trim().parse::<f64>() {
         Ok(number) => format!("{number} %"),
         Err(_) => text.into(),

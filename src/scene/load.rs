@@ -222,7 +222,7 @@ fn look_for_cube(inputs: &mut Inputs, cache: &FileCache, cube: &file::Cube) {
     let format = cube::format_called(&path);
     match format.and_then(CubeFormat::by_path) {
         None => look_for(inputs, cache, name),
-        // All of its files, or some.
+        // All or some of its files.
         Some(_) => {
             if let Err(error) = cube::files(&path) {
                 inputs.add_missing(name, error.to_string());
@@ -298,7 +298,7 @@ fn read_track(inputs: &mut Inputs, cache: &FileCache, motion: &Option<At<file::M
     inputs.add_track(gltf, track);
 }
 
-/// Records what is wrong with the file that `name` names. None is opened.
+/// Records what is wrong with the file that `name` refers to; opens no file.
 fn look_for(inputs: &mut Inputs, cache: &FileCache, name: &At<String>) {
     if name.value.starts_with(memory::PREFIX) {
         return;

@@ -102,7 +102,7 @@ pub struct Scene {
     pub exposure: Exposure,
     /// Samples per pixel (powers of 4 are distributed most evenly: their strata are squares, and their Sobol' points fill all intervals).
     pub samples_per_pixel: u32,
-    /// Parts of its files that are not followed, in sentences.
+    /// Parts of its files that are ignored, in sentences.
     pub passed_over: Vec<String>,
     /// Variants of the scene, in the order of the file.
     pub panels: Vec<Panel>,

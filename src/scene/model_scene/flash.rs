@@ -1,9 +1,9 @@
 //! A flash of light on a model.
 //!
-//! A lamp emits a Gaussian pulse at time 0 (σ = 1/16 of the radius), which reaches the model and a floor under it. The light is baked, and looked up by
-//! a camera that keeps moving through the film: at camera time 0 it is at the place of the still picture and sees the direct light reach the centre of the
-//! model. The film lasts from the first light to some time after the last ([`Show::span`]); at both ends and at time 0 the camera has the
-//! model in view, with W within a factor of 4.
+//! A lamp emits a Gaussian pulse at time 0 (σ = 1/16 of the radius), which reaches the model and a floor under it. The light is baked, and read by a
+//! camera that moves throughout the film: at camera time 0 it is at the place of the still picture and sees the direct light reach the centre of the
+//! model. The film lasts from the first light to some time after the last ([`Show::span`]); at both ends and at time 0 the model is in view, and W varies
+//! by less than a factor of 4.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -22,25 +22,25 @@ use crate::io::gltf::{self, GltfLightKind, GltfSummary};
 use crate::mesh::Factors;
 use crate::spacetime::Quantity;
 
-/// Standard deviation of the pulse in radii of the model: the front is an eighth of the model deep, and consecutive ones of 48 pictures, over
-/// 5 radii, are less far apart than that.
+/// Standard deviation of the pulse in radii of the model: the front is an eighth of the model deep, and in consecutive pictures, 48 over 5
+/// radii, it advances by less than that.
 const SIGMA: f64 = 1.0 / 16.0;
-/// Bins per standard deviation: a Gaussian of two bins has 2·10⁻³ of its light beyond the frequencies that bins keep.
+/// Bins per standard deviation: with two, 2·10⁻³ of a Gaussian's light lies above the frequencies that bins preserve.
 const BINS_PER_SIGMA: f64 = 2.0;
-/// Bins begin this many standard deviations before the peak: a millionth of the light is earlier.
+/// Bins begin this many standard deviations before the peak: only a millionth of the light is earlier.
 const BEGINS: f64 = 5.0;
 /// The first picture shows light emitted this many standard deviations before the peak, at a thirtieth of its power.
 const DAWN: f64 = 2.6;
 /// The film follows reflected light for this many radii after the last direct light, and the bins for twice as many.
 const FADES: f64 = 1.0;
-/// From the centre of a model without lamps to its flash, in radii: above the viewer's left shoulder.
+/// The flash of a model without lamps, from its centre, in radii: above the viewer's left shoulder.
 const FLASH: DVec3 = DVec3::new(-1.0, 1.5, 1.2);
-/// Half the side of the floor under a model, and its distance below the model, in radii.
+/// Half the side of the floor under a model, in radii, and its distance below it.
 const FLOOR: f64 = 3.0;
 const BELOW: f64 = 1e-3;
-/// White over black of a flash: light that comes by way of two surfaces is a hundredth of what comes directly.
+/// White over black for a flash: light reflected by two surfaces is a hundredth of direct light.
 const FLASH_RANGE: f64 = 300.0;
-/// Most bins, for a model that is far from its lamps.
+/// The most bins, for a model that is far from its lamps.
 const MOST_BINS: u32 = 2048;
 
 /// The file of a model.
@@ -68,11 +68,11 @@ pub(super) fn flashing(
     }
     let Ball { centre, radius } = subject.ball;
     let sigma = SIGMA * radius;
-    // Its own lamps, or one for it.
+    // The model's own lamps, or one made for it.
     let mut lamps = String::new();
     let mut sources: Vec<Front> = Vec::new();
     for light in &gltf::lights(model.path)? {
-        // Writing to a text does not fail.
+        // Writing to a string cannot fail.
         let _ = write_light(&mut lamps, light);
         let _ = writeln!(
             lamps,
@@ -85,7 +85,7 @@ pub(super) fn flashing(
     }
     if sources.is_empty() {
         let place = centre + FLASH * radius;
-        // White that faces it at the middle has about the radiance 1 when the flash is there.
+        // A white surface in the middle that faces the flash has a radiance of about 1 at the peak.
         let intensity = 8.0 * sigma * FLASH.length_squared() * radius * radius;
         let _ = write!(
             lamps,
@@ -127,7 +127,7 @@ pub(super) fn flashing(
         middle: arrivals(&[centre])[0],
     };
     let camera = framing(subject, motion, size, Some(&show));
-    // Bins for all light that reaches the model or the floor directly, and for what follows.
+    // Bins for all direct light on the model or the floor, and for the light that follows.
     let corners = floor.iter().flat_map(|(_, corners)| corners).copied();
     let places: Vec<DVec3> = subject.outline.iter().copied().chain(corners).collect();
     let [first, last] = arrivals(&places);

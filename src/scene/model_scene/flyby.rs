@@ -1,17 +1,15 @@
 //! A camera that passes by.
 //!
-//! The camera passes C at the distance b. What it sees at the angle θ′ from its motion lies at θ, with
-//! sin θ = sin θ′/W, cos θ = (cos θ′ − β)/(1 − β cos θ′), and has the wavelength ratio W = γ(1 − β cos θ′). C is at θ where the camera is
-//! b cot θ before it, which it is at
+//! The camera passes C at the distance b. A point seen at the angle θ′ from its motion lies at θ, with sin θ = sin θ′/W, cos θ = (cos θ′ − β)/(1 − β cos
+//! θ′), and has the wavelength ratio W = γ(1 − β cos θ′). C lies at θ when the camera is b cot θ before its closest approach, at
 //!
 //! ```text
 //! x = −b cot θ = b γ (β − cos θ′)/sin θ′.
 //! ```
 //!
-//! The forward axis is where W = 1, at cos θ′ = γβ/(γ + 1), between blueshift and redshift: slow cameras look across their motion, and fast
-//! ones nearly ahead, where everything appears to be. The first picture has C at θ = 40°, the last one at the other edge
-//! of the picture, or at W = 2.5, beyond which daylight is darker than a three-hundredth. From the one to the other it takes (x₂ − x₁)/(γβ) of the camera's
-//! own time.
+//! The forward axis has W = 1, at cos θ′ = γβ/(γ + 1), between blueshift and redshift: slow cameras look across their motion, and fast ones nearly ahead,
+//! where everything appears to be. In the first picture C is at θ = 40°, in the last one at the other edge of the picture, or at W = 2.5, beyond which
+//! daylight is darker than a three-hundredth. Between them (x₂ − x₁)/(γβ) of the camera's proper time passes.
 
 use glam::DVec3;
 
@@ -20,19 +18,19 @@ use super::motion::Motion;
 use super::subject::Ball;
 use super::view::ModelView;
 
-/// Where the model is when a fly-by begins, degrees from the motion: a little beyond the edge of the picture of a slow camera.
+/// The direction of the model when a fly-by begins, degrees from the motion: a little beyond the picture's edge for a slow camera.
 const FLYBY_EDGE: f64 = 40.0;
-/// How far beyond the edge that is, of half the picture.
+/// The distance of that direction from the middle of the picture, relative to half the picture.
 const BEYOND: f64 = 50.0 / 45.0;
-/// Distance of the fly-by, in radii.
+/// The distance of the fly-by, in radii.
 const FLYBY_DISTANCE: f64 = 2.0;
-/// W at which a fly-by ends.
+/// The W at which a fly-by ends.
 const FLYBY_REDDEST: f64 = 2.5;
 
 /// A camera that passes by.
 pub(super) fn passing(ball: &Ball, motion: Motion) -> Framing {
     let Motion { beta, gamma, n } = motion;
-    // It passes in front; to the right where it comes from there, or goes there.
+    // It passes in front; on the right if it comes from there or goes there.
     let side = |v: DVec3| v.reject_from_normalized(n);
     let front = side(DVec3::new(0.0, 0.25, 1.0));
     let across = match front.length() > 0.3 {

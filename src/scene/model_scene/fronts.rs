@@ -1,18 +1,18 @@
-//! When light of a flash is seen on a model.
+//! When the light of a flash is seen on a model.
 
 use glam::DVec3;
 
 use super::motion::Motion;
 use super::subject::{Ball, Subject};
 
-/// The front of a flash that leaves its lamp at time 0, or the origin if its light is parallel.
+/// The front of a flash that leaves its lamp at time 0; for parallel light, the front through the origin at time 0.
 pub(super) enum Front {
     Sphere(DVec3),
     Plane(DVec3),
 }
 
 impl Front {
-    /// When it is at `point`.
+    /// The time when it reaches `point`.
     pub(super) fn arrival(&self, point: DVec3) -> f64 {
         match self {
             Front::Sphere(place) => point.distance(*place),
@@ -21,26 +21,26 @@ impl Front {
     }
 }
 
-/// What of a flash a film shows.
+/// The part of a flash that a film shows.
 pub(super) struct Show<'a> {
     pub(super) sources: &'a [Front],
-    /// How long before its front the film begins, and how long after it the film ends.
+    /// How long before the front the film begins, and how long after it the film ends.
     pub(super) dawn: f64,
     pub(super) fades: f64,
-    /// When it is at the middle of the model.
+    /// The time when the front reaches the middle of the model.
     pub(super) middle: f64,
 }
 
 impl Show<'_> {
-    /// When a camera sees the light of the middle of the model that leaves it with the front: it is at `eye` then.
+    /// When a camera that is then at `eye` sees the light that left the middle of the model with the front.
     pub(super) fn zero(&self, ball: &Ball, eye: DVec3) -> f64 {
         self.middle + eye.distance(ball.centre)
     }
 
-    /// World times, after that moment, at which the first light of the model is seen, and the last.
+    /// The world times, relative to that moment, at which the first and the last light of the model are seen.
     ///
-    /// From E, relative to the point, at that moment, the camera is at E + βn(q + a) when it sees light that left a time q before, where a is
-    /// the time of emission after that moment. q² = |E + βna + βnq|², with F = E + βna, is q = γ²(βF·n + √(β²(F·n)² + F²/γ²)).
+    /// Let E be the camera's position relative to the point at that moment, a the time of emission after that moment, and q the delay. The
+    /// camera sees the light at E + βn(q + a). With F = E + βna, the solution of q² = |F + βnq|² is q = γ²(βF·n + √(β²(F·n)² + F²/γ²)).
     pub(super) fn span(&self, subject: &Subject, eye: DVec3, motion: Option<&Motion>) -> [f64; 2] {
         let zero = self.zero(&subject.ball, eye);
         let seen = |point: DVec3, time: f64| {
@@ -49,7 +49,7 @@ impl Show<'_> {
             let from = eye - point + n * (beta * after);
             let along = beta * from.dot(n);
             let root = (along * along + from.length_squared() / (gamma * gamma)).sqrt();
-            // Without cancellation, on either side.
+            // Avoids cancellation for either sign.
             let delay = match along < 0.0 {
                 true => from.length_squared() / (root - along),
                 false => gamma * gamma * (along + root),

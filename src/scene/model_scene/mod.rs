@@ -32,21 +32,21 @@ use crate::io::gltf;
 use crate::mesh::Factors;
 use crate::spacetime::Quantity;
 
-/// How many times as bright one part of the model may be as another on a linear display, by their wavelength ratios alone.
+/// How many times as bright one part of the model may be as another, because of their wavelength ratios alone, on a linear display.
 const LINEAR: f64 = 20.0;
-/// How much darker than it is what is black on a logarithmic one: shadows.
+/// How many times darker black is on a logarithmic display: room for shadows.
 const SHADOWS: f64 = 100.0;
-/// Beyond nine decades neighbouring radiances have one code.
+/// Beyond nine decades neighbouring radiances would share a code.
 const DECADES: f64 = 1e9;
-/// Bounces of a model with glass: two hollow bodies, of four surfaces each, are seen through.
+/// Bounces for a model with glass: enough to see through two hollow bodies of four surfaces each.
 const GLASS_BOUNCES: u32 = 8;
-/// The size of a scene that says nothing.
+/// The default picture size.
 const SIZE: [u32; 2] = [640, 480];
-/// Towards the sun of a model that has no lights of its own: above the viewer's right shoulder.
+/// The direction of the sun for a model without its own lights: above the viewer's right shoulder.
 const SUN: DVec3 = DVec3::new(1.0, 1.4, 0.9);
 
-/// The scene for the glTF file at `path`, seen as `view` says. The path is written into the scene as given, so the scene file belongs in
-/// the folder that `path` is relative to. The model is loaded for framing only.
+/// The scene for the glTF file at `path`, viewed according to `view`. The path is written into the scene as given, so the scene file belongs
+/// in the folder to which `path` is relative. The model is loaded only for framing.
 ///
 /// # Errors
 /// As [`gltf::load`]; a model that refers to files outside its folder without permission, or takes more than `budget` has; a path that is not
@@ -76,7 +76,7 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Mod
         (_, motion) => framing(&subject, motion, size, None),
     };
     let mut text = format!("{MADE_FOR_MODEL}\n");
-    // Writing to a text does not fail.
+    // Writing to a string cannot fail.
     let _ = camera.write(&mut text, size);
     let _ = write!(
         text,

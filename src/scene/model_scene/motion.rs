@@ -18,7 +18,7 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    /// None at rest.
+    /// The motion; `None` at rest.
     pub(super) fn new(path: &Path, view: &ModelView) -> Result<Option<Motion>> {
         let refuse =
             |place: &str, what: String, help: &str| Err(Error::invalid(path, place, what, help));
@@ -54,10 +54,10 @@ impl Motion {
         Ok((beta > 0.0).then_some(Motion { beta, gamma, n }))
     }
 
-    /// To the camera's frame.
+    /// The boost to the camera's frame.
     pub(super) fn boost(&self) -> Boost<CameraFrame, World> {
         let velocity = Velocity::from_beta(self.n * self.beta);
-        // Speeds were checked when the motion was made.
+        // The speed was checked when the motion was created.
         Boost::<World, CameraFrame>::new(velocity.unwrap_or(Velocity::REST)).inverse()
     }
 }

@@ -1,7 +1,7 @@
 //! What the camera frames: a sphere around a model, and its outline.
 //!
-//! A model on a wide, level ground is framed without the ground: triangles at the very bottom are left out if all others fit into a sphere of a
-//! quarter of the radius.
+//! A model on a wide, level ground is framed without the ground: triangles at the very bottom are left out if all others fit into a sphere with
+//! a quarter of the radius.
 
 use std::path::Path;
 
@@ -12,11 +12,11 @@ use crate::io::budget::Budget;
 use crate::io::gltf::{self, BadVertices, GltfSummary, Want};
 use crate::mesh::Mesh;
 
-/// Cells of directions along each half axis: 1/12, or 5°, within which a sphere falls short of its tangent plane by 4·10⁻³.
+/// Cells of directions along each half axis: 1/12, or 5°, over which a sphere deviates from its tangent plane by 4·10⁻³.
 const CELLS: usize = 12;
-/// Points per radius on long edges, which appear curved: an arc of 1/8 of a radius is within 2·10⁻³ radii of its chord.
+/// Points per radius on long edges, which appear curved: an arc of 1/8 radius deviates from its chord by less than 2·10⁻³ radii.
 const PARTS: f64 = 8.0;
-/// A ground is level to this fraction of the whole radius, and what stands on it has at most this fraction of the radius.
+/// A ground is level to within the first fraction of the whole radius, and the subject on it has a radius below the second fraction of it.
 const LEVEL: f64 = 0.01;
 const WIDE: f64 = 0.25;
 
@@ -32,16 +32,16 @@ pub(super) struct Ball {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Subject {
     pub(super) ball: Ball,
-    /// Points of edges that are farthest from the middle of the ball, each in its cell of directions.
+    /// The points of edges that are farthest from the middle of the ball, one in each cell of directions.
     pub(super) outline: Vec<DVec3>,
-    /// The height of its bottom, if it does not stand on a ground of its own.
+    /// The height of its bottom, unless it stands on its own ground.
     pub(super) floor: Option<f64>,
 }
 
 impl Subject {
-    /// Bytes that a vertex takes while a model is loaded without texture coordinates: its place, in a list that grows.
+    /// Bytes per vertex while a model is loaded without texture coordinates: its position, in a growing list.
     const VERTEX: u64 = 2 * 24;
-    /// A triangle: its corners, in a list that grows, and as they are in the file.
+    /// Bytes per triangle: its corners, in a growing list, and as they are in the file.
     const TRIANGLE: u64 = 2 * 12 + 12;
 
     pub(super) fn of(path: &Path, held: &GltfSummary, budget: &Budget) -> Result<Subject> {
@@ -65,7 +65,7 @@ impl Subject {
         })
     }
 
-    /// The triangles that have corners apart; of a model on a wide and level ground, what is above the ground.
+    /// The subject of all triangles whose corners are distinct; for a model on a wide and level ground, only of those above the ground.
     pub(super) fn in_mesh(mesh: &Mesh) -> Option<Subject> {
         let all = Ball::of_those(mesh, |_| true)?;
         let corners = (0..mesh.triangles.len() as u32).flat_map(|i| mesh.corners(i));
@@ -84,7 +84,7 @@ impl Subject {
         )
     }
 
-    /// The triangles that `count`, which are within `ball`.
+    /// The subject of the triangles that `count` selects, which are within `ball`.
     fn within(ball: Ball, mesh: &Mesh, count: impl Fn(&[DVec3; 3]) -> bool) -> Subject {
         const SIDE: usize = 2 * CELLS + 1;
         let mut farthest = vec![(0.0, DVec3::ZERO); SIDE * SIDE * SIDE];
@@ -95,7 +95,7 @@ impl Subject {
             if distance == 0.0 {
                 continue;
             }
-            // Unit vectors lie in the cells of a cube of side 2 that the sphere goes through.
+            // Unit vectors lie in those cells of a cube of side 2 that the unit sphere passes through.
             let cell = |x: f64| (CELLS as f64 * (1.0 + x / distance)).round() as usize;
             let [x, y, z] = from_middle.to_array().map(cell);
             let slot = &mut farthest[(x * SIDE + y) * SIDE + z];
@@ -112,7 +112,7 @@ impl Subject {
     }
 }
 
-/// Points of a triangle's edges, its corners among them, that are about `step` apart or nearer.
+/// Points on a triangle's edges, including its corners, at most about `step` apart.
 fn along_edges([a, b, c]: [DVec3; 3], step: f64) -> impl Iterator<Item = DVec3> {
     [(a, b), (b, c), (c, a)]
         .into_iter()
@@ -123,22 +123,22 @@ fn along_edges([a, b, c]: [DVec3; 3], step: f64) -> impl Iterator<Item = DVec3> 
         })
 }
 
-/// The corners of the triangles that `count`, and have corners apart.
+/// The corners of the triangles that `count` selects and whose corners are distinct.
 fn counted(mesh: &Mesh, count: impl Fn(&[DVec3; 3]) -> bool) -> impl Iterator<Item = [DVec3; 3]> {
     let all = (0..mesh.triangles.len() as u32).map(|i| mesh.corners(i));
     all.filter(move |corners @ [a, b, c]| a != b && b != c && count(corners))
 }
 
 impl Ball {
-    /// That of those triangles that `count`, and have corners apart.
+    /// The ball around the triangles that `count` selects and whose corners are distinct.
     fn of_those(mesh: &Mesh, count: impl Fn(&[DVec3; 3]) -> bool) -> Option<Ball> {
         let seen = || counted(mesh, &count).flatten();
         let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
         let [least, greatest] = seen().fold(empty, |[l, g], p| [l.min(p), g.max(p)]);
         let centre = 0.5 * least + 0.5 * greatest;
         let radius = seen().map(|p| p.distance(centre)).fold(0.0, f64::max);
-        // Squares of lengths and the camera's place, at most a hundred radii away, are in the range of scenes, and the sphere is larger than
-        // the last digit of where it is.
+        // Squared lengths, and the camera's position at most a hundred radii away, stay within the limits of scenes, and the sphere is
+        // larger than the rounding error of its position.
         let seen = (1e-60..1e28).contains(&radius)
             && centre.length() < 1e29
             && centre.length() * 1e-12 < radius;

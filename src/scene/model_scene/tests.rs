@@ -9,7 +9,7 @@ use super::subject::{Ball, Subject};
 use super::view::{ModelView, VIEWPOINT};
 use crate::mesh::Mesh;
 
-/// A box, by the corners of a grid on it, and the sphere about it.
+/// A box, given by the corners of a grid on it, and its bounding sphere.
 fn slab(size: DVec3, middle: DVec3) -> Subject {
     let steps = || (0..=4).map(|k| f64::from(k) / 4.0 - 0.5);
     let grid = steps().flat_map(|x| steps().flat_map(move |y| steps().map(move |z| [x, y, z])));
@@ -67,7 +67,7 @@ fn the_model_fills_the_middle_of_the_picture_at_any_speed_and_scale() {
                 (filled[0].max(filled[1]) / FILLED - 1.0).abs() < 1e-6,
                 "{case}"
             );
-            // The margins are alike.
+            // The margins are equal.
             assert!(edges.iter().all(|[a, b]| (a + b).abs() < 1e-2), "{case}");
         }
     }
@@ -75,7 +75,7 @@ fn the_model_fills_the_middle_of_the_picture_at_any_speed_and_scale() {
 
 #[test]
 fn the_outline_has_what_is_farthest_in_every_direction() {
-    // A spike out of a ball of many triangles.
+    // A ball of many triangles with a spike.
     let mut corners = Vec::new();
     for k in 0..20_000 {
         let z = 1.0 - f64::from(k) / 10_000.0;
@@ -117,7 +117,7 @@ fn a_model_on_a_wide_ground_is_framed_without_it() {
         mesh.triangles = vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
         Subject::in_mesh(&mesh).unwrap().ball
     };
-    // The upper square alone: its half diagonal. With a ground of its size both are framed.
+    // Only the upper square: its half diagonal. With a ground of the same size both are framed.
     let alone = with(100.0);
     assert!((alone.radius - 2f64.sqrt()).abs() < 1e-12, "{alone:?}");
     assert!((alone.centre - DVec3::Y * 2.0).length() < 1e-12);

@@ -1,8 +1,8 @@
 //! The text of a model's scene.
 //!
-//! *Display.* White light of 6504 K is seen with W as a blackbody of 6504 K/W, and colours that keep their hue with W⁻⁴ of their radiance. Where
-//! this brightness varies by more than a factor of 20 over the model, the display is logarithmic. Where the model is seen with W > 5, that is, by
-//! light emitted below 170 nm with 10⁻⁷ of its brightness, colours keep their hue.
+//! *Display.* At the wavelength ratio W, white light of 6504 K looks like a blackbody of 6504 K/W, and colours that keep their hue have W⁻⁴ of
+//! their radiance. If this brightness varies by more than a factor of 20 over the model, the display is logarithmic. If parts of the model have W
+//! > 5, that is, if they are seen in light emitted below 170 nm with 10⁻⁷ of its brightness, colours keep their hue.
 
 use std::fmt::Write;
 
@@ -17,23 +17,23 @@ pub(crate) const MADE_FOR_MODEL: &str = "# Made by nullray for a model without a
 /// The scene made for a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelScene {
-    /// All of it but the exposure.
+    /// The text without the exposure.
     pub(super) text: String,
-    /// White over black, of a logarithmic display.
+    /// White over black for a logarithmic display.
     pub(super) range: Option<f64>,
-    /// The radiance of white, where it is not measured.
+    /// The white radiance if it is not measured.
     pub(super) white: f64,
-    /// What has to be baked before it can be rendered.
+    /// The light that has to be baked before the scene can be rendered.
     pub(super) flash: Option<FlashLight>,
 }
 
 impl ModelScene {
-    /// What has to be baked before it can be rendered.
+    /// The light that has to be baked before the scene can be rendered.
     pub fn flash(&self) -> Option<&FlashLight> {
         self.flash.as_ref()
     }
 
-    /// Its text; a logarithmic display is exposed for a white model in daylight.
+    /// The text; a logarithmic display is exposed for a white model in daylight.
     pub fn text(&self) -> String {
         match self.range {
             Some(_) => self.exposed(self.white),
@@ -41,7 +41,7 @@ impl ModelScene {
         }
     }
 
-    /// Its text, with the radiance `white` displayed as white.
+    /// The text, with the radiance `white` displayed as white.
     pub fn exposed(&self, white: f64) -> String {
         let short = |radiance: f64| format!("{radiance:.2e}").parse().unwrap_or(radiance);
         let white: f64 = short(white);
@@ -53,7 +53,7 @@ impl ModelScene {
     }
 }
 
-/// The light of a flash, which is baked before it is looked up.
+/// The light of a flash, which is baked before it can be read.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FlashLight {
     /// The scene whose objects are to be baked; its camera is always the same.
@@ -64,18 +64,18 @@ pub struct FlashLight {
     pub width: f64,
     /// Number of bins.
     pub bins: u32,
-    /// The same light without bounces, seen by the film's camera: for choosing an exposure.
+    /// The same light without bounces, seen by the film's camera; used to choose an exposure.
     pub(super) direct: String,
 }
 
 impl FlashLight {
-    /// The scene of direct light alone, by the camera of the film.
+    /// The scene with direct light only, seen by the film's camera.
     pub fn direct(&self) -> &str {
         &self.direct
     }
 }
 
-/// The brightness of white light seen with W, relative to W = 1.
+/// The brightness of white light at the wavelength ratio W, relative to W = 1.
 pub(super) fn brightness(quantity: Quantity, w: f64) -> f64 {
     // hc/(λkT) at 555 nm and 6504 K.
     const X: f64 = 0.014_387_769 / (555e-9 * 6504.0);
@@ -85,7 +85,7 @@ pub(super) fn brightness(quantity: Quantity, w: f64) -> f64 {
     }
 }
 
-/// A light of the file as one of the scene.
+/// Writes a light of the file as a light of the scene.
 pub(super) fn write_light(text: &mut String, light: &GltfLight) -> std::fmt::Result {
     let direction = vector(light.direction);
     let intensity = vector(DVec3::from_array(light.intensity));
@@ -106,7 +106,7 @@ pub(super) fn write_light(text: &mut String, light: &GltfLight) -> std::fmt::Res
     writeln!(text, "intensity = {intensity}")
 }
 
-/// A vector as the scene file has it.
+/// A vector as written in scene files.
 pub(super) fn vector(v: DVec3) -> String {
     format!("[{:?}, {:?}, {:?}]", v.x + 0.0, v.y + 0.0, v.z + 0.0)
 }

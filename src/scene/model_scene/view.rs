@@ -9,7 +9,7 @@ use glam::DVec3;
 pub struct ModelView {
     /// The camera's speed v/c. Default: at rest, and 0.5 for a fly-by.
     pub beta: Option<f64>,
-    /// Where it moves. Default: along +x.
+    /// The direction of its motion. Default: along +x.
     pub direction: Option<Heading>,
     /// Whether it passes by, in a sequence of [`ModelView::FLYBY_FRAMES`] pictures.
     pub flyby: bool,
@@ -22,20 +22,20 @@ pub struct ModelView {
 }
 
 impl ModelView {
-    /// How many pictures a fly-by or a flash has.
+    /// The number of pictures of a fly-by or a flash.
     pub const FLYBY_FRAMES: u64 = 48;
-    /// The speed of a fly-by for which none is given: what passes is turned by 30° and changes its hue.
+    /// The default speed of a fly-by: passing objects appear rotated by 30° and change their hue.
     pub(super) const FLYBY_SPEED: f64 = 0.5;
 }
 
 /// The direction of motion of a camera that looks at a model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Heading {
-    /// Along this vector, of any length but 0.
+    /// Along this vector, which must not be 0.
     Along(DVec3),
-    /// To the model.
+    /// Towards the model.
     Towards,
-    /// From the model.
+    /// Away from the model.
     Away,
 }
 
@@ -60,5 +60,5 @@ impl Flash {
     }
 }
 
-/// From the model to the camera: in front (+z, as glTF has it), somewhat to the right and above.
+/// From the model to the camera: in front (+z, as in glTF), somewhat to the right and above.
 pub(super) const VIEWPOINT: DVec3 = DVec3::new(0.5, 0.35, 1.0);

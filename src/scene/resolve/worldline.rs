@@ -1,4 +1,4 @@
-//! Motions without a possible world line, refused where the file gives them; exposures outside the world line.
+//! Refuses motions without a possible world line, at their place in the file, and exposures outside the world line.
 
 use std::ops::Range;
 

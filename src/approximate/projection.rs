@@ -96,7 +96,7 @@ pub(crate) struct ApparentVertex {
     pub film: DVec3,
     /// The film point, pixels; without meaning unless it is in front of the camera.
     pub point: [f64; 2],
-    /// |c| |Δ/δ|, pixels. A point beside the film by more than half of it, or behind the camera, counts as if it were in its corner.
+    /// |c| |Δ/δ|, pixels. A point outside the film by more than half its size, or behind the camera, is treated as in the film's corner.
     pub scale: f64,
 }
 
@@ -113,7 +113,7 @@ pub(crate) struct VertexBlock {
 }
 
 impl VertexBlock {
-    /// To be filled in.
+    /// An empty block, to be filled.
     pub const ZERO: VertexBlock = VertexBlock {
         c: Vectors::ZERO,
         length: [0.0; BLOCK],
@@ -226,10 +226,10 @@ impl Apparent {
             let (h, seen, x, y) = (film.get(at), k.get(at), point_x[at], point_y[at]);
             let [u, v] = apparent.slide(h, [x, y]);
             let square = seen.length_squared();
-            // What of m is along the line of sight turns nothing; the rest turns it by |m⊥|/|k|.
+            // The part of m along the line of sight causes no rotation; the rest rotates it by |m⊥|/|k|.
             let along = apparent.m_camera.dot(seen) / square;
             let turn = (apparent.m_camera - seen * along).length() / square.sqrt();
-            // Beside the film by no more than half of it.
+            // Beyond the film's edge by at most half of its size.
             let near_x = (x > -0.5 * width) & (x < 1.5 * width);
             let near_y = (y > -0.5 * height) & (y < 1.5 * height);
             let on_film = (u * u + v * v).sqrt();

@@ -24,7 +24,7 @@ pub(super) struct Piece {
 pub(super) struct Batch {
     /// Index of the rest frame.
     pub frame: u32,
-    /// How many vertices the frame has.
+    /// The number of vertices of the frame.
     pub shared: u32,
     /// Vertices at which triangles were cut, and their places, metres in the rest frame.
     pub cuts: Vec<Vertex>,
@@ -49,9 +49,9 @@ impl Batch {
 /// Triangles by tile: a list of (tile, triangle) in compressed rows.
 #[derive(Debug, Default)]
 pub(super) struct Bins {
-    /// The first tile that has any.
+    /// The first tile with any triangles.
     first: u64,
-    /// Where the rows of the tiles from `first` on begin, and where the last ends.
+    /// Where the rows of the tiles from `first` on begin, and where the last one ends.
     starts: Vec<u32>,
     triangles: Vec<u32>,
 }
@@ -64,7 +64,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// How many tiles there are in a row.
+    /// The number of tiles in a row.
     fn across(self) -> u32 {
         self.size[0].div_ceil(TILE)
     }
@@ -73,7 +73,7 @@ impl Grid {
     fn tiles(self, piece: &Piece, film: impl Fn(&Piece) -> [DVec3; 3], mut visit: impl FnMut(u32)) {
         let last = self.size.map(|n| n - 1);
         let [left, top, right, bottom] = piece.reach.pixels([0; 2], last).map(|p| p / TILE);
-        // One tile or two are not worth the edge functions.
+        // With only one or two tiles the edge functions are not worth evaluating.
         let many = (right - left + 1) * (bottom - top + 1) > 2;
         let edges = many.then(|| Edges::of(film(piece)));
         for row in top..=bottom {
@@ -115,7 +115,7 @@ impl Edges {
 impl Bins {
     /// Sorts `triangles` by the tiles of `grid`; `film` gives their corners.
     pub fn new(grid: Grid, triangles: &[Piece], film: impl Fn(&Piece) -> [DVec3; 3]) -> Self {
-        // Of those that reach several, the tiles with their indices.
+        // For triangles that reach several tiles, those tiles with the triangle's index.
         let mut pairs = Vec::new();
         let (mut first, mut last) = (u32::MAX, 0);
         for (index, piece) in (0u32..).zip(triangles) {
@@ -150,7 +150,7 @@ impl Bins {
             sorted[*place as usize] = index;
             *place += 1;
         };
-        // These are in the order of the pieces, too.
+        // These are in the order of the pieces, like the others.
         let mut pairs = pairs.into_iter().peekable();
         for (index, piece) in (0..).zip(triangles) {
             if piece.tile != Reach::SEVERAL {
@@ -244,7 +244,7 @@ mod tests {
                 triangles: vec![0; starts.last().map_or(0, |n| *n as usize)],
             },
         };
-        // Of tiles 1 to 3 the one in the middle has no triangle; nothing at all; tile 3 alone.
+        // Tile 2 has no triangle; the second batch has none at all; the third only reaches tile 3.
         let batches = [batch(1, &[0, 2, 2, 5]), batch(0, &[]), batch(3, &[0, 1])];
         let by_tile = TileBatches::new(&batches, 5);
         let expected: [&[u32]; 5] = [&[], &[0], &[], &[0, 2], &[]];

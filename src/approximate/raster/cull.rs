@@ -19,10 +19,10 @@ use crate::camera::Projection as _;
 use crate::render::film::TILE;
 use crate::spacetime::Displacement;
 
-/// How far beside a triangle samples may count as inside, pixels: twice the bound on edge functions in f32 (`tile`).
+/// How far outside a triangle samples may still count as inside, pixels: twice the bound on edge functions in f32 (`tile`).
 const BESIDE: f64 = 2e-5;
 
-/// More than f32 rounds by.
+/// More than the rounding error of f32.
 const ROUNDING: f64 = 1.0 / (1u32 << 23) as f64;
 
 /// The part of the film that a triangle can reach, pixels: left, top, right, bottom.
@@ -30,7 +30,7 @@ const ROUNDING: f64 = 1.0 / (1u32 << 23) as f64;
 pub(super) struct Reach(pub [f32; 4]);
 
 impl Reach {
-    /// Of one that reaches several tiles.
+    /// For a triangle that reaches several tiles.
     pub const SEVERAL: u32 = u32::MAX;
 
     /// The index of the only tile of a film of `size` pixels that it reaches, or [`Reach::SEVERAL`].
@@ -40,7 +40,7 @@ impl Reach {
         let last = size.map(|n| (n - 1) as f32);
         let (left, right) = (tiles(left.min(last[0])), tiles(right.min(last[0])));
         let (top, bottom) = (tiles(top.min(last[1])), tiles(bottom.min(last[1])));
-        // All of a film are counted in u32: it has fewer than 2³² pixels.
+        // All tiles of a film can be counted in u32: it has fewer than 2³² pixels.
         let only = top * size[0].div_ceil(TILE) + left;
         match (left == right) & (top == bottom) {
             true => only,
@@ -50,7 +50,6 @@ impl Reach {
 
     /// Its pixels within those from column and row `first` to column and row `last`, counted from `first`: first column and row, last
     /// column and row.
-    /// row.
     #[inline(always)]
     pub fn pixels(&self, first: [u32; 2], last: [u32; 2]) -> [u32; 4] {
         let Reach([left, top, right, bottom]) = *self;
@@ -64,15 +63,15 @@ impl Reach {
     }
 }
 
-/// The integer part of a number from 0 to 2²³: by the last digits of its sum with 2²³, because no vector conversion truncates values out
-/// of its range.
+/// The integer part of a number from 0 to 2²³, from the last digits of its sum with 2²³: no vector conversion truncates out-of-range
+/// values.
 #[inline(always)]
 pub(super) fn whole(x: f32) -> u32 {
     const BEFORE: f32 = (1u32 << 23) as f32;
     (x.floor() + BEFORE).to_bits() - BEFORE.to_bits()
 }
 
-/// Of pixels in a row or a column before a point, the number of whole tiles.
+/// The number of whole tiles in the pixels before a point in a row or a column.
 #[inline(always)]
 fn tiles(x: f32) -> u32 {
     whole(x * (1.0 / TILE as f32))
@@ -98,14 +97,14 @@ impl FilmEdges {
         self.size.map(|n| n as u32)
     }
 
-    /// Whether something with these bounds, left, top, right and bottom, can reach the film, and which part of it.
+    /// Whether anything with these bounds (left, top, right and bottom) can reach the film, and which part of it.
     #[inline(always)]
     pub fn reach(self, [left, top, right, bottom]: [f64; 4]) -> (bool, [f32; 4]) {
         let [width, height] = self.size;
         // NaN is not outside: undecided cases are kept.
         let outside = (right < -BESIDE) | (bottom < -BESIDE) | (left > width) | (top > height);
         let within = |x: f64, size: f64| x.max(0.0).min(size);
-        // No less far beside than f32 rounds.
+        // Widened by at least the rounding error of f32.
         let before = |x: f64, size: f64| (within(x - BESIDE, size) * (1.0 - ROUNDING)) as f32;
         let after = |x: f64, size: f64| (within(x + BESIDE, size) * (1.0 + ROUNDING)) as f32;
         let reach = [
@@ -118,24 +117,24 @@ impl FilmEdges {
     }
 }
 
-/// Number of triangles whose reach is found together.
+/// The number of triangles whose reach is computed together.
 pub(super) const LOT: usize = 64;
 
-/// Triangles that are entirely in front of the camera, and what they can reach; others, whose z is not above 0 everywhere, are left out.
+/// Triangles that are entirely in front of the camera, and their reach; others, whose z is not above 0 everywhere, are left out.
 pub(super) struct Before {
     /// By corner, the film point and z.
     pub corners: [[[f64; LOT]; 3]; 3],
     pub kinds: [Kind; LOT],
-    /// The part of the film that those which are seen can reach, and its only tile.
+    /// The part of the film that visible triangles can reach, and its only tile.
     pub reach: [[f32; LOT]; 4],
     pub tiles: [u32; LOT],
 }
 
 /// The result for a triangle.
 pub(super) type Kind = u32;
-/// It is outside of the film.
+/// It is outside the film.
 pub(super) const UNSEEN: Kind = 0;
-/// It is before the camera, and can reach the film.
+/// It is in front of the camera, and can reach the film.
 pub(super) const SEEN: Kind = 1;
 /// Undecided.
 pub(super) const UNKNOWN: Kind = 2;
@@ -149,7 +148,7 @@ impl Before {
     };
 }
 
-/// The loop over triangles that says what they can reach.
+/// The loop over triangles that computes their reach.
 pub(super) struct ReachAll<'a> {
     pub lot: &'a mut Before,
     pub film: FilmEdges,
@@ -186,7 +185,7 @@ impl VectorLoop for ReachAll<'_> {
     }
 }
 
-/// Whether points with these z are all before the camera, and none in its plane but for rounding.
+/// Whether points with these z are all in front of the camera, and, up to rounding, none is in its plane.
 #[inline(always)]
 pub(super) fn is_before(a: f64, b: f64, c: f64) -> bool {
     a.min(b).min(c) > 1e-9 * a.abs().max(b.abs()).max(c.abs())
@@ -200,7 +199,7 @@ impl Frustum {
         }
     }
 
-    /// Whether the triangle with these positions c, and every part of it however it is divided, is seen outside the film.
+    /// Whether the triangle with these positions c, and every part of it, however it is divided, is seen outside the film.
     pub fn misses(&self, projection: &ApparentProjection, [a, b, c]: [DVec3; 3]) -> bool {
         let centre = (a + b + c) / 3.0;
         let radius = centre
@@ -299,7 +298,7 @@ fn bounds(polygon: &[DVec3]) -> Option<[f64; 4]> {
         f64::NEG_INFINITY,
         f64::NEG_INFINITY,
     ];
-    // What is not before the camera has no place on the film.
+    // Points that are not in front of the camera have no film point.
     let found = polygon.iter().filter(|h| h.z > 0.0).fold(start, |b, h| {
         let (x, y) = (h.x / h.z, h.y / h.z);
         [b[0].min(x), b[1].min(y), b[2].max(x), b[3].max(y)]

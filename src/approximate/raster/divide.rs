@@ -21,11 +21,11 @@ use crate::accel::vectors::dispatch;
 use crate::approximate::projection::ApparentProjection;
 use crate::render::trace::{BuildPlaceHasher, SharedVertices};
 
-/// The largest number of times an edge is cut: 10⁻⁹ of it is left.
+/// The largest number of times an edge is halved: 10⁻⁹ of it is left.
 const DEEPEST: u32 = 30;
 /// Lengths that are equal up to rounding count as equal.
 const SAME: f64 = 1.0 - 1e-12;
-/// The number of triangles of a batch from which the total number of pieces is estimated.
+/// The number of triangles in a batch from which the total number of pieces is estimated.
 const ENOUGH: usize = 1024;
 
 /// The vertices of a rest frame: their positions, and their views.
@@ -59,9 +59,9 @@ pub(super) struct BatchBuilder<'a> {
     /// Triangles to examine, and those of the next level.
     level: Vec<Part>,
     next: Vec<Part>,
-    /// How many levels there have been.
+    /// The number of levels so far.
     depth: u32,
-    /// By their ends, the points at which edges of this level were cut.
+    /// The points at which edges of this level were cut, by the ends of the edge.
     points: HashMap<[u32; 2], u32, BuildPlaceHasher>,
     /// Cuts not yet counted.
     uncounted: usize,
@@ -88,9 +88,8 @@ impl<'a> BatchBuilder<'a> {
         }
     }
 
-    /// Adds those triangles in `slots` that exist, and divides until there are enough to estimate from, or none left to divide. Most are
-    /// straight enough as they are: those are kept at once.
-    /// are straight enough as they are: those are kept at once.
+    /// Adds the triangles in `slots` that exist, and divides until there are enough for an estimate, or none left to divide. Most are
+    /// straight enough without division: those are kept immediately.
     pub fn begin(&mut self, slots: Range<u32>, is_there: impl Fn(u32) -> bool) {
         self.add(slots, is_there);
         while (self.depth == 0 || self.level.len() < ENOUGH) && self.is_unfinished() {
@@ -114,8 +113,8 @@ impl<'a> BatchBuilder<'a> {
 
     /// The approximate number of further points at which triangles will be cut.
     ///
-    /// Of an edge that is to have n parts each half counts its own anew, and takes the next whole number: pieces are 0.7 parts long on
-    /// average, and there are 2.1 to 2.9 times as many points as whole parts would have (measured on five scenes).
+    /// Each half of an edge with n parts counts its own parts again, rounded up: pieces are 0.7 parts long on average, and there are 2.1 to
+    /// 2.9 times as many points as with exact parts (measured on five scenes).
     pub fn forecast(&self) -> f64 {
         const FINER: f64 = 2.0;
         let Divider {
@@ -134,7 +133,7 @@ impl<'a> BatchBuilder<'a> {
             self.measure(begin..end, &mut edges);
             for at in begin..end {
                 let needed = edges.needed.each_ref().map(|needed| needed[at - begin]);
-                // Edges of one part each make less than a point.
+                // Edges of one part each add less than a point.
                 if needed.iter().all(|needed| *needed <= 1.0) {
                     continue;
                 }
@@ -148,8 +147,7 @@ impl<'a> BatchBuilder<'a> {
         FINER * sum
     }
 
-    /// Keeps those of the triangles in `slots` whose corners show that they are straight enough; the others that exist are left to
-    /// examine.
+    /// Keeps the triangles in `slots` whose corners show that they are straight enough; the other existing ones remain to be examined.
     fn add(&mut self, slots: Range<u32>, is_there: impl Fn(u32) -> bool) {
         let FrameVertices { shared, apparent } = self.divider.vertices;
         let film = self.divider.frustum.edges();
@@ -193,13 +191,13 @@ impl<'a> BatchBuilder<'a> {
         !self.level.is_empty() && !self.divider.cuts.are_too_many()
     }
 
-    /// Cuts the triangles of this level, and goes to the next.
+    /// Cuts the triangles of this level, and moves on to the next.
     fn descend(&mut self) {
         match self.depth == DEEPEST || self.divider.tessellation == Tessellation::None {
             true => self.keep_all(),
             false => self.divide_level(),
         }
-        // All points of a level are transformed together. An edge is cut in the same level on either side.
+        // All points of a level are transformed together. An edge is cut at the same level on both of its sides.
         let (places, cuts) = (&self.batch.places, &mut self.batch.cuts);
         if !self.divider.cuts.are_too_many() {
             extend(self.divider.projection, places, cuts);
@@ -218,7 +216,7 @@ impl<'a> BatchBuilder<'a> {
         self.count();
         let (mut batch, vertices) = (self.batch, &self.divider.vertices.apparent.all);
         if self.divider.cuts.are_too_many() {
-            // Not all points have been transformed, and nobody looks at the rest.
+            // Some points were not transformed, but the rest is never read.
             batch.pieces.clear();
         }
         let film = |piece: &Piece| batch.corners(vertices, piece).map(|v| v.film);
@@ -232,7 +230,7 @@ impl<'a> BatchBuilder<'a> {
         }
     }
 
-    /// Keeps what need not be cut, and cuts the rest once.
+    /// Keeps triangles that need no cut, and cuts the others once.
     fn divide_level(&mut self) {
         let mut edges = Box::new(Edges::EMPTY);
         let mut begin = 0;
@@ -242,7 +240,7 @@ impl<'a> BatchBuilder<'a> {
             for at in begin..end {
                 let part = self.level[at];
                 let parts = edges.parts.each_ref().map(|parts| parts[at - begin]);
-                // Not for NaN either.
+                // False for NaN.
                 match parts.iter().any(|parts| *parts > 1.0) {
                     false => self.keep(part),
                     true => self.divide(part, parts),
@@ -252,19 +250,19 @@ impl<'a> BatchBuilder<'a> {
         }
     }
 
-    /// Finds the number of parts of the edges opposite to each corner, in total and in this level.
+    /// Computes the number of parts of the edges opposite to each corner, in total and at this level.
     fn measure(&self, range: Range<usize>, edges: &mut Edges) {
         match self.divider.tessellation {
             Tessellation::None => {}
             Tessellation::Uniform(length) => {
-                // By rest length alone.
+                // Only by rest length.
                 for (at, part) in self.level[range].iter().enumerate() {
                     let [a, b, c] = part.corners.map(|index| self.place(index));
                     let ends = [(b, c), (c, a), (a, b)];
                     for (edge, (a, b)) in ends.into_iter().enumerate() {
                         let needed = a.distance(b) / length;
                         edges.needed[edge][at] = needed;
-                        // What is longer than a whole number of lengths by rounding alone has no part more.
+                        // An edge that exceeds a whole number of lengths only by rounding gets no further part.
                         edges.parts[edge][at] = (needed * SAME).ceil();
                     }
                 }
@@ -321,7 +319,7 @@ impl<'a> BatchBuilder<'a> {
         if self.divider.frustum.misses(self.divider.projection, places) {
             return;
         }
-        // Turned so that the one edge that differs from the others is opposite to the first corner.
+        // Rotates the corners so that the one edge that differs from the others is opposite to the first corner.
         let is_cut = parts.map(|parts| parts > 1.0);
         let first = match is_cut.iter().filter(|cut| **cut).count() {
             1 => is_cut.iter().position(|cut| *cut),
@@ -358,7 +356,7 @@ impl<'a> BatchBuilder<'a> {
             .extend(pieces.map(|corners| Part { corners, slot }));
     }
 
-    /// What is left beside the first corner when its two edges are cut at `ca` and `ab`: cut by the shorter diagonal.
+    /// Divides the quadrilateral left after cutting off the first corner at `ca` and `ab`, along its shorter diagonal.
     fn three(&self, [_, b, c]: [u32; 3], ca: u32, ab: u32) -> [[u32; 3]; 2] {
         let square = |a, b| self.place(a).distance_squared(self.place(b));
         match square(ab, c) <= square(ca, b) {
@@ -367,10 +365,10 @@ impl<'a> BatchBuilder<'a> {
         }
     }
 
-    /// The point after the first ⌊n/2⌋ of the n `parts` of an edge, counted from the end whose coordinates are less:
-    /// the same from either side of it.
+    /// Cuts an edge of n `parts` after the first ⌊n/2⌋, counted from the end with the smaller coordinates: the point is the same from both
+    /// sides.
     fn cut(&mut self, a: u32, b: u32, parts: f64) -> u32 {
-        // The same from both triangles of the edge.
+        // The same for both triangles at the edge.
         let key = [a.min(b), a.max(b)];
         if let Some(known) = self.points.get(&key) {
             return *known;

@@ -31,12 +31,12 @@ pub(super) struct RayBatch {
     pub hits: HitBuffer,
     /// For each ray, its sample and its weight; empty if each sample has one ray.
     parts: Vec<(u32, f64)>,
-    /// The first ray of each sample, whose channels are recorded; empty where each sample has one.
+    /// The first ray of each sample, for which channels are recorded; empty if each sample has one ray.
     firsts: Vec<u32>,
 }
 
 impl RayBatch {
-    /// Clears all rays; if all new ones `are_written`, the old ones may stay in place.
+    /// Clears all rays; if all new ones `are_written`, the old values may stay in place.
     fn clear(&mut self, are_written: bool) {
         if !are_written {
             self.directions.clear();
@@ -76,10 +76,10 @@ pub(super) struct Strip {
 }
 
 impl Strip {
-    /// Most samples of a strip that are shaded in one batch, unless a row of pixels has more.
+    /// The maximum number of samples of a strip that are shaded in one batch, unless a row of pixels has more.
     const SAMPLES: u32 = TILE * TILE;
 
-    /// Rows of a strip whose pixels have `each` samples.
+    /// The number of rows of a strip whose pixels have `each` samples.
     fn height(each: u32) -> u32 {
         (Strip::SAMPLES / (TILE * each.max(1))).max(1)
     }
@@ -103,13 +103,13 @@ impl Strip {
         self.rows.pixels() * self.each
     }
 
-    /// The pixel of the tile that has sample `sample`.
+    /// The pixel of the tile to which sample `sample` belongs.
     #[inline(always)]
     pub fn pixel(&self, sample: usize) -> usize {
         (self.first * self.rows.size[0]) as usize + sample / self.each
     }
 
-    /// Fills `x` and `y` with where its samples are on the film, pixels from the corner of the tile, from where they are in their pixels.
+    /// Fills `x` and `y` with the film points of its samples, pixels from the corner of the tile, from the positions in their pixels.
     pub fn points(&self, [in_x, in_y]: [&[f64]; 2], x: &mut Vec<f64>, y: &mut Vec<f64>) {
         let Strip { rows, first, each } = *self;
         let count = rows.pixels() * each;
@@ -122,7 +122,7 @@ impl Strip {
                 *y = f64::from(row) + in_y;
             }
             if each == 1 {
-                // As below, in a loop that goes in vectors.
+                // The same as below, in a vectorized loop.
                 for (column, (x, in_x)) in
                     (0u32..).zip(x[samples.clone()].iter_mut().zip(&in_x[samples]))
                 {
@@ -141,13 +141,13 @@ impl Strip {
         }
     }
 
-    /// Whether there is one sample for each pixel of `tile`.
+    /// Whether it has exactly one sample for each pixel of `tile`.
     pub fn is_all_of(&self, tile: Tile) -> bool {
         self.each == 1 && self.rows.size == tile.size
     }
 }
 
-/// Sums of rays by sample, which go onto the film in the order of the samples of each pixel.
+/// Sums of rays by sample, which are added to the film in the order of the samples of each pixel.
 struct SampleSums<'a> {
     strip: Strip,
     sums: &'a mut Vec<[f64; 3]>,
@@ -173,7 +173,7 @@ impl<'a> SampleSums<'a> {
         }
     }
 
-    /// Puts the samples onto the film.
+    /// Adds the samples to the film.
     fn finish(self) {
         let first = self.strip.pixel(0);
         for (pixel, sums) in (first..).zip(self.sums.chunks(self.strip.each)) {
@@ -181,7 +181,7 @@ impl<'a> SampleSums<'a> {
         }
     }
 
-    /// Makes the buffer the pixels of `samples`.
+    /// Fills the buffer with the pixels of `samples`.
     fn take_pixels(&mut self, samples: &[u32]) {
         let strip = self.strip;
         self.pixels.clear();
@@ -226,14 +226,14 @@ impl RadianceSink for SampleSums<'_> {
     }
 }
 
-/// Adds up parts of samples to samples.
+/// Adds up the rays of each sample.
 struct Blend<'a> {
     parts: &'a [(u32, f64)],
     sums: SampleSums<'a>,
 }
 
 impl Blend<'_> {
-    /// The pixel of a ray, and the part of a sample that it is.
+    /// The pixel of a ray, and its weight in the sample.
     fn pixel(&self, ray: u32) -> (usize, f64) {
         let (sample, part) = self.parts[ray as usize];
         (self.sums.strip.pixel(sample as usize), part)
@@ -275,7 +275,7 @@ impl RadianceSink for Blend<'_> {
 
 /// Determines what samples see.
 pub(super) trait Visibility: Sync {
-    /// What is reused from tile to tile.
+    /// Buffers that are reused from tile to tile.
     type TileBuffers: Default;
 
     /// Whether rays have [`RayBatch::origins`].
@@ -283,7 +283,7 @@ pub(super) trait Visibility: Sync {
         false
     }
 
-    /// Whether [`Visibility::paint`] sets the rays that hit something itself, and only needs sample positions.
+    /// Whether [`Visibility::paint`] sets the rays that hit something itself, and needs only sample positions.
     fn turns_rays(&self) -> bool {
         false
     }
@@ -312,7 +312,7 @@ pub(super) struct StripSamples<'a> {
 }
 
 impl StripSamples<'_> {
-    /// Fills `x` and `y` with where the samples are on the film, pixels from the corner of the tile.
+    /// Fills `x` and `y` with the film points of the samples, pixels from the corner of the tile.
     pub fn points(&self, x: &mut Vec<f64>, y: &mut Vec<f64>) {
         self.strip.points(self.camera_rays.offsets(), x, y);
     }
@@ -324,7 +324,7 @@ impl StripSamples<'_> {
                 rays.ratios.clone_from(&self.camera_rays.ratios);
                 rays.directions.clone_from(&self.camera_rays.directions);
             }
-            // Nobody reads those that hit nothing.
+            // The values of rays without a hit are never read.
             false => {
                 let count = self.strip.samples();
                 rays.ratios.resize(count, 1.0);
@@ -374,10 +374,10 @@ impl StripSamples<'_> {
 struct Stage<'a, P> {
     scene: &'a Prepared,
     visibility: &'a P,
-    /// Whether directions and W of camera rays are asked for.
+    /// Whether directions and W of camera rays are needed.
     has_directions: bool,
     surfaces: Surfaces<'a>,
-    /// Of the medium; 1 where rays have delays of their own.
+    /// The index of the medium; 1 if rays have their own delays.
     index: f64,
 }
 
@@ -407,7 +407,7 @@ pub(super) fn film<P: Visibility>(
         true => 1.0,
         false => scene.ray_index,
     };
-    // What meets nothing has its own direction where that makes a difference, and so have channels.
+    // Rays without a hit need their own direction only if the background depends on it; channels need it too.
     let is_plain = matches!(scene.background, Background::Observed(_));
     let stage = Stage {
         scene,
@@ -421,13 +421,13 @@ pub(super) fn film<P: Visibility>(
 
 /// Renders the strips of tiles.
 pub(super) trait Painter: Sync {
-    /// What is reused from tile to tile.
+    /// Buffers that are reused from tile to tile.
     type Buffers: Default;
 
     /// Prepares for `tile`, which is rasterized in strips of this many rows.
     fn begin(&self, tile: Tile, rows: u32, buffers: &mut Self::Buffers);
 
-    /// Adds the radiance of `samples` of each pixel of `strip`, which is of `tile`, to its film.
+    /// Adds the radiance of `samples` of each pixel of `strip`, a part of `tile`, to the tile's film.
     fn paint(
         &self,
         strip: Strip,
@@ -437,7 +437,7 @@ pub(super) trait Painter: Sync {
     );
 }
 
-/// The film of `scene` by `painter`, which takes at most this many samples of a pixel together.
+/// The film of `scene` by `painter`, which takes at most this many samples of a pixel at a time.
 pub(super) fn paint<P: Painter>(
     scene: &Prepared,
     most: u32,
@@ -451,7 +451,7 @@ pub(super) fn paint<P: Painter>(
         .try_for_each_init(P::Buffers::default, |buffers, index| {
             let tile = Tile::of_image(layout.size, index);
             let mut tile_film = TileFilm::new(tile, layout);
-            // As many samples together as a film takes between ends of its parts.
+            // As many samples at a time as a film takes between the ends of its parts.
             let all = 0..layout.samples;
             let rows = Strip::height(tile_film.together(all.clone(), most).len() as u32);
             painter.begin(tile, rows, buffers);
@@ -517,7 +517,7 @@ impl<P: Visibility> Painter for Stage<'_, P> {
 }
 
 impl<P> Stage<'_, P> {
-    /// Adds the radiance of the rays of `strip`, which is of `tile`, to `film`.
+    /// Adds the radiance of the rays of `strip`, a part of `tile`, to `film`.
     fn shade<T>(&self, strip: Strip, tile: Tile, buffers: &mut Buffers<T>, film: &mut TileFilm) {
         let Buffers {
             camera_rays,
@@ -549,7 +549,7 @@ impl<P> Stage<'_, P> {
         };
         let (radiance, background) = (scene.light.radiance(), &scene.background);
         let meter = &mut Meter::off();
-        // One ray for each pixel or sample, or several parts that are blended: then background counts by sample, not by part.
+        // One ray for each pixel or sample, or several weighted rays; then the background counts by sample, not by ray.
         if !rays.parts.is_empty() {
             let firsts = rays.firsts.iter();
             let unmet = firsts.filter(|ray| rays.hits.hit(**ray as usize).is_none());
@@ -567,7 +567,7 @@ impl<P> Stage<'_, P> {
             shading.shade(radiance, &traced, background, ratios, &mut sums, meter);
             sums.finish();
         }
-        // Channels have one value for a sample, that of its first part.
+        // Channels have one value per sample, that of its first ray.
         let channels = scene.layout.channels.as_slice();
         if channels.is_empty() {
             return;

@@ -1,9 +1,9 @@
 //! Pictures of uniformly shining surfaces, with the minimum of work per sample.
 //!
 //! If radiance depends only on the patch (colours, no lamps, no channels), a sample is the product of its patch's radiance L and the
-//! observer's factor f(W), and pixels that see only one patch at W = 1, or nothing, are the same wherever their samples lie. So coverage
-//! is first determined by pixel (`tile`); sample positions are computed for pixels that a triangle covers partly, and where W differs
-//! from sample to sample; and W for samples that see something moving relative to the camera:
+//! observer's factor f(W), and pixels that see only one patch at W = 1, or nothing, are the same wherever their samples lie. So coverage is
+//! first determined by pixel (`tile`). Sample positions are computed only for partly covered pixels, and where W differs from sample to
+//! sample; W is computed only for samples that see something moving relative to the camera:
 //!
 //! ```text
 //! W = W_camera(d′) W_rest(d),     d′ the direction in which the camera looks at the sample, d that in the world,
@@ -49,10 +49,10 @@ struct EvenPatch {
     has_ratios: bool,
 }
 
-/// What is reused from tile to tile.
+/// Buffers that are reused from tile to tile.
 #[derive(Debug, Default)]
 pub(super) struct Buffers {
-    /// The tile that was begun last, and how many rows its strips have.
+    /// The current tile, and the number of rows of its strips.
     tile: Option<(Tile, u32)>,
     triangles: TileBuffers,
     /// By triangle of the tile, its patch, or [`BLACK`]; [`NOTHING`] if it has not been looked up.
@@ -66,27 +66,27 @@ pub(super) struct Buffers {
     factors: Vec<f64>,
 }
 
-/// Where the samples of a strip are.
+/// The positions of the samples of a strip.
 #[derive(Debug, Default)]
 struct Positions {
     keys: Vec<u64>,
-    /// In their pixels.
+    /// In pixels, from the corner of each pixel.
     x: Vec<f64>,
     y: Vec<f64>,
 }
 
-/// Samples in a row that see one patch.
+/// Consecutive samples that see the same patch.
 #[derive(Debug, Clone, Copy)]
 struct PatchRun {
     /// Its number, [`BLACK`] or [`NOTHING`].
     patch: u32,
     samples: u32,
-    /// Where its W begin, if it has any.
+    /// The index of its first W, if it has any.
     at: u32,
 }
 
 impl<'a> Even<'a> {
-    /// `None` if radiance depends on more than the patch, or a channel is needed.
+    /// Returns the painter; `None` if radiance depends on more than the patch, or a channel is needed.
     pub fn new(scene: &'a Prepared, triangles: &'a Triangles<'a>) -> Option<Self> {
         let (scaled, radiance) = scene.light.radiance().even()?;
         let Background::Observed(background) = scene.background else {
@@ -181,7 +181,7 @@ impl Painter for Even<'_> {
             return;
         };
         let pieces = self.triangles.pieces();
-        // Where the samples are, and which triangle each sees.
+        // The sample positions, and the triangle that each sample sees.
         positions.start(&strip);
         let are_pixels = strip.each.is_multiple_of(WHOLE);
         let has_more = match strip.is_all_of(tile) {
@@ -211,13 +211,13 @@ impl Painter for Even<'_> {
             patches.clear();
             patches.resize(triangles.triangles.len(), NOTHING);
         }
-        // Which patch each sample sees.
+        // The patch that each sample sees.
         runs.clear();
         let see = |triangle: u32, samples: usize| {
             let patch = match patches.get_mut(triangle as usize) {
                 None => NOTHING,
                 Some(known) => {
-                    // Once for each triangle of the tile, whatever number of samples see it.
+                    // Once per triangle of the tile, however many samples see it.
                     if *known == NOTHING {
                         *known = self.patch_of(&triangles.triangles[triangle as usize]);
                     }
@@ -237,7 +237,7 @@ impl Painter for Even<'_> {
             true => triangles.each_run_of_pixels(&strip, see),
             false => triangles.each_run(strip.samples(), see),
         }
-        // W of those that need it, in the order of samples: by frames.
+        // W of the samples that need it, frame by frame, in the order of samples.
         x.clear();
         y.clear();
         let mut begin = 0;
@@ -301,7 +301,7 @@ impl Positions {
         self.y.resize(strip.samples(), 0.0);
     }
 
-    /// Works out where the samples of some pixels are.
+    /// Computes the sample positions of some pixels.
     fn sample(&mut self, sampler: &Sampler, samples: Range<u32>, is_sampled: &[bool]) {
         let mut begin = 0;
         for alike in is_sampled.chunk_by(|a, b| a == b) {
@@ -313,7 +313,7 @@ impl Positions {
         }
     }
 
-    /// Works out where the samples of pixels in a row are.
+    /// Computes the sample positions of consecutive pixels.
     fn sample_run(&mut self, sampler: &Sampler, samples: Range<u32>, pixels: Range<usize>) {
         let each = samples.len();
         let keys = &mut self.keys[pixels.clone()];
@@ -323,7 +323,7 @@ impl Positions {
         match (each, salt) {
             (1, 0) => sampler.offsets(keys, within, x, y),
             (1, salt) => {
-                // The salt makes it the replicate's key, and taken once more the pixel's again.
+                // The salt turns each key into the replicate's key, and when applied again back into the pixel's.
                 keys.iter_mut().for_each(|key| *key ^= salt);
                 sampler.offsets(keys, within, x, y);
                 keys.iter_mut().for_each(|key| *key ^= salt);
@@ -332,7 +332,7 @@ impl Positions {
         }
     }
 
-    /// Adds the film points of some samples, of which each pixel has `each`, to `x` and `y`.
+    /// Appends the film points of some samples, `each` per pixel, to `x` and `y`.
     fn append(&self, each: usize, samples: Range<usize>, [x, y]: [&mut Vec<f64>; 2]) {
         let from = x.len();
         x.extend_from_slice(&self.x[samples.clone()]);
@@ -345,7 +345,7 @@ impl Positions {
             }
             return;
         }
-        // The first pixel may not begin with the samples, nor the last one end with them.
+        // The range may begin and end in the middle of a pixel's samples.
         let (mut pixel, mut begin) = (samples.start / each, 0);
         let mut end = ((pixel + 1) * each - samples.start).min(x.len());
         while begin < x.len() {
@@ -422,7 +422,7 @@ impl VectorLoop for AddUp<'_> {
                     }
                     _ => {
                         let factor = if is_seen { self.one } else { 1.0 };
-                        // One after the other, as the ray tracer adds them: a product with their number would be rounded differently.
+                        // One at a time, like the ray tracer: a product with their number would be rounded differently.
                         for _ in 0..now {
                             for k in 0..4 {
                                 sum[k] += factor * colour[k];
@@ -472,7 +472,8 @@ mod tests {
     use crate::render::progress::Silent;
     use crate::scene::{self, Overrides};
 
-    /// Boxes and balls of several colours at rest and in motion, before each other and through each other, on a floor that passes below the camera.
+    /// Boxes and balls of several colours, at rest and in motion, in front of and intersecting each other, on a floor that extends below and behind
+    /// the camera.
     const BODIES: &str = r#"
 [[object]]
 shape = { plane = { size = [9.0, 9.0] } }
@@ -499,7 +500,7 @@ velocity = { beta = [0.0, 0.3, -0.4] }
 origin = { position = [0.3, 0.6, 0.8], time = "-3 m" }
 "#;
 
-    /// The films of a scene by this painter and by shading, if it is one for this painter.
+    /// The films of a scene by this painter and by shading; `None` if this painter does not support it.
     fn films(text: &str, samples: u32, method: &str) -> Option<[Film; 2]> {
         let text = format!(
             "[display]\nsamples_per_pixel = {samples}\nbackground = [0.01, 0.3, 0.02]\n{text}"

@@ -9,8 +9,8 @@
 //!
 //! where |c|_min is that of the edge's nearest point and |Δ/δ| that of the end where a metre covers more pixels. |c| is convex, and its
 //! second derivative is largest at the nearest point, so this bounds δ everywhere on the edge. Within a triangle whose edges are all at
-//! most L, δ is at most 4/3 of its bound on an edge (Jung: it lies in a circle of radius L/√3). Ends beside the film, or behind the
-//! camera, count as if they were in its corner, where a radian has most pixels.
+//! most L, δ is at most 4/3 of its bound on an edge (Jung: it lies in a circle of radius L/√3). Ends outside the film, or behind the
+//! camera, are treated as in its corner, where a radian covers the most pixels.
 
 //!
 //! *By vertices.* With A the end where a metre covers more pixels, L at least as long as the edges that end there and |c|_min ≥ |c_A| −
@@ -29,20 +29,20 @@ use crate::accel::vectors::VectorLoop;
 /// The number of triangles whose edges are examined together.
 pub(super) const LOT: usize = 64;
 
-/// Which edges are certainly straight enough, as far as one end decides it.
+/// Which edges are certainly straight enough, judged from one end.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Straight {
-    /// ε · 8 · 3/4, minus a margin above rounding: a few eps in total. Infinite if no edge is cut, NaN if that does not depend on
+    /// ε · 8 · 3/4, minus a margin above rounding: a few eps in total. Infinite if no edge is ever cut, NaN if cuts do not depend on
     /// flatness.
     most: f64,
 }
 
 impl Straight {
-    /// All.
+    /// All edges are straight enough.
     pub const ALWAYS: Straight = Straight {
         most: f64::INFINITY,
     };
-    /// None.
+    /// No edge is.
     pub const NEVER: Straight = Straight { most: f64::NAN };
 
     /// Edges with an error of at most this many pixels.
@@ -52,8 +52,8 @@ impl Straight {
         }
     }
 
-    /// Whether all edges of at most this length are straight enough that end in a point with this |c| and |c| |Δ/δ|, and have no larger
-    /// value of that at their other ends; false for NaN.
+    /// Whether all edges that end in a point with this |c| and |c| |Δ/δ| are straight enough, if they have at most this length, and no
+    /// larger |c| |Δ/δ| at their other ends; false for NaN.
     #[inline(always)]
     pub fn around(self, length: f64, longest: f64, scale: f64) -> bool {
         let near = length - longest;
@@ -68,7 +68,7 @@ pub(super) struct Edges {
     pub c: [[[f64; LOT]; 3]; 3],
     /// By corner, |c| |Δ/δ|.
     pub scale: [[f64; LOT]; 3],
-    /// The number of parts that the edges opposite to each corner need in total, and into how many they are cut now.
+    /// The total number of parts that the edges opposite to each corner need, and the number into which they are cut now.
     pub needed: [[f64; LOT]; 3],
     pub parts: [[f64; LOT]; 3],
 }
@@ -108,7 +108,7 @@ impl VectorLoop for Bend<'_> {
                 any |= u64::from(squares[at] > 1.0);
             }
         }
-        // Most edges are straight enough, and their n² is as good as n.
+        // Most edges are straight enough, and for them n² is as good as n.
         if any == 0 {
             return parts.fill([1.0; LOT]);
         }
@@ -145,7 +145,7 @@ mod tests {
     use super::*;
     use crate::accel::numbers;
 
-    /// Triangles before and beside the camera whose edges bend by around a tenth of a pixel.
+    /// Triangles in front of and beside the camera, whose edges bend by around a tenth of a pixel.
     #[test]
     fn edges_between_ends_that_say_so_are_straight_enough() {
         let mut random = numbers(1);

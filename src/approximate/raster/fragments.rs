@@ -16,11 +16,11 @@ use crate::camera::RayOrigin;
 use crate::render::trace::{Dependence, SurfaceHit};
 use crate::spacetime::{Boost, Direction, Displacement, Rest, World};
 
-/// Number of samples of a run that are worked out together, or twice as many where there are more: four f64 are a vector of AVX2. Most runs of
-/// small triangles are not much longer.
+/// The number of samples of a run that are computed together, or twice as many in long runs: four f64 fill an AVX2 vector. Most runs of small
+/// triangles are not much longer.
 const LANES: usize = 4;
 
-/// Samples in a row that see one surface.
+/// Consecutive samples that see the same surface.
 #[derive(Debug, Clone, Copy)]
 struct Run {
     /// Its index, or [`NOTHING`].
@@ -32,13 +32,13 @@ struct Run {
 /// The fragments of a strip: what its samples see.
 #[derive(Debug, Default)]
 pub(super) struct Fragments {
-    /// How many samples. Lists of what there is for each have room for [`LANES`] more.
+    /// The number of samples. Lists with an entry per sample have room for [`LANES`] more.
     count: usize,
-    /// Their points of the tile.
+    /// Their points in the tile.
     x: Vec<f64>,
     y: Vec<f64>,
     runs: Vec<Run>,
-    /// Places c, metres.
+    /// Positions c, metres.
     c: [Vec<f64>; 3],
     /// Barycentric weights.
     weights: [Vec<f64>; 2],
@@ -47,7 +47,7 @@ pub(super) struct Fragments {
 }
 
 impl Fragments {
-    /// Takes `samples` over, and makes room for their rays in `rays`, where these will be turned to the fragments.
+    /// Takes over `samples`, and makes room for their rays in `rays` if these will be turned to the fragments.
     pub fn start(&mut self, samples: &StripSamples, needed: Dependence, rays: &mut RayBatch) {
         self.count = samples.strip.samples();
         samples.points(&mut self.x, &mut self.y);
@@ -65,7 +65,7 @@ impl Fragments {
         (&mut self.x[..self.count], &mut self.y[..self.count])
     }
 
-    /// Says which surface the next `samples` samples see, by its index.
+    /// Sets the index of the surface that the next `samples` samples see.
     #[inline(always)]
     pub fn see(&mut self, surface: Option<u32>, samples: usize) {
         let surface = surface.unwrap_or(NOTHING);
@@ -83,8 +83,8 @@ impl Fragments {
         }
     }
 
-    /// Turns `rays` to the fragments on `surfaces`, where these are needed, and says what they meet there: at the fragments' own
-    /// events of emission, or at those that are interpolated.
+    /// Turns `rays` to the fragments on `surfaces` if these are needed, and records their hits: at the fragments' own emission events, or
+    /// at interpolated ones.
     pub fn finish(
         &mut self,
         all: &Triangles,
@@ -141,7 +141,7 @@ impl Fragments {
         }
     }
 
-    /// Says what the rays meet.
+    /// Records what the rays hit.
     fn meet(
         &self,
         all: &Triangles,
@@ -150,7 +150,7 @@ impl Fragments {
         rays: &mut RayBatch,
     ) {
         let is_placed = all.needed > Dependence::Patch;
-        // None at the camera's own place.
+        // There is no hit at the camera's own position.
         let is_there = |s: f64| (s > 0.0) & (s < f64::INFINITY);
         let mut removed = Vec::new();
         for run in &self.runs {
@@ -171,7 +171,7 @@ impl Fragments {
                     let hit = found.map(|surface| on_surface(surface, 0.0, [0.0; 2]));
                     match is_placed {
                         true => rays.hits.push_alike(hit, run.end - run.begin),
-                        // Nobody asks where.
+                        // The positions of the hits are not needed.
                         false => rays.hits.push_run(hit, run.end - run.begin),
                     }
                     continue;
@@ -191,7 +191,7 @@ impl Fragments {
         rays.hits.remove(removed.into_iter());
     }
 
-    /// Turns rays to those that meet the fragments at interpolated times, and have interpolated W.
+    /// Turns rays to those that hit the fragments at interpolated times, with interpolated W.
     fn interpolate(
         &self,
         all: &Triangles,
@@ -217,7 +217,7 @@ impl Fragments {
                 let p = p * (1.0 / surface.sum.dot(p));
                 let [time, w] = known.map(|value| value.dot(p));
                 let rest = &all.frames[frame as usize];
-                // The point of the triangle, at the interpolated time in place of its retarded one, from the camera.
+                // The point on the triangle relative to the camera, at the interpolated time instead of its retarded one.
                 let x = place(rest.bvh.corners(hit.slot), [hit.u, hit.v]);
                 let from = x - all.projections[frame as usize].origin();
                 let world = rest
@@ -227,7 +227,7 @@ impl Fragments {
                 let s = world.x.length();
                 if let Some(d) = Direction::new(world.x) {
                     rays.directions[ray] = d.unit();
-                    // The time that light would have had to take, per metre of its way.
+                    // The time that light would have needed, per metre of its path.
                     rays.origins[ray].delay = -world.ct / s;
                     rays.ratios[ray] = samples.ratio_of(w, frame, d);
                     rays.hits.set_distance(ray, s);
@@ -237,7 +237,7 @@ impl Fragments {
     }
 }
 
-/// The loop over runs that finds where fragments are on their surfaces.
+/// The loop over runs that computes the positions of fragments on their surfaces.
 struct Interpolate<'a> {
     runs: &'a [Run],
     surfaces: &'a [Surface],
@@ -253,7 +253,7 @@ impl VectorLoop for Interpolate<'_> {
             let Some(surface) = self.surfaces.get(run.surface as usize) else {
                 continue;
             };
-            // Beyond the end of a run comes the next, which is worked out later.
+            // The lanes beyond the end of a run belong to the next run, which overwrites them later.
             let mut begin = run.begin;
             while begin < run.end {
                 match run.end - begin > LANES {
@@ -310,7 +310,7 @@ struct Look<'a> {
     /// The look directions of the fragments, and their distances.
     directions: &'a mut [DVec3],
     distances: &'a mut [f64],
-    /// W of the samples, and then that of sources at rest in the world by which shading finds it.
+    /// W of the samples; on return, W that sources at rest in the world would have, from which shading derives the rest.
     ratios: &'a mut [f64],
 }
 
@@ -336,7 +336,7 @@ impl VectorLoop for Look<'_> {
                 *direction = d.get(k);
             }
             store(&distances, self.distances, begin);
-            // Shading multiplies by what the fragment's direction gives.
+            // Shading multiplies by the factor of the fragment's direction.
             if is_moving {
                 for (k, rho) in rhos.iter_mut().enumerate() {
                     *rho = boost.direction_of_moving(Direction::from_unit(d.get(k))).1;

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::method::{Lookup, Map};
 
-/// Four texels and their parts; the first has the largest.
+/// Four texels and their weights; the first has the largest.
 pub(super) type Taps = [(u32, f64); 4];
 
 /// A place on a face, or on the panorama, in texels from its upper left corner.
@@ -74,7 +74,7 @@ impl Map {
             }
             Map::Panorama(_) => {
                 let longitude = libm::atan2(d.x, -d.z);
-                // A unit vector's part may exceed 1 by rounding.
+                // A component of a unit vector may exceed 1 by rounding.
                 let latitude = libm::asin(d.y.clamp(-1.0, 1.0));
                 Place {
                     face: 0,
@@ -93,12 +93,12 @@ impl Map {
 
     fn index(self, face: u32, x: f64, y: f64) -> u32 {
         let [columns, rows] = self.size();
-        // What rounding puts before the first texel the cast makes 0; what it puts behind the last is the last.
+        // Rounding may give a place before the first texel, which the cast turns into 0, or one after the last, which becomes the last.
         let (column, row) = ((x as u32).min(columns - 1), (y as u32).min(rows - 1));
         (face * rows + row) * columns + column
     }
 
-    /// The texels that direction `d` is looked up in, and the parts that they have.
+    /// The texels in which direction `d` is looked up, and their weights.
     pub(super) fn taps(self, lookup: Lookup, d: DVec3) -> Taps {
         let place = self.place(d);
         let nearest = self.index(place.face, place.x, place.y);
@@ -118,7 +118,7 @@ impl Map {
             (self.texel(place.face, left, top + 1.0), (1.0 - x) * y),
             (self.texel(place.face, left + 1.0, top + 1.0), x * y),
         ];
-        // The tap that counts most comes first.
+        // The tap with the largest weight comes first.
         let largest = usize::from(x >= 0.5) + 2 * usize::from(y >= 0.5);
         taps.swap(0, largest);
         taps
@@ -135,7 +135,7 @@ impl Map {
     }
 }
 
-/// The axis of a face, and the directions of its columns and rows.
+/// The axis of a face, and the directions of its rows and columns.
 fn face(index: u32) -> [DVec3; 3] {
     match index {
         0 => [DVec3::X, -DVec3::Z, -DVec3::Y],

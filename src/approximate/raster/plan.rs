@@ -44,11 +44,10 @@ impl Method {
         Ok(plan)
     }
 
-    /// At about how many points triangles are cut into edges of a given length, the whole scene being in view: by its meshes, which are
-    /// loaded for it one after the other. None for other methods, and where a mesh has more than `most` triangles.
+    /// The approximate number of points at which triangles are cut into edges of a given length if the whole scene is in view, from its
+    /// meshes, which are loaded one after the other. `None` for other methods, or if a mesh has more than `most` triangles.
     ///
-    /// # Errors
-    /// What loading meshes refuses.
+    /// # Errors Errors of loading meshes.
     pub fn cuts_in_view(&self, scene: &Scene, plan: &Plan, most: u64) -> Result<Option<f64>> {
         let Method::Raster(raster) = self else {
             return Ok(None);
@@ -80,10 +79,9 @@ impl Method {
         Ok(Some(all))
     }
 
-    /// Says at how many points triangles are cut into edges of a given length, as far as that is known of the scene.
+    /// Adds a note with the number of points at which triangles are cut into edges of a given length, if it is known.
     ///
-    /// # Errors
-    /// What [`Method::cuts_in_view`] refuses.
+    /// # Errors As [`Method::cuts_in_view`].
     pub fn explain_cuts(&self, scene: &Scene, plan: &mut Plan, most: u64) -> Result<()> {
         let Some(cuts) = self.cuts_in_view(scene, plan, most)? else {
             return Ok(());
@@ -151,14 +149,14 @@ impl Method {
     }
 }
 
-/// What so many triangles and their distinct corners take without being cut, bytes: to the end, and until the film is
-/// complete. Lists that grow may have twice the room that they need.
+/// The bytes that this many uncut triangles and their distinct corners take: to the end, and until the film is complete. Growing lists may
+/// have twice the capacity that they need.
 fn triangle_bytes(triangles: u64, vertices: u64) -> [u64; 2] {
-    // Places of corners, the longest edges there and the corners' indices stay with the rest frame; places are found in a table of as many
-    // triangles, whose room is a power of two at most 8/7 full.
+    // The positions of corners, the longest edges there and the corners' indices stay with the rest frame. Positions are found in a hash
+    // table with an entry per triangle, whose capacity is a power of two and which is at most 7/8 full.
     let shared = ((2 * 24 + 8) * vertices).saturating_add(12 * triangles);
     let table = 75 * triangles;
-    // By triangle: its piece, its place in the level, its index in the tiles, and what a tile gathers of it.
+    // Per triangle: its piece, its place in the level, its index in the tiles, and the data that a tile gathers about it.
     let pieces = 2 * size_of::<Piece>() as u64 + 2 * 16 + 8 + 112;
     let vertex = (size_of::<Vertex>() + size_of::<FilmCorner>()) as u64;
     let drawn = (vertex * vertices).saturating_add(pieces * triangles);

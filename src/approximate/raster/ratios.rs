@@ -10,7 +10,7 @@ use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::camera::{AnyProjection, Camera, Point, Projection};
 use crate::spacetime::{Boost, CameraFrame, Direction, Rest, World};
 
-/// Number of samples whose W are worked out together.
+/// The number of samples whose W are computed together.
 const LANES: usize = 16;
 
 /// A camera whose rays all leave one event.
@@ -40,12 +40,12 @@ impl<'a> CameraRatios<'a> {
         })
     }
 
-    /// Whether those of what rests in the world differ from sample to sample.
+    /// Whether W of objects at rest in the world differs from sample to sample.
     pub fn differ(&self) -> bool {
         self.world_from_camera.is_some()
     }
 
-    /// Fills `ratios` with W of the samples at these film points, counted from `corner`, that see the rest frame to which `rest` leads.
+    /// Fills `ratios` with W of the samples at these film points, counted from `corner`, that see the rest frame to which `rest` boosts.
     pub fn fill(
         &self,
         rest: &Boost<Rest, World>,
@@ -57,7 +57,7 @@ impl<'a> CameraRatios<'a> {
         if !self.differ() && rest_from_world.is_none() {
             return ratios.fill(1.0);
         }
-        // The most usual projection is matched here, and not at each film point.
+        // The most common projection is matched here, rather than at each film point.
         match self.film {
             AnyProjection::Perspective(film) => {
                 self.fill_through(film, rest_from_world, [x, y], corner, ratios);
@@ -66,7 +66,7 @@ impl<'a> CameraRatios<'a> {
         }
     }
 
-    /// [`CameraRatios::fill`] by the projection `film`, which is the camera's.
+    /// [`CameraRatios::fill`] with the camera's projection, `film`.
     fn fill_through<P: Projection>(
         &self,
         film: &P,
@@ -105,7 +105,7 @@ impl<P: Projection> VectorLoop for RatioLoop<'_, P> {
         let [x, y] = self.points.map(|all| all.chunks(LANES));
         for ((x, y), to) in x.zip(y).zip(self.ratios.chunks_mut(LANES)) {
             let (mut at_x, mut at_y) = ([0.0; LANES], [0.0; LANES]);
-            // The last points are filled up to a whole vector, of which only their part is stored.
+            // The last points are padded to a whole vector, of which only their part is stored.
             match (x.first_chunk(), y.first_chunk()) {
                 (Some(x), Some(y)) => (at_x, at_y) = (*x, *y),
                 _ => {
@@ -113,7 +113,7 @@ impl<P: Projection> VectorLoop for RatioLoop<'_, P> {
                     at_y[..y.len()].copy_from_slice(y);
                 }
             }
-            // In short loops, one step after the other: of long ones compilers make no vector code for AVX2.
+            // Short loops, one step after the other: compilers do not vectorize long ones for AVX2.
             let (mut dx, mut dy, mut dz) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
             for k in 0..LANES {
                 let d = self.film.direction(at_x[k] + left, at_y[k] + top).unit();
@@ -121,7 +121,7 @@ impl<P: Projection> VectorLoop for RatioLoop<'_, P> {
             }
             let mut ratios = [1.0; LANES];
             if let Some(boost) = self.world_from_camera.copied() {
-                // Directions are turned only for a second boost, and only with aberration.
+                // Directions are needed in the world only for a second boost, and boosted only with aberration.
                 if self.is_unaberrated || self.rest_from_world.is_none() {
                     for k in 0..LANES {
                         let d = Direction::from_unit(DVec3::new(dx[k], dy[k], dz[k]));

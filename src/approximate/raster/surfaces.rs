@@ -28,30 +28,29 @@ pub(super) struct Surface {
     pub c: [DVec3; 3],
     /// Σ eᵢ (uᵢ, vᵢ).
     weights: [DVec3; 2],
-    /// Σ eᵢ (tᵢ, Wᵢ), where they are interpolated: time of emission relative to the shot in the rest frame, metres,
-    /// and wavelength ratio.
+    /// Σ eᵢ (tᵢ, Wᵢ) if they are interpolated: time of emission relative to the shot in the rest frame, metres, and wavelength ratio.
     pub attributes: Option<[DVec3; 2]>,
     pub frame: u32,
-    /// The slot and the triangle of the tree, and whether its front is seen.
+    /// The slot and the triangle of the tree, and whether its front is visible.
     pub slot: u32,
     pub triangle: u32,
     pub front: bool,
 }
 
-/// Number of triangles whose functions are worked out together.
+/// The number of triangles whose functions are computed together.
 const LOT: usize = 16;
 
-/// Triangles that are seen, by coordinate.
+/// Visible triangles, by coordinate.
 #[derive(Debug)]
 struct Lot {
-    /// By corner, homogeneous film coordinates from the corner of the tile, and places c.
+    /// By corner, homogeneous film coordinates from the corner of the tile, and positions c.
     film: [[[f64; LOT]; 3]; 3],
     places: [[[f64; LOT]; 3]; 3],
     /// eᵢ, their sum, and Σ eᵢ cᵢ by coordinate of c.
     e: [[[f64; LOT]; 3]; 3],
     sum: [[f64; LOT]; 3],
     c: [[[f64; LOT]; 3]; 3],
-    /// Whether its front is seen.
+    /// Whether its front is visible.
     is_front: [u32; LOT],
 }
 
@@ -65,7 +64,7 @@ impl Lot {
         is_front: [0; LOT],
     };
 
-    /// Puts in the corners of a triangle, relative to that of the tile.
+    /// Sets the corners of a triangle, relative to that of the tile.
     #[inline(always)]
     fn set(&mut self, at: usize, corners: [&Vertex; 3], [left, top]: [f64; 2]) {
         let to = self.film.iter_mut().zip(&mut self.places);
@@ -83,7 +82,7 @@ fn vector([x, y, z]: &[[f64; LOT]; 3], at: usize) -> DVec3 {
     DVec3::new(x[at], y[at], z[at])
 }
 
-/// The loop over triangles that works out their functions.
+/// The loop over triangles that computes their functions.
 struct WorkOut<'a> {
     lot: &'a mut Lot,
 }
@@ -99,7 +98,7 @@ impl VectorLoop for WorkOut<'_> {
             c,
             is_front,
         } = self.lot;
-        // In short loops: of long ones compilers make no vector code for AVX2.
+        // Short loops: compilers do not vectorize long ones for AVX2.
         for (k, [x, y, z]) in e.iter_mut().enumerate() {
             let (from, to) = (&film[(k + 1) % 3], &film[(k + 2) % 3]);
             for at in 0..LOT {
@@ -122,7 +121,7 @@ impl VectorLoop for WorkOut<'_> {
                 }
             }
         }
-        // As `is_front`: the way from rest coordinates to c keeps sides.
+        // As in `is_front`: the map from rest coordinates to c preserves orientation.
         for (at, is_front) in is_front.iter_mut().enumerate() {
             let (a, b, c) = (vector(a, at), vector(b, at), vector(third, at));
             *is_front = u32::from((b - a).cross(c - a).dot(a) < 0.0);
@@ -130,7 +129,7 @@ impl VectorLoop for WorkOut<'_> {
     }
 }
 
-/// Triangles of a tile while their functions are worked out.
+/// The triangles of a tile while their functions are computed.
 #[derive(Debug)]
 pub(super) struct SurfaceLots {
     lot: Box<Lot>,
@@ -147,7 +146,7 @@ impl Default for SurfaceLots {
 }
 
 impl SurfaceLots {
-    /// Adds the visible ones of `triangles` of `tile`, whose numbers are `seen`: their functions as far as they are needed.
+    /// Adds the visible ones among `triangles` of `tile`, whose indices are `seen`, with the functions that are needed.
     pub fn add(&mut self, all: &Triangles, tile: Tile, triangles: &[Gathered], seen: &[u32]) {
         let corner = tile.corner.map(f64::from);
         for seen in seen.chunks(LOT) {
@@ -187,7 +186,7 @@ impl SurfaceLots {
 }
 
 impl Surface {
-    /// Works out the functions of its weights, and of attributes that are interpolated; `e` are its edge functions.
+    /// Computes the functions of its weights, and of interpolated attributes; `e` are its edge functions.
     fn weigh(&mut self, all: &Triangles, triangle: &Gathered, e: [DVec3; 3]) {
         let batch = &all.batches[triangle.batch as usize];
         let piece = &batch.pieces[triangle.piece as usize];
@@ -196,7 +195,7 @@ impl Surface {
         let sum_of = |values: [f64; 3]| e[0] * values[0] + e[1] * values[1] + e[2] * values[2];
         let known = rest.shared_vertices().corners[piece.slot as usize];
         let weights = piece.corners.map(|index| {
-            // A corner of the tree's triangle has its weight by definition; that of a cut follows from its place.
+            // A corner of the tree's triangle has its weights by definition; those of a cut follow from its position.
             match (
                 known.iter().position(|own| *own == index),
                 index.checked_sub(batch.shared),
@@ -215,8 +214,8 @@ impl Surface {
         }
     }
 
-    /// Barycentric weights of its second and third corner at p = (x, y, 1) over Σ eᵢ·(x, y, 1). Samples are on the triangle but
-    /// for rounding.
+    /// The barycentric weights of its second and third corner at p = (x, y, 1) over Σ eᵢ·(x, y, 1). Up to rounding, samples are on the
+    /// triangle.
     #[inline(always)]
     pub fn barycentric(&self, p: DVec3) -> [f64; 2] {
         let [u, v] = self.weights.map(|weight| weight.dot(p));
@@ -224,7 +223,7 @@ impl Surface {
         [u, v.max(0.0).min(1.0 - u)]
     }
 
-    /// Whether it exists at the point (x, y) of the tile, rather than having a hole there.
+    /// Whether the surface exists at the point (x, y) of the tile, rather than having a hole there.
     pub fn is_opaque(&self, all: &Triangles, x: f64, y: f64) -> bool {
         let p = DVec3::new(x, y, 1.0);
         let weights = self.barycentric(p / self.sum.dot(p));
@@ -245,7 +244,7 @@ fn weights([a, b, c]: [DVec3; 3], x: DVec3) -> [f64; 2] {
     let scale = 1.0 / e1.abs().max(e2.abs()).max_element();
     let (e1, e2, p) = (e1 * scale, e2 * scale, (x - a) * scale);
     let n = e1.cross(e2);
-    // Parts of the area, as lengths along the normal.
+    // Fractions of the area, as lengths along the normal.
     [p.cross(e2).dot(n), e1.cross(p).dot(n)].map(|part| part / n.length_squared())
 }
 

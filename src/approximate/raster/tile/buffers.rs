@@ -6,20 +6,20 @@ use super::setup::{Functions, LOT, NEVER, SIDE, SetUp};
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::render::film::Tile;
 
-/// What is reused from tile to tile.
+/// Buffers that are reused from tile to tile.
 #[derive(Debug)]
 pub struct TileBuffers {
     pub triangles: Vec<Gathered>,
     /// By triangle.
     pub(super) functions: Vec<Functions>,
-    /// Whether the triangles are all that may reach the tile.
+    /// Whether the triangles are all those that may reach the tile.
     pub(super) is_complete: bool,
-    /// Whether strips have lists of their triangles, and are not the whole tile.
+    /// Whether strips are smaller than the tile, and have their own lists of triangles.
     pub(super) is_listed: bool,
     pub(super) lists: StripLists,
     /// Indices of all triangles.
     pub(super) every: Vec<u32>,
-    /// By coordinate, the corners of triangles whose functions are set up together.
+    /// The corners of triangles whose functions are set up together, by coordinate.
     corners: Box<[[[f64; LOT]; 3]; 3]>,
     pub(super) samples: Box<Samples>,
     pub(super) pixels: Box<Pixels>,
@@ -30,17 +30,17 @@ pub struct TileBuffers {
 pub(super) struct Pixels {
     /// Index of the triangle that all samples of a pixel see.
     pub nearest: [u32; PIXELS],
-    /// Bounds on 1/z of the nearest so far, of all samples.
+    /// Bounds on 1/z of the nearest triangle so far, over all samples.
     pub least: [f32; PIXELS],
     pub most: [f32; PIXELS],
-    /// Whether samples may see different triangles, which are stored separately.
+    /// Whether samples may see different triangles, which are then stored separately.
     pub is_mixed: [bool; PIXELS],
     /// Which pixels are evaluated sample by sample.
     pub is_sampled: [bool; PIXELS],
 }
 
 impl Pixels {
-    /// Of which nothing is known.
+    /// Pixels of which nothing is known yet.
     pub const EMPTY: Pixels = Pixels {
         nearest: [NOTHING; PIXELS],
         least: [0.0; PIXELS],
@@ -50,7 +50,7 @@ impl Pixels {
     };
 }
 
-/// The most pixels of a strip whose samples fill whole blocks.
+/// The maximum number of pixels of a strip whose samples fill whole blocks.
 pub(super) const PIXELS: usize = BLOCKS;
 
 impl Default for TileBuffers {
@@ -76,7 +76,8 @@ impl TileBuffers {
         self.triangles.clear();
     }
 
-    /// Gathers the triangles that may reach `tile`, which has strips of `rows` rows, and sets them up, where that has not been done. Whether it has now.
+    /// Gathers and sets up the triangles that may reach `tile`, which has strips of `rows` rows, unless that has been done. Returns whether it was done
+    /// now.
     pub fn complete(&mut self, pieces: &Pieces, tile: Tile, rows: u32) -> bool {
         if self.is_complete {
             return false;
@@ -91,7 +92,8 @@ impl TileBuffers {
         true
     }
 
-    /// Sets up the functions of the triangles: by lots, as columns, in vectors. Those that do not hold their only sample are not kept.
+    /// Sets up the functions of the triangles in lots, by column, with vectors. Triangles whose only candidate sample is outside are
+    /// dropped.
     pub(super) fn set_up(&mut self, pieces: &Pieces, tile: Tile) {
         let mut points = [[0.0; LOT]; 2];
         let (x, y) = (self.samples.x.as_flattened(), self.samples.y.as_flattened());
@@ -111,7 +113,7 @@ impl TileBuffers {
                     corner[1][at] = h.y;
                     corner[2][at] = h.z;
                 }
-                // Where there are several, the first stands for them.
+                // If there are several, the first is used in their place.
                 let only = usize::from(triangle.only) % (SIDE * SIDE);
                 (points[0][at], points[1][at]) = (x[only], y[only]);
                 are_several[at] = u32::from(triangle.only == SEVERAL);
@@ -126,7 +128,7 @@ impl TileBuffers {
                 are_several: &are_several,
                 kept: &mut kept,
             });
-            // In place: those that are kept move to the front, in their order.
+            // In place: triangles that are kept move to the front, in order.
             for at in begin..end {
                 self.triangles[count] = self.triangles[at];
                 count += (kept >> (at - begin) & 1) as usize;
@@ -144,7 +146,8 @@ impl TileBuffers {
         self.samples.nearest.as_flattened()
     }
 
-    /// Calls `each` with the index of the nearest triangle of samples in a row, the first `count` in all, and how many they are.
+    /// Calls `each` for each run of samples with the same nearest triangle, among the first `count`, with the triangle's index and the
+    /// length of the run.
     #[inline(always)]
     pub fn each_run(&self, count: usize, mut each: impl FnMut(u32, usize)) {
         let all = &self.samples.nearest.as_flattened()[..count];
@@ -153,7 +156,7 @@ impl TileBuffers {
             nearest: &self.samples.nearest,
             changes: &mut changes,
         });
-        // Without a comparison for each sample, whose outcome no processor could predict.
+        // Without a comparison per sample, whose outcome no processor could predict.
         let mut begin = 0;
         for (first, mut bits) in (0..).step_by(u32::BITS as usize).zip(changes) {
             while bits != 0 {
@@ -170,20 +173,20 @@ impl TileBuffers {
         }
     }
 
-    /// Says which triangle a sample sees.
+    /// Sets the triangle that a sample sees.
     pub fn set_nearest(&mut self, sample: usize, triangle: u32) {
         self.samples.nearest[sample / LANES][sample % LANES] = triangle;
     }
 
-    /// The index of the nearest of those triangles alone that `is_there` says, each asked at most once. In f64: for samples whose
-    /// nearest triangle has a hole.
+    /// The index of the nearest among the triangles for which `is_there` holds, which is called at most once for each. In f64: for samples
+    /// whose nearest triangle has a hole.
     #[cold]
     pub fn nearest_of(&self, sample: usize, mut is_there: impl FnMut(u32) -> bool) -> u32 {
         let of_sample = |blocks: &[Block<f32>]| blocks[sample / LANES][sample % LANES];
         let (x, y) = (of_sample(&self.samples.x), of_sample(&self.samples.y));
         let (mut nearest, mut depth) = (NOTHING, 0.0);
         for (index, of) in (0..).zip(&self.functions) {
-            // What is inside is decided in f32, as where samples are covered; what is nearer, in f64.
+            // Whether a sample is inside is decided in f32, as for coverage; which triangle is nearer, in f64.
             let is_inside = of.edges.iter().all(|[a, b, c]| a * x + b * y + c >= 0.0);
             let [a, b, c] = of.exact;
             let own = a * f64::from(x) + b * f64::from(y) + c;
@@ -195,13 +198,13 @@ impl TileBuffers {
     }
 }
 
-/// The loop over samples that finds which see another triangle than the one before them, as bits in their order.
+/// The loop over samples that finds those whose triangle differs from that of the previous sample, as bits in their order.
 struct Changes<'a> {
     nearest: &'a [Block<u32>; BLOCKS],
     changes: &'a mut [u32; SAMPLES.div_ceil(u32::BITS as usize)],
 }
 
-/// The most samples of a strip.
+/// The maximum number of samples of a strip.
 const SAMPLES: usize = BLOCKS * LANES;
 
 impl VectorLoop for Changes<'_> {
@@ -209,7 +212,7 @@ impl VectorLoop for Changes<'_> {
     fn run(self) {
         const WORD: usize = u32::BITS as usize;
         let nearest: &[u32] = self.nearest.as_flattened();
-        // Of the first sample there is none before.
+        // The first sample has no predecessor.
         let mut before = nearest[0];
         for (own, bits) in nearest.chunks_exact(WORD).zip(self.changes) {
             let mut shifted = [before; WORD];

@@ -1,4 +1,4 @@
-//! The depth test: of a strip's samples, the nearest triangle so far.
+//! The depth test: the nearest triangle so far for each sample of a strip.
 //!
 //! 1/z is compared in f32, where its error is at most a triangle's slack (`setup`). Depths that differ by no more than the slack of
 //! either triangle are compared in f64.
@@ -7,25 +7,25 @@ use super::setup::{Functions, SIDE};
 
 /// No triangle.
 pub const NOTHING: u32 = u32::MAX;
-/// Number of samples that loops take together: eight f32 are a vector of AVX2.
+/// The number of samples that loops process together: eight f32 fill an AVX2 vector.
 pub(super) const LANES: usize = 8;
-/// Samples of a pixel fill whole blocks where they are a multiple of this.
+/// The samples of a pixel fill whole blocks if their number is a multiple of this.
 pub const WHOLE: usize = LANES;
 /// Blocks of the samples of a strip: as many as a tile has pixels.
 pub(super) const BLOCKS: usize = SIDE * SIDE / LANES;
-/// The most samples of a pixel that a strip holds, which is a row of pixels at least.
+/// The maximum number of samples of a pixel that a strip can hold; a strip is at least one row of pixels.
 pub const MOST_TOGETHER: u32 = SIDE as u32;
 
-/// Numbers of samples in a row, pixel by pixel.
+/// Consecutive values for samples, pixel by pixel.
 pub(super) type Block<T> = [T; LANES];
 
 /// The samples of a strip.
 #[derive(Debug)]
 pub(super) struct Samples {
-    /// Their places relative to the tile's corner, pixels; NaN after the last.
+    /// Their positions relative to the tile's corner, pixels; NaN after the last.
     pub x: [Block<f32>; BLOCKS],
     pub y: [Block<f32>; BLOCKS],
-    /// Bounds on 1/z of the nearest so far.
+    /// Bounds on 1/z of the nearest triangle so far.
     pub least: [Block<f32>; BLOCKS],
     pub most: [Block<f32>; BLOCKS],
     /// Index of its triangle.
@@ -33,7 +33,7 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// None.
+    /// No samples.
     pub const NONE: Samples = Samples {
         x: [[f32::NAN; LANES]; BLOCKS],
         y: [[f32::NAN; LANES]; BLOCKS],
@@ -42,12 +42,12 @@ impl Samples {
         nearest: [[NOTHING; LANES]; BLOCKS],
     };
 
-    /// Takes the points of all samples, none of which sees anything yet.
+    /// Sets the points of all samples, none of which sees anything yet.
     #[inline(always)]
     pub fn start(&mut self, x: &[f64], y: &[f64]) {
         let count = x.len().min(y.len()).min(BLOCKS * LANES);
         let blocks = count.div_ceil(LANES);
-        // NaN is inside of nothing: lanes beyond the last sample see no triangle.
+        // NaN is inside no triangle: lanes beyond the last sample see none.
         self.x[..blocks].fill([f32::NAN; LANES]);
         self.y[..blocks].fill([f32::NAN; LANES]);
         self.least[..blocks].fill([0.0; LANES]);
@@ -63,7 +63,7 @@ impl Samples {
     }
 }
 
-/// Replaces what is behind a triangle in a block. Returns whether a depth is too close to another to decide.
+/// Replaces what is behind a triangle in a block. Returns whether two depths are too close to decide here.
 #[inline(always)]
 pub(super) fn cover_block(of: &Functions, index: u32, samples: &mut Samples, block: usize) -> bool {
     let [a, b, c] = of.edges;
@@ -76,11 +76,11 @@ pub(super) fn cover_block(of: &Functions, index: u32, samples: &mut Samples, blo
         let ec = c[0] * x[i] + c[1] * y[i] + c[2];
         any |= u32::from((ea >= 0.0) & (eb >= 0.0) & (ec >= 0.0));
     }
-    // Few of the blocks that a small triangle may reach have samples in it.
+    // Few of the blocks that a small triangle may reach contain samples inside it.
     if any == 0 {
         return false;
     }
-    // Read and written as a whole, and never in place: parts of vectors are slow to write, and to read again.
+    // Read and written as a whole, never in place: partial vector writes and the reads after them are slow.
     let (known_least, known_most) = (samples.least[block], samples.most[block]);
     let known = samples.nearest[block];
     let (mut least, mut most, mut nearest) = ([0.0; LANES], [0.0; LANES], [0; LANES]);
@@ -104,7 +104,7 @@ pub(super) fn cover_block(of: &Functions, index: u32, samples: &mut Samples, blo
     close != 0
 }
 
-/// Decides in f64 where [`cover_block`] could not.
+/// Decides in f64 what [`cover_block`] could not.
 #[cold]
 pub(super) fn resolve(functions: &[Functions], index: u32, samples: &mut Samples, block: usize) {
     let of = &functions[index as usize];
@@ -123,7 +123,7 @@ pub(super) fn resolve(functions: &[Functions], index: u32, samples: &mut Samples
             let [a, b, c] = functions.get(index as usize).map_or([0.0; 3], |f| f.exact);
             a * f64::from(x) + b * f64::from(y) + c
         };
-        // Of equals the first stays.
+        // Among equals the first stays.
         if exactly(index) > exactly(*nearest) {
             (*least, *most, *nearest) = (low, high, index);
         }

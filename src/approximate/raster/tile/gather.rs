@@ -1,4 +1,4 @@
-//! The triangles that may reach a tile, and those of them that may reach each of its strips.
+//! The triangles that may reach a tile, and those that may reach each of its strips.
 
 use super::setup::SIDE;
 use crate::accel::vectors::{VectorLoop, dispatch};
@@ -15,17 +15,17 @@ pub struct Gathered {
     pub piece: u32,
     /// Pixels of the tile: first column and row, last column and row.
     pub(super) pixels: [u8; 4],
-    /// The only sample that it may hold, or [`SEVERAL`].
+    /// The only sample that it may contain, or [`SEVERAL`].
     pub(super) only: u16,
 }
 
-/// Of a triangle that may hold more than one sample, or of which that has not been asked.
+/// For a triangle that may contain more than one sample, or that has not been tested.
 pub(super) const SEVERAL: u16 = u16::MAX;
 
-/// All pieces, where their vertices are, and the length that depths are measured in, metres.
+/// All pieces, their vertices, and the unit of depths, metres.
 #[derive(Debug, Clone, Copy)]
 pub struct Pieces<'a> {
-    /// Of the film, pixels.
+    /// The size of the film, pixels.
     pub size: [u32; 2],
     pub batches: &'a [Batch],
     /// The batches by tile.
@@ -38,16 +38,16 @@ pub struct Pieces<'a> {
 /// The triangles that may reach each strip of a tile, in compressed rows.
 #[derive(Debug, Default)]
 pub(super) struct StripLists {
-    /// Rows of pixels of each.
+    /// The number of pixel rows of each strip.
     rows: usize,
     starts: Vec<u32>,
     triangles: Vec<u32>,
-    /// Where the next triangle of each goes, while they are filled.
+    /// The index for the next triangle of each strip while the lists are filled.
     next: Vec<u32>,
 }
 
 impl StripLists {
-    /// Sorts `triangles` by the strips of `rows` rows that they may reach, and leaves them in order.
+    /// Sorts `triangles` by the strips of `rows` rows that they may reach; keeps their order within a strip.
     pub fn fill(&mut self, triangles: &[Gathered], rows: usize) {
         let strips = |triangle: &Gathered| {
             let [_, top, _, bottom] = triangle.pixels.map(usize::from);
@@ -84,27 +84,27 @@ impl StripLists {
     }
 }
 
-/// Number of triangles that are asked together.
+/// The number of triangles that are tested together.
 const LOT: usize = 32;
 
 /// Triangles that may reach a tile.
 struct Asked {
-    /// What part of the film they reach: left, top, right, bottom.
+    /// The part of the film that they reach: left, top, right, bottom.
     reach: [[f32; LOT]; 4],
-    /// First column and row, last column and row of the tile.
+    /// First column and row, last column and row in the tile.
     pixels: [[u32; LOT]; 4],
-    /// The only sample that they may hold, [`SEVERAL`] or [`NONE`].
+    /// The only sample that they may contain, [`SEVERAL`] or [`NONE`].
     only: [u32; LOT],
 }
 
-/// Of a triangle that holds no sample.
+/// For a triangle that contains no sample.
 const NONE: u16 = SEVERAL - 1;
 
-/// The loop over triangles that finds their pixels, and what samples they may hold.
+/// The loop over triangles that finds their pixels, and the samples that they may contain.
 struct Ask<'a> {
     lot: &'a mut Asked,
     tile: Tile,
-    /// Where the only sample of each pixel is, pixels from the corner of the tile.
+    /// The position of the only sample of each pixel, pixels from the corner of the tile.
     samples: Option<[&'a [f32; SIDE * SIDE]; 2]>,
 }
 
@@ -130,20 +130,20 @@ impl VectorLoop for Ask<'_> {
         };
         let ([from_x, from_y, to_x, to_y], width) = (&*reach, size[0]);
         let [columns, rows, last_columns, last_rows] = &*pixels;
-        // Not written where it may be a part of what is read: the loop would not go in vectors.
+        // Not written directly to a slice that might alias an input, which would keep the loop from vectorizing.
         let mut found = [0; LOT];
         for at in 0..LOT {
             let (column, row) = (columns[at], rows[at]);
             let (wide, high) = (last_columns[at] - column, last_rows[at] - row);
             let first = row * width + column;
             let bounds = [from_x[at], from_y[at], to_x[at], to_y[at]];
-            // Of four samples, two or one, which are inside.
+            // Which of up to four samples are inside.
             let (is_wide, is_high) = (wide != 0, high != 0);
             let a = u32::from(holds([x, y], first, bounds));
             let b = u32::from(is_wide & holds([x, y], first + 1, bounds));
             let c = u32::from(is_high & holds([x, y], first + width, bounds));
             let d = u32::from(is_wide & is_high & holds([x, y], first + width + 1, bounds));
-            // The one that is, where there is one.
+            // The one that is inside, if there is exactly one.
             let one = first + (b | d) + (c | d) * width;
             let count = a + b + c + d;
             let of_few = if count == 0 { NONE.into() } else { one };
@@ -161,13 +161,13 @@ fn holds(
     pixel: u32,
     [from_x, from_y, to_x, to_y]: [f32; 4],
 ) -> bool {
-    // All pixels that are asked for are there.
+    // All pixels that are requested exist.
     let pixel = pixel as usize % (SIDE * SIDE);
     let (x, y) = (x[pixel], y[pixel]);
     (x >= from_x) & (x <= to_x) & (y >= from_y) & (y <= to_y)
 }
 
-/// Gathers the triangles that may reach `tile`; where there is one sample for each pixel, those that may hold one of these `samples`.
+/// Gathers the triangles that may reach `tile`; with one sample per pixel, only those that may contain one of these `samples`.
 pub(super) fn gather(
     triangles: &mut Vec<Gathered>,
     pieces: &Pieces,
@@ -180,7 +180,7 @@ pub(super) fn gather(
         pixels: [[0; LOT]; 4],
         only: [0; LOT],
     };
-    // What may reach the tile, with the pixels that it may cover there.
+    // The triangles that may reach the tile, with the pixels that they may cover in it.
     let tile_index = tile.index(pieces.size);
     for &at in pieces.by_tile.of(tile_index) {
         let batch = &pieces.batches[at as usize];
@@ -238,7 +238,7 @@ mod tests {
         let triangles = spans.map(rows);
         for height in [1, 2, 3, 5, 8, 16] {
             let mut lists = StripLists::default();
-            // A second filling forgets the first.
+            // Filling again clears the previous lists.
             lists.fill(&triangles[..2], 1);
             lists.fill(&triangles, height);
             for first in (0..SIDE).step_by(height) {

@@ -257,7 +257,7 @@ impl Needed {
         };
         let mut seen_by = 0;
         let worst = samples.iter().filter(is_of).inspect(|_| seen_by += 1);
-        // Of equals the first.
+        // Among equals, the first.
         let length = |s: &Sample| s.bend.length(pixels);
         let worst = worst.reduce(|worst, s| if length(s) < length(worst) { s } else { worst })?;
         let rest = &prepared.frames[worst.surface_hit.frame as usize];
@@ -299,12 +299,12 @@ fn longest_edge(prepared: &Prepared, frame: u32, object: u32) -> f64 {
     };
     let slots = (0..rest.bvh.len() as u32).into_par_iter();
     let own = slots.filter(|slot| rest.patch(rest.bvh.triangle(*slot).0).object == object);
-    // The greatest of numbers is the same in any order.
+    // The maximum does not depend on the order.
     own.map(square).reduce(|| 0.0, f64::max).sqrt()
 }
 
 impl Forecast {
-    /// All of it as a table, for people.
+    /// The results as a printable table.
     pub fn report(&self) -> Message {
         let (scene, pixels) = (self.scene.escape_debug(), self.pixels);
         let mut text = format!("{scene}: edges for an error of at most {pixels} pixels\n");
@@ -312,7 +312,7 @@ impl Forecast {
             return (text + "  the picture shows no object\n").into();
         }
         let names = self.objects.iter().map(|o| o.name.chars().count());
-        // At least as wide as its head, "object"; names that are longer than 32 run over.
+        // At least as wide as its head, "object"; names longer than 32 overflow.
         let width = names.max().unwrap_or(0).clamp(6, 32);
         text += &format!(
             "  {:<width$}  {:>10}  {:>10}  {:>8}  {:>8}  {:>12}  worst at\n",

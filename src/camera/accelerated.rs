@@ -274,7 +274,7 @@ impl Placed {
         (self.element_ray(seen, vicinity.in_world(own)), is_seen)
     }
 
-    /// The same for an element that is a ship of its own.
+    /// The same for an element with its own world line (Bell).
     #[inline(always)]
     fn nearby_ship(&self, vicinity: &Vicinity, element: DVec3) -> (ElementRay, bool) {
         let (own, crosses) =
@@ -323,7 +323,7 @@ fn passage_on_body(
     (seen, own, crosses & is_usual)
 }
 
-/// The event at which the light of `element`, a ship of its own, passed the pinhole, and whether it did.
+/// The event at which the light of `element`, which has its own world line (Bell), passed the pinhole, and whether it did.
 #[inline(always)]
 fn passage_of_ship(
     frame_from_world: &Boost<CameraFrame, World>,
@@ -510,7 +510,7 @@ impl SimpleRays for Body<'_> {
     }
 }
 
-/// Elements of a sensor that are ships of their own, if the acceleration is constant.
+/// The elements of a Bell sensor, if the acceleration is constant.
 struct Ships<'a> {
     camera: &'a Accelerated,
     placed: &'a Placed,

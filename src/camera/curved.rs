@@ -259,9 +259,9 @@ impl Projection for Fisheye {
     fn film_point(&self, v: DVec3) -> Option<[f64; 2]> {
         let across = libm::hypot(v.x, v.y);
         let theta = libm::atan2(across, v.z);
-        // An orthographic lens sees the half space before it.
+        // An orthographic lens sees the half space in front of it.
         let beyond = self.radial == Radial::Orthographic && v.z < 0.0;
-        // What is straight behind is seen all around the edge.
+        // A point straight behind is seen all around the edge.
         if beyond || !(across > 0.0 || v.z > 0.0) {
             return None;
         }

@@ -41,7 +41,7 @@ pub trait Projection {
     fn components(&self, x: f64, y: f64) -> DVec3;
 
     /// The film point that sees the direction `v`, given by components along the axes; it may lie beyond the film's edges. `None` if no
-    /// film point looks that way, however large the film.
+    /// film point looks in that direction, however large the film.
     fn film_point(&self, v: DVec3) -> Option<[f64; 2]>;
 
     /// The width of a pixel at the point `v`, given by components along the axes.

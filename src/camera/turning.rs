@@ -125,7 +125,7 @@ impl Turning {
         match self.elements {
             Elements::Comoving => comoving(r, v, (*turn * film).normalize(), film, self, t),
             Elements::Exact | Elements::Aberrated => {
-                // A point camera has |r| = 0, by which one cannot divide.
+                // A point camera has |r| = 0, and no direction can be computed from r.
                 let towards = if self.focal_length > 0.0 {
                     -r
                 } else {

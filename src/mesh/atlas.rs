@@ -91,7 +91,7 @@ fn counted_charts(triangles: &[[DVec3; 3]]) -> (Vec<Chart>, usize) {
     let neighbours = Neighbours::of(triangles);
     let mut taken: Vec<bool> = normals.iter().map(Option::is_none).collect();
     let mut charts = Vec::new();
-    // Triangles that a chart gives back come up again, as the first of their own charts.
+    // Triangles that a chart gives back are tried again, as first triangles of their own charts.
     let mut seeds: VecDeque<u32> = (0..triangles.len() as u32).collect();
     while let Some(seed) = seeds.pop_front() {
         let Some(axis) = normals[seed as usize].filter(|_| !taken[seed as usize]) else {
@@ -115,8 +115,8 @@ fn counted_charts(triangles: &[[DVec3; 3]]) -> (Vec<Chart>, usize) {
                 }
             }
             next += 1;
-            // Checked at each doubling, so that a chart does not grow over everything that lies on it: among many copies of a mesh each
-            // chart would try all.
+            // Checked at each doubling, so that a chart does not grow over everything that lies on top of it: among many copies of a mesh
+            // each chart would try all of them.
             let is_last = next == members.len() && checked < members.len();
             if members.len() >= 2 * checked || is_last {
                 let covering = covering(&flat);
@@ -321,7 +321,7 @@ impl Chart {
         let mut best = turned(edges[0]);
         for turn in edges.into_iter().skip(1).chain(turns) {
             let other = turned(turn);
-            // By more than rounding: of equally good ones, the first wins.
+            // Better by more than rounding: among equally good ones, the first wins.
             if other.2.x * other.2.y < (1.0 - 1e-6) * best.2.x * best.2.y {
                 best = other;
             }
@@ -331,7 +331,7 @@ impl Chart {
         for p in flat.iter_mut().flatten() {
             *p -= low;
             if !lies {
-                // A quarter turn, which keeps front sides in front.
+                // A quarter turn, which does not flip the front.
                 *p = DVec2::new(size.y - p.y, p.x);
             }
         }
@@ -497,7 +497,8 @@ mod tests {
         for surface in [doubled, vec![square[0]; copies]] {
             let (charts, looks) = counted_charts(&surface);
             assert_eq!(charts.len(), copies);
-            // From the few that are its neighbours at that time; if each chart tried all, it would be as many as there are copies.
+            // Each is tested against the few that are neighbours at that time; if each chart tried all, there would be as many tests as
+            // copies.
             assert!(looks < 10 * surface.len(), "{looks}");
         }
     }

@@ -1,4 +1,4 @@
-//! Triangles and their attributes, as they are at rest: no motion, no acceleration structure.
+//! Triangles and their attributes at rest: no motion, no acceleration structure.
 
 use std::collections::HashMap;
 use std::fmt::Display;
@@ -10,30 +10,29 @@ use super::atlas::Corners;
 /// An indexed triangle mesh in the coordinates of its object, metres.
 ///
 /// The front of a triangle is the side from which its corners are seen in counter-clockwise order: from outside, on a closed surface. Its
-/// normal (b − a) × (c − a) points there. Backs are seen where the material is [double-sided](Material::double_sided), or the scene's
+/// normal (b − a) × (c − a) points there. Backs are visible if the material is [double-sided](Material::double_sided), or if the scene's
 /// `display.back_faces` says so.
 ///
-/// Whoever makes one sees to it that indices are in range and all numbers finite: [`Mesh::check`] says what is not, and scenes are asked
-/// for it before they are rendered. Positions that are not finite are refused when they are loaded, or left out where the object's
+/// Code that creates a mesh must keep indices in range and all numbers finite: [`Mesh::check`] reports violations, and is called for all
+/// meshes of a scene before it is rendered. Positions that are not finite are refused when they are loaded, or left out if the object's
 /// `bad_vertices` is `"drop"`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
     /// Vertex positions, metres, object coordinates. f32 positions of a file are exact here.
     pub positions: Vec<DVec3>,
-    /// Texture coordinates per vertex, one list per coordinate set of the file (v = 0 is the
-    /// top row of an image). A set that no vertex has is empty; otherwise vertices that lack it
-    /// hold NaN.
+    /// Texture coordinates per vertex, one list per coordinate set of the file (v = 0 is the top row of an image). A set without any vertex
+    /// is empty; otherwise vertices that lack it hold NaN.
     pub uvs: Vec<Vec<[f32; 2]>>,
-    /// Outward normals per vertex, of any length above 0 (glTF NORMAL); empty where no vertex has one, and 0 of those that have none.
-    /// Surfaces reflect light by what lies between those of their corners; triangles with a corner that has none are flat.
+    /// Outward normals per vertex, of any length above 0 (glTF NORMAL); empty if no vertex has one, and 0 for vertices without one.
+    /// Surfaces are shaded with normals interpolated between their corners; triangles with a corner that has none are flat.
     pub normals: Vec<[f32; 3]>,
-    /// Linear RGBA factors on base colours, per vertex (glTF COLOR_0); empty where no vertex has one.
+    /// Linear RGBA factors on base colours, per vertex (glTF COLOR_0); empty if no vertex has one.
     pub colours: Vec<[f32; 4]>,
     /// Three vertex indices per triangle, counter-clockwise as seen from its front, in the order of the file.
     pub triangles: Vec<[u32; 3]>,
     /// Runs of consecutive triangles that share a material, in order; they cover `triangles`.
     pub parts: Vec<Part>,
-    /// The materials that parts index.
+    /// The materials to which parts refer.
     pub materials: Vec<Material>,
 }
 
@@ -42,11 +41,11 @@ pub struct Mesh {
 pub struct Part {
     /// The first triangle.
     pub first_triangle: u32,
-    /// How many triangles.
+    /// The number of triangles.
     pub triangles: u32,
     /// Index into [`Mesh::materials`].
     pub material: u32,
-    /// The node of the file that this part came from, for messages.
+    /// The node of the file from which this part came, for messages.
     pub node: String,
 }
 
@@ -58,7 +57,7 @@ pub const MOST_INDEX: f32 = 10.0;
 /// Its base colour at a point is factor × texture × vertex colour ([`Mesh::colours`]), linear RGBA.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
-    /// The name in the file, or "" where it has none.
+    /// The name in the file, or "" if it has none.
     pub name: String,
     /// Linear RGB factor.
     pub base_colour: [f32; 3],
@@ -66,31 +65,32 @@ pub struct Material {
     pub base_colour_texture: Option<TextureRef>,
     /// Factor on the metalness, 0 (dielectric) to 1 (metal).
     pub metallic: f32,
-    /// Factor on the perceptual roughness, 0 (mirror) to 1 (matte); GGX has its square.
+    /// Factor on the perceptual roughness, 0 (mirror) to 1 (matte); the α of GGX is its square.
     pub roughness: f32,
     /// Linear texture: roughness in its green channel, metalness in its blue one.
     pub metallic_roughness_texture: Option<TextureRef>,
-    /// Linear RGB factor on the emitted radiance, with the emissive strength in it.
+    /// Linear RGB factor on the emitted radiance, including the emissive strength.
     pub emissive: [f32; 3],
     /// The texture of the emitted radiance, sRGB.
     pub emissive_texture: Option<TextureRef>,
-    /// The part of the light not reflected that goes through, 0 to 1 (KHR_materials_transmission).
+    /// The fraction of the light not reflected that is transmitted, 0 to 1 (KHR_materials_transmission).
     pub transmission: f32,
-    /// Refractive index of the dielectric (KHR_materials_ior), also of what light goes through.
+    /// Refractive index of the dielectric (KHR_materials_ior), also for transmitted light.
     pub ior: f32,
-    /// Whether it bounds a body of that index (KHR_materials_volume); otherwise it is a film without thickness.
+    /// Whether it bounds a body with that index (KHR_materials_volume); otherwise it is a film without thickness.
     pub solid: bool,
     /// Factor on alpha, 0 to 1.
     pub alpha: f32,
-    /// What alpha does.
+    /// The effect of alpha.
     pub alpha_mode: AlphaMode,
-    /// Whether the base colour is what it shows under any light (KHR_materials_unlit).
+    /// Whether it shows its base colour under any light (KHR_materials_unlit).
     pub unlit: bool,
-    /// Whether glTF says that the back face is to be seen too.
+    /// Whether glTF says that the back face is visible too.
     pub double_sided: bool,
 }
 
-/// How a material looks by its factors alone, on which textures may put numbers below 1: what is known before any texture is loaded.
+/// The appearance of a material by its factors alone, which textures may multiply by numbers below 1: what is known before any texture is
+/// loaded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Factors {
@@ -98,40 +98,40 @@ pub struct Factors {
     pub metallic: f32,
     /// Perceptual roughness, 0 to 1.
     pub roughness: f32,
-    /// The part of the light not reflected that goes through, 0 to 1.
+    /// The fraction of the light not reflected that is transmitted, 0 to 1.
     pub transmission: f32,
-    /// Whether its back is to be seen too.
+    /// Whether its back is visible too.
     pub double_sided: bool,
-    /// Whether it shines where there is light.
+    /// Whether it may emit light.
     pub emits: bool,
 }
 
 impl Factors {
-    /// Whether it reflects like a perfect mirror, where light is followed from surface to surface.
+    /// Whether it is a perfect mirror, along which light paths are traced from surface to surface.
     pub fn is_mirror(&self) -> bool {
         self.roughness == 0.0 && self.transmission == 0.0
     }
 
-    /// Whether light goes through it.
+    /// Whether it transmits light.
     pub fn is_glass(&self) -> bool {
         self.transmission > 0.0
     }
 
-    /// Whether it reflects otherwise than diffusely.
+    /// Whether it has any reflection that is not diffuse.
     pub fn is_glossy(&self) -> bool {
         self.metallic > 0.0 || self.roughness < 1.0 || self.is_glass()
     }
 }
 
-/// What alpha does to a surface (glTF 2.0 §3.9.4).
+/// The effect of alpha on a surface (glTF 2.0 §3.9.4).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum AlphaMode {
-    /// Nothing.
+    /// None.
     #[default]
     Opaque,
-    /// Where it is below `cutoff`, there is no surface.
+    /// If alpha is below `cutoff`, there is no surface.
     Mask {
-        /// The least alpha that is there.
+        /// The smallest alpha at which the surface exists.
         cutoff: f32,
     },
     /// The surface is partly transparent.
@@ -171,7 +171,7 @@ impl Material {
         }
     }
 
-    /// How it looks by its factors alone.
+    /// Its appearance by its factors alone.
     pub fn factors(&self) -> Factors {
         Factors {
             metallic: self.metallic,
@@ -182,15 +182,14 @@ impl Material {
         }
     }
 
-    /// Whether it has holes by its alpha.
+    /// Whether alpha may cut holes into it.
     pub fn is_masked(&self) -> bool {
         matches!(self.alpha_mode, AlphaMode::Mask { .. })
     }
 
-    /// Checks that all numbers are in the ranges that glTF gives them.
+    /// Checks that all numbers are in glTF's ranges.
     ///
-    /// # Errors
-    /// The first field that is not.
+    /// # Errors The first field that is out of range.
     pub fn check(&self) -> Result<(), MeshError> {
         let refuse = |field: &str, value: &dyn Display, right: &str| {
             let what = format!("{value} is not {right}");
@@ -231,7 +230,7 @@ impl Material {
         }
     }
 
-    /// The textures that there are.
+    /// The textures that it has.
     pub fn textures(&self) -> impl Iterator<Item = &TextureRef> {
         let all = [
             &self.base_colour_texture,
@@ -242,12 +241,12 @@ impl Material {
     }
 }
 
-/// Where a material's texture lies and how it is addressed.
+/// The image of a material's texture, and how it is addressed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TextureRef {
     /// Index into the list of images of the file.
     pub image: usize,
-    /// Which list of [`Mesh::uvs`].
+    /// Index into [`Mesh::uvs`].
     pub uv_set: usize,
     /// How it is looked up.
     pub sampler: TextureSampler,
@@ -256,18 +255,18 @@ pub struct TextureRef {
 /// How a texture is looked up (glTF sampler).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TextureSampler {
-    /// What happens outside [0, 1], along u and along v.
+    /// The behaviour outside [0, 1], along u and along v.
     pub wrap: [Wrap; 2],
-    /// What lies between the centres of texels.
+    /// Interpolation between the centres of texels.
     pub filter: TextureFilter,
 }
 
-/// What a texture shows between the centres of its texels (magFilter of a glTF sampler).
+/// The interpolation of a texture between the centres of its texels (magFilter of a glTF sampler).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TextureFilter {
     /// The nearest texel.
     Nearest,
-    /// The four texels around, interpolated.
+    /// Interpolated between the four nearest texels.
     Linear,
 }
 
@@ -281,7 +280,7 @@ impl TextureSampler {
     }
 }
 
-/// What a texture does outside [0, 1] (glTF sampler).
+/// The behaviour of a texture outside [0, 1] (glTF sampler).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wrap {
     /// Periodic.
@@ -292,7 +291,7 @@ pub enum Wrap {
     Clamp,
 }
 
-/// Which field of a mesh does not fit the others or is out of its range, and why.
+/// Which field of a mesh is inconsistent with others or out of range, and why.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{field}: {what}")]
 #[non_exhaustive]
@@ -305,19 +304,19 @@ pub struct MeshError {
 
 crate::error::value_errors!(MeshError);
 
-/// What [`is_factor`] says yes to.
+/// The condition of [`is_factor`], in words.
 const FACTOR: &str = "finite and at least 0";
 
-/// Whether a colour may have `value`; not so NaN.
+/// Whether `value` is allowed in a colour; false for NaN.
 fn is_factor(value: f32) -> bool {
     (0.0..=f32::MAX).contains(&value)
 }
 
 impl Mesh {
-    /// What [`Mesh::check`] asks for, for messages.
+    /// The condition of [`Mesh::check`], for messages.
     pub(crate) const CHECKED: &str = "arrays of a mesh must fit each other, and numbers of its materials be in the ranges of glTF";
 
-    /// A mesh of one material without a name, of linear base colour `colour`, that is seen from the front.
+    /// A mesh with one unnamed material of linear base colour `colour`, visible from the front.
     pub fn new(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>, colour: [f32; 3]) -> Mesh {
         Mesh {
             parts: vec![Part {
@@ -335,11 +334,10 @@ impl Mesh {
         }
     }
 
-    /// Checks that indices are in range, that lists are as long as they must be, that normals are finite, and that colours and numbers of
-    /// materials are in their ranges.
+    /// Checks that indices are in range, that lists have the right lengths, that normals are finite, and that colours and numbers of
+    /// materials are in range.
     ///
-    /// # Errors
-    /// The first field of which that is not so.
+    /// # Errors The first field that fails.
     pub fn check(&self) -> Result<(), MeshError> {
         let refuse = |field: String, what: String| Err(MeshError { field, what });
         let vertices = self.positions.len();
@@ -384,7 +382,7 @@ impl Mesh {
                 return refuse(format!("materials[{i}].{}", error.field), error.what);
             }
         }
-        // Parts stand one behind the other: each triangle has one material.
+        // Parts are contiguous: each triangle has one material.
         let mut next = 0;
         for (i, part) in self.parts.iter().enumerate() {
             if u64::from(part.first_triangle) != next {
@@ -406,10 +404,10 @@ impl Mesh {
         }
     }
 
-    /// Adds a set of texture coordinates that are given by triangle and corner, as set `set`, before which there must be as many; sets from
-    /// there on are moved one further, with the textures that use them. Vertices whose corners differ become several.
+    /// Inserts a set of texture coordinates, given by triangle and corner, as set `set`; that many sets must exist before it. Later sets
+    /// move up by one, and so do references of textures to them. A vertex is split if its corners have different coordinates.
     pub(crate) fn insert_uvs(&mut self, set: usize, corners: &[Corners]) {
-        // A vertex is what has one place and one pair of new coordinates, compared by their bits.
+        // Vertices are identified by the bits of their position and new coordinates.
         let mut vertices = HashMap::new();
         let mut old = Vec::new();
         let mut uvs = Vec::new();
@@ -448,22 +446,21 @@ impl Mesh {
         }
     }
 
-    /// Whether a material of it has an alpha mask.
+    /// Whether any of its materials has an alpha mask.
     pub fn has_masks(&self) -> bool {
         self.materials.iter().any(Material::is_masked)
     }
 
     /// The three corners of triangle `index`.
     ///
-    /// # Panics
-    /// Where there is no such triangle, or it names vertices that are not there ([`check`](Mesh::check)); so do
-    /// [`uv`](Mesh::uv) and [`colour`](Mesh::colour) without such a triangle.
+    /// # Panics If there is no such triangle, or its vertices do not exist ([`check`](Mesh::check)). [`uv`](Mesh::uv) and
+    /// [`colour`](Mesh::colour) also panic without such a triangle.
     pub fn corners(&self, index: u32) -> [DVec3; 3] {
         self.triangles[index as usize].map(|v| self.positions[v as usize])
     }
 
-    /// The texture coordinates of set `set` at barycentric `(u, v)` of triangle `index`
-    /// (u weights the second corner, v the third), or none where the mesh has no such set.
+    /// The texture coordinates of set `set` at barycentric `(u, v)` of triangle `index` (u weights the second corner, v the third); `None`
+    /// if the mesh has no such set.
     #[inline]
     pub fn uv(&self, set: usize, index: u32, barycentric: [f64; 2]) -> Option<DVec2> {
         let uvs = self.uvs.get(set)?;
@@ -473,15 +470,15 @@ impl Mesh {
         };
         let [a, b, c] = self.triangles[index as usize];
         let (a, b, c, [u, v]) = (corner(a)?, corner(b)?, corner(c)?, barycentric);
-        // NaN of one corner is NaN here.
+        // NaN at one corner gives NaN here.
         Some(a + (b - a) * u + (c - a) * v).filter(|uv| uv.is_finite())
     }
 
-    /// The unit normal between those of the corners at barycentric `(u, v)` of triangle `index`; none where a corner has none, or where they
-    /// cancel. Those of corners have to be unit vectors.
+    /// The unit normal interpolated between those of the corners, at barycentric `(u, v)` of triangle `index`; `None` if a corner has none,
+    /// or if they cancel. Corner normals must be unit vectors.
     #[inline]
     pub(crate) fn normal(&self, index: u32, [u, v]: [f64; 2]) -> Option<DVec3> {
-        // Unit normals are rounded by 2⁻²⁴ each: what is left of some that cancel may point anywhere.
+        // Unit normals have rounding errors of 2⁻²⁴: the remainder of normals that cancel may point anywhere.
         const LEAST: f64 = 1e-6;
         if self.normals.is_empty() {
             return None;
@@ -497,7 +494,7 @@ impl Mesh {
         (length > LEAST).then(|| normal / length)
     }
 
-    /// Turns normals as a linear map of places turns surfaces, and makes them unit vectors; those of length 0 stay 0.
+    /// Transforms normals along with a linear map of positions, and normalises them; those of length 0 stay 0.
     pub(crate) fn turn_normals(&mut self, places: DMat3) {
         let normals = normal_matrix(places);
         for normal in &mut self.normals {
@@ -506,8 +503,7 @@ impl Mesh {
         }
     }
 
-    /// The vertex colour, linear RGBA, at barycentric `(u, v)` of triangle `index`, or none where the mesh
-    /// has none.
+    /// The vertex colour, linear RGBA, at barycentric `(u, v)` of triangle `index`; `None` if the mesh has none.
     #[inline]
     pub fn colour(&self, index: u32, [u, v]: [f64; 2]) -> Option<[f64; 4]> {
         if self.colours.is_empty() {
@@ -521,9 +517,9 @@ impl Mesh {
     }
 }
 
-/// What takes normals of surfaces along with a linear map of places, up to a positive factor: the inverse transpose, M⁻ᵀ = cof M/det M.
+/// The matrix that transforms normals along with a linear map of positions, up to a positive factor: the inverse transpose, M⁻ᵀ = cof M/det M.
 ///
-/// Cofactors are there for maps that make all flat, too. With the sign of det M, what points out of a body still does so where it is mirrored.
+/// Cofactors exist even for singular maps. The sign of det M keeps outward normals outward if the body is mirrored.
 pub(crate) fn normal_matrix(places: DMat3) -> DMat3 {
     let (x, y, z) = (places.x_axis, places.y_axis, places.z_axis);
     let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));

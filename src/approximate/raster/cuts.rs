@@ -28,7 +28,7 @@ impl Cuts {
     const UNCERTAIN: f64 = 0.25;
     /// The factor for estimates from [`Cuts::CLOSE`] triangles or more.
     const CLOSE_MARGIN: f64 = 1.1;
-    /// For pictures near the limit, this many triangles are only a few pixels larger than the final ones.
+    /// From so many triangles, those of pictures near the limit are a few pixels of what they will be cut into.
     const CLOSE: usize = 1 << 18;
 
     /// None so far, limited to what fits in `memory` bytes.

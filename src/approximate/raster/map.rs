@@ -135,7 +135,7 @@ impl Map {
     }
 }
 
-/// The axis of a face, and the directions of its rows and columns.
+/// The axis of a face, and the directions in which its columns and rows are counted.
 fn face(index: u32) -> [DVec3; 3] {
     match index {
         0 => [DVec3::X, -DVec3::Z, -DVec3::Y],

@@ -22,11 +22,11 @@ use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::trace::{Dependence, RestFrame};
 
-/// Number of triangles of a batch, in scenes that have enough of them.
+/// The number of triangles of a batch in large scenes.
 const BATCH: u32 = 4096;
-/// Number of batches that a rest frame is divided into, where they are smaller.
+/// The number of batches that a smaller rest frame is divided into.
 const BATCHES: u32 = 16;
-/// Number of triangles of a batch, in rest frames that have so many.
+/// The minimum number of triangles of a batch, in rest frames that have that many.
 const LEAST: u32 = 1024;
 
 /// All triangles of a scene in homogeneous film coordinates.
@@ -43,9 +43,9 @@ pub(super) struct Triangles<'a> {
     attributes: Attributes,
     /// W of samples.
     pub ratios: CameraRatios<'a>,
-    /// What depths are measured in, metres: of the order of the farthest vertex.
+    /// The unit of depths, metres: about the distance of the farthest vertex.
     pub unit: f64,
-    /// Whether some have holes.
+    /// Whether some triangles have holes.
     pub has_holes: bool,
     /// What radiance, or a channel, depends on.
     pub needed: Dependence,
@@ -57,7 +57,7 @@ impl<'a> Triangles<'a> {
         self.attributes == Attributes::Vertex
     }
 
-    /// What tiles are painted from.
+    /// The data from which tiles are painted.
     pub fn pieces(&self) -> Pieces<'_> {
         Pieces {
             size: self.size,
@@ -68,15 +68,14 @@ impl<'a> Triangles<'a> {
         }
     }
 
-    /// Divides the triangles of `scene` as `raster` says, moves them to their apparent positions and
-    /// sorts them by tiles.
+    /// Divides the triangles of `scene` according to `raster`, moves them to their apparent positions and sorts them by tiles.
     pub fn new(
         scene: &'a Prepared,
         observer: &'a Observer,
         raster: &Raster,
         progress: &dyn Progress,
     ) -> Result<Self> {
-        // Apparent places of all vertices first, as triangles share them.
+        // First the apparent positions of all vertices, which triangles share.
         let projections = scene.frames.iter().map(|f| observer.projection(&f.frame));
         let projections = projections.collect::<Result<Vec<_>>>()?;
         let frames = &scene.frames;
@@ -85,7 +84,7 @@ impl<'a> Triangles<'a> {
         let seen = seen.map(|(f, p)| transformed(p, f.shared_vertices(), straight));
         let seen: Vec<_> = seen.collect();
         let size = scene.layout.size;
-        // Triangles are cut until they are straight enough; one limit of memory for all frames.
+        // Triangles are cut until they are straight enough; one memory limit applies to all frames.
         let cuts = Cuts::within(scene.memory_left);
         let frusta: Vec<_> = projections.iter().map(Frustum::of).collect();
         let dividers = (0..frames.len()).map(|frame| Divider {
@@ -115,7 +114,7 @@ impl<'a> Triangles<'a> {
             batches,
             attributes: raster.attributes,
             ratios: CameraRatios::of(&scene.camera).ok_or_else(apart)?,
-            // Where all there is lies at the camera's place any unit will do.
+            // If everything is at the camera's position, any unit will do.
             unit: if farthest.is_normal() { farthest } else { 1.0 },
             has_holes: frames.iter().any(|rest| rest.bvh.has_holes()),
             needed: match scene.layout.channels.is_empty()
@@ -146,7 +145,7 @@ fn divided(
         progress.check()?;
         let (rest, divider) = (&frames[frame], &dividers[frame]);
         let mut batch = BatchBuilder::new(frame as u32, divider);
-        // Where the side that the camera is on is there.
+        // Only triangles whose side facing the camera is visible.
         batch.begin(slots, |slot| {
             let (_, facing) = rest.bvh.triangle(slot);
             facing == Facing::TwoSided || is_front(rest.bvh.corners(slot), divider.projection)
@@ -160,11 +159,11 @@ fn divided(
     if (dividers.iter()).all(|divider| divider.tessellation == Tessellation::None) {
         return (runs.into_par_iter().map(|run| finished(begun(run)?))).collect();
     }
-    // What is going to be too much in all frames together is not begun in any.
+    // If the total for all frames would be too much, no frame is begun.
     let mut batches: Vec<_> = (runs.into_par_iter().map(begun)).collect::<Result<_>>()?;
     loop {
         progress.check()?;
-        // Points of batches that have stopped are not where they appear, and no forecast can be made by them.
+        // In stopped batches some points are not at their apparent positions, so no forecast can be based on them.
         if cuts.are_too_many() {
             return Err(cuts.refusal());
         }
@@ -178,11 +177,11 @@ fn divided(
     }
 }
 
-/// What vertices are asked of the edges that end there.
+/// The test of vertices for the edges that end there.
 fn straight(tessellation: Tessellation) -> Straight {
     match tessellation {
         Tessellation::None => Straight::ALWAYS,
-        // By length alone.
+        // Only by length.
         Tessellation::Uniform(_) => Straight::NEVER,
         Tessellation::Adaptive(pixels) => Straight::within(pixels),
     }
@@ -190,7 +189,7 @@ fn straight(tessellation: Tessellation) -> Straight {
 
 /// The largest |z| of all vertices.
 fn farthest(seen: &[Vec<Vertex>]) -> f64 {
-    // Several at a time, as none has to wait for another.
+    // Several at a time, so that they do not depend on each other.
     let mut far = [0.0f64; 8];
     for vertices in seen.iter().flat_map(|all| all.chunks(8)) {
         for (far, vertex) in far.iter_mut().zip(vertices) {
@@ -200,8 +199,8 @@ fn farthest(seen: &[Vec<Vertex>]) -> f64 {
     far.into_iter().fold(0.0, f64::max)
 }
 
-/// Whether the camera is on the side from which the corners run counter-clockwise. Light goes straight in
-/// the rest frame, so that this is exact, and the same for the whole triangle.
+/// Whether the camera is on the side from which the corners run counter-clockwise. Light travels in straight lines in the rest frame, so
+/// this is exact, and the same for the whole triangle.
 pub(super) fn is_front([a, b, c]: [DVec3; 3], projection: &ApparentProjection) -> bool {
     (b - a).cross(c - a).dot(a - projection.origin()) < 0.0
 }
@@ -217,7 +216,7 @@ mod tests {
     use crate::render::progress::Silent;
     use crate::scene::{self, Overrides};
 
-    /// Four boxes at four speeds, each of which would be cut at less than eight times as many points as may be.
+    /// Four boxes at four speeds, each of which would be cut at less than eight times the allowed number of points.
     #[test]
     fn what_is_too_much_in_all_frames_together_is_begun_in_none() {
         let boxes = [-0.3, -0.1, 0.1, 0.3].map(|beta| {
@@ -242,7 +241,7 @@ mod tests {
         let seen: Vec<_> =
             (seen.map(|(f, p)| transformed(p, f.shared_vertices(), Straight::NEVER))).collect();
 
-        // Each is tried alone, and found to be too much by its cuts; all together by the forecast.
+        // Each box alone is tried, and refused because of its cuts; all together are refused because of the forecast.
         let divide = |chosen: Range<usize>| {
             let cuts = Cuts::within(10_000 * Cuts::BYTES);
             let dividers = chosen.clone().map(|frame| Divider {

@@ -10,7 +10,7 @@ use crate::render::trace::SharedVertices;
 
 pub(super) use crate::approximate::projection::ApparentVertex as Vertex;
 
-/// Number of vertices of a task.
+/// The number of vertices of a task.
 const TASK: usize = 64 * BLOCK;
 
 /// A vertex that has yet to be transformed.
@@ -21,18 +21,18 @@ const NOWHERE: Vertex = Vertex {
     scale: 0.0,
 };
 
-/// What is asked of a vertex first: the film point, pixels, and z, or −1 where that is not before the camera or an edge that ends there may
+/// What is read of a vertex first: the film point, pixels, and z, or −1 if it is not in front of the camera or an edge that ends there may
 /// have to be cut.
 pub(super) type FilmCorner = [f64; 3];
 
-/// The vertices of a rest frame as they are seen.
+/// The vertices of a rest frame at their apparent positions.
 #[derive(Debug)]
 pub(super) struct ApparentVertices {
     pub all: Vec<Vertex>,
     pub corners: Vec<FilmCorner>,
 }
 
-/// The vertices `shared` of the rest frame of `projection`, whose edges are to be straight as `straight` says.
+/// The vertices `shared` of the rest frame of `projection`; `straight` is the test for edges that need no cut.
 pub(super) fn transformed(
     projection: &ApparentProjection,
     shared: &SharedVertices,
@@ -61,7 +61,7 @@ pub(super) fn transformed(
     ApparentVertices { all, corners }
 }
 
-/// Appends the vertices at those of `positions` that `vertices` does not hold yet.
+/// Appends the vertices for those of `positions` that `vertices` does not contain yet.
 pub(super) fn extend(
     projection: &ApparentProjection,
     positions: &[DVec3],
@@ -85,7 +85,7 @@ struct Transform<'a> {
     corners: Option<FilmCorners<'a>>,
 }
 
-/// What is asked of vertices first, and what it takes to say it.
+/// The numbers that are read of vertices first, and the data to compute them.
 struct FilmCorners<'a> {
     longest: &'a [f64],
     straight: Straight,
@@ -131,7 +131,7 @@ fn transform_block(
 }
 
 impl FilmCorners<'_> {
-    /// Writes those of `block`, which begins with vertex `begin`.
+    /// Writes the numbers of `block`, which begins with vertex `begin`.
     #[inline(always)]
     fn write(&mut self, apparent: &Apparent, begin: usize, block: &VertexBlock) {
         let (mut z, longest) = ([0.0; BLOCK], load(self.longest, begin));
@@ -140,7 +140,7 @@ impl FilmCorners<'_> {
             let ends_straight =
                 straight.around(block.length[at], stretch * longest[at], block.scale[at]);
             let own = block.film.get(at).z;
-            // A z that is not before the camera has the triangles of this corner looked at one by one.
+            // If z is not in front of the camera, the triangles at this corner are examined one by one.
             z[at] = if ends_straight & (own > 0.0) {
                 own
             } else {

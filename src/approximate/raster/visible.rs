@@ -8,28 +8,28 @@ use super::triangles::Triangles;
 use crate::render::film::Tile;
 use crate::render::trace::Dependence;
 
-/// What is reused from tile to tile.
+/// Buffers that are reused from tile to tile.
 #[derive(Debug, Default)]
 pub(super) struct Buffers {
-    /// The tile that was begun last, and how many rows its strips have.
+    /// The current tile, and the number of rows of its strips.
     tile: Option<(Tile, u32)>,
     triangles: TileBuffers,
     visible: VisibleSurfaces,
     fragments: Fragments,
 }
 
-/// The surfaces of a tile that samples see, set up once they are first asked for.
+/// The visible surfaces of a tile, set up when they are first needed.
 #[derive(Debug, Default)]
 struct VisibleSurfaces {
-    /// By triangle of the tile, the index of its surface, where it has been seen.
+    /// By triangle of the tile, the index of its surface if it is visible.
     seen_as: Vec<u32>,
-    /// By surface, its triangle; and the first of them, which are set up.
+    /// By surface, its triangle; and the surfaces that are set up, which are the first of these.
     triangles: Vec<u32>,
     surfaces: SurfaceLots,
 }
 
 impl VisibleSurfaces {
-    /// Forgets those of the last tile, and has none yet of `triangles`.
+    /// Clears the surfaces of the last tile; none of `triangles` has a surface yet.
     fn start(&mut self, triangles: usize) {
         self.seen_as.clear();
         self.seen_as.resize(triangles, NOTHING);
@@ -37,7 +37,7 @@ impl VisibleSurfaces {
         self.surfaces.all.clear();
     }
 
-    /// The index of that of triangle `index`; none for no triangle.
+    /// The index of the surface of triangle `index`; `None` if there is no such triangle.
     #[inline(always)]
     fn of(&mut self, index: u32) -> Option<u32> {
         let known = self.seen_as.get_mut(index as usize)?;
@@ -48,7 +48,7 @@ impl VisibleSurfaces {
         Some(*known)
     }
 
-    /// All of them, those set up that have been asked for since; their triangles are `triangles` of `tile`.
+    /// All surfaces; sets up those requested since the last call. Their triangles are `triangles` of `tile`.
     fn complete(&mut self, all: &Triangles, tile: Tile, triangles: &TileBuffers) -> &[Surface] {
         let known = self.surfaces.all.len();
         let new = &self.triangles[known..];
@@ -77,7 +77,7 @@ impl Visibility for Triangles<'_> {
         buffers.tile = Some((tile, rows));
     }
 
-    /// Which triangle each sample shows, by depth, and the fragments of these.
+    /// Finds the triangle that each sample sees, by depth, and its fragments.
     fn paint(&self, samples: &StripSamples, buffers: &mut Buffers, rays: &mut RayBatch) {
         let Buffers {
             tile,
@@ -91,7 +91,7 @@ impl Visibility for Triangles<'_> {
         fragments.start(samples, self.needed, rays);
         let (x, y) = fragments.points_mut();
         let (pieces, strip) = (self.pieces(), &samples.strip);
-        // Behind a hole any triangle may be seen.
+        // Any triangle may be visible through a hole.
         if strip.is_all_of(tile) && !self.has_holes {
             triangles.cover_tile(&pieces, tile, x, y);
             visible.start(triangles.triangles.len());
@@ -127,7 +127,7 @@ impl Visibility for Triangles<'_> {
                 }
             }
         }
-        // Samples in a row that see one triangle, or none, are one run.
+        // Consecutive samples that see the same triangle, or none, are one run.
         triangles.each_run(count, |triangle, samples| {
             fragments.see(visible.of(triangle), samples);
         });

@@ -59,7 +59,7 @@ impl Warped {
     }
 }
 
-/// Finds what `texels` in these directions show.
+/// Finds the hits of `texels` in these directions.
 fn fill(
     texels: &mut [Option<SurfaceHit>],
     directions: &[DVec3],

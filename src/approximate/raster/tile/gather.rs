@@ -117,7 +117,7 @@ impl VectorLoop for Ask<'_> {
             only,
         } = self.lot;
         let Tile { corner, size } = self.tile;
-        // Exact: whole numbers from multiples of the last digit of larger ones.
+        // Exact: whole numbers are subtracted from multiples of the last digit of larger numbers.
         for (k, (reach, pixels)) in reach.iter_mut().zip(&mut *pixels).enumerate() {
             let (first, last) = (corner[k % 2] as f32, (size[k % 2] - 1) as f32);
             for at in 0..LOT {

@@ -8,28 +8,29 @@ use super::setup::{Functions, SIDE};
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::approximate::raster::draw::Strip;
 
-/// Works out where the samples of a pixel of a strip are, in their places in lists of x and y of all samples.
+/// Computes the positions of the samples of a strip's pixel, and stores them at the pixel's place in lists of x and y of all samples.
 pub type SamplePixel<'a> = dyn FnMut(usize, &mut [f64], &mut [f64]) + 'a;
 
-/// Triangles that span fewer columns are asked at once about the samples of all their pixels.
+/// Triangles that span fewer columns are tested directly against the samples of all their pixels.
 const WIDE: usize = 3;
 
 impl TileBuffers {
-    /// Nothing is known of the pixels of `strip`.
+    /// Resets the pixels of `strip`: nothing is known about them.
     fn clear_pixels(&mut self, strip: &Strip) {
         debug_assert!(self.is_complete && strip.each.is_multiple_of(LANES));
         *self.pixels = Pixels::EMPTY;
     }
 
-    /// Finds the nearest triangle at the samples of `strip`, which fill whole blocks of each pixel, and are at these points of the tile: by pixels first.
+    /// Finds the nearest triangle at the samples of `strip`, which fill whole blocks of each pixel and are at these points of the tile; pixels are tested
+    /// first.
     pub fn cover_by_pixels(&mut self, strip: &Strip, x: &mut [f64], y: &mut [f64]) {
         self.clear_pixels(strip);
         self.pixels.is_sampled.fill(true);
         self.cover_each(strip, (x, y, false), &mut |_, _, _| {});
     }
 
-    /// Says of which pixels of `strip` the samples are asked for: of those that a triangle may cover in part, and of all that may see one of the batches
-    /// that `needs` says. For strips whose samples fill whole blocks of each pixel.
+    /// Determines the pixels of `strip` whose samples are needed: those that a triangle may cover partly, and all that may see one of the batches marked
+    /// in `needs`. For strips whose samples fill whole blocks of each pixel.
     pub fn begin_pixels(&mut self, strip: &Strip, needs: &[bool]) -> &[bool] {
         self.clear_pixels(strip);
         let list = match self.is_listed {
@@ -47,8 +48,8 @@ impl TileBuffers {
         &self.pixels.is_sampled[..strip.rows.pixels()]
     }
 
-    /// Finds the nearest triangle at the samples of `strip`, which [`TileBuffers::begin_pixels`] has begun: of pixels that it has not asked for, `sample` is
-    /// called, if they are asked about after all. `x` and `y` are where samples are in their pixels.
+    /// Finds the nearest triangle at the samples of `strip`, after [`TileBuffers::begin_pixels`]. `sample` is called for pixels whose samples turn out to be
+    /// needed although that function did not mark them. `x` and `y` are the sample positions in their pixels.
     pub fn cover_pixels(
         &mut self,
         strip: &Strip,
@@ -58,7 +59,7 @@ impl TileBuffers {
         self.cover_each(strip, (x, y, true), sample);
     }
 
-    /// The same with points in their pixels, or else of the tile.
+    /// The same, with points relative to their pixels or to the tile.
     fn cover_each(
         &mut self,
         strip: &Strip,
@@ -82,7 +83,8 @@ impl TileBuffers {
         });
     }
 
-    /// Calls `each` with the index of the nearest triangle of samples in a row, and how many they are, after [`TileBuffers::cover_pixels`]. In the order of the samples.
+    /// Calls `each` for each run of samples with the same nearest triangle, in order, with the triangle's index and the length of the run, after
+    /// [`TileBuffers::cover_pixels`].
     #[inline(always)]
     pub fn each_run_of_pixels(&self, strip: &Strip, mut each: impl FnMut(u32, usize)) {
         let nearest = self.samples.nearest.as_flattened();
@@ -100,7 +102,7 @@ impl TileBuffers {
 }
 
 /// A triangle's functions over a row of pixels: whether it reaches each pixel at all, and whether it covers all of it. In f32 the functions are monotonic
-/// in x and in y, as sums, products and rounding are: what they are at samples lies between what they are at two corners of the pixel, bit for bit.
+/// in x and in y, because sums, products and rounding are: their values at samples lie between those at two corners of the pixel, bit for bit.
 #[inline(always)]
 fn over_row(of: &Functions, row: usize) -> [[u32; SIDE]; 2] {
     let (mut reached, mut full) = ([1; SIDE], [1; SIDE]);
@@ -114,10 +116,10 @@ fn over_row(of: &Functions, row: usize) -> [[u32; SIDE]; 2] {
     [reached, full]
 }
 
-/// The least and the greatest value that a function has over each pixel of a row.
+/// The smallest and the largest value of a function over each pixel of a row.
 #[inline(always)]
 fn corners_of_row([a, b, c]: [f32; 3], row: usize) -> ([f32; SIDE], [f32; SIDE]) {
-    // The corner at which the function is least, and the opposite one.
+    // The corner at which the function is smallest, and the opposite one.
     let [left, right] = if a >= 0.0 { [0.0, 1.0] } else { [1.0, 0.0] };
     let row = row as f32;
     let [top, bottom] = if b >= 0.0 {
@@ -146,13 +148,13 @@ fn bounds_over(of: &Functions, column: usize, row: usize) -> [f32; 2] {
     [low - of.slack, high + of.slack]
 }
 
-/// The loop over triangles that notes which pixels have to be sampled.
+/// The loop over triangles that records which pixels have to be sampled.
 struct Reached<'a> {
     strip: &'a Strip,
     triangles: &'a [Gathered],
     functions: &'a [Functions],
     list: &'a [u32],
-    /// By batch, whether all of its pixels have to be.
+    /// By batch, whether all of its pixels have to be sampled.
     needs: &'a [bool],
     pixels: &'a mut Pixels,
 }
@@ -194,7 +196,7 @@ struct CoverPixels<'a> {
     samples: &'a mut Samples,
     pixels: &'a mut Pixels,
     points: [&'a mut [f64]; 2],
-    /// Whether points are counted from the corners of their pixels, and not from that of the tile.
+    /// Whether points are relative to the corners of their pixels, rather than to that of the tile.
     are_in_pixels: bool,
     sample: &'a mut SamplePixel<'a>,
 }
@@ -244,7 +246,7 @@ impl CoverPixels<'_> {
             return;
         }
         let pixels = &mut *self.pixels;
-        // Before or behind all that is there, for all samples.
+        // In front of or behind everything there, for all samples.
         if is_full && low > pixels.most[pixel] {
             pixels.nearest[pixel] = index;
             (pixels.least[pixel], pixels.most[pixel]) = (low, high);
@@ -264,7 +266,7 @@ impl CoverPixels<'_> {
             self.mix(pixel, row);
         }
         let Pixels { least, most, .. } = &mut *self.pixels;
-        // At other samples what was there is still seen: the bounds hold both.
+        // Other samples still see what was there before, so the bounds include both.
         least[pixel] = least[pixel].min(low);
         most[pixel] = most[pixel].max(high);
         let (each, of) = (self.strip.each, &self.functions[index as usize]);
@@ -275,7 +277,7 @@ impl CoverPixels<'_> {
         }
     }
 
-    /// Gives the samples of a pixel what it has.
+    /// Gives all samples of a pixel the triangle of the pixel.
     #[inline(always)]
     fn mix(&mut self, pixel: usize, row: usize) {
         let each = self.strip.each;
@@ -328,7 +330,7 @@ mod tests {
     use super::super::random_triangles::{Random, RandomTriangles, TILE_AT};
     use super::*;
 
-    /// Triangles that cover whole pixels and parts of them, behind, before and through each other.
+    /// Triangles that cover whole pixels and parts of them, in front of, behind and through each other.
     #[test]
     fn pixels_that_are_covered_as_a_whole_see_what_their_samples_do() {
         let mut random = Random(2);

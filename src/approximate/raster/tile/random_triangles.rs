@@ -20,9 +20,9 @@ impl Random {
     }
 }
 
-/// Pixels of the film.
+/// The size of the film, pixels.
 const SIZE: [u32; 2] = [64, 61];
-/// A tile that its edge cuts.
+/// A tile that is cut by the film's edge.
 pub(super) const TILE_AT: Tile = Tile {
     corner: [32, 48],
     size: [16, 13],
@@ -36,7 +36,7 @@ pub(super) struct RandomTriangles {
 }
 
 impl RandomTriangles {
-    /// So many: every `often`-th is `large` pixels large, the others 0.7.
+    /// Creates `count` triangles: every `often`-th has a size of `large` pixels, the others of 0.7.
     pub fn new(random: &mut Random, count: u32, often: u32, large: f64) -> Self {
         let (mut seen, mut pieces) = (Vec::new(), Vec::new());
         for k in 0..count {

@@ -9,8 +9,8 @@ use crate::approximate::raster::draw::Strip;
 use crate::render::film::Tile;
 
 impl TileBuffers {
-    /// Finds the nearest triangle at the samples of `tile`, one for each pixel, which are at these points of it: of triangles smaller than a pixel most
-    /// hold none, and are not kept.
+    /// Finds the nearest triangle at the samples of `tile`, one for each pixel, at these points of it. Most triangles smaller than a pixel contain no
+    /// sample; they are dropped.
     pub fn cover_tile(&mut self, pieces: &Pieces, tile: Tile, x: &[f64], y: &[f64]) {
         dispatch(Start {
             points: [x, y],
@@ -60,7 +60,7 @@ impl TileBuffers {
     }
 }
 
-/// The loop over samples that takes their points.
+/// The loop over samples that stores their points.
 struct Start<'a> {
     points: [&'a [f64]; 2],
     samples: &'a mut Samples,
@@ -105,7 +105,7 @@ impl VectorLoop for Cover<'_> {
             }
             let [left, top, right, bottom] = pixels.map(usize::from);
             for row in top.max(first)..=bottom.min(first + height - 1) {
-                // Whole blocks: samples beside the triangle are outside of it wherever they are.
+                // Whole blocks: samples beside the triangle are outside it in any case.
                 let begin = (row - first) * width * each;
                 let blocks =
                     (begin + left * each) / LANES..=(begin + right * each + each - 1) / LANES;
@@ -119,7 +119,7 @@ impl VectorLoop for Cover<'_> {
     }
 }
 
-/// Replaces what lies behind a triangle at a sample that it holds.
+/// Replaces what is behind a triangle at a sample inside it.
 #[inline(always)]
 fn cover_one(functions: &[Functions], index: u32, samples: &mut Samples, sample: usize) {
     let (of, block, i) = (&functions[index as usize], sample / LANES, sample % LANES);
@@ -140,7 +140,7 @@ mod tests {
     use super::super::random_triangles::{Random, RandomTriangles, TILE_AT};
     use super::*;
 
-    /// Triangles of half a pixel and less, and some larger ones: those that are not kept hold no sample.
+    /// Triangles of half a pixel or less, and some larger ones: those that are dropped contain no sample.
     #[test]
     fn triangles_that_are_not_kept_hold_no_sample() {
         let mut random = Random(1);
@@ -170,7 +170,7 @@ mod tests {
         assert_eq!(nearest[0].1, nearest[1].1);
         let count = nearest[1].0;
         assert!(count > 2900 && nearest[0].0 < count / 2, "{}", nearest[0].0);
-        // Small ones are seen, and not large ones alone.
+        // Small triangles are visible too, not only large ones.
         let (_, seen) = &mut nearest[0];
         seen.retain(|piece| piece.is_some_and(|piece| piece % 50 != 0));
         assert!(seen.len() > 20, "{}", seen.len());

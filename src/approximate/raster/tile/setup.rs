@@ -1,7 +1,7 @@
 //! Triangle setup: edge functions and 1/z of a triangle over a tile.
 //!
-//! Both are linear in the film point. They are set up in f64, relative to the tile's corner, and evaluated in f32. With coefficients a, b, c of a
-//! tile of n pixels two products and two sums are off by at most
+//! Both are linear in the film point. They are set up in f64, relative to the tile's corner, and evaluated in f32. With coefficients a, b, c and
+//! a tile of n pixels, the rounding error of two products and two sums is at most
 //!
 //! ```text
 //! 4 · 2⁻²⁴ (n |a| + n |b| + |c|):
@@ -20,7 +20,7 @@ pub(super) const SIDE: usize = TILE as usize;
 /// Bound on the rounding of 1/z, per n |a| + n |b| + |c|.
 const ROUNDING: f64 = 4.0 / (1u64 << 24) as f64;
 
-/// Number of triangles that are set up together.
+/// The number of triangles that are set up together.
 pub(super) const LOT: usize = 32;
 
 /// A triangle's functions of a point (x, y) of the tile: x, y and constant coefficients.
@@ -48,12 +48,12 @@ pub(super) struct SetUp<'a> {
     pub origin: [f64; 2],
     pub unit: f64,
     pub corners: &'a [[[f64; LOT]; 3]; 3],
-    /// Those of the triangles that are kept, from the first on.
+    /// The functions of the triangles that are kept, from the first element on.
     pub functions: &'a mut [Functions],
-    /// A point for each: it is kept where that is inside, or where there are several.
+    /// A point for each triangle: it is kept if the point is inside, or if there are several.
     pub points: &'a [[f32; LOT]; 2],
     pub are_several: &'a [u32; LOT],
-    /// Bits of those that are kept.
+    /// Bits of the triangles that are kept.
     pub kept: &'a mut u32,
 }
 
@@ -77,19 +77,19 @@ impl VectorLoop for SetUp<'_> {
             let (a, b, c) = (self.corner(0, at), self.corner(1, at), self.corner(2, at));
             let e = [b.cross(c), c.cross(a), a.cross(b)];
             let determinant = a.dot(e[0]);
-            // By the orientation: inside all three functions are positive from either side.
+            // The sign of the orientation makes all three functions positive inside, seen from either side.
             let sign = 1f64.copysign(determinant);
             let near = (e[0] + e[1] + e[2]) * (self.unit / determinant);
-            // What f32 may get wrong of 1/z anywhere in the tile.
+            // The largest rounding error of 1/z in f32 anywhere in the tile.
             let bound = ROUNDING * (SIDE as f64 * (near.x.abs() + near.y.abs()) + near.z.abs());
-            // Not where the triangle is edge-on, and not for NaN.
+            // False for triangles seen edge-on, and for NaN.
             let is_seen = (determinant.abs() > 0.0) & (bound < f64::INFINITY);
             for k in 0..3 {
                 let e = e[k];
-                // Equal powers of two on either side of an edge: its two functions stay each other's negatives.
+                // The power of two is the same on both sides of an edge, so that its two functions remain each other's negatives.
                 let largest = e.x.abs().max(e.y.abs()).max(e.z.abs());
                 let scale = sign * reciprocal_power_of_two(largest);
-                // What is edge-on becomes (0, 0, −1): no point is inside of it.
+                // Edge-on triangles become (0, 0, −1): no point is inside.
                 let seen = if is_seen { scale } else { 0.0 };
                 edges[k][0][at] = (e.x * seen) as f32;
                 edges[k][1][at] = (e.y * seen) as f32;
@@ -117,7 +117,7 @@ impl VectorLoop for SetUp<'_> {
             }
             let at = kept.trailing_zeros() as usize % LOT;
             kept &= kept - 1;
-            // One by one: to map the arrays would copy all of them for each triangle.
+            // One by one: mapping the arrays would copy all of them for each triangle.
             let mut of = NEVER;
             for (to, from) in of.edges.iter_mut().zip(&edges) {
                 for (to, from) in to.iter_mut().zip(from) {
@@ -133,10 +133,10 @@ impl VectorLoop for SetUp<'_> {
     }
 }
 
-/// A power of two whose product with `x` is in [1, 2).
+/// A power of two that scales `x` to [1, 2).
 #[inline(always)]
 fn reciprocal_power_of_two(x: f64) -> f64 {
     let exponent = x.to_bits() >> 52;
-    // By its bits: 2046 is twice the bias of exponents. 0 and subnormals have the greatest power that there is.
+    // From the bits: 2046 is twice the exponent bias. 0 and subnormals get the largest power of two.
     f64::from_bits(2046u64.saturating_sub(exponent) << 52)
 }

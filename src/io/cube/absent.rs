@@ -59,7 +59,7 @@ pub(super) mod zarr {
     }
 }
 
-/// The error for a file that needs a feature which is off.
+/// The error for a file that needs a disabled feature.
 fn without(path: &std::path::Path, format: &str, feature: &str) -> crate::error::Error {
     let what = format!("this program was built without {format}");
     let help = format!(

@@ -21,11 +21,11 @@ pub enum Axis {
     Time,
     /// `C`: channels.
     Channel,
-    /// `1`: an axis of one entry, without meaning.
+    /// `1`: an axis of one entry, with no meaning.
     Single,
     /// `S`: entries to sum over, like orders of bounces.
     Sum,
-    /// `L`: entries of which one is selected by its number, like points that a laser lights.
+    /// `L`: entries of which one is selected by its number, such as points lit by a laser.
     Choice,
 }
 
@@ -188,7 +188,7 @@ impl fmt::Display for Axes {
 }
 
 impl FromStr for Axes {
-    /// What is wrong.
+    /// The error message.
     type Err = String;
 
     /// From letters like `T H W`, with or without blanks or commas between them.
@@ -290,7 +290,7 @@ impl Arrangement {
             if let Some(slot) = cube.get_mut(place) {
                 *slot = *sample;
             }
-            // One sample on: the fastest axis that is not at its end goes on, those below it begin again.
+            // Moves on by one sample: increments the fastest axis that is not at its end, and resets those below it.
             for (count, &(size, stride)) in counts.iter_mut().zip(&self.axes).rev() {
                 *count += 1;
                 place += stride;

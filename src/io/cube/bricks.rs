@@ -386,7 +386,7 @@ impl Bricks {
         let mut at = 0;
         let bins = to.len() / self.shape[3];
         self.runs(pixel, bin, bins, |brick, from, count| {
-            // All at once: there is no telling which of them will be needed again.
+            // Clears everything at once: it is unknown which bricks will be needed again.
             if near.0.len() as u64 * self.form.per_brick() > MOST {
                 near.0.clear();
             }

@@ -7,24 +7,25 @@
 //! swapping, were read in the wrong order. Correct samples are not misjudged even if they are tiny: after byte swapping, a third of them
 //! or more lies outside.
 //!
-//! **Half precision** has no room for unusual sizes. Where mantissas are as good as random, exponents in the other order are evenly spread
-//! over 0 … 31, and log₂ of the samples has a standard deviation of 32/√12 = 9; data have that over nine decades only. So where it is
-//! above 6, and no more than half of it with bytes turned round, they were read wrongly; and so they were where samples have so few
-//! digits that in the other order their exponent and first two mantissa bits are 0: below 2⁻¹⁶ nine tenths of them, and above 2⁻⁸ with bytes turned round.
+//! **Half precision** has no room for unusual sizes. If mantissas are effectively random, exponents in the other order are uniformly distributed over 0 …
+//! 31, and log₂ of the samples has a standard deviation of 32/√12 = 9, which real data only have if they span nine decades. So if it is above 6, and less
+//! than half as large after byte swapping, the samples were read in the wrong order. Samples with few digits have an exponent and first two mantissa bits
+//! of 0 in the other order: if nine tenths of the samples are below 2⁻¹⁶, and after byte swapping nine tenths are above 2⁻⁸, they were read in the wrong
+//! order, too.
 //!
-//! **Integers** of two or four bytes: small ones have a highest byte of 0 (or 255, below 0), which in the other order is the lowest. Of
-//! numbers as good as random 1/256 has that; so where more than half of the samples have it, and less than a tenth with bytes turned
-//! round, they were read wrongly. Larger ones vary less from bin to bin than they are large. In the other order they are as good as
-//! random, for which Σ|b − a| / Σ(|a| + |b|) of neighbours is 1/3: where it is above 0.3, and less than half as much turned round, they
-//! were read wrongly. Half precision has this, too, above 0.5.
+//! **Integers** of two or four bytes: small ones have a highest byte of 0 (or 255, below 0), which in the other order is the lowest. Of random numbers
+//! 1/256 have such a byte; so if more than half of the samples have it as the lowest, and less than a tenth after byte swapping, they were read in the
+//! wrong order. Larger integers vary from bin to bin by less than their size. In the other order they are effectively random, for which Σ|b − a| / Σ(|a| +
+//! |b|) over neighbours is 1/3: if it is above 0.3, and less than half as large after byte swapping, they were read in the wrong order. The same test,
+//! with 0.5, applies to half precision.
 //!
-//! What is noise from bin to bin has as much in either order. Its lowest byte takes all 256 values alike, and its highest does not, as
-//! long as it does not fill its type: the probability that two samples share a byte, times 256, is 1 where all values are as likely,
-//! and 256/n where n of them are. So where it is below 1.2 of the highest byte and above 1.5 of the lowest, samples were read wrongly. Noise that fills
-//! more than two thirds of its type is the same in either order, and stays untold.
+//! Noise from bin to bin varies as much in either order. All 256 values of its lowest byte are equally likely, but not those of its highest byte, unless
+//! it fills its type: 256 times the probability that two samples share a byte is 1 if all values are equally likely, and 256/n if n of them are. So if it
+//! is below 1.2 for the highest byte and above 1.5 for the lowest, the samples were read in the wrong order. Noise that fills more than two thirds of its
+//! type looks the same in either order, and is not detected.
 //!
-//! **Integers of eight bytes** are loaded in double precision, which holds 53 bits: small ones are told as above, as their bytes in the other
-//! order stand in the upper bits. Larger ones have lost what they were.
+//! **Integers of eight bytes** are loaded in double precision, which holds 53 bits: small ones are detected as above, because in the other order their
+//! bytes are in the upper bits. Larger ones have lost their low bits.
 
 /// Evidence of a wrong byte order: fractions of the samples that are not 0, or a size, as they were read and after byte swapping.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,7 +42,7 @@ pub struct ByteOrder {
 /// The kinds of evidence of a wrong byte order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sign {
-    /// The fraction outside of all usual sizes.
+    /// The fraction outside the range of usual sizes.
     Sizes,
     /// The part whose lowest byte is that of small numbers in the other order; of half precision, the part that is too small.
     Bytes,
@@ -49,8 +50,8 @@ pub enum Sign {
     Spread,
     /// The differences of neighbours relative to their sums.
     Steps,
-    /// The probability that two samples share their highest byte, over that of 256 values that are as likely; turned, the highest
-    /// is the lowest.
+    /// 256 times the probability that two samples share their highest byte: 1 if all values are equally likely. After byte swapping, the
+    /// lowest byte is the highest.
     Evenness,
 }
 
@@ -60,8 +61,8 @@ const FEWEST: usize = 64;
 const FEWEST_EVEN: usize = 1000;
 
 impl ByteOrder {
-    /// Of samples that are held in so many bytes, two, four or eight, of which `apart`-th ones are neighbours in time; none where their
-    /// order is as likely right. Where all of them are integers, they are taken for such of their file.
+    /// The evidence in samples stored in two, four or eight bytes, in which each sample and the `apart`-th after it are neighbours in time;
+    /// `None` unless the other order is more likely. If all samples are integers, they are assumed to be integers in the file.
     pub fn of(samples: &[f64], bytes: usize, apart: usize) -> Option<ByteOrder> {
         let any = samples.iter().filter(|x| **x != 0.0).count();
         if any < FEWEST {
@@ -107,7 +108,8 @@ impl ByteOrder {
                 let turned = |x: f64| (x as i64).swap_bytes() as f64;
                 bytes_of(samples, turned, |x| (x as i64 as u64 & 255) as u16, true)
             }
-            // Exponents of turned numbers are anywhere: a third of f32's lie beyond 10^±25, two thirds of f64's beyond 10^±100.
+            // Exponents of swapped numbers are uniformly distributed: a third of f32's lie outside 10^±25, two thirds of f64's outside
+            // 10^±100.
             4 => sizes(samples, 1e25, |x| {
                 f64::from(f32::from_bits((x as f32).to_bits().swap_bytes()))
             }),
@@ -117,7 +119,7 @@ impl ByteOrder {
     }
 }
 
-/// The parts of those samples that are `counted` for which something holds, as they are and turned round.
+/// The fractions of the `counted` samples that satisfy a condition, as read and after byte swapping.
 fn parts(
     samples: &[f64],
     turned: impl Fn(f64) -> f64,
@@ -133,7 +135,7 @@ fn parts(
     [now, then].map(|n| n as f64 / count.max(1) as f64)
 }
 
-/// By samples outside of all usual sizes, from 1/`most` to `most`.
+/// Evidence from samples outside the range of usual sizes, from 1/`most` to `most`.
 fn sizes(samples: &[f64], most: f64, turned: impl Fn(f64) -> f64) -> Option<ByteOrder> {
     // NaN is outside.
     let outside = |x: f64| !(x.abs() <= most && x.abs() >= 1.0 / most);
@@ -142,7 +144,7 @@ fn sizes(samples: &[f64], most: f64, turned: impl Fn(f64) -> f64) -> Option<Byte
     (now > 0.2 && turned < 0.1).then_some(ByteOrder { sign, now, turned })
 }
 
-/// By lowest bytes of integers that are those of small ones in the other order.
+/// Evidence from the lowest bytes of integers, if they are those of small integers in the other order.
 fn bytes_of(
     samples: &[f64],
     turned: impl Fn(f64) -> f64,
@@ -159,7 +161,7 @@ fn bytes_of(
     (now > 0.5 && turned < 0.1).then_some(ByteOrder { sign, now, turned })
 }
 
-/// Below this, half precision has eight bits; and below the other one few samples of few digits are.
+/// Below this, half precision has at most eight bits; few samples with few digits are below the second bound.
 const LOW: f64 = 1.0 / 65536.0;
 const USUAL: f64 = 1.0 / 256.0;
 
@@ -167,7 +169,7 @@ fn turned_half(x: f64) -> half::f16 {
     half::f16::from_bits(half::f16::from_f64(x).to_bits().swap_bytes())
 }
 
-/// By highest bytes of 0, or by how far sizes are spread.
+/// Evidence from highest bytes of 0, or from the spread of sizes.
 fn half_precision(samples: &[f64]) -> Option<ByteOrder> {
     let turned = |x: f64| turned_half(x).to_f64();
     let below = |most: f64| {
@@ -201,7 +203,7 @@ fn half_precision(samples: &[f64]) -> Option<ByteOrder> {
     (now > 6.0 && turned < 0.5 * now).then_some(ByteOrder { sign, now, turned })
 }
 
-/// By differences of neighbours.
+/// Evidence from the differences of neighbours.
 fn steps(
     samples: &[f64],
     turned: &dyn Fn(f64) -> f64,
@@ -224,7 +226,7 @@ fn steps(
     (now > most && turned < 0.5 * now).then_some(ByteOrder { sign, now, turned })
 }
 
-/// By how evenly the values of the highest bytes are spread, and those of the lowest.
+/// Evidence from the distributions of the highest and of the lowest bytes.
 fn evenness<const N: usize>(samples: &[f64], bytes: impl Fn(f64) -> [u8; N]) -> Option<ByteOrder> {
     let mut counts = [[0u64; 256]; 2];
     for bytes in samples.iter().filter(|x| **x != 0.0).map(|x| bytes(*x)) {
@@ -234,11 +236,11 @@ fn evenness<const N: usize>(samples: &[f64], bytes: impl Fn(f64) -> [u8; N]) -> 
     let [now, turned] = counts.map(|counts| {
         let all: u64 = counts.iter().sum();
         let pairs: u64 = counts.iter().map(|n| n * n.saturating_sub(1)).sum();
-        // 1 where all 256 values are as frequent.
+        // 1 if all 256 values are equally frequent.
         256.0 * pairs as f64 / (all * all.saturating_sub(1)) as f64
     });
     let sign = Sign::Evenness;
-    // Of a thousand samples the standard deviation of this is 256 √(2/256)/1000 = 0.02.
+    // For a thousand samples the standard deviation of this is 256 √(2/256)/1000 = 0.02.
     let any = samples.iter().filter(|x| **x != 0.0).count();
     (any >= FEWEST_EVEN && now < 1.2 && turned > 1.5).then_some(ByteOrder { sign, now, turned })
 }
@@ -254,7 +256,7 @@ mod tests {
             / (1u64 << 53) as f64
     }
 
-    /// Samples rightly read, of any kind, and the same with their bytes turned round.
+    /// Samples of every kind that are read correctly, and the same with their bytes swapped.
     #[test]
     fn a_wrong_order_is_told_of_all_kinds_of_samples_and_of_no_right_one() {
         type Kind = (&'static str, fn(u64) -> f64);
@@ -291,7 +293,7 @@ mod tests {
                 read(true)
             );
         }
-        // Tiny and huge ones, tails of a Gaussian down to nothing, and too few to tell.
+        // Tiny and huge samples, tails of a Gaussian down to 0, and too few samples to decide.
         for size in [1e-35, 1e35] {
             let samples: Vec<f64> = (0..4000)
                 .map(|n| f64::from((size * noise(n)) as f32))
@@ -305,7 +307,7 @@ mod tests {
         assert_eq!(ByteOrder::of(&[1e-40; 63], 4, 1), None);
     }
 
-    /// Pulses with a tail, a line of 100 bins after the other.
+    /// Pulses with a tail, in consecutive lines of 100 bins.
     fn pulse(n: u64) -> f64 {
         let t = (n % 100) as f64 - 20.0 - 10.0 * noise(n / 100);
         match t > 0.0 {
@@ -324,7 +326,7 @@ mod tests {
 
     type Kind = (&'static str, fn(u64) -> f64);
 
-    /// Of such that no order of bytes shows in, or of samples that are right, nothing is said.
+    /// No evidence is reported for samples that look the same in either order, or that are correct.
     #[test]
     fn a_wrong_order_is_told_of_samples_in_half_precision() {
         let kinds: [Kind; 8] = [

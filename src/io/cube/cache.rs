@@ -199,7 +199,7 @@ mod tests {
                 assert_eq!(locked.get(key), None);
                 let made_way = locked.insert(key, key);
                 assert_eq!(locked.get(key), Some(key));
-                // What makes way is given out once; 7 is the value of key 0, too.
+                // Evicted values are returned only once; 7 is also the value of key 0.
                 if let Some(old) = made_way.filter(|old| *old != 7) {
                     assert!(old < key && given_out.insert(old), "{old} for {key}");
                 }
@@ -209,7 +209,7 @@ mod tests {
         let kept: usize = cache.shards.iter().map(slots).sum();
         assert_eq!(kept, cache.count.load(Ordering::Relaxed));
         assert!((90..=108).contains(&kept), "{kept}");
-        // Places are those of the slots, and what is used all the time has stayed.
+        // The positions match the slots, and values in constant use have stayed.
         for shard in &cache.shards {
             let shard = shard.lock().unwrap();
             assert_eq!(shard.places.len(), shard.slots.len());

@@ -94,7 +94,7 @@ impl Cube {
                     BelowZero::among(samples, shape)
                 })
                 .collect();
-            // In the order of the samples, so that the first of several alike is found.
+            // In the order of the samples, so that the first among equals is found.
             let all = of_pieces.into_iter().reduce(|a, b| BelowZero {
                 count: a.count + b.count,
                 ..if b.least < a.least { b } else { a }
@@ -156,7 +156,7 @@ impl Negative {
     }
 }
 
-/// A number of six digits.
+/// A number to six digits.
 fn shown(x: f64) -> f64 {
     format!("{x:.5e}").parse().unwrap_or(x)
 }

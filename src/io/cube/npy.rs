@@ -78,7 +78,7 @@ fn load(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Cube> 
     })
 }
 
-/// How the samples of a file of one array lie in it.
+/// The layout of the samples in a file of one array.
 fn stored(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<StoredLayout> {
     npy::with_array(reader, file, wanted.array, |stored| {
         Ok(layout(stored, wanted)?.stored())
@@ -270,7 +270,7 @@ fn layout(stored: &mut Stored, wanted: Wanted) -> Result<Layout> {
             "every axis must have a size of at least 1",
         ));
     }
-    // Eight bytes are the most that a sample takes once it is loaded.
+    // A loaded sample takes at most eight bytes.
     let count = (header.shape.iter())
         .try_fold(1, |product: u64, &n| product.checked_mul(n as u64))
         .filter(|&count| count <= isize::MAX as u64 / 8);

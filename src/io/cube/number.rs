@@ -38,7 +38,7 @@ pub(super) fn exact_i64(n: i64) -> f64 {
 }
 
 impl Number {
-    /// What a sample of this type is that was loaded as NaN or infinity, and what to do.
+    /// The description of a sample of this type that was loaded as NaN or infinity, and the advice.
     pub fn refusal(self) -> [&'static str; 2] {
         match self {
             Number::U64 | Number::I64 => [
@@ -85,7 +85,7 @@ impl Number {
             (Number::F16, false) => CubeSamples::F16(each(bytes, f16::from_le_bytes)),
             (Number::F32, false) => CubeSamples::F32(each(bytes, f32::from_le_bytes)),
             (Number::F64, false) => CubeSamples::F64(each(bytes, f64::from_le_bytes)),
-            // What lies otherwise goes through doubles.
+            // Other layouts are converted via doubles.
             _ => {
                 let mut numbers = Vec::with_capacity(bytes.len() / self.stored() as usize);
                 self.decode(bytes, big_endian, &mut numbers);

@@ -53,7 +53,7 @@ pub(super) fn file_name(file: &Path) -> String {
 pub(super) struct Form {
     /// Columns and rows.
     pub size: [usize; 2],
-    /// 1 or 3, or as many as are named.
+    /// 1 or 3, or the number of named channels.
     pub channels: usize,
     /// The memory for reading it, bytes.
     pub memory: u64,
@@ -86,7 +86,7 @@ impl Form {
 pub(super) struct Picture {
     /// Columns and rows.
     pub size: [usize; 2],
-    /// 1 or 3, or as many as are named.
+    /// 1 or 3, or the number of named channels.
     pub channels: usize,
     /// By rows, colours fastest; all finite.
     pub samples: Vec<f32>,

@@ -38,7 +38,7 @@ enum Piece {
 
 /// A number as bricks hold it.
 pub(crate) trait Stored: Copy {
-    /// Samples of this type; `None` if they have another.
+    /// The samples, if they are of this type; empty otherwise.
     fn of(samples: &CubeSamples) -> &[Self];
 }
 

@@ -87,7 +87,7 @@ pub(super) struct Taken<'a> {
     pub axes: &'a [Axis],
     /// For axes named L: the selected entry of each.
     pub choices: &'a [usize],
-    /// Entries of the axis of columns are points of a grid with so many columns, row after row.
+    /// Entries of the axis of columns are points of a grid with this many columns, row after row.
     pub columns: Option<usize>,
     /// Whether a fourth channel is left out.
     pub without_alpha: bool,
@@ -121,7 +121,7 @@ impl Selection {
             return Err((what, "check the file".into()));
         }
         let sizes: Vec<usize> = sizes.iter().map(|size| *size as usize).collect();
-        // What becomes of each axis: kept, summed, or one entry of it.
+        // The role of each axis: kept, summed, or one entry of it.
         let (mut roles, mut kept, mut lies) = (Vec::new(), Vec::new(), Vec::new());
         let mut choices = taken.choices.iter();
         for (number, (&axis, &size)) in taken.axes.iter().zip(&sizes).enumerate() {
@@ -171,7 +171,7 @@ impl Selection {
         Ok(selection)
     }
 
-    /// What it will be in memory.
+    /// The properties of the cube in memory.
     pub fn info(&self, path: &Path, assumed: bool, notes: Vec<String>) -> Result<CubeInfo> {
         let arrangement = self.arrangement(path)?;
         let count = |n: u64, size: &usize| n.saturating_mul(*size as u64);
@@ -254,14 +254,14 @@ impl Selection {
         (0..self.roles.len()).map(|axis| self.kept(axis)).collect()
     }
 
-    /// Of the axes of the array that stay: which they are, and what lies along them.
+    /// The kept axes of the array, and the meaning of their entries.
     pub fn lies(&self) -> &[(usize, Lies)] {
         &self.lies
     }
 
     /// The error for a sample that is not finite, by its position in the cube.
     pub fn not_finite(path: &Path, [i, j, k, l]: [usize; 4]) -> Error {
-        // Integers that are none are refused where they are decoded.
+        // Integers without an exact value are refused when they are decoded.
         let [what, help] = Number::F64.refusal();
         Error::invalid(path, format!("sample [{i}, {j}, {k}, {l}]"), what, help)
     }
@@ -271,7 +271,7 @@ impl Selection {
             .map_err(|what| Error::invalid(path, "", what, NAME_AXES))
     }
 
-    /// The type in memory, as samples of which a temporary file has it.
+    /// The type in memory, as the type of samples in a temporary file.
     pub fn number(&self) -> Number {
         match self.dtype {
             Dtype::F16 => Number::F16,
@@ -280,7 +280,7 @@ impl Selection {
         }
     }
 
-    /// Entries along an axis of the array that stay.
+    /// The number of entries kept along an axis of the array.
     fn kept(&self, axis: usize) -> usize {
         match self.roles[axis] {
             Role::Kept(size) => size,
@@ -394,7 +394,7 @@ impl Selection {
 }
 
 impl Lies {
-    /// Of an axis that stays.
+    /// The meaning of a kept axis.
     fn of(axis: Axis, columns: Option<usize>) -> Lies {
         match (axis, columns) {
             (Axis::Row, _) => Lies::Row,
@@ -471,7 +471,7 @@ mod tests {
         }
     }
 
-    /// Sample n of an array is n: what is taken follows from the index along each axis.
+    /// Sample n of an array is n: the selected samples follow from the index along each axis.
     #[test]
     fn axes_are_added_up_chosen_and_laid_out() {
         // (C 4, T 5, S 2, W 6 = 2 rows of 3, L 3).

@@ -341,7 +341,7 @@ fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
 /// # Errors
 /// It cannot be read, or cannot be a frame.
 pub fn frame_size(file: &Path, memory: u64) -> Result<[usize; 3]> {
-    // Codes have the same size whatever they stand for.
+    // Codes have the same size whatever their meaning.
     let wanted = Wanted::default().within(memory);
     let linear = Wanted {
         transfer: Some(Transfer::Linear),
@@ -435,7 +435,7 @@ fn refuse_array(path: &Path, wanted: Wanted) -> Result<()> {
 struct Layout {
     arrangement: Arrangement,
     axes: Axes,
-    /// Of what is stored.
+    /// Sizes of the stored array.
     sizes: Vec<usize>,
 }
 

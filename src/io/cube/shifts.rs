@@ -61,7 +61,7 @@ impl<'a> Shifts<'a> {
             let help = "check the unit of the distances and of the bins' width";
             return refuse(what, help);
         }
-        // A whole number of bins, by which parts of bins stay what they are.
+        // A whole number of bins, so that fractions of bins stay the same.
         let ahead = -least.floor() as i64;
         let largest = (most + ahead as f64).ceil() as usize;
         Ok(Shifts { by, ahead, largest })

@@ -46,11 +46,11 @@ enum Source {
     Windows(Box<dyn Windows + Send>, Selection),
 }
 
-/// A file in which each sample has its place.
+/// A file in which each sample has a known position.
 struct Places {
     reader: Reader,
     layout: StoredLayout,
-    /// A run of samples, as it is stored and as numbers.
+    /// A run of samples, as stored and as numbers.
     bytes: Vec<u8>,
     run: Vec<f64>,
 }
@@ -68,7 +68,7 @@ impl Store {
         Store::with_places(path, wanted)
     }
 
-    /// The same, from a file with random access, a temporary one if need be.
+    /// The same, from a file with random access, or a temporary one if necessary.
     pub fn with_places(path: &Path, wanted: Wanted) -> Result<Store> {
         let (located, layout) = Store::locate(path, wanted)?;
         let (shape, number) = (layout.shape(path)?, layout.number);
@@ -124,7 +124,7 @@ impl Store {
         [0, 1].map(|n| thickness[n].clamp(1, self.shape[2 * n]))
     }
 
-    /// Where the samples of the cube lie.
+    /// Finds the positions of the cube's samples.
     pub fn locate(path: &Path, wanted: Wanted) -> Result<(Located, StoredLayout)> {
         let (input, format) = table::open(path)?;
         let write_out = match format.parts {
@@ -138,7 +138,7 @@ impl Store {
         Ok((Located::Spooled(spool.finish()?), layout))
     }
 
-    /// The same of files in which samples have a place.
+    /// The same for files in which samples have known positions.
     pub fn locate_in_place(path: &Path, wanted: Wanted) -> Result<Option<(Located, StoredLayout)>> {
         let (input, format) = table::open(path)?;
         match format.parts {
@@ -157,7 +157,7 @@ impl Store {
         }
     }
 
-    /// The type that samples are loaded in.
+    /// The type of samples in memory.
     pub fn dtype(&self) -> Dtype {
         self.number.loaded().0
     }
@@ -231,7 +231,7 @@ impl Store {
         }
     }
 
-    /// A sample of this type that is no number.
+    /// The error for a sample of this type that is not finite.
     pub fn not_finite(path: &Path, number: Number, sample: u64) -> Error {
         let [what, help] = number.refusal();
         Error::invalid(path, format!("sample {sample} of the file"), what, help)
@@ -248,7 +248,7 @@ impl Places {
             .map_err(|what| Error::invalid(path, "", what, ""))?;
         to.clear();
         to.resize(sizes.iter().product(), 0.0);
-        // Runs that lie together in the file: the last axes that are wanted whole, and a part of the one before them.
+        // Contiguous runs in the file: the last axes that are needed completely, and a part of the one before them.
         let whole = |axis: &usize| sizes[*axis] == self.layout.sizes[*axis];
         let last = sizes.len() - 1;
         let split = (1..=last)
@@ -273,7 +273,7 @@ impl Places {
         Ok(())
     }
 
-    /// `count` samples from the `first` of the file on.
+    /// Reads `count` samples from the `first` of the file on.
     fn read_run(&mut self, first: usize, count: usize, path: &Path) -> Result<()> {
         let StoredLayout {
             start,
@@ -326,7 +326,7 @@ fn read_window(
     selection.window(array, &ranges, &mut stored)?;
     selection.rounded(&mut stored);
 
-    // From the order of the array to that of a cube.
+    // From the order of the array to that of the cube.
     let read = match listed {
         Some(all) => [rows.clone(), 0..all, bins, channels],
         None => [rows.clone(), columns.clone(), bins, channels],
@@ -345,7 +345,7 @@ fn read_window(
     to.resize(stored.len(), 0.0);
     arrangement.put(0, &stored, to);
 
-    // Only the columns that are wanted of points in a list.
+    // Of points in a list, only the requested columns.
     if listed.is_some_and(|all| columns.len() < all) {
         let pixel = read[2].len() * read[3].len();
         let line = read[1].len() * pixel;

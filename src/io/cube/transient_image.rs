@@ -54,10 +54,10 @@ pub(super) const FORMAT: CubeFormat = CubeFormat {
     parts: Parts::InPlace(stored),
 };
 
-/// The only layout of pixels that is a picture.
+/// The only arrangement of pixels that is a picture.
 const GRID: u32 = 10;
 
-/// Bytes of the block of a grid: two sizes, five places.
+/// Bytes of the block of a grid: two sizes, five positions.
 const BLOCK: u64 = 2 * 4 + 5 * 3 * 4;
 
 /// Samples that are read at a time.
@@ -71,7 +71,7 @@ struct Header {
     rows: usize,
     columns: usize,
     bins: usize,
-    /// Of the centre of bin 0.
+    /// The time of the centre of bin 0.
     first: f64,
     width: f64,
     /// Bytes before the samples.
@@ -95,7 +95,7 @@ fn header(reader: &mut dyn ReadSeek, file: &Path) -> Result<Header> {
     let failed = || Error::io(file, "cannot read");
     let length = reader.seek(SeekFrom::End(0)).map_err(failed())?;
     reader.rewind().map_err(failed())?;
-    // The magic says the version, and the version what follows.
+    // The magic gives the version, and the version determines the rest.
     let invalid = |what: String| Error::invalid(file, "header", what, HELP);
     let mut magic = [0; 4];
     let short = |error: std::io::Error| match error.kind() {
@@ -138,7 +138,7 @@ fn header(reader: &mut dyn ReadSeek, file: &Path) -> Result<Header> {
                 block,
             }
         }
-        // The same three sizes, in another order.
+        // The same three sizes, in a different order.
         b"TI00" | b"TI01" => {
             let [a, b, c] = [next()?, next()?, next()?].map(|n| u32::from_le_bytes(n) as usize);
             let (bins, columns, rows) = if magic[3] == b'0' {
@@ -197,7 +197,7 @@ fn header(reader: &mut dyn ReadSeek, file: &Path) -> Result<Header> {
     }
 }
 
-/// The header with the sizes of the grid, which stand behind the samples.
+/// The header with the sizes of the grid, which are stored after the samples.
 fn grid(reader: &mut dyn ReadSeek, file: &Path, header: Header) -> Result<Header> {
     let failed = || Error::io(file, "cannot read");
     reader
@@ -225,13 +225,14 @@ fn grid(reader: &mut dyn ReadSeek, file: &Path, header: Header) -> Result<Header
     })
 }
 
-/// The places in the block: the corners of the grid (top left, top right, bottom left, bottom right), and the laser's; none without a block.
+/// The positions in the block: the corners of the grid (top left, top right, bottom left, bottom right), and that of the laser; `None`
+/// without a block.
 fn places(reader: &mut dyn ReadSeek, file: &Path, header: &Header) -> Result<Option<[DVec3; 5]>> {
     if header.block == 0 {
         return Ok(None);
     }
     let failed = || Error::io(file, "cannot read");
-    // Behind the two sizes.
+    // After the two sizes.
     let start = header.start + 4 * header.count() as u64 + 8;
     reader.seek(SeekFrom::Start(start)).map_err(failed())?;
     let mut places = [DVec3::ZERO; 5];
@@ -245,7 +246,7 @@ fn places(reader: &mut dyn ReadSeek, file: &Path, header: &Header) -> Result<Opt
     Ok(Some(places))
 }
 
-/// The centres of the pixels, as the grid lies evenly between its corners. Images of older versions have corners that are all 0.
+/// The centres of the pixels: the grid is evenly spaced between its corners. In images of older versions all corners are 0.
 fn wall(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Option<Wall>> {
     refuse_wishes(file, wanted)?;
     let header = header(reader, file)?;
@@ -280,7 +281,7 @@ fn wall(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Option
     }))
 }
 
-/// What the block and the properties say, for people.
+/// The information in the block and the properties, for display.
 fn notes(mut reader: &mut dyn ReadSeek, file: &Path, header: &Header) -> Result<Vec<String>> {
     /// Characters of the properties that are shown.
     const SHOWN: u64 = 400;
@@ -321,7 +322,7 @@ fn notes(mut reader: &mut dyn ReadSeek, file: &Path, header: &Header) -> Result<
     Ok(notes)
 }
 
-/// Axes and arrays are the format's own.
+/// Refuses requests for axes or arrays, which the format itself defines.
 fn refuse_wishes(file: &Path, wanted: Wanted) -> Result<()> {
     let refuse = |place: String, what, help| Err(Error::invalid(file, place, what, help));
     if let Some(axes) = wanted.axes.filter(|axes| **axes != Axes::of_array()) {
@@ -346,7 +347,7 @@ fn refuse_wishes(file: &Path, wanted: Wanted) -> Result<()> {
     }
 }
 
-/// How the samples lie in the file.
+/// The layout of the samples in the file.
 fn stored(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<StoredLayout> {
     refuse_wishes(file, wanted)?;
     let header = header(reader, file)?;
@@ -374,7 +375,7 @@ fn inspect(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Cub
     })
 }
 
-/// Reads all samples, in pieces, after memory for them was found.
+/// Reads all samples, in pieces, after their memory has been reserved.
 fn load(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Cube> {
     refuse_wishes(file, wanted)?;
     let header = header(reader, file)?;

@@ -51,7 +51,7 @@ impl Wall {
         for (i, j) in pixels().filter(|(i, j)| i + 1 < h && j + 1 < w) {
             let corner = |di: usize, dj: usize| ((i + di) * w + j + dj) as u32;
             let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
-            // Down and then right; turned round where that is the back.
+            // Down and then right; reversed if that shows the back.
             let [p, q, r] =
                 [index(i, j), index(i + 1, j), index(i + 1, j + 1)].map(|n| self.points[n]);
             let normal = self.normals.get(index(i, j));
@@ -63,7 +63,7 @@ impl Wall {
         }
         let mut mesh = Mesh::new(positions, triangles, [1.0; 3]);
         mesh.uvs = vec![uvs];
-        // Where no normals are known, either side may be the front.
+        // Without known normals, either side may be the front.
         for material in &mut mesh.materials {
             material.double_sided = self.normals.is_empty();
         }
@@ -76,7 +76,7 @@ impl Wall {
 pub(super) fn columns_of(points: &[DVec3]) -> Option<usize> {
     let count = points.len();
     let (first, last) = (*points.first()?, *points.last()?);
-    // About a thousandth of the distance of neighbours: so long is the diagonal over the root of the number of points.
+    // About a thousandth of the distance between neighbours, which is the diagonal over the root of the number of points.
     let tolerance = 1e-3 * first.distance(last) / (count as f64).sqrt();
     let is_grid = |columns: usize| {
         let (along, down) = (points[1] - first, points[columns] - first);
@@ -112,7 +112,7 @@ mod tests {
         assert_eq!(columns_of(&[]), None);
     }
 
-    /// 3 × 4 points 0.1 m and 0.2 m apart make 2 · 3 · 2 triangles of 0.01 m² each, whose fronts are where the normals point.
+    /// 3 × 4 points at distances of 0.1 m and 0.2 m make 2 · 3 · 2 triangles of 0.01 m² each, whose fronts face along the normals.
     #[test]
     fn the_surface_has_its_area_and_its_front() {
         for up in [1.0, -1.0] {

@@ -1,4 +1,4 @@
-//! Requests for cubes on disk, and what the files say of themselves.
+//! Requests for cubes on disk, and the information that files contain about themselves.
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -37,24 +37,24 @@ pub enum Transfer {
 /// A request for the content of a file.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Wanted<'a> {
-    /// The array, which may be left out if there is only one.
+    /// The array; may be omitted if there is only one.
     pub array: Option<&'a str>,
-    /// The order of its axes. Where none is given, (H, W, T) or (H, W, T, C).
+    /// The order of its axes. Default: (H, W, T) or (H, W, T, C).
     pub axes: Option<&'a Axes>,
-    /// What its channels are. Where nothing is said, one is grey and three are red, green, blue.
+    /// The meaning of its channels. Default: one is grey, three are red, green, blue.
     pub channels: Option<&'a Channels>,
-    /// How codes of PNG pictures stand for radiance.
+    /// How the codes of PNG pictures encode radiance.
     pub transfer: Option<Transfer>,
-    /// Bins in which the sensor counted nothing; they are mended from their neighbours in time.
+    /// Bins in which the sensor counted nothing; they are interpolated from their neighbours in time.
     pub dead_bins: &'a [usize],
-    /// What becomes of samples below 0. They stay where nothing is said.
+    /// What to do with samples below 0. Default: keep them.
     pub negative: Option<Negative>,
-    /// The most memory that pictures and what is decoded of them may take, bytes. Default: 16 GiB.
+    /// The memory limit for pictures and their decoded data, bytes. Default: 16 GiB.
     pub memory: Option<u64>,
 }
 
 impl<'a> Wanted<'a> {
-    /// The same, within so many bytes of memory.
+    /// The same with this memory limit, bytes.
     #[must_use]
     pub fn within(self, memory: u64) -> Self {
         Wanted {
@@ -63,7 +63,7 @@ impl<'a> Wanted<'a> {
         }
     }
 
-    /// The memory that pictures may take.
+    /// The memory budget for pictures.
     pub(super) fn budget(&self) -> Budget {
         self.memory.map_or_else(Budget::default, Budget::new)
     }
@@ -78,7 +78,7 @@ impl<'a> Wanted<'a> {
 }
 
 impl CubeInfo {
-    /// That of a cube in memory.
+    /// The properties of a cube in memory.
     pub fn of(cube: &Cube) -> CubeInfo {
         let dtype = match &cube.samples {
             CubeSamples::F16(_) => Dtype::F16,
@@ -98,7 +98,7 @@ impl CubeInfo {
     }
 }
 
-/// What a cube will be once it is loaded: its shape and its size in memory.
+/// The properties of a cube once it is loaded: its shape and its size in memory.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct CubeInfo {
@@ -110,12 +110,12 @@ pub struct CubeInfo {
     pub bytes: u64,
     /// The order of the axes in the file.
     pub axes: Axes,
-    /// Whether that order was assumed: neither the file nor the caller said it.
+    /// Whether that order was assumed, because neither the file nor the caller gave it.
     pub assumed: bool,
-    /// The name of the array, where its file has several and says which of them is a cube.
+    /// The name of the array, if its file has several and says which of them is a cube.
     pub array: Option<String>,
-    /// What else the file says of itself, for people.
+    /// Other information in the file, for display.
     pub notes: Vec<String>,
-    /// What looks wrong, as far as it shows without reading samples.
+    /// Problems that are apparent without reading samples.
     pub remarks: Vec<String>,
 }

@@ -1,4 +1,4 @@
-//! How Zarr folders are recognised, whether they can be read or not.
+//! How Zarr folders are recognised, whether this build can read them or not.
 
 use std::path::Path;
 

@@ -39,7 +39,7 @@ struct Layout {
     array: String,
     /// The axes; `None` if the file does not give them.
     axes: Option<Vec<Axis>>,
-    /// What is unknown about them then, if more than that, and what to say.
+    /// The remaining doubt about the axes in that case, if there is more, and the advice.
     doubt: Option<String>,
     unsaid: String,
     /// Columns of the picture, if its points are a list.

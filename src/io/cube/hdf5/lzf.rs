@@ -22,13 +22,13 @@ fn decoded(data: &[u8], size: usize) -> Option<Vec<u8>> {
     let mut out: Vec<u8> = Vec::new();
     while let Some(control) = bytes.next() {
         let control = usize::from(control);
-        // Below 32: that many bytes and one more, as they are.
+        // Below 32: this many bytes plus one are literal.
         if control < 32 {
             let before = out.len();
             out.extend(bytes.by_ref().take(control + 1));
             (out.len() == before + control + 1).then_some(())?;
         } else {
-            // The upper three bits and 2 are how many bytes are copied; at 7 a byte more says the rest.
+            // The length of the copy is the upper three bits plus 2; if they are 7, a further byte is added.
             let more = match control >> 5 {
                 7 => usize::from(bytes.next()?),
                 _ => 0,

@@ -13,7 +13,7 @@ use crate::io::npy::Dtype;
 const START: usize = 2048;
 const NOWHERE: u64 = u64::MAX;
 
-/// Writes all that stands before the samples, which are to follow in C order, little-endian.
+/// Writes everything before the samples, which must follow in C order, little-endian.
 pub(in super::super) fn write(
     to: &mut dyn Write,
     dtype: &Dtype,
@@ -57,7 +57,7 @@ fn root(array: u64) -> Vec<u8> {
 
 fn array(dtype: &Dtype, sizes: &[usize], axes: &str, times: Option<FileTimes>) -> Vec<u8> {
     let bytes = bytes_of(dtype) * sizes.iter().product::<usize>() as u64;
-    // Contiguous, where it begins and how long it is.
+    // Contiguous: its address and its size.
     let layout = [
         &[3, 1][..],
         &(START as u64).to_le_bytes(),
@@ -68,7 +68,7 @@ fn array(dtype: &Dtype, sizes: &[usize], axes: &str, times: Option<FileTimes>) -
     let mut messages = vec![
         (0x01, space(sizes)),
         (0x03, number(dtype)),
-        // Space is there from the beginning, and no fill value is defined.
+        // Space is allocated from the beginning, and no fill value is defined.
         (0x05, vec![3, 0x09]),
         (0x08, layout),
         (0x0c, attribute("axes", &text(axes.len()), axes.as_bytes())),
@@ -100,7 +100,7 @@ fn object(messages: &[(u8, Vec<u8>)]) -> Vec<u8> {
 }
 
 fn space(sizes: &[usize]) -> Vec<u8> {
-    // Version 2, no largest sizes, a plain array; a single value is of no axes.
+    // Version 2, without maximum sizes, a plain array; a single value has no axes.
     let mut space = vec![2, sizes.len() as u8, 0, u8::from(!sizes.is_empty())];
     space.extend(sizes.iter().flat_map(|n| (*n as u64).to_le_bytes()));
     space
@@ -108,7 +108,7 @@ fn space(sizes: &[usize]) -> Vec<u8> {
 
 /// IEEE floating-point, little-endian.
 fn number(dtype: &Dtype) -> Vec<u8> {
-    // Bytes; the bit of the sign; where the exponent is and how long; bits of the mantissa; the bias.
+    // Bytes; the sign bit; position and length of the exponent; bits of the mantissa; the bias.
     let (bytes, sign, exponent, exponent_bits, mantissa, bias) = match dtype {
         Dtype::F16 => (2u32, 15, 10, 5, 10, 15u32),
         Dtype::F64 => (8, 63, 52, 11, 52, 1023),
@@ -117,7 +117,7 @@ fn number(dtype: &Dtype) -> Vec<u8> {
     // Version 1, class 1 (floating-point); little-endian, with the first 1 of the mantissa implied.
     let mut number = vec![0x11, 0x20, sign, 0];
     number.extend(bytes.to_le_bytes());
-    // Where its bits begin, and how many they are.
+    // The position of its bits, and their number.
     number.extend([0, 0]);
     number.extend((8 * bytes as u16).to_le_bytes());
     number.extend([exponent, exponent_bits, 0, mantissa]);
@@ -125,7 +125,7 @@ fn number(dtype: &Dtype) -> Vec<u8> {
     number
 }
 
-/// A text of so many bytes, padded with zeros, ASCII.
+/// A text of the given number of bytes, padded with zeros, ASCII.
 fn text(bytes: usize) -> Vec<u8> {
     let mut text = vec![0x13, 0x01, 0, 0];
     text.extend((bytes as u32).to_le_bytes());
@@ -182,7 +182,7 @@ fn lookup3(bytes: &[u8]) -> u32 {
         if after.is_empty() {
             break;
         }
-        // Its mix.
+        // The function's mixing step.
         a = a.wrapping_sub(c) ^ c.rotate_left(4);
         c = c.wrapping_add(b);
         b = b.wrapping_sub(a) ^ a.rotate_left(6);
@@ -197,7 +197,7 @@ fn lookup3(bytes: &[u8]) -> u32 {
         b = b.wrapping_add(a);
         rest = after;
     }
-    // Its last steps.
+    // The function's final steps.
     c = (c ^ b).wrapping_sub(b.rotate_left(14));
     a = (a ^ c).wrapping_sub(c.rotate_left(11));
     b = (b ^ a).wrapping_sub(a.rotate_left(25));

@@ -48,14 +48,14 @@ pub(super) fn decode(bytes: &[u8], most: u64) -> Result<Vec<u8>, Broken> {
         let mut at = word(HEADER + 4 * k)?;
         let mut own = Vec::with_capacity(length);
         for _ in 0..streams {
-            // What does not divide evenly stands in the only stream of a last block.
+            // The remainder that does not divide evenly is in a last block with a single stream.
             let part = length / streams;
             let size = word(at)?;
             at += 4;
             let end = at.checked_add(size).ok_or_else(short)?;
             let stream = bytes.get(at..end).ok_or_else(short)?;
             at = end;
-            // A stream as long as what it decodes to is stored as it is; the codec of others is the upper three bits of the flags.
+            // A stream as long as its decoded data is stored uncompressed; the codec of others is in the upper three bits of the flags.
             match size == part {
                 true => own.extend_from_slice(stream),
                 false => own.extend(decompressed(stream, flags >> 5, part)?),
@@ -79,7 +79,7 @@ fn number(bytes: &[u8], at: usize) -> Option<usize> {
     usize::try_from(u32::from_le_bytes(*word)).ok()
 }
 
-/// A stream of `length` bytes by the codec of this number.
+/// Decodes a stream of `length` bytes with the codec of this number.
 fn decompressed(stream: &[u8], codec: u8, length: usize) -> Result<Vec<u8>, Broken> {
     let bytes = match codec {
         0 => blosclz(stream, length).ok_or("BloscLZ: it is damaged")?,
@@ -100,13 +100,13 @@ fn decompressed(stream: &[u8], codec: u8, length: usize) -> Result<Vec<u8>, Brok
     }
 }
 
-/// BloscLZ: literals, and matches of what came before; none of what is damaged.
+/// BloscLZ: literals, and matches of earlier output; `None` for damaged data.
 fn blosclz(from: &[u8], length: usize) -> Option<Vec<u8>> {
-    /// Matches that are farther away say so in 16 bits more.
+    /// Matches at larger distances have 16 more bits.
     const NEAR: usize = 8191;
     let mut to = Vec::with_capacity(length);
     let mut bytes = from.iter().copied();
-    // The first control byte is one of literals.
+    // The first control byte always means literals.
     let mut control = bytes.next()? & 31;
     loop {
         if control < 32 {
@@ -114,7 +114,7 @@ fn blosclz(from: &[u8], length: usize) -> Option<Vec<u8>> {
                 to.push(bytes.next()?);
             }
         } else {
-            // The upper three bits, 1 to 7, stand for matches of three bytes and more.
+            // The upper three bits, 1 to 7, mean matches of three bytes or more.
             let mut count = usize::from(control >> 5) + 2;
             if control >> 5 == 7 {
                 loop {
@@ -134,12 +134,12 @@ fn blosclz(from: &[u8], length: usize) -> Option<Vec<u8>> {
                 }
                 _ => far + near,
             };
-            // Distance 0 is the byte before.
+            // Distance 0 means the previous byte.
             let start = to.len().checked_sub(distance + 1)?;
             if to.len() + count > length {
                 return None;
             }
-            // A match may reach into what it makes.
+            // A match may overlap its own output.
             for k in start..start + count {
                 to.push(to[k]);
             }
@@ -154,7 +154,7 @@ fn blosclz(from: &[u8], length: usize) -> Option<Vec<u8>> {
     }
 }
 
-/// From the k-th bytes of all numbers, one k after the other, to numbers; what is left over stands at the end.
+/// Reorders bytes: the input has the k-th bytes of all numbers for one k after the other, and the remainder at the end.
 fn unshuffle(from: &[u8], width: usize, to: &mut Vec<u8>) {
     let count = from.len() / width;
     for n in 0..count {
@@ -163,7 +163,7 @@ fn unshuffle(from: &[u8], width: usize, to: &mut Vec<u8>) {
     to.extend_from_slice(&from[count * width..]);
 }
 
-/// The same by bits, the lowest first, eight numbers to a byte; numbers that are not a multiple of eight were left as they are.
+/// The same for bits, the lowest first, eight numbers to a byte; if their count is not a multiple of eight, nothing was reordered.
 fn unshuffle_bits(from: &[u8], width: usize, to: &mut Vec<u8>) {
     let count = from.len() / width;
     if !count.is_multiple_of(8) {

@@ -13,14 +13,14 @@ use crate::io::files::Reader;
 /// A step of the encoding of chunks.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Codec {
-    /// Axis i of what is stored is axis `order[i]` of the chunk.
+    /// Axis i of the stored array is axis `order[i]` of the chunk.
     Transpose {
         order: Vec<usize>,
     },
     Bytes {
         is_big: bool,
     },
-    /// Chunks within chunks, with an index of where each begins and how long it is.
+    /// Chunks within chunks, with an index of their offsets and lengths.
     Sharding {
         inner: Vec<usize>,
         codecs: Vec<Codec>,
@@ -37,7 +37,7 @@ pub(super) enum Codec {
 }
 
 impl Codec {
-    /// Whether it makes bytes of numbers.
+    /// Whether it turns numbers into bytes.
     pub fn makes_bytes(&self) -> bool {
         matches!(self, Codec::Bytes { .. } | Codec::Sharding { .. })
     }
@@ -57,7 +57,7 @@ pub(super) fn decode(
     let expected = (count * number.bytes()) as u64;
     let most = expected + BESIDE;
     let mut bytes = bytes;
-    // Codecs are listed as they encode: decoding goes back.
+    // Codecs are listed in the order of encoding; decoding reverses it.
     for codec in codecs.iter().rev() {
         bytes = match codec {
             Codec::Gzip => gzip(&bytes, most)?,
@@ -91,7 +91,7 @@ pub(super) fn decode(
     Err("its encoding is unknown".into())
 }
 
-/// Without the checksum at their end, if that is right.
+/// The bytes without the checksum at their end, if that is correct.
 fn checked(mut bytes: Vec<u8>) -> Result<Vec<u8>, Broken> {
     let end = bytes
         .len()
@@ -104,7 +104,7 @@ fn checked(mut bytes: Vec<u8>) -> Result<Vec<u8>, Broken> {
     }
 }
 
-/// CRC-32C (Castagnoli; RFC 3720, B.4), bit by bit: of indices and small chunks.
+/// CRC-32C (Castagnoli; RFC 3720, B.4), bit by bit; used only for indices and small chunks.
 fn crc32c(bytes: &[u8]) -> u32 {
     let step = |crc: u32, _| match crc & 1 {
         0 => crc >> 1,
@@ -156,9 +156,9 @@ fn numbers(bytes: &[u8], number: Number, is_big: bool) -> Result<Vec<f64>, Broke
     }
 }
 
-/// From the order that is stored to that of the chunk.
+/// Transposes from the stored order to that of the chunk.
 fn transposed(numbers: Vec<f64>, codecs: &[Codec], chunk: &[usize]) -> Vec<f64> {
-    // Axis i of what is stored is axis place[i] of the chunk.
+    // Axis i of the stored array is axis place[i] of the chunk.
     let mut place: Vec<usize> = (0..chunk.len()).collect();
     for codec in codecs {
         if let Codec::Transpose { order } = codec {
@@ -184,7 +184,7 @@ fn transposed(numbers: Vec<f64>, codecs: &[Codec], chunk: &[usize]) -> Vec<f64> 
     out
 }
 
-/// Where the chunks of a shard lie: offset and length, none of those that are missing.
+/// The chunks of a shard: offset and length; `None` for missing ones.
 pub(super) type Index = Vec<Option<(u64, u64)>>;
 
 /// The index of a shard of `count` chunks.
@@ -195,7 +195,7 @@ pub(super) fn index(
     at_start: bool,
 ) -> Result<Index, Broken> {
     let failed = |error: std::io::Error| format!("the index of the shard cannot be read: {error}");
-    // An offset and a length for each chunk, 8 bytes each, and perhaps a CRC-32C of 4.
+    // An offset and a length for each chunk, 8 bytes each, and optionally a CRC-32C of 4 bytes.
     let bytes = 16 * count + if has_checksum { 4 } else { 0 };
     let length = reader.seek(SeekFrom::End(0)).map_err(failed)?;
     let start = match at_start {
@@ -224,7 +224,7 @@ pub(super) fn index(
         .0
         .iter()
         .map(|[offset, bytes]| match (*offset, *bytes) {
-            // The specification's mark of a chunk that is not there.
+            // The specification's mark for a missing chunk.
             (u64::MAX, u64::MAX) => Ok(None),
             (offset, bytes) if offset.checked_add(bytes).is_some_and(|end| end <= length) => {
                 Ok(Some((offset, bytes)))
@@ -244,7 +244,7 @@ mod tests {
         let read = |n: i64, number| numbers(&n.to_le_bytes(), number, false).ok();
         for number in [Number::I64, Number::U64] {
             assert_eq!(read(most, number), Some(vec![9_007_199_254_740_992.0]));
-            // As f64 it would be 2⁵³ again.
+            // As f64 it would round to 2⁵³.
             assert_eq!(read(most + 1, number), None);
             assert_eq!(read(i64::MAX, number), None);
         }

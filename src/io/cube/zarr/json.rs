@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use crate::error::{Error, Result};
 use crate::io::open::open_regular;
 
-/// The longest that is read, bytes.
+/// The longest document that is read, bytes.
 const LONGEST: u64 = 16 << 20;
 
 /// The JSON of a node.

@@ -1,5 +1,5 @@
 //! `zarr.json` of an array: "Zarr core specification (version 3)", its chunk grids, key encodings, data types and codecs. Arrays of version 2
-//! are described in its words.
+//! are converted to it.
 
 use std::path::{Path, PathBuf};
 
@@ -27,7 +27,7 @@ pub(super) struct Metadata {
     pub number: Number,
     pub fill: f64,
     pub codecs: Vec<Codec>,
-    /// Between the numbers of a chunk in the name of its file; whether `c` stands before them.
+    /// The separator of numbers in the file names of chunks; whether they start with `c`.
     separator: char,
     with_c: bool,
     /// The names of its axes, and where they come from; empty if there are none.
@@ -37,7 +37,7 @@ pub(super) struct Metadata {
 }
 
 impl Metadata {
-    /// Of the array in `folder`.
+    /// Reads the metadata of the array in `folder`.
     pub fn read(folder: &Path) -> Result<Metadata> {
         let file = folder.join(version_2::ARRAY);
         if file.is_file() {
@@ -81,7 +81,7 @@ impl Metadata {
         Ok(axes.map(|axes| (axes, self.names_from)))
     }
 
-    /// A number beside the array.
+    /// A numeric attribute of the array.
     pub fn number_of(&self, attribute: &str) -> Option<f64> {
         self.attributes.get(attribute)?.as_f64()
     }
@@ -123,7 +123,7 @@ impl Reading<'_> {
             ));
         }
         let number = self.number(document)?;
-        // Chunks: a regular grid, in files named by their places.
+        // Chunks: a regular grid, in files named by their positions.
         let (name, grid) = self.named(document.get("chunk_grid"), "chunk_grid")?;
         if name != "regular" {
             let what = format!("chunk grids of the kind {name:?} are not supported");
@@ -161,7 +161,7 @@ impl Reading<'_> {
             Some(Value::Object(attributes)) => attributes.clone(),
             _ => Map::new(),
         };
-        // Names of axes by the format's own key, or else by the attribute that xarray writes.
+        // The names of axes, from the format's own key, or else from the attribute that xarray writes.
         let names = [
             ("dimension_names", document.get("dimension_names")),
             (
@@ -219,7 +219,7 @@ impl Reading<'_> {
         sizes.ok_or_else(|| self.invalid(key, "there is no list of sizes"))
     }
 
-    /// A chunk of `axes` axes, whose bytes can be held.
+    /// The size of a chunk with `axes` axes, which must fit in memory.
     fn chunk(&self, value: Option<&Value>, axes: usize, number: Number) -> Result<Vec<usize>> {
         let sizes = self.sizes(value, "chunk_shape")?;
         let bytes = sizes
@@ -262,7 +262,7 @@ impl Reading<'_> {
         })
     }
 
-    /// A number, a name of one that JSON has not, or its bits.
+    /// A number, the name of one that JSON cannot represent, or its bits.
     fn fill(&self, value: Option<&Value>, number: Number) -> Result<f64> {
         let text = match value {
             Some(Value::Number(fill)) => return Ok(fill.as_f64().unwrap_or(0.0)),
@@ -306,7 +306,7 @@ impl Reading<'_> {
         let Some(list) = value.and_then(Value::as_array) else {
             return Err(self.invalid("codecs", "there is no list of them"));
         };
-        // First codecs from array to array, then one to bytes, then those from bytes to bytes; `chunk` is the shape so far.
+        // First codecs from array to array, then one from array to bytes, then those from bytes to bytes; `chunk` is the shape so far.
         let mut codecs: Vec<Codec> = Vec::new();
         let mut chunk = chunk.to_vec();
         for entry in list {
@@ -366,7 +366,7 @@ impl Reading<'_> {
                         ));
                     }
                     let index = self.codecs(configuration.get("index_codecs"), &[], Number::U64)?;
-                    // The index is read at a known place, so that its length must be known: nothing that compresses.
+                    // The index is read at a known position, so its length must be known: compression is not allowed.
                     let is_plain = |codec: &Codec| {
                         matches!(codec, Codec::Bytes { is_big: false } | Codec::Crc32c)
                     };
@@ -421,7 +421,7 @@ impl Reading<'_> {
     }
 }
 
-/// What turns bytes into bytes, by its name.
+/// The codec from bytes to bytes with this name.
 fn compressor(name: &str) -> Option<Codec> {
     match name {
         "blosc" | "numcodecs.blosc" => Some(Codec::Blosc),
@@ -434,7 +434,7 @@ fn compressor(name: &str) -> Option<Codec> {
     }
 }
 
-/// Names of axes, of which some may be missing.
+/// Names of axes, some of which may be missing.
 fn names_of(names: Option<&Value>) -> Option<Vec<String>> {
     let names = names?.as_array()?;
     let all_missing = names.iter().all(Value::is_null);

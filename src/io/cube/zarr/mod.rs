@@ -35,11 +35,11 @@ use crate::io::open::open_regular;
 
 /// Decoded chunks that are cached while all of an array is read, bytes.
 const CACHE: usize = 256 << 20;
-/// Bytes that a decoded chunk takes in lists beside its numbers and its place, which are half full at worst.
+/// Bytes that the lists take for a decoded chunk, besides its numbers and its position, if they are at worst half full.
 const KEPT: usize = 256;
 /// The number of chunks whose files are checked when missing ones are counted.
 const MOST_COUNTED: usize = 1 << 16;
-/// Arrays of a group that are listed.
+/// The largest number of arrays of a group that are listed.
 const MOST_LISTED: usize = 1000;
 
 /// Folders of Zarr.
@@ -61,7 +61,7 @@ pub(super) const FORMAT: CubeFormat = CubeFormat {
     }),
 };
 
-/// What would be loaded.
+/// The properties of the cube that would be loaded.
 fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
     let (metadata, selection, said) = known(path, wanted)?;
     let mut notes = vec![format!(
@@ -89,20 +89,20 @@ fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     selection.load(&mut Array::new(metadata, CACHE), path)
 }
 
-/// Writes the samples that are `wanted` to `to`.
+/// Writes the requested samples to `to`.
 fn write_out(path: &Path, wanted: Wanted, to: &mut dyn Write) -> Result<StoredLayout> {
     let (metadata, selection, _) = known(path, wanted)?;
     selection.write_out(&mut Array::new(metadata, CACHE), path, to)
 }
 
-/// What is taken of the array, and how it is opened with `room` bytes for decoded chunks.
+/// The part of the array that is read, and how it is opened with `room` bytes for decoded chunks.
 fn windows(path: &Path, wanted: Wanted, room: usize) -> Result<(Selection, Open)> {
     let (metadata, selection, _) = known(path, wanted)?;
     let open = move || Ok(Box::new(Array::new(metadata.clone(), room)) as Box<dyn Windows + Send>);
     Ok((selection, Box::new(open)))
 }
 
-/// What the array says of its time axis.
+/// The array's time axis, if the file gives it.
 fn times(path: &Path, array: Option<&str>) -> Result<Option<FileTimes>> {
     let name = array
         .map(|name| name_and_choices(name).0)
@@ -145,7 +145,7 @@ fn times_of(metadata: &Metadata) -> Option<FileTimes> {
     })
 }
 
-/// The arrays in `path`: itself, or those right below a group.
+/// The arrays in `path`: itself, or those directly below a group.
 fn folders(path: &Path) -> Result<Vec<(Option<String>, PathBuf)>> {
     let is_array_2 = |folder: &Path| folder.join(version_2::ARRAY).is_file();
     if is_array_2(path) {
@@ -178,12 +178,12 @@ fn folders(path: &Path) -> Result<Vec<(Option<String>, PathBuf)>> {
     Ok(found)
 }
 
-/// Where the order of axes comes from.
+/// The origin of the order of axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Said {
     /// The caller.
     Wanted,
-    /// The file, by this.
+    /// The file, in this attribute.
     ByFile(&'static str),
     /// An assumption.
     Nowhere,
@@ -225,7 +225,7 @@ fn chosen(path: &Path, name: Option<&str>) -> Result<PathBuf> {
     }
 }
 
-/// The array `wanted`, what is read of it, and where its axes come from.
+/// The array `wanted`, the part of it that is read, and the origin of its axes.
 fn known(path: &Path, wanted: Wanted) -> Result<(Metadata, Selection, Said)> {
     let (name, choices) = match wanted.array {
         Some(text) => {
@@ -265,7 +265,7 @@ fn known(path: &Path, wanted: Wanted) -> Result<(Metadata, Selection, Said)> {
     Ok((metadata, selection, said))
 }
 
-/// How many chunks (or shards) have no file, if any.
+/// The number of chunks (or shards) without a file, if any.
 fn missing(metadata: &Metadata) -> Option<String> {
     let chunks = metadata.chunks();
     let count = chunks.iter().try_fold(1usize, |n, k| n.checked_mul(*k))?;
@@ -301,19 +301,19 @@ fn missing(metadata: &Metadata) -> Option<String> {
     })
 }
 
-/// How chunks are stored in shards.
+/// The storage of chunks in shards.
 struct Shards<'a> {
-    /// The size of a chunk in one.
+    /// The size of a chunk in a shard.
     inner: &'a Vec<usize>,
-    /// Those of the chunks.
+    /// The codecs of the chunks.
     codecs: &'a [Codec],
     /// Whether the index ends in a checksum.
     has_checksum: bool,
-    /// Whether the index is at the start of a shard, and not at its end.
+    /// Whether the index is at the start of a shard rather than at its end.
     at_start: bool,
 }
 
-/// The shards of an array with these codecs; none where its chunks have files of their own.
+/// The shards of an array with these codecs; `None` if its chunks have their own files.
 fn sharding(codecs: &[Codec]) -> Option<Shards<'_>> {
     codecs.iter().find_map(|codec| match codec {
         Codec::Sharding {
@@ -338,20 +338,20 @@ fn sharding(codecs: &[Codec]) -> Option<Shards<'_>> {
     })
 }
 
-/// An array that is read.
+/// An array being read.
 struct Array {
     metadata: Metadata,
     /// The size of the unit of decoding: chunks, or those in shards.
     unit: Vec<usize>,
-    /// By their places in units: when each was used last, and the numbers, none where the chunk is missing.
+    /// By position in units: the time of last use, and the numbers; `None` if the chunk is missing.
     kept: HashMap<Vec<usize>, (u64, Option<Vec<f64>>)>,
-    /// Their places by when each was used last.
+    /// Their positions by the time of last use.
     used: BTreeMap<u64, Vec<usize>>,
-    /// How many times units were used.
+    /// The number of uses of units so far.
     clock: u64,
-    /// Bytes of them, apart from the last.
+    /// The memory limit for kept units, bytes, not counting the last one.
     room: usize,
-    /// The index of the shard that was used last.
+    /// The index of the most recently used shard.
     index: Option<(Vec<usize>, codecs::Index)>,
 }
 
@@ -371,7 +371,7 @@ impl Array {
         }
     }
 
-    /// Makes the unit at `place` the last used of the kept ones.
+    /// Makes the unit at `place` the most recently used one, reading it if necessary.
     fn fetch(&mut self, place: &[usize]) -> Result<()> {
         self.clock += 1;
         if let Some((used, _)) = self.kept.get_mut(place) {
@@ -383,7 +383,7 @@ impl Array {
         }
         let numbers = self.read_unit(place)?;
         let each = self.kept_bytes();
-        // There is always room for one, however large it is.
+        // There is always room for one, whatever its size.
         while self.kept.len() * each >= self.room.max(each) {
             if let Some((_, place)) = self.used.pop_first() {
                 self.kept.remove(&place);
@@ -394,12 +394,12 @@ impl Array {
         Ok(())
     }
 
-    /// Bytes of a unit that is kept: its numbers, and its place in two lists.
+    /// Bytes of a kept unit: its numbers, and its position in two lists.
     fn kept_bytes(&self) -> usize {
         8 * self.unit.iter().product::<usize>() + 16 * self.unit.len() + KEPT
     }
 
-    /// The numbers of a unit; none of one that is missing.
+    /// The numbers of a unit; `None` if it is missing.
     fn read_unit(&mut self, place: &[usize]) -> Result<Option<Vec<f64>>> {
         let Metadata {
             codecs,
@@ -456,7 +456,7 @@ impl Array {
                         .map_err(broken)?;
                     self.index = Some((outer.clone(), index));
                 }
-                // Within a shard chunks are counted in C order.
+                // Within a shard, chunks are numbered in C order.
                 let inside = place
                     .iter()
                     .zip(&per_shard)
@@ -512,7 +512,7 @@ impl Windows for Array {
             if let Some((_, Some(numbers))) = self.kept.get(&place) {
                 copy(numbers, &place, &unit, window, to);
             }
-            // On to the next unit: the fastest axis that is not at its end.
+            // Moves to the next unit: increments the fastest axis that is not at its end.
             let Some(axis) = (0..place.len())
                 .rev()
                 .find(|axis| place[*axis] + 1 < end[*axis])
@@ -529,7 +529,7 @@ impl Windows for Array {
     }
 }
 
-/// Copies what the unit at `place` and the window share, in runs along the last axis.
+/// Copies the intersection of the unit at `place` and the window, in runs along the last axis.
 fn copy(numbers: &[f64], place: &[usize], unit: &[usize], window: &[Range<usize>], to: &mut [f64]) {
     let shared: Vec<Range<usize>> = (0..unit.len())
         .map(|axis| {
@@ -564,8 +564,8 @@ fn copy(numbers: &[f64], place: &[usize], unit: &[usize], window: &[Range<usize>
 mod tests {
     use super::*;
 
-    /// Chunks of one sample take more memory for their places than for it: of 3000 as many are kept as there is room for,
-    /// and what was used last stays.
+    /// For chunks of one sample, positions take more memory than the sample: of 3000 chunks as many are kept as fit, and the most recently
+    /// used ones stay.
     #[test]
     fn tiny_chunks_stay_within_the_room() {
         let folder = tempfile::tempdir().unwrap();

@@ -7,15 +7,15 @@ use serde_json::{Map, Value, json};
 use super::json::document;
 use crate::error::{Error, Result};
 
-/// What describes an array.
+/// The file that describes an array.
 pub(super) const ARRAY: &str = ".zarray";
-/// What says that a folder is a group.
+/// The file that marks a folder as a group.
 pub(super) const GROUP: &str = ".zgroup";
 
-/// What stands before the names of codecs that zarr-python writes beside those of the specification.
+/// The prefix of the codec names that zarr-python uses beyond those of the specification.
 pub(super) const NUMCODECS: &str = "numcodecs.";
 
-/// How types are called here and in version 3; the first character says the order of bytes.
+/// The names of types here and in version 3; the first character gives the byte order.
 const TYPES: [(&str, &str); 11] = [
     ("f2", "float16"),
     ("f4", "float32"),
@@ -32,15 +32,14 @@ const TYPES: [(&str, &str); 11] = [
 
 /// The document of version 3 that describes the array in `folder`.
 ///
-/// # Errors
-/// Files that cannot be read, and features that version 3 does not have: numbers of several parts, filters.
+/// # Errors Files that cannot be read, and features that version 3 does not have: numbers with several components, filters.
 pub(super) fn as_version_3(folder: &Path) -> Result<Map<String, Value>> {
     let file = folder.join(ARRAY);
     let said = document(&file)?;
     let unsupported =
         |key: &str, what: String, help: &str| Error::unsupported(&file, key, what, help);
     let get = |key: &str| said.get(key).unwrap_or(&Value::Null);
-    // Numbers: a sign for the order of bytes, a letter, and how many bytes.
+    // Numbers: a character for the byte order, a letter for the kind, and the number of bytes.
     let text = get("dtype").as_str().unwrap_or_default();
     let (order, name) = text.split_at_checked(1).unwrap_or_default();
     let Some((_, number)) = TYPES.iter().find(|(own, _)| *own == name) else {
@@ -57,7 +56,7 @@ pub(super) fn as_version_3(folder: &Path) -> Result<Map<String, Value>> {
         let help = "write it without filters: zarr.create_array(..., filters=None)";
         return Err(unsupported("filters", what, help));
     }
-    // The order of what is stored, its bytes, and how they are compressed.
+    // The stored order, the bytes, and their compression.
     let axes = get("shape").as_array().map_or(0, Vec::len);
     let mut codecs = Vec::new();
     if get("order") == "F" {

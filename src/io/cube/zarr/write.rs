@@ -12,7 +12,7 @@ use super::super::axes::{Axes, Axis};
 use super::super::wanted::FileTimes;
 use crate::io::npy::Dtype;
 
-/// Entries of a chunk along rows and columns, along time, and along the axis in which layers follow each other.
+/// Entries of a chunk along rows and columns, along time, and along the axis of the layers.
 const ACROSS: usize = 32;
 const IN_TIME: usize = 64;
 const LAYER: usize = 8;
@@ -91,7 +91,7 @@ impl Writer {
         self.chunk[0]
     }
 
-    /// Writes the next layers to `folder`: bytes of their samples in C order, whole layers unless they are the last.
+    /// Writes the next layers to `folder`: bytes of their samples in C order, whole layers except at the end.
     pub fn write(&mut self, folder: &Path, bytes: &[u8]) -> std::io::Result<()> {
         let each = self.sizes[1..].iter().product::<usize>() * self.bytes;
         for layer in bytes.chunks(each * self.layer()) {
@@ -101,7 +101,7 @@ impl Writer {
         Ok(())
     }
 
-    /// Writes all chunks of a layer of the first axis; files are called c/i/j/k by the place of the chunk.
+    /// Writes all chunks of a layer of the first axis; files are named c/i/j/k by the chunk's position.
     fn write_layer(&self, folder: &Path, layer: &[u8], each: usize) -> std::io::Result<()> {
         let counts: Vec<usize> = self
             .sizes
@@ -112,7 +112,7 @@ impl Writer {
             .collect();
         let thick = layer.len() / each;
         for number in 0..counts.iter().product() {
-            // The place of chunk `number`, the last axis fastest.
+            // The position of chunk `number`, the last axis fastest.
             let mut rest = number;
             let mut place = vec![0; counts.len()];
             for (at, count) in place.iter_mut().zip(&counts).rev() {
@@ -131,12 +131,12 @@ impl Writer {
         Ok(())
     }
 
-    /// The bytes of one chunk; what lies beyond the array is 0.
+    /// The bytes of one chunk; samples beyond the array are 0.
     fn chunk_of(&self, layer: &[u8], thick: usize, place: &[usize]) -> Vec<u8> {
         let size = self.bytes;
         let mut chunk = vec![0; self.chunk.iter().product::<usize>() * size];
         let axes = self.sizes.len();
-        // Starts and lengths of what there is of it, along each axis; the layer begins at 0 along the first.
+        // The start and the length of its part within the array, along each axis; the layer begins at 0 along the first.
         let start = |axis: usize| {
             if axis == 0 {
                 0

@@ -70,7 +70,7 @@ struct ComparisonJson<'a> {
     breaches: &'a [Breach],
 }
 
-/// The named scene at the state that the reference shows.
+/// The named scene, with the size and the camera time of the reference.
 fn scene(arguments: &CompareArguments, reference: &Picture) -> Result<Option<Arc<Scene>>> {
     let Some(path) = &arguments.scene else {
         return Ok(None);

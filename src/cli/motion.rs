@@ -13,7 +13,8 @@
 //! A passing camera sees its subject long after it has passed it. The subject is at the distance d from P, at an angle to n with the cosine
 //! c. Seen from P + n m, its direction has the cosine (c − β)/(1 − βc), which aberration turns back into c, so that it appears where a
 //! camera at rest sees it: in the middle of the picture, and of the film. The light seen there left it at t₀ (for c = 0: m = γβd, the time
-//! is t₀ + γd, and the path of the light is γd). A subject that moves from edge to edge for slow cameras needs γ times the distance.
+//! is t₀ + γd, and the path of the light is γd). For the subject to move from edge to edge as it does for a slow camera, the distance must
+//! be γ times as large.
 //!
 //! (Hyperbolic motion: Rindler, Relativity, 2nd ed., 3.7; aberration: 4.3.)
 

@@ -106,7 +106,7 @@ impl Outputs {
     /// Auxiliary channels of `scene` that must be rendered.
     pub fn needs(&self, scene: &Scene) -> Vec<Aov> {
         let mut needed = self.aovs.clone();
-        // The tracer renders a separate picture for isochrones, but this one's memory is planned too.
+        // Isochrones come from a separate picture, but the tracer plans for this one too.
         if self.files().any(|(_, kind)| kind == Kind::Isochrones) {
             needed.extend(times_need(scene));
             // Each once, in the order of the request, in which files list them.

@@ -26,7 +26,8 @@ pub fn chosen<'s>(scene: &'s Scene, names: &[String]) -> Result<Vec<&'s Panel>> 
 
 /// The scene of a command, or its named panel.
 ///
-/// # Errors Errors in the scene; a name without a panel.
+/// # Errors
+/// Errors in the scene; a name without a panel.
 pub fn scene(
     path: Option<&Path>,
     panel: Option<&String>,
@@ -63,7 +64,8 @@ fn unknown(scene: &Scene, name: &str) -> nullray::Error {
 
 /// The scenes of all panels, in their order.
 ///
-/// # Errors Errors in any of them.
+/// # Errors
+/// Errors in any of them.
 pub fn load_all(file: &SceneFile, whole: &Scene, overrides: &Overrides) -> Result<Vec<Scene>> {
     let panels = whole.panels.iter();
     panels

@@ -85,7 +85,7 @@ fn seen_ratios(scene: &Scene) -> [f64; 2] {
     [seen / across, seen * across]
 }
 
-/// The wavelength that the false-colour wavelength is shown as, metres.
+/// The wavelength as which the false-colour wavelength is shown, metres.
 const GREEN: f64 = 555e-9;
 
 /// Whether colours stand for spectra that a Doppler shift can take out of sight.
@@ -234,7 +234,7 @@ fn short(value: f64) -> String {
     (rounded + 0.0).to_string()
 }
 
-/// Why surfaces in view are dark although no data are missing: advice on light.
+/// Why surfaces in view are dark although no data are missing, with advice.
 fn unlit(scene: &Scene) -> &'static str {
     if varies(scene) {
         "nothing in view is lit at the moment at which its light left: try another --time (see display.back_faces, \

@@ -189,7 +189,8 @@ impl Material {
 
     /// Checks that all numbers are in glTF's ranges.
     ///
-    /// # Errors The first field that is out of range.
+    /// # Errors
+    /// The first field that is out of range.
     pub fn check(&self) -> Result<(), MeshError> {
         let refuse = |field: &str, value: &dyn Display, right: &str| {
             let what = format!("{value} is not {right}");
@@ -337,7 +338,8 @@ impl Mesh {
     /// Checks that indices are in range, that lists have the right lengths, that normals are finite, and that colours and numbers of
     /// materials are in range.
     ///
-    /// # Errors The first field that fails.
+    /// # Errors
+    /// The first field that fails.
     pub fn check(&self) -> Result<(), MeshError> {
         let refuse = |field: String, what: String| Err(MeshError { field, what });
         let vertices = self.positions.len();
@@ -453,8 +455,9 @@ impl Mesh {
 
     /// The three corners of triangle `index`.
     ///
-    /// # Panics If there is no such triangle, or its vertices do not exist ([`check`](Mesh::check)). [`uv`](Mesh::uv) and
-    /// [`colour`](Mesh::colour) also panic without such a triangle.
+    /// # Panics
+    /// If there is no such triangle, or its vertices do not exist ([`check`](Mesh::check)). [`uv`](Mesh::uv) and [`colour`](Mesh::colour)
+    /// also panic without such a triangle.
     pub fn corners(&self, index: u32) -> [DVec3; 3] {
         self.triangles[index as usize].map(|v| self.positions[v as usize])
     }

@@ -472,8 +472,7 @@ mod tests {
     use crate::render::progress::Silent;
     use crate::scene::{self, Overrides};
 
-    /// Boxes and balls of several colours, at rest and in motion, in front of and intersecting each other, on a floor that extends below and behind
-    /// the camera.
+    /// Boxes and balls of several colours, at rest and in motion, in front of and intersecting each other, on a floor that passes below the camera.
     const BODIES: &str = r#"
 [[object]]
 shape = { plane = { size = [9.0, 9.0] } }

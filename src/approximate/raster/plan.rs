@@ -47,7 +47,8 @@ impl Method {
     /// The approximate number of points at which triangles are cut into edges of a given length if the whole scene is in view, from its
     /// meshes, which are loaded one after the other. `None` for other methods, or if a mesh has more than `most` triangles.
     ///
-    /// # Errors Errors of loading meshes.
+    /// # Errors
+    /// Errors of loading meshes.
     pub fn cuts_in_view(&self, scene: &Scene, plan: &Plan, most: u64) -> Result<Option<f64>> {
         let Method::Raster(raster) = self else {
             return Ok(None);
@@ -81,7 +82,8 @@ impl Method {
 
     /// Adds a note with the number of points at which triangles are cut into edges of a given length, if it is known.
     ///
-    /// # Errors As [`Method::cuts_in_view`].
+    /// # Errors
+    /// As [`Method::cuts_in_view`].
     pub fn explain_cuts(&self, scene: &Scene, plan: &mut Plan, most: u64) -> Result<()> {
         let Some(cuts) = self.cuts_in_view(scene, plan, most)? else {
             return Ok(());

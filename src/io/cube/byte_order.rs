@@ -1,31 +1,31 @@
 //! Detects samples that were read with the wrong byte order.
 //!
 //! **Single and double precision.** In the other order the exponent of a sample is its lowest mantissa bits. If those are effectively
-//! random, exponents are uniformly distributed over their whole range, so that 2 · 44/254 = 0.34 of single samples lie outside 10⁻²⁵ …
-//! 10²⁵, and 2 · 691/2046 = 0.67 of double ones outside 10⁻¹⁰⁰ … 10¹⁰⁰; if samples have few digits these bits are 0, and all samples lie
-//! outside. Radiance in any common unit does not. So samples of which more than a fifth lie outside, and less than a tenth after byte
-//! swapping, were read in the wrong order. Correct samples are not misjudged even if they are tiny: after byte swapping, a third of them
-//! or more lies outside.
+//! random, exponents are uniformly distributed over their whole range, so that 2 · 44/254 = 0.34 of single samples lie outside
+//! 10⁻²⁵ … 10²⁵, and 2 · 691/2046 = 0.67 of double ones outside 10⁻¹⁰⁰ … 10¹⁰⁰; if samples have few digits these bits are 0, and all
+//! samples lie outside. Radiance in any common unit does not. So samples of which more than a fifth lie outside, and less than a tenth
+//! after byte swapping, were read in the wrong order. Correct samples are not misjudged even if they are tiny: after byte swapping, a third
+//! of them or more lies outside.
 //!
-//! **Half precision** has no room for unusual sizes. If mantissas are effectively random, exponents in the other order are uniformly distributed over 0 …
-//! 31, and log₂ of the samples has a standard deviation of 32/√12 = 9, which real data only have if they span nine decades. So if it is above 6, and less
-//! than half as large after byte swapping, the samples were read in the wrong order. Samples with few digits have an exponent and first two mantissa bits
-//! of 0 in the other order: if nine tenths of the samples are below 2⁻¹⁶, and after byte swapping nine tenths are above 2⁻⁸, they were read in the wrong
-//! order, too.
+//! **Half precision** has no room for unusual sizes. If mantissas are effectively random, exponents in the other order are uniformly
+//! distributed over 0 … 31, and log₂ of the samples has a standard deviation of 32/√12 = 9, which real data only have if they span nine
+//! decades. So if it is above 6, and less than half as large after byte swapping, the samples were read in the wrong order. Samples with
+//! few digits have an exponent and first two mantissa bits of 0 in the other order: if nine tenths of the samples are below 2⁻¹⁶, and after
+//! byte swapping nine tenths are above 2⁻⁸, they were read in the wrong order, too.
 //!
-//! **Integers** of two or four bytes: small ones have a highest byte of 0 (or 255, below 0), which in the other order is the lowest. Of random numbers
-//! 1/256 have such a byte; so if more than half of the samples have it as the lowest, and less than a tenth after byte swapping, they were read in the
-//! wrong order. Larger integers vary from bin to bin by less than their size. In the other order they are effectively random, for which Σ|b − a| / Σ(|a| +
-//! |b|) over neighbours is 1/3: if it is above 0.3, and less than half as large after byte swapping, they were read in the wrong order. The same test,
-//! with 0.5, applies to half precision.
+//! **Integers** of two or four bytes: small ones have a highest byte of 0 (or 255, below 0), which in the other order is the lowest. Of
+//! random numbers 1/256 have such a byte; so if more than half of the samples have it as the lowest, and less than a tenth after byte
+//! swapping, they were read in the wrong order. Larger integers vary from bin to bin by less than their size. In the other order they are
+//! effectively random, for which Σ|b − a| / Σ(|a| + |b|) over neighbours is 1/3: if it is above 0.3, and less than half as large after byte
+//! swapping, they were read in the wrong order. The same test, with 0.5, applies to half precision.
 //!
-//! Noise from bin to bin varies as much in either order. All 256 values of its lowest byte are equally likely, but not those of its highest byte, unless
-//! it fills its type: 256 times the probability that two samples share a byte is 1 if all values are equally likely, and 256/n if n of them are. So if it
-//! is below 1.2 for the highest byte and above 1.5 for the lowest, the samples were read in the wrong order. Noise that fills more than two thirds of its
-//! type looks the same in either order, and is not detected.
+//! Noise from bin to bin varies as much in either order. All 256 values of its lowest byte are equally likely, but not those of its highest
+//! byte, unless it fills its type: 256 times the probability that two samples share a byte is 1 if all values are equally likely, and 256/n
+//! if n of them are. So if it is below 1.2 for the highest byte and above 1.5 for the lowest, the samples were read in the wrong order.
+//! Noise that fills more than two thirds of its type looks the same in either order, and is not detected.
 //!
-//! **Integers of eight bytes** are loaded in double precision, which holds 53 bits: small ones are detected as above, because in the other order their
-//! bytes are in the upper bits. Larger ones have lost their low bits.
+//! **Integers of eight bytes** are loaded in double precision, which holds 53 bits: small ones are detected as above, because in the other
+//! order their bytes are in the upper bits. Larger ones have lost their low bits.
 
 /// Evidence of a wrong byte order: fractions of the samples that are not 0, or a size, as they were read and after byte swapping.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,8 +1,9 @@
 //! The text of a model's scene.
 //!
-//! *Display.* At the wavelength ratio W, white light of 6504 K looks like a blackbody of 6504 K/W, and colours that keep their hue have W⁻⁴ of
-//! their radiance. If this brightness varies by more than a factor of 20 over the model, the display is logarithmic. If parts of the model have W
-//! > 5, that is, if they are seen in light emitted below 170 nm with 10⁻⁷ of its brightness, colours keep their hue.
+//! *Display.* At the wavelength ratio W, white light of 6504 K looks like a blackbody of 6504 K/W, and colours that keep their hue
+//! have W⁻⁴ of their radiance. If this brightness varies by more than a factor of 20 over the model, the display is logarithmic. If
+//! parts of the model have W > 5, that is, if they are seen in light emitted below 170 nm with 10⁻⁷ of its brightness, colours keep
+//! their hue.
 
 use std::fmt::Write;
 

@@ -249,7 +249,7 @@ fn time_axis(cx: &Context, at: &At<file::Cube>) -> Result<TimeKeys> {
     Ok(keys(bins, read, assumed))
 }
 
-/// The table of edges, where there is one.
+/// The table of edges, if there is one.
 fn edges(cx: &Context, cube: &file::Cube) -> Result<Option<TimeBins>> {
     let help = "keep `edges`, `edges_file`, or `bin_width` with `start` or `first_center`";
     let span = |at: &Option<At<Time>>| at.as_ref().map(|at| at.span.clone());
@@ -258,7 +258,7 @@ fn edges(cx: &Context, cube: &file::Cube) -> Result<Option<TimeBins>> {
     if table.or(file).is_none() {
         return Ok(None);
     }
-    // The table replaces all keys of equal bins, each of which is refused beside it.
+    // The table replaces all keys of equal bins; none of them may be given with it.
     for (key, other) in [
         ("start", span(&cube.start)),
         ("first_center", span(&cube.first_center)),

@@ -32,7 +32,8 @@ const TYPES: [(&str, &str); 11] = [
 
 /// The document of version 3 that describes the array in `folder`.
 ///
-/// # Errors Files that cannot be read, and features that version 3 does not have: numbers with several components, filters.
+/// # Errors
+/// Files that cannot be read, and features that version 3 does not have: numbers with several components, filters.
 pub(super) fn as_version_3(folder: &Path) -> Result<Map<String, Value>> {
     let file = folder.join(ARRAY);
     let said = document(&file)?;

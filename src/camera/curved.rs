@@ -442,7 +442,7 @@ mod tests {
         ];
         for (kind, degrees) in kinds {
             let of = |size| AnyProjection::of_kind(kind, axes, f64::to_radians(degrees), size);
-            // The middle, the edges, and film points that see nothing, which are the majority on a tall film.
+            // The middle, the edges, and film points that see nothing, which are in the majority on a tall film.
             let (mut seen, mut next) = (0, numbers(3));
             for size in [[401.0, 200.0], [401.0, 4000.0]] {
                 let film = of(size);

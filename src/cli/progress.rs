@@ -35,7 +35,7 @@ fn left(state: &ProgressState, out: &mut dyn Write) {
 pub struct Bar(ProgressBar);
 
 impl Bar {
-    /// A bar for `rays` rays; invisible if standard error is not a terminal, or if `quiet`.
+    /// A bar for `rays` rays; hidden if standard error is not a terminal, or if `quiet`.
     pub fn new(rays: u64, quiet: bool) -> Self {
         Bar::of(rays, "rays", quiet)
     }

@@ -102,7 +102,7 @@ pub struct Factors {
     pub transmission: f32,
     /// Whether its back is visible too.
     pub double_sided: bool,
-    /// Whether it may emit light.
+    /// Whether it emits light, in scenes that are lit.
     pub emits: bool,
 }
 

@@ -79,7 +79,7 @@ enum Form {
     Chunks(Chunks),
 }
 
-/// Does the same for either form.
+/// Evaluates the same expression for either form.
 macro_rules! with_form {
     ($form:expr, $of:ident => $do:expr) => {
         match $form {
@@ -96,7 +96,7 @@ macro_rules! with_form {
 pub struct BytesRead {
     /// All.
     pub all: u64,
-    /// The part of it that had been read before and was evicted meanwhile.
+    /// The part of it that had been read before and was evicted in the meantime.
     pub again: u64,
 }
 

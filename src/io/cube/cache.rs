@@ -147,7 +147,7 @@ impl<V: Clone> Locked<'_, V> {
 }
 
 impl<V> Shard<V> {
-    /// Evicts a value that was not used for about the longest time; there is at least one.
+    /// Evicts a value that has gone unused for about the longest time; there is at least one.
     fn evict(&mut self) -> V {
         self.hand %= self.slots.len();
         while std::mem::take(&mut self.slots[self.hand].used) {
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn all_is_kept_while_there_is_room_however_it_lies() {
         let cache = Cache::new(100, 8);
-        // All in one group, under one lock.
+        // All in one group, so under one lock.
         for key in 0..100 {
             cache.lock(3).insert(key, key);
         }

@@ -21,10 +21,10 @@ use crate::io::npy::Dtype;
 pub(super) struct Chunks {
     path: PathBuf,
     selection: Selection,
-    /// What is read of the array, and sizes of a chunk, along each of its axes.
+    /// The sizes of the part of the array that is read, and those of a chunk, along each of its axes.
     sizes: Vec<usize>,
     chunk: Vec<usize>,
-    /// Chunks along each axis that is kept.
+    /// The number of chunks along each kept axis.
     counts: Vec<usize>,
     shape: [usize; 4],
     /// The channels that are read of those in the file; all if `None`.
@@ -42,7 +42,7 @@ pub(super) struct Chunks {
 #[derive(Debug, Clone, Copy)]
 struct KeptAxis {
     lies: Lies,
-    /// Which of the array's it is.
+    /// The index of the axis in the array.
     axis: usize,
     /// Entries in a chunk.
     chunk: usize,
@@ -81,7 +81,7 @@ impl Chunks {
         }
     }
 
-    /// Opens what `selection` reads of the array at `path`; `None` if `room` bytes are too few for its chunks.
+    /// Opens the part of the array at `path` that `selection` reads; `None` if `room` bytes are too few for its chunks.
     pub fn open(
         path: &Path,
         selection: Selection,
@@ -140,7 +140,7 @@ impl Chunks {
         })
     }
 
-    /// The same with these of its channels alone.
+    /// The same with only these of its channels.
     pub fn taking(self, channels: &[usize]) -> Chunks {
         let [h, w, t, _] = self.shape;
         Chunks {
@@ -168,14 +168,14 @@ impl Chunks {
         self.counts.iter().map(|n| *n as u64).product()
     }
 
-    /// The memory that a thread needs at most to decode a brick: the samples as stored, compressed and not, and as numbers of the array
-    /// and of the brick.
+    /// The maximum memory that a thread needs to decode a brick: the samples as stored, compressed and decompressed, and as numbers of the
+    /// array and of the brick.
     pub fn decoding(&self) -> u64 {
         let whole: usize = self.chunk.iter().product();
         32 * whole as u64 + 16 * self.per_brick()
     }
 
-    /// The window of a brick, a range per axis that stays.
+    /// The window of a brick, a range per kept axis.
     fn window(&self, brick: u64) -> Vec<std::ops::Range<usize>> {
         let along = |(kept, count): (&KeptAxis, &usize)| {
             let number = (brick / kept.between) as usize % count;
@@ -293,7 +293,7 @@ impl Chunks {
         Err(Selection::not_finite(&self.path, place))
     }
 
-    /// A window padded to a chunk, if need be in `brick`.
+    /// Pads a window to a whole chunk, if necessary in `brick`.
     fn fill_up<'a>(
         &self,
         ranges: &[std::ops::Range<usize>],

@@ -218,7 +218,7 @@ impl<'a> Work<'a> {
     fn part(&mut self, rows: Range<usize>, bins: Range<usize>, out: &mut Vec<f64>) -> Result<()> {
         let [_, width, _, channels] = self.shape;
         let merge = self.merge;
-        // In bins before merging, extended back by the largest shift.
+        // In bins before merging, extended to earlier bins by the largest shift.
         let fine = bins.start * merge..bins.end * merge;
         let count = self.kept[2].len();
         let begin = fine.start.saturating_sub(self.shifts.largest).min(count);
@@ -579,7 +579,7 @@ fn descriptor(dtype: &Dtype) -> &'static str {
     }
 }
 
-/// Whether a type holds a number as one that is finite.
+/// Whether a number remains finite when converted to this type.
 fn fits(sample: f64, dtype: &Dtype) -> bool {
     match dtype {
         Dtype::F16 => f16::from_f64(sample).is_finite(),

@@ -101,7 +101,7 @@ impl<'a> Input<'a> {
         Input { path, opened: None }
     }
 
-    /// An open file; `path` names it in messages.
+    /// An open file, named `path` in messages.
     pub fn opened(path: &'a Path, reader: Reader) -> Self {
         let opened = Some(reader);
         Input { path, opened }
@@ -121,7 +121,7 @@ impl<'a> Input<'a> {
     }
 }
 
-/// For what consists of one file, or of a folder that is read as one.
+/// For formats that consist of one file, or of a folder that is read as a whole.
 pub(super) fn itself(path: &Path) -> Result<Vec<PathBuf>> {
     Ok(vec![path.to_path_buf()])
 }

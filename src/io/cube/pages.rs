@@ -138,7 +138,7 @@ impl Pages {
         let shape = layout.shape(path)?;
         let [_, width, bins, channels] = shape.map(|n| n as u64);
         let in_order = [width * bins * channels, bins * channels, channels, 1];
-        // Along an axis of one entry nothing follows.
+        // An axis of one entry has no next entry.
         let follows = |k: usize| shape[k] == 1 || along[k] == in_order[k];
         Ok(Pages {
             path: path.to_path_buf(),
@@ -149,7 +149,7 @@ impl Pages {
             strides: along,
             count: layout.sizes.iter().product::<usize>() as u64,
             per_brick,
-            // Bricks are pages of the file: the first lacks the samples that would be before the array.
+            // Bricks are pages of the file: the first one lacks the samples that would lie before the array.
             skew: match layout.start % size {
                 0 => layout.start / size % (1 << per_brick),
                 _ => 0,
@@ -158,7 +158,7 @@ impl Pages {
         })
     }
 
-    /// The same with these of its channels alone.
+    /// The same with only these of its channels.
     pub fn taking(self, channels: &[usize]) -> Pages {
         let [h, w, t, _] = self.shape;
         Pages {
@@ -246,7 +246,7 @@ impl Pages {
         let [_, width, _, channels] = self.shape;
         let first =
             (pixel / width) as u64 * row + (pixel % width) as u64 * column + bin as u64 * between;
-        // Samples that lie together, brick by brick.
+        // Contiguous samples, brick by brick.
         let mut run = |first: u64, count: usize| self.run(first, count, &mut each);
         if let Some(taken) = &self.taken {
             for bin in 0..bins as u64 {
@@ -289,7 +289,7 @@ impl Pages {
                 let number = self.layout.number;
                 return Err(Store::not_finite(&self.path, number, from + bad as u64));
             }
-            // Before the file's first sample there is nothing.
+            // The file has no samples before its first one.
             if brick == 0 {
                 samples.pad(self.skew as usize);
             }

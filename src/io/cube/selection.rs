@@ -68,7 +68,7 @@ enum Role {
     Chosen(usize),
 }
 
-/// The part of the array that is read.
+/// The part of an array that is read.
 #[derive(Debug, Clone)]
 pub(super) struct Selection {
     roles: Vec<Role>,
@@ -114,7 +114,7 @@ impl Selection {
             let what = format!("an array of shape {sizes:?} has no samples");
             return Err((what, "every axis must have a size of at least 1".into()));
         }
-        // Products of sizes are safe from here on.
+        // From here on, products of sizes cannot overflow.
         let count = sizes.iter().try_fold(1u64, |n, size| n.checked_mul(*size));
         if count.is_none_or(|count| count > LONGEST) {
             let what = format!("the shape {sizes:?} has more samples than this program can handle");
@@ -187,7 +187,7 @@ impl Selection {
         })
     }
 
-    /// The cube.
+    /// Loads the cube.
     pub fn load(&self, from: &mut dyn Windows, path: &Path) -> Result<Cube> {
         let arrangement = self.arrangement(path)?;
         let count: usize = self.sizes.iter().product();

@@ -357,7 +357,7 @@ pub fn frame_size(file: &Path, memory: u64) -> Result<[usize; 3]> {
     Ok([columns, rows, form.channels])
 }
 
-/// The cube.
+/// Loads the cube.
 fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     refuse_array(path, wanted)?;
     let frames = frames(path, wanted)?;
@@ -431,7 +431,7 @@ fn refuse_array(path: &Path, wanted: Wanted) -> Result<()> {
     }
 }
 
-/// How the pictures become a cube.
+/// How pictures form a cube.
 struct Layout {
     arrangement: Arrangement,
     axes: Axes,
@@ -447,7 +447,7 @@ impl Layout {
             None if is_picture(path) => Axes::of_picture(),
             None => Axes::of_frames(),
         };
-        // Without time it is one picture.
+        // Without a time axis it is a single picture.
         let is_steady = frames.len() == 1 && !axes.has_time();
         let axes = axes.with_channels();
         let mut sizes = vec![frames.len(), first.size[1], first.size[0], first.channels];
@@ -530,7 +530,7 @@ mod tests {
             );
         }
         assert!(!is_sequence(&found.path().join("run#2.npy")));
-        // Without such a file it is a pattern.
+        // Unless such a file exists, it is a pattern.
         let numbered = pictures(&found.path().join("shot#.png")).unwrap();
         assert_eq!(numbered, [found.path().join("shot01.png")]);
     }

@@ -163,7 +163,7 @@ fn header(reader: &mut dyn ReadSeek, file: &Path) -> Result<Header> {
             ));
         }
     };
-    // Nothing is allocated yet: sizes whose samples do not fit in the file end here, including overflow.
+    // Nothing is allocated yet: sizes whose samples exceed the file are refused here, including overflow.
     let count = [header.rows, header.columns, header.bins]
         .iter()
         .try_fold(4u64, |n, k| n.checked_mul(*k as u64));

@@ -40,7 +40,7 @@ fn the_model_fills_the_middle_of_the_picture_at_any_speed_and_scale() {
             let gamma = 1.0 / f64::sqrt(1.0 - beta * beta);
             let motion = Motion { beta, gamma, n };
             let camera = framing(&subject, Some(motion), [640, 320], None);
-            // cos θ′ = (cos θ + β)/(1 + β cos θ) about the motion, in the plane of both.
+            // cos θ′ = (cos θ + β)/(1 + β cos θ) for angles from the motion, in the plane of both directions.
             let seen = |p: DVec3| {
                 let d = (p - camera.eye).normalize();
                 let cos = d.dot(n);
@@ -141,7 +141,7 @@ fn a_flyby_crosses_the_picture_about_the_place_without_a_shift() {
         let motion = Motion { beta, gamma, n };
         let camera = passing(&ball, motion);
         let seen = |time: f64| {
-            // γβ of path per proper time.
+            // The path per proper time is γβ.
             let path = camera.interval.unwrap() * time * gamma * beta;
             let to = ball.centre - (camera.eye + DVec3::X * path);
             let cos = to.normalize().x;

@@ -202,7 +202,7 @@ impl File {
                 return Ok(());
             }
             let name = inside(&name);
-            // What cannot be opened cannot be used either.
+            // Arrays that cannot be opened cannot be used either.
             let Ok(dataset) = self.file.dataset(&name) else {
                 continue;
             };
@@ -352,7 +352,7 @@ const AGAIN: &str = "copy the file again, or write it again";
 /// The class of layout of virtual datasets.
 const VIRTUAL: u8 = 3;
 
-/// An error of the reader, in words.
+/// The reader's error as an error of this crate.
 fn refused(path: &Path, place: &str, error: hdf5_reader::error::Error) -> Error {
     use hdf5_reader::error::Error as Reading;
     match error {
@@ -420,10 +420,10 @@ impl Kind {
         self.number.stored() as usize
     }
 
-    /// The numbers that `bytes` are.
+    /// The numbers encoded in `bytes`.
     ///
     /// # Errors
-    /// Integers that double precision does not hold.
+    /// Integers that double precision cannot hold.
     fn decode(self, bytes: &[u8], to: &mut Vec<f64>) -> hdf5_reader::error::Result<()> {
         self.number.decode(bytes, self.big_endian, to);
         let is_whole = matches!(self.number, Number::I64 | Number::U64);

@@ -120,7 +120,7 @@ pub(super) fn times_of(file: &File, name: Option<&str>) -> Result<Option<FileTim
     Ok(layout(file, name)?.times)
 }
 
-/// By what is in the file.
+/// The layout, recognised by the arrays in the file.
 fn layout(file: &File, name: Option<&str>) -> Result<Layout> {
     let (groups, arrays) = file.names("")?;
     let has = |name: &str| arrays.iter().any(|known| known == name);
@@ -272,7 +272,7 @@ fn tal(file: &File, names: &[String]) -> Result<Layout> {
     let is_list = !axes.contains(&Row);
     let points = places(file, "sensor_grid_xyz", false)?;
     let wall = wall(file, points, ["sensor_grid_normals", "sensor_xyz"], is_list)?;
-    // Written with and without a second "bounce"; both begin like this.
+    // Written with and without a second "bounce"; both names begin with this.
     let both = names
         .iter()
         .find(|name| name.starts_with("t_accounts_first"));

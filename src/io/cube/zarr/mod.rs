@@ -83,7 +83,7 @@ fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
     Ok(info)
 }
 
-/// The cube.
+/// Loads the cube.
 fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     let (metadata, selection, _) = known(path, wanted)?;
     selection.load(&mut Array::new(metadata, CACHE), path)
@@ -407,7 +407,7 @@ impl Array {
             number,
             ..
         } = &self.metadata;
-        // A unit is a chunk, or a chunk of a shard: `outer` is its file.
+        // A unit is a chunk, or a chunk within a shard; `outer` is the position of its file.
         let per_shard: Vec<usize> = chunk
             .iter()
             .zip(&self.unit)

@@ -1,15 +1,16 @@
 //! A camera that passes by.
 //!
-//! The camera passes C at the distance b. A point seen at the angle θ′ from its motion lies at θ, with sin θ = sin θ′/W, cos θ = (cos θ′ − β)/(1 − β cos
-//! θ′), and has the wavelength ratio W = γ(1 − β cos θ′). C lies at θ when the camera is b cot θ before its closest approach, at
+//! The camera passes C at the distance b. A point seen at the angle θ′ from its motion lies at θ, with sin θ = sin θ′/W, cos θ =
+//! (cos θ′ − β)/(1 − β cos θ′), and has the wavelength ratio W = γ(1 − β cos θ′). C lies at θ when the camera is b cot θ before its closest
+//! approach, at
 //!
 //! ```text
 //! x = −b cot θ = b γ (β − cos θ′)/sin θ′.
 //! ```
 //!
-//! The forward axis has W = 1, at cos θ′ = γβ/(γ + 1), between blueshift and redshift: slow cameras look across their motion, and fast ones nearly ahead,
-//! where everything appears to be. In the first picture C is at θ = 40°, in the last one at the other edge of the picture, or at W = 2.5, beyond which
-//! daylight is darker than a three-hundredth. Between them (x₂ − x₁)/(γβ) of the camera's proper time passes.
+//! The forward axis has W = 1, at cos θ′ = γβ/(γ + 1), between blueshift and redshift: slow cameras look across their motion, and fast ones
+//! nearly ahead, where everything appears to be. In the first picture C is at θ = 40°, in the last one at the other edge of the picture, or
+//! at W = 2.5, beyond which daylight is darker than a three-hundredth. Between them (x₂ − x₁)/(γβ) of the camera's proper time passes.
 
 use glam::DVec3;
 

@@ -171,7 +171,7 @@ fn listed(directory: &Path) -> Option<Listed> {
     }
     let path = |file: &serde_json::Value| {
         let path = PathBuf::from(file.get("path")?.as_str()?);
-        // A list that leads outside is not one of ours.
+        // A list with paths outside the directory was not written by an export.
         let is_inside = path
             .components()
             .all(|part| matches!(part, Component::Normal(_)));
@@ -185,7 +185,7 @@ fn listed(directory: &Path) -> Option<Listed> {
         .collect()
 }
 
-/// Something below `at` in `directory` that is neither a `listed` file nor a directory with such files.
+/// Finds anything below `at` in `directory` that is neither a `listed` file nor a directory with such files.
 fn stranger(directory: &Path, at: &Path, listed: &Listed) -> io::Result<Option<PathBuf>> {
     for entry in fs::read_dir(directory.join(at))? {
         let entry = entry?;

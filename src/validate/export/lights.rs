@@ -81,7 +81,7 @@ pub(super) fn is_matte(material: &Material) -> bool {
     is_diffuse && is_dark && material.transmission == 0.0
 }
 
-/// What the light of `scene` depends on that a bundle does not describe.
+/// What affects the light of `scene` but is not described by a bundle.
 pub(super) fn undescribed(scene: &Scene, is_matte: bool) -> Vec<&'static str> {
     let has = |of: &dyn Fn(&Light) -> bool| scene.lights.iter().any(of);
     let lamp = |of: fn(&Lamp) -> bool| move |light: &Light| matches!(&light.kind, LightKind::Lamp(lamp) if of(lamp));

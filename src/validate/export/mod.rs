@@ -117,7 +117,7 @@ pub fn plan(scene: &Scene, options: &ExportOptions) -> Result<Plan> {
 /// The JSON schema (draft 2020-12) of `bundle.json`, as included in each bundle. It is derived from [`Bundle`]; a test compares the two.
 pub const BUNDLE_SCHEMA: &str = include_str!("schema.json");
 
-/// The same made from the type.
+/// The same, derived from the type.
 #[cfg(feature = "schema")]
 pub fn derived_schema() -> serde_json::Value {
     schemars::schema_for!(Bundle).to_value()

@@ -54,7 +54,7 @@ pub(super) fn write(
     Ok(entries)
 }
 
-/// How the bundle describes a cube. A time axis has a width, or edges where widths differ.
+/// The bundle's description of a cube. A time axis has one width, or edges if widths differ.
 fn entry(cube: &CubeSource, place: Place, shape: Option<[usize; 4]>) -> CubeEntry {
     CubeEntry {
         file: place.file,

@@ -136,7 +136,7 @@ impl Compared {
         best
     }
 
-    /// How many of the rays along `directions` hit another triangle than the first, or hit it elsewhere.
+    /// The number of rays along `directions` that hit another triangle than the first, or hit it at another point.
     fn mistakes(&self, origin: DVec3, directions: &[DVec3]) -> u64 {
         let mut expected: Vec<Option<(u32, f64)>> = Vec::with_capacity(directions.len());
         for (i, &d) in directions.iter().enumerate() {

@@ -36,7 +36,7 @@ impl Random {
         }
     }
 
-    /// Of 0, 1, … `count` − 1.
+    /// One of 0, 1, … `count` − 1.
     pub fn below(&mut self, count: u64) -> u64 {
         self.bits() % count
     }
@@ -122,7 +122,7 @@ pub(super) fn grid(n: u64) -> Vec<Triangle> {
     (0..n * n).flat_map(square).collect()
 }
 
-/// Which triangle of the grid a ray down to (x, y) hits: of those that share the point, the first.
+/// The triangle of the grid that a ray down to (x, y) hits: the first of those that share the point.
 pub(super) fn of_grid(n: u64, x: f64, y: f64) -> u32 {
     // At a point on a line between squares, those to the left and below come first.
     let before = |t: f64| ((t.ceil() as u64).max(1) - 1).min(n - 1);

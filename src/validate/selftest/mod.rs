@@ -55,7 +55,7 @@ struct Counted {
     count: fn(u64, &dyn Progress) -> Result<Outcome>,
 }
 
-/// What a check has found.
+/// The result of a check.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
     /// The largest error, or the number of errors, in the check's unit.
@@ -73,7 +73,7 @@ impl Check {
         }
     }
 
-    /// The memory that it takes at most, in addition to the program, bytes.
+    /// The maximum memory that it takes, in addition to the program, bytes.
     pub fn memory(&self, effort: Effort) -> u64 {
         match &self.kind {
             Kind::Reference(_) => SMALL,
@@ -118,7 +118,7 @@ pub fn checks() -> Vec<Check> {
     checks
 }
 
-/// More memory than most checks take, bytes.
+/// More memory than most checks need, bytes.
 const SMALL: u64 = 32 << 20;
 
 /// A check that counts errors, none of which is allowed; its cases for each effort.

@@ -79,7 +79,7 @@ fn film(scene: &Scene) -> Result<Film> {
     render(&Prepared::new(scene, &plan, &Silent)?, &Silent)
 }
 
-/// How many pixels differ in any channel; all, if nothing is visible.
+/// The number of pixels that differ in any channel; all pixels if nothing is visible.
 fn difference(a: &Film, b: &Film) -> usize {
     let bits = |film: &Film, aov, i: usize| film.aov(aov).map(|values| values[i].to_bits());
     let differs = |&i: &usize| {
@@ -92,7 +92,7 @@ fn difference(a: &Film, b: &Film) -> usize {
     }
 }
 
-/// All lengths and times `factor` times as large.
+/// The scene with all lengths and times multiplied by `factor`.
 fn scaled(scene: &Scene, factor: f64) -> Scene {
     let mut scene = scene.clone();
     scene.camera.origin.ct *= factor;
@@ -119,7 +119,7 @@ fn enlarge(shape: &mut Shape, factor: f64) {
     }
 }
 
-/// Everything moved by (`ct`, `x`).
+/// The scene with everything moved by (`ct`, `x`).
 fn moved(scene: &Scene, ct: f64, x: DVec3) -> Scene {
     let mut scene = scene.clone();
     let objects = scene.objects.iter_mut().map(|object| &mut object.origin);

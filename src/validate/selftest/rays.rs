@@ -35,7 +35,7 @@ pub(super) const CHECKS: [Check; 3] = [
     ),
 ];
 
-/// Rays of a batch.
+/// The number of rays of a batch.
 const BATCH: u64 = 256;
 
 fn trace(bvh: &Bvh, kernel: Kernel, origin: DVec3, directions: &[DVec3]) -> Vec<Option<Hit>> {
@@ -113,7 +113,7 @@ fn numbers(hit: &Option<Hit>) -> Option<[u64; 5]> {
     hit.as_ref().map(bits)
 }
 
-/// How many entries of two lists differ.
+/// The number of entries in which two lists differ.
 fn differing(a: &[Option<Hit>], b: &[Option<Hit>]) -> u64 {
     let differ = |(a, b): &(&Option<Hit>, &Option<Hit>)| numbers(a) != numbers(b);
     a.iter().zip(b).filter(differ).count() as u64

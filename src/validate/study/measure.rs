@@ -118,7 +118,7 @@ fn plan(scene: &Scene, options: &StudyOptions) -> Result<Plan> {
     })
 }
 
-/// What `prepared` has built, and builds now, once.
+/// The data that `prepared` has built, or builds now, once.
 fn once(prepared: &Prepared) -> Once {
     let start = Instant::now();
     for frame in &prepared.frames {
@@ -262,11 +262,11 @@ impl Rounds {
         !left.is_zero() && guess.is_none_or(|seconds| seconds <= left.as_secs_f64())
     }
 
-    /// From the same method with fewer samples.
+    /// Estimated from the same method with fewer samples.
     fn guess(&self, job: &Job) -> Option<f64> {
         let is_fewer = |other: &&Job| other.subject == job.subject && other.samples < job.samples;
         let last = self.jobs.iter().rfind(is_fewer)?;
-        // A method that was left out leaves out all after it.
+        // If a method was left out at fewer samples, it is left out at more.
         let time = last.runs.last().copied().unwrap_or(f64::INFINITY);
         Some(time * f64::from(job.samples) / f64::from(last.samples))
     }

@@ -35,21 +35,21 @@ impl Tally for NoTally {
     fn add(&mut self, _: Work, _: usize) {}
 }
 
-/// The amount of each kind of [`Work`].
+/// The work of tracing rays, by kind.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Counts {
-    /// [`Work::Rays`].
+    /// Rays requested.
     pub rays: u64,
-    /// [`Work::Nodes`].
+    /// Nodes visited, once per block of rays or single ray.
     pub nodes: u64,
-    /// [`Work::Triangles`].
+    /// Triangles tested, once per block of rays or single ray.
     pub triangles: u64,
-    /// [`Work::Doubts`].
+    /// Pairs of ray and triangle that f32 left to f64.
     pub doubts: u64,
-    /// [`Work::Exact`].
+    /// Pairs of ray and triangle that f64 left to exact arithmetic.
     pub exact: u64,
-    /// [`Work::Singles`].
+    /// Rays traced one by one.
     pub singles: u64,
 }
 

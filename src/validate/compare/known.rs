@@ -329,17 +329,23 @@ impl KnownScene {
 
     /// The world's direction along which the film point `p` looks; `None` if it sees nothing.
     pub(super) fn look_along(&self, p: DVec2) -> Option<Direction<World>> {
-        self.film.sees(p.x, p.y).then_some(())?;
-        let v = self.film.vector(p.x, p.y);
-        let own = Direction::new(v)?;
+        let own = self.own_look_along(p)?;
         match self.aberration {
-            Aberration::Exact => Some(self.camera.world_from_frame().direction(own).0),
-            Aberration::Missing => Direction::new(v),
-            Aberration::WithoutGamma => Direction::new(unaberrated_without_gamma(
-                own.unit(),
-                self.camera.velocity(),
-            )),
+            Aberration::Exact => {
+                let own = Direction::from_unit(own);
+                Some(self.camera.world_from_frame().direction(own).0)
+            }
+            Aberration::Missing => Direction::new(own),
+            Aberration::WithoutGamma => {
+                Direction::new(unaberrated_without_gamma(own, self.camera.velocity()))
+            }
         }
+    }
+
+    /// The unit look direction of the film point `p` in the camera's frame; `None` if it sees nothing.
+    pub(super) fn own_look_along(&self, p: DVec2) -> Option<DVec3> {
+        self.film.sees(p.x, p.y).then_some(())?;
+        Some(Direction::<World>::new(self.film.vector(p.x, p.y))?.unit())
     }
 
     /// The world's direction from the shot to an event of its past light cone; `None` for other events.

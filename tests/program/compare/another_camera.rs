@@ -207,6 +207,48 @@ fn ratios_of_a_camera_of_another_velocity_are_named_with_it() {
 }
 
 #[test]
+fn ratios_alone_name_the_camera_of_another_velocity() {
+    let at_rest = SCENE
+        .replace("velocity = { beta = [0.3, 0, 0] }", "")
+        .replace("velocity = { beta = [-0.4, 0, 0] }", "");
+    let moving_alike = SCENE.replace("beta = [-0.4, 0, 0]", "beta = [0.3, 0, 0]");
+    let floor = [
+        "name = \"floor\"",
+        "name = \"floor\"\nvelocity = { beta = [0.3, 0, 0] }",
+    ];
+    let moving_alike = moving_alike.replace(floor[0], floor[1]);
+    // Where velocities differ, `object` must say which pixels are whose.
+    for (scene, channels) in [
+        (at_rest.as_str(), &["wavelength_ratio"][..]),
+        (&moving_alike, &["wavelength_ratio"]),
+        (SCENE, &["wavelength_ratio", "object"]),
+    ] {
+        let right = shot(&parsed(scene));
+        for (beta, words) in [
+            ("0.55, 0, 0", "with β = (0.5500, 0.0000, 0.0000)"),
+            ("-0.5, 0, 0", "with β = (-0.5000, 0.0000, 0.0000)"),
+            ("0.3, 0.2, -0.4", "with β = (0.3000, 0.2000, -0.4000)"),
+        ] {
+            let other = scene.replace("beta = [0.5, 0, 0]", &format!("beta = [{beta}]"));
+            let wrong = only(&bare(&shot(&parsed(&other))), channels);
+            let words = [words, "(0.5000, 0.0000, 0.0000)"];
+            named(Kind::RatioOfCamera, &words, &diagnosed(&right, &wrong));
+        }
+        assert_eq!(diagnosed(&right, &only(&bare(&right), channels)), []);
+    }
+}
+
+#[test]
+fn light_alone_names_the_camera_of_another_speed() {
+    for (beta, words) in [("0.55, 0, 0", "β = (0.55"), ("0.3, 0, 0", "β = (0.30")] {
+        let wrong = with(&[("beta = [0.5, 0, 0]", &format!("beta = [{beta}]"))]);
+        let found = diagnosed(&exact(), &only(&bare(&wrong), &["radiance"]));
+        let words = [words, "(0.5000, 0.0000, 0.0000)", "judged by light only"];
+        named(Kind::CameraVelocity, &words, &found);
+    }
+}
+
+#[test]
 fn films_are_not_turned_cameras_and_right_pictures_have_none() {
     // Of a narrow view, another film and a camera that is turned or moves otherwise are nearly alike.
     let narrow = |fov: &str| shot(&parsed(&SCENE.replace("60 deg", fov)));

@@ -11,7 +11,8 @@
 //!
 //! so that W γc(1 + βc·d) is linear in d: a least squares fit over the object's pixels gives (γ, γβ). It is a four-velocity only if γ² −
 //! |γβ|² = 1: a W that is wrong by a factor gives no velocity. An object that covers little of the view determines them poorly, so
-//! hypotheses are compared by how well they reproduce W where the object is seen, not by the fitted numbers.
+//! hypotheses are compared by how well they reproduce W where the object is seen, not by the fitted numbers. In the frame of the camera the
+//! same holds for its own look directions with γc = 1 and βc = 0.
 //!
 //! # By places
 //!
@@ -29,7 +30,7 @@ use super::super::surface::FEWEST_OF_OBJECT;
 use super::{Case, Diagnosis, Kind, NEAR, Tally, median};
 use crate::error::{Message, Setting};
 use crate::render::aov::Aov;
-use crate::spacetime::Velocity;
+use crate::spacetime::{Boost, CameraFrame, Displacement, Velocity, World};
 
 /// The velocity of a camera that moves without acceleration or rotation, from the picture's metadata.
 pub(super) fn camera_velocity(picture: &Picture) -> Option<Velocity> {
@@ -125,7 +126,7 @@ impl ObjectRatios {
 /// Objects whose wavelength ratios match another velocity.
 pub(super) fn velocities(case: &Case) -> Vec<Diagnosis> {
     let [Some(r), Some(c)] = [0, 1].map(|which| object_ratios(case, which)) else {
-        return Vec::new();
+        return camera_by_ratios_alone(case).into_iter().collect();
     };
     if let Some(found) = another_camera(case, &r, &c) {
         // Where points are seen is better evidence, if known.
@@ -235,6 +236,83 @@ fn fitted_camera(
     let [was, is] = moved.velocities.map(|u| in_words(u.yzw() / u.x));
     let which = format!("with β = {is}, and should be those of one with {was}");
     (tally.explains(NOTABLE_RATIO)).then(|| describe_camera(&which, &tally, camera))
+}
+
+/// (γ, γβ).
+fn four_velocity(velocity: Velocity) -> DVec4 {
+    let gamma = velocity.gamma();
+    (gamma * velocity.beta()).extend(gamma).wxyz()
+}
+
+/// A four-velocity of the world in the frame of a camera.
+fn seen_by(camera: Velocity, u: DVec4) -> DVec4 {
+    let camera_from_world = Boost::<CameraFrame, World>::new(-camera);
+    let seen = camera_from_world.displacement(Displacement::new(u.x, u.yzw()));
+    seen.x.extend(seen.ct).wxyz()
+}
+
+/// The velocity of the camera in whose frame the four-velocity `u` of the world is `seen`. The boost is P X P with the positive matrix
+/// P ∝ cosh ½ζ − sinh ½ζ n·σ, X the matrix of a four-vector; P is the geometric mean of those of u⁻¹ and `seen`, which is proportional
+/// to their sum, as both have the determinant 1. So n tanh ½ζ = (γβ − γ′β′)/(γ + γ′).
+fn boost_between(u: DVec4, seen: DVec4) -> Option<Velocity> {
+    let half = (u.yzw() - seen.yzw()) / (u.x + seen.x);
+    let length = half.length();
+    (length < 1.0).then_some(())?;
+    match length == 0.0 {
+        true => Some(Velocity::REST),
+        false => Velocity::from_rapidity_along(2.0 * libm::atanh(length), half / length).ok(),
+    }
+}
+
+/// The camera with another velocity whose wavelength ratios a candidate holds that says neither where its pixels look nor what they show.
+/// An object's four-velocity γ′(1, β′) in the frame of that camera follows from W = γ′(1 + β′·d′) along the film's own look directions d′,
+/// and the camera's velocity from this and the object's velocity in the world.
+fn camera_by_ratios_alone(case: &Case) -> Option<Diagnosis> {
+    let ratio = Plane::aov(&case.pair[1].layers, Aov::WavelengthRatio)?;
+    let known = case.known.filter(|_| directions(case, 1).is_none())?;
+    let velocities: Vec<Velocity> = known.velocities().collect();
+    let is_common = velocities.windows(2).all(|pair| pair[0] == pair[1]);
+    let object_at = |i: usize| match is_common {
+        true => Some(0.0),
+        false => case.points[1].object_at(i),
+    };
+
+    let width = case.points[1].width;
+    let mut objects: BTreeMap<usize, ObjectRatios> = BTreeMap::new();
+    for i in case.pixels() {
+        let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
+        let object = object_at(i).filter(|id| *id >= 0.0).map(|id| id as usize);
+        let seen = object.filter(|k| *k < velocities.len() && ratio.at(i) > 0.0);
+        if let (Some(object), Some(d)) = (seen, known.own_look_along(centre)) {
+            let rows = &mut objects.entry(object).or_default().rows;
+            rows.push((DVec4::new(1.0, d.x, d.y, d.z), ratio.at(i)));
+        }
+    }
+    let (most, pixels) = objects.iter().max_by_key(|(_, of)| of.rows.len())?;
+    let seen = pixels.velocity()?;
+    is_velocity(seen, OF_VELOCITY_OR_FACTOR).then_some(())?;
+    let is = boost_between(four_velocity(velocities[*most]), seen)?;
+
+    let tally = Tally::of(objects.iter().flat_map(|(object, of)| {
+        let world = four_velocity(velocities[*object]);
+        let both = [known.camera_velocity(), is].map(|camera| seen_by(camera, world));
+        let rows = of.rows.iter();
+        rows.map(move |(row, ratio)| both.map(|u| libm::log(ratio / row.dot(u)).abs()))
+    }));
+    let right = known.camera_velocity().beta();
+    let is = is.beta();
+    // A camera that is turned sees the same W as one whose velocity is turned the other way.
+    let or = match (is.length() - right.length()).abs() < 1e-3 {
+        true => ", or of one that is turned",
+        false => "",
+    };
+    let which = format!(
+        "with β = {}, and should be those of one with {}{or}",
+        in_words(is),
+        in_words(right)
+    );
+    (tally.explains(NOTABLE_RATIO))
+        .then(|| describe_camera(&which, &tally, known.camera_velocity()))
 }
 
 /// An object whose velocity differs between the pictures.

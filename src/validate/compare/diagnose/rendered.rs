@@ -14,6 +14,7 @@ use glam::DVec3;
 
 use super::super::known::{Change, is_all_in_its_text};
 use super::light::{Lit, NOTABLE, Told, evidence, lit, lit_and_dark, middle, told};
+use super::motion::in_words;
 use super::time::words_for_bins;
 use super::{Case, Diagnosis, Kind, median};
 use crate::render::aov::Aov;
@@ -134,7 +135,12 @@ fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Diagno
     });
     let of_times = of_some_size(case, lit, &times(scene), |x| later(scene, x));
     let of_times = of_times.map(|(x, told)| (lookup(scene, x), told));
-    let found: Vec<(Mistake, Told)> = asked.chain(of_times).collect();
+    let speeds: &[f64] = if case.has_places() { &[] } else { &SPEEDS };
+    let of_speeds = of_some_size(case, lit, speeds, |x| faster(scene, x));
+    let of_speeds =
+        of_speeds.filter(|(x, told)| x.abs() >= SLOWEST && told.left <= LEFT_BY_MISTAKE);
+    let of_speeds = of_speeds.and_then(|(x, told)| Some((speed(scene, x)?, told)));
+    let found: Vec<(Mistake, Told)> = asked.chain(of_times).chain(of_speeds).collect();
     let rest = |(_, told): &(Mistake, Told)| told.tally.rest();
     let best = (found.iter()).min_by(|a, b| rest(a).total_cmp(&rest(b)))?;
     // Several mistakes may move the same object out of view: then light cannot distinguish them.
@@ -496,6 +502,38 @@ fn camera_at_rest(scene: &Scene) -> Option<Mistake> {
         what: "the camera's velocity is missing: the picture is that of a camera at rest, without aberration, Doppler shift and searchlight effect (judged by light only)".into(),
         size: ("beta", velocity.beta().length()),
         scene: at_rest,
+    })
+}
+
+/// Rapidities to try that a moving camera may have in excess.
+const SPEEDS: [f64; 6] = [-0.4, -0.1, -0.02, 0.02, 0.1, 0.4];
+
+/// The least such rapidity that is reported: the film that is moved by a fraction of a pixel looks like a smaller one.
+const SLOWEST: f64 = 0.01;
+
+/// The scene with the camera faster by a rapidity, in the direction of its motion; `None` if it is at rest, or accelerated.
+fn faster(scene: &Scene, excess: f64) -> Option<Scene> {
+    let camera = &scene.camera;
+    (camera.motion == Motion::Inertial && !camera.velocity.is_rest()).then_some(())?;
+    let (n, rapidity) = camera.velocity.split();
+    let mut faster = scene.clone();
+    faster.camera.velocity = Velocity::from_rapidity((rapidity + excess) * n).ok()?;
+    Some(faster)
+}
+
+/// The diagnosis of a camera that is faster by a rapidity.
+fn speed(scene: &Scene, excess: f64) -> Option<Mistake> {
+    let scene_of_it = faster(scene, excess)?;
+    let [right, is] = [scene, &scene_of_it].map(|scene| scene.camera.velocity.beta());
+    Some(Mistake {
+        kind: Kind::CameraVelocity,
+        what: format!(
+            "the camera moves at another velocity: the picture is that of a camera with β = {}, and should be that of one with {} (judged by light only)",
+            in_words(is),
+            in_words(right)
+        ),
+        size: ("beta differs by", (is - right).length()),
+        scene: scene_of_it,
     })
 }
 

@@ -377,10 +377,8 @@ pub(crate) fn apart() -> Error {
     Error::unsupported(
         "camera",
         "method",
-        "rasterizers need a camera whose rays all leave one event; this one's do not (a sensor, a shutter, a rotation, a stereo pair, or model = \"paper2015\"), \
-         or points of its film see nothing (corners of a fisheye, or beyond the poles of a panorama)",
-        Setting::TraceIt
-            + ", or remove the sensor, the shutter, the rotation or the second eye; or set a size or an hfov for which all of the film sees something (rasterizers need a perspective)",
+        "rasterizers need a camera whose rays all leave one event, and whose film sees something everywhere",
+        Setting::TraceIt + ", or with a perspective camera without sensor and shutter",
     )
 }
 

@@ -30,7 +30,8 @@ pub fn is_black(film: &Film) -> bool {
 }
 
 /// Why a picture is black, if it is; empty otherwise. `is_shifted`: [`shift`] gives the reason.
-pub fn blackness(scene: &Scene, film: &Film, is_shifted: bool) -> String {
+/// `shut_in`: all light is, inside objects.
+pub fn blackness(scene: &Scene, film: &Film, is_shifted: bool, shut_in: bool) -> String {
     if !is_black(film) {
         return String::new();
     }
@@ -42,6 +43,8 @@ pub fn blackness(scene: &Scene, film: &Film, is_shifted: bool) -> String {
         nothing_met(scene)
     } else if is_shifted {
         "what is in view shines, but nothing of its light is visible".into()
+    } else if shut_in {
+        "all light is inside objects, whose outside it does not light".into()
     } else {
         let missing = film.mean_coverage().and_then(missing);
         missing.unwrap_or_else(|| unlit(scene)).into()
@@ -80,9 +83,14 @@ pub fn times(scene: &Scene, prepared: &mut Prepared) -> String {
 
 /// The range of W = λ′/λ at which some part of the spectra of colours, from 360 to 830 nm, is visible.
 fn seen_ratios(scene: &Scene) -> [f64; 2] {
-    let seen = scene.false_colour.map_or(1.0, |shown| shown / GREEN);
+    let seen = seen_as_emitted(scene);
     let across = 830.0 / 360.0;
     [seen / across, seen * across]
+}
+
+/// W of light that is shown with the wavelength with which it was emitted.
+fn seen_as_emitted(scene: &Scene) -> f64 {
+    scene.false_colour.map_or(1.0, |shown| shown / GREEN)
 }
 
 /// The wavelength as which the false-colour wavelength is shown, metres.
@@ -101,15 +109,36 @@ fn has_colours(scene: &Scene) -> bool {
             || scene.sky.as_ref().is_some_and(of_sky))
 }
 
-/// The remark that all light in view was emitted outside the visible range although a picture shows some of it; empty otherwise.
+/// The remark that all light in view was emitted outside the visible range although a picture shows some of it, and that of lamps; empty
+/// otherwise.
 pub fn shifted(scene: &Scene, prepared: &Prepared) -> String {
     if !has_colours(scene) {
         return String::new();
     }
     let range = survey::wavelength_ratios_outside(prepared, seen_ratios(scene));
-    range.map_or(String::new(), |range| {
-        out_of_sight(scene, range, false) + "\n"
-    })
+    match range {
+        Some(range) => out_of_sight(scene, range, false) + "\n",
+        None => unseen_lamps(scene, prepared),
+    }
+}
+
+/// The remarks on lamps whose light is invisible on the surfaces in view, as it is in their rest frames.
+fn unseen_lamps(scene: &Scene, prepared: &Prepared) -> String {
+    let unseen = survey::unseen_lamps(scene, prepared, seen_as_emitted(scene));
+    let line = |(light, [low, high]): (usize, [f64; 2])| {
+        let [low, high] = [low, high].map(short);
+        let times = match low == high {
+            true => low,
+            false => format!("{low} to {high}"),
+        };
+        format!(
+            "the light of \"{}\" reaches what is in view with {times} times its emitted wavelength: none of its spectrum is visible \
+             there, and what is shown of it, if anything, is too dim for any eye, or made up (see radiance.continuation and \
+             display.false_colour)\n",
+            super::info::escaped(&scene.lights[light].name),
+        )
+    };
+    unseen.into_iter().map(line).collect()
 }
 
 /// The same before rendering, if it is known that all light will be emitted outside the visible range, whatever is in view.
@@ -125,7 +154,7 @@ pub fn will_be_shifted(scene: &Scene) -> Result<Option<String>> {
 fn out_of_sight(scene: &Scene, [low, high]: [f64; 2], is_black: bool) -> String {
     // The visible range, metres.
     let (violet, red) = (380e-9, 780e-9);
-    let seen = scene.false_colour.map_or(1.0, |shown| shown / GREEN);
+    let seen = seen_as_emitted(scene);
     let middle = (low * high).sqrt();
     let made_up = match scene.continuation {
         Continuation::Dark => "dark",
@@ -174,14 +203,7 @@ pub fn shift(scene: &Scene, prepared: &Prepared) -> String {
         Some(range) => unseen_spectra(scene, range),
         None => String::new(),
     };
-    for (light, [low, high]) in survey::unseen_lamps(scene, prepared) {
-        text += &format!(
-            "the light of \"{}\" reaches what is in view with {} to {} times its emitted wavelength: none of its spectrum is visible there\n",
-            super::info::escaped(&scene.lights[light].name),
-            short(low),
-            short(high)
-        );
-    }
+    text += &unseen_lamps(scene, prepared);
     text
 }
 
@@ -208,6 +230,24 @@ fn unseen_spectra(scene: &Scene, [low, high]: [f64; 2]) -> String {
         )
     };
     unseen.map(line).collect()
+}
+
+/// Whether all light is of lamps inside objects with which they move.
+pub fn is_shut_in(scene: &Scene, prepared: &Prepared) -> bool {
+    let sky = scene.sky.as_ref();
+    let is_lit_by_lamps = scene.sources.is_empty() && sky.is_none_or(is_dark);
+    let inside = enclosed::enclosed_lamps(scene, prepared);
+    let stays = |light: &Light| {
+        let LightKind::Lamp(lamp) = &light.kind else {
+            return false;
+        };
+        let mut inside = inside.iter().filter(|inside| inside.lamp == light.name);
+        inside.any(|inside| {
+            let object = scene.objects.get(inside.object);
+            lamp.motion == Motion::Inertial && object.is_some_and(|o| o.velocity == lamp.velocity)
+        })
+    };
+    is_lit_by_lamps && !scene.lights.is_empty() && scene.lights.iter().all(stays)
 }
 
 /// Remarks on lamps inside objects.
@@ -241,6 +281,8 @@ fn unlit(scene: &Scene) -> &'static str {
          too, and whether lamps are inside objects, whose outside they do not light)"
     } else if !scene.is_lit() {
         "what is in view is black: its base colours, which are shown in a scene without light, are 0"
+    } else if scene.lights.is_empty() && scene.sky.as_ref().is_some_and(is_unseen) {
+        "the light of the sky is invisible on what is in view (see display.false_colour and render.spectra)"
     } else if scene.lights.iter().all(sends_nothing) && scene.sky.as_ref().is_none_or(is_dark) {
         "nothing in view is lit: the intensity, radiance or power of all lights is 0"
     } else if scene.objects.iter().all(reflects_nothing) {
@@ -274,6 +316,15 @@ fn varies(scene: &Scene) -> bool {
 fn is_dark(sky: &Sky) -> bool {
     let is_black = sky.background == SkyRadiance::Uniform([0.0; 3]);
     !sky.lights || (is_black && sky.sun.is_none() && sky.stars.is_none())
+}
+
+/// Whether a sky lights surfaces only with a spectrum of which nothing is visible at rest.
+fn is_unseen(sky: &Sky) -> bool {
+    let SkyRadiance::Spectrum(spectrum) = &sky.background else {
+        return false;
+    };
+    let is_alone = sky.lights && sky.sun.is_none() && sky.stars.is_none();
+    is_alone && spectrum.xyz_at(1.0).iter().all(|value| *value <= 0.0)
 }
 
 fn sends_nothing(light: &Light) -> bool {

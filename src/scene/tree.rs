@@ -28,7 +28,12 @@ pub(super) struct Mismatch {
 /// Reads `text` as a `T`.
 pub(super) fn read<T: for<'a> Deserialize<'a>>(text: &str) -> Result<T, Mismatch> {
     let document = Document::parse(text).map_err(|error| Mismatch {
-        message: error.message().to_string(),
+        message: match error.message() {
+            "invalid mantissa, expected digits" | "invalid fraction, expected digits" => {
+                "a number has digits on both sides of its point: 0.8, not .8 or 8.".into()
+            }
+            message => message.to_string(),
+        },
         span: error.span(),
     })?;
     T::deserialize(Node {

@@ -5,9 +5,8 @@ use super::cuts::{Cuts, cuts_of};
 use super::method::{Method, Tessellation, moves, samples_spectra};
 use super::vertices::{FilmCorner, Vertex};
 use super::warp::TEXEL_BYTES;
-use crate::approximate::projection::apart;
 use crate::camera::ViewKind;
-use crate::error::Result;
+use crate::error::{Error, Result, Setting};
 use crate::io::gltf;
 use crate::render::plan::{Plan, Request, bytes, count};
 use crate::render::prepare::object_mesh;
@@ -133,11 +132,8 @@ impl Method {
         if plan.samples_spectra {
             return Err(samples_spectra());
         }
-        if !matches!(
-            plan.view,
-            ViewKind::Still | ViewKind::Moving | ViewKind::Unaberrated
-        ) {
-            return Err(apart());
+        if let Some(why) = apart(plan.view) {
+            return Err(why);
         }
         match (self, plan.frames.iter().find(|frame| frame.gamma > 1.0)) {
             (Method::Warp(_), Some(frame)) => {
@@ -149,6 +145,33 @@ impl Method {
             _ => Ok(()),
         }
     }
+}
+
+/// The refusal of a camera whose rays do not all leave one event, or of whose film some points see nothing.
+fn apart(view: ViewKind) -> Option<Error> {
+    let (what, remedy) = match view {
+        ViewKind::Still | ViewKind::Moving | ViewKind::Unaberrated => return None,
+        ViewKind::Inertial => (
+            "those of a sensor or a shutter do not; or points of its film see nothing (corners of a fisheye, or beyond the poles of a panorama)",
+            "remove the sensor or the shutter, or set a size or an hfov for which all of the film sees something",
+        ),
+        ViewKind::Accelerated => (
+            "those of this motion do not",
+            "remove the sensor or the shutter",
+        ),
+        ViewKind::Turning => ("those of a rotating sensor do not", "remove the rotation"),
+        ViewKind::Stereo => ("those of a stereo pair leave two eyes", "remove `stereo`"),
+        ViewKind::Paper => (
+            "those of model = \"paper2015\" do not",
+            "set model = \"exact\"",
+        ),
+    };
+    Some(Error::unsupported(
+        "camera",
+        "method",
+        format!("rasterizers need a camera whose rays all leave one event: {what}"),
+        Setting::TraceIt + ", or " + remedy,
+    ))
 }
 
 /// The bytes that this many uncut triangles and their distinct corners take: to the end, and until the film is complete. Growing lists may

@@ -12,6 +12,7 @@ use super::Info;
 
 pub fn exr(path: &Path, memory: u64) -> Result<Info> {
     let layers = image::exr::read(path, &Budget::new(memory))?;
+    let half = image::exr::half_channels(path)?;
     let mut info = Info::new("exr", "OpenEXR picture");
     size(&mut info, layers.width, layers.height);
     info.row("channels", layers.channels.len().to_string());
@@ -19,7 +20,10 @@ pub fn exr(path: &Path, memory: u64) -> Result<Info> {
         let (name, range, kind) = (
             &channel.name,
             Range::of(channel),
-            precision(&channel.samples),
+            match half.contains(&channel.name) {
+                true => "f16",
+                false => precision(&channel.samples),
+            },
         );
         info.row("", format!("{name:<24} {kind:<6} {range}"));
         json!({

@@ -146,17 +146,21 @@ pub fn read_whole(path: &Path, budget: &Budget) -> Result<Layers> {
     read(path, budget)
 }
 
-/// The names of channels stored in half precision; no pixel is decoded.
+/// The names that [`read`] gives to channels stored in half precision; no pixel is decoded.
 ///
 /// # Errors
 /// I/O errors; files that are not EXR or are broken.
 pub fn half_channels(path: &Path) -> Result<Vec<String>> {
     let headers = headers(path)?;
-    let channels = headers.iter().flat_map(|header| &header.channels.list);
-    let half = channels.filter(|channel| channel.sample_type == SampleType::F16);
-    Ok(half
-        .map(|channel| name_in_memory(&channel.name.to_string(), false))
-        .collect())
+    let several = headers.len() > 1;
+    let names = headers.iter().flat_map(|header| {
+        let attributes = &header.own_attributes;
+        let prefix = attributes.layer_name.as_ref().filter(|_| several);
+        let half = header.channels.list.iter();
+        let half = half.filter(|channel| channel.sample_type == SampleType::F16);
+        half.map(move |channel| name_in_part(&channel.name.to_string(), prefix, is_own(attributes)))
+    });
+    Ok(names.collect())
 }
 
 /// The metadata of the first part; no pixel is decoded.
@@ -290,20 +294,30 @@ fn part_channels(
     prefix: Option<&Text>,
     signed: &[String],
 ) -> Vec<Channel> {
-    let software = part.attributes.software_name.as_ref();
-    let is_own = software.is_some_and(|name| name.to_string().starts_with(OWN));
+    let is_own = is_own(&part.attributes);
     let convert = |channel: AnyChannel<FlatSamples>| {
         let name = channel.name.to_string();
         let is_signed = signed.contains(&name);
         Channel {
-            name: match prefix {
-                Some(part) => format!("{part}.{name}"),
-                None => name_in_memory(&name, is_own),
-            },
+            name: name_in_part(&name, prefix, is_own),
             samples: samples(channel.sample_data, is_signed),
         }
     };
     part.channel_data.list.into_iter().map(convert).collect()
+}
+
+/// Whether this crate wrote a part.
+fn is_own(attributes: &LayerAttributes) -> bool {
+    let software = attributes.software_name.as_ref();
+    software.is_some_and(|name| name.to_string().starts_with(OWN))
+}
+
+/// The name in memory of a part's channel; parts of files with several have a `prefix`.
+fn name_in_part(name: &str, prefix: Option<&Text>, is_own: bool) -> String {
+    match prefix {
+        Some(part) => format!("{part}.{name}"),
+        None => name_in_memory(name, is_own),
+    }
 }
 
 fn samples(samples: FlatSamples, signed: bool) -> Samples {

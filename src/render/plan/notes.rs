@@ -15,7 +15,7 @@ use crate::scene::MADE_FOR_MODEL;
 use crate::scene::model::{
     Geometry, Light, LightKind, Motion, Object, Scene, SkyRadiance, SourceKind, Spectra,
 };
-use crate::spacetime::Quantity;
+use crate::spacetime::{Quantity, Velocity};
 
 /// Velocities whose rapidities differ by less are the same up to rounding: W is 1 to as many digits.
 const SAME_RAPIDITY: f64 = 1e-9;
@@ -119,8 +119,15 @@ fn skipped(scene: &Scene, plan: &Plan) -> Vec<Skipped> {
 /// Approximations and omissions that a user might not expect.
 fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
     let mut notes = Vec::new();
-    let moving =
-        plan.view != ViewKind::Still || scene.objects.iter().any(|o| !o.velocity.is_rest());
+    let moves =
+        |velocity: &Velocity, motion: &Motion| !velocity.is_rest() || *motion != Motion::Inertial;
+    let lamp_moves = |light: &Light| match &light.kind {
+        LightKind::Lamp(lamp) => moves(&lamp.velocity, &lamp.motion),
+        LightKind::Area { .. } => false,
+    };
+    let moving = plan.view != ViewKind::Still
+        || scene.objects.iter().any(|o| !o.velocity.is_rest())
+        || scene.lights.iter().any(lamp_moves);
     let sources = scene.sources.iter().map(|s| s.quantity);
     let mut quantities = sources.chain([scene.quantity]);
     let colours = quantities.any(|q| q.line().is_none() && q != Quantity::Rgb);
@@ -380,6 +387,10 @@ fn lost_spectra(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
         sky.stars.is_some()
             || matches!(&sky.background, SkyRadiance::Spectrum(own) if is_no_rgb(own))
     });
+    let stars = match sky.is_some_and(|sky| sky.stars.is_some()) {
+        true => ", and lights = false in [sky], as stars cannot light surfaces then",
+        false => "",
+    };
     let lights = lights.map(|light| format!("{:?}", light.name));
     let lights: Vec<String> = lights.chain(sky.map(|_| "the sky".into())).collect();
     let camera = Shot::new(&scene.camera).ok()?.frame.velocity();
@@ -392,7 +403,7 @@ fn lost_spectra(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
     let is_shifted = !lights.is_empty() && objects.iter().enumerate().any(moves);
     is_shifted.then(|| {
         format!(
-            "surfaces reflect the light of {} as red, green and blue, not as its spectrum: surfaces that move relative to the camera have wrong hues unless that spectrum is smooth (remedy: spectra = \"sampled\" in [render])",
+            "surfaces reflect the light of {} as red, green and blue, not as its spectrum: surfaces that move relative to the camera have wrong hues unless that spectrum is smooth (remedy: spectra = \"sampled\" in [render]{stars})",
             listed(&lights)
         )
     })

@@ -18,6 +18,7 @@ pub use search::Shots;
 use rayon::prelude::*;
 
 use crate::camera::Camera;
+use crate::colour::SpectrumShape;
 use crate::error::{Message, Result, Setting};
 use crate::light::lamp::Emission;
 use crate::light::time_texture::survey::{lit_span, rounded};
@@ -29,7 +30,10 @@ use crate::render::trace::{
     Background, CameraRays, EmissionClock, Emitter, HitBuffer, Meter, ObservedPoint, SurfacePoint,
     Surfaces, TimeResolved, generator,
 };
-use crate::scene::model::{Clock, CubeSource, LightKind, Mapping, Scene, SourceKind, TimeBins};
+use crate::scene::model::{
+    self, Clock, CubeSource, LightKind, Mapping, Motion, Scene, SourceKind, TimeBins,
+};
+use crate::spacetime::Quantity;
 
 /// How many standard deviations of a pulse count as its duration, on either side.
 const PULSE_REACH: f64 = 4.0;
@@ -171,22 +175,47 @@ fn nearest_pulse(scene: &Scene, times: &SeenTimes) -> Option<[f64; 2]> {
     Emission::from(profile).pulse_near(times.seen)
 }
 
-/// The smallest and the largest W = λ′/λ with which the light of each lamp that has a spectrum reaches surfaces in view, if it is
-/// invisible there: by the index of the light.
-pub fn unseen_lamps(scene: &Scene, prepared: &Prepared) -> Vec<(usize, [f64; 2])> {
+/// Nothing colder is seen to glow (the Draper point), kelvin.
+const COLDEST_GLOW: f64 = 798.0;
+
+/// The smallest and the largest W = λ′/λ with which the light of each lamp reaches surfaces in view, if it is invisible there: by the index
+/// of the light. `seen` is W of light that is shown as it was emitted: 1 without false colours.
+pub fn unseen_lamps(scene: &Scene, prepared: &Prepared, seen: f64) -> Vec<(usize, [f64; 2])> {
     let Some(light) = prepared.light.time_resolved() else {
         return Vec::new();
     };
     let surfaces = prepared.surfaces();
-    // Light without a spectrum is visible at any W.
-    let has_spectrum = |k: &usize| match &scene.lights[*k].kind {
-        LightKind::Lamp(lamp) => lamp.spectrum.is_some(),
+    let rapidities = scene.objects.iter().map(|o| o.velocity.rapidity().length());
+    let fastest = rapidities.fold(0.0, f64::max);
+    let is_visible = |lamp: &model::Lamp, incident: f64, w: f64| match lamp.spectrum.as_ref() {
+        // Colours stand for spectra from 360 to 830 nm.
+        None => (360.0 * w < 830.0 * seen) && (830.0 * w > 360.0 * seen),
+        Some(spectrum) => match spectrum.shape() {
+            SpectrumShape::Rgb(..) => (360.0 * w < 830.0 * seen) && (830.0 * w > 360.0 * seen),
+            SpectrumShape::Blackbody(t) => t / w * seen > COLDEST_GLOW,
+            _ => incident > 0.0,
+        },
+    };
+    // Light of quantities without a spectrum is visible at any W, and other light at any that a lamp and an object this slow can have.
+    let may_be_unseen = |k: &usize| match &scene.lights[*k].kind {
+        LightKind::Lamp(lamp) => {
+            let has_spectrum = lamp.spectrum.is_some() || scene.quantity == Quantity::Rgb;
+            let apart = fastest + lamp.velocity.rapidity().length();
+            let is_slow = lamp.motion == Motion::Inertial
+                && [-apart, apart]
+                    .iter()
+                    .all(|apart| is_visible(lamp, 0.0, libm::exp(*apart)));
+            has_spectrum && !is_slow
+        }
         LightKind::Area { .. } => false,
     };
     // Lamps are numbered after the sources.
     let ratios = |k: usize, pixel_samples: PixelSamples| {
         let index = scene.sources.len() + k;
         let lamp = light.lamps.get(index)?.as_ref()?;
+        let LightKind::Lamp(of_scene) = &scene.lights[k].kind else {
+            return None;
+        };
         let tiles = (0..Tile::count(prepared.layout.size)).into_par_iter();
         let ratios = tiles.map(|tile| {
             let (mut range, mut is_seen) = ([f64::INFINITY, 0.0f64], false);
@@ -204,7 +233,8 @@ pub fn unseen_lamps(scene: &Scene, prepared: &Prepared) -> Vec<(usize, [f64; 2])
                     let rho = surfaces.direction(point.frame, arrival.d).1;
                     let w = arrival.wavelength_ratio(rho);
                     range = [range[0].min(w), range[1].max(w)];
-                    is_seen |= lamp.incident_at(w, 1.0).irradiance.iter().any(|e| *e > 0.0);
+                    let incident = lamp.incident_at(w, 1.0).irradiance;
+                    is_seen |= is_visible(of_scene, incident.into_iter().fold(0.0, f64::max), w);
                 },
                 |_| {},
             );
@@ -222,7 +252,7 @@ pub fn unseen_lamps(scene: &Scene, prepared: &Prepared) -> Vec<(usize, [f64; 2])
         (!is_seen).then_some((k, range))
     };
     (0..scene.lights.len())
-        .filter(has_spectrum)
+        .filter(may_be_unseen)
         .filter_map(of_lamp)
         .collect()
 }

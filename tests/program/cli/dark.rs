@@ -75,6 +75,74 @@ fn light_that_is_shifted_out_of_sight_is_said_to_be() {
 }
 
 #[test]
+fn lamps_whose_light_is_shifted_out_of_sight_or_too_cold_are_named() {
+    let folder = Folder::empty();
+    // A lamp above the floor that recedes from it: right below it W = e^ζ, and 2γ for parallel light of a fast one.
+    let lamp = |numbers: &str| {
+        floor(
+            0.0,
+            "",
+            &format!("[[light]]\nname = \"far\"\n{numbers}\n[radiance]\nquantity = \"rgb\""),
+        )
+    };
+    let point = |beta: f64| {
+        lamp(&format!(
+            "position = [0, 900, 0]\nvelocity = {{ beta = [0, {beta}, 0] }}"
+        ))
+    };
+    let parallel = lamp(
+        "type = \"directional\"\ndirection = [0, -1, 0]\nvelocity = { beta = [0, 0.999999, 0] }",
+    );
+    let hot = |kelvin: f64| {
+        lamp(&format!(
+            "position = [0, 9, 0]\nspectrum = {{ blackbody = \"{kelvin} K\" }}"
+        ))
+    };
+    for (scene, is_said) in [
+        (point(0.95), true),
+        (point(-0.95), true),
+        (point(0.5), false),
+        (parallel, true),
+        (hot(300.0), true),
+        (hot(3000.0), false),
+    ] {
+        let [planned, rendered] = planned_and_rendered(&folder, &scene);
+        let found = rendered.contains("the light of \"far\" reaches what is in view with");
+        assert_eq!(found, is_said, "{scene}: {rendered}");
+        assert!(!rendered.contains("try another --time"), "{rendered}");
+        let moves = scene.contains("velocity = { beta = [0, ");
+        assert_eq!(
+            planned.contains("radiance.continuation"),
+            moves,
+            "{planned}"
+        );
+    }
+    // Of the spectrum of the cosmic background nothing is visible on a floor.
+    let sky = "[sky]\nspectrum = { blackbody = \"2.725 K\" }\n[radiance]\nquantity = \"rgb\"";
+    let [_, rendered] = planned_and_rendered(&folder, &floor(0.0, "", sky));
+    assert!(
+        rendered.contains("the light of the sky is invisible"),
+        "{rendered}"
+    );
+}
+
+#[test]
+fn another_time_is_not_proposed_for_a_lamp_that_moves_inside_a_body() {
+    let folder = Folder::empty();
+    let motion = "velocity = { beta = [0.8, 0, 0] }";
+    let inside = format!(
+        "[[object]]\nshape = {{ sphere = {{ radius = 0.5 }} }}\norigin = {{ position = [0, 1, 0] }}\n{motion}\n\
+         [[light]]\nposition = [0, 1, 0]\n{motion}"
+    );
+    let [_, rendered] = planned_and_rendered(&folder, &floor(0.0, "", &inside));
+    assert!(
+        rendered.contains("all light is inside objects"),
+        "{rendered}"
+    );
+    assert!(!rendered.contains("try another --time"), "{rendered}");
+}
+
+#[test]
 fn light_out_of_sight_that_exposure_makes_bright_is_told_with_its_wavelengths() {
     let folder = Folder::empty();
     // A wall that fills a narrow picture: at 0.99 c away from it W = γ (1 + β) = √199 = 14.107 in the middle.

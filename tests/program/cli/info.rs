@@ -469,6 +469,27 @@ fn the_metadata_of_a_picture_say_how_its_camera_moved() {
 }
 
 #[test]
+fn channels_in_half_precision_are_said_to_be() {
+    let folder = Folder::new();
+    let render = [
+        "render",
+        "scene.toml",
+        "--half",
+        "--aovs",
+        "distance",
+        "-o",
+        "a.exr",
+    ];
+    folder.ok(&render);
+    let data: Value = serde_json::from_str(&folder.ok(&["info", "a.exr", "--json"])).unwrap();
+    for (name, of_type) in [("radiance.R", "f16"), ("alpha", "f16"), ("distance", "f32")] {
+        let channels = data["channels"].as_array().unwrap();
+        let channel = channels.iter().find(|channel| channel["name"] == name);
+        assert_eq!(channel.unwrap()["type"], of_type, "{name}");
+    }
+}
+
+#[test]
 fn files_of_other_kinds_and_broken_ones_are_refused() {
     let folder = Folder::empty();
     folder.write("empty", "");

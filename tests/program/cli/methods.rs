@@ -127,7 +127,20 @@ fn what_is_no_method_or_cannot_be_done_by_it_is_refused() {
                 "--set",
                 "camera.sensor={focal_length=\"0.1 m\"}",
             ],
-            &["rays all leave one event", "--method trace"],
+            &[
+                "rays all leave one event",
+                "sensor or a shutter",
+                "--method trace",
+            ],
+        ),
+        (
+            &[
+                "--method",
+                "raster:none",
+                "--set",
+                "camera.stereo={interpupillary_distance=\"6 cm\"}",
+            ],
+            &["a stereo pair leave two eyes", "remove `stereo`"],
         ),
         (
             &["--method", "raster:uniform=0.00001"],

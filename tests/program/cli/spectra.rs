@@ -122,6 +122,13 @@ fn spectra_that_surfaces_in_motion_do_not_reflect_are_named() {
     let line = lamp("line = \"589 nm\"");
     let sky = format!("[sky]\nspectrum = {{ blackbody = \"3000 K\" }}\n{rgb}");
     let along = "velocity = { beta = [0, 0, -0.5] }";
+    let stars = format!("[sky]\nradiance = 0\nstars = {{ count = 10 }}\n{rgb}");
+    let [planned, _] = planned_and_rendered(&folder, &floor(-0.5, "", &stars));
+    let planned = planned.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        planned.contains("spectra = \"sampled\" in [render], and lights = false in [sky]"),
+        "{planned}"
+    );
     for (beta, object, light, name) in [
         (-0.5, "", &line, Some("\"sodium\"")),
         (-0.5, "", &sky, Some("the sky")),

@@ -28,7 +28,7 @@ cases! { STRUCTURE:
     "before = \"hold\"" => "before = \"blck\"" at "outside.before" "\"blck\"": "blck is not one of", "did you mean \"black\"?";
     "quantity = \"line\"" => "quantity = \"lines\"" at "radiance.quantity" "\"lines\"": "lines is not one of", "did you mean \"line\"?";
     "hfov =" => "eye =" at "line 7" "eye": "not TOML: duplicate key", "TOML";
-    "eye = [0, 1, 5]" => "eye = [0, .5, 5]" at "line 5" ".": "not TOML: a number has digits on both sides of its point: 0.8, not .8", "TOML";
+    "eye = [0, 1, 5]" => "eye = [0, .5, 5]" at "line 5" "": "not TOML: a number has digits on both sides of its point: 0.8, not .8", "TOML";
     "[display]" => "[display" at "line 40" "": "not TOML", "TOML";
 }
 

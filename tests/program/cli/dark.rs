@@ -110,7 +110,8 @@ fn lamps_whose_light_is_shifted_out_of_sight_or_too_cold_are_named() {
         let found = rendered.contains("the light of \"far\" reaches what is in view with");
         assert_eq!(found, is_said, "{scene}: {rendered}");
         assert!(!rendered.contains("try another --time"), "{rendered}");
-        let moves = scene.contains("velocity = { beta = [0, ");
+        // The camera has a velocity, too, which is 0.
+        let moves = scene.matches("velocity").count() > 1;
         assert_eq!(
             planned.contains("radiance.continuation"),
             moves,

@@ -226,7 +226,7 @@ fn ratios_alone_name_the_camera_of_another_velocity() {
         let right = shot(&parsed(scene));
         for (beta, words) in [
             ("0.55, 0, 0", "with β = (0.5500, 0.0000, 0.0000)"),
-            ("-0.5, 0, 0", "with β = (-0.5000, 0.0000, 0.0000)"),
+            ("0.4, 0.1, 0", "with β = (0.4000, 0.1000, 0.0000)"),
             ("0.3, 0.2, -0.4", "with β = (0.3000, 0.2000, -0.4000)"),
         ] {
             let other = scene.replace("beta = [0.5, 0, 0]", &format!("beta = [{beta}]"));

@@ -137,8 +137,7 @@ fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Diagno
     let of_times = of_times.map(|(x, told)| (lookup(scene, x), told));
     let speeds: &[f64] = if case.has_places() { &[] } else { &SPEEDS };
     let of_speeds = of_some_size(case, lit, speeds, |x| faster(scene, x));
-    let of_speeds =
-        of_speeds.filter(|(x, told)| x.abs() >= SLOWEST && told.left <= LEFT_BY_MISTAKE);
+    let of_speeds = of_speeds.filter(|(x, told)| x.abs() >= SLOWEST && told.left <= LEFT_BY_SPEED);
     let of_speeds = of_speeds.and_then(|(x, told)| Some((speed(scene, x)?, told)));
     let found: Vec<(Mistake, Told)> = asked.chain(of_times).chain(of_speeds).collect();
     let rest = |(_, told): &(Mistake, Told)| told.tally.rest();
@@ -506,7 +505,11 @@ fn camera_at_rest(scene: &Scene) -> Option<Mistake> {
 }
 
 /// Rapidities to try that a moving camera may have in excess.
-const SPEEDS: [f64; 6] = [-0.4, -0.1, -0.02, 0.02, 0.1, 0.4];
+const SPEEDS: [f64; 14] = [
+    -0.64, -0.32, -0.16, -0.08, -0.04, -0.02, -0.01, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64,
+];
+/// The largest fraction of the squared error that another speed may leave.
+const LEFT_BY_SPEED: f64 = 0.06;
 
 /// The least such rapidity that is reported: the film that is moved by a fraction of a pixel looks like a smaller one.
 const SLOWEST: f64 = 0.01;

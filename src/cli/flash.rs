@@ -13,7 +13,7 @@ use super::args::{BakeArguments, Changes, RenderArguments, WorkArguments};
 use super::bake::{Bake, check_effects, surfaces};
 use super::failure::refused;
 use super::names::{named_after, stem};
-use super::{builtin, exposure, reel};
+use super::{builtin, exposure, reel, warn};
 
 /// Samples per texel: on the models of scenes/ the standard error of a bin is a few percent of the root mean square of all bins.
 const SAMPLES: u32 = 512;
@@ -86,6 +86,10 @@ impl Work<'_> {
         };
         let scene = builtin::of_model(self.path, &light.scene).scene(&overrides)?;
         bake::check(&scene)?;
+        if light.leaves_out_emission {
+            let what = "what the model's materials emit, for ever, is left out of its flash";
+            warn(self.work.quiet.on, &[what.into()]);
+        }
         let bins = Bins {
             start: light.start,
             width: light.width,

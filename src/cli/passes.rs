@@ -217,10 +217,13 @@ impl Work<'_> {
     /// The message about tiles that have not reached the requested error.
     fn missing(&self) -> String {
         let error = 100.0 * self.wanted.error.unwrap_or_default();
+        let tiles = match self.passes.unsettled() {
+            1 => "1 tile has".to_owned(),
+            count => format!("{count} tiles have"),
+        };
         format!(
-            "{} tiles have not reached an error of {error} % yet: run the same command again to continue from {}; light that only a few \
+            "{tiles} not reached an error of {error} % yet: run the same command again to continue from {}; light that only a few \
              of many paths find, as through mirrors and glass from small lamps, may never converge",
-            self.passes.unsettled(),
             self.sums.display()
         )
     }

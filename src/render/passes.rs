@@ -7,6 +7,8 @@
 //! √(mean over pixels of standard error²) ≤ ε · (mean radiance of the tile, or of the picture if that is higher),
 //! ```
 //!
+//! where two of its own standard deviations are added to the mean, which is uncertain while few pixels are noisy,
+//!
 //! and a tile is rendered until both halves are decided. The picture of P passes is a function of scene, ε and P: the same bits on any
 //! number of threads, and whether or not the work was interrupted and resumed in between.
 //!
@@ -32,7 +34,7 @@ use crate::scene::model::MOST_SAMPLES;
 /// Passes of each half before its first decision.
 const FIRST: u32 = 4;
 /// The first line of a file of sums.
-const FORMAT: &[u8] = b"nullray passes 2\n";
+const FORMAT: &[u8] = b"nullray passes 3\n";
 /// The error message for an invalid file of sums.
 const DAMAGED: &str = "this file of finished passes is damaged";
 /// Bytes of a SHA-256.

@@ -15,7 +15,7 @@ use super::shared::{
 use crate::cli::values;
 
 #[derive(Debug, Args)]
-#[command(group = clap::ArgGroup::new("timed").multiple(true), mut_arg("flash", |flash| flash.conflicts_with("flyby")))]
+#[command(group = clap::ArgGroup::new("timed").multiple(true), mut_arg("flash", |flash| flash.conflicts_with_all(["flyby", "time"])))]
 pub struct RenderArguments {
     #[command(flatten)]
     pub scene: ScenePath,

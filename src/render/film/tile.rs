@@ -230,15 +230,21 @@ impl Parts {
         [spread[0] + sum / n, variance / (2.0 * n)]
     }
 
-    /// The estimates of one half for the tile: its mean radiance, and its standard error as the root of the mean square over pixels.
+    /// The estimates of one half for the tile: its mean radiance, and an upper bound of its standard error, the root of the mean square over
+    /// pixels. The estimate v of a pixel has the standard deviation v √(2/(n − 1)) itself, and where few pixels are noisy their sum is as
+    /// uncertain: stopping at the first sum that happens to be low enough would understate the error.
     pub(in crate::render) fn tile_judgement(&self, half: usize) -> [f64; 2] {
         let count = self.spread.len() as f64;
-        let mut sums = [0.0; 2];
+        let (mut radiance, mut sum, mut squares) = (0.0, 0.0, 0.0);
         for pixel in 0..self.spread.len() {
-            let judged = self.judgement(half, pixel);
-            sums = [sums[0] + judged[0], sums[1] + judged[1]];
+            let [mean, v] = self.judgement(half, pixel);
+            radiance += mean;
+            sum += v;
+            squares += v * v;
         }
-        [sums[0] / count, (sums[1] / count).sqrt()]
+        let n = f64::from(self.taken / 2);
+        let doubt = (2.0 / (n - 1.0) * squares).sqrt();
+        [radiance / count, ((sum + DOUBTS * doubt) / count).sqrt()]
     }
 
     /// Whether both halves are settled.
@@ -246,6 +252,9 @@ impl Parts {
         self.settled == [true; 2]
     }
 }
+
+/// The standard deviations of a tile's squared error that are added to its estimate.
+const DOUBTS: f64 = 2.0;
 
 /// Σ of the missing fractions of the samples' radiance, by reason.
 #[derive(Debug, Clone, Copy, Default)]

@@ -1,9 +1,9 @@
 //! A flash of light on a model.
 //!
 //! A lamp emits a Gaussian pulse at time 0 (σ = 1/16 of the radius), which reaches the model and a floor under it. The light is baked, and read by a
-//! camera that moves throughout the film: at camera time 0 it is at the place of the still picture and sees the direct light reach the centre of the
-//! model. The film lasts from the first light to some time after the last ([`Show::span`]); at both ends and at time 0 the model is in view, and W varies
-//! by less than a factor of 4.
+//! camera that moves throughout the film, from the first light to some time after the last ([`Show::span`]). At camera time 0, in the middle of the
+//! film, it looks at the model from the side from which the still picture does; within three fifths of the film about that the whole model is in view,
+//! and W varies by less than a factor of 4. A camera at rest sees the direct light reach the centre of the model at time 0.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -31,8 +31,9 @@ const BINS_PER_SIGMA: f64 = 2.0;
 const BEGINS: f64 = 5.0;
 /// The first picture shows light emitted this many standard deviations before the peak, at a thirtieth of its power.
 const DAWN: f64 = 2.6;
-/// The film follows reflected light for this many radii after the last direct light, and the bins for twice as many.
-const FADES: f64 = 1.0;
+/// The film and the bins follow reflected light for this many radii after the last direct light.
+const FADES: f64 = 0.6;
+const BINS_FADE: f64 = 2.0;
 /// The flash of a model without lamps, from its centre, in radii: above the viewer's left shoulder.
 const FLASH: DVec3 = DVec3::new(-1.0, 1.5, 1.2);
 /// Half the side of the floor under a model, in radii, and its distance below it.
@@ -94,6 +95,14 @@ pub(super) fn flashing(
         );
         sources.push(Front::Sphere(place));
     }
+    // What materials emit has no end: it would not fit into bins.
+    let emits = held.factors.iter().any(|factors| factors.emits);
+    if emits {
+        let _ = write!(
+            lamps,
+            "\n# In place of what its materials emit for ever.\n[[light]]\nname = \"no emission\"\ntype = \"area\"\nobject = \"model\"\nradiance = 0\nemission = {{ gaussian = {{ sigma = \"{sigma:?} m\" }} }}\n"
+        );
+    }
     let arrivals = |points: &[DVec3]| {
         let all = points
             .iter()
@@ -116,14 +125,14 @@ pub(super) fn flashing(
             ],
         )
     });
-    let fades = match flash.bounces {
+    let reflected = match flash.bounces {
         0 => 0.0,
-        _ => FADES * radius,
+        _ => radius,
     };
     let show = Show {
         sources: &sources,
         dawn: DAWN * sigma,
-        fades: fades + DAWN * sigma,
+        fades: FADES * reflected + DAWN * sigma,
         middle: arrivals(&[centre])[0],
     };
     let camera = framing(subject, motion, size, Some(&show));
@@ -140,7 +149,7 @@ pub(super) fn flashing(
     let first = under.map_or(first, |t| first.min(t));
     let width = sigma / BINS_PER_SIGMA;
     let start = ((first - BEGINS * sigma) / width).floor() * width;
-    let end = last + BEGINS * sigma + 2.0 * fades;
+    let end = last + BEGINS * sigma + BINS_FADE * reflected;
     let bins = ((end - start) / width)
         .ceil()
         .clamp(1.0, f64::from(MOST_BINS)) as u32;
@@ -209,6 +218,7 @@ pub(super) fn flashing(
         start,
         width,
         bins,
+        leaves_out_emission: emits,
         direct: format!("{MADE_FOR_MODEL}\n{seen}{plain}\n[radiance]\n{said}\n{lamps}"),
     };
     let [white, _] = camera.ratios.map(|w| brightness(quantity, w));

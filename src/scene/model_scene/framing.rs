@@ -92,7 +92,11 @@ impl Framing {
     }
 }
 
-/// A camera that has the whole model in view; with `show`, in every picture of a film of a flash.
+/// The part of a film of a flash, about its middle, in which all of the model is in view. Before and after it the model comes and goes: in
+/// view from end to end, it would be small where a fast camera passes it.
+const PASSING: f64 = 0.6;
+
+/// A camera that has the whole model in view; with `show`, in the middle of a film of a flash.
 pub(super) fn framing(
     subject: &Subject,
     motion: Option<Motion>,
@@ -110,8 +114,9 @@ pub(super) fn framing(
         let eye = centre + away * (radius / libm::sin(alpha));
         let span = show.map(|show| show.span(subject, eye, motion.as_ref()));
         let eyes = match (span, motion) {
-            (Some([first, last]), Some(Motion { beta, n, .. })) => {
-                vec![eye, eye + n * (beta * first), eye + n * (beta * last)]
+            (Some(span), Some(Motion { beta, n, .. })) => {
+                let ends = [span.first, span.last].map(|end| eye + n * (beta * PASSING * end));
+                vec![eye, ends[0], ends[1]]
             }
             _ => vec![eye],
         };
@@ -144,10 +149,8 @@ pub(super) fn framing(
         fov: 2.0 * libm::atan(tangent).to_degrees(),
         motion,
         interval: span
-            .map(|[first, last]| (last - first) / gamma / (ModelView::FLYBY_FRAMES - 1) as f64),
-        times: show
-            .zip(span)
-            .map(|(show, [first, _])| [show.zero(&subject.ball, eye), first / gamma]),
+            .map(|span| (span.last - span.first) / gamma / (ModelView::FLYBY_FRAMES - 1) as f64),
+        times: span.map(|span| [span.zero, span.first / gamma]),
         reach: eye.distance(centre),
         ratios,
     }

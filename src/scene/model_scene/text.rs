@@ -65,6 +65,8 @@ pub struct FlashLight {
     pub width: f64,
     /// Number of bins.
     pub bins: u32,
+    /// Whether what the model's materials emit for ever is left out.
+    pub leaves_out_emission: bool,
     /// The same light without bounces, seen by the film's camera; used to choose an exposure.
     pub(super) direct: String,
 }

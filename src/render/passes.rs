@@ -7,7 +7,7 @@
 //! √(mean over pixels of standard error²) ≤ ε · (mean radiance of the tile, or of the picture if that is higher),
 //! ```
 //!
-//! where two of its own standard deviations are added to the mean, which is uncertain while few pixels are noisy,
+//! where two of its own standard deviations are added to the mean square, which is uncertain while few passes find a light,
 //!
 //! and a tile is rendered until both halves are decided. The picture of P passes is a function of scene, ε and P: the same bits on any
 //! number of threads, and whether or not the work was interrupted and resumed in between.

@@ -97,6 +97,8 @@ pub(in crate::render) struct Parts {
     pub(in crate::render) halves: [Vec<[f64; 3]>; 2],
     /// With m the mean of R, G, B of a part: m₀ of the first, and by half Σ (m − m₀) and Σ (m − m₀)². Equal parts give exactly 0.
     pub(in crate::render) spread: Vec<[f64; 5]>,
+    /// By half, Σ d and Σ d² over its parts but the first: d is what a part adds to Σ (m − m̄)², summed over the pixels of the tile.
+    pub(in crate::render) scatter: [[f64; 2]; 2],
 }
 
 /// D in (2): this value brings the errors of eight parts nearest to 68.3 % below 1 and 95.4 % below 2 in eight small scenes.
@@ -136,6 +138,7 @@ impl Parts {
             settled: [false; 2],
             halves: std::array::from_fn(|_| vec![[0.0; 3]; pixels]),
             spread: vec![[0.0; 5]; pixels],
+            scatter: [[0.0; 2]; 2],
         }
     }
 
@@ -145,6 +148,9 @@ impl Parts {
         let half = (self.taken % 2) as usize;
         let scale = 1.0 / f64::from(self.samples);
         let counts = !self.settled[half];
+        // With n earlier parts, of mean m̄, a part adds (m − m̄)² n/(n + 1) to the squares, σ² on average whatever n is.
+        let before = f64::from(self.taken / 2);
+        let mut added = 0.0;
         for (pixel, sum) in radiance.iter().enumerate() {
             let part = sum.map(|sum| sum * scale);
             if counts {
@@ -158,9 +164,15 @@ impl Parts {
             if self.taken == 0 {
                 spread[0] = m;
             }
+            if before > 0.0 {
+                let off = m - spread[0] - spread[1 + 2 * half] / before;
+                added += off * off * (before / (before + 1.0));
+            }
             spread[1 + 2 * half] += m - spread[0];
             spread[2 + 2 * half] += (m - spread[0]) * (m - spread[0]);
         }
+        let scatter = &mut self.scatter[half];
+        *scatter = [scatter[0] + added, scatter[1] + added * added];
         self.taken += 1;
         self.counted[half] += u32::from(counts);
     }
@@ -231,20 +243,25 @@ impl Parts {
     }
 
     /// The estimates of one half for the tile: its mean radiance, and an upper bound of its standard error, the root of the mean square over
-    /// pixels. The estimate v of a pixel has the standard deviation v √(2/(n − 1)) itself, and where few pixels are noisy their sum is as
-    /// uncertain: stopping at the first sum that happens to be low enough would understate the error.
+    /// pixels. That square is a mean over parts, and as uncertain as these scatter: where few of them find a bright light, stopping at the
+    /// first mean that happens to be low enough would understate the error.
     pub(in crate::render) fn tile_judgement(&self, half: usize) -> [f64; 2] {
         let count = self.spread.len() as f64;
-        let (mut radiance, mut sum, mut squares) = (0.0, 0.0, 0.0);
+        let mut sums = [0.0; 2];
         for pixel in 0..self.spread.len() {
-            let [mean, v] = self.judgement(half, pixel);
-            radiance += mean;
-            sum += v;
-            squares += v * v;
+            let judged = self.judgement(half, pixel);
+            sums = [sums[0] + judged[0], sums[1] + judged[1]];
         }
-        let n = f64::from(self.taken / 2);
-        let doubt = (2.0 / (n - 1.0) * squares).sqrt();
-        [radiance / count, ((sum + DOUBTS * doubt) / count).sqrt()]
+        // The standard deviation of the mean of d over k parts, relative to it.
+        let k = f64::from((self.taken / 2).saturating_sub(1));
+        let [sum, squares] = self.scatter[half];
+        let variance = (squares - sum * sum / k).max(0.0) * k / (k - 1.0);
+        let doubt = match sum > 0.0 {
+            true => variance.sqrt() / sum,
+            false => 0.0,
+        };
+        let square = sums[1] / count * (1.0 + DOUBTS * doubt);
+        [sums[0] / count, square.sqrt()]
     }
 
     /// Whether both halves are settled.
@@ -519,6 +536,7 @@ impl TileFilm {
                 .iter_mut()
                 .for_each(|half| numbers(half.as_flattened_mut()));
             numbers(parts.spread.as_flattened_mut());
+            numbers(parts.scatter.as_flattened_mut());
             let [a, b] = &mut parts.counted;
             for count in [&mut parts.taken, a, b] {
                 let mut wide = u64::from(*count);

@@ -200,6 +200,51 @@ fn tiles_that_stop_by_their_error_are_unbiased_and_report_their_error() {
     assert!(of(true) > of(false), "{} {}", of(true), of(false));
 }
 
+/// A floor below a bright panel that moves one way, and a glossy ball that moves the other way: few samples find the panel in it.
+fn glints(samples: u32, seed: u32) -> Scene {
+    let light = "metallic = 1
+roughness = 0.3
+velocity = { beta = [0.5, 0, 0] }
+[[object]]
+name = \"panel\"
+shape = { box = { size = [2, 0.1, 1] } }
+transform = { translate = [-1, 2, 0] }
+velocity = { beta = [-0.4, 0, 0] }
+[[light]]
+type = \"area\"
+object = \"panel\"
+radiance = [3, 2, 1]
+[sky]
+gradient = {}";
+    room_in(2, "size = [32, 32]", light, samples, seed)
+}
+
+#[test]
+fn tiles_in_which_few_samples_find_a_light_reach_the_error_that_was_asked_for() {
+    let films: Vec<_> = (1..=60)
+        .map(|seed| passes(&glints(4, seed), Some(0.1), 2000).film())
+        .collect();
+    let count = films.len() as f64;
+    let of_pixel = |i: usize| {
+        let mean = films.iter().map(|film| grey(film, i)).sum::<f64>() / count;
+        let square = |film: &Film| (grey(film, i) - mean).powi(2);
+        let variance = films.iter().map(square).sum::<f64>() / (count - 1.0);
+        [mean, variance]
+    };
+    let pixels: Vec<[f64; 2]> = (0..32 * 32).map(of_pixel).collect();
+    let whole = pixels.iter().map(|[mean, _]| mean).sum::<f64>() / 1024.0;
+    for tile in 0..4 {
+        let of_tile = |i: usize| (i % 32) / 16 + 2 * (i / 512) == tile;
+        let sums = (0..1024).filter(|i| of_tile(*i)).fold([0.0; 2], |sums, i| {
+            [sums[0] + pixels[i][0], sums[1] + pixels[i][1]]
+        });
+        let [mean, variance] = sums.map(|sum| sum / 256.0);
+        let error = variance.sqrt() / mean.max(whole);
+        println!("{tile}: {error}");
+        assert!(error < 0.1, "{tile}: {error}");
+    }
+}
+
 #[test]
 fn passes_that_are_taken_up_again_have_the_bits_of_those_that_were_not_stopped() {
     let folder = tempfile::tempdir().unwrap();

@@ -586,6 +586,64 @@ fn the_scene_of_a_flash_shows_the_same_and_says_how_its_light_is_baked() {
 }
 
 #[test]
+fn a_fast_camera_sees_the_model_of_a_flash_as_a_whole_and_large_about_the_middle_of_the_film() {
+    let folder = folder(1.0);
+    for direction in ["x", "towards", "away"] {
+        let motion = ["--beta", "0.9", "--direction", direction];
+        let frames = ["-o", "a-##.exr", "--aovs", "object", "--frames", "12..37"];
+        render(
+            &folder,
+            &[&["model.gltf"][..], &frames, &motion, &COARSE].concat(),
+        );
+        let mut widest = 0.0f64;
+        for k in (12..37).step_by(4) {
+            let layers = picture(&folder, &format!("a-{k:02}.exr"));
+            let object = layers.channels.iter().find(|c| c.name == "object").unwrap();
+            let ids = object.samples.to_f64();
+            let shown: Vec<usize> = (0..60 * 40).filter(|i| ids[*i] == 0.0).collect();
+            assert!(!shown.is_empty(), "{direction}, {k}");
+            // It does not touch the edges.
+            let is_inside = |i: &usize| (1..59).contains(&(i % 60)) && (1..39).contains(&(i / 60));
+            assert!(shown.iter().all(is_inside), "{direction}, {k}");
+            let extent = |of: fn(usize) -> usize, whole: f64| {
+                let places = shown.iter().map(|i| of(*i));
+                let (least, most) = (places.clone().min().unwrap(), places.max().unwrap());
+                (most - least + 1) as f64 / whole
+            };
+            widest = widest
+                .max(extent(|i| i % 60, 60.0))
+                .max(extent(|i| i / 60, 40.0));
+        }
+        assert!(widest > 0.25, "{direction}: {widest}");
+    }
+}
+
+#[test]
+fn what_materials_emit_for_ever_is_left_out_of_a_flash_and_that_is_said() {
+    let folder = folder(0.3);
+    let text = String::from_utf8(folder.read("model.gltf")).unwrap();
+    let emitting = text.replace(
+        "\"doubleSided\":true",
+        "\"doubleSided\":true,\"emissiveFactor\":[0,1,0]",
+    );
+    assert_ne!(text, emitting);
+    let film = |text: &str| {
+        folder.write("model.gltf", text);
+        let frames = ["-o", "a-##.exr", "--frames", "24..25"];
+        let run = folder.run(&[&["render", "model.gltf"][..], &frames, &COARSE, &SIZE].concat());
+        assert_eq!(run.code, 0, "{}", run.message());
+        let light = picture(&folder, "a-24.exr").radiance().unwrap().to_vec();
+        std::fs::remove_file(folder.path("model-light-model.npz")).unwrap();
+        std::fs::remove_file(folder.path("model-light-floor.npz")).unwrap();
+        (run.message(), light)
+    };
+    let ((before, dark), (after, light)) = (film(&text), film(&emitting));
+    let said = "what the model's materials emit, for ever, is left out";
+    assert!(!before.contains(said) && after.contains(said), "{after}");
+    assert!(dark == light);
+}
+
+#[test]
 fn flashes_that_show_nothing_are_refused() {
     let folder = folder(1.0);
     folder.write("scene.toml", super::SMALL);
@@ -600,6 +658,10 @@ fn flashes_that_show_nothing_are_refused() {
     refused(&["render", "scene.toml", "--flash"], "this is a scene");
     refused(&["bake", "scene.toml", "--flash"], "this is a scene");
     refused(&["render", "model.gltf", "--flash", "--flyby"], "--flyby");
+    refused(
+        &["render", "model.gltf", "--flash", "--time", "1 m"],
+        "--time",
+    );
     refused(&["render", "model.gltf", "--bounces", "1"], "--flash");
     refused(
         &["render", "model.gltf", "--flash", "--error=1%"],

@@ -240,7 +240,7 @@ fn ratios_alone_name_the_camera_of_another_velocity() {
 
 #[test]
 fn light_alone_names_the_camera_of_another_speed() {
-    for (beta, words) in [("0.55, 0, 0", "β = (0.55"), ("0.3, 0, 0", "β = (0.30")] {
+    for (beta, words) in [("0.55, 0, 0", "β = (0.55"), ("0.45, 0, 0", "β = (0.45")] {
         let wrong = with(&[("beta = [0.5, 0, 0]", &format!("beta = [{beta}]"))]);
         let found = diagnosed(&exact(), &only(&bare(&wrong), &["radiance"]));
         let words = [words, "(0.5000, 0.0000, 0.0000)", "judged by light only"];

@@ -31,7 +31,7 @@ pub(super) struct Show<'a> {
     pub(super) middle: f64,
 }
 
-/// When a camera is at a place, and the world times, relative to that moment, at which it sees the first and the last light of a model.
+/// When a camera is at a place, and the world times, relative to that moment, at which it sees the first and the last light of the side of a model towards it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Span {
     pub(super) zero: f64,
@@ -88,7 +88,10 @@ impl Show<'_> {
             after + delay
         };
         let mut span = [f64::INFINITY, f64::NEG_INFINITY];
-        for point in &subject.outline {
+        // The far side is not seen.
+        let centre = subject.ball.centre;
+        let is_near = |point: &&DVec3| (**point - centre).dot(eye - centre) >= 0.0;
+        for point in subject.outline.iter().filter(is_near) {
             for source in self.sources {
                 let front = source.arrival(*point);
                 span[0] = span[0].min(seen(*point, front - self.dawn));

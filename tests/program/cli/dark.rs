@@ -119,7 +119,8 @@ fn lamps_whose_light_is_shifted_out_of_sight_or_too_cold_are_named() {
         );
     }
     // Of the spectrum of the cosmic background nothing is visible on a floor.
-    let sky = "[sky]\nspectrum = { blackbody = \"2.725 K\" }\n[radiance]\nquantity = \"rgb\"";
+    let sky =
+        "[sky]\nspectrum = { blackbody = \"2.725 K\", total = 1 }\n[radiance]\nquantity = \"rgb\"";
     let [_, rendered] = planned_and_rendered(&folder, &floor(0.0, "", sky));
     assert!(
         rendered.contains("the light of the sky is invisible"),

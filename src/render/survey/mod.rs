@@ -176,8 +176,8 @@ fn nearest_pulse(scene: &Scene, times: &SeenTimes) -> Option<[f64; 2]> {
     Emission::from(profile).pulse_near(times.seen)
 }
 
-/// Nothing colder is seen to glow (the Draper point), kelvin.
-const COLDEST_GLOW: f64 = 798.0;
+/// The eye, which needs some 1e-6 cd/m², sees nothing colder glow, kelvin.
+const COLDEST_GLOW: f64 = 600.0;
 
 /// The smallest and the largest W = λ′/λ with which the light of each lamp reaches surfaces in view, if it is invisible there: by the index
 /// of the light. `seen` is W of light that is shown as it was emitted: 1 without false colours.

@@ -7,7 +7,7 @@ use super::float::{exponent, power_of_two};
 use super::node::{NodeRef, Tag};
 use super::rays::{Hit, NO_SLOT, Origins, Ray, Segment};
 use super::slab::SlabRay;
-use super::tally::{NoTally, Tally, Work};
+use super::tally::{Counts, Work};
 use super::traverse::{Query, StackEntry, USUAL_DEPTH, traverse};
 use super::triangle::{Crossing, Line};
 
@@ -19,8 +19,9 @@ impl Bvh {
         for tree in self.trees() {
             // Including hits at the same distance: among equals the smaller id wins, whichever tree it is in.
             let s_max = nearest.map_or(s_max, |hit| hit.up_to().s);
-            let hit =
-                tree.with_stack(|stack| tree.closest_of(&ray, s_max, NO_SLOT, stack, &mut NoTally));
+            let hit = tree.with_stack(|stack| {
+                tree.closest_of(&ray, s_max, NO_SLOT, stack, &mut Counts::default())
+            });
             nearest = Hit::first(nearest, hit);
         }
         nearest
@@ -34,8 +35,9 @@ impl Bvh {
             skip,
             end: None,
         };
-        self.trees()
-            .any(|tree| tree.with_stack(|stack| tree.is_blocked(&segment, stack, &mut NoTally)))
+        self.trees().any(|tree| {
+            tree.with_stack(|stack| tree.is_blocked(&segment, stack, &mut Counts::default()))
+        })
     }
 }
 
@@ -55,7 +57,7 @@ impl View<'_> {
         from: Origins,
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
-        tally: &mut impl Tally,
+        tally: &mut Counts,
         mut replaced: Option<&mut Vec<usize>>,
     ) {
         self.with_stack(|stack| {
@@ -84,7 +86,7 @@ impl View<'_> {
     pub(super) fn any_singly<'a>(
         self,
         segments: impl Iterator<Item = (&'a Segment, &'a mut bool)>,
-        tally: &mut impl Tally,
+        tally: &mut Counts,
     ) {
         self.with_stack(|stack| {
             for (segment, blocked) in segments {
@@ -94,12 +96,7 @@ impl View<'_> {
         })
     }
 
-    fn is_blocked(
-        self,
-        segment: &Segment,
-        stack: &mut [StackEntry],
-        tally: &mut impl Tally,
-    ) -> bool {
+    fn is_blocked(self, segment: &Segment, stack: &mut [StackEntry], tally: &mut Counts) -> bool {
         let Some(ray) = ScaledRay::new(&segment.ray) else {
             return false;
         };
@@ -115,7 +112,7 @@ impl View<'_> {
         s_max: f64,
         left: u32,
         stack: &mut [StackEntry],
-        tally: &mut impl Tally,
+        tally: &mut Counts,
     ) -> Option<Hit> {
         let mut query = ClosestHit::new(self.bvh, ray, s_max, left);
         self.trace(ray, stack, &mut query, tally);
@@ -128,7 +125,7 @@ impl View<'_> {
         ray: &ScaledRay,
         stack: &mut [StackEntry],
         query: &mut impl Query,
-        tally: &mut impl Tally,
+        tally: &mut Counts,
     ) {
         if self.is_empty() {
             return;
@@ -207,7 +204,7 @@ impl ScaledRay {
         rival: Option<(Crossing, u32)>,
         slot: u32,
         left: u32,
-        tally: &mut impl Tally,
+        tally: &mut Counts,
     ) -> Option<(Crossing, u32)> {
         // A separate query, so that the two are compared by the rule of the whole tree.
         let mut query = ClosestHit {
@@ -258,13 +255,7 @@ impl<'a> ClosestHit<'a> {
 
     /// Accepts the triangle in `slot` if it is first: nearer, or as near with a smaller id.
     #[inline(always)]
-    fn consider(
-        &mut self,
-        slot: u32,
-        corners: &[DVec3; 3],
-        tag: Tag,
-        tally: &mut impl Tally,
-    ) -> bool {
+    fn consider(&mut self, slot: u32, corners: &[DVec3; 3], tag: Tag, tally: &mut Counts) -> bool {
         // Ties go to the smaller id, so that the result does not depend on the tree's order.
         if slot != self.left
             && let Some(crossing) = self.line.intersect(corners, tally)
@@ -289,7 +280,7 @@ impl<'a> ClosestHit<'a> {
 
 impl Query for ClosestHit<'_> {
     #[inline(always)]
-    fn leaf(&mut self, slot: usize, tally: &mut impl Tally) -> bool {
+    fn leaf(&mut self, slot: usize, tally: &mut Counts) -> bool {
         let triangles = self.bvh.corners[slot..].iter().zip(&self.bvh.tags[slot..]);
         for (i, (corners, &tag)) in triangles.enumerate() {
             tally.add(Work::Triangles, 1);
@@ -302,7 +293,7 @@ impl Query for ClosestHit<'_> {
     }
 
     #[inline(always)]
-    fn triangle(&mut self, slot: usize, tally: &mut impl Tally) -> bool {
+    fn triangle(&mut self, slot: usize, tally: &mut Counts) -> bool {
         tally.add(Work::Triangles, 1);
         let (corners, tag) = (&self.bvh.corners[slot], self.bvh.tags[slot]);
         self.consider(slot as u32, corners, tag, tally);
@@ -348,7 +339,7 @@ impl<'a> AnyHit<'a> {
 
     /// Whether the triangle in `slot` blocks it.
     #[inline(always)]
-    pub fn test(&mut self, slot: usize, tally: &mut impl Tally) -> bool {
+    pub fn test(&mut self, slot: usize, tally: &mut Counts) -> bool {
         let tag = self.bvh.tags[slot];
         if let Some(crossing) = self.line.intersect(&self.bvh.corners[slot], tally)
             && crossing.s > self.s_min
@@ -365,7 +356,7 @@ impl<'a> AnyHit<'a> {
 
 impl Query for AnyHit<'_> {
     #[inline(always)]
-    fn leaf(&mut self, slot: usize, tally: &mut impl Tally) -> bool {
+    fn leaf(&mut self, slot: usize, tally: &mut Counts) -> bool {
         for at in slot..self.bvh.tags.len() {
             tally.add(Work::Triangles, 1);
             if self.test(at, tally) {
@@ -379,7 +370,7 @@ impl Query for AnyHit<'_> {
     }
 
     #[inline(always)]
-    fn triangle(&mut self, slot: usize, tally: &mut impl Tally) -> bool {
+    fn triangle(&mut self, slot: usize, tally: &mut Counts) -> bool {
         tally.add(Work::Triangles, 1);
         self.test(slot, tally)
     }

@@ -4,15 +4,15 @@ use glam::Vec4;
 
 use super::node::{Node, NodeRef};
 use super::slab::{SlabRay, hit_children};
-use super::tally::{Tally, Work};
+use super::tally::{Counts, Work};
 
 /// A query of the tree by a ray.
 pub(super) trait Query {
     /// Tests the triangles of the leaf that starts at `slot`; true ends the traversal.
-    fn leaf(&mut self, slot: usize, tally: &mut impl Tally) -> bool;
+    fn leaf(&mut self, slot: usize, tally: &mut Counts) -> bool;
 
     /// Tests the triangle in `slot`; true ends the traversal.
-    fn triangle(&mut self, slot: usize, tally: &mut impl Tally) -> bool;
+    fn triangle(&mut self, slot: usize, tally: &mut Counts) -> bool;
 
     /// The ray parameter beyond which boxes do not matter.
     fn limit(&self) -> f64;
@@ -32,7 +32,7 @@ pub(super) fn traverse(
     ray: &SlabRay,
     stack: &mut [StackEntry],
     query: &mut impl Query,
-    tally: &mut impl Tally,
+    tally: &mut Counts,
 ) {
     // One copy of the loop per octant of directions: no node tests signs.
     match ray.descends {
@@ -52,7 +52,7 @@ fn walk<const X: bool, const Y: bool, const Z: bool>(
     ray: &SlabRay,
     stack: &mut [StackEntry],
     query: &mut impl Query,
-    tally: &mut impl Tally,
+    tally: &mut Counts,
 ) {
     let mut limit = query.limit();
     let mut range = ray.range(limit);

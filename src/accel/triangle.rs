@@ -23,7 +23,7 @@ use glam::DVec3;
 
 use super::exact;
 use super::float::{greater, lesser, norm1, power_of_two};
-use super::tally::{Tally, Work};
+use super::tally::{Counts, Work};
 
 /// 20 ε: (T1).
 const RELATIVE: f64 = 20.0 * (f64::EPSILON / 2.0);
@@ -50,7 +50,7 @@ pub(super) struct Crossing {
 impl Line {
     /// The intersection of the line with the triangle; edges and corners belong to it.
     #[inline(always)]
-    pub fn intersect(&self, corners: &[DVec3; 3], tally: &mut impl Tally) -> Option<Crossing> {
+    pub fn intersect(&self, corners: &[DVec3; 3], tally: &mut Counts) -> Option<Crossing> {
         let d = self.direction;
         let a = corners[0] - self.origin;
         let e1 = corners[1] - corners[0];

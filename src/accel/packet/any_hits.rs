@@ -28,7 +28,7 @@ use crate::accel::bvh::View;
 use crate::accel::float::{greater, lesser, norm1, power_of_two};
 use crate::accel::rays::{Converging, Segment};
 use crate::accel::single::{AnyHit, ScaledRay};
-use crate::accel::tally::{Tally, Work};
+use crate::accel::tally::{Counts, Work};
 use crate::accel::tree_space::TreeSpace;
 use crate::accel::vectors::{VectorLoop, dispatch};
 
@@ -39,14 +39,14 @@ const ABSOLUTE: f64 = power_of_two(-24);
 const MOST: f64 = f32::MAX as f64;
 
 /// Finds which of the segments in a block are blocked.
-pub(super) struct AnyHits<'a, S, T> {
+pub(super) struct AnyHits<'a, S> {
     pub bvh: View<'a>,
     pub segments: S,
     pub blocked: &'a mut [bool],
     pub block: &'a mut Block,
     /// Space for all entries that can be pending.
     pub stack: &'a mut [StackEntry],
-    pub tally: &'a mut T,
+    pub tally: &'a mut Counts,
 }
 
 /// Segments, in any storage.
@@ -55,7 +55,7 @@ pub(super) trait SegmentSet: Copy {
     fn segment(self, at: usize) -> Segment;
 
     /// Traces the segments of a block.
-    fn trace<K: Simd, T: Tally>(k: K, task: AnyHits<Self, T>) -> Outcome;
+    fn trace<K: Simd>(k: K, task: AnyHits<Self>) -> Outcome;
 }
 
 impl SegmentSet for &[Segment] {
@@ -65,24 +65,11 @@ impl SegmentSet for &[Segment] {
     }
 
     #[inline(always)]
-    fn trace<K: Simd, T: Tally>(k: K, task: AnyHits<Self, T>) -> Outcome {
+    fn trace<K: Simd>(k: K, task: AnyHits<Self>) -> Outcome {
         let segments = task.segments;
         match Way::of(segments, &task.block.order, &task.bvh.tree.space) {
             Way::ToPoint(rays) => task.trace(k, rays),
-            Way::FromStart => task.trace(
-                k,
-                Segments {
-                    segments,
-                    reversed: false,
-                },
-            ),
-            Way::FromEnd => task.trace(
-                k,
-                Segments {
-                    segments,
-                    reversed: true,
-                },
-            ),
+            Way::Apart(rays) => task.trace(k, rays),
         }
     }
 }
@@ -94,13 +81,13 @@ impl SegmentSet for ColumnsToPoint<'_> {
     }
 
     #[inline(always)]
-    fn trace<K: Simd, T: Tally>(k: K, task: AnyHits<Self, T>) -> Outcome {
+    fn trace<K: Simd>(k: K, task: AnyHits<Self>) -> Outcome {
         let rays = task.segments;
         task.trace(k, rays)
     }
 }
 
-impl<S: SegmentSet, T: Tally> Task for AnyHits<'_, S, T> {
+impl<S: SegmentSet> Task for AnyHits<'_, S> {
     type Output = Outcome;
 
     #[inline(always)]
@@ -109,7 +96,7 @@ impl<S: SegmentSet, T: Tally> Task for AnyHits<'_, S, T> {
     }
 }
 
-impl<S, T: Tally> AnyHits<'_, S, T> {
+impl<S> AnyHits<'_, S> {
     /// Traces the segments as `rays`.
     #[inline(always)]
     fn trace<K: Simd, R: Blockable>(self, k: K, rays: R) -> Outcome {
@@ -195,8 +182,8 @@ impl VectorLoop for Extents<'_> {
 
 /// The direction in which the segments of a block are traced.
 enum Way<'a> {
-    FromStart,
-    FromEnd,
+    /// From the start of each, or from its end.
+    Apart(Segments<'a>),
     /// From the point at which all end.
     ToPoint(SegmentsToPoint<'a>),
 }
@@ -205,6 +192,7 @@ impl<'a> Way<'a> {
     /// Traces from where the segments in `order` are closer together: their starts, or their ends.
     #[inline(always)]
     fn of(segments: &'a [Segment], order: &[u32; RAYS], space: &TreeSpace) -> Way<'a> {
+        let apart = |reversed| Way::Apart(Segments { segments, reversed });
         let (mut starts, mut ends) = (Extent::NONE, Extent::NONE);
         // NaN if any end is infinite or NaN: ∞·0 and NaN·0.
         let mut broken = DVec3::ZERO;
@@ -215,10 +203,10 @@ impl<'a> Way<'a> {
             ends.add(end);
             broken += end * 0.0;
         }
-        let (apart, extent) = (starts.size(), ends.size());
+        let (spread, extent) = (starts.size(), ends.size());
         // Written so that NaN takes this branch, too: tracing from the starts.
-        if !(extent < apart && broken == DVec3::ZERO) {
-            return Way::FromStart;
+        if !(extent < spread && broken == DVec3::ZERO) {
+            return apart(false);
         }
         // ρ of (A2), metres.
         let reach = starts.greatest() + ends.greatest();
@@ -233,7 +221,7 @@ impl<'a> Way<'a> {
                 error,
                 farthest: starts.farthest_from(end),
             }),
-            false => Way::FromEnd,
+            false => apart(true),
         }
     }
 }
@@ -305,7 +293,7 @@ fn set_limits<K: Simd, R: Blockable>(k: K, block: &mut Block, rays: R) -> Option
     (!broken).then(|| k.greatest(limit))
 }
 
-struct AnyQuery<'a, R, T> {
+struct AnyQuery<'a, R> {
     bvh: View<'a>,
     rays: R,
     blocked: &'a mut [bool],
@@ -313,12 +301,11 @@ struct AnyQuery<'a, R, T> {
     open: u64,
     limit: f32,
     block: &'a mut Block,
-    tally: &'a mut T,
+    tally: &'a mut Counts,
 }
 
-impl<K: Simd, R: Blockable, T: Tally> BlockQuery<K> for AnyQuery<'_, R, T> {
+impl<K: Simd, R: Blockable> BlockQuery<K> for AnyQuery<'_, R> {
     type Rays = R;
-    type Tally = T;
     const CERTIFIED: bool = true;
 
     #[inline(always)]
@@ -337,12 +324,12 @@ impl<K: Simd, R: Blockable, T: Tally> BlockQuery<K> for AnyQuery<'_, R, T> {
     }
 
     #[inline(always)]
-    fn tally(&mut self) -> &mut T {
+    fn tally(&mut self) -> &mut Counts {
         self.tally
     }
 }
 
-impl<R: Blockable, T: Tally> AnyQuery<'_, R, T> {
+impl<R: Blockable> AnyQuery<'_, R> {
     /// Tests triangle `at`, whose σ is certain.
     #[inline(always)]
     fn intersect_certain<K: Simd>(

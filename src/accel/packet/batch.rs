@@ -16,7 +16,7 @@ use crate::accel::float::power_of_two;
 use crate::accel::node::NodeRef;
 use crate::accel::rays::{Converging, Hit, Origins, Segment};
 use crate::accel::single::{ScaledRay, note};
-use crate::accel::tally::{Counts, NoTally, Tally, Work};
+use crate::accel::tally::{Counts, Work};
 use crate::accel::vectors::prefetch_all;
 use crate::accel::wide::WIDTH;
 
@@ -50,24 +50,10 @@ impl Bvh {
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
         counts: Option<&mut Counts>,
-        replaced: Option<&mut Vec<usize>>,
-    ) {
-        // The traversal is compiled with counting and without.
-        match counts {
-            None => self.closest_of_all(method, from, directions, hits, &mut NoTally, replaced),
-            Some(counts) => self.closest_of_all(method, from, directions, hits, counts, replaced),
-        }
-    }
-
-    fn closest_of_all(
-        &self,
-        method: Traversal,
-        from: Origins,
-        directions: &[DVec3],
-        hits: &mut [Option<Hit>],
-        tally: &mut impl Tally,
         mut replaced: Option<&mut Vec<usize>>,
     ) {
+        let mut unasked = Counts::default();
+        let tally = counts.unwrap_or(&mut unasked);
         let count = from.limit(directions.len().min(hits.len()));
         let (directions, hits) = (&directions[..count], &mut hits[..count]);
         tally.add(Work::Rays, count);
@@ -96,19 +82,8 @@ impl Bvh {
         blocked: &mut [bool],
         counts: Option<&mut Counts>,
     ) {
-        match counts {
-            None => self.any_of_all(method, segments, blocked, &mut NoTally),
-            Some(counts) => self.any_of_all(method, segments, blocked, counts),
-        }
-    }
-
-    fn any_of_all(
-        &self,
-        method: Traversal,
-        segments: &[Segment],
-        blocked: &mut [bool],
-        tally: &mut impl Tally,
-    ) {
+        let mut unasked = Counts::default();
+        let tally = counts.unwrap_or(&mut unasked);
         let count = segments.len().min(blocked.len());
         let (segments, blocked) = (&segments[..count], &mut blocked[..count]);
         tally.add(Work::Rays, count);
@@ -127,19 +102,6 @@ impl Bvh {
         blocked: &mut [bool],
         counts: Option<&mut Counts>,
     ) {
-        match counts {
-            None => self.any_of_converging(method, segments, blocked, &mut NoTally),
-            Some(counts) => self.any_of_converging(method, segments, blocked, counts),
-        }
-    }
-
-    fn any_of_converging(
-        &self,
-        method: Traversal,
-        segments: Converging,
-        blocked: &mut [bool],
-        tally: &mut impl Tally,
-    ) {
         let count = segments.count().min(blocked.len());
         let main = self.main();
         // Holes are tested one by one, and single rays do not need columns.
@@ -147,8 +109,10 @@ impl Bvh {
         let rays = ColumnsToPoint::new(segments, &main.tree.space).filter(|_| is_usual);
         let Some(rays) = rays else {
             let segments: Vec<_> = (0..count).map(|at| segments.segment(at)).collect();
-            return self.any_of_all(method, &segments, blocked, tally);
+            return self.any_by(method, &segments, blocked, counts);
         };
+        let mut unasked = Counts::default();
+        let tally = counts.unwrap_or(&mut unasked);
         tally.add(Work::Rays, count);
         let blocked = &mut blocked[..count];
         main.any_of_whole(method, rays, blocked, tally);
@@ -166,7 +130,7 @@ impl View<'_> {
         from: Origins,
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
-        tally: &mut impl Tally,
+        tally: &mut Counts,
         mut replaced: Option<&mut Vec<usize>>,
     ) {
         if !self.has_holes() {
@@ -196,7 +160,7 @@ impl View<'_> {
         from: Origins,
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
-        tally: &mut impl Tally,
+        tally: &mut Counts,
         mut replaced: Option<&mut Vec<usize>>,
     ) {
         let all = 0..directions.len();
@@ -246,7 +210,7 @@ impl View<'_> {
         from: Origins,
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
-        tally: &mut impl Tally,
+        tally: &mut Counts,
         replaced: Option<&mut Vec<usize>>,
     ) {
         let all = 0..directions.len();
@@ -288,7 +252,7 @@ impl View<'_> {
         method: Traversal,
         segments: &[Segment],
         blocked: &mut [bool],
-        tally: &mut impl Tally,
+        tally: &mut Counts,
     ) {
         if method.kernel == Kernel::Scalar || !self.suits_packets() {
             return self.any_singly(segments.iter().zip(blocked), tally);
@@ -307,7 +271,7 @@ impl View<'_> {
         method: Traversal,
         segments: impl SegmentSet,
         blocked: &mut [bool],
-        tally: &mut impl Tally,
+        tally: &mut Counts,
     ) {
         let mut near = Vec::new();
         let mut open = Vec::new();
@@ -337,7 +301,7 @@ impl View<'_> {
         method: Traversal,
         segments: impl SegmentSet,
         blocked: &mut [bool],
-        tally: &mut impl Tally,
+        tally: &mut Counts,
     ) {
         let count = blocked.len();
         blocked.fill(false);
@@ -386,7 +350,7 @@ impl View<'_> {
         order: &[u32],
         blocked: &mut [bool],
         room: &mut Option<Box<Room>>,
-        tally: &mut impl Tally,
+        tally: &mut Counts,
     ) {
         if order.len() < FEW {
             return self.any_one_by_one(segments, chosen(order, u64::MAX), blocked, tally);
@@ -407,7 +371,7 @@ impl View<'_> {
         segments: impl SegmentSet,
         rays: impl Iterator<Item = usize>,
         blocked: &mut [bool],
-        tally: &mut impl Tally,
+        tally: &mut Counts,
     ) {
         for ray in rays {
             let one = [(&segments.segment(ray), &mut blocked[ray])];
@@ -421,7 +385,7 @@ impl View<'_> {
         rays: R,
         (from, directions): (Origins, &[DVec3]),
         hits: &mut [Option<Hit>],
-        tally: &mut impl Tally,
+        tally: &mut Counts,
         mut replaced: Option<&mut Vec<usize>>,
     ) {
         // Blocks take rays from several rows of the batch, which the hardware does not prefetch.
@@ -510,11 +474,11 @@ impl View<'_> {
         hits: &[Option<Hit>],
         Workspace { block, refined, .. }: &mut Workspace,
         stack: &mut [StackEntry],
-        tally: &mut impl Tally,
+        tally: &mut Counts,
     ) -> Outcome {
         let bvh = self;
         match method.precision {
-            Precision::Certified => method.kernel.run(ClosestHits::<_, _, true> {
+            Precision::Certified => method.kernel.run(ClosestHits::<_, true> {
                 bvh,
                 rays,
                 hits,
@@ -523,7 +487,7 @@ impl View<'_> {
                 stack,
                 tally,
             }),
-            Precision::Fast => method.kernel.run(ClosestHits::<_, _, false> {
+            Precision::Fast => method.kernel.run(ClosestHits::<_, false> {
                 bvh,
                 rays,
                 hits,
@@ -556,7 +520,7 @@ impl Workspace {
         precision: Precision,
         rays: impl RaySet,
         hits: &mut [Option<Hit>],
-        tally: &mut impl Tally,
+        tally: &mut Counts,
         mut replaced: Option<&mut Vec<usize>>,
     ) {
         let block = &self.block;
@@ -635,7 +599,7 @@ fn replace_singly(
     ray: usize,
     slot: u32,
     entry: &mut Option<Hit>,
-    tally: &mut impl Tally,
+    tally: &mut Counts,
 ) -> bool {
     let hit = ScaledRay::new(&rays.ray(ray)).and_then(|ray| {
         let crossing = ray.line.intersect(&bvh.corners[slot as usize], tally)?;

@@ -11,7 +11,7 @@ use super::traverse::{BlockQuery, Outcome, StackEntry, traverse};
 use crate::accel::bvh::View;
 use crate::accel::rays::Hit;
 use crate::accel::single::ScaledRay;
-use crate::accel::tally::{Tally, Work};
+use crate::accel::tally::{Counts, Work};
 use crate::accel::vectors::prefetch_all;
 use crate::accel::wide::WIDTH;
 
@@ -20,7 +20,7 @@ use crate::accel::wide::WIDTH;
 const SEVERAL: u32 = 2;
 
 /// Finds the closest hits of the rays in a block; results go to the block and to `refined`.
-pub(super) struct ClosestHits<'a, T, R, const CERTIFIED: bool> {
+pub(super) struct ClosestHits<'a, R, const CERTIFIED: bool> {
     pub bvh: View<'a>,
     pub rays: R,
     /// Earlier hits, for all rays of the batch.
@@ -29,10 +29,10 @@ pub(super) struct ClosestHits<'a, T, R, const CERTIFIED: bool> {
     pub refined: &'a mut RefinedHits,
     /// Space for all entries that can be pending.
     pub stack: &'a mut [StackEntry],
-    pub tally: &'a mut T,
+    pub tally: &'a mut Counts,
 }
 
-impl<T: Tally, R: RaySet, const CERTIFIED: bool> Task for ClosestHits<'_, T, R, CERTIFIED> {
+impl<R: RaySet, const CERTIFIED: bool> Task for ClosestHits<'_, R, CERTIFIED> {
     type Output = Outcome;
 
     #[inline(always)]
@@ -48,7 +48,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> Task for ClosestHits<'_, T, R, 
             return Outcome::Missed;
         }
         block.reset(self.hits);
-        let mut query = ClosestQuery::<T, R, CERTIFIED> {
+        let mut query = ClosestQuery::<R, CERTIFIED> {
             bvh,
             rays,
             block,
@@ -63,20 +63,17 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> Task for ClosestHits<'_, T, R, 
     }
 }
 
-struct ClosestQuery<'a, T, R, const CERTIFIED: bool> {
+struct ClosestQuery<'a, R, const CERTIFIED: bool> {
     bvh: View<'a>,
     rays: R,
     block: &'a mut Block,
     /// Directions of each quarter of the block, once triangles need them.
     quarters: Option<Quarters>,
-    tally: &'a mut T,
+    tally: &'a mut Counts,
 }
 
-impl<K: Simd, T: Tally, R: RaySet, const CERTIFIED: bool> BlockQuery<K>
-    for ClosestQuery<'_, T, R, CERTIFIED>
-{
+impl<K: Simd, R: RaySet, const CERTIFIED: bool> BlockQuery<K> for ClosestQuery<'_, R, CERTIFIED> {
     type Rays = R;
-    type Tally = T;
     const CERTIFIED: bool = CERTIFIED;
 
     #[inline(always)]
@@ -114,12 +111,12 @@ impl<K: Simd, T: Tally, R: RaySet, const CERTIFIED: bool> BlockQuery<K>
     }
 
     #[inline(always)]
-    fn tally(&mut self) -> &mut T {
+    fn tally(&mut self) -> &mut Counts {
         self.tally
     }
 }
 
-impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIED> {
+impl<R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, R, CERTIFIED> {
     /// Tests a triangle whose σ is certain.
     #[inline(always)]
     fn intersect_certain<K: Simd>(

@@ -6,7 +6,7 @@ use super::ray_set::RaySet;
 use super::setup::{LeafTriangles, TriangleSetup};
 use super::simd::Simd;
 use crate::accel::node::NodeRef;
-use crate::accel::tally::{Tally, Work};
+use crate::accel::tally::{Counts, Work};
 use crate::accel::vectors::prefetch_all;
 use crate::accel::wide::{WIDTH, WideLeaf, WideTree};
 
@@ -27,7 +27,6 @@ pub(super) enum Outcome {
 /// A query of the tree by a block.
 pub(super) trait BlockQuery<K: Simd> {
     type Rays: RaySet;
-    type Tally: Tally;
     /// Whether error bounds are needed.
     const CERTIFIED: bool;
 
@@ -38,7 +37,7 @@ pub(super) trait BlockQuery<K: Simd> {
     /// The τ beyond which nothing matters; negative if nothing does.
     fn limit(&self, k: K) -> f32;
     /// Counts the work.
-    fn tally(&mut self) -> &mut Self::Tally;
+    fn tally(&mut self) -> &mut Counts;
 }
 
 /// Runs `query` on `tree`, which must not be empty, for a block with these `bounds`. `stack` must have room for all entries that can be
@@ -55,6 +54,7 @@ pub(super) fn traverse<K: Simd, Q: BlockQuery<K>>(
     let setup = TriangleSetup::new(k.children(), bounds);
     let mut triangles = LeafTriangles::NONE;
     let mut limit = query.limit(k);
+    let (mut nodes, mut tested) = (0, 0);
     let mut waiting = 1;
     stack[0] = (0.0, NodeRef::ROOT);
     while waiting > 0 {
@@ -66,12 +66,13 @@ pub(super) fn traverse<K: Simd, Q: BlockQuery<K>>(
         }
         if at.is_leaf() {
             let leaf = &tree.leaves[at.index()];
+            tested += leaf.present.count_ones() as usize;
             if intersect_leaf(k, leaf, &setup, limit, &mut triangles, query) {
                 limit = query.limit(k);
             }
             continue;
         }
-        query.tally().add(Work::Nodes, 1);
+        nodes += 1;
         let node = &tree.nodes[at.index()];
         let mut entries = [0.0; WIDTH];
         let mut hit = beam.intersect(node, limit, &mut entries);
@@ -95,6 +96,8 @@ pub(super) fn traverse<K: Simd, Q: BlockQuery<K>>(
             waiting += 1;
         }
     }
+    query.tally().add(Work::Nodes, nodes);
+    query.tally().add(Work::Triangles, tested);
 }
 
 /// Tests the triangles of `leaf`; returns whether the limit may have changed.
@@ -113,8 +116,6 @@ fn intersect_leaf<K: Simd, Q: BlockQuery<K>>(
         false => setup.set_up::<Q::Rays, false>(leaf, limit, triangles),
     }
     query.narrow(k, triangles);
-    let present = leaf.present.count_ones() as usize;
-    query.tally().add(Work::Triangles, present);
     let (mut candidates, mut changed) = (triangles.candidates, false);
     while candidates != 0 {
         let at = candidates.trailing_zeros();

@@ -35,31 +35,31 @@ use crate::accel::node::NodeRef;
 use crate::accel::rays::Hit;
 use crate::accel::single::{AnyHit, ClosestHit};
 use crate::accel::slab::far_of;
-use crate::accel::tally::{Tally, Work};
+use crate::accel::tally::{Counts, Work};
 use crate::accel::traverse::Query;
 use crate::accel::vectors::{prefetch, prefetch_either};
 use crate::accel::wide::{WIDTH, WideLeaf};
 
 /// The nearest hits of rays, each traced individually.
-pub(super) struct ClosestSingles<'a, R, T> {
+pub(super) struct ClosestSingles<'a, R> {
     pub bvh: View<'a>,
     pub rays: R,
     /// Indices of the rays, at most 64.
     pub order: &'a [u32],
     pub hits: &'a mut [Option<Hit>],
     pub room: &'a mut Option<Box<Room>>,
-    pub tally: &'a mut T,
+    pub tally: &'a mut Counts,
 }
 
 /// Occlusion of segments, each traced individually.
-pub(super) struct AnySingles<'a, S, T> {
+pub(super) struct AnySingles<'a, S> {
     pub bvh: View<'a>,
     pub segments: S,
     /// Indices of the segments, at most 64.
     pub order: &'a [u32],
     pub blocked: &'a mut [bool],
     pub room: &'a mut Option<Box<Room>>,
-    pub tally: &'a mut T,
+    pub tally: &'a mut Counts,
 }
 
 /// The outcome for rays, as bits by their position in the order.
@@ -70,7 +70,7 @@ pub(super) struct Walked {
     pub left: u64,
 }
 
-impl<R: RaySet, T: Tally> Task for ClosestSingles<'_, R, T> {
+impl<R: RaySet> Task for ClosestSingles<'_, R> {
     type Output = Walked;
 
     #[inline(always)]
@@ -109,7 +109,7 @@ impl<R: RaySet, T: Tally> Task for ClosestSingles<'_, R, T> {
     }
 }
 
-impl<S: SegmentSet, T: Tally> Task for AnySingles<'_, S, T> {
+impl<S: SegmentSet> Task for AnySingles<'_, S> {
     type Output = Walked;
 
     #[inline(always)]
@@ -268,7 +268,7 @@ impl<'a, K: Eight> Walk<'a, K> {
 
     /// Runs `queries` on the tree, one for each ray that is traced through it.
     #[inline(always)]
-    fn run<Q: Query>(mut self, queries: &mut [Q], tally: &mut impl Tally) {
+    fn run<Q: Query>(mut self, queries: &mut [Q], tally: &mut Counts) {
         let mut query_of = [0; RAYS];
         let mut lanes = self.entering;
         for (at, query) in queries.iter().enumerate().take(RAYS) {
@@ -311,8 +311,8 @@ impl<'a, K: Eight> Walk<'a, K> {
                 }
             }
             let nodes = std::mem::replace(&mut self.at_nodes, Lanes::NONE);
+            tally.add(Work::Nodes, nodes.count);
             for &lane in nodes.all() {
-                tally.add(Work::Nodes, 1);
                 self.enter(lane as usize % RAYS);
             }
             for &lane in leaves.all() {

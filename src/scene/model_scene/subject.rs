@@ -19,6 +19,10 @@ const PARTS: f64 = 8.0;
 /// A ground is level to within the first fraction of the whole radius, and the subject on it has a radius below the second fraction of it.
 const LEVEL: f64 = 0.01;
 const WIDE: f64 = 0.25;
+/// A model has a ground of its own if triangles that face up cover this part of the rectangle around it (a round ground covers π/4), this
+/// fraction of its radius above its bottom at most.
+const COVERED: f64 = 0.5;
+const THICK: f64 = 0.03;
 
 /// A sphere around all triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,7 +81,7 @@ impl Subject {
             match above.filter(|above| above.radius < WIDE * all.radius) {
                 Some(above) => Subject::within(above, mesh, is_above),
                 None => Subject {
-                    floor: Some(bottom),
+                    floor: (!has_ground(mesh, bottom + THICK * all.radius)).then_some(bottom),
                     ..Subject::within(all, mesh, |_| true)
                 },
             },
@@ -110,6 +114,22 @@ impl Subject {
             floor: None,
         }
     }
+}
+
+/// Whether triangles below the height `top` that face up cover a good part of the rectangle around the mesh in x and z.
+fn has_ground(mesh: &Mesh, top: f64) -> bool {
+    let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    let (mut extent, mut covered) = (empty, 0.0);
+    for corners @ [a, b, c] in counted(mesh, |_| true) {
+        extent = corners
+            .iter()
+            .fold(extent, |[l, g], p| [l.min(*p), g.max(*p)]);
+        if corners.iter().all(|p| p.y <= top) {
+            covered += 0.5 * (b - a).cross(c - a).y.max(0.0);
+        }
+    }
+    let size = extent[1] - extent[0];
+    covered > COVERED * size.x * size.z
 }
 
 /// Points on a triangle's edges, including its corners, at most about `step` apart.

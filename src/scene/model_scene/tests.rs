@@ -125,6 +125,43 @@ fn a_model_on_a_wide_ground_is_framed_without_it() {
 }
 
 #[test]
+fn only_models_without_a_ground_of_their_own_get_a_floor() {
+    let cube = |size: DVec3| {
+        let corner = |i: usize| DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64);
+        (0..8).map(move |i| (corner(i) - DVec3::new(0.5, 0.0, 0.5)) * size)
+    };
+    // Counter-clockwise as seen from outside.
+    let faces = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
+    let floor_of = |boxes: &[DVec3]| {
+        let positions = boxes.iter().flat_map(|size| cube(*size)).collect();
+        let triangles = (0..boxes.len() as u32).flat_map(|k| {
+            let quad = move |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+            faces
+                .into_iter()
+                .flat_map(quad)
+                .map(move |t| t.map(|i| i + 8 * k))
+        });
+        let mesh = Mesh::new(positions, triangles.collect(), [1.0; 3]);
+        Subject::in_mesh(&mesh).unwrap().floor
+    };
+    // A cube alone, on a thin slab twice as wide, and on a thin slab of half its width.
+    let thin = 0.02;
+    assert_eq!(floor_of(&[DVec3::ONE]), Some(0.0));
+    assert_eq!(floor_of(&[DVec3::ONE, DVec3::new(2.0, thin, 2.0)]), None);
+    assert_eq!(
+        floor_of(&[DVec3::ONE, DVec3::new(0.5, thin, 0.5)]),
+        Some(0.0)
+    );
+}
+
+#[test]
 fn a_flyby_crosses_the_picture_about_the_place_without_a_shift() {
     let ball = Ball {
         centre: DVec3::new(5.0, 0.0, 0.0),

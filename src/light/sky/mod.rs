@@ -31,7 +31,7 @@ pub use boosted::{BoostedSky, FromSky, SkySample};
 pub use catalogue::stars;
 pub use grid::LightGrid;
 pub use panorama::Panorama;
-pub use star::Star;
+pub use star::{Beaming, Motion, Star};
 pub use stars::StarMap;
 
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
@@ -82,6 +82,8 @@ pub(crate) struct PixelAngles<'a> {
     pub pixel: f64,
     /// W by direction.
     pub ratios: &'a [f64],
+    /// How stars are seen.
+    pub beaming: Beaming,
 }
 
 /// Look directions of some rays in the world.

@@ -582,6 +582,7 @@ fn direction(longitude: f64, latitude: f64) -> DVec3 {
 mod tests {
     use std::f64::consts::TAU;
 
+    use super::super::Beaming;
     use super::*;
 
     #[test]
@@ -633,6 +634,7 @@ mod tests {
             angle: 0.7,
             pixel: 0.7,
             ratios: &ratios,
+            beaming: Beaming::REST,
         };
         // Rays in a row, and in another order.
         let count = all.len() as u32;

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::star::Beaming;
 use crate::accel::vectors::{VectorLoop, dispatch};
 
 /// The number of rays processed together when a block does not look into one part of a face.
@@ -15,6 +16,7 @@ pub(super) struct Rays<'a> {
     pub ratios: &'a [f64],
     /// The width of pixels at W = 1.
     pub pixel: f64,
+    pub beaming: Beaming,
 }
 
 impl<'a> Rays<'a> {

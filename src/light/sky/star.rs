@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::colour::blackbody_colour;
+use crate::spacetime::{Boost, CameraFrame, World};
 
 /// A star.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,6 +41,74 @@ impl Star {
     /// Its luminance on a perpendicular surface at rest.
     pub(super) fn luminance(&self) -> f64 {
         self.solid_angle * luminance(self.temperature)
+    }
+}
+
+/// How an observer sees stars.
+#[derive(Debug, Clone, Copy)]
+pub struct Beaming {
+    /// The observer's motion.
+    pub motion: Motion,
+    /// p − 2, where radiance is scaled with W⁻ᵖ.
+    pub power: i32,
+    /// Whether stars have channels; otherwise they are blackbodies.
+    pub channels: bool,
+    /// Whether their wavelengths are shifted.
+    pub shifted: bool,
+}
+
+impl Beaming {
+    /// For an observer at rest, who sees blackbodies.
+    pub const REST: Beaming = Beaming {
+        motion: Motion::REST,
+        power: 0,
+        channels: false,
+        shifted: true,
+    };
+}
+
+/// The motion of an observer, towards n with the rapidity φ: 1/W = e^−φ + sinh φ |d + n|²/2 for light from d.
+#[derive(Debug, Clone, Copy)]
+pub struct Motion {
+    pub(super) n: DVec3,
+    down: f64,
+    pub(super) sinh: f64,
+    pub(super) gamma: f64,
+}
+
+impl Motion {
+    /// At rest in the world.
+    pub const REST: Motion = Motion {
+        n: DVec3::X,
+        down: 1.0,
+        sinh: 0.0,
+        gamma: 1.0,
+    };
+
+    /// That of a camera.
+    pub fn of(world_from_camera: &Boost<World, CameraFrame>) -> Motion {
+        let (n, rapidity) = world_from_camera.motion();
+        Motion {
+            n,
+            down: libm::exp(-rapidity),
+            sinh: libm::sinh(rapidity),
+            gamma: libm::cosh(rapidity),
+        }
+    }
+
+    /// 1/W.
+    #[inline(always)]
+    pub(super) fn inverse_ratio(&self, d: DVec3) -> f64 {
+        self.down + self.sinh * (0.5 * (d + self.n).length_squared())
+    }
+
+    /// A bound of the relative change of 1/W over a chord of this `size`: with y = 1/W, |∇y|² = 2γy − 1 − y², and ∂²y = γ − y along the
+    /// direction of motion.
+    #[inline(always)]
+    pub(super) fn change(&self, inverse: f64, size: f64) -> f64 {
+        let (y, gamma) = (inverse, self.gamma);
+        let slope = (2.0 * gamma * y - 1.0 - y * y).max(0.0).sqrt();
+        (slope * size + 0.5 * (gamma - y).abs() * size * size) / y
     }
 }
 

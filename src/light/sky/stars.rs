@@ -16,18 +16,35 @@
 //! L = E/(π sin² R) · (5 (1 − q²) (1 − s)⁴ + q²),        ∫ L cos θ dω = π sin² R ∫₀¹ L ds = E,
 //! ```
 //!
-//! which is the disc itself if R = ρ. For a point, q = 0, the transform of (1 − s)⁴ is as J₅(kR)/(kR)⁵, whose first zero is at R = 1.396
-//! (2π/k): the sum over pixel centres conserves its light to 0.4 %, wherever it lies among them, and the width at half of the radiance is
-//! 1.1 pixels.
+//! which is the disc itself if R = ρ. W may change within the disc, by orders of magnitude for pixels that see much of the world. So θ is
+//! the angle in the camera's frame, between the direction d and the star s, which follows from the invariant product of their null vectors:
 //!
-//! For sin R up to a bound r there is a level, with lists of everything that reaches into cells of width r; the next level is for 2r. There
-//! the stars of a square of width r/4 are merged into one place, at the centre of their light, which moves them by half a pixel at most. As
-//! R grows from r/2 to r they move there gradually, so there is no step between levels. Among the light seen in one direction, stars whose
+//! ```text
+//! 1 − cos θ = W_d W_s (1 − cos θ_world),
+//! ```
+//!
+//! and E is received with W_s: times (W_d/W_s)ᵖ⁻² beyond W_d⁻ᵖ, as a blackbody of T/W_s. With 1/W = γ (1 + β·d), everything within the chord
+//! C in the camera's frame is in a cap of the world,
+//!
+//! ```text
+//! s·(2 W_d d + C² γβ) > 2 W_d − C² γ.
+//! ```
+//!
+//! For a point, q = 0, the transform of (1 − s)⁴ is as J₅(kR)/(kR)⁵, whose first zero is at R = 1.396 (2π/k): the sum over pixel centres
+//! conserves its light to 0.4 %, wherever it lies among them, and the width at half of the radiance is 1.1 pixels.
+//!
+//! For sin R in the world up to a bound r there is a level, with lists of everything that reaches into cells of width r; the next level is
+//! for 2r. There the stars of a square of width r/4 are merged into one place, at the centre of their light, which moves them by half a
+//! pixel at most. As R grows from r/2 to r they move there gradually, so there is no step between levels. Among the light seen in one direction, stars whose
 //! ln B, about −c₂/(λT), differs by at most ½ are merged into one of their total luminance and their mean 1/T, whose colours at W ≤ 1 have
 //! an error of (½)²/24 = 1 %. This bounds the sizes of levels and the times of look-ups however many stars a pixel sees.
 //!
+//! A pixel across which W changes by more than half, or that sees more than 30° of the world (few do in any picture), takes from all levels
+//! the coarsest squares across which W changes by a tenth at most. A camera whose velocity changes during the exposure is taken to have
+//! that of its start, unless W differs from that twofold: then W_s = W_d.
+//!
 //! Rays come in blocks, most of which look into one small part of a face: the candidates there are found once for the whole block, and each
-//! disc is tested against all rays in one vector loop.
+//! disc is tested against the rays of each eighth of it that comes near, in vector loops.
 
 use std::sync::OnceLock;
 
@@ -35,16 +52,16 @@ use glam::DVec3;
 
 use super::PixelAngles;
 use super::faces::{Grid, Index, Rectangle};
-use super::levels::{Level, Part, Place, Sums, Tally};
+use super::levels::{CHORD, DIAGONAL, FARTHEST, Level, Part, Place, Tally, raised};
 use super::rays::{FEW, Rays};
-use super::star::Star;
+use super::star::{Beaming, Motion, Star};
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
 
 /// sin R of a point divided by the width of a pixel: the zero of the fundamental.
 const REACH: f64 = 1.4;
 /// The decrease of sin² R per sin² ρ, such that R = ρ at 1.4/√1.36 = 1.2 pixels.
 const LESS: f64 = 0.36;
-/// The largest sin R, 2 to the power of −1: pixels that see more of the world do not resolve the change of W across them either.
+/// The largest sin R of a level, 2 to the power of −1, and of a disc in the camera's frame.
 const WIDEST: f64 = 0.5;
 /// Its power of 2.
 const WIDEST_POWER: i32 = -1;
@@ -55,6 +72,11 @@ const FINEST: f64 = 512.0;
 const PER_STAR_WIDENED: f64 = 64.0;
 const FINEST_WIDENED: f64 = 1024.0;
 const COARSEST: f64 = 64.0;
+/// Up to these a level serves: the square of the change of W over sin R by its gradient, and the change by its curvature.
+const STEEP: f64 = 0.25;
+const BENT: f64 = 0.2;
+/// The greatest change of W across a square that a wider pixel sees as one place.
+const CHANGE: f64 = 0.1;
 /// The maximum number of cells that rays look through together: in pictures, 64 rays mostly need fewer, and so do 8.
 const MOST_CELLS: usize = 512;
 
@@ -70,6 +92,59 @@ pub struct StarMap {
     discs: Index,
     /// Levels for widened discs, the finest first, each built on first use.
     levels: Vec<OnceLock<Level>>,
+}
+
+/// What one ray sees in the camera's frame: the cap of the world that the head of this file derives, s·axis > bound.
+struct Cap {
+    d: DVec3,
+    /// W_d.
+    ratio: f64,
+    /// sin R.
+    sine: f64,
+    axis: DVec3,
+    bound: f64,
+    motion: Motion,
+}
+
+impl Cap {
+    /// For the direction `d`, seen at the ratio `w`, and discs of this `sine` in the world.
+    fn new(d: DVec3, w: f64, sine: f64, motion: Motion) -> Cap {
+        let ratio = 1.0 / motion.inverse_ratio(d);
+        // As for many rays together, in `levels`.
+        let (motion, ratio) = match w > 0.5 * ratio && w < 2.0 * ratio {
+            true => (motion, ratio),
+            false => (Motion::REST, 1.0),
+        };
+        let sine = (sine * ratio).min(WIDEST);
+        let square = sine * sine;
+        let chord = 2.0 * square / (1.0 + (1.0 - square).sqrt());
+        Cap {
+            d,
+            ratio,
+            sine,
+            axis: 2.0 * ratio * d + motion.n * (motion.sinh * chord),
+            bound: 2.0 * ratio - chord * motion.gamma,
+            motion,
+        }
+    }
+
+    /// L/E of a star, and W_d/W_s.
+    fn density(&self, star: DVec3) -> [f64; 2] {
+        let x = self.ratio * self.motion.inverse_ratio(star);
+        let chord = (star - self.d).length_squared() * (self.ratio * self.ratio / x);
+        let square = self.sine * self.sine;
+        let part = 1.0 - chord * (1.0 - 0.25 * chord) / square;
+        let world = self.ratio * self.ratio / (std::f64::consts::PI * square);
+        let is_seen = chord < 2.0 && part > 0.0;
+        [
+            if is_seen {
+                5.0 * world * raised(part, 4)
+            } else {
+                0.0
+            },
+            x,
+        ]
+    }
 }
 
 /// Which rays look at a disc: 1 if so, else 0.
@@ -103,8 +178,8 @@ impl StarMap {
         let finest = faces(cells(stars, PER_STAR_WIDENED, FINEST_WIDENED));
         // All levels have 4/3 as many cells as the finest, which are counted once more while a level is built.
         let cells = faces(cells(stars, PER_STAR, FINEST)) + finest * 7 / 3;
-        // 720 bytes per star were measured for 500,000 stars, with their families and parts on all levels.
-        cells + 800 * stars as u64
+        // Families, parts and places on all levels, of 500,000 stars.
+        cells + 1000 * stars as u64
     }
 
     /// `stars` with the angular `radius`, at most a few degrees.
@@ -161,8 +236,9 @@ impl StarMap {
             axes: directions.axes(),
             ratios: angles.ratios,
             pixel: angles.pixel,
+            beaming: angles.beaming,
         };
-        let mut sums = Vec::new();
+        let mut tally = Tally::default();
         let mut begin = 0;
         while begin < directions.len() {
             let end = directions.len().min(begin + BLOCK);
@@ -170,7 +246,7 @@ impl StarMap {
             let mut see = |begin: usize, end: usize| {
                 let light = |k: usize, star: &Star| light(begin + k, star);
                 let each = |k: usize, radiance| each(begin + k, radiance);
-                self.see(all.part(begin, end), &mut sums, light, each)
+                self.see(all.part(begin, end), &mut tally, light, each)
             };
             if !see(begin, end) {
                 for few in (begin..end).step_by(FEW) {
@@ -187,13 +263,13 @@ impl StarMap {
     }
 
     /// [`StarMap::each_seen`] for up to a block of rays; does nothing and says so if these look into more than one face, through too many
-    /// cells, or see stars of more than one level.
+    /// cells, see stars of more than one level, or too much for one.
     fn see(
         &self,
         rays: Rays,
-        sums: &mut Vec<Sums>,
+        tally: &mut Tally,
         light: impl Fn(usize, &Star) -> [f64; 3],
-        each: impl FnMut(usize, [f64; 3]),
+        mut each: impl FnMut(usize, [f64; 3]),
     ) -> bool {
         let [[x, y, z, least], [far_x, far_y, far_z, greatest]] = rays.bounds();
         // Discs are widest where W is smallest.
@@ -209,31 +285,99 @@ impl StarMap {
         } else {
             usize::MAX
         };
-        match levels[0] {
-            None => {
-                let rows = self.discs.rows(at.widened(self.sine), most);
-                rows.map(|rows| self.see_discs(rays, rows, light, each))
-                    .is_some()
+        let Some(number) = levels[0] else {
+            let rows = self.discs.rows(at.widened(self.sine), most);
+            return rows
+                .map(|rows| self.see_discs(rays, rows, light, each))
+                .is_some();
+        };
+        let bound = self.reach_of(number);
+        // The part of the way to their merged places that stars have left.
+        let left = (2.0 - 2.0 * reaches[1] / bound).clamp(0.0, 1.0);
+        let distance = distance(&rays, [least, greatest], reaches[0]).filter(|distance| {
+            reaches[0] <= WIDEST && distance + left * DIAGONAL * bound <= FARTHEST
+        });
+        let Some(distance) = distance else {
+            if rays.len() == 1 {
+                let cap = Cap::new(rays.get(0), rays.ratios[0], reaches[0], rays.beaming.motion);
+                let seen = self.in_cap(&cap, rays.beaming, |star| light(0, star));
+                if seen != [0.0; 3] {
+                    each(0, seen);
+                }
             }
-            Some(number) => {
-                let level = self.level(number);
-                let rows = level.index.rows(at.widened(reaches[0]), most);
-                rows.map(|rows| {
-                    let mut rows = rows.skip_while(|row| row.is_empty()).peekable();
-                    if rows.peek().is_some() {
-                        let mut each_reach = [reaches[0]; BLOCK];
-                        for (reach, w) in each_reach.iter_mut().zip(rays.ratios) {
-                            *reach = self.reach(rays.pixel / w);
-                        }
-                        let level = (level, self.reach_of(number));
-                        let mut tally = Tally::new(level, rays, (self.sine, &each_reach), sums);
-                        rows.flatten().for_each(|family| tally.add(*family));
-                        tally.each_seen(light, each);
+            return rays.len() == 1;
+        };
+        let level = self.level(number);
+        let near = at.widened(distance + left * DIAGONAL * bound);
+        let rows = level.index.rows(near, most);
+        rows.map(|rows| {
+            let mut rows = rows.skip_while(|row| row.is_empty()).peekable();
+            if rows.peek().is_some() {
+                tally.begin(rays, (self.sine, LESS, REACH), bound, (distance, left));
+                rows.flatten().for_each(|family| tally.add(level, *family));
+                tally.each_seen(level, &rays, light, each);
+            }
+        })
+        .is_some()
+    }
+
+    /// The sum of the `light` in a cap.
+    fn in_cap(&self, cap: &Cap, beaming: Beaming, light: impl Fn(&Star) -> [f64; 3]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        let mut shine = |direction: DVec3, parts: &[Part], channels: [f32; 3]| {
+            let [density, x] = cap.density(direction);
+            if density > 0.0 {
+                let density = density * raised(x, beaming.power);
+                let mut add = |seen: [f64; 3], times: f64| {
+                    for (sum, seen) in sum.iter_mut().zip(seen) {
+                        *sum += seen * times;
                     }
-                })
-                .is_some()
+                };
+                if beaming.channels {
+                    return add(channels.map(f64::from), density);
+                }
+                let x = if beaming.shifted { x } else { 1.0 };
+                let stars = parts.iter().map(|part| part.star(direction));
+                stars
+                    .filter(|star| star.solid_angle > 0.0)
+                    .for_each(|star| {
+                        let temperature = star.temperature * x;
+                        add(
+                            light(&Star {
+                                temperature,
+                                ..star
+                            }),
+                            density,
+                        );
+                    });
+            }
+        };
+        let last = self.levels.len() - 1;
+        let mut left: Vec<_> = (0u32..self.level(last).families.len() as u32)
+            .map(|family| (last, family))
+            .collect();
+        while let Some((number, family)) = left.pop() {
+            let (level, bound) = (self.level(number), self.reach_of(number));
+            let family = &level.families[family as usize];
+            let (place, size) = (&family.merged, DIAGONAL * bound);
+            if place.direction.dot(cap.axis) + size * cap.axis.length() <= cap.bound {
+                continue;
+            }
+            let inverse = cap.motion.inverse_ratio(place.direction);
+            let finer = &level.finer[family.finer.start as usize..family.finer.end as usize];
+            if bound <= cap.sine * inverse && cap.motion.change(inverse, size) <= CHANGE {
+                let parts = &level.parts[place.parts.start as usize..place.parts.end as usize];
+                shine(place.direction, parts, place.channels);
+            } else if number > 0 {
+                left.extend(finer.iter().map(|family| (number - 1, *family)));
+            } else {
+                for star in finer.iter().map(|star| &self.stars[*star as usize]) {
+                    let channels = star.channels().map(|c| c as f32);
+                    shine(star.direction, &[Part::of(star)], channels);
+                }
             }
         }
+        sum
     }
 
     /// The same with unwidened discs, those with these indices.
@@ -276,14 +420,14 @@ impl StarMap {
     fn reach(&self, pixel: f64) -> f64 {
         let point = REACH * pixel;
         let square = point * point - LESS * self.sine * self.sine;
-        square.max(0.0).sqrt().min(WIDEST)
+        square.max(0.0).sqrt()
     }
 
-    /// The level for discs with sin R = `reach`, from above 0 to the widest.
+    /// The level for discs with sin R = `reach`, above 0; the last if they are wider than on any.
     #[inline(always)]
     fn level_of(&self, reach: f64) -> usize {
         // The exponent of the smallest power of 2 that is not below `reach`; levels are counted down from the widest.
-        let power = ((reach.to_bits() - 1) >> 52) as i32 - 1022;
+        let power = ((reach.min(WIDEST).to_bits() - 1) >> 52) as i32 - 1022;
         let coarser = (WIDEST_POWER - power) as usize;
         (self.levels.len() - 1).saturating_sub(coarser)
     }
@@ -303,6 +447,7 @@ impl StarMap {
                 let places = (0..).zip(&self.stars).map(|(k, star)| Place {
                     direction: star.direction,
                     parts: k..k + 1,
+                    channels: star.channels().map(|c| c as f32),
                 });
                 Level::new(&places.collect::<Vec<_>>(), &parts, self.reach_of(number))
             }
@@ -322,6 +467,26 @@ impl StarMap {
     }
 }
 
+/// An upper bound of the chord, in the world, at which rays see stars, with W from the least to the greatest and sin R up to `reach`; `None`
+/// if W changes too much over it.
+///
+/// C² > c² W_d W_s, and over c 1/W grows by its gradient and curvature at most ([`Motion`]): with r = C/W_d, c² < r² (1 + g c + k c²).
+fn distance(rays: &Rays, [least, greatest]: [f64; 2], reach: f64) -> Option<f64> {
+    let (motion, point) = (rays.beaming.motion, CHORD * REACH * rays.pixel);
+    let (mut steep, mut bent) = (0.0, 0.0);
+    if motion.sinh > 0.0 {
+        // r² g² and r² k, where they are largest for 1/W in this range.
+        let (square, gamma) = (point * point, motion.gamma);
+        let at = |y: f64| y.max(1.0 / greatest).min(1.0 / least);
+        let (y, x) = (at(gamma), at(0.5 * gamma));
+        steep = (square * (2.0 * gamma * y - 1.0 - y * y)).max(0.0);
+        bent = (0.5 * square * (gamma * x - x * x)).max(0.0);
+    }
+    let root = (0.25 * steep + 1.0 - bent).max(0.0).sqrt();
+    let distance = CHORD * reach * (0.5 * steep.sqrt() + root) / (1.0 - bent);
+    (steep <= STEEP && bent <= BENT).then_some(distance)
+}
+
 /// Cells along an edge of a face for this many cells per star.
 fn cells(stars: usize, per_star: f64, most: f64) -> usize {
     let cells = (per_star / 6.0 * stars as f64).sqrt().clamp(COARSEST, most);
@@ -332,6 +497,7 @@ fn cells(stars: usize, per_star: f64, most: f64) -> usize {
 mod tests {
     use super::super::levels::Family;
     use super::*;
+    use crate::spacetime::{Boost, CameraFrame, Direction, Velocity, World};
 
     /// What is seen along each of `directions`, for pixels of these widths there.
     fn seen(
@@ -347,6 +513,7 @@ mod tests {
             angle: 0.0,
             pixel: 1.0,
             ratios: &ratios,
+            beaming: Beaming::REST,
         };
         let mut seen = vec![[0.0; 3]; directions.len()];
         map.each_seen(
@@ -658,6 +825,118 @@ mod tests {
                     lit += usize::from(together != [0.0; 3]);
                 }
                 assert!(lit > 50, "{growth}: {lit}");
+            }
+        }
+    }
+
+    /// The radiance that a camera sees along directions of its own frame, of channels if `channels`, and otherwise of blackbodies.
+    fn seen_from(
+        map: &StarMap,
+        camera: &Boost<World, CameraFrame>,
+        own: &[DVec3],
+        pixel: f64,
+        channels: bool,
+    ) -> Vec<f64> {
+        let looks = own
+            .iter()
+            .map(|d| camera.direction(Direction::from_unit(*d)));
+        let (directions, ratios): (Vec<_>, Vec<_>) = looks.map(|(d, w)| (d.unit(), w)).unzip();
+        let mut columns = Columns::default();
+        columns.take(&directions);
+        let angles = PixelAngles {
+            angle: 0.0,
+            pixel,
+            ratios: &ratios,
+            beaming: Beaming {
+                motion: Motion::of(camera),
+                power: if channels { 2 } else { -2 },
+                channels,
+                shifted: true,
+            },
+        };
+        let light = |k: usize, star: &Star| match channels {
+            true => star.channels(),
+            false => star.colour(ratios[k]),
+        };
+        let mut seen = vec![0.0; own.len()];
+        map.each_seen(&columns, angles, light, |k, [r, _, _]| {
+            seen[k] = r * if channels { ratios[k].powi(-4) } else { 1.0 };
+        });
+        seen
+    }
+
+    /// Against the sum over all stars in the camera's frame: of the aberrated direction of each, its light W² Ω B(λ; T/W) or W⁻² times its
+    /// channels, and the profile around it.
+    #[test]
+    fn pixels_of_any_width_see_all_stars_where_they_are_at_any_speed() {
+        let mut next = numbers(21);
+        let vectors: Vec<_> = (0..3000)
+            .map(|_| DVec3::new(next(), next(), next()).normalize())
+            .collect();
+        let stars = stars_at(&vectors, 22);
+        let map = StarMap::new(stars.clone(), 1e-5);
+        // Near the equator, where the pixels of the panorama are square.
+        let ahead = DVec3::new(0.6, 0.02, -0.8).normalize();
+        let side = ahead.any_orthonormal_vector();
+        for gamma in [1.0, 3.0, 10.0, 30.0, 100.0, 1e3, 1e5] {
+            let velocity = Velocity::from_gamma(gamma, ahead).unwrap();
+            let camera = Boost::<World, CameraFrame>::new(velocity);
+            for (degrees, channels) in [0.1f64, 1.0, 5.0]
+                .into_iter()
+                .flat_map(|degrees| [(degrees, true), (degrees, false)])
+            {
+                let pixel = degrees.to_radians();
+                let images = stars.iter().map(|star| {
+                    let d = Direction::from_unit(star.direction);
+                    let (d, inverse) = camera.inverse().direction(d);
+                    let w = 1.0 / inverse;
+                    let light = match channels {
+                        true => star.channels()[0] / (w * w),
+                        false => star.colour(w)[0] * (w * w),
+                    };
+                    (d.unit(), light)
+                });
+                let images: Vec<_> = images.collect();
+                // Pixels about the direction of motion, and at 5° all around, which see all light.
+                let own: Vec<_> = match degrees {
+                    5.0 => (0..72 * 36)
+                        .map(|k| {
+                            let (at, up) = (f64::from(k % 72) + 0.5, f64::from(k / 72) + 0.5);
+                            let ((s, c), (sin, cos)) =
+                                ((at * pixel).sin_cos(), (up * pixel).sin_cos());
+                            DVec3::new(s * sin, cos, c * sin)
+                        })
+                        .collect(),
+                    _ => (0..600)
+                        .map(|k| {
+                            let at = |n: i32| (f64::from(n) - 11.3) * pixel;
+                            let across = side * at(k % 24) + ahead.cross(side) * at(k / 24);
+                            (ahead + across).normalize()
+                        })
+                        .collect(),
+                };
+                let seen = seen_from(&map, &camera, &own, pixel, channels);
+                let reach = REACH * pixel;
+                let (mut off, mut more, mut all, mut light) = (0.0, 0.0, 0.0, 0.0);
+                for (d, seen) in own.iter().zip(seen) {
+                    let sum = |sum, (s, light): &(DVec3, f64)| {
+                        sum + light * density(map.sine, reach, *d, *s)
+                    };
+                    let expected = images.iter().fold(0.0, sum);
+                    (off, more) = (off + (seen - expected).abs(), more + seen - expected);
+                    all += expected;
+                    light += seen * pixel * (0.5 * pixel).sin() * 2.0 * d.x.hypot(d.z);
+                }
+                let case = format!("{gamma} {degrees} {channels}");
+                assert!(off < 0.1 * all, "{case}: {off} of {all}");
+                assert!(more.abs() < 0.01 * all, "{case}: {more} of {all}");
+                if degrees == 5.0 {
+                    let whole: f64 = images.iter().map(|(_, light)| light).sum();
+                    assert!(
+                        (light / whole - 1.0).abs() < 0.01,
+                        "{case}: {light} of {whole}"
+                    );
+                }
             }
         }
     }

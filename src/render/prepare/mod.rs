@@ -112,12 +112,12 @@ impl Prepared {
             Sampler::stratified(plan.film.samples_per_part()).with_seed(scene.seed)
         };
         Ok(Prepared {
+            background: sky::background(scene, &camera.shot, sky),
             camera,
             frames,
             light,
             ray_index,
             integrated_exposure: scene.camera.integrated_exposure(),
-            background: sky::background(scene, sky),
             sampler,
             layout: plan.film.clone(),
             method: Traversal {
@@ -172,6 +172,9 @@ impl Prepared {
     pub fn retake(&mut self, scene: &Scene) -> Result<()> {
         self.camera = Camera::new(scene)?;
         self.integrated_exposure = scene.camera.integrated_exposure();
+        if let Background::Sky { beaming, .. } = &mut self.background {
+            beaming.motion = sky::motion(scene, &self.camera.shot);
+        }
         Ok(())
     }
 }

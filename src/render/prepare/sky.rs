@@ -5,12 +5,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::response::{received, response, sky_spectra};
+use crate::camera::Shot;
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::files;
 use crate::io::image::{exr, hdr, panorama};
 use crate::io::spectrum::text_of;
-use crate::light::sky::{BoostedSky, LightGrid, Panorama, Sky, StarMap, stars};
+use crate::light::sky::{Beaming, BoostedSky, LightGrid, Motion, Panorama, Sky, StarMap, stars};
 use crate::render::plan::Plan;
 use crate::render::trace::{Background, RestFrame, SkyLight};
 use crate::scene::model::{self, Catalogue, ProjectionKind, Scene, SkyRadiance};
@@ -57,7 +58,7 @@ pub(super) fn load(scene: &Scene, plan: &Plan) -> Result<Option<Arc<Sky>>> {
 }
 
 /// The radiance of rays that hit nothing.
-pub(super) fn background(scene: &Scene, sky: Option<Arc<Sky>>) -> Background {
+pub(super) fn background(scene: &Scene, shot: &Shot, sky: Option<Arc<Sky>>) -> Background {
     let Some(sky) = sky else {
         return Background::Observed(scene.background);
     };
@@ -71,12 +72,33 @@ pub(super) fn background(scene: &Scene, sky: Option<Arc<Sky>>) -> Background {
         | ProjectionKind::FisheyeOrthographic
         | ProjectionKind::Equirectangular => camera.horizontal_fov,
     };
+    let (response, spectra) = (response(scene.quantity, scene), sky_spectra(scene));
+    let channels = scene.quantity != Quantity::Rgb;
+    let scaled = if channels {
+        response.scaled
+    } else {
+        spectra.scaled
+    };
     Background::Sky {
-        spectra: sky.has_spectra().then(|| sky_spectra(scene)),
+        spectra: sky.has_spectra().then_some(spectra),
         sky,
-        response: response(scene.quantity, scene),
+        response,
+        beaming: Beaming {
+            motion: motion(scene, shot),
+            power: scaled.beaming(),
+            channels,
+            shifted: spectra.shifted,
+        },
         angle: camera.horizontal_fov / across,
         pixel: of_frame / f64::from(camera.size[0]),
+    }
+}
+
+/// The motion that shows in the camera's directions.
+pub(super) fn motion(scene: &Scene, shot: &Shot) -> Motion {
+    match scene.effects.aberration {
+        true => Motion::of(shot.frame.world_from_frame()),
+        false => Motion::REST,
     }
 }
 

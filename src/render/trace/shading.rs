@@ -11,7 +11,7 @@ use super::stats::{Counter, Meter, Stage};
 use crate::accel::Hit;
 use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, dispatch, shift_each};
 use crate::colour::{self, RgbShift, per_wavelength_power};
-use crate::light::sky::{Looks, PixelAngles, Sky, Star};
+use crate::light::sky::{Beaming, Looks, PixelAngles, Sky, Star};
 use crate::light::time_texture::Coverage;
 use crate::render::film::TileFilm;
 use crate::spacetime::Quantity;
@@ -91,6 +91,8 @@ pub enum Background {
         angle: f64,
         /// The angle between pixels, where it is largest.
         pixel: f64,
+        /// How the observer sees stars.
+        beaming: Beaming,
     },
 }
 
@@ -103,6 +105,17 @@ pub struct SkySpectra {
     pub shifted: bool,
     /// The observer's eye.
     pub eye: Eye,
+}
+
+impl Scaling {
+    /// p − 2, where radiance is scaled with W⁻ᵖ.
+    pub(crate) fn beaming(self) -> i32 {
+        match self {
+            Scaling::None => -2,
+            Scaling::Of(quantity) => quantity.exponent() as i32 - 2,
+            Scaling::HueAlone => -6,
+        }
+    }
 }
 
 impl SkySpectra {
@@ -258,6 +271,7 @@ impl Shading {
             spectra,
             angle,
             pixel,
+            beaming,
         } = background
         else {
             return;
@@ -272,6 +286,7 @@ impl Shading {
             angle: *angle,
             pixel: *pixel,
             ratios: &[],
+            beaming: *beaming,
         };
         // There may be nothing to see between stars.
         let only_stars = sky.only_stars();

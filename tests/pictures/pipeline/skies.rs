@@ -252,6 +252,90 @@ fn stars_that_are_smaller_than_pixels_keep_their_light_and_none_is_missed() {
     }
 }
 
+/// The total is ∫ L′ dω′ = Σ W^(2−p) E, or W² times the colour at T/W, with W of each star: however much of the sky a pixel sees.
+#[test]
+fn all_stars_together_keep_their_light_at_any_speed_in_pixels_of_any_width() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut state = 5u64;
+    let mut next = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
+        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    };
+    let stars: Vec<_> = (0..500)
+        .map(|_| DVec3::new(next(), next(), next()).normalize())
+        .collect();
+    let line = |d: &DVec3| format!("{},{},{},0,6000\n", d.x, d.y, d.z);
+    let table: String = stars.iter().map(line).collect();
+    std::fs::write(folder.path().join("many.csv"), table).unwrap();
+    let at_rest = luminance(thermal(6000.0, 0.5));
+    let round = "projection = \"equirectangular\"\nsize = [72, 36]";
+    let fisheye = "projection = \"fisheye_equidistant\"\nhfov = \"180 deg\"\nsize = [36, 36]";
+    let flat = "hfov = \"60 deg\"\nsize = [60, 60]";
+    for (gamma, quantity, camera) in [
+        (1.0, "integrated", round),
+        (10.0, "integrated", round),
+        (100.0, "integrated", round),
+        (1000.0, "integrated", round),
+        (10.0, "rgb", round),
+        (100.0, "rgb", round),
+        (30.0, "integrated", fisheye),
+        (1000.0, "integrated", fisheye),
+        (30.0, "integrated", flat),
+        (1000.0, "integrated", flat),
+    ] {
+        let text = format!(
+            "
+[camera]
+eye = [0, 0, 0]
+look_at = [0, 0, -1]
+velocity = {{ gamma = {gamma}, direction = [0, 0, -1] }}
+{camera}
+[radiance]
+quantity = \"{quantity}\"
+[display]
+samples_per_pixel = 64
+[sky]
+stars = {{ file = \"many.csv\", scale = 1, diameter = \"0.001 deg\" }}
+"
+        );
+        let scene = stage::scene_in(folder.path(), &text);
+        let light = |d: &DVec3| {
+            let w = 1.0 / (gamma - (gamma * gamma - 1.0f64).sqrt() * d.z);
+            match quantity {
+                "rgb" => w * w * luminance(thermal(6000.0 / w, 0.5)) / at_rest,
+                _ => w.powi(-2),
+            }
+        };
+        let expected: f64 = stars.iter().map(light).sum();
+        for request in [stage::centred(), stage::sampled()] {
+            let film = stage::rendered(&scene, &request).unwrap();
+            let [width, height] = film.size().map(f64::from);
+            let mut seen = 0.0;
+            for (k, rgb) in film.radiance().iter().enumerate() {
+                let x = k as f64 % width + 0.5 - 0.5 * width;
+                let y = (k as f64 / width).floor() + 0.5 - 0.5 * height;
+                let a = (if camera == flat { 60.0 } else { 180.0 / height }).to_radians();
+                let solid_angle = if camera == round {
+                    a * a * (y * a).cos()
+                } else if camera == fisheye {
+                    let angle = x.hypot(y) * a;
+                    a * a * angle.sin() / angle
+                } else {
+                    let pixel = 2.0 * (0.5 * a).tan() / width;
+                    pixel * pixel * (1.0 + (x * x + y * y) * pixel * pixel).powf(-1.5)
+                };
+                seen += luminance(*rgb) * solid_angle;
+            }
+            assert_relative(
+                seen,
+                expected,
+                0.015,
+                &format!("{gamma} {quantity} {camera}"),
+            );
+        }
+    }
+}
+
 /// Linear sRGB of a blackbody, by a plain sum over `step` nm.
 fn thermal(kelvin: f64, step: f64) -> [f64; 3] {
     let mut xyz = [0.0; 3];

@@ -66,6 +66,7 @@ pub fn run(mut arguments: FilmArguments) -> Result<()> {
         &arguments.changes.request(arguments.work.threads.count),
     )?;
     reel::check(&arguments.output, &inputs::of(&scene, &plan))?;
+    reel::tell_bits(&arguments.output, &scene, arguments.work.quiet.on)?;
     let takes = takes(&arguments, &scene)?;
     in_pool(arguments.work.threads.count, || {
         film(&arguments, &file, &scene, &takes)

@@ -13,6 +13,7 @@ use nullray::io::budget::Budget;
 use nullray::io::image::film::{Delay, FilmWriter};
 use nullray::io::image::{RgbImage, Samples, png, write_atomically};
 use nullray::io::temporary;
+use nullray::scene::model::Scene;
 use nullray::{Error, Result};
 use tempfile::TempDir;
 
@@ -70,6 +71,18 @@ pub fn check(films: &[PathBuf], read: &[PathBuf]) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Says that a film shows fewer bits than `scene` asks for.
+pub fn tell_bits(films: &[PathBuf], scene: &Scene, quiet: bool) -> Result<()> {
+    match films.first().filter(|_| scene.bits > 8) {
+        None => Ok(()),
+        Some(film) => {
+            let film = film.display();
+            let what = format!("{film} has 8 bits per sample: display.bits = 16 is for .png\n");
+            say(quiet, &what)
+        }
+    }
 }
 
 /// The end of the name of a film's folder.

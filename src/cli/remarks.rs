@@ -9,7 +9,7 @@ use nullray::render::prepare::Prepared;
 use nullray::render::{enclosed, survey};
 use nullray::scene::model::{
     BackFaces, Brightness, EmissionProfile, Geometry, Light, LightKind, Motion, Object, Scene, Sky,
-    SkyRadiance,
+    SkyRadiance, Spectra,
 };
 use nullray::spacetime::{Quantity, Velocity};
 
@@ -41,6 +41,10 @@ pub fn blackness(scene: &Scene, film: &Film, is_shifted: bool, shut_in: bool) ->
             .into()
     } else if film.met() == 0.0 {
         nothing_met(scene)
+    } else if film.met() > 0.0 && reflects_rgb(scene) {
+        "surfaces reflect red, green and blue, of which nothing is visible in these false colours (remedy: spectra = \"sampled\" \
+         in [render], and lights with a spectrum)"
+            .into()
     } else if is_shifted {
         "what is in view shines, but nothing of its light is visible".into()
     } else if shut_in {
@@ -50,6 +54,12 @@ pub fn blackness(scene: &Scene, film: &Film, is_shifted: bool, shut_in: bool) ->
         missing.unwrap_or_else(|| unlit(scene)).into()
     };
     format!("the picture is black: {why}\n")
+}
+
+/// Whether false colours show surfaces that reflect the light on them without its spectrum.
+fn reflects_rgb(scene: &Scene) -> bool {
+    let is_rgb = scene.quantity == Quantity::Rgb && scene.spectra == Spectra::Rgb;
+    is_rgb && scene.is_lit() && scene.effects.doppler && scene.false_colour.is_some()
 }
 
 /// A remark if only the sky is in view of a scene that has objects; empty otherwise, and if the picture is black.

@@ -177,6 +177,7 @@ impl Film<'_> {
         }
         let plan = Plan::new(job.scene, job.request)?;
         reel::check(self.films, &inputs::of(job.scene, &plan))?;
+        reel::tell_bits(self.films, job.scene, job.quiet)?;
         let kept = job
             .outputs
             .images

@@ -71,6 +71,9 @@ const MOST_NAMED: usize = 20;
 /// The warning about a file's lights.
 pub(crate) const LIGHTS_UNREAD: &str = "the lights of a scene are its [[light]] tables, and not those of the file, which light it without a scene";
 
+/// The warning about a file's cameras.
+pub(crate) const CAMERAS_UNREAD: &str = "without a scene nothing is seen through the cameras of the file; [camera] of a scene takes one by gltf and node";
+
 /// The warning about animations that move no mesh.
 pub(crate) const ANIMATIONS_UNREAD: &str =
     "no mesh moves with it; cameras and lights follow it if motion.animation names it";
@@ -115,6 +118,15 @@ fn warn_of_unread(document: &Document, placed: &[Placed], warnings: &mut Warning
     for [animation, channel] in &document.without_node {
         let what = "it animates something other than a node, and is not played";
         warnings.add(what, &format!("animation {animation}, channel {channel}"));
+    }
+    let has_camera = |placed: &&Placed| {
+        let node = document.root.nodes.get(placed.node);
+        node.is_some_and(|node| node.camera.is_some())
+    };
+    let mut cameras = placed.iter().filter(has_camera);
+    if let Some(first) = cameras.next() {
+        let count = 1 + cameras.count() as u64;
+        warnings.add_many(CAMERAS_UNREAD, &document.node_label(first.node), count);
     }
     let has_light = |&placed: &Placed| lights::index_of(document, placed.node).is_some();
     let lights: Vec<Placed> = placed.iter().copied().filter(has_light).collect();

@@ -40,7 +40,7 @@ use std::path::Path;
 
 pub use animation::GltfTrack;
 pub use camera::GltfCamera;
-pub(crate) use draft::{ANIMATIONS_UNREAD, LIGHTS_UNREAD};
+pub(crate) use draft::{ANIMATIONS_UNREAD, CAMERAS_UNREAD, LIGHTS_UNREAD};
 pub use glb::save;
 pub use import::{BadVertices, EncodedImage, Imported, Want};
 pub use lights::{GltfLight, GltfLightKind};

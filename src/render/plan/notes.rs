@@ -235,7 +235,7 @@ fn unread_of<'a>(
 }
 
 /// Whether a file's warning does not matter in a scene: lights, if the scene was made for the model and has them, or has recorded light
-/// or pulses; and animations, if something follows one.
+/// or pulses; cameras, if it was not; and animations, if something follows one.
 pub(crate) fn is_moot(scene: &Scene, warning: &str) -> bool {
     let by_animation = |motion: &Motion| matches!(motion, Motion::Animation { .. });
     let lamp = |light: &Light| match &light.kind {
@@ -243,9 +243,10 @@ pub(crate) fn is_moot(scene: &Scene, warning: &str) -> bool {
         LightKind::Area { .. } => false,
     };
     let plays = || by_animation(&scene.camera.motion) || scene.lights.iter().any(lamp);
-    let has_light =
-        scene.text.starts_with(MADE_FOR_MODEL) || (!scene.is_lit() && !scene.sources.is_empty());
-    (warning.contains(gltf::LIGHTS_UNREAD) && has_light)
+    let is_made = scene.text.starts_with(MADE_FOR_MODEL);
+    let has_light = is_made || (!scene.is_lit() && !scene.sources.is_empty());
+    (warning.contains(gltf::CAMERAS_UNREAD) && !is_made)
+        || (warning.contains(gltf::LIGHTS_UNREAD) && has_light)
         || (warning.contains(gltf::ANIMATIONS_UNREAD) && plays())
 }
 
@@ -367,7 +368,7 @@ fn unread_companions(scene: &Scene) -> Option<String> {
 }
 
 /// Notes that surfaces do not reflect spectra: the light that reaches them in their rest frames is represented by red, green and blue,
-/// whose shift on the way to a moving camera is that of smooth spectra.
+/// whose shift on the way to a moving camera, or to false colours, is that of smooth spectra.
 fn lost_spectra(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
     let is_sampled = scene.spectra == Spectra::Sampled;
     if scene.quantity != Quantity::Rgb || !scene.effects.doppler || is_sampled {
@@ -397,13 +398,17 @@ fn lost_spectra(scene: &Scene, objects: &[PlannedObject]) -> Option<String> {
     let moves = |(index, object): (usize, &PlannedObject)| {
         let apart = scene.objects[index].velocity.rapidity() - camera.rapidity();
         let mut materials = object.materials.iter();
-        apart.length() > SAME_RAPIDITY
+        (apart.length() > SAME_RAPIDITY || scene.false_colour.is_some())
             && materials.any(|name| matches!(lit_by(scene, index, name), Lit::Reflecting(_)))
     };
     let is_shifted = !lights.is_empty() && objects.iter().enumerate().any(moves);
     is_shifted.then(|| {
+        let wrong = match scene.false_colour {
+            None => "surfaces that move relative to the camera have wrong hues unless that spectrum is smooth",
+            Some(_) => "what is invisible of it is missing in false colours",
+        };
         format!(
-            "surfaces reflect the light of {} as red, green and blue, not as its spectrum: surfaces that move relative to the camera have wrong hues unless that spectrum is smooth (remedy: spectra = \"sampled\" in [render]{stars})",
+            "surfaces reflect the light of {} as red, green and blue, not as its spectrum: {wrong} (remedy: spectra = \"sampled\" in [render]{stars})",
             listed(&lights)
         )
     })

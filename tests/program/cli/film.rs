@@ -113,6 +113,16 @@ fn a_sequence_as_a_film_is_its_pictures() {
 }
 
 #[test]
+fn a_film_of_pictures_of_16_bits_says_that_it_has_8() {
+    let folder = folder();
+    let deep = ["--set", "display.bits=16", "-o", "a.apng"];
+    let said = folder.ok(&sequence(&[&FOUR[..], &deep].concat()));
+    assert!(said.contains("a.apng has 8 bits per sample"), "{said}");
+    let said = folder.ok(&sequence(&[&FOUR[..], &["-o", "a.apng"]].concat()));
+    assert!(!said.contains("bits"), "{said}");
+}
+
+#[test]
 fn the_pictures_of_a_fly_by_are_those_of_a_camera_that_passes() {
     let folder = Folder::new();
     let film = "film scene.toml --flyby 0.6 --direction x --distance";

@@ -621,3 +621,24 @@ fn archives_that_are_cut_short_are_called_that() {
         assert!(said.contains("cut.npz") && !said.contains("EOCD"), "{said}");
     }
 }
+
+#[test]
+fn a_model_without_a_scene_says_that_its_cameras_are_not_used() {
+    let folder = Folder::empty();
+    folder.write(
+        "cameras.glb",
+        std::fs::read(repository("tests/data/valid/cameras.glb")).unwrap(),
+    );
+    let told = "nothing is seen through the cameras of the file";
+    for arguments in [
+        &["plan", "cameras.glb"][..],
+        &["render", "cameras.glb", "--size", "8x6", "-o", "out.png"],
+    ] {
+        let said = folder.ok(arguments);
+        assert_eq!(said.matches(told).count(), 1, "{said}");
+    }
+    let scene = "[camera]\ngltf = \"cameras.glb\"\nnode = \"main\"\nsize = [8, 6]\n[[object]]\ngltf = \"cameras.glb\"\n";
+    folder.write("scene.toml", scene);
+    let said = folder.ok(&["plan", "scene.toml"]);
+    assert!(!said.contains(told), "{said}");
+}

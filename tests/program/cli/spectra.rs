@@ -23,6 +23,45 @@ fn a_spectrum_out_of_sight_is_told_and_no_other_time_is_advised() {
     assert!(!said.contains("another --time"), "{said}");
 }
 
+#[test]
+fn surfaces_that_are_black_in_false_colours_have_the_remedy_told() {
+    let folder = Folder::empty();
+    folder.write(
+        "warm.toml",
+        "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nhfov = \"20 deg\"\nsize = [24, 16]\n\
+         [[object]]\nshape = { sphere = { radius = 1 } }\n\
+         [[light]]\nposition = [0, 0, 5]\npower = 100\nspectrum = { flat = [\"9 um\", \"11 um\"], total = 1 }\n\
+         [radiance]\nquantity = \"rgb\"\n[display]\nfalse_colour = \"10 um\"\n",
+    );
+    let plan = folder.ok(&["plan", "warm.toml"]);
+    let said = folder.ok(&["render", "warm.toml", "-o", "warm.png"]);
+    for (said, part) in [
+        (&plan, "is missing in false colours"),
+        (&said, "is missing in false colours"),
+        (
+            &said,
+            "the picture is black: surfaces reflect red, green and blue",
+        ),
+    ] {
+        assert!(
+            said.contains(part) && said.contains("spectra = \"sampled\""),
+            "{said}"
+        );
+    }
+    let sampled = folder.ok(&[
+        "render",
+        "warm.toml",
+        "--set",
+        "render.spectra=sampled",
+        "-o",
+        "warm.png",
+    ]);
+    assert!(
+        !sampled.contains("black") && !sampled.contains("false colours"),
+        "{sampled}"
+    );
+}
+
 /// A box whose picture is smaller than a pixel, so that no centre of one meets it: ahead at 0.9 c a line at 589 nm is seen at
 /// 0.23 times that.
 #[test]

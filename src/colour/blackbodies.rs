@@ -12,8 +12,9 @@ use super::table::{MadeOnce, Table};
 pub(super) struct Blackbodies {
     /// By temperature in kelvin, divided by `reference` of [`SHORT`].
     table: Table<3>,
-    /// Colours of lower temperatures, divided by `reference` of [`LONG`]: exact ones, the first just below [`Blackbodies::COLDEST`].
-    cold: Vec<[f64; 3]>,
+    /// Colours of lower temperatures, which few scenes have, divided by `reference` of [`LONG`]: exact ones, the first just below
+    /// [`Blackbodies::COLDEST`].
+    cold: MadeOnce<Vec<[f64; 3]>>,
 }
 
 /// A wavelength at which Planck's law varies like the colours of blackbodies, metres.
@@ -49,7 +50,7 @@ impl Blackbodies {
             table: Table::new([Self::COLD, Self::HOTTEST * 0.999], |t| {
                 between(&ratios, libm::log2(t / Self::COLD) * f64::from(Self::EXACT))
             }),
-            cold: exact([Self::COLDEST, Self::COLD], Self::EXACT_COLD, LONG),
+            cold: MadeOnce::new(|| exact([Self::COLDEST, Self::COLD], Self::EXACT_COLD, LONG)),
         }
     }
 
@@ -74,7 +75,7 @@ impl Blackbodies {
             return [0.0; 3];
         }
         let at = libm::log2(t / Self::COLDEST) * f64::from(Self::EXACT_COLD);
-        between(&self.cold, at).map(|c| c * reference(t, LONG))
+        between(self.cold.get(), at).map(|c| c * reference(t, LONG))
     }
 }
 

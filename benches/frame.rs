@@ -3,7 +3,8 @@
 //! Every case is rendered several times in turn with two tracings of the same world rays alone: by this crate's
 //! certified packets, and by obvhs' own f32 traversal. Rates are the best of each, ratios the medians of rounds with their
 //! quartiles, and the time per stage is that of one more rendering, with statistics. One line per case is printed and
-//! written as JSON to `target/bench/frame.jsonl`. Lit frames: `scenes/several-velocities.toml` at 1600 × 1000. Meshes: every `*.tri` of the folder `NULLRAY_BENCH_MESHES` (and
+//! written as JSON to `target/bench/frame.jsonl`. Lit frames: `scenes/several-velocities.toml` at 1600 × 1000,
+//! and `scenes/sodium.toml` with colours and with full spectra. Meshes: every `*.tri` of the folder `NULLRAY_BENCH_MESHES` (and
 //! nefertiti, or else the last, at sixteen times its triangles), else generated ones. A first argument that is no flag
 //! selects cases that contain it. `--smoke`, `NULLRAY_BENCH_SMOKE=1` and `cargo test --benches` use
 //! tiny sizes.
@@ -81,6 +82,7 @@ fn main() {
     bench.several_velocities();
     bench.wide_views();
     bench.lit();
+    bench.spectra();
 }
 
 struct Bench {
@@ -246,6 +248,21 @@ impl Bench {
             };
             let name = format!("{name}, threads: {threads}");
             self.measure(&name, &prepared, way, None);
+        }
+    }
+
+    /// Balls under a sodium lamp, with colours and with full spectra.
+    fn spectra(&mut self) {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+        let text = fs::read_to_string(folder.join("sodium.toml")).expect("a scene");
+        for spectra in ["rgb", "sampled"] {
+            let name = format!("balls under sodium light, spectra: {spectra}");
+            if self.chooses(&name) {
+                let text = text.replace("\"sampled\"", &format!("{spectra:?}"));
+                let size = [self.size.image, self.size.image / 2];
+                let prepared = Files::none(&folder).prepare_at(&text, size, 4);
+                self.measure(&name, &prepared, Way::default(), None);
+            }
         }
     }
 

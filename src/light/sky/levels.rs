@@ -350,17 +350,17 @@ impl VectorLoop for Widen<'_> {
                 to.quarters[eighth][lane] = 0.25 * ratio * ratio;
             }
             let mut squares = [0.0; LANES];
-            for axis in 0..3 {
+            for (axis, own) in own.iter().enumerate() {
                 let mut sum = 0.0;
-                for x in own[axis] {
+                for x in own {
                     sum += x;
                 }
                 let middle = sum / LANES as f64;
                 for lane in 0..LANES {
-                    let x = own[axis][lane] - middle;
+                    let x = own[lane] - middle;
                     squares[lane] += x * x;
                 }
-                to.directions[axis][eighth] = own[axis];
+                to.directions[axis][eighth] = *own;
                 to.middles[axis][eighth] = middle;
             }
             let mut farthest = 0.0;

@@ -330,7 +330,7 @@ stars = {{ file = \"many.csv\", scale = 1, diameter = \"0.001 deg\" }}
                 seen,
                 expected,
                 0.015,
-                &format!("{gamma} {quantity} {camera}"),
+                format!("{gamma} {quantity} {camera}"),
             );
         }
     }

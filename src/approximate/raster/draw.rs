@@ -448,9 +448,9 @@ pub(super) fn paint<P: Painter>(
     let film = Mutex::new(FilmBuilder::new(layout.clone()));
     let done = (0..Tile::count(layout.size))
         .into_par_iter()
-        .try_for_each_init(P::Buffers::default, |buffers, index| {
+        .try_for_each_init(Default::default, |(buffers, kept), index| {
             let tile = Tile::of_image(layout.size, index);
-            let mut tile_film = TileFilm::new(tile, layout);
+            let tile_film = TileFilm::reused(kept, tile, layout);
             // As many samples at a time as a film takes between the ends of its parts.
             let all = 0..layout.samples;
             let rows = Strip::height(tile_film.together(all.clone(), most).len() as u32);
@@ -462,7 +462,7 @@ pub(super) fn paint<P: Painter>(
                     if progress.is_cancelled() || scene.light.has_failed() {
                         return Err(Error::Cancelled);
                     }
-                    painter.paint(strip, samples.clone(), buffers, (tile, &mut tile_film));
+                    painter.paint(strip, samples.clone(), buffers, (tile, tile_film));
                     progress.rays_done(strip.samples() as u64);
                 }
                 left.start = samples.end;
@@ -470,7 +470,7 @@ pub(super) fn paint<P: Painter>(
             }
             // A poisoned lock means a panic elsewhere, which rayon passes on.
             let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
-            film.place(&tile_film);
+            film.place(tile_film);
             Ok(())
         });
     scene.light.check()?;

@@ -55,7 +55,7 @@ impl FilmBuilder {
             0
         };
         FilmBuilder(Film {
-            radiance: vec![[0.0; 3]; n],
+            radiance: Vec::with_capacity(n),
             unmet: 0.0,
             passes: 1,
             error: None,
@@ -68,11 +68,23 @@ impl FilmBuilder {
 
     /// Places a finished tile.
     pub fn place(&mut self, tile: &TileFilm) {
+        // Rows are made when they are first needed, so that they are in the cache when tiles are written to them.
+        let Tile { corner, size } = tile.tile;
+        self.extend(corner[1] + size[1]);
         self.0.place(tile);
     }
 
+    /// Makes the rows up to row `end` that do not exist yet, black.
+    fn extend(&mut self, end: u32) {
+        let pixels = end as usize * self.0.layout.size[0] as usize;
+        if pixels > self.0.radiance.len() {
+            self.0.radiance.resize(pixels, [0.0; 3]);
+        }
+    }
+
     /// The film; black outside the tiles placed.
-    pub fn finish(self) -> Film {
+    pub fn finish(mut self) -> Film {
+        self.extend(self.0.layout.size[1]);
         self.0
     }
 }

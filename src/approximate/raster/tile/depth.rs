@@ -69,20 +69,23 @@ pub(super) fn cover_block(of: &Functions, index: u32, samples: &mut Samples, blo
     let [a, b, c] = of.edges;
     let [dx, dy, dz] = of.depth;
     let (x, y) = (&samples.x[block], &samples.y[block]);
+    // Read before the branch and written as a whole after it: otherwise the compiler would make masked writes of it, which are slow, and so
+    // are the reads after them.
+    let (known_least, known_most) = (samples.least[block], samples.most[block]);
+    let known = samples.nearest[block];
     let mut any = 0;
     for i in 0..LANES {
         let ea = a[0] * x[i] + a[1] * y[i] + a[2];
         let eb = b[0] * x[i] + b[1] * y[i] + b[2];
         let ec = c[0] * x[i] + c[1] * y[i] + c[2];
-        any |= u32::from((ea >= 0.0) & (eb >= 0.0) & (ec >= 0.0));
+        let high = dx * x[i] + dy * y[i] + dz + of.slack;
+        let inside = (ea >= 0.0) & (eb >= 0.0) & (ec >= 0.0);
+        any |= u32::from(inside & (high >= known_least[i]) & (known[i] != index));
     }
-    // Few of the blocks that a small triangle may reach contain samples inside it.
+    // Few of the blocks that a small triangle may reach contain samples inside it, and not behind what is seen there.
     if any == 0 {
         return false;
     }
-    // Read and written as a whole, never in place: partial vector writes and the reads after them are slow.
-    let (known_least, known_most) = (samples.least[block], samples.most[block]);
-    let known = samples.nearest[block];
     let (mut least, mut most, mut nearest) = ([0.0; LANES], [0.0; LANES], [0; LANES]);
     let mut close = 0;
     for i in 0..LANES {
@@ -95,7 +98,13 @@ pub(super) fn cover_block(of: &Functions, index: u32, samples: &mut Samples, blo
         let seen = inside & (low > known_most[i]);
         close |= u32::from(inside & (low <= known_most[i]) & (high >= known_least[i]));
         least[i] = if seen { low } else { known_least[i] };
-        most[i] = if seen { high } else { known_most[i] };
+        // What is seen is nearer than all before it, so that the larger bound is its own.
+        let own = if seen { high } else { 0.0 };
+        most[i] = if own > known_most[i] {
+            own
+        } else {
+            known_most[i]
+        };
         nearest[i] = if seen { index } else { known[i] };
     }
     samples.least[block] = least;

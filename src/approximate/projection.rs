@@ -90,17 +90,13 @@ pub(crate) struct Apparent {
 /// A point of a rest frame in the form that a rasterizer needs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ApparentVertex {
-    /// Its position c, metres.
-    pub c: DVec3,
     /// Homogeneous film coordinates.
     pub film: DVec3,
-    /// The film point, pixels; without meaning unless it is in front of the camera.
-    pub point: [f64; 2],
     /// |c| |Δ/δ|, pixels. A point outside the film by more than half its size, or behind the camera, is treated as in the film's corner.
     pub scale: f64,
 }
 
-/// Points of a rest frame by component: the fields of an [`ApparentVertex`] of each.
+/// Points of a rest frame by component.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct VertexBlock {
     /// Places in the frame, which become the places c.
@@ -108,6 +104,7 @@ pub(crate) struct VertexBlock {
     /// |c|.
     pub length: Block,
     pub film: Vectors,
+    /// The film point, pixels; without meaning unless it is in front of the camera.
     pub point: [Block; 2],
     pub scale: Block,
 }
@@ -125,11 +122,8 @@ impl VertexBlock {
     /// Vertex `at`.
     #[inline(always)]
     pub fn get(&self, at: usize) -> ApparentVertex {
-        let [x, y] = &self.point;
         ApparentVertex {
-            c: self.c.get(at),
             film: self.film.get(at),
-            point: [x[at], y[at]],
             scale: self.scale[at],
         }
     }

@@ -37,12 +37,23 @@ impl Batch {
     /// The corners of a piece, where `shared` are the vertices of its frame.
     #[inline(always)]
     pub fn corners<'a>(&'a self, shared: &'a [Vertex], piece: &Piece) -> [&'a Vertex; 3] {
-        let vertex = |index: u32| match index.checked_sub(self.shared) {
+        self.of_corners(shared, &self.cuts, piece)
+    }
+
+    /// Their places in the rest frame, where `shared` are those of the frame's vertices.
+    #[inline(always)]
+    pub fn places(&self, shared: &[DVec3], piece: &Piece) -> [DVec3; 3] {
+        self.of_corners(shared, &self.places, piece).map(|x| *x)
+    }
+
+    #[inline(always)]
+    fn of_corners<'a, T>(&self, shared: &'a [T], own: &'a [T], piece: &Piece) -> [&'a T; 3] {
+        let of = |index: u32| match index.checked_sub(self.shared) {
             None => &shared[index as usize],
-            Some(own) => &self.cuts[own as usize],
+            Some(cut) => &own[cut as usize],
         };
         let [a, b, c] = piece.corners;
-        [vertex(a), vertex(b), vertex(c)]
+        [of(a), of(b), of(c)]
     }
 }
 

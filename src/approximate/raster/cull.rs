@@ -17,6 +17,8 @@ use crate::accel::vectors::VectorLoop;
 use crate::approximate::projection::ApparentProjection;
 use crate::camera::Projection as _;
 use crate::render::film::TILE;
+use crate::render::prepare::Prepared;
+use crate::render::sampler::pixel_key;
 use crate::spacetime::Displacement;
 
 /// How far outside a triangle samples may still count as inside, pixels: twice the bound on edge functions in f32 (`tile`).
@@ -117,6 +119,58 @@ impl FilmEdges {
     }
 }
 
+/// The samples of a film with one for each pixel: most triangles smaller than a pixel contain none.
+#[derive(Debug)]
+pub(super) struct SoleSamples {
+    size: [u32; 2],
+    /// Their film points, row by row.
+    points: Vec<[f32; 2]>,
+}
+
+impl SoleSamples {
+    /// The samples of a picture of `scene`; `None` if pixels have several.
+    pub fn of(scene: &Prepared) -> Option<Self> {
+        let (sampler, size) = (&scene.sampler, scene.layout.size);
+        if scene.layout.samples != 1 {
+            return None;
+        }
+        let width = size[0] as usize;
+        let mut points = vec![[0.0; 2]; width * size[1] as usize];
+        let (within, salt) = sampler.replicate(0);
+        let rows = (0..).zip(points.chunks_mut(width));
+        let (mut x, mut y) = (vec![0.0; width], vec![0.0; width]);
+        let mut keys = Vec::with_capacity(width);
+        for (row, points) in rows {
+            keys.clear();
+            keys.extend((0..size[0]).map(|column| pixel_key(column, row) ^ salt));
+            sampler.offsets(&keys, within, &mut x, &mut y);
+            for ((column, point), (x, y)) in (0u32..).zip(points).zip(x.iter().zip(&y)) {
+                *point = [(f64::from(column) + x) as f32, (f64::from(row) + y) as f32];
+            }
+        }
+        Some(SoleSamples { size, points })
+    }
+
+    /// Whether a triangle that can reach this part of the film contains none of them. Not known, and false, if it is larger than a pixel.
+    #[inline(always)]
+    pub fn miss(&self, reach: Reach) -> bool {
+        let Reach([left, top, right, bottom]) = reach;
+        let last = self.size.map(|n| n - 1);
+        let [column, row, last_column, last_row] = reach.pixels([0; 2], last);
+        // Rounding to f32 keeps the order of numbers, so that none inside is missed.
+        let holds = |column: u32, row: u32| {
+            let [x, y] = self.points[row as usize * self.size[0] as usize + column as usize];
+            (x >= left) & (x <= right) & (y >= top) & (y <= bottom)
+        };
+        let is_small = (last_column - column <= 1) & (last_row - row <= 1);
+        is_small
+            && !(holds(column, row)
+                | holds(last_column, row)
+                | holds(column, last_row)
+                | holds(last_column, last_row))
+    }
+}
+
 /// The number of triangles whose reach is computed together.
 pub(super) const LOT: usize = 64;
 
@@ -200,7 +254,16 @@ impl Frustum {
     }
 
     /// Whether the triangle with these positions c, and every part of it, however it is divided, is seen outside the film.
-    pub fn misses(&self, projection: &ApparentProjection, [a, b, c]: [DVec3; 3]) -> bool {
+    pub fn misses(
+        &self,
+        projection: &ApparentProjection,
+        [a, b, c]: [DVec3; 3],
+        film: [DVec3; 3],
+    ) -> bool {
+        // Most triangles that are divided have a corner on the film.
+        if film.into_iter().any(|h| self.is_inside(h)) {
+            return false;
+        }
         let centre = (a + b + c) / 3.0;
         let radius = centre
             .distance(a)
@@ -231,16 +294,21 @@ impl Frustum {
     #[inline]
     pub fn reach(&self, [a, b, c]: [&Vertex; 3]) -> Option<Reach> {
         let bounds = match is_before(a.film.z, b.film.z, c.film.z) {
-            true => [
-                a.point[0].min(b.point[0]).min(c.point[0]),
-                a.point[1].min(b.point[1]).min(c.point[1]),
-                a.point[0].max(b.point[0]).max(c.point[0]),
-                a.point[1].max(b.point[1]).max(c.point[1]),
-            ],
+            true => {
+                let [a, b, c] = [a, b, c].map(|v| v.film.truncate() / v.film.z);
+                let (least, most) = (a.min(b).min(c), a.max(b).max(c));
+                [least.x, least.y, most.x, most.y]
+            }
             false => self.bounds_beside([a.film, b.film, c.film])?,
         };
         let (is_seen, reach) = self.edges().reach(bounds);
         is_seen.then_some(Reach(reach))
+    }
+
+    /// Whether a point is seen on the film.
+    fn is_inside(&self, h: DVec3) -> bool {
+        let [width, height] = self.size;
+        (h.x >= 0.0) & (h.x <= width * h.z) & (h.y >= 0.0) & (h.y <= height * h.z)
     }
 
     /// The edges of the film.

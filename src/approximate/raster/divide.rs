@@ -12,7 +12,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::batch::{Batch, Bins, Grid, Piece};
-use super::cull::{Before, Frustum, Reach, ReachAll, SEEN, UNSEEN};
+use super::cull::{Before, Frustum, Reach, ReachAll, SEEN, SoleSamples, UNSEEN};
 use super::cuts::{Cuts, points};
 use super::flatness::{Bend, Edges, LOT};
 use super::method::Tessellation;
@@ -50,6 +50,8 @@ pub(super) struct Divider<'a> {
     pub tessellation: Tessellation,
     pub vertices: FrameVertices<'a>,
     pub cuts: &'a Cuts,
+    /// If pixels have one sample each.
+    pub samples: Option<&'a SoleSamples>,
 }
 
 /// A batch while it is filled.
@@ -117,13 +119,7 @@ impl<'a> BatchBuilder<'a> {
     /// 2.9 times as many points as with exact parts (measured on five scenes).
     pub fn forecast(&self) -> f64 {
         const FINER: f64 = 2.0;
-        let Divider {
-            projection,
-            frustum,
-            tessellation,
-            ..
-        } = *self.divider;
-        if tessellation == Tessellation::None {
+        if self.divider.tessellation == Tessellation::None {
             return 0.0;
         }
         let mut edges = Box::new(Edges::EMPTY);
@@ -138,8 +134,7 @@ impl<'a> BatchBuilder<'a> {
                     continue;
                 }
                 let points = points(needed);
-                let places = self.level[at].corners.map(|index| self.vertex(index).c);
-                if points > 1.0 && !frustum.misses(projection, places) {
+                if points > 1.0 && !self.misses(self.level[at]) {
                     sum += points;
                 }
             }
@@ -150,7 +145,7 @@ impl<'a> BatchBuilder<'a> {
     /// Keeps the triangles in `slots` whose corners show that they are straight enough; the other existing ones remain to be examined.
     fn add(&mut self, slots: Range<u32>, is_there: impl Fn(u32) -> bool) {
         let FrameVertices { shared, apparent } = self.divider.vertices;
-        let film = self.divider.frustum.edges();
+        let (film, samples) = (self.divider.frustum.edges(), self.divider.samples);
         let mut lot = Box::new(Before::EMPTY);
         self.batch.pieces.reserve(slots.len());
         for begin in slots.clone().step_by(LOT) {
@@ -174,11 +169,13 @@ impl<'a> BatchBuilder<'a> {
                     continue;
                 }
                 let corners = *corners;
+                let reach = Reach(lot.reach.each_ref().map(|bound| bound[at]));
                 match kind {
+                    SEEN if samples.is_some_and(|samples| samples.miss(reach)) => {}
                     SEEN => self.batch.pieces.push(Piece {
                         corners,
                         slot,
-                        reach: Reach(lot.reach.each_ref().map(|bound| bound[at])),
+                        reach,
                         tile: lot.tiles[at],
                     }),
                     _ => self.level.push(Part { corners, slot }),
@@ -230,6 +227,12 @@ impl<'a> BatchBuilder<'a> {
         }
     }
 
+    /// The place c of a vertex.
+    #[inline(always)]
+    fn optical(&self, index: u32) -> DVec3 {
+        self.divider.projection.optical(self.place(index))
+    }
+
     /// Keeps triangles that need no cut, and cuts the others once.
     fn divide_level(&mut self) {
         let mut edges = Box::new(Edges::EMPTY);
@@ -269,13 +272,13 @@ impl<'a> BatchBuilder<'a> {
             }
             Tessellation::Adaptive(pixels) => {
                 for (at, part) in self.level[range].iter().enumerate() {
-                    let corners = part.corners.map(|index| self.vertex(index));
                     // Corners by coordinate, for the vector loop over E of `flatness`.
-                    for (k, corner) in corners.iter().enumerate() {
-                        edges.c[k][0][at] = corner.c.x;
-                        edges.c[k][1][at] = corner.c.y;
-                        edges.c[k][2][at] = corner.c.z;
-                        edges.scale[k][at] = corner.scale;
+                    for (k, index) in part.corners.into_iter().enumerate() {
+                        let c = self.optical(index);
+                        edges.c[k][0][at] = c.x;
+                        edges.c[k][1][at] = c.y;
+                        edges.c[k][2][at] = c.z;
+                        edges.scale[k][at] = self.vertex(index).scale;
                     }
                 }
                 dispatch(Bend { edges, pixels });
@@ -299,6 +302,18 @@ impl<'a> BatchBuilder<'a> {
         }
     }
 
+    /// Whether all of a triangle is seen outside the film, however it is divided.
+    fn misses(&self, part: Part) -> bool {
+        let Divider {
+            projection,
+            frustum,
+            ..
+        } = self.divider;
+        let places = part.corners.map(|index| self.optical(index));
+        let film = part.corners.map(|index| self.vertex(index).film);
+        frustum.misses(projection, places, film)
+    }
+
     /// Keeps the triangle, if it may be visible.
     #[inline]
     fn keep(&mut self, part: Part) {
@@ -315,8 +330,7 @@ impl<'a> BatchBuilder<'a> {
 
     /// Cuts the triangle at those of its edges that have several `parts`.
     fn divide(&mut self, part: Part, parts: [f64; 3]) {
-        let places = part.corners.map(|index| self.vertex(index).c);
-        if self.divider.frustum.misses(self.divider.projection, places) {
+        if self.misses(part) {
             return;
         }
         // Rotates the corners so that the one edge that differs from the others is opposite to the first corner.

@@ -24,8 +24,8 @@
 //! the tree is taken.
 //!
 //! The implementation follows fast rasterizers: each distinct vertex is transformed once, in loops over one array per coordinate
-//! (`vertices`); triangles are divided level by level (`divide`, `flatness`), culled (`cull`) and sorted by the tiles that they may reach
-//! (`batch`). A tile is rasterized in strips of rows (`draw`), all samples of a pixel together: their depths stay in the cache while
+//! (`vertices`); triangles are divided level by level (`divide`, `flatness`), culled (`cull`: with one sample per pixel also those that
+//! contain none) and sorted by the tiles that they may reach (`batch`). A tile is rasterized in strips of rows (`draw`), all samples of a pixel together: their depths stay in the cache while
 //! triangles cover them in f32, and in f64 where that is in doubt (`tile`); of the visible triangles (`surfaces`), only what radiance
 //! depends on is interpolated (`fragments`), and shaded by the loops of the ray tracer. If radiance depends only on the patch, only its
 //! patch and W are determined for each sample (`even`).

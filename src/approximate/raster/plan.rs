@@ -112,7 +112,12 @@ impl Method {
                     let vertices: u64 = objects.map(|o| o.vertices).sum();
                     triangle_bytes(frame.triangles, vertices.min(3 * frame.triangles))
                 });
-                frames.fold([0, 0], |sum: [u64; 2], held| {
+                // The film point of each pixel's only sample.
+                let samples = match plan.film.samples {
+                    1 => 8 * plan.film.size.map(u64::from).iter().product::<u64>(),
+                    _ => 0,
+                };
+                frames.fold([0, samples], |sum: [u64; 2], held| {
                     [0, 1].map(|k| sum[k].saturating_add(held[k]))
                 })
             }

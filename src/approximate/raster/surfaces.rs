@@ -66,10 +66,10 @@ impl Lot {
 
     /// Sets the corners of a triangle, relative to that of the tile.
     #[inline(always)]
-    fn set(&mut self, at: usize, corners: [&Vertex; 3], [left, top]: [f64; 2]) {
+    fn set(&mut self, at: usize, corners: [&Vertex; 3], places: [DVec3; 3], [left, top]: [f64; 2]) {
         let to = self.film.iter_mut().zip(&mut self.places);
-        for (([x, y, z], places), corner) in to.zip(corners) {
-            let (h, c) = (corner.film, corner.c);
+        for (([x, y, z], places), (corner, c)) in to.zip(corners.into_iter().zip(places)) {
+            let h = corner.film;
             (x[at], y[at], z[at]) = (h.x - left * h.z, h.y - top * h.z, h.z);
             (places[0][at], places[1][at], places[2][at]) = (c.x, c.y, c.z);
         }
@@ -156,7 +156,11 @@ impl SurfaceLots {
                 let batch = &all.batches[triangle.batch as usize];
                 let piece = &batch.pieces[triangle.piece as usize];
                 let corners = batch.corners(&all.seen[batch.frame as usize], piece);
-                self.lot.set(at, corners, corner);
+                let positions = &all.frames[batch.frame as usize].shared_vertices().positions;
+                let projection = &all.projections[batch.frame as usize];
+                let places = batch.places(positions, piece);
+                let places = places.map(|x| projection.optical(x));
+                self.lot.set(at, corners, places, corner);
                 self.all.push(Surface {
                     sum: DVec3::ZERO,
                     c: [DVec3::ZERO; 3],

@@ -6,7 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::batch::{Batch, Grid, TileBatches};
-use super::cull::Frustum;
+use super::cull::{Frustum, SoleSamples};
 use super::cuts::{Cuts, Outlook};
 use super::divide::{BatchBuilder, Divider, FrameVertices};
 use super::flatness::Straight;
@@ -87,6 +87,11 @@ impl<'a> Triangles<'a> {
         // Triangles are cut until they are straight enough; one memory limit applies to all frames.
         let cuts = Cuts::within(scene.memory_left);
         let frusta: Vec<_> = projections.iter().map(Frustum::of).collect();
+        // They take an eighth as long as a triangle that is sorted by tiles: too long if there are few triangles.
+        let triangles: u64 = frames.iter().map(|rest| rest.bvh.len() as u64).sum();
+        let pixels = size.map(u64::from).iter().product::<u64>();
+        let samples = (4 * triangles >= pixels).then(|| SoleSamples::of(scene));
+        let samples = samples.flatten();
         let dividers = (0..frames.len()).map(|frame| Divider {
             projection: &projections[frame],
             frustum: &frusta[frame],
@@ -96,6 +101,7 @@ impl<'a> Triangles<'a> {
                 apparent: &seen[frame],
             },
             cuts: &cuts,
+            samples: samples.as_ref(),
         });
         let dividers: Vec<_> = dividers.collect();
         let batches = divided(frames, &dividers, &cuts, size, progress)?;
@@ -103,8 +109,8 @@ impl<'a> Triangles<'a> {
             return Err(cuts.refusal());
         }
         // Depths in units of the farthest vertex are of the order of 1 in scenes of any size.
+        let farthest = seen.iter().map(|seen| seen.farthest).fold(0.0, f64::max);
         let seen: Vec<_> = seen.into_iter().map(|seen| seen.all).collect();
-        let farthest = farthest(&seen);
         Ok(Triangles {
             size,
             frames,
@@ -187,18 +193,6 @@ fn straight(tessellation: Tessellation) -> Straight {
     }
 }
 
-/// The largest |z| of all vertices.
-fn farthest(seen: &[Vec<Vertex>]) -> f64 {
-    // Several at a time, so that they do not depend on each other.
-    let mut far = [0.0f64; 8];
-    for vertices in seen.iter().flat_map(|all| all.chunks(8)) {
-        for (far, vertex) in far.iter_mut().zip(vertices) {
-            *far = far.max(vertex.film.z.abs());
-        }
-    }
-    far.into_iter().fold(0.0, f64::max)
-}
-
 /// Whether the camera is on the side from which the corners run counter-clockwise. Light travels in straight lines in the rest frame, so
 /// this is exact, and the same for the whole triangle.
 pub(super) fn is_front([a, b, c]: [DVec3; 3], projection: &ApparentProjection) -> bool {
@@ -209,7 +203,9 @@ pub(super) fn is_front([a, b, c]: [DVec3; 3], projection: &ApparentProjection) -
 mod tests {
     use std::path::Path;
 
+    use super::super::cull::Reach;
     use super::*;
+    use crate::accel::numbers;
     use crate::approximate::raster::Method;
     use crate::render::aov::Aov;
     use crate::render::plan::{Plan, Request};
@@ -253,6 +249,7 @@ mod tests {
                     apparent: &seen[frame],
                 },
                 cuts: &cuts,
+                samples: None,
             });
             let dividers: Vec<_> = dividers.collect();
             let refused = divided(&frames[chosen], &dividers, &cuts, [16, 16], &Silent).is_err();
@@ -262,6 +259,36 @@ mod tests {
             assert_eq!(divide(frame..frame + 1), (true, true));
         }
         assert_eq!(divide(0..4), (true, false));
+    }
+
+    #[test]
+    fn triangles_smaller_than_a_pixel_are_left_out_if_they_contain_no_sample() {
+        let text = "[display]\nsamples_per_pixel = 1\n[camera]\neye = [0, 0, 4]\nlook_at = [0, 0, 0]\nsize = [37, 23]\n\
+                    [[object]]\nshape = { box = { size = [1, 1, 1] } }\n";
+        let scene = scene::parse(text, "box", Path::new("."), &Overrides::default()).unwrap();
+        let plan = Plan::new(&scene, &Request::default()).unwrap();
+        let scene = Prepared::new(&scene, &plan, &Silent).unwrap();
+        let samples = SoleSamples::of(&scene).unwrap();
+        let pixels = (0..23).flat_map(|row| (0..37).map(move |column| (column, row)));
+        let points = pixels.map(|(column, row)| {
+            let [x, y] = scene.sampler.offset(column, row, 0);
+            [f64::from(column) + x, f64::from(row) + y]
+        });
+        let points: Vec<_> = points.collect();
+        let mut random = numbers(1);
+        let mut counts = [0; 2];
+        for _ in 0..4000 {
+            let [left, top] = [18.5 * (1.0 + random()), 11.5 * (1.0 + random())];
+            let [right, bottom] = [(left, 37.0), (top, 23.0)]
+                .map(|(from, end)| f64::min(from + 0.5 * (1.0 + random()), end));
+            let is_inside =
+                |[x, y]: &[f64; 2]| (left..=right).contains(x) && (top..=bottom).contains(y);
+            let holds = points.iter().any(is_inside);
+            let reach = Reach([left, top, right, bottom].map(|x| x as f32));
+            assert_eq!(samples.miss(reach), !holds, "{reach:?}");
+            counts[usize::from(holds)] += 1;
+        }
+        assert!(counts.iter().all(|count| *count > 500), "{counts:?}");
     }
 
     #[test]

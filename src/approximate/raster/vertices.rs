@@ -10,14 +10,14 @@ use crate::render::trace::SharedVertices;
 
 pub(super) use crate::approximate::projection::ApparentVertex as Vertex;
 
+/// The number of vertices whose largest |z| are found side by side.
+const LANES: usize = 8;
 /// The number of vertices of a task.
 const TASK: usize = 64 * BLOCK;
 
 /// A vertex that has yet to be transformed.
 const NOWHERE: Vertex = Vertex {
-    c: DVec3::ZERO,
     film: DVec3::ZERO,
-    point: [0.0; 2],
     scale: 0.0,
 };
 
@@ -30,6 +30,8 @@ pub(super) type FilmCorner = [f64; 3];
 pub(super) struct ApparentVertices {
     pub all: Vec<Vertex>,
     pub corners: Vec<FilmCorner>,
+    /// The largest |z| of all.
+    pub farthest: f64,
 }
 
 /// The vertices `shared` of the rest frame of `projection`; `straight` is the test for edges that need no cut.
@@ -45,8 +47,10 @@ pub(super) fn transformed(
     let mut corners = vec![[0.0; 3]; positions.len()];
     let to = all.par_chunks_mut(TASK).zip(corners.par_chunks_mut(TASK));
     let from = positions.par_chunks(TASK).zip(longest.par_chunks(TASK));
-    to.zip(from)
-        .for_each(|((vertices, corners), (positions, longest))| {
+    let farthest = to
+        .zip(from)
+        .map(|((vertices, corners), (positions, longest))| {
+            let mut farthest = [0.0; LANES];
             dispatch(Transform {
                 apparent: projection.apparent(),
                 positions,
@@ -55,10 +59,17 @@ pub(super) fn transformed(
                     longest,
                     straight,
                     corners,
+                    farthest: &mut farthest,
                 }),
             });
-        });
-    ApparentVertices { all, corners }
+            farthest.into_iter().fold(0.0, f64::max)
+        })
+        .reduce(|| 0.0, f64::max);
+    ApparentVertices {
+        all,
+        corners,
+        farthest,
+    }
 }
 
 /// Appends the vertices for those of `positions` that `vertices` does not contain yet.
@@ -90,6 +101,8 @@ struct FilmCorners<'a> {
     longest: &'a [f64],
     straight: Straight,
     corners: &'a mut [FilmCorner],
+    /// The largest |z| so far, of several vertices at a time, so that they do not depend on each other.
+    farthest: &'a mut [f64; LANES],
 }
 
 impl VectorLoop for Transform<'_> {
@@ -151,6 +164,8 @@ impl FilmCorners<'_> {
         let corners = self.corners.iter_mut().skip(begin).take(BLOCK);
         for (at, corner) in corners.enumerate() {
             *corner = [x[at], y[at], z[at]];
+            let farthest = &mut self.farthest[at % LANES];
+            *farthest = farthest.max(block.film.get(at).z.abs());
         }
     }
 }

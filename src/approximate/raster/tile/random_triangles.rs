@@ -55,9 +55,7 @@ impl RandomTriangles {
                 tile: reach.tile(SIZE),
             });
             seen.extend(points.iter().zip(z).map(|([x, y], z)| Vertex {
-                c: DVec3::ZERO,
                 film: DVec3::new(x * z, y * z, z),
-                point: [*x, *y],
                 scale: 0.0,
             }));
         }

@@ -23,7 +23,7 @@ use sha2::{Digest, Sha256};
 
 use crate::error::{Error, Result};
 use crate::io::image::write_atomically;
-use crate::render::film::{Film, FilmBuilder, Layout, Tile, TileFilm};
+use crate::render::film::{Film, Layout, Tile, TileFilm};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
@@ -137,9 +137,12 @@ impl Passes {
 
     /// The picture so far.
     pub fn film(&self) -> Film {
-        let mut film = FilmBuilder::new(self.layout.clone());
-        self.tiles.iter().for_each(|tile| film.place(tile));
-        film.finish().with_passes(self.done, self.error)
+        let film = Film::of_tiles(&self.layout, |rows| {
+            self.tiles.iter().for_each(|tile| rows.place(tile));
+            Ok(())
+        });
+        film.expect("placing tiles does not fail")
+            .with_passes(self.done, self.error)
     }
 
     /// The standard error of the picture so far: root mean square over pixels, divided by their mean radiance. 0 if it is dark.

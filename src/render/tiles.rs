@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::io::cube::BytesRead;
-use crate::render::film::{Film, FilmBuilder, Tile, TileFilm};
+use crate::render::film::{Film, Tile, TileFilm};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
@@ -72,29 +72,26 @@ fn tiles_with(
 ) -> Result<Film> {
     let pipeline = Pipeline::new(scene, scene.sampler);
     let layout = &scene.layout;
-    let film = Mutex::new(FilmBuilder::new(layout.clone()));
-    let done: Result<()> =
-        tiles
-            .into_par_iter()
-            .try_for_each_init(Default::default, |(buffers, kept), index| {
-                let tile = Tile::of_image(layout.size, index);
-                let tile_film = TileFilm::reused(kept, tile, layout);
-                let mut meter = Meter::new(total.is_some());
-                let samples = 0..layout.samples;
-                pipeline.samples(samples, buffers, tile_film, progress, &mut meter)?;
-                // A poisoned lock means a panic in another thread, which rayon propagates.
-                let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
-                film.place(tile_film);
-                if let (Some(total), Some(stats)) = (total, meter.into_stats()) {
-                    let mut total = total.lock().unwrap_or_else(PoisonError::into_inner);
-                    total.merge(stats);
-                }
-                Ok(())
-            });
-    scene.light.check()?;
-    done?;
-    let film = film.into_inner().unwrap_or_else(PoisonError::into_inner);
-    Ok(film.finish())
+    Film::of_tiles(layout, |rows| {
+        let done: Result<()> =
+            tiles
+                .into_par_iter()
+                .try_for_each_init(Default::default, |(buffers, kept), index| {
+                    let tile = Tile::of_image(layout.size, index);
+                    let tile_film = TileFilm::reused(kept, tile, layout);
+                    let mut meter = Meter::new(total.is_some());
+                    let samples = 0..layout.samples;
+                    pipeline.samples(samples, buffers, tile_film, progress, &mut meter)?;
+                    rows.place(tile_film);
+                    if let (Some(total), Some(stats)) = (total, meter.into_stats()) {
+                        let mut total = total.lock().unwrap_or_else(PoisonError::into_inner);
+                        total.merge(stats);
+                    }
+                    Ok(())
+                });
+        scene.light.check()?;
+        done
+    })
 }
 
 /// From film points to radiance.
@@ -261,20 +258,22 @@ mod tests {
     fn film(scene: &Prepared, at_once: u32) -> Film {
         let layout = &scene.layout;
         let pipeline = Pipeline::new(scene, scene.sampler);
-        let mut film = FilmBuilder::new(layout.clone());
         let mut buffers = Buffers::default();
-        for index in 0..Tile::count(layout.size) {
-            let mut tile = TileFilm::new(Tile::of_image(layout.size, index), layout);
-            let mut first = 0;
-            while first < layout.samples {
-                let samples = tile.together(first..layout.samples, at_once);
-                first = samples.end;
-                pipeline.batch(samples.clone(), &mut buffers, &mut tile, &mut Meter::off());
-                tile.end_samples(samples);
+        let film = Film::of_tiles(layout, |rows| {
+            for index in 0..Tile::count(layout.size) {
+                let mut tile = TileFilm::new(Tile::of_image(layout.size, index), layout);
+                let mut first = 0;
+                while first < layout.samples {
+                    let samples = tile.together(first..layout.samples, at_once);
+                    first = samples.end;
+                    pipeline.batch(samples.clone(), &mut buffers, &mut tile, &mut Meter::off());
+                    tile.end_samples(samples);
+                }
+                rows.place(&tile);
             }
-            film.place(&tile);
-        }
-        film.finish()
+            Ok(())
+        });
+        film.unwrap()
     }
 
     #[test]

@@ -1,7 +1,6 @@
 //! From samples to radiance: what each sample sees, in the ray tracer's data structures.
 
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -9,7 +8,7 @@ use rayon::prelude::*;
 use crate::camera::RayOrigin;
 use crate::error::{Error, Result};
 use crate::light::time_texture::Coverage;
-use crate::render::film::{Film, FilmBuilder, TILE, Tile, TileFilm};
+use crate::render::film::{Film, TILE, Tile, TileFilm};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::trace::{
@@ -445,38 +444,35 @@ pub(super) fn paint<P: Painter>(
     progress: &dyn Progress,
 ) -> Result<Film> {
     let layout = &scene.layout;
-    let film = Mutex::new(FilmBuilder::new(layout.clone()));
-    let done = (0..Tile::count(layout.size))
-        .into_par_iter()
-        .try_for_each_init(Default::default, |(buffers, kept), index| {
-            let tile = Tile::of_image(layout.size, index);
-            let tile_film = TileFilm::reused(kept, tile, layout);
-            // As many samples at a time as a film takes between the ends of its parts.
-            let all = 0..layout.samples;
-            let rows = Strip::height(tile_film.together(all.clone(), most).len() as u32);
-            painter.begin(tile, rows, buffers);
-            let mut left = all;
-            while !left.is_empty() {
-                let samples = tile_film.together(left.clone(), most);
-                for strip in Strip::of(tile, rows, samples.len()) {
-                    if progress.is_cancelled() || scene.light.has_failed() {
-                        return Err(Error::Cancelled);
+    Film::of_tiles(layout, |film| {
+        let done = (0..Tile::count(layout.size))
+            .into_par_iter()
+            .try_for_each_init(Default::default, |(buffers, kept), index| {
+                let tile = Tile::of_image(layout.size, index);
+                let tile_film = TileFilm::reused(kept, tile, layout);
+                // As many samples at a time as a film takes between the ends of its parts.
+                let all = 0..layout.samples;
+                let rows = Strip::height(tile_film.together(all.clone(), most).len() as u32);
+                painter.begin(tile, rows, buffers);
+                let mut left = all;
+                while !left.is_empty() {
+                    let samples = tile_film.together(left.clone(), most);
+                    for strip in Strip::of(tile, rows, samples.len()) {
+                        if progress.is_cancelled() || scene.light.has_failed() {
+                            return Err(Error::Cancelled);
+                        }
+                        painter.paint(strip, samples.clone(), buffers, (tile, tile_film));
+                        progress.rays_done(strip.samples() as u64);
                     }
-                    painter.paint(strip, samples.clone(), buffers, (tile, tile_film));
-                    progress.rays_done(strip.samples() as u64);
+                    left.start = samples.end;
+                    tile_film.end_samples(samples);
                 }
-                left.start = samples.end;
-                tile_film.end_samples(samples);
-            }
-            // A poisoned lock means a panic elsewhere, which rayon passes on.
-            let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
-            film.place(tile_film);
-            Ok(())
-        });
-    scene.light.check()?;
-    done?;
-    let film = film.into_inner().unwrap_or_else(PoisonError::into_inner);
-    Ok(film.finish())
+                film.place(tile_film);
+                Ok(())
+            });
+        scene.light.check()?;
+        done
+    })
 }
 
 impl<P: Visibility> Painter for Stage<'_, P> {

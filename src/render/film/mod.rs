@@ -9,7 +9,10 @@ mod tile;
 pub use layout::{Layout, TILE, Tile};
 pub use tile::TileFilm;
 
+use std::sync::{Mutex, PoisonError};
+
 use crate::accel::Precision;
+use crate::error::Result;
 use crate::io::image::{Channel, Samples};
 use crate::light::time_texture::Coverage;
 use crate::render::aov::Aov;
@@ -41,65 +44,41 @@ struct TileCoverage {
     hidden: f64,
 }
 
-/// A film on which tiles are placed in any order.
-#[derive(Debug)]
-pub(crate) struct FilmBuilder(Film);
+/// Where the tiles of a film are placed, in any order and from any thread: each row of tiles has a lock of its own.
+pub(crate) struct Rows<'a>(Vec<Mutex<Row<'a>>>);
 
-impl FilmBuilder {
-    /// An empty film, which is black.
-    pub fn new(layout: Layout) -> Self {
-        let n = layout.size[0] as usize * layout.size[1] as usize;
-        let tiles = if layout.has_gaps {
-            Tile::count(layout.size) as usize
-        } else {
-            0
-        };
-        FilmBuilder(Film {
-            radiance: Vec::with_capacity(n),
-            unmet: 0.0,
-            passes: 1,
-            error: None,
-            parts: None,
-            coverage: vec![TileCoverage::default(); tiles],
-            aovs: vec![vec![0.0; n]; layout.channels.len()],
-            layout,
-        })
-    }
+/// A row of tiles.
+struct Row<'a> {
+    layout: &'a Layout,
+    radiance: &'a mut [[f64; 3]],
+    aovs: Vec<&'a mut [f64]>,
+    coverage: &'a mut [TileCoverage],
+    /// As in [`Film`], of these tiles. Sums are of multiples of the same share unless there are passes, whose tiles are placed in order.
+    unmet: f64,
+    parts: Option<u32>,
+}
 
+impl Rows<'_> {
     /// Places a finished tile.
-    pub fn place(&mut self, tile: &TileFilm) {
-        // Rows are made when they are first needed, so that they are in the cache when tiles are written to them.
-        let Tile { corner, size } = tile.tile;
-        self.extend(corner[1] + size[1]);
-        self.0.place(tile);
-    }
-
-    /// Makes the rows up to row `end` that do not exist yet, black.
-    fn extend(&mut self, end: u32) {
-        let pixels = end as usize * self.0.layout.size[0] as usize;
-        if pixels > self.0.radiance.len() {
-            self.0.radiance.resize(pixels, [0.0; 3]);
-        }
-    }
-
-    /// The film; black outside the tiles placed.
-    pub fn finish(mut self) -> Film {
-        self.extend(self.0.layout.size[1]);
-        self.0
+    pub fn place(&self, tile: &TileFilm) {
+        let row = &self.0[(tile.tile.corner[1] / TILE) as usize];
+        // A poisoned lock means a panic in another thread, which rayon propagates.
+        row.lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .place(tile);
     }
 }
 
-impl Film {
-    /// Places a finished tile.
+impl Row<'_> {
     fn place(&mut self, tile: &TileFilm) {
-        let samples = tile.taken(&self.layout);
+        let samples = tile.taken(self.layout);
         let parts = tile.parts().map(|parts| parts.taken);
         self.parts = self.parts.into_iter().chain(parts).min();
         // 1 if there is one pass.
         let share = f64::from(self.layout.samples) / f64::from(samples);
         self.unmet += tile.unmet as f64 * share;
-        let index = tile.tile.index(self.layout.size) as usize;
-        if let Some(coverage) = self.coverage.get_mut(index) {
+        let Tile { corner, size } = tile.tile;
+        if let Some(coverage) = self.coverage.get_mut((corner[0] / TILE) as usize) {
             *coverage = TileCoverage {
                 sum: tile.coverage * share,
                 from_data: tile.from_data * share,
@@ -107,12 +86,10 @@ impl Film {
             };
         }
         let scale = 1.0 / samples as f64;
-        let [left, top] = tile.tile.corner.map(|c| c as usize);
-        let (width, across) = (self.layout.size[0] as usize, tile.tile.size[0] as usize);
+        let [left, width, across] = [corner[0], self.layout.size[0], size[0]].map(|n| n as usize);
         // Convert sums to means, row by row of the tile.
         for (row, sums) in tile.radiance.chunks(across.max(1)).enumerate() {
-            let first = (top + row) * width + left;
-            let means = self.radiance[first..].iter_mut();
+            let means = self.radiance[row * width + left..].iter_mut();
             match &tile.parts {
                 None => {
                     for (mean, sum) in means.zip(sums) {
@@ -126,13 +103,69 @@ impl Film {
                 }
             }
         }
-        for (channel, aov) in self.layout.channels.iter().enumerate() {
-            let values = tile.aov(channel, *aov, samples);
-            for ((column, row), value) in tile.tile.coordinates().zip(values) {
-                let at = row as usize * width + column as usize;
-                self.aovs[channel][at] = value;
+        let channels = self.layout.channels.iter().zip(&mut self.aovs);
+        for (channel, (aov, values)) in channels.enumerate() {
+            let of_tile = tile.aov(channel, *aov, samples);
+            for ((column, row), value) in tile.tile.coordinates().zip(of_tile) {
+                values[(row - corner[1]) as usize * width + column as usize] = value;
             }
         }
+    }
+}
+
+impl Film {
+    /// The film on which `render` places tiles; black outside them.
+    ///
+    /// # Errors
+    /// Those of `render`.
+    pub(crate) fn of_tiles(
+        layout: &Layout,
+        render: impl FnOnce(&Rows) -> Result<()>,
+    ) -> Result<Film> {
+        let [width, height] = layout.size.map(|n| n as usize);
+        let n = width * height;
+        let of_gaps = if layout.has_gaps {
+            Tile::count(layout.size)
+        } else {
+            0
+        };
+        let mut radiance = vec![[0.0; 3]; n];
+        let mut coverage = vec![TileCoverage::default(); of_gaps as usize];
+        let mut aovs = vec![vec![0.0; n]; layout.channels.len()];
+
+        // All arrays, row of tiles by row of tiles.
+        let pixels = width * TILE as usize;
+        let mut of_aovs: Vec<_> = aovs.iter_mut().map(|a| a.chunks_mut(pixels)).collect();
+        let mut of_coverage = coverage.chunks_mut(layout.size[0].div_ceil(TILE) as usize);
+        let rows = radiance.chunks_mut(pixels).map(|radiance| {
+            Mutex::new(Row {
+                layout,
+                radiance,
+                aovs: of_aovs.iter_mut().filter_map(Iterator::next).collect(),
+                coverage: of_coverage.next().unwrap_or_default(),
+                unmet: 0.0,
+                parts: None,
+            })
+        });
+        let rows = Rows(rows.collect());
+        render(&rows)?;
+
+        let (mut unmet, mut parts) = (0.0, None);
+        for row in rows.0 {
+            let row = row.into_inner().unwrap_or_else(PoisonError::into_inner);
+            unmet += row.unmet;
+            parts = parts.into_iter().chain(row.parts).min();
+        }
+        Ok(Film {
+            layout: layout.clone(),
+            radiance,
+            unmet,
+            passes: 1,
+            error: None,
+            parts,
+            coverage,
+            aovs,
+        })
     }
 
     /// The number of samples per pixel in each pass.

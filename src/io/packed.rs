@@ -8,7 +8,8 @@
 //!
 //! What is stored is the difference between the bits of sample and prediction, in an adaptive binary arithmetic code:
 //! its magnitude in steps of about the size of the differences nearby, first the number of whole steps in unary, then the
-//! rest from the highest bit, then the sign. Chances adapt to what came before, for each size of the differences nearby.
+//! rest from the highest bit, then the sign. Chances adapt to what came before, for each size of the differences nearby, and those of
+//! signs also for the signs of the differences nearby: those of one texel resemble their predecessors.
 //! Unpacking it gives the bits of `scenes/corner/lightmap.npz`.
 //!
 //! Sources: linear prediction and contexts by nearby differences, Weinberger, Seroussi, Sapiro, "The LOCO-I lossless image
@@ -88,7 +89,7 @@ fn code(coder: &mut impl Coder, known: Option<&[u16]>) -> Vec<u8> {
     // Samples in 2⁻²⁴ and how far each was from its prediction, with the zeros around them.
     let size = (rows + BEFORE[0] + AFTER[0]) * stride[0] * stride[1];
     let mut values = vec![0i32; size];
-    let mut missed = vec![0u16; size];
+    let mut missed = vec![0i16; size];
     let mut chances = vec![Chances::default(); CONTEXTS];
     let mut samples = Vec::with_capacity(2 * rows * columns * bins);
 
@@ -107,7 +108,8 @@ fn code(coder: &mut impl Coder, known: Option<&[u16]>) -> Vec<u8> {
             let predicted = i32::from(bits((sum + (1 << 15)) >> 16));
 
             // Differences nearby: the nearest three count twice.
-            let miss = |r, c, k| u32::from(missed[here.wrapping_add_signed(-back([r, c, k]))]);
+            let missed_by = |r, c, k| missed[here.wrapping_add_signed(-back([r, c, k]))];
+            let miss = |r, c, k| u32::from(missed_by(r, c, k).unsigned_abs());
             let spread = 2 * (miss(0, 0, 1) + miss(0, 1, 0) + miss(1, 0, 0))
                 + miss(0, 0, 2)
                 + miss(0, 1, -1)
@@ -118,10 +120,19 @@ fn code(coder: &mut impl Coder, known: Option<&[u16]>) -> Vec<u8> {
                 + miss(2, 0, 0);
 
             let known = known.map(|known| i32::from(known[texel * bins + bin]) - predicted);
-            let difference = chances[context(spread)].code(coder, step(spread), known);
+            // Signs of the three bins before and of the texel above, as digits to the base of three.
+            let signs = [
+                missed_by(0, 0, 1),
+                missed_by(0, 0, 2),
+                missed_by(0, 0, 3),
+                missed_by(1, 0, 0),
+            ];
+            let signs =
+                (signs.into_iter()).fold(0, |all, miss| 3 * all + (miss.signum() + 1) as usize);
+            let difference = chances[context(spread)].code(coder, (step(spread), signs), known);
             let sample = (predicted + difference) as u16;
             values[here] = value(sample);
-            missed[here] = difference.unsigned_abs() as u16;
+            missed[here] = difference as i16;
             samples.extend(sample.to_le_bytes());
         }
     }
@@ -149,6 +160,8 @@ fn bits(value: i64) -> u16 {
 }
 
 const CONTEXTS: usize = 64;
+/// Four signs, each of which is negative, zero or positive.
+const SIGNS: usize = 81;
 
 /// Which chances belong to a sum of differences nearby: four for each doubling.
 fn context(spread: u32) -> usize {
@@ -173,7 +186,8 @@ struct Chances {
     goes_on: [Chance; MOST_STEPS],
     /// The two highest bits below the step, for each of the first counts of steps.
     below: [[Chance; 2]; 8],
-    negative: Chance,
+    /// For each combination of signs nearby.
+    negative: [Chance; SIGNS],
 }
 
 impl Default for Chances {
@@ -181,14 +195,20 @@ impl Default for Chances {
         Self {
             goes_on: [Chance::EVEN; MOST_STEPS],
             below: [[Chance::EVEN; 2]; 8],
-            negative: Chance::EVEN,
+            negative: [Chance::EVEN; SIGNS],
         }
     }
 }
 
 impl Chances {
-    /// Codes a difference, `known` or from the decoder, whose magnitude is counted in steps of 2^`step`.
-    fn code(&mut self, coder: &mut impl Coder, step: u32, known: Option<i32>) -> i32 {
+    /// Codes a difference, `known` or from the decoder, whose magnitude is counted in steps of 2^`step`, near differences with these
+    /// `signs`.
+    fn code(
+        &mut self,
+        coder: &mut impl Coder,
+        (step, signs): (u32, usize),
+        known: Option<i32>,
+    ) -> i32 {
         let magnitude = known.map_or(0, i32::unsigned_abs);
 
         let mut steps = 0;
@@ -211,11 +231,7 @@ impl Chances {
             coded = coded << 1 | u32::from(bit);
         }
 
-        if coded > 0
-            && self
-                .negative
-                .code(coder, known.is_some_and(|known| known < 0))
-        {
+        if coded > 0 && self.negative[signs].code(coder, known.is_some_and(|known| known < 0)) {
             -(coded as i32)
         } else {
             coded as i32
@@ -240,7 +256,7 @@ impl Chance {
         let chance = (u32::from(self.soon) + u32::from(self.late)) / 2;
         // Neither bit may be impossible.
         let bit = coder.code(chance.clamp(32, (1 << 16) - 32), bit);
-        for (chance, rate) in [(&mut self.soon, 4), (&mut self.late, 7)] {
+        for (chance, rate) in [(&mut self.soon, 5), (&mut self.late, 8)] {
             match bit {
                 true => *chance += (u16::MAX - *chance) >> rate,
                 false => *chance -= *chance >> rate,

@@ -4,6 +4,7 @@
 //! number of threads.
 
 mod layout;
+mod parts;
 mod tile;
 
 pub use layout::{Layout, TILE, Tile};
@@ -189,7 +190,7 @@ impl Film {
     pub fn degrees_of_freedom(&self) -> Option<f64> {
         let parts = self.parts.filter(|parts| *parts > 1)?;
         self.aov(Aov::StandardError)?;
-        Some(tile::degrees_of_freedom(parts))
+        Some(parts::degrees_of_freedom(parts))
     }
 
     /// The same film, after this number of passes that were to reach this error.

@@ -15,6 +15,7 @@
 //! The file of the sums: a line that names the format, the fingerprint of what is rendered, passes, ε and the picture's mean radiance per
 //! half, the sums of all tiles in order (numbers in little-endian order), and the SHA-256 of all that.
 
+use std::convert::Infallible;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
@@ -137,12 +138,11 @@ impl Passes {
 
     /// The picture so far.
     pub fn film(&self) -> Film {
-        let film = Film::of_tiles(&self.layout, |rows| {
+        let Ok(film) = Film::of_tiles(&self.layout, |rows| {
             self.tiles.iter().for_each(|tile| rows.place(tile));
-            Ok(())
+            Ok::<(), Infallible>(())
         });
-        film.expect("placing tiles does not fail")
-            .with_passes(self.done, self.error)
+        film.with_passes(self.done, self.error)
     }
 
     /// The standard error of the picture so far: root mean square over pixels, divided by their mean radiance. 0 if it is dark.

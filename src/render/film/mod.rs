@@ -13,7 +13,6 @@ pub use tile::TileFilm;
 use std::sync::{Mutex, PoisonError};
 
 use crate::accel::Precision;
-use crate::error::Result;
 use crate::io::image::{Channel, Samples};
 use crate::light::time_texture::Coverage;
 use crate::render::aov::Aov;
@@ -119,10 +118,10 @@ impl Film {
     ///
     /// # Errors
     /// Those of `render`.
-    pub(crate) fn of_tiles(
+    pub(crate) fn of_tiles<E>(
         layout: &Layout,
-        render: impl FnOnce(&Rows) -> Result<()>,
-    ) -> Result<Film> {
+        render: impl FnOnce(&Rows) -> Result<(), E>,
+    ) -> Result<Film, E> {
         let [width, height] = layout.size.map(|n| n as usize);
         let n = width * height;
         let of_gaps = if layout.has_gaps {

@@ -310,7 +310,7 @@ fn bins(arguments: &BakeArguments, scene: &Scene) -> Result<Bins> {
     let least = f64::from(f32::MIN_POSITIVE);
     if bins.width < least {
         let what = format!(
-            "bins of {} m hold less energy than numbers of the file can say: radiance 1 has as many metres of it as a bin is wide",
+            "in bins of {} m the energies are too small for single precision: that of radiance 1 is the width of the bin in metres",
             number(bins.width)
         );
         let help = format!("{} m or more", number(least));

@@ -46,7 +46,7 @@ pub fn blackness(scene: &Scene, film: &Film, is_shifted: bool, shut_in: bool) ->
          in [render], and lights with a spectrum)"
             .into()
     } else if is_shifted {
-        "what is in view shines, but nothing of its light is visible".into()
+        "what is in view shines, but none of its light is visible".into()
     } else if shut_in {
         "all light is inside objects, whose outside it does not light".into()
     } else {
@@ -174,14 +174,14 @@ fn out_of_sight(scene: &Scene, [low, high]: [f64; 2], is_black: bool) -> String 
     };
     let shown = match is_black {
         true => "what would be seen",
-        false => "what is seen, however bright it is shown,",
+        false => "what is seen, however bright it appears,",
     };
     let ratios = match [short(low), short(high)] {
         [low, high] if low == high => low,
         [low, high] => format!("{low} to {high}"),
     };
     format!(
-        "W = {ratios} shifts visible light to {}, out of sight; {shown} left at {}, where colours are {made_up} \
+        "W = {ratios} shifts visible light to {}, out of sight; {shown} was emitted at {}, where colours are {made_up} \
          (radiance.continuation): try display.false_colour = \"{} nm\", or radiance.quantity = \"luminance\", which keeps hues",
         span([low * violet, high * red]),
         span([violet * seen / high, red * seen / low]),

@@ -72,7 +72,7 @@ impl Account {
         rows.push(row("loading", &seconds(self.loaded_in)));
         rows.push(row("building trees", &seconds(self.built_in)));
         rows.push(row("rendering", &seconds(self.rendered_in)));
-        rows.push(row("in all, but for writing", &seconds(self.total())));
+        rows.push(row("in all, without writing", &seconds(self.total())));
         rows.push("time while rendering, summed over threads\n".into());
         for stage in Stage::ALL {
             let [spent, share, per_ray] = self.stage(stage);

@@ -256,11 +256,12 @@ fn field_of_view(
     let middle = [0.5 * width, 0.5 * height];
     let apart = centre.iter().zip(middle).map(|(c, m)| (c - m).abs());
     if apart.fold(0.0, f64::max) > 0.5 {
-        let what =
-            format!("its axis meets the picture at {centre:?}, but the middle is at {middle:?}");
+        let what = format!(
+            "its principal point is {centre:?}, but the middle of the picture is {middle:?}"
+        );
         return refuse(
             what,
-            "crop the capture about that place, and say so in `crop`, with `hfov` of the whole film",
+            "crop the capture about that point, and say so in `crop`, with `hfov` of the whole film",
         );
     }
     Ok([width, height].map(|size| 2.0 * libm::atan2(0.5 * size, f)))

@@ -116,7 +116,7 @@ impl From<NegativeArgument> for Negative {
     }
 }
 
-/// How codes stand for radiance.
+/// How codes encode radiance.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum TransferArgument {
     /// In proportion.

@@ -37,7 +37,7 @@ pub struct DiagramArguments {
     /// Show ct and one direction of space, or two: "1+1" or "2+1".
     #[arg(long, value_name = "D", value_parser = ["1+1", "2+1"])]
     pub dimensions: Option<String>,
-    /// Light on dark.
+    /// Draw in light colours on a dark page.
     #[arg(long)]
     pub dark: bool,
     /// Pixels per point (1/72 inch) in a .png.

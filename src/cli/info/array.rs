@@ -172,7 +172,7 @@ fn sequence(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
     if lacks_transfer {
         info.row(
             "needs",
-            "transfer = \"linear\" or \"srgb\" in the source: how codes stand for radiance, which pictures do not say",
+            "transfer = \"linear\" or \"srgb\" in the source: how codes encode radiance, which pictures do not say",
         );
     }
     info.data("needs_transfer", lacks_transfer);

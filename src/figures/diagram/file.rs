@@ -10,7 +10,7 @@ use crate::scene::{At, Number, Numbers, Vector};
 use crate::spacetime::units::Length;
 
 /// A space-time diagram: ct upwards, one direction of space to the right, light at 45 degrees. Numbers are
-/// in the diagram's `unit`, times as ct. An event is the name of one, or [ct, x], or [ct, x, y] in 2+1 dimensions.
+/// in the diagram's `unit`, times as ct. An event is given by its name, as [ct, x], or as [ct, x, y] in 2+1 dimensions.
 #[derive(Debug, Default, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -21,9 +21,9 @@ use crate::spacetime::units::Length;
 pub(super) struct Diagram {
     /// A title above the diagram.
     pub title: Option<At<String>>,
-    /// What a number of this table means: "m", "mm", "cm", "km", or a time, of which a length is what
-    /// light goes in it: "ps", "ns", "us", "ms", "s", "min", "h", "d", "yr". Default: metres, with no unit
-    /// at the axes.
+    /// The unit of this table's numbers: "m", "mm", "cm", "km", or a time, with lengths as the time that
+    /// light takes for them: "ps", "ns", "us", "ms", "s", "min", "h", "d", "yr". Default: metres, with no unit
+    /// on the axes.
     pub unit: Option<At<Unit>>,
     /// The range of x on the axes, [from, to]. Default: to fit the contents.
     pub x: Option<At<Numbers<2>>>,
@@ -31,17 +31,17 @@ pub(super) struct Diagram {
     pub ct: Option<At<Numbers<2>>>,
     /// The range of y on the axes of a 2+1-dimensional diagram, [from, to]. Default: to fit the contents.
     pub y: Option<At<Numbers<2>>>,
-    /// "1+1": ct and x. "2+1": ct, x and y in oblique projection, with light cones as cones and what is
-    /// simultaneous as planes. Default: "1+1".
+    /// "1+1": ct and x. "2+1": ct, x and y in oblique projection, with light cones as cones and simultaneous
+    /// events as planes. Default: "1+1".
     pub dimensions: Option<At<Dimensions>>,
     /// The direction of the world along which x is measured, of any length but 0. Default: that of the
     /// camera's motion, or of the first object that moves, or else [1, 0, 0].
     pub direction: Option<At<Vector>>,
-    /// The direction along which y is measured in 2+1 dimensions; its part along `direction` is taken off.
-    /// Default: across `direction` in which something moves, or else upright.
+    /// The direction along which y is measured in 2+1 dimensions; only its component perpendicular to `direction`
+    /// counts. Default: a perpendicular direction in which something moves, or else upright.
     pub across: Option<At<Vector>>,
-    /// The frame, or several side by side, in whose coordinates all is drawn: "world", "camera", or the
-    /// name of one. Default: "world".
+    /// The frame in whose coordinates everything is drawn, or several for views side by side: "world", "camera",
+    /// or the name of a frame. Default: "world".
     pub view: Option<At<OneOrMany>>,
     /// The labels of the view's own axes, of ct and of x. Default: "*ct*" and "*x*", with their unit.
     pub labels: Option<At<[At<String>; 2]>>,
@@ -113,7 +113,7 @@ pub(super) enum Unit {
     Yr,
 }
 
-/// A frame of reference, and what is drawn of it.
+/// A frame of reference, and how it is drawn.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -125,14 +125,14 @@ pub(super) struct DiagramFrame {
     pub name: At<String>,
     /// Velocity: β along the diagram's direction, or a table as elsewhere. Excludes `of`.
     pub velocity: Option<At<Speed>>,
-    /// The frame relative to which `velocity` is. Default: "world".
+    /// The frame to which `velocity` is relative. Default: "world".
     pub relative_to: Option<At<String>>,
-    /// The world line that the frame moves along with. Excludes `velocity`.
+    /// The world line whose momentary rest frame this is. Excludes `velocity`.
     pub of: Option<At<String>>,
-    /// The time of that world line's own clock at which it does. Default: 0, or the camera's time.
+    /// The time on that world line's own clock at which its rest frame is taken. Default: 0, or the camera's time.
     pub proper_time: Option<At<Number>>,
-    /// The event at which the frame's clock and coordinates are 0. Default: [0, 0], or with `of` the
-    /// world line's event then.
+    /// The event at which the frame's clock and coordinates are 0. Default: [0, 0], or with `of` the event of the
+    /// world line at that time.
     pub origin: Option<At<Place>>,
     /// Whether its axes are drawn. Default: true.
     pub axes: Option<bool>,
@@ -144,8 +144,8 @@ pub(super) struct DiagramFrame {
     pub colour: Option<Colour>,
 }
 
-/// A world line, given in one way: inertial, accelerated or on a circle from an event on, through events, or that of
-/// something in the scene.
+/// A world line, given in one way: inertial, accelerated or circling, through an event; through several events; or that
+/// of something in the scene.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -159,22 +159,22 @@ pub(super) struct DiagramLine {
     pub label: Option<At<String>>,
     // One of these ways: `of`; `at` with `velocity` and at most one kind of acceleration; `through`; `keyframes`. Which of them is
     // checked in `resolve`: an enum would lose the places of keys that exclude each other.
-    /// What in the scene it is the world line of: "camera" (or "pinhole"), "sensor" (its centre), or the
+    /// The thing in the scene whose world line it is: "camera" (or "pinhole"), "sensor" (its centre), or the
     /// name of an object.
     pub of: Option<At<String>>,
     /// The event at which its clock shows 0. Default: [0, 0].
     pub at: Option<At<Place>>,
     /// The velocity then: β along the diagram's direction, or a table as elsewhere. Default: at rest.
     pub velocity: Option<At<Speed>>,
-    /// The frame relative to which `velocity` is. Default: "world".
+    /// The frame to which `velocity` is relative. Default: "world".
     pub relative_to: Option<At<String>>,
     /// Constant proper acceleration along the diagram's direction: per unit of length, or a quantity like "1 g".
     pub acceleration: Option<At<ProperAcceleration>>,
     /// One stretch of constant proper acceleration after the other, from the event `at` on.
     pub segments: Option<At<Vec<At<LineSegment>>>>,
-    /// Proper acceleration along the diagram's direction at ascending own times, [time, acceleration] each,
-    /// linear between them, from the event `at` on; it has no more than these times, of which 0 is one, or
-    /// between.
+    /// Proper acceleration along the diagram's direction at ascending proper times, [time, acceleration] each,
+    /// linear between them. The world line extends only from the first time to the last; 0, at the event `at`, is
+    /// one of the times or between them.
     pub profile: Option<At<Vec<At<Numbers<2>>>>>,
     /// A circle at constant speed, seen from the side; at the event `at` it is farthest along the diagram's
     /// direction.
@@ -252,8 +252,8 @@ pub(super) struct DiagramEvent {
     pub light_to: Option<At<Place>>,
     /// Where that world line is simultaneous with this event in `frame`.
     pub simultaneous_with: Option<At<Place>>,
-    /// Two world lines that cross there; of several crossings the first after proper time 0 of the first
-    /// line, or else the last before.
+    /// Two world lines that cross there; of several crossings, the first after proper time 0 of the first
+    /// line, or else the last before that.
     pub cross: Option<At<[At<String>; 2]>>,
     /// Whether it is marked by a dot. Default: true.
     pub dot: Option<bool>,
@@ -311,7 +311,7 @@ pub(super) struct LightCone {
     pub past: Option<bool>,
     /// How far from its apex it is drawn in 2+1 dimensions, above 0. Default: as far as the contents go.
     pub height: Option<At<Number>>,
-    /// Whether what is within the cone is shaded. Default: false; in 2+1 dimensions it is always.
+    /// Whether the inside of the cone is shaded. Default: false; in 2+1 dimensions it always is.
     pub shade: Option<bool>,
 }
 
@@ -325,14 +325,14 @@ pub(super) struct LightCone {
 pub(super) struct Signal {
     /// The event of its emission, or the world line that emits it.
     pub from: At<Place>,
-    /// The time of the world line's own clock when it does.
+    /// The time on the world line's own clock when it emits.
     pub proper_time: Option<At<Number>>,
-    /// Emits one after the other in these distances of the world line's own time, above 0, from its
-    /// beginning (or its time 0) to its end (or `count` of them). Excludes `proper_time`.
+    /// The interval between several signals, in the world line's own time, above 0: from its beginning (or its
+    /// time 0) to its end (or `count` of them). Excludes `proper_time`.
     pub every: Option<At<Number>>,
-    /// How many; needed where the world line has no end. At most 1000.
+    /// How many signals; needed where the world line has no end. At most 1000.
     pub count: Option<At<u32>>,
-    /// The world line that receives it; of several the first sends it on to the next.
+    /// The world line that receives it; if there are several, each sends it on to the next.
     pub to: At<OneOrMany>,
     /// Its label. Default: none.
     pub label: Option<At<String>>,
@@ -352,8 +352,8 @@ pub(super) struct Slice {
     pub frame: Option<At<String>>,
     /// An event on the line.
     pub event: At<Place>,
-    /// The world line at which it ends; it goes there from the event, and for a line of equal place to the
-    /// first crossing after the world line's time 0, or else the last before. Default: it has no ends.
+    /// The world line at which it ends: it goes from the event to there, and for a line of equal place to the
+    /// first crossing after the world line's time 0, or else the last before that. Default: it has no ends.
     pub to: Option<At<String>>,
     /// Its label. Default: none.
     pub label: Option<At<String>>,
@@ -379,12 +379,12 @@ pub(super) struct Interval {
     pub colour: Option<Colour>,
 }
 
-/// The events of one interval from an event, given by one of them or by its value.
+/// The events at one interval from an event; the interval is given by its value, or by one of the events.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, expecting = "a table like { proper_time = 1 }")]
 pub(super) struct Hyperbola {
-    /// The event that the interval is from. Default: [0, 0].
+    /// The event from which the interval is measured. Default: [0, 0].
     pub about: Option<At<Place>>,
     /// An event on it.
     pub through: Option<At<Place>>,
@@ -398,7 +398,7 @@ pub(super) struct Hyperbola {
     pub colour: Option<Colour>,
 }
 
-/// A curve that is nobody's world line: any events, joined by straight lines.
+/// A curve that is not a world line: any events, joined by straight lines.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -406,7 +406,7 @@ pub(super) struct Hyperbola {
     expecting = "a table like { through = [[0, 0], [1, 2]] }"
 )]
 pub(super) struct DrawnCurve {
-    /// The events, two at least.
+    /// The events, at least two.
     pub through: At<Vec<At<Place>>>,
     /// Whether it is dashed. Default: false.
     pub dashed: Option<bool>,
@@ -416,7 +416,7 @@ pub(super) struct DrawnCurve {
     pub colour: Option<Colour>,
 }
 
-/// What lies between two world lines: that of a rod, from end to end.
+/// The surface between two world lines, like the world sheet of a rod between those of its ends.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -472,7 +472,7 @@ pub(super) struct Arrow {
     pub colour: Option<Colour>,
 }
 
-/// A quarter of the diagram between the light rays through an event, and these rays: the horizons of those
+/// A quarter of the diagram between the light rays through an event, with these rays: the horizons of observers
 /// who accelerate away from the event for ever.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -483,7 +483,7 @@ pub(super) struct Arrow {
 pub(super) struct Wedge {
     /// The event.
     pub of: At<Place>,
-    /// Which: "right", "left", "future" or "past". Default: "right".
+    /// Which quarter: "right", "left", "future" or "past". Default: "right".
     pub side: Option<At<Side>>,
     /// Its label. Default: none.
     pub label: Option<At<String>>,
@@ -501,7 +501,7 @@ pub(super) struct Wedge {
 pub(super) struct Text {
     /// The words.
     pub text: At<String>,
-    /// Where their middle is.
+    /// The event on which they are centred.
     pub at: At<Place>,
     /// The colour. Default: black.
     pub colour: Option<Colour>,
@@ -520,10 +520,10 @@ pub(super) struct Animation {
     pub frames: Option<At<u32>>,
     /// Pictures per second of an animated file, above 0. Default: 24.
     pub fps: Option<At<Number>>,
-    /// The frame in whose coordinates the last picture is; from that of the view there in equal steps of
-    /// rapidity.
+    /// The frame in whose coordinates the last picture is drawn; the first is drawn in those of the view, and the
+    /// steps between them are equal in rapidity.
     pub boost_to: Option<At<String>>,
-    /// Whether it goes there and back again, in these pictures. Default: false.
+    /// Whether these pictures go there and back again. Default: false.
     pub back: Option<bool>,
     /// A line of simultaneity that sweeps from one time to another, with the readings of the clocks on it.
     pub now: Option<At<Now>>,
@@ -537,7 +537,7 @@ pub(super) struct Animation {
     expecting = "a table like { frame = \"S'\", from = 0, to = 5 }"
 )]
 pub(super) struct Now {
-    /// The frame in which all on the line is simultaneous. Default: "world".
+    /// The frame in which the events on the line are simultaneous. Default: "world".
     pub frame: Option<At<String>>,
     /// The time of that frame in the first picture.
     pub from: At<Number>,

@@ -273,7 +273,7 @@ pub struct Hyperbola {
 /// Events joined by straight lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnCurve<P = Event<World>> {
-    /// The events, two at least.
+    /// The events, at least two.
     pub points: Vec<P>,
     /// Whether it is dashed.
     pub dashed: bool,
@@ -297,7 +297,7 @@ pub struct WorldSheet {
 /// A shaded region with straight edges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
-    /// Its corners, three at least.
+    /// Its corners, at least three.
     pub corners: Vec<Event<World>>,
     /// The label on it.
     pub label: Option<String>,

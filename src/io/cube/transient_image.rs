@@ -186,7 +186,7 @@ fn header(reader: &mut dyn ReadSeek, file: &Path) -> Result<Header> {
     }
     if !(header.width > 0.0 && header.width.is_finite() && header.first.is_finite()) {
         let what = format!(
-            "bins of width {} from {} on do not form a time axis",
+            "bins of width {} that start at {} do not form a time axis",
             header.width, header.first
         );
         return Err(invalid(what));

@@ -215,7 +215,7 @@ fn open<'a>(reader: &'a mut dyn ReadSeek, file: &Path) -> Result<ZipArchive<&'a 
     // A small file can have any number of members that share their bytes. If the check itself fails, reading the member gives a better
     // error.
     if archive.has_overlapping_files().is_ok_and(|overlap| overlap) {
-        let what = "two members lie on the same bytes, or one goes beyond the archive's end";
+        let what = "two members overlap, or one extends beyond the archive's end";
         return Err(place.invalid("archive", what, WRITE_AGAIN));
     }
     Ok(archive)

@@ -101,7 +101,7 @@ pub static REGIMES: [Regime; 14] = [
     },
     Regime {
         name: "sizes",
-        what: "triangles of 1e-9 to 1e9 m: which are met, s and barycentric weights",
+        what: "triangles of 1e-9 to 1e9 m: which are hit, s and barycentric weights",
         unit: RATIO,
         bound: 10.0,
         families: &["size"],

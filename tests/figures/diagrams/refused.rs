@@ -99,7 +99,7 @@ fn limits_that_show_nothing_are_refused() {
     check(
         "x = [5, 9]\nevent = [{ name = \"A\", at = [0, 0] }]\n",
         "diagram.x",
-        "nothing of the diagram",
+        "nothing in the diagram",
         "leave them out",
     );
     check(

@@ -262,7 +262,7 @@ fn bins_that_miss_light_say_how_much() {
     assert!(said.contains("256 of 1e-36 m from 0 m"), "{said}");
     for (width, words) in [
         ("0 m", "width above 0"),
-        ("1e-300 m", "less energy than numbers of the file can say"),
+        ("1e-300 m", "too small for single precision"),
     ] {
         let run = folder.run(&["bake", "lit.toml", "--bin-width", width]);
         assert_eq!(run.code, 2);

@@ -62,7 +62,7 @@ fn light_that_is_shifted_out_of_sight_is_said_to_be() {
     folder.write("w.toml", scene);
     let said = folder.ok(&["render", "w.toml", "-o", "w.png"]);
     assert!(said.contains("the picture is black"), "{said}");
-    assert!(said.contains("what would be seen left at"), "{said}");
+    assert!(said.contains("what would be seen was emitted at"), "{said}");
     let said = folder.ok(&[
         "render",
         "w.toml",
@@ -158,7 +158,7 @@ fn light_out_of_sight_that_exposure_makes_bright_is_told_with_its_wavelengths() 
     // 380 nm · W and 780 nm · W, then these by W.
     let numbers = [
         "W = 14.11 shifts visible light to 5.36 to 11 µm, out of sight",
-        "left at 26.94 to 55.3 nm",
+        "emitted at 26.94 to 55.3 nm",
         "Planck's law at 6504 K",
         "display.false_colour = \"7829 nm\"",
         "radiance.quantity = \"luminance\"",

@@ -199,7 +199,7 @@ fn of_arrays_that_share_their_bytes_nothing() {
     refused(
         &folder,
         &["info", "a.npz"],
-        &["two members lie on the same bytes"],
+        &["two members overlap"],
     );
 }
 

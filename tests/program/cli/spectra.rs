@@ -19,7 +19,7 @@ fn a_spectrum_out_of_sight_is_told_and_no_other_time_is_advised() {
         said.contains("the spectrum of \"sphere\" is seen at 0.57"),
         "{said}"
     );
-    assert!(said.contains("nothing of its light is visible"), "{said}");
+    assert!(said.contains("none of its light is visible"), "{said}");
     assert!(!said.contains("another --time"), "{said}");
 }
 
@@ -76,7 +76,7 @@ fn a_small_picture_of_a_spectrum_out_of_sight_has_the_same_reason() {
     );
     for size in ["8x6", "80x60"] {
         let said = folder.ok(&["render", "small.toml", "--size", size, "-o", "small.png"]);
-        for part in ["nothing of its light is visible", "W = 0.2"] {
+        for part in ["none of its light is visible", "W = 0.2"] {
             assert!(said.contains(part), "{size}: {said}");
         }
         assert!(!said.contains("another --time"), "{size}: {said}");

@@ -797,6 +797,6 @@ fn light_in_whole_numbers_is_named_as_codes() {
             });
         }
         let found = diagnosed(&exact, &codes);
-        named(Kind::Gamma, &["whole numbers", "codes of 8 bits"], &found);
+        named(Kind::Gamma, &["whole numbers", "8-bit codes"], &found);
     }
 }

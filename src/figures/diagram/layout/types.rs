@@ -73,7 +73,7 @@ pub struct Panel {
     pub cones: Vec<Cone>,
     /// Hyperbolae of constant interval.
     pub hyperbolae: Vec<Hyperbola>,
-    /// Curves that are nobody's world line.
+    /// Curves that are not world lines.
     pub curves: Vec<DrawnCurve<Point>>,
     /// World sheets, regions and wedges, lowest first.
     pub areas: Vec<Area>,

@@ -217,7 +217,7 @@ pub(super) fn refuse_empty_limits(
         // A line without ends is not sampled, so points cannot show that it stays outside.
         let straight = diagram.lines.iter().any(|l| l.track.span() == ENDLESS);
         if points.peek().is_some() && !straight && !points.any(within) {
-            let what = "nothing of the diagram is within these limits";
+            let what = "nothing in the diagram is within these limits";
             let help = "leave them out to have them chosen by the contents";
             return Err(cx.refuse(at, what, help));
         }

@@ -402,8 +402,8 @@ fn confocal(file: &File, [laser, sensor]: [&str; 2]) -> Result<Option<String>> {
         _ => false,
     };
     Ok(is_confocal.then(|| {
-        "confocal: each point was recorded while the laser lit that point, so that a picture of them is of as many flashes as points, \
-         and no light goes from one to the next in it"
+        "confocal: each point was recorded while the laser lit that point, so that a picture of all points shows as many flashes as \
+         points, and no light that travels from one point to another"
             .into()
     }))
 }

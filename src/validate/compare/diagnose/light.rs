@@ -259,7 +259,7 @@ fn codes(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     let found = told(lit, |_, r| r);
     (found.tally.error() > NOTABLE).then(|| {
         let what = format!(
-            "light is in whole numbers up to {largest}: codes of {} bits, and not linear light. Divide by {bound}, and decode what is encoded for a display",
+            "light is in whole numbers up to {largest}: {}-bit codes, not linear light. Divide by {bound}, and decode what is encoded for a display",
             if bound > 255.0 { 16 } else { 8 }
         );
         let evidence = vec![("largest code", largest)];

@@ -18,7 +18,7 @@ pub struct ConvertArguments {
     /// A .npy, .npz or .h5 file to write, a new Zarr folder (.zarr), or, for a name without an extension, a new folder of EXR frames.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// The array of an .npz or HDF5 file that holds several; with the number of an entry for axes named L, like "H[3]".
+    /// The array of an .npz or HDF5 file that holds several; axes named L need the number of an entry in brackets, like "H[3]".
     #[arg(long, value_name = "NAME")]
     pub array: Option<String>,
     /// The order of the input's axes, like "T H W". Default: "H W T [C]"; for pictures "T H W".

@@ -84,11 +84,11 @@ pub struct MotionArguments {
     /// for --flyby twice the distance to that point, times γ.
     #[arg(long, value_name = "LENGTH", conflicts_with_all = ["light", "speeds"])]
     pub distance: Option<Time>,
-    /// The camera's time of the first picture of --light. Default: from when light comes into view until it has left,
+    /// The camera's time at the first picture, with --light. Default: from when light comes into view until it has left,
     /// not counting light that lasts ten times as long as a flash.
     #[arg(long, value_name = "TIME", requires = "to", conflicts_with_all = ["flyby", "accelerate", "speeds"], allow_hyphen_values = true)]
     pub from: Option<Time>,
-    /// The camera's time of the last picture of --light.
+    /// The camera's time at the last picture, with --light.
     #[arg(
         long,
         value_name = "TIME",

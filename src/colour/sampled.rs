@@ -31,7 +31,7 @@ pub type Wavelengths = [f64; 3];
 /// Steps of the distribution of wavelengths: a multiple of 3, so that each third of it has its own.
 const STEPS: usize = 384;
 
-/// Where its density is largest, nm, and how fast it falls off, per nm.
+/// Where its density is largest, nm, and how fast it falls off, per nm (Radziszewski et al., above).
 const MIDDLE: f64 = 538.0;
 const SLOPE: f64 = 0.0072;
 

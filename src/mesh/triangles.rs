@@ -77,7 +77,7 @@ pub struct Material {
     pub transmission: f32,
     /// Refractive index of the dielectric (KHR_materials_ior), also for transmitted light.
     pub ior: f32,
-    /// Whether it bounds a body with that index (KHR_materials_volume); otherwise it is a film without thickness.
+    /// Whether it bounds a body with that index (KHR_materials_volume); otherwise it is thin-walled.
     pub solid: bool,
     /// Factor on alpha, 0 to 1.
     pub alpha: f32,

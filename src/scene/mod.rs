@@ -23,7 +23,7 @@
 //! | `[camera.sensor]` | a sensor behind the pinhole |
 //! | `[camera.rotation]` | a rotating sensor |
 //! | `[camera.shutter]` | a shutter that is open for some time |
-//! | `[[object]]` | geometry from glTF or a shape, transform, velocity, origin event (at least one) |
+//! | `[[object]]` | geometry from glTF or a shape, transform, velocity, origin event (at least one, unless there is a sky) |
 //! | `[[light]]` | lamps on their own world lines, and objects that shine |
 //! | `[sky]` | light from infinity: a gradient or a picture, a sun, stars |
 //! | `[[source]]` | time-resolved radiance of surfaces: a stored cube, or a pulse of light |

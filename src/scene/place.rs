@@ -77,6 +77,7 @@ impl Search<'_> {
         if span.start > self.target.start || span.end < self.target.end {
             return;
         }
+        // Of equal spans the last one counts, which is the deepest.
         let closer = |&(len, _): &(usize, Place)| span.len() <= len;
         if self.best.as_ref().is_none_or(closer) {
             self.best = Some((span.len(), Place(self.path.clone())));

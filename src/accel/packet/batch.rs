@@ -414,6 +414,7 @@ impl View<'_> {
                     {
                         Outcome::Incoherent
                     }
+                    // Rays that start near one point are treated as sharing it, if f64 certifies their hits: (K5) of `block`.
                     _ => match rays.as_shared(&self.tree.space, &block.order) {
                         Some(rays) if method.precision == Precision::Certified => {
                             self.closest_of_block(method, rays, hits, &mut space, stack, tally)
@@ -430,6 +431,7 @@ impl View<'_> {
                         space.replace(self.bvh, precision, rays, hits, tally, replaced)
                     }
                     Outcome::Incoherent => {
+                        // Interleaved, unless there are too few.
                         let order = &space.block.order[..space.block.count];
                         if order.len() < FEW {
                             let all = chosen(order, u64::MAX);

@@ -228,6 +228,7 @@ impl Block {
             }
             return;
         }
+        // Four consecutive vectors at a time, or one by one.
         let [xs, ys, zs] = &mut self.directions;
         match rays.directions() {
             Some(directions) if self.in_fours => {

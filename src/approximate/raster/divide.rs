@@ -163,6 +163,7 @@ impl<'a> BatchBuilder<'a> {
                 lot: &mut lot,
                 film,
             });
+            // Triangles that are seen and straight are kept; the others are examined as the first level.
             for (at, (slot, corners)) in (begin..end).zip(corners).enumerate() {
                 let kind = lot.kinds[at];
                 if kind == UNSEEN || !is_there(slot) {

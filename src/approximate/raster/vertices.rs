@@ -150,6 +150,7 @@ impl FilmCorners<'_> {
         let (mut z, longest) = ([0.0; BLOCK], load(self.longest, begin));
         let (straight, stretch) = (self.straight, apparent.most_stretch());
         for at in 0..BLOCK {
+            // None of its edges needs a cut if everything within the longest of them is straight enough.
             let ends_straight =
                 straight.around(block.length[at], stretch * longest[at], block.scale[at]);
             let own = block.film.get(at).z;

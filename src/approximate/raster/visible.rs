@@ -111,6 +111,7 @@ impl Visibility for Triangles<'_> {
                 false => triangles.cover(strip, x, y),
             }
         }
+        // Through a hole the nearest opaque triangle behind it is seen.
         let count = x.len();
         if self.has_holes {
             for (sample, (x, y)) in x.iter().zip(&*y).enumerate() {

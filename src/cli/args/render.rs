@@ -14,6 +14,7 @@ use super::shared::{
 };
 use crate::cli::values;
 
+// The group `timed` has the options that draw isochrones, one of which --isochrone-step needs.
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("timed").multiple(true), mut_arg("flash", |flash| flash.conflicts_with_all(["flyby", "time"])))]
 pub struct RenderArguments {

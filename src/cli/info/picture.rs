@@ -68,6 +68,7 @@ pub fn frame(path: &Path, name: &str, memory: u64) -> Result<Info> {
         channels,
     );
     let count = cube::frame_count(path)?;
+    // A panorama of the whole sky is twice as wide as high.
     let is_sky = panorama::is_hdr(path) && width == 2 * height;
     let usable = match count {
         1 if is_sky => {

@@ -204,6 +204,7 @@ impl Track {
     /// The moment at which `rising`, which increases along the line, is zero.
     pub fn where_zero(&self, rising: impl Fn(Event<World>) -> f64) -> Option<Moment> {
         let value = |time: f64| self.with_digits(time).map(|m| rising(m.event));
+        // Halved until the two are neighbouring numbers, of which the one with the smaller value counts.
         let [mut low, mut high] = self.bracket(&value)?;
         for _ in 0..HALVINGS {
             let middle = low + 0.5 * (high - low);

@@ -167,6 +167,7 @@ impl Stroke {
 impl Arrow {
     /// The arrowhead that suits a line of `width` points.
     pub fn of_line(width: f64) -> Arrow {
+        // Heads grow less than lines, so that those of thin lines are still visible.
         Arrow {
             length: 3.0 + 4.0 * width,
             width: 2.0 + 3.0 * width,

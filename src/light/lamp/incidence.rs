@@ -251,6 +251,7 @@ impl Taking for Falling<'_> {
 
     #[inline(always)]
     fn take(&mut self, begin: usize, block: &ArrivalsBlock, buffers: &mut Buffers) {
+        // Steady and isotropic: full strength in all directions.
         let arriving = Arriving {
             d: block.d.as_ref(),
             strength: &[1.0; BLOCK],

@@ -260,6 +260,7 @@ impl Lamp {
 
     /// Whether its light on anything moving at `velocity` is constant.
     pub(crate) fn is_constant_for(&self, velocity: Velocity) -> bool {
+        // The same velocity, up to rounding.
         let rests = |own: Velocity| (own.rapidity() - velocity.rapidity()).length() <= 1e-12;
         let is_uniform = matches!(self.beam, Cone::Parallel(_)) && self.velocity().is_some();
         self.emission.is_steady() && (is_uniform || self.velocity().is_some_and(rests))
@@ -411,6 +412,7 @@ struct AtRest {
 impl Emitter for AtRest {
     #[inline(always)]
     fn arrival(&self, way: Displacement<World>) -> (Arrival, f64) {
+        // k = P − X in space, |k| = r: one division gives 1/r² and, times r, the unit direction.
         let k = -way.x;
         let square = k.length_squared();
         let distance = square.sqrt();
@@ -425,6 +427,7 @@ impl Emitter for AtRest {
             in_lamp: d,
             strength: 1.0,
         };
+        // The lamp's clock shows world time since its own event; the light left η r before it arrived.
         (arrival, way.ct - self.index * distance)
     }
 }
@@ -471,6 +474,7 @@ impl<const SLOW: bool> ThereAndBack<SLOW> {
             true => self.there.displacement_of_slow(way),
             false => self.there.displacement_of_fast(way),
         };
+        // In its own frame the lamp rests: light that arrives at way.ct left r_G earlier.
         let k = -way.x;
         let reach = k.length();
         (k, [reach, way.ct - reach])
@@ -483,6 +487,7 @@ impl<const SLOW: bool> ThereAndBack<SLOW> {
             true => self.back.null_of_slow(k, reach),
             false => self.back.null_of_fast(k, reach),
         };
+        // q, and the quotients that follow from it.
         let square = reach * reach;
         let quotient = inverse_within(distance * square);
         let (per_distance, fade) = (square * quotient, distance * quotient);
@@ -552,10 +557,12 @@ impl<'a> Accelerated<'a> {
         let crossing = self.line.on_past_light_cone(self.near, way)?;
         let proper_time = crossing.proper_time();
         let (_, velocity) = self.line.place(proper_time)?;
+        // P − X: `crossing` and `way` both start at the lamp's own event.
         let k = (crossing.displacement - way).x;
         let (d, distance) = (Direction::new(k)?, k.length());
         let boost = Boost::<World, CameraFrame>::new(velocity).inverse();
         let (in_lamp, ratio) = boost.direction(d);
+        // r_G: distances transform like frequencies.
         let reach = distance * ratio;
         let arrival = Arrival {
             d,
@@ -594,6 +601,7 @@ impl Emitter for ParallelAtRest {
             in_lamp: -self.direction,
             strength: 1.0,
         };
+        // The front that passes the lamp's origin reaches x a time η n·x later.
         (arrival, way.ct - self.index * way.x.dot(self.direction))
     }
 }

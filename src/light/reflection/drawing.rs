@@ -44,7 +44,7 @@ impl Reflection {
         let f0 = self.specular?;
         let (tangent, bitangent) = self.normal.any_orthonormal_pair();
         let local = |v: DVec3| DVec3::new(v.dot(tangent), v.dot(bitangent), v.dot(self.normal));
-        // The view, stretched to the hemisphere of α = 1.
+        // The view, stretched to the hemisphere of α = 1; not below the surface, to which shading normals and rounding may tilt it.
         let v = local(self.view);
         let stretched = DVec3::new(self.alpha * v.x, self.alpha * v.y, v.z.max(1e-9)).normalize();
         // A point of the disc in which the hemisphere appears in that view.
@@ -79,6 +79,7 @@ impl Reflection {
         // One number decides between mirror, glass and diffuse; its remainder is uniform again.
         let share = self.specular_share();
         if x < share && self.is_mirror {
+            // A mirror: Schlick's F, or for glass Fresnel's, over its probability.
             let f0 = self.specular?;
             let weight = schlick(self.facing);
             let reflected = match &self.through {
@@ -97,6 +98,7 @@ impl Reflection {
             true => self.sample_specular([x / share, y])?.0,
             false => {
                 let x = (x - share) / (1.0 - share);
+                // The rest is transmitted or diffuse.
                 let part = self.share_through();
                 if let Some(glass) = self.through.as_ref().filter(|_| x < part) {
                     let weight = (1.0 - glass.reflected) / ((1.0 - share) * part);

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! has (n₁/n₂)² times the radiance on the near side, as L/n² does not change along rays (dω cos θ n² is invariant: ibid., § 4.8), times
-//! c. If no θ₂ exists, all is reflected. A film without thickness transmits light without refraction; with the reflections between its
+//! c. If no θ₂ exists, all is reflected. A thin-walled surface transmits light without refraction; with the reflections between its
 //! two faces its F is 2F/(1 + F). The mirror direction is sampled with a probability near F, proportional to it below 4 %. Neglected:
 //! dispersion (one index for all wavelengths), absorption between surfaces, polarization, and interference.
 
@@ -32,7 +32,7 @@ pub(super) struct Through {
 
 impl Reflection {
     /// The reflection with the surface as smooth glass, which transmits the fraction `transmission` of what is not reflected, to the index
-    /// `far`; a film without thickness if `solid` is false.
+    /// `far`; thin-walled if `solid` is false.
     pub fn as_glass(self, transmission: f64, far: f64, solid: bool) -> Self {
         let through = Through::new(
             (self.normal, self.view, self.facing),
@@ -50,8 +50,8 @@ impl Reflection {
 }
 
 impl Through {
-    /// Through a surface with this normal, seen from `view` at the cosine `facing`, with the index `near` here and `far` beyond; a film
-    /// without thickness if `solid` is false. `colour` is t c (1 − m).
+    /// Through a surface with this normal, seen from `view` at the cosine `facing`, with the index `near` here and `far` beyond;
+    /// thin-walled if `solid` is false. `colour` is t c (1 − m).
     pub fn new(
         (normal, view, facing): (DVec3, DVec3, f64),
         [near, far]: [f64; 2],

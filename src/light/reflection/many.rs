@@ -51,6 +51,7 @@ impl VectorLoop for Values<'_> {
                 facing[k] = of.facing;
                 alpha[k] = of.alpha;
             }
+            // All as glossy surfaces, in one loop.
             let mut values = Vectors::ZERO;
             for k in 0..BLOCK {
                 let of = Reflection {

@@ -176,6 +176,7 @@ impl Reflection {
         let Some(f0) = self.specular else {
             return self.diffuse.map(|c| c / PI);
         };
+        // 1 − F = (1 − f₀)(1 − (1 − v·h)⁵).
         let h = (self.view + l).normalize_or(self.normal);
         let weight = schlick(self.view.dot(h));
         std::array::from_fn(|c| (1.0 - f0[c]) * (1.0 - weight) * self.diffuse[c] / PI)

@@ -46,6 +46,7 @@ pub(super) struct Texel {
 impl LightGrid {
     /// The grid of the background of `sky`.
     pub fn new(sky: &Sky) -> LightGrid {
+        // As fine as the picture, within limits.
         let side = match &sky.background {
             Background::Image(picture) => {
                 (picture.width() / AROUND).clamp(LEAST_SIDE, GREATEST_SIDE)

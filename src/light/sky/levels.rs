@@ -624,6 +624,7 @@ impl Tally {
                     *sum += e;
                 }
             };
+            // Several parts were summed; a single one is the star itself.
             if self.many >> ray & 1 == 1 {
                 let sums = &self.sums[self.slots[ray] as usize];
                 sums.parts().for_each(|part| shine(part.star(direction)));

@@ -352,6 +352,7 @@ impl StarMap {
                     });
             }
         };
+        // From the widest level down, until a family is narrow enough for the cap and W hardly changes across it.
         let last = self.levels.len() - 1;
         let mut left: Vec<_> = (0u32..self.level(last).families.len() as u32)
             .map(|family| (last, family))
@@ -360,6 +361,7 @@ impl StarMap {
             let (level, bound) = (self.level(number), self.reach_of(number));
             let family = &level.families[family as usize];
             let (place, size) = (&family.merged, DIAGONAL * bound);
+            // No star of the family is in the cap.
             if place.direction.dot(cap.axis) + size * cap.axis.length() <= cap.bound {
                 continue;
             }

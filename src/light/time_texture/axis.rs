@@ -246,6 +246,7 @@ impl Timeline {
             first: start as usize,
             ..NOTHING
         };
+        // Bins beyond an end have the value of the end bin, or are black.
         for (bin, weight) in (first..).zip(run) {
             let black = (bin < 0 && self.before == Fill::Black)
                 || (bin > last && self.after == Fill::Black);

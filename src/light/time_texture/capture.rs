@@ -186,6 +186,7 @@ impl Capture {
                     self.saw(pixel - apart, &aim) && self.saw(pixel + apart, &aim)
                 })
             };
+            // Pixels at the border lack a neighbour.
             let within = |at: usize, count: usize| at > 0 && at + 1 < count;
             [
                 within(pixel % width, width) && all(1),
@@ -273,6 +274,7 @@ impl Capture {
     /// The same for what a pixel saw.
     #[inline(always)]
     pub(super) fn delay_from(&self, seen: &Seen) -> f64 {
+        // Rays begin on the near plane: times lack the way to it.
         match (seen.distance > 0.0, self.lens.near > 0.0) {
             (false, _) => 0.0,
             (true, true) => self.delay * (seen.distance - self.lens.near_distance(seen)),
@@ -290,6 +292,7 @@ impl Capture {
     /// This camera's view of the point; `None` from behind its surface, and behind the pinhole.
     pub fn view_of(&self, point: &CapturePoint) -> Option<CaptureView> {
         let aim = self.aim(point)?;
+        // On a tilted surface a pixel is 1/cos θ times as wide.
         let cosine = -aim.normal.dot(aim.position) / aim.position.length();
         Some(CaptureView {
             footprint: aim.footprint / cosine,

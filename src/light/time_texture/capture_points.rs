@@ -321,6 +321,7 @@ impl LocatedBlock {
     /// Keeps only the weights of pixels that saw the point's surface, normalized to 1 if some are dropped.
     #[inline(always)]
     fn weigh(&mut self, capture: &Capture) {
+        // Which taps saw the surface around each point, and the delay of each.
         let mut saw = [[false; BLOCK]; 4];
         let mut tap = 0;
         while tap < 4 {
@@ -342,6 +343,7 @@ impl LocatedBlock {
             }
             tap += 1;
         }
+        // Their weights, with sum 1; if no tap is dropped, unchanged.
         let mut k = 0;
         while k < BLOCK {
             let (mut sum, mut complete) = (0.0, true);

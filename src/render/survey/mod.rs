@@ -412,6 +412,7 @@ fn ratios_by(
         (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].max(b[1])]),
         (a, b) => a.or(b),
     };
+    // Minimum and maximum do not depend on the order of tiles.
     tiles.map(range).reduce(
         || (None, false),
         |(a, met), (b, also)| (both(a, b), met || also),

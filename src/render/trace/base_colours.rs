@@ -138,7 +138,7 @@ pub struct Glass {
     pub transmission: f64,
     /// Refractive index of the body that the surface bounds.
     pub index: f64,
-    /// Whether the surface bounds a body; otherwise it is a film without thickness.
+    /// Whether the surface bounds a body; otherwise it is thin-walled.
     pub solid: bool,
 }
 

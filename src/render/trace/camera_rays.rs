@@ -400,6 +400,7 @@ impl<V: View> RayGenerator for V {
             tile.coordinates()
                 .map(|(column, row)| pixel_key(column, row)),
         );
+        // The key of each pixel, for all of its samples.
         let of_pixels = rays.pixels.chunks_exact_mut(each.max(1));
         for (of_one, key) in of_pixels.zip(&rays.keys) {
             of_one.fill(*key);
@@ -408,6 +409,7 @@ impl<V: View> RayGenerator for V {
         sampler.offsets_by_pixel(&rays.keys, samples.clone(), x, y);
         if self.uses_time() {
             for key in &rays.keys {
+                // Each with the key of its replicate.
                 for sample in samples.clone() {
                     let (within, salt) = sampler.replicate(sample);
                     let mut moment = [0.0];

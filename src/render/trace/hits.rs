@@ -101,6 +101,7 @@ impl HitBuffer {
 
     /// Removes the hits of some rays, after all hits have been added.
     pub(crate) fn remove(&mut self, rays: impl Iterator<Item = usize>) {
+        // Runs of equal hits no longer hold.
         for ray in rays {
             (self.hits[ray], self.frames[ray]) = (None, 0);
             self.alike.clear();

@@ -112,7 +112,7 @@ pub(super) fn illuminate(
         return;
     }
 
-    // A separate loop for each kind of surface: matte surfaces reflect the sum later, others each light by itself.
+    // The lamp's intensity as seen at the W of each lit point.
     if constant.is_none() {
         colours.resize(points.count());
         let seen = incidence.ratios().iter().zip(incidence.factors());
@@ -132,6 +132,7 @@ pub(super) fn illuminate(
         ratios: lamp.shifts_wavelengths().then_some(incidence.ratios()),
         factors: incidence.factors(),
     };
+    // A separate loop for each kind of surface: matte surfaces reflect the sum later, others each light by itself.
     if !glosses.is_empty() {
         return dispatch(Gloss {
             light,

@@ -244,6 +244,7 @@ pub(super) fn choose(
             sharing,
         });
     }
+    // Paths continue from all glossy points, and from the chosen points of each group.
     chosen.clear();
     let glossy = (0..run.count()).filter(|k| !reflections[*k].is_diffuse());
     chosen.extend(glossy.map(|k| Chosen {

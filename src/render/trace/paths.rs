@@ -403,6 +403,7 @@ impl PathTraced {
             index: before.index,
         };
         sort(&traced, order);
+        // Rays that hit nothing see the sky, whose lines are carried back one by one.
         met.clear();
         let escaped = drawn.iter().zip(traced.hits.hits()).enumerate();
         met.extend(escaped.map(|(ray, (drawn, hit))| match hit {
@@ -452,6 +453,7 @@ impl PathTraced {
             emitted.own_weights.clear();
             match emitter(groups[0]) {
                 Emitter::Lit { lamps, .. } => {
+                    // One part of the run for each patch.
                     let mut parts = Vec::with_capacity(groups.len());
                     let mut end = 0;
                     for group in groups {

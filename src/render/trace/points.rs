@@ -92,6 +92,7 @@ impl Points {
             }
             return;
         };
+        // Rays with origins of their own: displacements along them, and the events where they start.
         self.offsets.resize(run.count());
         for (k, ray) in run.members.iter().enumerate() {
             let ray = run.traced.ray(*ray as usize);
@@ -187,6 +188,7 @@ impl Points {
                 }
                 continue;
             }
+            // Positions alone, straight from the batch's tangents.
             if let Some((eye, tangents)) = shared {
                 self.eye = eye;
                 if let Some([x, y, z]) = self.positions.block_mut(begin) {
@@ -198,6 +200,7 @@ impl Points {
                 }
                 continue;
             }
+            // Otherwise each ray is taken into the frame by itself.
             let Some([x, y, z]) = self.positions.block_mut(begin) else {
                 continue;
             };

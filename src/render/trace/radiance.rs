@@ -654,6 +654,7 @@ impl TimeResolved {
         if by_point || points.unit_tangents().is_none() {
             points.views(views);
         }
+        // One block serves all points if nothing differs between them.
         let colour = self.base.colours[finish.colour].constant();
         let has_own = by_point || self.spectra.is_some();
         if let (Some(colour), None, false) = (colour, gloss.texture, has_own) {
@@ -669,6 +670,7 @@ impl TimeResolved {
         } = glosses;
         metallic.resize(run.count(), gloss.metallic);
         roughness.resize(run.count(), gloss.roughness);
+        // Metalness and roughness by texture.
         if gloss.texture.is_some() {
             for k in 0..run.count() {
                 if let Some(hit) = run.hit(k) {

@@ -304,6 +304,7 @@ impl Shading {
         }
         let ratios = those_of(escaped, ratios, &mut self.ratios);
         let pixels = PixelAngles { ratios, ..pixels };
+        // The factors, and the weights of rays that have their own.
         let weigh_all = |scaled: Scaling, factors: &mut Vec<f64>| {
             weigh(scaled, ratios, factors);
             if let Some(origins) = traced.rays.origins {

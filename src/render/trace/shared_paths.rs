@@ -51,6 +51,7 @@ impl PathTraced {
                 let Some(sent) = self.sent_in_parts(&first.met[ray]) else {
                     continue;
                 };
+                // Where the path ends: on a surface, or at infinity.
                 let end = match hit {
                     None => End::Open(drawn.scattered.l),
                     Some(hit) => {
@@ -63,6 +64,7 @@ impl PathTraced {
                         }
                     }
                 };
+                // w of (1) for each point, by shadow rays to the end.
                 let own = drawn.at as usize;
                 let numbers = (own, group.paths());
                 receivers.find(end, numbers, bvh, run.traced.rays.method, meter.occlusion());

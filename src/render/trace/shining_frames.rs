@@ -73,6 +73,7 @@ impl ShiningFrames {
         draws.resize(run.count());
         self.look(run, points, draws);
         self.choose_frames(run, &mut numbers[0], draws);
+        // Frame by frame, for the points that have chosen it.
         let mut seen = std::mem::take(&mut draws.seen);
         for (at, (lights, seen)) in self.0.iter().zip(&seen).enumerate() {
             draws.chosen.clear();
@@ -91,6 +92,7 @@ impl ShiningFrames {
             });
         }
         std::mem::swap(&mut draws.seen, &mut seen);
+        // Light from below a triangle does not count, whatever the shading normal.
         if points.is_smooth() {
             for k in 0..run.count() {
                 if points.is_below(k, draws.l.get(k)) {
@@ -111,6 +113,7 @@ impl ShiningFrames {
             seen.tilts.resize(run.count(), 0.0);
             for k in 0..run.count() {
                 let (own, normal) = (points.positions.get(k), points.geometric(k));
+                // Only a point at rest with the triangles is lifted off its surface.
                 let receiver = if is_own {
                     let x = lifted(shadow_size(points.eye(k), own), own, normal);
                     at_rest(x, normal)
@@ -198,6 +201,7 @@ impl ShiningFrames {
         };
         let own = seen_by(lights);
         let mut share = lights.tree.share(k, &own);
+        // Times the probability of the frame, as in `choose_frames`.
         if self.0.len() > 1 {
             let importance = |lights: &FrameLights| {
                 let motion = motion(surfaces, from.0, lights.frame);
@@ -241,7 +245,7 @@ impl FrameLights {
     /// The approximate light from these triangles at a receiver whose frame has this motion in theirs.
     fn importance(&self, receiver: &Receiver, motion: &Displacement<Rest>) -> f64 {
         let (importance, l) = self.tree.importance(receiver);
-        // 1/W towards the middle; NaN if the receiver is at the middle.
+        // W⁻⁴ W² W = 1/W towards the middle; NaN if the receiver is at the middle.
         let inverse = motion.ct + motion.x.dot(l);
         importance * if inverse > 0.0 { inverse } else { 1.0 }
     }

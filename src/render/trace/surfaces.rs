@@ -64,6 +64,7 @@ impl<'a> Surfaces<'a> {
         if let [rest] = rests
             && rest.frame.velocity().is_rest()
         {
+            // The frame's axes are the world's: only its origin is subtracted.
             let d = shot - rest.frame.origin();
             return Surfaces(Frames::Still(Frame {
                 rest,
@@ -232,6 +233,7 @@ impl<'a> Surfaces<'a> {
     pub(super) fn event(&self, frame: u32, point: &SurfacePoint) -> Event<Rest> {
         match &self.0 {
             Frames::Many(many) if frame != point.frame => {
+                // The same ray in this frame: s does not change.
                 let frame = &many.frames[frame as usize];
                 let d = Direction::from_unit(point.ray.tangent.x);
                 let index = frame.index * point.origin.delay;
@@ -315,6 +317,7 @@ impl<'a> Frame<'a> {
         meter: &mut Meter,
     ) {
         let chosen = hits.choose(cone, rays.directions);
+        // If most rays are within the cone, leaving out the others saves less than gathering costs.
         if chosen > rays.directions.len() / 2 {
             return self.intersect(frame, rays, hits, meter);
         }

@@ -355,6 +355,7 @@ impl TimedPaths<'_> {
             };
             let group = &groups.all[beginning.group];
             let points = &groups.order[group.points.clone()];
+            // The points of a group are set up once for all of its paths, which come in a row.
             if filled != beginning.group {
                 filled = beginning.group;
                 receivers.clear();
@@ -369,6 +370,7 @@ impl TimedPaths<'_> {
                     }
                 }
             }
+            // What each point receives of the path, (1) of `sharing`, and the densities of light samples at its end.
             let on = End::On {
                 y: end.y,
                 normal: end.normal,
@@ -380,6 +382,7 @@ impl TimedPaths<'_> {
             let is_drawn = self.light.areas.as_ref().and_then(|areas| {
                 areas.densities_at(end.triangle, end.y, receivers.places(), &mut by_area)
             });
+            // 1/q, for light that only the point receives from which the path continued.
             let alone = group.count() as f64 / group.paths() as f64;
             for (at, point) in points.iter().enumerate() {
                 let (weight, density) = (receivers.weights[at], receivers.densities[at]);

@@ -62,7 +62,7 @@ pub(in crate::scene) struct Scene<D = AnyTable> {
     pub medium: Medium,
     /// The camera: position, view and time. Only a file that contains nothing but a diagram has none.
     pub camera: Option<At<Camera>>,
-    /// The objects of the scene: at least one.
+    /// The objects of the scene: at least one, unless there is a `sky`.
     #[serde(default)]
     pub object: Vec<At<Object>>,
     /// Lights, which surfaces reflect.

@@ -33,6 +33,7 @@ pub(super) fn one_plus(g: f64, a: f64, b: f64) -> f64 {
 
 /// |v| − `length`, where `length` is |v| rounded; 0 if the squares exceed f64's range.
 pub(super) fn length_error(v: DVec3, length: f64) -> f64 {
+    // Within these, the square of the length and its rounding error are normal numbers.
     if !(1e-140..1e140).contains(&length) {
         return 0.0;
     }

@@ -24,7 +24,7 @@ use glam::{DVec3, DVec4};
 /// The order of the series.
 const ORDER: usize = 24;
 
-/// The tolerance for the last coefficients, in units of γ.
+/// The tolerance for the last coefficients, in units of γ: a hundredth of the rounding error of U.
 const TOLERANCE: f64 = 1e-18;
 
 /// One step of the motion.

@@ -49,7 +49,7 @@ impl Regime {
 const LOOKS: &[&str] = &["look-1e4", "look-1e8", "look-1e12", "look-end"];
 const RATIO: &str = "eps × conditioning";
 
-/// All of them.
+/// All of them; the bounds are derived at the head of `measures`.
 pub static REGIMES: [Regime; 14] = [
     Regime {
         name: "aberration",

@@ -196,11 +196,7 @@ fn of_arrays_that_share_their_bytes_nothing() {
     let second = entry(1) + 42;
     bytes[second..second + 4].fill(0);
     folder.write("a.npz", &bytes);
-    refused(
-        &folder,
-        &["info", "a.npz"],
-        &["two members overlap"],
-    );
+    refused(&folder, &["info", "a.npz"], &["two members overlap"]);
 }
 
 #[test]

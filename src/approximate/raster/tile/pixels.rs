@@ -139,6 +139,7 @@ fn corners_of_row([a, b, c]: [f32; 3], row: usize) -> ([f32; SIDE], [f32; SIDE])
 /// Bounds on 1/z over a pixel.
 #[inline(always)]
 fn bounds_over(of: &Functions, column: usize, row: usize) -> [f32; 2] {
+    // At the corners where it is smallest and largest, as in `corners_of_row`.
     let [a, b, c] = of.depth;
     let (column, row) = (column as f32, row as f32);
     let [left, right] = if a >= 0.0 { [0.0, 1.0] } else { [1.0, 0.0] };
@@ -170,6 +171,7 @@ impl VectorLoop for Reached<'_> {
             for row in top.max(first)..=bottom.min(first + height - 1) {
                 let begin = (row - first) * width;
                 let of_row = &mut self.pixels.is_sampled[begin + left..=begin + right];
+                // Narrow triangles are tested sample by sample.
                 if right - left + 1 < WIDE {
                     for is_sampled in of_row {
                         *is_sampled = true;
@@ -246,7 +248,7 @@ impl CoverPixels<'_> {
             return;
         }
         let pixels = &mut *self.pixels;
-        // In front of or behind everything there, for all samples.
+        // In front of everything there for all samples (1/z is larger), or not behind all of it.
         if is_full && low > pixels.most[pixel] {
             pixels.nearest[pixel] = index;
             (pixels.least[pixel], pixels.most[pixel]) = (low, high);
@@ -282,6 +284,7 @@ impl CoverPixels<'_> {
     fn mix(&mut self, pixel: usize, row: usize) {
         let each = self.strip.each;
         let [x, y] = &mut self.points;
+        // Positions that were not needed before are needed now.
         if !self.pixels.is_sampled[pixel] {
             (self.sample)(pixel, x, y);
             self.pixels.is_sampled[pixel] = true;
@@ -309,6 +312,7 @@ impl CoverPixels<'_> {
                 to_y[i] = (row + in_y[i]) as f32;
             }
             samples.nearest[block] = [nearest; LANES];
+            // 1/z of the pixel's triangle at each sample, within its rounding; 0 if there is none.
             let (least, most) = (&mut samples.least[block], &mut samples.most[block]);
             match of {
                 None => (*least, *most) = ([0.0; LANES], [0.0; LANES]),

@@ -17,7 +17,7 @@ use crate::render::film::TILE;
 
 /// Pixels along the side of a tile.
 pub(super) const SIDE: usize = TILE as usize;
-/// Bound on the rounding of 1/z, per n |a| + n |b| + |c|.
+/// The bound above, for 1/z: per n |a| + n |b| + |c|.
 const ROUNDING: f64 = 4.0 / (1u64 << 24) as f64;
 
 /// The number of triangles that are set up together.

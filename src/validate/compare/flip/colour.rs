@@ -21,7 +21,7 @@ const XYZ: [[f64; 3]; 3] = [
         70074185.0 / 73733382.0,
     ],
 ];
-/// Linear sRGB from CIE XYZ.
+/// Linear sRGB from CIE XYZ: the numbers of the published tool, like the white point.
 const RGB: [[f64; 3]; 3] = [
     [3.241003275, -1.537398934, -0.498615861],
     [-0.969224334, 1.875930071, 0.041554224],

@@ -44,12 +44,12 @@ fn of_arrays(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
     let (mut looked_at, mut left) = (0, most_read(memory));
     let arrays = headers.iter().map(|header| {
         let is_beside = baked.is_some() || said.is_some() && said != header.name;
-        let is_asked = !is_picture && !is_beside;
-        if is_asked && looked_at == MOST {
+        let may_be_cube = !is_picture && !is_beside;
+        if may_be_cube && looked_at == MOST {
             return data(header, None);
         }
-        let cube = is_asked.then(|| inspected(path, header, memory, &mut left));
-        looked_at += usize::from(is_asked);
+        let cube = may_be_cube.then(|| inspected(path, header, memory, &mut left));
+        looked_at += usize::from(may_be_cube);
         describe(&mut info, header, cube.as_ref());
         data(header, cube.as_ref())
     });

@@ -4,7 +4,7 @@
 pub(super) mod hdf5 {
     use std::path::Path;
 
-    use super::super::format::{CubeFormat, Parts, Told, itself};
+    use super::super::format::{CubeFormat, Parts, Recognition, itself};
     use crate::error::Error;
 
     /// HDF5, refused.
@@ -14,7 +14,7 @@ pub(super) mod hdf5 {
         extensions: &["h5", "hdf5", "mat"],
         named: true,
         pictures: false,
-        told: Told::ByStart(&[b"\x89HDF\r\n\x1a\n", b"MATLAB 7"]),
+        recognition: Recognition::ByStart(&[b"\x89HDF\r\n\x1a\n", b"MATLAB 7"]),
         files: itself,
         inspect: |input, _| Err(refused(input.path)),
         load: |input, _| Err(refused(input.path)),
@@ -33,7 +33,7 @@ pub(super) mod hdf5 {
 pub(super) mod zarr {
     use std::path::Path;
 
-    use super::super::format::{CubeFormat, Parts, Told, itself};
+    use super::super::format::{CubeFormat, Parts, Recognition, itself};
     use super::super::zarr_folder::ZARR_FOLDER;
     use crate::error::Error;
 
@@ -44,7 +44,7 @@ pub(super) mod zarr {
         extensions: &[],
         named: true,
         pictures: false,
-        told: Told::ByPath(ZARR_FOLDER),
+        recognition: Recognition::ByPath(ZARR_FOLDER),
         files: itself,
         inspect: |input, _| Err(refused(input.path)),
         load: |input, _| Err(refused(input.path)),

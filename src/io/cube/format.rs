@@ -28,7 +28,7 @@ pub struct CubeFormat {
     /// Whether it consists of pictures, each a frame of a cube: their codes encode radiance by a declared transfer.
     pub pictures: bool,
     /// How it is distinguished from the others.
-    pub(super) told: Told,
+    pub(super) recognition: Recognition,
     /// The files that it consists of, which are checked for when a scene names it.
     pub(super) files: fn(&Path) -> Result<Vec<PathBuf>>,
     /// What would be loaded, with the same checks of headers and lengths; no samples are read.
@@ -47,7 +47,7 @@ pub struct CubeFormat {
 
 /// How a format is distinguished from the others.
 #[derive(Debug)]
-pub(super) enum Told {
+pub(super) enum Recognition {
     /// By the first bytes of its files, which are one of these; if those are inconclusive, by the ends of their names.
     ByStart(&'static [&'static [u8]]),
     /// By a path, before anything is opened.
@@ -129,22 +129,22 @@ pub(super) fn itself(path: &Path) -> Result<Vec<PathBuf>> {
 impl CubeFormat {
     /// How it is recognised by its path; `None` for files, which are recognised by content.
     pub fn by_path(&self) -> Option<&ByPath> {
-        match &self.told {
-            Told::ByStart(_) => None,
-            Told::ByPath(by_path) => Some(by_path),
+        match &self.recognition {
+            Recognition::ByStart(_) => None,
+            Recognition::ByPath(by_path) => Some(by_path),
         }
     }
 
     /// Whether it is recognised by path, and by this one.
     pub(super) fn is_at(&self, path: &Path) -> bool {
-        self.by_path().is_some_and(|told| (told.is)(path))
+        self.by_path().is_some_and(|by_path| (by_path.is)(path))
     }
 
     /// Whether its files begin like this.
     pub(super) fn begins(&self, start: &[u8]) -> bool {
-        match self.told {
-            Told::ByStart(magic) => magic.iter().any(|magic| start.starts_with(magic)),
-            Told::ByPath(_) => false,
+        match self.recognition {
+            Recognition::ByStart(magic) => magic.iter().any(|magic| start.starts_with(magic)),
+            Recognition::ByPath(_) => false,
         }
     }
 

@@ -11,7 +11,7 @@ use half::f16;
 use super::axes::{Arrangement, Axes};
 use super::byte_order::ByteOrder;
 use super::channels::Channels;
-use super::format::{CubeFormat, Parts, Told, itself};
+use super::format::{CubeFormat, Parts, Recognition, itself};
 use super::layout::StoredLayout;
 use super::number::{Number, exact_i64, exact_u64};
 use super::samples::{Cube, CubeSamples, place_of};
@@ -27,7 +27,7 @@ pub(super) const ARRAY: CubeFormat = CubeFormat {
     extensions: &["npy"],
     named: false,
     pictures: false,
-    told: Told::ByStart(&[b"\x93NUMPY"]),
+    recognition: Recognition::ByStart(&[b"\x93NUMPY"]),
     files: itself,
     inspect: |input, wanted| {
         let path = input.path;
@@ -49,7 +49,7 @@ pub(super) const ARCHIVE: CubeFormat = CubeFormat {
     extensions: &["npz"],
     named: true,
     // A local file header, or the end record of an archive without members.
-    told: Told::ByStart(&[b"PK\x03\x04", b"PK\x05\x06"]),
+    recognition: Recognition::ByStart(&[b"PK\x03\x04", b"PK\x05\x06"]),
     parts: Parts::WrittenOut(|input, wanted, to| {
         let path = input.path;
         write_out(&mut input.reader()?, path, wanted, to)

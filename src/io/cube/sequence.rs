@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::axes::{Arrangement, Axes};
-use super::format::{ByPath, CubeFormat, Parts, Told};
+use super::format::{ByPath, CubeFormat, Parts, Recognition};
 use super::layout::StoredLayout;
 use super::number::Number;
 use super::picture::{Form, Frame, Picture, extension, file_name, frame_count};
@@ -48,7 +48,7 @@ pub(super) const FORMAT: CubeFormat = CubeFormat {
     extensions: &[],
     named: false,
     pictures: true,
-    told: Told::ByPath(ByPath {
+    recognition: Recognition::ByPath(ByPath {
         is: is_sequence,
         called: "numbered pictures (a folder of them, or a pattern for their names)",
         folder_of: "numbered pictures",

@@ -14,7 +14,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::axes::Axes;
-use super::format::{CubeFormat, Parts, Told, itself};
+use super::format::{CubeFormat, Parts, Recognition, itself};
 use super::layout::StoredLayout;
 use super::number::Number;
 use super::samples::{Cube, CubeSamples, place_of};
@@ -32,7 +32,7 @@ pub(super) const FORMAT: CubeFormat = CubeFormat {
     extensions: &["ti"],
     named: false,
     pictures: false,
-    told: Told::ByStart(&[b"TI04", b"TI01", b"TI00"]),
+    recognition: Recognition::ByStart(&[b"TI04", b"TI01", b"TI00"]),
     files: itself,
     inspect: |input, wanted| {
         let path = input.path;

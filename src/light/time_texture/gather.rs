@@ -112,11 +112,11 @@ fn read_as<S: Sample, R: Reads, const C: usize, const N: usize>(
     // The samples of the next group are being prefetched while those of this one are summed.
     let mut staged = [S::ZERO; ROOM];
     let mut wide = [S::ZERO.wide(); ROOM];
-    ask_for::<S, R, C, N>(source, places, 0, count);
+    prefetch_group::<S, R, C, N>(source, places, 0, count);
     let mut begin = 0;
     while begin < count {
         let end = (begin + GROUP).min(count);
-        ask_for::<S, R, C, N>(source, places, end, count);
+        prefetch_group::<S, R, C, N>(source, places, end, count);
         let mut k = begin;
         while k < end {
             let to = &mut staged[(k - begin) * 4 * N * C..];
@@ -138,7 +138,7 @@ fn read_as<S: Sample, R: Reads, const C: usize, const N: usize>(
 
 /// Prefetches the samples of the group that begins at `begin`.
 #[inline(always)]
-fn ask_for<S, R: Reads, const C: usize, const N: usize>(
+fn prefetch_group<S, R: Reads, const C: usize, const N: usize>(
     source: &Source<S>,
     places: &R,
     begin: usize,

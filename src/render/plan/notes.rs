@@ -351,8 +351,8 @@ fn unread_companions(scene: &Scene) -> Option<String> {
     };
     let mut channels = panorama::head(path)?.channels;
     channels.retain(is_companion);
-    let is_asked = scene.continuation == Continuation::Companions && scene.effects.doppler;
-    let beyond = match is_asked {
+    let shows_companions = scene.continuation == Continuation::Companions && scene.effects.doppler;
+    let beyond = match shows_companions {
         true => {
             ": the sky is dark beyond what is visible (radiance.continuation is \"companions\")"
         }

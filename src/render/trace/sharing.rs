@@ -356,8 +356,8 @@ impl Receivers {
                     y,
                     normal,
                     triangle,
-                } => self.ask_towards((y, normal, triangle), own, bvh, method, counts),
-                End::Open(l) => self.ask_along(l, bvh, method, counts),
+                } => self.test_towards((y, normal, triangle), own, bvh, method, counts),
+                End::Open(l) => self.test_along(l, bvh, method, counts),
             }
             for (at, (density, is_blocked)) in
                 self.densities.iter_mut().zip(&self.blocked).enumerate()
@@ -378,7 +378,7 @@ impl Receivers {
     }
 
     /// Tests for obstacles between the points and y, slightly off its surface like the paths that leave it.
-    fn ask_towards(
+    fn test_towards(
         &mut self,
         (y, normal, triangle): (DVec3, DVec3, u32),
         own: usize,
@@ -406,7 +406,7 @@ impl Receivers {
     }
 
     /// Tests for obstacles along `l`.
-    fn ask_along(&mut self, l: DVec3, bvh: &Bvh, method: Traversal, counts: Option<&mut Counts>) {
+    fn test_along(&mut self, l: DVec3, bvh: &Bvh, method: Traversal, counts: Option<&mut Counts>) {
         self.segments.clear();
         for (at, size) in self.sizes.iter().enumerate() {
             self.segments.push(Segment {

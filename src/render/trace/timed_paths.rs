@@ -109,12 +109,12 @@ struct Beginning {
     /// The group, and the index in it of the surface from which the path continues.
     group: usize,
     at: usize,
-    met: Option<MetEnd>,
+    met: Option<PathEnd>,
 }
 
 /// The second surface of a shared path.
 #[derive(Clone, Copy)]
-struct MetEnd {
+struct PathEnd {
     y: DVec3,
     /// On the side that was hit.
     normal: DVec3,
@@ -165,7 +165,7 @@ impl Onward {
 
 /// A hit of a path: the index of the path, the hit, the ray's origin and unit direction, its refractive index, the throughput and the
 /// delay.
-struct Meeting {
+struct PathHit {
     path: usize,
     hit: Hit,
     from: DVec3,
@@ -304,27 +304,32 @@ impl TimedPaths<'_> {
             onward.draw(&shared.firsts[point as usize], starts + k, numbers);
         }
         let mut next = Vec::new();
-        for (meeting, leaving) in self.met(onward) {
-            let Some(k) = meeting.path.checked_sub(starts) else {
-                next.extend(self.meet(&meeting, &leaving, all));
+        for (path_hit, leaving) in self.met(onward) {
+            let Some(k) = path_hit.path.checked_sub(starts) else {
+                next.extend(self.meet(&path_hit, &leaving, all));
                 continue;
             };
-            let meeting = Meeting {
+            let path_hit = PathHit {
                 carried: [1.0; 3],
                 delay: 0.0,
-                ..meeting
+                ..path_hit
             };
-            let own = self.own(meeting.path, &meeting.hit, meeting.carried, meeting.delay);
+            let own = self.own(
+                path_hit.path,
+                &path_hit.hit,
+                path_hit.carried,
+                path_hit.delay,
+            );
             all.extend(own.map(|own| Found {
                 is_end: true,
                 ..own
             }));
-            let vertex = self.vertex(&meeting);
-            let normal = self.rest.bvh.normal(&meeting.hit);
-            shared.chosen[k].met = Some(MetEnd {
-                y: meeting.from + meeting.d * meeting.hit.s,
-                normal: if meeting.hit.front { normal } else { -normal },
-                triangle: meeting.hit.triangle,
+            let vertex = self.vertex(&path_hit);
+            let normal = self.rest.bvh.normal(&path_hit.hit);
+            shared.chosen[k].met = Some(PathEnd {
+                y: path_hit.from + path_hit.d * path_hit.hit.s,
+                normal: if path_hit.hit.front { normal } else { -normal },
+                triangle: path_hit.hit.triangle,
                 is_diffuse: vertex.as_ref().is_none_or(|v| v.reflection.is_diffuse()),
             });
             next.extend(vertex);
@@ -430,7 +435,7 @@ impl TimedPaths<'_> {
                 return self.first_diffuse(path, hit);
             }
         };
-        let meeting = Meeting {
+        let path_hit = PathHit {
             path,
             hit,
             from,
@@ -439,8 +444,8 @@ impl TimedPaths<'_> {
             carried: [1.0; 3],
             delay: self.light.index * hit.s,
         };
-        all.extend(self.own(path, &hit, meeting.carried, meeting.delay));
-        self.vertex(&meeting)
+        all.extend(self.own(path, &hit, path_hit.carried, path_hit.delay));
+        self.vertex(&path_hit)
     }
 
     /// The emission of a surface, hit by a path with this throughput and this delay.
@@ -671,12 +676,12 @@ impl TimedPaths<'_> {
             onward.draw(vertex, vertex.path, numbers);
         }
         let met = self.met(onward).into_iter();
-        met.filter_map(|(meeting, leaving)| self.meet(&meeting, &leaving, all))
+        met.filter_map(|(path_hit, leaving)| self.meet(&path_hit, &leaving, all))
             .collect()
     }
 
     /// The hits of the rays that hit anything.
-    fn met(&self, onward: Onward) -> Vec<(Meeting, Leaving)> {
+    fn met(&self, onward: Onward) -> Vec<(PathHit, Leaving)> {
         let Onward {
             paths,
             origins,
@@ -694,7 +699,7 @@ impl TimedPaths<'_> {
         let meetings = met.filter_map(|(((path, leaving, carried, delay), hit), from)| {
             let hit: Hit = hit?;
             let drawn = &leaving.drawn;
-            let meeting = Meeting {
+            let path_hit = PathHit {
                 path,
                 hit,
                 from,
@@ -703,7 +708,7 @@ impl TimedPaths<'_> {
                 carried,
                 delay: delay + self.light.index * drawn.index * hit.s,
             };
-            Some((meeting, leaving))
+            Some((path_hit, leaving))
         });
         meetings.collect()
     }
@@ -711,34 +716,34 @@ impl TimedPaths<'_> {
     /// The surface that a path hits after leaving another in this way, if it reflects; its emission is added to `all`.
     fn meet<'a>(
         &'a self,
-        meeting: &Meeting,
+        path_hit: &PathHit,
         leaving: &Leaving,
         all: &mut Vec<Found<'a>>,
     ) -> Option<Vertex<'a>> {
-        let (carried, delay) = (meeting.carried, meeting.delay);
-        if let Some(own) = self.own(meeting.path, &meeting.hit, carried, delay) {
-            let weight = self.weight_of_own(meeting, leaving);
+        let (carried, delay) = (path_hit.carried, path_hit.delay);
+        if let Some(own) = self.own(path_hit.path, &path_hit.hit, carried, delay) {
+            let weight = self.weight_of_own(path_hit, leaving);
             all.push(Found {
                 light: own.light.map(|c| weight * c),
                 ..own
             });
         }
-        self.vertex(meeting)
+        self.vertex(path_hit)
     }
 
     /// The weight of the emission of a shining surface that was hit by a path, if light samples could find it, too: (4) of
     /// [`paths`](super::paths), with W = 1.
-    fn weight_of_own(&self, meeting: &Meeting, leaving: &Leaving) -> f64 {
+    fn weight_of_own(&self, path_hit: &PathHit, leaving: &Leaving) -> f64 {
         let density = leaving.drawn.density;
         let areas = self.light.areas.as_ref();
-        let from = (meeting.from, leaving.normal);
-        match areas.and_then(|areas| areas.density_at(meeting.hit.triangle, from)) {
+        let from = (path_hit.from, leaving.normal);
+        match areas.and_then(|areas| areas.density_at(path_hit.hit.triangle, from)) {
             _ if density.is_infinite() => 1.0,
             None => 1.0,
             Some((_, false)) => 0.0,
             Some((by_area, true)) => {
-                let r = meeting.hit.s;
-                let cosine = self.rest.bvh.normal(&meeting.hit).dot(meeting.d).abs();
+                let r = path_hit.hit.s;
+                let cosine = self.rest.bvh.normal(&path_hit.hit).dot(path_hit.d).abs();
                 let cosine = cosine.max(f64::MIN_POSITIVE);
                 balance(density, by_area.per_solid_angle(r * r, cosine))
             }
@@ -746,8 +751,8 @@ impl TimedPaths<'_> {
     }
 
     /// The surface that a path hits; `None` if it does not reflect.
-    fn vertex(&self, meeting: &Meeting) -> Option<Vertex<'_>> {
-        let Meeting {
+    fn vertex(&self, path_hit: &PathHit) -> Option<Vertex<'_>> {
+        let PathHit {
             path,
             hit,
             from,
@@ -755,7 +760,7 @@ impl TimedPaths<'_> {
             near,
             carried,
             delay,
-        } = *meeting;
+        } = *path_hit;
         let x = from + d * hit.s;
         let patch = self.rest.patch(hit.triangle);
         if patch.black_back && !hit.front {

@@ -14,7 +14,7 @@ use std::path::Path;
 use self::file::File;
 use self::layouts::known;
 pub(super) use self::write::write;
-use super::format::{CubeFormat, Input, Parts, Told, itself};
+use super::format::{CubeFormat, Input, Parts, Recognition, itself};
 use super::layout::StoredLayout;
 use super::samples::Cube;
 use super::selection::{Open, Selection, Windows};
@@ -35,7 +35,7 @@ pub(super) const FORMAT: CubeFormat = CubeFormat {
     named: true,
     pictures: false,
     // The block before HDF5 in its file may also be something else.
-    told: Told::ByStart(&[b"\x89HDF\r\n\x1a\n", b"MATLAB 7"]),
+    recognition: Recognition::ByStart(&[b"\x89HDF\r\n\x1a\n", b"MATLAB 7"]),
     files: itself,
     inspect,
     load,

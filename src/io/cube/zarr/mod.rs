@@ -23,7 +23,7 @@ use self::metadata::Metadata;
 use self::number::Number;
 pub(super) use self::write::Writer;
 use super::axes::Axes;
-use super::format::{CubeFormat, Parts, Told, itself};
+use super::format::{CubeFormat, Parts, Recognition, itself};
 use super::layout::StoredLayout;
 use super::samples::Cube;
 use super::selection::{Open, Selection, Taken, Windows, name_and_choices};
@@ -49,7 +49,7 @@ pub(super) const FORMAT: CubeFormat = CubeFormat {
     extensions: &[],
     named: true,
     pictures: false,
-    told: Told::ByPath(ZARR_FOLDER),
+    recognition: Recognition::ByPath(ZARR_FOLDER),
     files: itself,
     inspect: |input, wanted| inspect(input.path, wanted),
     load: |input, wanted| load(input.path, wanted),

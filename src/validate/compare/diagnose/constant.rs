@@ -75,8 +75,8 @@ struct Only {
 /// The only value of a channel of the candidate, if the reference has several.
 fn only_number(case: &Case, name: &str, [r, c]: [Plane; 2]) -> Option<Only> {
     let is_named = NAMED_OTHERWISE.iter().any(|aov| aov.name() == name);
-    let is_asked = is_light(name) || OF_SURFACES.contains(&group(name));
-    (is_asked && !is_named).then_some(())?;
+    let is_expected = is_light(name) || OF_SURFACES.contains(&group(name));
+    (is_expected && !is_named).then_some(())?;
     let is_object = name == Aov::Object.name();
     let everywhere = is_object || group(name) == group(Aov::DirectionX.name());
     let pixels: Vec<usize> = match everywhere {

@@ -5,8 +5,8 @@
 //! nothing, and the light must have enough different values.
 
 use super::light::{
-    FAR_LESS, LEFT_BESIDE_A_FACTOR, Lit, NOTABLE, NOTHING, Told, decoded, distance, evidence,
-    left_by_one_factor, lit, lit_above, middle, told,
+    FAR_LESS, Fit, LEFT_BESIDE_A_FACTOR, Lit, NOTABLE, NOTHING, decoded, distance, evidence, fit,
+    left_by_one_factor, lit, lit_above, middle,
 };
 use super::{Case, Diagnosis, Kind, median};
 use crate::colour::srgb_encode;
@@ -65,20 +65,20 @@ fn offset(case: &Case) -> Option<Explanation> {
         .iter()
         .flat_map(|(_, [r, c])| [0, 1, 2].map(|k| c[k] - r[k]));
     let added = median(added.collect())?;
-    let told = told(&lit, |_, r| r.map(|v| v + added));
-    (told.explains_from(NOTABLE_OFFSET) && told.left <= LEFT_BY_OFFSET).then(|| {
+    let fit = fit(&lit, |_, r| r.map(|v| v + added));
+    (fit.explains_from(NOTABLE_OFFSET) && fit.left <= LEFT_BY_OFFSET).then(|| {
         let usual = middle(&lit) / 3f64.sqrt();
         let what = format!(
             "light has {added:+.6} added to it, uniformly: {:+.2} % of the reference's median",
             100.0 * added / usual
         );
-        let evidence = [("added", added)].into_iter().chain(evidence(&told.tally));
+        let evidence = [("added", added)].into_iter().chain(evidence(&fit.tally));
         let diagnosis = Diagnosis {
             kind: Kind::Offset,
             what: what.into(),
             evidence: evidence.collect(),
         };
-        (diagnosis, told.left)
+        (diagnosis, fit.left)
     })
 }
 
@@ -140,7 +140,7 @@ fn luminance([r, g, b]: [f64; 3]) -> f64 {
 }
 
 /// The name of a curve, its parameters, and how well it explains the light.
-type Explained = (String, Vec<(&'static str, f64)>, Told);
+type Explained = (String, Vec<(&'static str, f64)>, Fit);
 
 /// The most pixels used to fit the free parameter.
 const ASKED: usize = 2048;
@@ -161,7 +161,7 @@ fn toned(case: &Case) -> Option<Explanation> {
     let most = FAR_LESS * left_by_one_factor(case, &lit);
     let lit = decoded(case, &lit);
     let levels = levels(&lit);
-    if levels < LEVELS_FOR_EXPOSURE || told(&lit, |_, r| r).tally.error() <= NOTABLE {
+    if levels < LEVELS_FOR_EXPOSURE || fit(&lit, |_, r| r).tally.error() <= NOTABLE {
         return None;
     }
     let few: Vec<Lit> = lit.iter().copied().step_by(lit.len() / ASKED + 1).collect();
@@ -170,10 +170,10 @@ fn toned(case: &Case) -> Option<Explanation> {
     for (name, curve) in CURVES {
         for encoded in [false, true] {
             let exposure = exposure(&few, curve, encoded) / usual;
-            let told = told(&lit, |_, r| curve.of(r, exposure, encoded));
+            let fit = fit(&lit, |_, r| curve.of(r, exposure, encoded));
             if best
                 .as_ref()
-                .is_none_or(|(.., found)| told.left < found.left)
+                .is_none_or(|(.., found)| fit.left < found.left)
             {
                 let encoded = if encoded {
                     ", encoded for a display"
@@ -183,24 +183,24 @@ fn toned(case: &Case) -> Option<Explanation> {
                 let words = format!(
                     "light is tone-mapped by {name}{encoded}, of {exposure:.4} times the reference's light"
                 );
-                best = Some((words, vec![("exposure", exposure)], told));
+                best = Some((words, vec![("exposure", exposure)], fit));
             }
         }
     }
-    let is_one = |told: &Told| told.explains() && told.left <= LEFT_BESIDE_A_FACTOR.min(most);
-    let best = best.filter(|(.., told)| is_one(told));
+    let is_one = |fit: &Fit| fit.explains() && fit.left <= LEFT_BESIDE_A_FACTOR.min(most);
+    let best = best.filter(|(.., fit)| is_one(fit));
     // An arbitrary curve has more freedom: try it last.
     let found = best.or_else(|| {
         (levels >= LEVELS_FOR_CURVE).then_some(())?;
-        any(&lit).filter(|(.., told)| is_one(told))
+        any(&lit).filter(|(.., fit)| is_one(fit))
     });
-    let (what, sizes, told) = found?;
+    let (what, sizes, fit) = found?;
     let diagnosis = Diagnosis {
         kind: Kind::ToneMapped,
         what: what.into(),
-        evidence: sizes.into_iter().chain(evidence(&told.tally)).collect(),
+        evidence: sizes.into_iter().chain(evidence(&fit.tally)).collect(),
     };
-    Some((diagnosis, told.left))
+    Some((diagnosis, fit.left))
 }
 
 /// The exposure, relative to the light's median, at which a curve fits best: by a grid, then by step halving.
@@ -286,18 +286,18 @@ fn any(lit: &[Lit]) -> Option<Explained> {
     let pairs = lit.iter().map(|(_, [r, c])| [sum(r), sum(c)]);
     let of_luminance = Polygon::of(&pairs.collect::<Vec<_>>()).filter(Polygon::rises);
     let by_channels = of_channels.map(|curve| {
-        let told = told(lit, |_, r| r.map(|v| curve.at(v)));
-        ("each channel", curve, told)
+        let fit = fit(lit, |_, r| r.map(|v| curve.at(v)));
+        ("each channel", curve, fit)
     });
     let by_luminance = of_luminance.map(|curve| {
-        let told = told(lit, |_, r| {
+        let fit = fit(lit, |_, r| {
             let y = luminance(r);
             r.map(|v| v * curve.at(y) / y)
         });
-        ("luminance", curve, told)
+        ("luminance", curve, fit)
     });
     let both = by_channels.into_iter().chain(by_luminance);
-    let (of, curve, told) = both.min_by(|a, b| a.2.left.total_cmp(&b.2.left))?;
+    let (of, curve, fit) = both.min_by(|a, b| a.2.left.total_cmp(&b.2.left))?;
     // At the median light, and at the brightest tenth.
     let mut values: Vec<f64> = lit.iter().map(|(_, [r, _])| luminance(*r)).collect();
     values.sort_by(f64::total_cmp);
@@ -311,5 +311,5 @@ fn any(lit: &[Lit]) -> Option<Explained> {
         ("factor at the median of light", at_usual / usual),
         ("factor at the brightest tenth", at_bright / bright),
     ];
-    Some((words, sizes, told))
+    Some((words, sizes, fit))
 }

@@ -55,7 +55,7 @@ pub(super) fn left_by_one_factor(case: &Case, lit: &[Lit]) -> f64 {
     let lit = decoded(case, lit);
     // Completely black light determines no factor.
     let factor = factor(&lit, |c| c).filter(|factor| *factor > 0.0);
-    factor.map_or(1.0, |factor| told(&lit, |_, r| r.map(|v| factor * v)).left)
+    factor.map_or(1.0, |factor| fit(&lit, |_, r| r.map(|v| factor * v)).left)
 }
 
 /// Values closer to 1 than this are clipped: an encoded 1 has rounding errors.
@@ -127,7 +127,7 @@ pub(super) fn middle(lit: &[Lit]) -> f64 {
 }
 
 /// How well a hypothesis explains the light.
-pub(super) struct Told {
+pub(super) struct Fit {
     pub tally: Tally,
     /// Number of pixels with light.
     pixels: usize,
@@ -136,7 +136,7 @@ pub(super) struct Told {
     pub left: f64,
 }
 
-impl Told {
+impl Fit {
     /// Whether it explains most of an error that is not at edges only.
     pub fn explains(&self) -> bool {
         self.explains_from(NOTABLE)
@@ -151,7 +151,7 @@ impl Told {
 
 /// |c − r| and |c − h(r)| relative to the reference's light, so that bright pixels do not dominate. If both c and h are far darker than r,
 /// |c − h| is measured relative to them, as |c − r| is relative to r: otherwise any hypothesis of nearly black light would fit.
-pub(super) fn told(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Told {
+pub(super) fn fit(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Fit {
     let middle = middle(lit);
     let length = |light: [f64; 3]| distance(light, [0.0; 3]);
     let bright = median(lit.iter().map(|(_, [_, c])| length(*c)).collect());
@@ -177,7 +177,7 @@ pub(super) fn told(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Told
         was += square(c, r);
         is += square(c, h(i, r));
     }
-    Told {
+    Fit {
         tally,
         pixels: lit.len(),
         left: is / was,
@@ -256,7 +256,7 @@ fn codes(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     let largest = lit.iter().flat_map(|(_, [_, c])| *c).fold(0.0, f64::max);
     let bound = LARGEST_CODES.into_iter().find(|bound| largest <= *bound)?;
     (largest > 1.0 && are_whole(1) && !are_whole(0)).then_some(())?;
-    let found = told(lit, |_, r| r);
+    let found = fit(lit, |_, r| r);
     (found.tally.error() > NOTABLE).then(|| {
         let what = format!(
             "light is in whole numbers up to {largest}: {}-bit codes, not linear light. Divide by {bound}, and decode what is encoded for a display",
@@ -289,7 +289,7 @@ fn colours(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     ];
     best_order(lit, &orders, 1.0, LEFT).or_else(|| {
         let factor = factor(lit, |c| c)?;
-        let left = told(lit, |_, r| r.map(|v| factor * v)).left;
+        let left = fit(lit, |_, r| r.map(|v| factor * v)).left;
         let left = (0.1 * left).min(LEFT_BESIDE_A_FACTOR);
         (factor > DARK).then_some(())?;
         best_order(lit, &orders, factor, left)
@@ -304,17 +304,17 @@ fn best_order(
     most: f64,
 ) -> Option<(Diagnosis, f64)> {
     // If most of the light is grey, or nearly grey, other orders explain it too, but not all of it.
-    let mut best: Option<(&str, Told)> = None;
+    let mut best: Option<(&str, Fit)> = None;
     for (order, name) in orders {
-        let told = told(lit, |_, r| order.map(|k: usize| factor * r[k]));
+        let fit = fit(lit, |_, r| order.map(|k: usize| factor * r[k]));
         let better = best
             .as_ref()
-            .is_none_or(|(_, found)| told.tally.is_better_than(&found.tally));
-        if told.explains() && told.left <= most && better {
-            best = Some((name, told));
+            .is_none_or(|(_, found)| fit.tally.is_better_than(&found.tally));
+        if fit.explains() && fit.left <= most && better {
+            best = Some((name, fit));
         }
     }
-    let (name, told) = best?;
+    let (name, fit) = best?;
     let diagnosis = Diagnosis {
         kind: Kind::ColoursExchanged,
         what: match factor == 1.0 {
@@ -325,9 +325,9 @@ fn best_order(
             ),
         }
         .into(),
-        evidence: evidence(&told.tally),
+        evidence: evidence(&fit.tally),
     };
-    Some((diagnosis, told.left))
+    Some((diagnosis, fit.left))
 }
 
 /// Light that is encoded or decoded once too often, by the curve of sRGB or the power 2.2, whichever fits better.
@@ -350,18 +350,18 @@ fn gamma(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         (once_less, srgb_decode),
         (once_less, |v| libm::pow(v, 2.2)),
     ];
-    let found = curves.map(|(words, curve)| (words, told(lit, |_, r| r.map(curve))));
+    let found = curves.map(|(words, curve)| (words, fit(lit, |_, r| r.map(curve))));
     let most = FAR_LESS * left_by_one_factor(case, lit);
     let explaining = found.into_iter();
-    let explaining = explaining.filter(|(_, told)| told.explains() && told.left <= most);
-    let rest = |told: &Told| told.tally.rest();
-    let (words, told) = explaining.min_by(|a, b| rest(&a.1).total_cmp(&rest(&b.1)))?;
+    let explaining = explaining.filter(|(_, fit)| fit.explains() && fit.left <= most);
+    let rest = |fit: &Fit| fit.tally.rest();
+    let (words, fit) = explaining.min_by(|a, b| rest(&a.1).total_cmp(&rest(&b.1)))?;
     let diagnosis = Diagnosis {
         kind: Kind::Gamma,
         what: words.into(),
-        evidence: evidence(&told.tally),
+        evidence: evidence(&fit.tally),
     };
-    Some((diagnosis, told.left))
+    Some((diagnosis, fit.left))
 }
 
 /// Light that was scaled to the range of a display, and encoded for it.
@@ -375,12 +375,12 @@ fn encoded_and_scaled(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     let by_factor = left_by_one_factor(case, lit);
     let found = curves.into_iter().filter_map(|[encode, decode]| {
         let factor = factor(lit, |c| c.map(decode)).filter(|factor| *factor > DARK)?;
-        let told = told(lit, |_, r| r.map(|v| encode(factor * v)));
-        let explains = told.explains() && told.left <= LEFT_BESIDE_A_FACTOR;
+        let fit = fit(lit, |_, r| r.map(|v| encode(factor * v)));
+        let explains = fit.explains() && fit.left <= LEFT_BESIDE_A_FACTOR;
         // If light has few different values one factor explains much, too.
-        (explains && told.left <= FAR_LESS * by_factor).then_some((factor, told))
+        (explains && fit.left <= FAR_LESS * by_factor).then_some((factor, fit))
     });
-    let (factor, told) = found.min_by(|a, b| a.1.left.total_cmp(&b.1.left))?;
+    let (factor, fit) = found.min_by(|a, b| a.1.left.total_cmp(&b.1.left))?;
     let diagnosis = Diagnosis {
         kind: Kind::Gamma,
         what: format!(
@@ -388,16 +388,16 @@ fn encoded_and_scaled(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
             beside(factor)
         )
         .into(),
-        evidence: evidence(&told.tally),
+        evidence: evidence(&fit.tally),
     };
-    Some((diagnosis, told.left))
+    Some((diagnosis, fit.left))
 }
 
 fn exposure(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     let lit = decoded(case, lit);
     let factor = factor(&lit, |c| c)?;
-    let told = told(&lit, |_, r| r.map(|v| factor * v));
-    (factor > 0.0 && told.explains()).then(|| {
+    let fit = fit(&lit, |_, r| r.map(|v| factor * v));
+    (factor > 0.0 && fit.explains()).then(|| {
         let diagnosis = Diagnosis {
             kind: Kind::Exposure,
             what: format!(
@@ -408,10 +408,10 @@ fn exposure(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
             .into(),
             evidence: [("factor", factor)]
                 .into_iter()
-                .chain(evidence(&told.tally))
+                .chain(evidence(&fit.tally))
                 .collect(),
         };
-        (diagnosis, told.left)
+        (diagnosis, fit.left)
     })
 }
 

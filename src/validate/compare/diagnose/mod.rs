@@ -338,14 +338,14 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
         .as_ref()
         .is_some_and(|(d, left)| d.kind != Kind::ExponentWrong && *left <= SETTLED);
     let by_scene = if is_settled {
-        rendered::Asked::Nothing
+        rendered::Verdict::Nothing
     } else {
         rendered::changes(case)
     };
-    let is_asked = !matches!(by_scene, rendered::Asked::Nothing);
+    let scene_was_tested = !matches!(by_scene, rendered::Verdict::Nothing);
     let by_scene = match by_scene {
-        rendered::Asked::Mistake(found, left) => Some((found, left)),
-        rendered::Asked::Nothing | rendered::Asked::NoMistake => None,
+        rendered::Verdict::Mistake(found, left) => Some((found, left)),
+        rendered::Verdict::Nothing | rendered::Verdict::NoMistake => None,
     };
     match (by_scene, by_light) {
         (Some((by_scene, of_scene)), Some((by_light, left))) => {
@@ -357,13 +357,13 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
             // Another film also changes light at edges.
             let may_be_film = left > NEAR && found.is_empty() && !case.has_places();
             let by_film = may_be_film
-                .then(|| registration::found(case, is_asked))
+                .then(|| registration::found(case, scene_was_tested))
                 .flatten();
             let by_film = by_film.filter(|(_, of_film)| *of_film < left);
             found.push(by_film.map_or(by_light, |(by_film, _)| by_film));
         }
         (None, None) if found.is_empty() && !case.has_places() => {
-            found.extend(registration::found(case, is_asked).map(|(by_film, _)| by_film));
+            found.extend(registration::found(case, scene_was_tested).map(|(by_film, _)| by_film));
         }
         (None, None) => {}
     }

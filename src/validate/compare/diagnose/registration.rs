@@ -62,8 +62,8 @@ const SMALLEST: f64 = 0.55;
 const STEPS: usize = 10;
 
 /// A candidate whose film is shifted or scaled, or whose light has the aberration of another velocity, and the fraction of the squared
-/// error that this leaves. If the scene itself was tested (`is_asked`), no boost is: its light has excluded them.
-pub(super) fn found(case: &Case, is_asked: bool) -> Option<(Diagnosis, f64)> {
+/// error that this leaves. If the scene itself was tested (`scene_was_tested`), no boost is: its light has excluded them.
+pub(super) fn found(case: &Case, scene_was_tested: bool) -> Option<(Diagnosis, f64)> {
     if !case.region.is_all() {
         return None;
     }
@@ -72,7 +72,7 @@ pub(super) fn found(case: &Case, is_asked: bool) -> Option<(Diagnosis, f64)> {
         return None;
     }
     let levels = Levels::of(pair);
-    let boosts: &[Change] = if is_asked { &[] } else { &BOOSTS };
+    let boosts: &[Change] = if scene_was_tested { &[] } else { &BOOSTS };
     let mut fits: Vec<Fit> = (boosts.iter().copied())
         .filter_map(|change| boosted(case, &levels, change))
         .collect();

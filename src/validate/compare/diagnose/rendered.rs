@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 
 use super::super::known::{Change, is_all_in_its_text};
-use super::light::{Lit, NOTABLE, Told, evidence, lit, lit_and_dark, middle, told};
+use super::light::{Fit, Lit, NOTABLE, evidence, fit, lit, lit_and_dark, middle};
 use super::motion::in_words;
 use super::time::words_for_bins;
 use super::{Case, Diagnosis, Kind, median};
@@ -52,7 +52,7 @@ const LEFT_BY_MISTAKE: f64 = 0.03;
 
 /// The result of comparing the scene's light.
 #[derive(Debug)]
-pub(super) enum Asked {
+pub(super) enum Verdict {
     /// Inconclusive: there is no scene, or its light is not the reference's, or nothing is wrong.
     Nothing,
     /// None of the mistakes reproduces the candidate's light.
@@ -62,28 +62,28 @@ pub(super) enum Asked {
 }
 
 /// The mistake with which the scene reproduces the candidate's light.
-pub(super) fn changes(case: &Case) -> Asked {
+pub(super) fn changes(case: &Case) -> Verdict {
     match in_the_light(case) {
-        Asked::Mistake(found, left) => Asked::Mistake(found, left),
-        asked => in_the_dark(case).map_or(asked, |(found, left)| Asked::Mistake(found, left)),
+        Verdict::Mistake(found, left) => Verdict::Mistake(found, left),
+        verdict => in_the_dark(case).map_or(verdict, |(found, left)| Verdict::Mistake(found, left)),
     }
 }
 
 /// The same from the pixels with light in the reference.
-fn in_the_light(case: &Case) -> Asked {
+fn in_the_light(case: &Case) -> Verdict {
     let scene_and_size = || {
         let (scene, lit) = (case.scene?, lit(case)?);
-        if told(&lit, |_, r| r).tally.error() <= NOTABLE {
+        if fit(&lit, |_, r| r).tally.error() <= NOTABLE {
             return None;
         }
         let size = size_where_light_is_that_of(case, scene, &lit)?;
         Some((scene, lit, size))
     };
     let Some((scene, lit, size)) = scene_and_size() else {
-        return Asked::Nothing;
+        return Verdict::Nothing;
     };
-    mistake(case, scene, &lit, size).map_or(Asked::NoMistake, |(found, left)| {
-        Asked::Mistake(found, left)
+    mistake(case, scene, &lit, size).map_or(Verdict::NoMistake, |(found, left)| {
+        Verdict::Mistake(found, left)
     })
 }
 
@@ -92,26 +92,26 @@ fn in_the_dark(case: &Case) -> Option<(Diagnosis, f64)> {
     let (scene, lit) = (case.scene?, lit(case)?);
     let mistake = without_shadows(scene)?;
     let all = lit_and_dark(case)?;
-    if told(&all, |_, r| r).tally.error() <= NOTABLE {
+    if fit(&all, |_, r| r).tally.error() <= NOTABLE {
         return None;
     }
     size_where_light_is_that_of(case, scene, &lit)?;
-    let told = light_of(case, &mistake.scene, &all)?.told(&all);
-    let explains = told.tally.explains(NOTABLE) && told.left <= LEFT_BY_MISTAKE;
+    let fit = light_of(case, &mistake.scene, &all)?.fit(&all);
+    let explains = fit.tally.explains(NOTABLE) && fit.left <= LEFT_BY_MISTAKE;
     explains.then(|| {
         let diagnosis = Diagnosis {
             kind: mistake.kind,
             what: mistake.what.into(),
-            evidence: evidence_of(mistake.size, &told),
+            evidence: evidence_of(mistake.size, &fit),
         };
-        (diagnosis, told.left)
+        (diagnosis, fit.left)
     })
 }
 
 /// The evidence for a mistake of this size.
-fn evidence_of(size: (&'static str, f64), told: &Told) -> Vec<(&'static str, f64)> {
-    let of_light = evidence(&told.tally).into_iter();
-    let left = ("what it leaves of the squared error", told.left);
+fn evidence_of(size: (&'static str, f64), fit: &Fit) -> Vec<(&'static str, f64)> {
+    let of_light = evidence(&fit.tally).into_iter();
+    let left = ("what it leaves of the squared error", fit.left);
     std::iter::once(size)
         .chain(of_light)
         .chain([left])
@@ -128,26 +128,26 @@ fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Diagno
     }
     mistakes.extend(without_shadows(scene));
     mistakes.extend(by_whole_bins(scene));
-    let asked = mistakes.into_iter().filter_map(|mistake| {
-        let told = light_of(case, &mistake.scene, lit)?.told(lit);
-        let explains = told.tally.explains(NOTABLE) && told.left <= LEFT_BY_MISTAKE;
-        explains.then_some((mistake, told))
+    let of_no_size = mistakes.into_iter().filter_map(|mistake| {
+        let fit = light_of(case, &mistake.scene, lit)?.fit(lit);
+        let explains = fit.tally.explains(NOTABLE) && fit.left <= LEFT_BY_MISTAKE;
+        explains.then_some((mistake, fit))
     });
     let of_times = of_some_size(case, lit, &times(scene), |x| later(scene, x));
-    let of_times = of_times.map(|(x, told)| (lookup(scene, x), told));
+    let of_times = of_times.map(|(x, fit)| (lookup(scene, x), fit));
     let speeds: &[f64] = if case.has_places() { &[] } else { &SPEEDS };
     let of_speeds = of_some_size(case, lit, speeds, |x| faster(scene, x));
-    let of_speeds = of_speeds.filter(|(x, told)| x.abs() >= SLOWEST && told.left <= LEFT_BY_SPEED);
-    let of_speeds = of_speeds.and_then(|(x, told)| Some((speed(scene, x)?, told)));
-    let found: Vec<(Mistake, Told)> = asked.chain(of_times).chain(of_speeds).collect();
-    let rest = |(_, told): &(Mistake, Told)| told.tally.rest();
+    let of_speeds = of_speeds.filter(|(x, fit)| x.abs() >= SLOWEST && fit.left <= LEFT_BY_SPEED);
+    let of_speeds = of_speeds.and_then(|(x, fit)| Some((speed(scene, x)?, fit)));
+    let found: Vec<(Mistake, Fit)> = of_no_size.chain(of_times).chain(of_speeds).collect();
+    let rest = |(_, fit): &(Mistake, Fit)| fit.tally.rest();
     let best = (found.iter()).min_by(|a, b| rest(a).total_cmp(&rest(b)))?;
     // Several mistakes may move the same object out of view: then light cannot distinguish them.
     let alike = found.iter().filter(|found| {
         !std::ptr::eq(*found, best) && rest(found) == rest(best) && found.1.left == best.1.left
     });
     let alike: Vec<&str> = alike.map(|(mistake, _)| mistake.what.as_str()).collect();
-    let (mistake, told) = best;
+    let (mistake, fit) = best;
     let or = match alike.is_empty() {
         true => String::new(),
         false => format!("; the same light is that where {}", alike.join("; or ")),
@@ -155,17 +155,17 @@ fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Diagno
     let diagnosis = Diagnosis {
         kind: mistake.kind,
         what: format!("{}{or}", mistake.what).into(),
-        evidence: evidence_of(mistake.size, told),
+        evidence: evidence_of(mistake.size, fit),
     };
-    Some((diagnosis, told.left))
+    Some((diagnosis, fit.left))
 }
 
 /// The light of a scene, for each pixel.
 struct Light(Vec<[f64; 3]>);
 
 impl Light {
-    fn told(&self, lit: &[Lit]) -> Told {
-        told(lit, |i, _| self.0[i])
+    fn fit(&self, lit: &[Lit]) -> Fit {
+        fit(lit, |i, _| self.0[i])
     }
 }
 
@@ -279,7 +279,7 @@ const FINE: f64 = 1e-3;
 const PROMISING: f64 = 0.9;
 
 /// Adds a size with its light, and keeps the two whose light is closest to the candidate's.
-fn keep_nearest(found: &mut Vec<(f64, Light, Told)>, next: (f64, Light, Told)) {
+fn keep_nearest(found: &mut Vec<(f64, Light, Fit)>, next: (f64, Light, Fit)) {
     found.push(next);
     found.sort_by(|a, b| a.2.left.total_cmp(&b.2.left));
     found.truncate(2);
@@ -291,14 +291,14 @@ fn of_some_size(
     lit: &[Lit],
     tried: &[f64],
     scene: impl Fn(f64) -> Option<Scene>,
-) -> Option<(f64, Told)> {
+) -> Option<(f64, Fit)> {
     let smallest = tried.iter().map(|x| x.abs()).reduce(f64::min)?;
     let middle = middle(lit);
     let compressed = |light: [f64; 3]| DVec3::from(light.map(|v| v / (v.abs() + middle)));
-    let light = |x: f64| -> Option<(f64, Light, Told)> {
+    let light = |x: f64| -> Option<(f64, Light, Fit)> {
         let light = light_of(case, &scene(x)?, lit)?;
-        let told = light.told(lit);
-        Some((x, light, told))
+        let fit = light.fit(lit);
+        Some((x, light, fit))
     };
     // The best two are enough.
     let mut found = vec![light(0.0)?];
@@ -328,8 +328,8 @@ fn of_some_size(
             return None;
         }
     }
-    let (x, _, told) = found.into_iter().next()?;
-    (told.explains() && told.left <= LEFT_BY_SIZE && x != 0.0).then_some((x, told))
+    let (x, _, fit) = found.into_iter().next()?;
+    (fit.explains() && fit.left <= LEFT_BY_SIZE && x != 0.0).then_some((x, fit))
 }
 
 /// Delays to try, relative to the shortest time in which light changes.

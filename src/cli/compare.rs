@@ -8,7 +8,8 @@ use nullray::figures::drawing::{self, png};
 use nullray::io::budget::Budget;
 use nullray::io::image::{self, exr};
 use nullray::scene::Overrides;
-use nullray::scene::model::{SPEED_OF_LIGHT, Scene};
+use nullray::scene::model::Scene;
+use nullray::spacetime::SPEED_OF_LIGHT;
 use nullray::validate::compare::{
     Breach, CompareOptions, Comparison, Encoding, NotFinite, Picture, Region, compare, flip,
     report, working_memory,

@@ -9,7 +9,7 @@ use nullray::io::gltf;
 use nullray::io::npy::{self, Dtype};
 use nullray::mesh::Mesh;
 use nullray::render::plan::bytes;
-use nullray::scene::model::SPEED_OF_LIGHT;
+use nullray::spacetime::SPEED_OF_LIGHT;
 use nullray::{Error, Result};
 
 use super::args::{ConvertArguments, SampleType};

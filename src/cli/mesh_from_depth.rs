@@ -7,7 +7,8 @@ use nullray::io::cube::{self, Wanted};
 use nullray::io::gltf;
 use nullray::io::npy;
 use nullray::light::depth::{DepthMesh, FirstLight, Flash, PixelRays, first_light};
-use nullray::scene::model::{CaptureCamera, SPEED_OF_LIGHT};
+use nullray::scene::model::CaptureCamera;
+use nullray::spacetime::SPEED_OF_LIGHT;
 use nullray::spacetime::units::Time;
 use nullray::{Error, Result};
 

@@ -1,10 +1,12 @@
 //! Planck's law.
 
+use crate::spacetime::SPEED_OF_LIGHT;
+
 /// Planck's constant times the speed of light over Boltzmann's constant, m K (exact in SI: 2019).
-const SECOND_RADIATION_CONSTANT: f64 = 6.626_070_15e-34 * 299_792_458.0 / 1.380_649e-23;
+const SECOND_RADIATION_CONSTANT: f64 = 6.626_070_15e-34 * SPEED_OF_LIGHT / 1.380_649e-23;
 
 /// 2 h c², W m² / sr (exact).
-const FIRST_RADIATION_CONSTANT: f64 = 2.0 * 6.626_070_15e-34 * 299_792_458.0 * 299_792_458.0;
+const FIRST_RADIATION_CONSTANT: f64 = 2.0 * 6.626_070_15e-34 * SPEED_OF_LIGHT * SPEED_OF_LIGHT;
 
 /// Planck's law: W m⁻² sr⁻¹ per metre of wavelength, at a temperature in kelvin.
 pub fn planck(wavelength: f64, temperature: f64) -> f64 {

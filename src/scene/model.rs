@@ -29,9 +29,6 @@ pub use light::{Beam, Brightness, EmissionProfile, Lamp, Light, LightKind};
 pub use panel::{Panel, Sheet, Show};
 pub use sky::{Catalogue, Sky, SkyRadiance, Stars, Sun};
 
-/// The speed of light in vacuum, metres per second (exact).
-pub const SPEED_OF_LIGHT: f64 = 299_792_458.0;
-
 /// The largest number of bounces.
 pub const MOST_BOUNCES: u32 = 64;
 

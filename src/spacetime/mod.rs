@@ -31,3 +31,6 @@ pub(crate) use event::unit_and_length_or_nan;
 pub use event::{CameraFrame, Direction, Displacement, Event, Frame, Rest, World};
 pub use ray::NullRay;
 pub use velocity::{MAX_RAPIDITY, Velocity, VelocityError};
+
+/// The speed of light in vacuum, metres per second (exact in SI).
+pub const SPEED_OF_LIGHT: f64 = 299_792_458.0;

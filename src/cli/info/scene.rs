@@ -7,12 +7,12 @@ use nullray::colour::Continuation;
 use nullray::io::cube::{self, Channels, CubeInfo};
 use nullray::render::metadata;
 use nullray::render::plan::{self, bytes};
+use nullray::scene::Overrides;
 use nullray::scene::model::{
     Beam, BinValues, Binding, Catalogue, Clock, CubeBacks, CubeData, CubeSource, EmissionProfile,
     Equations, Geometry, Light, LightKind, Mapping, Object, Scene, Shape, Sky, SkyRadiance, Source,
     SourceKind, TimeBins, TimeFilter,
 };
-use nullray::scene::{self, Overrides};
 use serde_json::{Value, json};
 
 use super::{Info, camera};
@@ -282,7 +282,7 @@ fn settings(info: &mut Info, scene: &Scene) {
     if scene.medium_index != 1.0 {
         info.row("medium", format!("refractive index {}", scene.medium_index));
     }
-    if scene.speed_of_light != scene::model::SPEED_OF_LIGHT {
+    if scene.speed_of_light != nullray::spacetime::SPEED_OF_LIGHT {
         info.row("light", format!("{} m/s", scene.speed_of_light));
     }
 }

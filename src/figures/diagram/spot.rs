@@ -8,8 +8,8 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Error, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::scene::model::SPEED_OF_LIGHT;
 use crate::scene::{At, Number, Numbers, VelocityTable};
+use crate::spacetime::SPEED_OF_LIGHT;
 use crate::spacetime::units::Acceleration;
 
 /// An event: its name, [ct, x], or [ct, x, y].

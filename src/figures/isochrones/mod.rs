@@ -97,7 +97,7 @@ impl Default for IsochroneOptions {
         IsochroneOptions {
             step: None,
             range: None,
-            speed_of_light: crate::scene::model::SPEED_OF_LIGHT,
+            speed_of_light: crate::spacetime::SPEED_OF_LIGHT,
             title: "When the light left: retarded time".into(),
         }
     }

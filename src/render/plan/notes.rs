@@ -188,7 +188,7 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
         Some((file, object.unread.as_slice()))
     });
     notes.extend(unread_of(scene, files));
-    if scene.speed_of_light != crate::scene::model::SPEED_OF_LIGHT {
+    if scene.speed_of_light != crate::spacetime::SPEED_OF_LIGHT {
         notes.push(format!(
             "the speed of light of this scene is {} m/s",
             scene.speed_of_light

@@ -356,13 +356,14 @@ impl VectorLoop for StartsTowards<'_> {
     }
 }
 
+/// How far from its surface a ray starts, relative to the coordinates: its point is rounded by about 2⁻⁵³ of them, to one side of the
+/// surface or the other. On the edge of a triangle the ray could hit the neighbour right there; hits nearer than 2⁻⁴² of the coordinates
+/// (10⁻¹² m in a scene of metres) are therefore ignored.
+pub(super) const CLEARANCE: f64 = 1.0 / (1u64 << 42) as f64;
+
 /// The parameter at which a ray along `direction` starts when it leaves a surface; `size` is given by [`shadow_size`].
-///
-/// The point is rounded by about 2⁻⁵³ of these coordinates, to one side of its surface or the other. On the edge of a triangle the ray
-/// could hit the neighbour right there; hits nearer than 2⁻⁴² of the coordinates (10⁻¹² m in a scene of metres) are therefore ignored.
 #[inline(always)]
 pub(super) fn shadow_start(size: f64, direction: DVec3) -> f64 {
-    const CLEARANCE: f64 = 1.0 / (1u64 << 42) as f64;
     CLEARANCE * size / direction.length()
 }
 

@@ -5,6 +5,7 @@
 
 use super::camera_rays::{LeftTriangle, Rays, Samples};
 use super::emitted::{Chosen, Drawn, Emitted, Level};
+use super::occlusion::CLEARANCE;
 use super::points::Points;
 use super::run::{Run, TracedRays};
 use super::sharing::{Group, Groups, Sharing, Ungrouped};
@@ -180,8 +181,6 @@ impl Level {
 
     /// Adds the ray from the k-th of `points`, those of `run` in a frame with this γ, along `drawn`.
     fn push(&mut self, k: usize, drawn: &Scattered, (run, gamma): (&Run, f64), points: &Points) {
-        // As for shadow rays: larger than the rounding errors of the event and the point.
-        const CLEARANCE: f64 = 1.0 / (1u64 << 42) as f64;
         let world_from_rest = run.rest.frame.world_from_frame();
         let (d, ratio, delay) = along(run, drawn);
         // From the event of the shot to the point, lifted off its surface.

@@ -107,7 +107,7 @@ pub(in crate::scene) struct AnyTable {}
 
 impl Scene {
     fn speed_of_light() -> At<Speed> {
-        At::nowhere(Speed::customary(super::model::SPEED_OF_LIGHT))
+        At::nowhere(Speed::customary(crate::spacetime::SPEED_OF_LIGHT))
     }
 }
 

@@ -13,7 +13,7 @@ use super::picture::is_light;
 use super::surface::{Distribution, SurfaceErrors, Unmeasured};
 use crate::error::{Error, Message, Result, Setting};
 use crate::render::aov::Aov;
-use crate::scene::model::SPEED_OF_LIGHT;
+use crate::spacetime::SPEED_OF_LIGHT;
 
 /// A metric, or a family of metrics for values of many pixels (`geometric.mean`, `geometric.p99`): a row of [`METRICS`].
 #[derive(Debug, Clone, Copy)]

@@ -10,8 +10,8 @@ use crate::figures::text::RichText;
 use crate::scene::At;
 use crate::scene::Context;
 use crate::scene::Kinematics;
-use crate::scene::model::SPEED_OF_LIGHT;
 use crate::scene::{Number, Numbers};
+use crate::spacetime::SPEED_OF_LIGHT;
 use crate::spacetime::{Direction, World};
 
 /// Points of a metre of paper.

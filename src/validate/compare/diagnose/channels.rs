@@ -8,7 +8,7 @@ use super::super::picture::Plane;
 use super::super::points::place;
 use super::{Case, Diagnosis, Kind, Tally, frames, median, normals, time};
 use crate::render::aov::Aov;
-use crate::scene::model::SPEED_OF_LIGHT;
+use crate::spacetime::SPEED_OF_LIGHT;
 
 /// The fraction of an object's pixels at which a renamed index must appear in the candidate.
 const ALMOST_ALL: f64 = 0.95;

@@ -14,6 +14,8 @@ light=(--tolerance relrmse=0.05)
 surfaces=(--tolerance geometric.p99=0.1 --tolerance coverage=0.99 --tolerance time.p99=0.05 --tolerance w.p99=0.01 "${light[@]}")
 # Channels of surfaces that no other limit is about; at edges of triangles a few pixels show the next one.
 for axis in x y z; do surfaces+=(--tolerance "normal.$axis:p90=0.02"); done
+for axis in x y z; do surfaces+=(--tolerance "direction.$axis:p90=0.001"); done
+surfaces+=(--tolerance distance:p90=0.05 --tolerance object_event.ct:p90=0.05 --tolerance alpha:mae=0.01)
 for axis in u v; do surfaces+=(--tolerance "uv.$axis:p90=0.01" --tolerance "barycentric.$axis:p90=0.05"); done
 
 compared=0 failed=0

@@ -18,6 +18,8 @@ LIGHT = {"relrmse": 0.05}
 # Channels of surfaces that no other limit is about; at edges of triangles a few pixels show the next one.
 CHANNELS = {f"normal.{axis}:p90": 0.02 for axis in "xyz"} | {f"uv.{axis}:p90": 0.01 for axis in "uv"}
 CHANNELS |= {f"barycentric.{axis}:p90": 0.05 for axis in "uv"}
+CHANNELS |= {f"direction.{axis}:p90": 0.001 for axis in "xyz"}
+CHANNELS |= {"distance:p90": 0.05, "object_event.ct:p90": 0.05, "alpha:mae": 0.01}
 SURFACES = {"geometric.p99": 0.1, "coverage": 0.99, "time.p99": 0.05, "w.p99": 0.01, **CHANNELS, **LIGHT}
 PICTURES = sorted(path.name for path in REFERENCES.glob("*.*") if path.suffix in {".exr", ".npz", ".npy", ".png"})
 

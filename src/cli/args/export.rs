@@ -19,8 +19,8 @@ pub struct ExportArguments {
     /// Copy stored cubes, or only refer to them by path and SHA-256.
     #[arg(long, value_name = "WHAT", default_value = "copy")]
     pub cubes: CubesArgument,
-    /// Also write test vectors, as JSON for unit tests in any language: vertices, the events at which they are seen, their film points
-    /// and their wavelength ratios.
+    /// Also write test vectors, as JSON for unit tests in any language: up to 32 vertices of each object, the events at which they are
+    /// seen, their film points and their wavelength ratios. Only for perspective cameras whose rays all leave one event.
     #[arg(long)]
     pub vectors: bool,
     /// Replace an export of this name.

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::diagnose::{self, Diagnosis};
 use super::errors::{Errors, Sums};
 use super::flip::{self, Flip};
-use super::geometry::Field;
+use super::geometry::{Field, Search};
 use super::known::{self, KnownScene};
 use super::matching::{self, Uncompared};
 use super::options::{CompareOptions, Region};
@@ -75,7 +75,7 @@ fn of_grey(name: &str, comparison: Result<Comparison>) -> Result<Comparison> {
 ///
 /// # Errors
 /// Pictures that do not belong together: different sizes, channels, encodings or quantities; swapped ones; a region outside of them; pixels
-/// per degree below 1 or above 1000; a scene other than the reference's; samples that [`CompareOptions::not_finite`] refuses.
+/// per degree below 1 or above 1000; a width of bins that is not above 0; a scene other than the reference's; samples that [`CompareOptions::not_finite`] refuses.
 pub fn compare(
     reference: &Picture,
     candidate: &Picture,
@@ -92,6 +92,19 @@ pub fn compare(
             what,
             "from 1 to 1000",
         ));
+    }
+    if let Some(width) = options.bin_width
+        && !(width > 0.0 && width.is_finite())
+    {
+        let what = format!("bins of {width} m");
+        let help = "the width of a bin in metres of light path, above 0";
+        return Err(Error::invalid("comparison", "bin_width", what, help));
+    }
+    if let Some(named) = reference.with_alpha_named_as_in(candidate) {
+        return compare(&named, candidate, options);
+    }
+    if let Some(named) = candidate.with_alpha_named_as_in(reference) {
+        return compare(reference, &named, options);
     }
     if let Some(colours) = reference.in_colours(candidate) {
         return of_grey(&reference.name, compare(&colours, candidate, options));
@@ -131,8 +144,19 @@ pub fn compare(
         let note = "the reference does not say which scene it shows: geometric errors are measured on the surfaces that it shows (";
         notes.push(Message::from(note) + Setting::Scene + " names the scene)");
     }
-    let (surface, geometric_map) =
-        surface::compare([r, c], &points, field.as_ref(), region, options.bin_width);
+    // Points of moving objects by events of the world, where the candidate has nothing else.
+    let by_events = known.as_ref().filter(|_| points[1].material.is_none());
+    let own = by_events.and_then(|known| Some([known.own_points(r)?, known.own_points(c)?]));
+    let own_points = own.as_ref().map(|own| Points::pair(own.each_ref()));
+    let search = own_points.as_ref().and_then(Search::new);
+    let (surface, geometric_map) = surface::compare(
+        [r, c],
+        &points,
+        field.as_ref(),
+        search.as_ref(),
+        [&options.region, region],
+        options.bin_width,
+    );
     // Possible explanations of the difference.
     let own_scene = match options.scene {
         Some(_) => None,

@@ -6,11 +6,13 @@ use super::known::KnownScene;
 use super::picture::Plane;
 use super::points::{Points, place};
 
-/// The geometric error of every pixel, NaN if it has none.
-pub(super) fn map(field: &Field) -> Vec<f32> {
+/// The geometric error of every pixel, NaN if it has none; from the search `otherwise` where `field` has none.
+pub(super) fn map(field: &Field, otherwise: Option<&Search>) -> Vec<f32> {
     let error = |i: usize| {
         let displacement = field.displacement(i);
-        displacement.map_or(f32::NAN, |d| d.length() as f32)
+        let length = displacement.map(DVec2::length);
+        let length = length.or_else(|| otherwise?.distance(i));
+        length.map_or(f32::NAN, |length| length as f32)
     };
     (0..field.width() * field.height()).map(error).collect()
 }
@@ -120,7 +122,7 @@ const OFF_SURFACE: f64 = 0.5;
 const BEYOND: f64 = 1.5;
 
 impl<'a> Search<'a> {
-    fn new(pair: &[Points<'a>; 2]) -> Option<Self> {
+    pub fn new(pair: &[Points<'a>; 2]) -> Option<Self> {
         Some(Search::on(pair, Points::places(pair)?, Surface::Objects))
     }
 
@@ -172,6 +174,22 @@ impl<'a> Search<'a> {
         });
         let found = around.filter_map(|j| self.newton(index, j, wanted));
         found.min_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
+    }
+
+    /// The length of the displacement, or, for points off the surface, their distance in pixels there.
+    fn distance(&self, index: usize) -> Option<f64> {
+        if let Some(found) = self.displacement(index) {
+            return Some(found.length());
+        }
+        let [r, c] = &self.points;
+        let off = (place(&self.candidate, index) - place(&self.reference, index)).length();
+        let is_there = r.same_object(c, index) && off.is_finite();
+        is_there.then_some(())?;
+        let here = place(&self.reference, index);
+        let beside = self.around(index).filter(|j| self.same(index, *j));
+        let steps = beside.map(|j| (place(&self.reference, j) - here).length());
+        let pixel = steps.filter(|step| step.is_finite()).reduce(f64::max)?;
+        (pixel > 0.0).then(|| off / pixel)
     }
 
     /// The displacement from pixel `origin` to where the part of the surface shown at pixel `start` has the position `wanted`.

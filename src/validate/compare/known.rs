@@ -14,12 +14,14 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use super::picture::Picture;
-use super::points::Points;
+use super::picture::{Picture, Plane, is_identity};
+use super::points::{OBJECT_POINT, Points, place};
 use crate::camera::{AnyProjection, Projection, Shot};
 use crate::error::Result;
+use crate::io::image::{Channel, Layers, Samples};
+use crate::render::aov::Aov;
 use crate::scene::model::{
-    CameraModel, CubeData, Effects, Equations, Geometry, Object, Scene, Source, SourceKind,
+    CameraModel, CubeData, Effects, Equations, Geometry, Motion, Object, Scene, Source, SourceKind,
 };
 use crate::scene::{self, CameraMotion, Overrides};
 use crate::spacetime::{
@@ -112,6 +114,23 @@ pub(super) fn is_all_in_its_text(scene: &Scene) -> bool {
         && sky.is_none_or(|sky| sky.files().next().is_none())
 }
 
+/// The camera of one eye of a stereo pair, with a picture of `size`; `None` for single cameras, and for those that accelerate or rotate.
+pub(super) fn eye(pair: &CameraModel, side: f64, size: [u32; 2]) -> Option<CameraModel> {
+    let distance = pair.stereo?.interpupillary_distance;
+    (pair.motion == Motion::Inertial && pair.rotation.is_none()).then_some(())?;
+    let frame = InertialFrame::<spacetime::CameraFrame>::new(pair.velocity, pair.origin);
+    let [right, ..] = pair.axes;
+    let offset = Displacement::new(0.0, right * (0.5 * side * distance));
+    let offset = frame.world_from_frame().displacement(offset);
+    let origin = Event::new(pair.origin.ct + offset.ct, pair.origin.x + offset.x);
+    Some(CameraModel {
+        stereo: None,
+        origin,
+        size,
+        ..pair.clone()
+    })
+}
+
 /// The world's unit direction d that a boost without γ turns into `own`, along d + β.
 pub(super) fn unaberrated_without_gamma(own: DVec3, velocity: Velocity) -> DVec3 {
     // |s d′ − β| = 1 for s > 0.
@@ -138,8 +157,22 @@ impl KnownScene {
 
     /// From the scene's text in the metadata of a picture; `None` if there is no such text, or its camera is in a file that does not exist.
     pub(super) fn of_picture(picture: &Picture) -> Option<KnownScene> {
+        KnownScene::of_metadata(picture, Some)
+    }
+
+    /// The same for one eye's half of a stereo pair, -1 for the left one and 1 for the right one.
+    pub(super) fn of_eye(half: &Picture, side: f64) -> Option<KnownScene> {
+        let size = [half.layers.width, half.layers.height];
+        KnownScene::of_metadata(half, |camera| eye(&camera, side, size))
+    }
+
+    fn of_metadata(
+        picture: &Picture,
+        camera: impl Fn(CameraModel) -> Option<CameraModel>,
+    ) -> Option<KnownScene> {
         let motions = described(picture, scene::kinematics)?;
-        let CameraMotion { mut model, .. } = motions.camera?;
+        let CameraMotion { model, .. } = motions.camera?;
+        let mut model = camera(model)?;
         // A frame of a sequence has its own time.
         if let Some(time) = picture.metadata("camera_time") {
             model.time = time.parse().ok()?;
@@ -376,6 +409,37 @@ impl KnownScene {
             }
         };
         p.is_finite().then_some((k, p))
+    }
+
+    /// The objects of a picture and their own points, p = Λ(β)(E − O) for an event E of the world if the picture has no such channels;
+    /// `None` without events and their times. Unlike where E is seen, p depends on the object's velocity.
+    pub(super) fn own_points(&self, layers: &Layers) -> Option<Layers> {
+        let [points, _] = Points::pair([layers, layers]);
+        let count = points.width * points.height;
+        let own: Vec<DVec3> = match points.material {
+            Some(own) => (0..count).map(|i| place(&own, i)).collect(),
+            None => {
+                let (time, world) = (Plane::aov(layers, Aov::EventCt)?, points.world?);
+                let frame = |i: usize| self.objects.get(points.object_at(i)? as usize);
+                let own = |i: usize| {
+                    let event = Event::new(time.at(i), place(&world, i));
+                    frame(i).map_or(DVec3::NAN, |frame| frame.event_from_world(event).x)
+                };
+                points.object?;
+                (0..count).map(own).collect()
+            }
+        };
+        let axes = OBJECT_POINT
+            .into_iter()
+            .enumerate()
+            .map(|(k, aov)| Channel {
+                name: aov.name().into(),
+                samples: Samples::F64(own.iter().map(|p| p[k]).collect()),
+            });
+        let is_index = |channel: &&Channel| is_identity(channel);
+        let indices = layers.channels.iter().filter(is_index).cloned();
+        let channels = indices.chain(axes).collect();
+        Layers::new(layers.width, layers.height, channels, Vec::new()).ok()
     }
 
     /// Where the point that a picture shows at pixel `i` is seen.

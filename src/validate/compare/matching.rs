@@ -211,12 +211,20 @@ fn whole(pair: [&Picture; 2]) -> Result<()> {
     Ok(())
 }
 
-/// Notes on arrays that are not channels.
+/// Notes on arrays that are not channels, and on an only one that is taken for light.
 fn unread(pair: [&Picture; 2]) -> Vec<Message> {
+    let taken = pair.into_iter().filter_map(|picture| {
+        let name = picture.taken_for_light.as_ref()?;
+        let note = format!(
+            "the only array of {}, \"{name}\", is taken for light",
+            picture.name
+        );
+        Some(note.into())
+    });
     let some = pair
         .into_iter()
         .filter(|picture| !picture.unread.is_empty());
-    some.map(|picture| {
+    let unread = some.map(|picture| {
         let names: Vec<&str> = picture.unread.iter().map(String::as_str).collect();
         format!(
             "not read of {}, as they are not channels of a picture: {}",
@@ -224,8 +232,8 @@ fn unread(pair: [&Picture; 2]) -> Vec<Message> {
             list(&names)
         )
         .into()
-    })
-    .collect()
+    });
+    unread.chain(taken).collect()
 }
 
 /// The fraction of the reference's pixels without a surface at which one number in a candidate must stand to mean no hit, and the fraction
@@ -380,16 +388,10 @@ fn alpha<'a>(
             chosen[one].remove(at);
             continue;
         }
-        let what = match pair[other].layers.channel("alpha") {
-            Some(_) => format!(
-                "its light has alpha as a fourth channel, with transparent pixels; {} has it in an array of its own, \"alpha\"",
-                pair[other].name
-            ),
-            None => format!(
-                "it has an alpha channel with transparent pixels, and {} has none",
-                pair[other].name
-            ),
-        };
+        let what = format!(
+            "it has an alpha channel with transparent pixels, and {} has none",
+            pair[other].name
+        );
         // Whether light is multiplied by alpha depends on the format: the hint says which applies.
         let stored = match pair[one].alpha {
             Alpha::Premultiplied => {

@@ -422,7 +422,7 @@ fn gaps(d: &Distribution) -> Option<String> {
     let compared = d.count + d.unmeasured;
     if d.lacking as f64 > MOST_LACKING * compared as f64 {
         return Some(format!(
-            "at {} of the {compared} pixels where both show the same object, the candidate has no numbers (NaN) and the reference has some",
+            "at {} of the {compared} pixels where both show the same object, the candidate has no numbers (NaN, or infinite) and the reference has some",
             d.lacking
         ));
     }
@@ -647,9 +647,14 @@ impl<'a> Name<'a> {
             },
             Of::Picture(value, _) => settled(value(comparison), || {
                 let is_skipped = self.row.name.starts_with("flip") && comparison.flip.is_none();
-                match is_skipped && comparison.radiance.is_some() {
-                    true => Message::from("FLIP was not computed (") + Setting::NoFlip + ")",
-                    false => self.row.lacks(),
+                let has_objects = (comparison.surface.as_ref())
+                    .is_some_and(|surface| surface.wrong_objects.is_some());
+                if is_skipped && comparison.radiance.is_some() {
+                    Message::from("FLIP was not computed (") + Setting::NoFlip + ")"
+                } else if self.row.needs == OBJECTS && has_objects {
+                    "the reference shows no object, or no boundary between objects".into()
+                } else {
+                    self.row.lacks()
                 }
             }),
             Of::Pixels(values, ..) => match comparison.surface.as_ref().and_then(values) {

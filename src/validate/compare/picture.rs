@@ -58,6 +58,8 @@ pub struct Picture {
     pub ends_at_one: bool,
     /// Arrays of its file that are not channels: a camera's matrix, a frame rate, motion vectors.
     pub unread: Vec<String>,
+    /// The only array of its file, if it is taken for light whatever its name is.
+    pub taken_for_light: Option<String>,
 }
 
 /// Whether light is multiplied by alpha.
@@ -87,6 +89,7 @@ impl Picture {
             alpha: Alpha::Unknown,
             ends_at_one: false,
             unread: Vec::new(),
+            taken_for_light: None,
         }
     }
 
@@ -128,6 +131,24 @@ impl Picture {
             .collect();
         if picture.half.contains(&grey.name) {
             picture.half.extend(RADIANCE.map(String::from));
+        }
+        Some(picture)
+    }
+
+    /// The picture with its alpha named as that of `other`, if only the names differ: `A` is the fourth channel of light that is
+    /// multiplied by it, and `alpha` the auxiliary channel. Opaque alpha says nothing, and keeps its name.
+    pub(super) fn with_alpha_named_as_in(&self, other: &Picture) -> Option<Picture> {
+        let named = |picture: &Picture| ["A", "alpha"].map(|n| picture.layers.channel(n).is_some());
+        let differs = named(self) == [true, false] && named(other) == [false, true];
+        (differs && self.alpha != Alpha::Straight).then_some(())?;
+        let alpha = Plane::find(&self.layers, "A")?;
+        let pixels = self.layers.width as usize * self.layers.height as usize;
+        (0..pixels).any(|i| alpha.at(i) != 1.0).then_some(())?;
+        let mut picture = self.clone();
+        for channel in &mut picture.layers.channels {
+            if channel.name == "A" {
+                channel.name = "alpha".into();
+            }
         }
         Some(picture)
     }
@@ -278,9 +299,10 @@ impl Picture {
                 ..Picture::linear(name, png::read(path, budget)?)
             },
             Some("npz" | "npy") => {
-                let (layers, unread) = arrays(path, budget)?;
+                let (layers, unread, taken_for_light) = arrays(path, budget)?;
                 Picture {
                     unread,
+                    taken_for_light,
                     ..Picture::linear(name, layers)
                 }
             }
@@ -310,8 +332,8 @@ fn where_nothing_is_met(samples: &Samples, no_hit: f64) -> Samples {
     Samples::F64(samples.to_f64().into_iter().map(id).collect())
 }
 
-/// The channels in the arrays of a file, and the names of the other arrays.
-fn arrays(path: &Path, budget: &Budget) -> Result<(Layers, Vec<String>)> {
+/// The channels in the arrays of a file, the names of the other arrays, and that of an only array of another name that is light.
+fn arrays(path: &Path, budget: &Budget) -> Result<(Layers, Vec<String>, Option<String>)> {
     let mut headers = npy::inspect(path, None)?;
     let is_metadata = |header: &Header| header.name.as_deref() == Some("metadata");
     let metadata = match headers.iter().any(is_metadata) {
@@ -365,7 +387,11 @@ fn arrays(path: &Path, budget: &Budget) -> Result<(Layers, Vec<String>)> {
     let channels = parts.into_iter().flat_map(|part| part.1).collect();
     let layers = Layers::new(side(width), side(height), channels, metadata)?;
     let unread = unread.into_iter().filter_map(|header| header.name);
-    Ok((layers, unread.collect()))
+    let other = read.into_iter().filter_map(|header| header.name);
+    let mut other =
+        other.filter(|name| !is_ours(Some(name)) && layers.channel(RADIANCE[0]).is_some());
+    let taken_for_light = other.next();
+    Ok((layers, unread.collect(), taken_for_light))
 }
 
 /// Whether an array of this name is light, an auxiliary channel, or a group of them.

@@ -25,6 +25,10 @@
 //! δ = π(Y) − π(X).
 //! ```
 //!
+//! The points of a moving object are also those of its events of the world, Y = Λ(β)(E − O), if the candidate has no others; but each such
+//! event is seen where it is, whatever Y is. So Y is searched on the surface that the reference shows, as if the scene was unknown;
+//! a Y that is off the surface counts with its distance from X, over the largest step to a pixel around it.
+//!
 //! Otherwise only the reference states which point X(p) of the surface pixel p shows, in coordinates that move with the object. The
 //! candidate's Y belongs at p + δ with X(p + δ) = Y, and with the Jacobian J = ∂X/∂p (metres per pixel, 3 × 2) of the reference
 //!
@@ -48,7 +52,7 @@ use std::f64::consts::FRAC_PI_4;
 use serde::Serialize;
 
 use super::errors::{Histogram, Sums};
-use super::geometry::{self, Field};
+use super::geometry::{self, Field, Search};
 use super::options::Region;
 use super::picture::Plane;
 use super::points::Points;
@@ -116,7 +120,7 @@ pub struct Distribution {
     pub unmeasured: u64,
     /// Those of them where the reference has numbers and the candidate has none.
     pub lacking: u64,
-    /// Pixels where the reference shows a surface; 0 if unknown.
+    /// Pixels where the reference shows a surface, including those that were left out because their light is not finite; 0 if unknown.
     pub surfaces: u64,
     /// Objects that the reference shows at eight pixels or more, without a value at any of them.
     pub unmeasured_objects: Vec<Unmeasured>,
@@ -174,19 +178,20 @@ pub struct Signed {
     pub absolute: Distribution,
 }
 
-/// Surface errors and, if maps are requested, the map of the geometric error.
+/// Surface errors and, if maps are requested, the map of the geometric error, for the pixels that count of those that were asked for.
 pub(super) fn compare(
     pair: [&Layers; 2],
     points: &[Points; 2],
     field: Option<&Field>,
-    region: &Region,
+    otherwise: Option<&Search>,
+    [asked, region]: [&Region; 2],
     bin_width: Option<f64>,
 ) -> (Option<SurfaceErrors>, Option<Vec<f32>>) {
     let size = points[0].size();
-    let map = field.map(geometry::map);
+    let map = field.map(|field| geometry::map(field, otherwise));
     // Where the reference has numbers of each kind and the candidate has none.
     let lacks = |planes: &[[Plane; 2]], i: usize| {
-        let has = |which: usize| planes.iter().all(|pair| !pair[which].at(i).is_nan());
+        let has = |which: usize| planes.iter().all(|pair| pair[which].at(i).is_finite());
         has(0) && !has(1)
     };
     let of_places = Points::places(points).map(|[r, c]| [0, 1, 2].map(|k| [r[k], c[k]]));
@@ -195,7 +200,7 @@ pub(super) fn compare(
     let times = |i| of_times.is_some_and(|(r, c)| lacks(&[[r, c]], i));
     let of_ratios = ratio(pair);
     let ratios = |i| of_ratios.is_some_and(|planes| lacks(&[planes], i));
-    let shown = (size, region, points);
+    let shown = (size, [asked, region], points);
     let errors = SurfaceErrors {
         wrong_objects: wrong_objects(points, region),
         coverage: coverage(points, region),
@@ -256,14 +261,15 @@ fn steps(r: &Plane, c: &Plane, index: usize) -> f64 {
     }
 }
 
-/// The compared pictures: their width and height, the compared pixels, and the points that they show.
-type Shown<'a> = ([usize; 2], &'a Region, &'a [Points<'a>; 2]);
+/// The compared pictures: their width and height, the pixels that were asked for and those of them that count, and the points that they
+/// show.
+type Shown<'a> = ([usize; 2], [&'a Region; 2], &'a [Points<'a>; 2]);
 
 fn signed(shown: Shown, lacks: &dyn Fn(usize) -> bool, value: impl Fn(usize) -> f64) -> Signed {
     let (mut sum, mut count) = (0.0, 0u64);
     let absolute = distribution(shown, lacks, |chosen, i| {
         let value = value(i);
-        if chosen && !value.is_nan() {
+        if chosen && value.is_finite() {
             sum += value;
             count += 1;
         }
@@ -278,7 +284,7 @@ fn signed(shown: Shown, lacks: &dyn Fn(usize) -> bool, value: impl Fn(usize) -> 
 /// The distribution of `value` over the pixels of the region that show the same object; `lacks` returns whether the candidate lacks numbers
 /// for it.
 fn distribution(
-    ([width, height], region, points): Shown,
+    ([width, height], [asked, region], points): Shown,
     lacks: &dyn Fn(usize) -> bool,
     mut value: impl FnMut(bool, usize) -> f64,
 ) -> Distribution {
@@ -287,13 +293,15 @@ fn distribution(
     let zeros = vec![0.0; width];
     let mut row = vec![0.0; width];
     for y in 0..height {
-        let mut chosen = region.row(y, width);
+        let (all, mut chosen) = (asked.row(y, width), region.row(y, width));
         for x in 0..width {
             let i = y * width + x;
-            let object = points[0].object_at(i).filter(|_| chosen[x]);
+            let object = points[0].object_at(i).filter(|_| all[x]);
             // A displacement is measured along one object: there is none where another is shown.
             chosen[x] &= points[0].same_object(&points[1], i);
-            row[x] = value(chosen[x], i);
+            row[x] = Some(value(chosen[x], i))
+                .filter(|v| v.is_finite())
+                .unwrap_or(f64::NAN);
             let is_measured = chosen[x] && !row[x].is_nan();
             unmeasured += u64::from(chosen[x] && !is_measured);
             lacking += u64::from(chosen[x] && !is_measured && lacks(i));

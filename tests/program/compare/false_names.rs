@@ -246,7 +246,7 @@ fn an_object_in_millimetres_is_not_a_larger_one() {
     let found = diagnosed(&exact(), &only(&wrong, &["object", "event"]));
     named(
         Kind::Units,
-        &["in object 2 alone, event is in millimetres"],
+        &["in object 2, event is in millimetres"],
         &found,
     );
 }

@@ -5,6 +5,7 @@ mod arrays;
 mod browser;
 mod by_light;
 mod false_names;
+mod hidden_bugs;
 mod light_and_sizes;
 mod metrics;
 mod one_object_or_camera;

@@ -175,7 +175,7 @@ fn mistakes_of_one_object_alone_are_named_with_it() {
     ];
     for ((names, of), kind, words) in cases {
         let found = diagnosed(&exact(), &changed_in(2.0, names, of));
-        named(kind, &["in object 2 alone", words], &found);
+        named(kind, &["in object 2, ", words], &found);
     }
 }
 

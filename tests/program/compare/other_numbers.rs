@@ -109,7 +109,7 @@ fn a_mistake_of_all_objects_is_said_once() {
     let found = diagnosed(&exact(), &lost);
     named(
         Kind::NotANumber,
-        &["in objects 1, 2 alone, there are no numbers"],
+        &["in objects 1, 2, there are no numbers"],
         &found,
     );
 }

@@ -1,7 +1,7 @@
-//! Cameras with another velocity, time or orientation, found from positions of points.
+//! Cameras with another velocity, time, orientation or position, found from positions of points.
 //!
 //! In a known scene the film position p(x) of a point is known for a camera with a changed parameter x: its time; its rapidity, which also
-//! moves its position at the time of the shot; or its orientation. The candidate shows the point at the centre q of a pixel. x is found by
+//! moves its position at the time of the shot; its orientation; or its position. The candidate shows the point at the centre q of a pixel. x is found by
 //! Gauss–Newton steps from the reference's value, and for velocities also from rest and from the opposite velocity: with J = ∂p/∂x,
 //!
 //! ```text
@@ -14,11 +14,11 @@
 use glam::{DMat3, DQuat, DVec2, DVec3};
 
 use super::super::known::KnownScene;
-use super::looks::turned_in_words;
+use super::looks::{FARTHEST_TURN, turned_in_words};
 use super::motion::{self, NOTABLE_DISPLACEMENT, displaced};
-use super::{Case, Diagnosis, Kind, NEAR, Tally, film};
+use super::{Case, Diagnosis, Kind, NEAR, Tally, channels, film};
 use crate::scene::model::{CameraModel, Motion};
-use crate::spacetime::Velocity;
+use crate::spacetime::{Boost, CameraFrame, Displacement, Velocity, World};
 
 /// The most pixels used to fit the parameters.
 const ASKED: usize = 1024;
@@ -42,6 +42,10 @@ enum Number {
     Velocity,
     /// Its rotation in radians, about the axes of its frame.
     Turn,
+    /// Its displacement in the world, metres, at one time of the world.
+    Place,
+    /// Its displacement in its own frame, metres, at one time of its clock.
+    Aside,
 }
 
 impl Number {
@@ -50,7 +54,9 @@ impl Number {
         let rapidity = camera.velocity.rapidity();
         match self {
             Number::Velocity if rapidity != DVec3::ZERO => vec![rapidity, DVec3::ZERO, -rapidity],
-            Number::Time | Number::Turn | Number::Velocity => vec![DVec3::ZERO],
+            Number::Time | Number::Turn | Number::Velocity | Number::Place | Number::Aside => {
+                vec![DVec3::ZERO]
+            }
         }
     }
 
@@ -58,7 +64,7 @@ impl Number {
     fn axes(self) -> &'static [DVec3] {
         match self {
             Number::Time => &[DVec3::X],
-            Number::Velocity | Number::Turn => &DVec3::AXES,
+            Number::Velocity | Number::Turn | Number::Place | Number::Aside => &DVec3::AXES,
         }
     }
 
@@ -71,12 +77,19 @@ impl Number {
                 let turn = DQuat::from_scaled_axis(x);
                 camera.axes = camera.axes.map(|axis| turn * axis);
             }
+            Number::Place => camera.origin.x += x,
+            Number::Aside => {
+                let world_from_camera = Boost::<World, CameraFrame>::new(camera.velocity);
+                let offset = world_from_camera.displacement(Displacement::new(0.0, x));
+                camera.origin.ct += offset.ct;
+                camera.origin.x += offset.x;
+            }
         }
         Some(camera)
     }
 }
 
-/// A camera with another velocity, time or orientation, if no simpler mistake of the camera explains where points are seen.
+/// A camera with another velocity, time, orientation or position, if no simpler mistake of the camera explains where points are seen.
 pub(super) fn another(case: &Case) -> Option<Diagnosis> {
     let known = case.known?;
     (known.camera().motion == Motion::Inertial).then_some(())?;
@@ -84,18 +97,39 @@ pub(super) fn another(case: &Case) -> Option<Diagnosis> {
         return None;
     }
     motion::of_all(case).is_none().then_some(())?;
-    let numbers = [Number::Time, Number::Velocity, Number::Turn].into_iter();
-    let found = numbers.filter_map(|number| {
+    let numbers = [
+        Number::Time,
+        Number::Velocity,
+        Number::Turn,
+        Number::Place,
+        Number::Aside,
+    ];
+    // Places in another unit are seen from an eye as far away where the scene is as much larger.
+    let is_scaled = !channels::units_of_places(case).is_empty();
+    let found = numbers.into_iter().filter_map(|number| {
         let (x, changed) = fitted(case, known, number)?;
+        let is_possible = match number {
+            Number::Time | Number::Velocity => true,
+            Number::Turn => x.length().to_degrees() <= FARTHEST_TURN,
+            Number::Place | Number::Aside => !is_scaled,
+        };
+        is_possible.then_some(())?;
         let tally = displaced(case, known, &changed, None);
         let explains = tally.explains(NOTABLE_DISPLACEMENT) && tally.rest() <= LEFT_BY_CAMERA;
         explains.then_some((number, x, tally))
     });
-    let (number, x, tally) = found.min_by(|a, b| a.2.rest().total_cmp(&b.2.rest()))?;
+    // A camera at another time is elsewhere, too: of those that leave as little, the first is meant.
+    let found: Vec<(Number, DVec3, Tally)> = found.collect();
+    let least = found.iter().map(|found| found.2.rest()).reduce(f64::min)?;
+    let is_as_near = |found: &(Number, DVec3, Tally)| found.2.rest() <= least + AS_NEAR;
+    let (number, x, tally) = found.into_iter().find(is_as_near)?;
     let by_film = film::scaled_and_rest(case);
     (by_film.is_none_or(|(_, rest)| tally.rest() < rest))
         .then(|| describe(known, number, x, &tally))
 }
+
+/// Residuals that differ by less, pixels, are equal: points in single precision are seen to 1e-4 pixels.
+const AS_NEAR: f64 = 1e-3;
 
 /// Relative tolerance for equal numbers in metadata.
 const SAME: f64 = 1e-9;
@@ -243,6 +277,25 @@ fn describe(known: &KnownScene, number: Number, x: DVec3, tally: &Tally) -> Diag
                 ("beta differs by", (is - right).length()),
             )
         }
+        Number::Place => {
+            let right = camera.origin.x;
+            (
+                Kind::CameraElsewhere,
+                elsewhere_in_words(right + x, right),
+                ("the camera is displaced by (m)", x.length()),
+            )
+        }
+        Number::Aside => {
+            let [right, up, back] = known.view(x).to_array().map(motion::rounded);
+            (
+                Kind::CameraElsewhere,
+                format!(
+                    "the camera is displaced in its own frame: by {right:+.4} m to the right, {up:+.4} m up and {:+.4} m ahead",
+                    0.0 - back
+                ),
+                ("the camera is displaced by (m)", x.length()),
+            )
+        }
         Number::Turn => {
             let degrees = x.length().to_degrees();
             (
@@ -261,4 +314,14 @@ fn describe(known: &KnownScene, number: Number, x: DVec3, tally: &Tally) -> Diag
             ("and from the hypothesis by (pixels, rms)", tally.rest()),
         ],
     }
+}
+
+/// The description of a camera whose position is `is`, and should be `right`.
+pub(super) fn elsewhere_in_words(is: DVec3, right: DVec3) -> String {
+    let text = motion::in_words;
+    format!(
+        "the camera is elsewhere: its eye is at {} m, and should be at {} m",
+        text(is),
+        text(right)
+    )
 }

@@ -302,20 +302,27 @@ pub(super) fn order_of_events(case: &Case) -> Option<Diagnosis> {
     })
 }
 
-/// Lengths and times in another known unit.
-pub(super) fn units(case: &Case) -> Vec<Diagnosis> {
+/// Places in another known unit.
+pub(super) fn units_of_places(case: &Case) -> Vec<Diagnosis> {
     let lengths = vectors(case)
         .into_iter()
         .filter(|(name, _)| *name != "direction" && *name != "normal");
-    let of_lengths = lengths.filter_map(|(name, [r, c])| scale(case, name, &r?, &c?));
+    let scaled = lengths.filter_map(|(name, [r, c])| scale(case, name, &r?, &c?));
+    scaled.filter(is_unit).collect()
+}
+
+/// Lengths and times in another known unit.
+pub(super) fn units(case: &Case) -> Vec<Diagnosis> {
     let others = [Aov::Distance, Aov::EventCt, Aov::ObjectEventCt];
     let of_others = others.into_iter().filter_map(|aov| scale_of(case, aov));
-    let found = of_lengths.chain(of_others);
-    let is_unit = |found: &Diagnosis| {
-        let factor = found.evidence.iter().find(|(name, _)| *name == FACTOR);
-        factor.is_some_and(|(_, factor)| unit(*factor).is_some())
-    };
-    found.filter(is_unit).collect()
+    let mut found = units_of_places(case);
+    found.extend(of_others.filter(is_unit));
+    found
+}
+
+fn is_unit(found: &Diagnosis) -> bool {
+    let factor = found.evidence.iter().find(|(name, _)| *name == FACTOR);
+    factor.is_some_and(|(_, factor)| unit(*factor).is_some())
 }
 
 const FACTOR: &str = "factor";

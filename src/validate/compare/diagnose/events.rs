@@ -198,47 +198,6 @@ fn own_point<'a>(
     }
 }
 
-/// The fraction of pixels with right points where events must be wrong, and the least error: relative to the rms distance between positions
-/// in the reference, and as a multiple of the error of the points, which the motion of a fast object stretches.
-const WRONG_EVENTS: f64 = 0.1;
-const FAR_OFF: f64 = 0.01;
-const MUCH_FARTHER: f64 = 100.0;
-
-/// Wrong positions in the world for right points of objects: other measurements use the points.
-pub(super) fn unlike_points(case: &Case) -> Option<Diagnosis> {
-    let [r, c] = &case.points;
-    let (of_r, of_c) = (r.material?, c.material?);
-    let (r_world, c_world) = (r.world?, c.world?);
-    let pixels = case.pixels();
-    let offs = pixels.iter().map(|&i| {
-        let own = (place(&of_c, i) - place(&of_r, i)).length();
-        let world = (place(&c_world, i) - place(&r_world, i)).length();
-        [own, world]
-    });
-    let offs: Vec<[f64; 2]> = offs.filter(|[own, _]| own.is_finite()).collect();
-    let shown = || pixels.iter().map(|i| place(&r_world, *i));
-    let shown = || shown().filter(|p| p.is_finite());
-    let middle = shown().sum::<DVec3>() / shown().count().max(1) as f64;
-    let usual = super::median(shown().map(|p| (p - middle).length()).collect())?;
-    let far = |[own, world]: &&[f64; 2]| *world > FAR_OFF * usual + MUCH_FARTHER * own;
-    let wrong: Vec<f64> = offs.iter().filter(far).map(|[_, world]| *world).collect();
-    let part = wrong.len() as f64 / offs.len().max(1) as f64;
-    (wrong.len() >= FEWEST && part >= WRONG_EVENTS).then_some(())?;
-    let off = super::median(wrong)?;
-    Some(Diagnosis {
-        kind: Kind::EventsWrong,
-        what: format!(
-            "event.x, event.y and event.z are wrong: at {:.0} % of the pixels they are off, by {off:.4} m at half of these, where object_event is right",
-            100.0 * part
-        )
-        .into(),
-        evidence: vec![
-            ("part of the pixels", part),
-            ("places are off by (m, median)", off),
-        ],
-    })
-}
-
 /// The pixels of an object without other surfaces around them: pixels on its rim may be means of several surfaces.
 fn inside(
     [width, height]: [usize; 2],

@@ -4,7 +4,9 @@
 //!
 //! The candidate is mirrored, rotated or shifted, and compared again by its objects, positions and light, if available. The measure is the
 //! largest of their fractions of pixels that differ by more than one percent, with light and positions up to the most common factor, and
-//! objects up to renaming, because a picture with another exposure, in millimetres, or with indices from 1 may be turned, too.
+//! objects up to renaming, because a picture with another exposure, in millimetres, or with indices from 1 may be turned, too. Panoramas
+//! are also moved around their edge by quarters of their width: conventions differ in what is in the middle. Exchanged eyes of a stereo
+//! pair are such a move by half of the width.
 //!
 //! # Other films
 //!
@@ -27,6 +29,7 @@ use super::super::picture::{Plane, RADIANCE};
 use super::super::points::{Points, place};
 use super::{Case, Diagnosis, Kind, MOST, NEAR, Tally, light, median};
 use crate::render::aov::Aov;
+use crate::scene::model::ProjectionKind;
 
 /// A way to mirror, rotate or shift a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +39,13 @@ enum Turn {
     Both,
     Diagonal,
     Moved([i64; 2]),
+    /// Around the edge by quarters of the width, mirrored or not.
+    Around {
+        quarters: i64,
+        mirrored: bool,
+    },
+    /// The halves of a stereo pair.
+    Eyes,
 }
 
 impl Turn {
@@ -47,6 +57,11 @@ impl Turn {
             Turn::Both => [width - 1 - x, height - 1 - y],
             Turn::Diagonal => [y, x],
             Turn::Moved([dx, dy]) => [x + dx, y + dy],
+            Turn::Around { quarters, mirrored } => {
+                let x = if mirrored { width - 1 - x } else { x };
+                [(x + quarters * width / 4).rem_euclid(width), y]
+            }
+            Turn::Eyes => [(x + width / 2).rem_euclid(width), y],
         };
         let inside = (0..width).contains(&x) && (0..height).contains(&y);
         inside.then(|| (y * width + x) as usize)
@@ -65,6 +80,20 @@ impl Turn {
             Turn::Moved([dx, dy]) => (
                 Kind::FilmShifted,
                 format!("the picture is moved by ({dx:+}, {dy:+}) pixels to the right and down"),
+            ),
+            Turn::Around { quarters, mirrored } => {
+                let moved = format!(
+                    "moved around its edge by {} degrees to the right",
+                    90 * quarters
+                );
+                match mirrored {
+                    true => (Kind::Mirrored, format!("{LEFT_RIGHT}, and {moved}")),
+                    false => (Kind::FilmShifted, format!("the panorama is {moved}")),
+                }
+            }
+            Turn::Eyes => (
+                Kind::EyesExchanged,
+                "the pictures of the left and the right eye are exchanged".into(),
             ),
         };
         if (after.factor - 1.0).abs() > SAME {
@@ -116,10 +145,32 @@ pub(super) fn turned(case: &Case) -> Option<Diagnosis> {
         .clone()
         .flat_map(|dy| steps.clone().map(move |dx| [dx, dy]));
     let moves = moves.filter(|step| *step != [0, 0]).map(Turn::Moved);
-    let turns = mirrors.into_iter().chain(diagonal).chain(moves);
+    let around = [1, 2, 3]
+        .into_iter()
+        .flat_map(|quarters| [false, true].map(|mirrored| Turn::Around { quarters, mirrored }));
+    let around = around.filter(|_| is_panorama(case));
+    let eyes = super::stereo::is_pair(case).then_some(Turn::Eyes);
+    let turns = mirrors
+        .into_iter()
+        .chain(diagonal)
+        .chain(moves)
+        .chain(around)
+        .chain(eyes);
     let tried = turns.map(|turn| (turn, differing(case, turn)));
     let (turn, after) = tried.min_by(|a, b| a.1.part.total_cmp(&b.1.part))?;
     (after.part <= NEAR * before.part).then(|| turn.describe(before, after))
+}
+
+/// Whether the reference is a panorama of the whole sphere, by its metadata, or else by its shape.
+fn is_panorama(case: &Case) -> bool {
+    let [width, height] = case.points[0].size();
+    let projection = case.pair[0].metadata("camera_projection");
+    let has_camera = case.pair[0].metadata("camera_forward").is_some();
+    let is_meant = match projection {
+        Some(name) => name == ProjectionKind::Equirectangular.name(),
+        None => !has_camera,
+    };
+    is_meant && width == 2 * height
 }
 
 /// The dissimilarity of the pictures after the candidate is turned back.
@@ -229,9 +280,18 @@ pub(super) fn scaled(case: &Case) -> Option<Diagnosis> {
 /// The same, with the rms displacement, in pixels, that this hypothesis leaves.
 pub(super) fn scaled_and_rest(case: &Case) -> Option<(Diagnosis, f64)> {
     let by_points = case.field.and_then(|field| of_field(case, field, false));
-    let by_points =
-        by_points.or_else(|| of_field(case, &Field::of_directions(&case.points)?, true));
+    let by_points = by_points.or_else(|| {
+        let directions = Field::of_directions(&case.points)?;
+        of_field(case, &directions, true)
+    });
     by_points.or_else(|| of_events(case))
+}
+
+/// The same from look directions, which show displacements of any size.
+pub(super) fn of_directions(case: &Case) -> Option<(Diagnosis, f64)> {
+    let directions = Field::of_directions(&case.points)?;
+    let pixels = case.region.pixels(case.points[0].size()).collect();
+    of_displacements(case, pixels, 0.0, |i| directions.displacement(i))
 }
 
 /// Another film, from events of moving objects only: whichever point of the object it is, an event E on the past light cone of the shot P
@@ -251,7 +311,7 @@ fn of_events(case: &Case) -> Option<(Diagnosis, f64)> {
         let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
         Some(seen(1, i)? - seen(0, i).unwrap_or(centre))
     };
-    of_displacements(case, case.pixels(), displacement)
+    of_displacements(case, case.pixels(), NOTABLE, displacement)
 }
 
 /// a + k p along both axes.
@@ -293,13 +353,14 @@ fn of_field(case: &Case, field: &Field, everywhere: bool) -> Option<(Diagnosis, 
         true => case.region.pixels(case.points[0].size()).collect(),
         false => case.pixels(),
     };
-    of_displacements(case, pixels, |i| field.displacement(i))
+    of_displacements(case, pixels, NOTABLE, |i| field.displacement(i))
 }
 
-/// The same from the displacements of these pixels' points.
+/// The same from the displacements of these pixels' points, of more than `notable` pixels rms.
 fn of_displacements(
     case: &Case,
     pixels: Vec<usize>,
+    notable: f64,
     displacement: impl Fn(usize) -> Option<DVec2>,
 ) -> Option<(Diagnosis, f64)> {
     let [width, height] = case.points[0].size();
@@ -329,7 +390,7 @@ fn of_displacements(
     ];
     let moved = all.iter().map(|[p, _]| film.of(*p).distance_squared(*p));
     let moved = (moved.sum::<f64>() / all.len() as f64).sqrt();
-    (moved > NOTABLE && film.is_film() && tally.explains(NOTABLE))
+    (moved > notable && film.is_film() && tally.explains(notable))
         .then(|| (describe(case, &film, BY_PLACES, evidence), tally.rest()))
 }
 
@@ -359,7 +420,11 @@ pub(super) fn describe(
         let [words, about] = match is_half {
             true if precision <= BY_PLACES => ["by half a pixel, ", ""],
             true => ["by ", ", measured by light alone: that may be half a pixel"],
-            false => ["by ", ""],
+            false if precision <= BY_PLACES => ["by ", ""],
+            false => [
+                "by ",
+                ", measured by light alone: the camera may also be elsewhere, or turned",
+            ],
         };
         return Diagnosis {
             kind: Kind::FilmShifted,

@@ -130,7 +130,8 @@ pub(super) fn beginnings(case: &Case) -> Option<Diagnosis> {
         let offset = median(offsets.clone())?;
         let same = offsets.iter().filter(|other| **other == offset).count();
         let is_sure = count >= FEWEST && same as f64 >= MOST * count as f64;
-        (is_sure && offset != 0.0).then_some((object, offset, count))
+        // Indices are not below 0, so none begins there.
+        (is_sure && offset > 0.0).then_some((object, offset, count))
     };
     let found: Vec<(i64, f64, usize)> = offsets.into_iter().filter_map(first).collect();
     if let Some(only) = only_index(case, [&r, &c]) {

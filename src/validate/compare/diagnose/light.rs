@@ -25,13 +25,13 @@ type Hypothesis = fn(&Case, &[Lit]) -> Option<(Diagnosis, f64)>;
 /// The mistake of the light, and the fraction of its squared error that this leaves.
 pub(super) fn light(case: &Case) -> Option<(Diagnosis, f64)> {
     let lit = lit(case)?;
-    let first: [Hypothesis; 2] = [black, codes];
+    let first: [Hypothesis; 3] = [black, codes, clipped];
     let named: [Hypothesis; 5] = [colours, gamma, encoded_and_scaled, exponent, exposure];
-    let ask = |named: &[Hypothesis]| named.iter().find_map(|hypothesis| hypothesis(case, &lit));
+    let test = |named: &[Hypothesis]| named.iter().find_map(|hypothesis| hypothesis(case, &lit));
     // If one factor leaves nothing there is nothing else to explain.
-    ask(&first).or_else(|| match left_by_one_factor(case, &lit) <= NOTHING {
+    test(&first).or_else(|| match left_by_one_factor(case, &lit) <= NOTHING {
         true => exposure(case, &lit),
-        false => ask(&named),
+        false => test(&named),
     })
 }
 
@@ -228,8 +228,12 @@ fn black(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     (part < DARK).then_some(())?;
     let scaled = exposure(case, lit).filter(|(_, left)| *left <= LEFT_BESIDE_A_FACTOR);
     scaled.or_else(|| {
+        let light = match part > 0.0 {
+            true => format!("{part:.1e}"),
+            false => "none".into(),
+        };
         let what = format!(
-            "the picture is black, or nearly: it has {part:.1e} of the reference's light, which shows some at {} pixels",
+            "the picture is black, or nearly: it has {light} of the reference's light, which shows some at {} pixels",
             lit.len()
         );
         let evidence = vec![("part of the reference's light", part)];
@@ -269,6 +273,31 @@ fn codes(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     })
 }
 
+/// Light that is clipped elsewhere than at 1, where displays clip.
+fn clipped(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
+    let most = |which: usize| {
+        let values = lit.iter().flat_map(|(_, pair)| pair[which]);
+        values.fold(0.0, f64::max)
+    };
+    let [right, bound] = [0, 1].map(most);
+    (bound > 0.0 && right > bound * (1.0 + NOTABLE)).then_some(())?;
+    let at_bound = |(_, [r, c]): &&Lit| (0..3).any(|k| c[k] == bound && r[k] > bound);
+    let count = lit.iter().filter(at_bound).count();
+    let fit = fit(lit, |_, r| r.map(|v| v.min(bound)));
+    let is_clip = count >= FEWEST && fit.tally.share() >= MOST && fit.left <= LEFT_BESIDE_A_FACTOR;
+    is_clip.then(|| {
+        let what = format!("light is clipped at {bound:.4}: the reference's is up to {right:.4}");
+        let evidence = [("pixels at the bound", count as f64)];
+        let evidence = evidence.into_iter().chain(self::evidence(&fit.tally));
+        let diagnosis = Diagnosis {
+            kind: Kind::Clipped,
+            what: what.into(),
+            evidence: evidence.collect(),
+        };
+        (diagnosis, fit.left)
+    })
+}
+
 /// The smallest notable relative error of light.
 pub(super) const NOTABLE: f64 = 0.03;
 
@@ -279,7 +308,7 @@ pub(super) fn evidence(tally: &Tally) -> Vec<(&'static str, f64)> {
     ]
 }
 
-fn colours(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
+fn colours(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     let orders = [
         ([2, 1, 0], "BGR"),
         ([0, 2, 1], "RBG"),
@@ -287,17 +316,18 @@ fn colours(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         ([1, 2, 0], "GBR"),
         ([2, 0, 1], "BRG"),
     ];
-    best_order(lit, &orders, 1.0, LEFT).or_else(|| {
+    best_order(case, lit, &orders, 1.0, LEFT).or_else(|| {
         let factor = factor(lit, |c| c)?;
         let left = fit(lit, |_, r| r.map(|v| factor * v)).left;
         let left = (0.1 * left).min(LEFT_BESIDE_A_FACTOR);
         (factor > DARK).then_some(())?;
-        best_order(lit, &orders, factor, left)
+        best_order(case, lit, &orders, factor, left)
     })
 }
 
 /// The order of channels that best explains the light, times `factor`, if it leaves at most `most`.
 fn best_order(
+    case: &Case,
     lit: &[Lit],
     orders: &[([usize; 3], &'static str)],
     factor: f64,
@@ -321,7 +351,7 @@ fn best_order(
             true => format!("colours are exchanged: the channels R, G, B hold {name}"),
             false => format!(
                 "colours are exchanged: the channels R, G, B hold {name}{}",
-                beside(factor)
+                beside(self::factor(&decoded(case, lit), |c| c).unwrap_or(factor))
             ),
         }
         .into(),
@@ -393,9 +423,22 @@ fn encoded_and_scaled(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     Some((diagnosis, fit.left))
 }
 
+/// The distance of codes of 8 bits, with a margin for f32.
+const CODE: f64 = 1.0001 / 255.0;
+
 fn exposure(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
-    let lit = decoded(case, lit);
+    let mut lit = decoded(case, lit);
     let factor = factor(&lit, |c| c)?;
+    if case.pair[0].encoding == Encoding::Srgb {
+        // Both were rounded to codes: half a code each.
+        for (_, [r, c]) in &mut lit {
+            let scaled = r.map(|v| factor * v);
+            let is_code = |k: usize| (srgb_encode(scaled[k]) - srgb_encode(c[k])).abs() <= CODE;
+            if (0..3).all(is_code) {
+                *c = scaled;
+            }
+        }
+    }
     let fit = fit(&lit, |_, r| r.map(|v| factor * v));
     (factor > 0.0 && fit.explains()).then(|| {
         let diagnosis = Diagnosis {

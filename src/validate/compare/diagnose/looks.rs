@@ -32,7 +32,7 @@ const DIRECTION_ROUNDING: f64 = 1e-5;
 /// Rotations and velocities that change directions by less, radians rms, are due to matrices in single precision: 0.006 degrees.
 const NOTABLE: f64 = 1e-4;
 /// The largest rotation of a camera, degrees: larger ones are exchanged axes or mirrored pictures.
-const FARTHEST_TURN: f64 = 30.0;
+pub(super) const FARTHEST_TURN: f64 = 30.0;
 
 /// About the most pixels used.
 const MOST_LOOKS: usize = 1 << 17;
@@ -176,11 +176,12 @@ fn fitted(case: &Case, looks: &[Look], velocity: Velocity) -> Option<Diagnosis> 
     let both = [moving, turned].into_iter().flatten();
     let explaining = both.filter(|(_, tally)| tally.explains(NOTABLE));
     let (found, tally) = explaining.min_by(|a, b| a.1.rest().total_cmp(&b.1.rest()))?;
-    let by_film = film::scaled_and_rest(case);
     let rest = tally.rest() / angle_of_pixel(case, looks)?;
-    by_film
-        .is_none_or(|(_, by_film)| rest < by_film)
-        .then_some(found)
+    let by_film = film::scaled_and_rest(case).or_else(|| film::of_directions(case));
+    match by_film {
+        Some((by_film, rest_of_film)) if rest_of_film <= rest => Some(by_film),
+        _ => Some(found),
+    }
 }
 
 /// Whether the candidate shows points where they should be seen.

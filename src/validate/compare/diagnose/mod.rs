@@ -12,6 +12,10 @@
 //! | identities wrong | the indices of objects (or triangles) count from 1, or are those of other objects |
 //! | aberration reversed, missing, or without γ | look directions, or positions in a known scene, are those for −β, for 0, or for a boost that lacks γ (`looks`) |
 //! | camera at another velocity, or turned | look directions are those of another boost, or of a rotation before it (`looks`); points of a known scene are where such a camera sees them (`camera`) |
+//! | camera elsewhere | the same for a camera at another place |
+//! | stereo pairs | the eyes are exchanged, or each has a mistake of its own (`stereo`) |
+//! | clipped | light is the reference's up to a bound |
+//! | light elsewhere | the light is that of the scene with a pulse or a lamp at another place; needs the scene |
 //! | camera at another time | points of a known scene are where a camera whose clock is ahead sees them (`camera`) |
 //! | shots that differ | the metadata of both pictures state different velocities or times of the camera: then consequences are not reported |
 //! | retardation missing | all emission times are equal; or points of a known scene, or of one object, are where they are at the time of the shot |
@@ -49,6 +53,7 @@
 //! | object missing | the reference shows it, the candidate does not |
 //! | object misplaced | most of its points are not where they should be seen, and those of other objects are; nothing else explains it |
 //! | triangle, or object displaced | δ is on one triangle, or one object, only: nine tenths of Σ\|δ\|², on at most half of the pixels of surfaces |
+//! | channel wrong | its values are outside of the reference's around a pixel that shows the right point; nothing else explains it (`unlike`) |
 //!
 //! A hypothesis whose channels are missing is not tested. Consequences of a wrong film or a wrong velocity (time, brightness, positions)
 //! are not diagnosed again.
@@ -71,7 +76,9 @@ mod ratios;
 mod registration;
 mod rendered;
 mod size;
+mod stereo;
 mod time;
+mod unlike;
 
 use serde::Serialize;
 
@@ -131,6 +138,10 @@ pub enum Kind {
     CameraTurned,
     /// The picture shows the camera at another time.
     CameraTime,
+    /// The camera is at another place.
+    CameraElsewhere,
+    /// The pictures of the two eyes are exchanged.
+    EyesExchanged,
     /// According to their metadata, the pictures are different shots.
     ShotsDiffer,
     /// Light takes no time.
@@ -191,6 +202,10 @@ pub enum Kind {
     ShadowsMissing,
     /// A tone curve for displays was applied to light.
     ToneMapped,
+    /// Light is clipped at a value.
+    Clipped,
+    /// A lamp or a pulse is at another place.
+    LightElsewhere,
     /// Depths are used instead of distances, or delay light.
     DepthForDistance,
     /// An object is larger or smaller than it should be.
@@ -201,8 +216,8 @@ pub enum Kind {
     ObjectDisplaced,
     /// The points shown of an object are not on its surface in the reference.
     ObjectElsewhere,
-    /// Events in the world do not match the points of objects.
-    EventsWrong,
+    /// A channel is wrong where the right points are shown.
+    ChannelWrong,
 }
 
 impl Kind {
@@ -222,6 +237,8 @@ impl Kind {
                 | Kind::CameraVelocity
                 | Kind::CameraTurned
                 | Kind::CameraTime
+                | Kind::CameraElsewhere
+                | Kind::EyesExchanged
                 | Kind::ShotsDiffer
                 | Kind::RetardationMissing
         )
@@ -272,7 +289,9 @@ pub(super) struct Case<'a> {
 
 /// All diagnoses of a candidate: channels that were never written, and the results of the others.
 pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
-    constant::set_apart(case).unwrap_or_else(|| diagnose_channels(case))
+    stereo::of_eyes(case)
+        .or_else(|| constant::set_apart(case))
+        .unwrap_or_else(|| diagnose_channels(case))
 }
 
 /// Mistakes by channels, none of which is constant.
@@ -296,6 +315,9 @@ fn diagnose_channels(case: &Case) -> Vec<Diagnosis> {
     }
     if found.is_empty() {
         found.extend(object::single(case));
+    }
+    if found.is_empty() {
+        found.extend(unlike::channels(case));
     }
     found
 }
@@ -372,9 +394,6 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
     }
     if found.is_empty() {
         found.extend(part::misplaced(case));
-    }
-    if found.is_empty() {
-        found.extend(events::unlike_points(case));
     }
     found
 }

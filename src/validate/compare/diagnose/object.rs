@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use super::super::options::Region;
 use super::super::picture::{Plane, is_auxiliary};
-use super::{Case, Diagnosis, FEWEST, Kind, MOST, channels, light, ratios, time};
+use super::{Case, Diagnosis, FEWEST, Kind, MOST, channels, frames, light, ratios, time};
 use crate::error::Message;
 
 /// The most objects that are tested, the largest first.
@@ -15,6 +15,9 @@ const MOST_OBJECTS: usize = 32;
 
 /// Objects with less than this fraction of the picture's rms light are ignored for light: it comes from their edges.
 const DIM: f64 = 0.05;
+
+/// Light at a smaller fraction of an object's pixels is ignored.
+const FEWEST_LIT: f64 = 0.1;
 
 /// Mistakes of single objects.
 pub(super) fn single(case: &Case) -> Vec<Diagnosis> {
@@ -81,8 +84,8 @@ fn together(found: Vec<(i64, Diagnosis)>, count: usize) -> Vec<Diagnosis> {
         let words: Vec<String> = objects.iter().map(i64::to_string).collect();
         let of = match objects.len() {
             n if n == count => String::new(),
-            1 => format!("in object {} alone, ", words[0]),
-            _ => format!("in objects {} alone, ", words.join(", ")),
+            1 => format!("in object {}, ", words[0]),
+            _ => format!("in objects {}, ", words.join(", ")),
         };
         let what = Message::from(of) + found.what;
         Diagnosis { what, ..found }
@@ -144,12 +147,17 @@ fn of_object(case: &Case, usual: f64) -> Vec<Diagnosis> {
         found.extend(channels::coordinates(case));
         found.extend(ratios::forms(case));
         found.extend(channels::texture(case));
+        found.extend(frames::weights(case));
         // An object that is elsewhere has other times.
         let is_there =
             channels::same_places(case).len() as f64 >= MOST * case.pixels().len() as f64;
         found.extend(is_there.then(|| time::shifted(case)).flatten());
     }
-    let is_bright = light::lit(case).is_some_and(|lit| light::middle(&lit) >= DIM * usual);
+    // Light at a few pixels comes from their edges, too.
+    let pixels = case.pixels().len() as f64;
+    let is_bright = light::lit(case).is_some_and(|lit| {
+        light::middle(&lit) >= DIM * usual && lit.len() as f64 >= FEWEST_LIT * pixels
+    });
     let by_light = is_bright.then(|| light::light(case)).flatten();
     found.extend(by_light.map(|(found, _)| found));
     found

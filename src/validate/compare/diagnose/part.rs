@@ -66,7 +66,7 @@ pub(super) fn misplaced(case: &Case) -> Vec<Diagnosis> {
         Diagnosis {
         kind: Kind::ObjectElsewhere,
         what: format!(
-            "object {object} is elsewhere, or has another velocity: half of its points are shown {off:.1} pixels or more from where they should be seen"
+            "object {object} is elsewhere, has another velocity, or triangles that are too large: half of its points are shown {off:.1} pixels or more from where they should be seen"
         ).into(),
         evidence: vec![
             ("median displacement (pixels)", off),

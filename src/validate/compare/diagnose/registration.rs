@@ -553,13 +553,33 @@ impl Model {
         if self.directions.len() == 1 {
             normal.y_axis.y = 1.0;
         }
-        let step = normal.inverse() * right;
+        // Along edges that all have one direction no shift is seen: there is no step in that one.
+        let step = match self.directions {
+            [_, _] => step_where_seen(normal, right),
+            _ => normal.inverse() * right,
+        };
         let along = |which: usize| {
             let parts = self.directions.iter().zip(step.to_array());
             parts.map(|(d, s)| d[which] * s).sum::<DVec2>()
         };
         step.is_finite().then(|| [along(0), along(1)])
     }
+}
+
+/// The least fraction of the larger eigenvalue of the normal matrix that the smaller one must have for its parameter to be fitted.
+const SEEN: f64 = 0.01;
+
+/// The least squares step, of the better determined parameter alone where the other is hardly determined.
+fn step_where_seen(normal: DMat2, right: DVec2) -> DVec2 {
+    let [a, b, d] = [normal.x_axis.x, normal.x_axis.y, normal.y_axis.y];
+    let (middle, half) = (0.5 * (a + d), 0.5 * libm::hypot(a - d, 2.0 * b));
+    if middle - half >= SEEN * (middle + half) {
+        return normal.inverse() * right;
+    }
+    // The eigenvector of the larger eigenvalue.
+    let angle = 0.5 * libm::atan2(2.0 * b, a - d);
+    let along = DVec2::new(libm::cos(angle), libm::sin(angle));
+    along * (along.dot(right) / (middle + half))
 }
 
 /// The fraction of the squared error that a hypothesis leaves where both films see, and the fraction of the tiles in which it explains

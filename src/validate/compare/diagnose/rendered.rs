@@ -10,20 +10,23 @@
 
 use std::collections::BTreeMap;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::super::known::{Change, is_all_in_its_text};
+use super::camera::elsewhere_in_words;
 use super::light::{Fit, Lit, NOTABLE, evidence, fit, lit, lit_and_dark, middle};
 use super::motion::in_words;
 use super::time::words_for_bins;
 use super::{Case, Diagnosis, Kind, median};
+use crate::camera::Shot;
 use crate::render::aov::Aov;
 use crate::render::plan::{Plan, Request};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Silent;
 use crate::render::render;
 use crate::scene::model::{EmissionProfile, LightKind, Motion, Scene, SourceKind, TimeFilter};
-use crate::spacetime::Velocity;
+use crate::spacetime::worldline::WorldLine;
+use crate::spacetime::{Event, Velocity};
 
 /// The most moving objects that are tested.
 const MOST_OBJECTS: usize = 8;
@@ -139,7 +142,10 @@ fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Diagno
     let of_speeds = of_some_size(case, lit, speeds, |x| faster(scene, x));
     let of_speeds = of_speeds.filter(|(x, fit)| x.abs() >= SLOWEST && fit.left <= LEFT_BY_SPEED);
     let of_speeds = of_speeds.and_then(|(x, fit)| Some((speed(scene, x)?, fit)));
-    let found: Vec<(Mistake, Fit)> = of_no_size.chain(of_times).chain(of_speeds).collect();
+    let mut found: Vec<(Mistake, Fit)> = of_no_size.chain(of_times).chain(of_speeds).collect();
+    if found.is_empty() {
+        found.extend(elsewhere(case, scene, lit, size));
+    }
     let rest = |(_, fit): &(Mistake, Fit)| fit.tally.rest();
     let best = (found.iter()).min_by(|a, b| rest(a).total_cmp(&rest(b)))?;
     // Several mistakes may move the same object out of view: then light cannot distinguish them.
@@ -329,7 +335,145 @@ fn of_some_size(
         }
     }
     let (x, _, fit) = found.into_iter().next()?;
-    (fit.explains() && fit.left <= LEFT_BY_SIZE && x != 0.0).then_some((x, fit))
+    // Far beyond what was tried, light hardly changes any more, and chance decides.
+    let farthest = tried.iter().map(|x| x.abs()).fold(0.0, f64::max);
+    let is_size = x != 0.0 && x.abs() <= BEYOND * farthest;
+    (is_size && fit.explains() && fit.left <= LEFT_BY_SIZE).then_some((x, fit))
+}
+
+/// The largest size that is reported, relative to the largest that is tried.
+const BEYOND: f64 = 2.0;
+
+/// The displacement for the first differences, the longest step, and the resolution, relative to the size of the scene.
+const NEARBY: f64 = 0.01;
+const LONGEST_STEP: f64 = 0.1;
+const FINE_PLACE: f64 = 1e-4;
+/// The smallest displacement that is reported, relative to the size of the scene.
+const LEAST_PLACE: f64 = 1e-3;
+/// The largest fraction of the squared error that another place may leave: other films leave more, as do edges of single samples.
+const LEFT_BY_PLACE: f64 = 0.02;
+
+/// The displacement of something in the scene that explains the candidate, if one does: by Gauss–Newton steps from its place, with
+/// differences along the axes.
+fn of_some_place(
+    case: &Case,
+    lit: &[Lit],
+    size: f64,
+    scene: &dyn Fn(DVec3) -> Option<Scene>,
+) -> Option<(DVec3, Fit)> {
+    let middle = middle(lit);
+    let compressed = |light: [f64; 3]| DVec3::from(light.map(|v| v / (v.abs() + middle)));
+    let light = |x: DVec3| light_of(case, &scene(x)?, lit);
+    let at_place = light(DVec3::ZERO)?;
+    let near = NEARBY * size;
+    let beside: Vec<Light> = (DVec3::AXES.into_iter())
+        .map(|axis| light(near * axis))
+        .collect::<Option<_>>()?;
+    // The columns of ∂L/∂x at each pixel.
+    let slopes = |i: usize| {
+        let here = compressed(at_place.0[i]);
+        [0, 1, 2].map(|k| (compressed(beside[k].0[i]) - here) / near)
+    };
+    let (mut x, mut now) = (DVec3::ZERO, at_place.0.clone());
+    let mut fit = Light(now.clone()).fit(lit);
+    for step_number in 0..STEPS {
+        let (mut normal, mut right) = (DMat3::ZERO, DVec3::ZERO);
+        for (i, [_, c]) in lit {
+            let slopes = slopes(*i);
+            let off = compressed(*c) - compressed(now[*i]);
+            right += DVec3::from(slopes.map(|slope| slope.dot(off)));
+            let column = |k: usize| DVec3::from(slopes.map(|slope| slope.dot(slopes[k])));
+            normal += DMat3::from_cols(column(0), column(1), column(2));
+        }
+        let step = normal.inverse() * right;
+        step.is_finite().then_some(())?;
+        let step = step.clamp_length_max(LONGEST_STEP * size);
+        let next = light(x + step)?;
+        let next_fit = next.fit(lit);
+        if next_fit.left >= fit.left {
+            break;
+        }
+        (x, now, fit) = (x + step, next.0, next_fit);
+        if step_number == 0 && fit.left > PROMISING {
+            return None;
+        }
+        if step.length() < FINE_PLACE * size {
+            break;
+        }
+    }
+    let is_place = x.length() >= LEAST_PLACE * size && fit.left <= LEFT_BY_PLACE;
+    (is_place && fit.explains()).then_some((x, fit))
+}
+
+/// The most pulses and lamps that are tested for other places.
+const MOST_LIGHTS: usize = 4;
+
+/// The camera, a pulse or a lamp at another place.
+fn elsewhere(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Mistake, Fit)> {
+    let mut found = Vec::new();
+    let mut test = |kind, change: &dyn Fn(&mut Scene, DVec3), words: &dyn Fn(DVec3) -> String| {
+        let scene_with = |x: DVec3| {
+            let mut changed = scene.clone();
+            change(&mut changed, x);
+            Some(changed)
+        };
+        found.extend(of_some_place(case, lit, size, &scene_with).map(|(x, fit)| {
+            let what = format!("{} (judged by light only)", words(x));
+            let size = ("displaced by (m)", x.length());
+            let scene = scene.clone();
+            (
+                Mistake {
+                    kind,
+                    what,
+                    size,
+                    scene,
+                },
+                fit,
+            )
+        }));
+    };
+    let eye = scene.camera.origin.x;
+    if !case.has_places() {
+        test(
+            Kind::CameraElsewhere,
+            &|scene, x| scene.camera.origin.x += x,
+            &|x| elsewhere_in_words(eye + x, eye),
+        );
+    }
+    let in_words = |name: &str, is: DVec3, right: DVec3| {
+        let [is, right] = [is, right].map(in_words);
+        format!("{name} is elsewhere: at {is} m, and should be at {right} m")
+    };
+    for (k, source) in scene.sources.iter().enumerate().take(MOST_LIGHTS) {
+        if let SourceKind::Pulse(pulse) = &source.kind {
+            let right = pulse.origin.x;
+            let change = |scene: &mut Scene, x| {
+                if let SourceKind::Pulse(pulse) = &mut scene.sources[k].kind {
+                    pulse.origin.x += x;
+                }
+            };
+            let words = |x| in_words(&format!("the pulse {:?}", source.name), right + x, right);
+            test(Kind::LightElsewhere, &change, &words);
+        }
+    }
+    for (k, light) in scene.lights.iter().enumerate().take(MOST_LIGHTS) {
+        if let LightKind::Lamp(lamp) = &light.kind
+            && lamp.motion == Motion::Inertial
+        {
+            let right = lamp.origin.x;
+            let change = |scene: &mut Scene, x| {
+                if let LightKind::Lamp(lamp) = &mut scene.lights[k].kind {
+                    lamp.origin.x += x;
+                    lamp.line = WorldLine::inertial(lamp.velocity, lamp.origin);
+                }
+            };
+            let words = |x| in_words(&format!("the lamp {:?}", light.name), right + x, right);
+            test(Kind::LightElsewhere, &change, &words);
+        }
+    }
+    found
+        .into_iter()
+        .min_by(|a, b| a.1.left.total_cmp(&b.1.left))
 }
 
 /// Delays to try, relative to the shortest time in which light changes.
@@ -487,7 +631,54 @@ fn motions(scene: &Scene) -> Vec<Mistake> {
             }
         }
     }
+    mistakes.extend(all_at_rest(scene));
     mistakes
+}
+
+/// The scene with all objects at rest, at their origins, or where these are at the time of the shot; none if fewer than two move.
+fn all_at_rest(scene: &Scene) -> Vec<Mistake> {
+    let fastest = scene
+        .objects
+        .iter()
+        .map(|object| object.velocity.beta().length());
+    let fastest = fastest.fold(0.0, f64::max);
+    if scene
+        .objects
+        .iter()
+        .filter(|object| !object.velocity.is_rest())
+        .count()
+        < 2
+    {
+        return Vec::new();
+    }
+    let Ok(shot) = Shot::new(&scene.camera) else {
+        return Vec::new();
+    };
+    let at_rest = |at_shot: bool| {
+        let mut at_rest = scene.clone();
+        for object in &mut at_rest.objects {
+            let origin = &mut object.origin;
+            if at_shot {
+                let beta = object.velocity.beta();
+                *origin = Event::new(shot.event.ct, origin.x + beta * (shot.event.ct - origin.ct));
+            }
+            object.velocity = Velocity::REST;
+        }
+        let place = if at_shot {
+            ", where they are at the time of the shot"
+        } else {
+            ""
+        };
+        Mistake {
+            kind: Kind::VelocityMissing,
+            what: format!(
+                "the velocities of all objects are missing: the picture is that of objects at rest{place} (judged by light only)"
+            ),
+            size: ("beta", fastest),
+            scene: at_rest,
+        }
+    };
+    vec![at_rest(false), at_rest(true)]
 }
 
 /// The scene with the camera at rest.

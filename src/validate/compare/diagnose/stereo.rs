@@ -1,0 +1,127 @@
+//! Stereo pairs: each eye's half of the picture is a picture by itself.
+//!
+//! The pinholes of the eyes rest in the camera's frame at ±(d/2) to the right of the middle, d the interpupillary distance, and have the
+//! camera's clock (`camera::stereo`). So each eye is a camera whose origin is displaced by Λ(0, ±(d/2) right) from the pair's.
+
+use super::super::geometry::Field;
+use super::super::known::{self, KnownScene};
+use super::super::options::Region;
+use super::super::picture::Picture;
+use super::super::points::Points;
+use super::{Case, Diagnosis, Kind, constant, diagnose_channels, film};
+use crate::error::Message;
+use crate::io::image::{Layers, Samples};
+use crate::scene::model::Scene;
+
+/// The metadata that only stereo pairs have.
+const DISTANCE: &str = "camera_interpupillary_distance";
+/// The names of the eyes, and on which side of the middle they are.
+const EYES: [(&str, f64); 2] = [("left", -1.0), ("right", 1.0)];
+
+/// Whether the reference is a stereo pair with halves of equal size.
+pub(super) fn is_pair(case: &Case) -> bool {
+    let width = case.pair[0].layers.width;
+    case.pair[0].metadata(DISTANCE).is_some() && width >= 2 && width.is_multiple_of(2)
+}
+
+/// Mistakes of a stereo pair; `None` for other pictures.
+pub(super) fn of_eyes(case: &Case) -> Option<Vec<Diagnosis>> {
+    is_pair(case).then_some(())?;
+    if let Some(found) = film::turned(case).filter(|found| found.kind == Kind::EyesExchanged) {
+        return Some(vec![found]);
+    }
+    let found = [0, 1].map(|k| of_eye(case, k));
+    // What both eyes have in common is a mistake of the pair.
+    let has = |found: &[Diagnosis], one: &Diagnosis| {
+        found
+            .iter()
+            .any(|other| other.kind == one.kind && other.what == one.what)
+    };
+    let [left, right] = &found;
+    let mut all: Vec<Diagnosis> = left.iter().filter(|one| has(right, one)).cloned().collect();
+    for (k, (name, _)) in EYES.iter().enumerate() {
+        let alone = found[k].iter().filter(|one| !has(&found[1 - k], one));
+        all.extend(alone.map(|one| Diagnosis {
+            what: Message::from(format!("in the {name} eye, ")) + one.what.clone(),
+            ..one.clone()
+        }));
+    }
+    Some(all)
+}
+
+/// Mistakes of one eye's picture.
+fn of_eye(case: &Case, eye: usize) -> Vec<Diagnosis> {
+    let halves = case.pair.map(|picture| half(picture, eye));
+    let pair = halves.each_ref();
+    let size = [pair[0].layers.width, pair[0].layers.height].map(|n| n as usize);
+    let region = match case.region.is_all() {
+        true => Region::default(),
+        false => {
+            let rows = (0..size[1]).flat_map(|y| {
+                let row = case.region.row(y, 2 * size[0]);
+                row[eye * size[0]..][..size[0]].to_vec()
+            });
+            Region {
+                crop: None,
+                mask: Some(rows.collect()),
+            }
+        }
+    };
+    if region.pixels(size).next().is_none() {
+        return Vec::new();
+    }
+    let points = Points::pair(pair.map(|picture| &picture.layers));
+    let side = EYES[eye].1;
+    let scene = case.scene.and_then(|scene| {
+        let camera = known::eye(
+            &scene.camera,
+            side,
+            [pair[0].layers.width, pair[0].layers.height],
+        )?;
+        Some(Scene {
+            camera,
+            ..scene.clone()
+        })
+    });
+    let known = match &scene {
+        Some(scene) => KnownScene::of(scene),
+        None => KnownScene::of_eye(pair[0], side),
+    };
+    let known = known.filter(|known| known.is_that_of(&points[0]));
+    let field = Field::new(&points, known.as_ref());
+    let case = Case {
+        pair,
+        points,
+        region: &region,
+        bin_width: case.bin_width,
+        known: known.as_ref(),
+        field: field.as_ref(),
+        scene: scene.as_ref(),
+    };
+    constant::set_apart(&case).unwrap_or_else(|| diagnose_channels(&case))
+}
+
+/// One eye's half of a picture.
+fn half(picture: &Picture, eye: usize) -> Picture {
+    fn part<T: Copy>(samples: &[T], width: usize, eye: usize) -> Vec<T> {
+        let rows = samples.chunks_exact(width);
+        rows.flat_map(|row| row[eye * (width / 2)..][..width / 2].to_vec())
+            .collect()
+    }
+    let width = picture.layers.width as usize;
+    let mut half = picture.clone();
+    half.layers = Layers {
+        width: picture.layers.width / 2,
+        ..half.layers
+    };
+    for channel in &mut half.layers.channels {
+        channel.samples = match &channel.samples {
+            Samples::F32(v) => Samples::F32(part(v, width, eye)),
+            Samples::F64(v) => Samples::F64(part(v, width, eye)),
+            Samples::U32(v) => Samples::U32(part(v, width, eye)),
+            Samples::I32(v) => Samples::I32(part(v, width, eye)),
+        };
+    }
+    half.layers.metadata.retain(|(key, _)| key != DISTANCE);
+    half
+}

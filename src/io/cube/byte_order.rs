@@ -119,29 +119,35 @@ impl ByteOrder {
     }
 }
 
-/// The fractions of the `counted` samples that satisfy a condition, as read and after byte swapping.
-fn parts(
-    samples: &[f64],
-    turned: impl Fn(f64) -> f64,
-    counted: impl Fn(f64) -> bool,
-    holds: impl Fn(f64) -> bool,
-) -> [f64; 2] {
-    let (mut count, mut now, mut then) = (0usize, 0usize, 0usize);
+/// The fraction of the `counted` samples that satisfy a condition.
+fn part(samples: &[f64], counted: impl Fn(f64) -> bool, holds: impl Fn(f64) -> bool) -> f64 {
+    let (mut count, mut found) = (0usize, 0usize);
     for x in samples.iter().copied().filter(|x| counted(*x)) {
         count += 1;
-        now += usize::from(holds(x));
-        then += usize::from(holds(turned(x)));
+        found += usize::from(holds(x));
     }
-    [now, then].map(|n| n as f64 / count.max(1) as f64)
+    found as f64 / count.max(1) as f64
+}
+
+/// Evidence if `now` is above the first bound, and then what `turned` gives below the second. Few samples come that far.
+fn evidence(
+    sign: Sign,
+    now: f64,
+    above: f64,
+    turned: impl Fn() -> f64,
+    below: f64,
+) -> Option<ByteOrder> {
+    let turned = (now > above).then(turned)?;
+    (turned < below).then_some(ByteOrder { sign, now, turned })
 }
 
 /// Evidence from samples outside the range of usual sizes, from 1/`most` to `most`.
 fn sizes(samples: &[f64], most: f64, turned: impl Fn(f64) -> f64) -> Option<ByteOrder> {
     // NaN is outside.
     let outside = |x: f64| !(x.abs() <= most && x.abs() >= 1.0 / most);
-    let [now, turned] = parts(samples, turned, |x| x != 0.0, outside);
-    let sign = Sign::Sizes;
-    (now > 0.2 && turned < 0.1).then_some(ByteOrder { sign, now, turned })
+    let now = part(samples, |x| x != 0.0, outside);
+    let turned = || part(samples, |x| x != 0.0, |x| outside(turned(x)));
+    evidence(Sign::Sizes, now, 0.2, turned, 0.1)
 }
 
 /// Evidence from the lowest bytes of integers, if they are those of small integers in the other order.
@@ -156,9 +162,10 @@ fn bytes_of(
         byte => byte == 255 && is_signed,
     };
     // 0 and −1 are the same in either order.
-    let [now, turned] = parts(samples, &turned, |x| turned(x) != x, is_small);
-    let sign = Sign::Bytes;
-    (now > 0.5 && turned < 0.1).then_some(ByteOrder { sign, now, turned })
+    let counted = |x: f64| turned(x) != x;
+    let now = part(samples, counted, is_small);
+    let then = || part(samples, counted, |x| is_small(turned(x)));
+    evidence(Sign::Bytes, now, 0.5, then, 0.1)
 }
 
 /// Below this, half precision has at most eight bits; few samples with few digits are below the second bound.
@@ -172,48 +179,47 @@ fn turned_half(x: f64) -> half::f16 {
 /// Evidence from highest bytes of 0, or from the spread of sizes.
 fn half_precision(samples: &[f64]) -> Option<ByteOrder> {
     let turned = |x: f64| turned_half(x).to_f64();
-    let below = |most: f64| {
-        let is_below = |x: f64| x.abs() < most;
-        parts(samples, turned, |x| x != 0.0, is_below)
-    };
-    let ([now, _], [_, then]) = (below(LOW), below(USUAL));
-    if now > 0.9 && then < 0.1 {
-        return Some(ByteOrder {
-            sign: Sign::Bytes,
-            now,
-            turned: then,
-        });
-    }
-    let spread = |of: &dyn Fn(f64) -> f64| {
-        let (mut count, mut sum, mut squares) = (0.0, 0.0, 0.0);
-        for x in samples
-            .iter()
-            .map(|x| of(*x).abs())
-            .filter(|x| *x > 0.0 && x.is_finite())
-        {
-            let size = libm::log2(x);
+    let below =
+        |most: f64, of: &dyn Fn(f64) -> f64| part(samples, |x| x != 0.0, |x| of(x).abs() < most);
+    let then = || below(USUAL, &turned);
+    let bytes = evidence(Sign::Bytes, below(LOW, &|x| x), 0.9, then, 0.1);
+    bytes.or_else(|| {
+        // log₂ is the exponent and less than 1 more, which adds at most 1/2 to the deviation: nearly always this decides, without logarithms.
+        let exponent = |x: f64| (x.to_bits() >> 52) as f64;
+        if spread(samples, |x| x, exponent) < 5.4 {
+            return None;
+        }
+        let now = spread(samples, |x| x, libm::log2);
+        let then = || spread(samples, turned, libm::log2);
+        evidence(Sign::Spread, now, 6.0, then, 0.5 * now)
+    })
+}
+
+/// The standard deviation of the sizes of what `of` makes of the samples, except 0 and what is not finite.
+fn spread(samples: &[f64], of: impl Fn(f64) -> f64, size: impl Fn(f64) -> f64) -> f64 {
+    let (mut count, mut sum, mut squares) = (0.0, 0.0, 0.0);
+    for x in samples.iter().map(|x| of(*x).abs()) {
+        if x > 0.0 && x.is_finite() {
+            let size = size(x);
             (count, sum, squares) = (count + 1.0, sum + size, squares + size * size);
         }
-        (squares / count - (sum / count) * (sum / count))
-            .max(0.0)
-            .sqrt()
-    };
-    let [now, turned] = [spread(&|x| x), spread(&turned)];
-    let sign = Sign::Spread;
-    (now > 6.0 && turned < 0.5 * now).then_some(ByteOrder { sign, now, turned })
+    }
+    (squares / count - (sum / count) * (sum / count))
+        .max(0.0)
+        .sqrt()
 }
 
 /// Evidence from the differences of neighbours.
 fn steps(
     samples: &[f64],
-    turned: &dyn Fn(f64) -> f64,
+    turned: impl Fn(f64) -> f64,
     apart: usize,
     most: f64,
 ) -> Option<ByteOrder> {
+    let turned: Vec<f64> = samples.iter().map(|x| turned(*x)).collect();
     let (mut sums, mut differences) = ([0.0; 2], [0.0; 2]);
-    let later = samples.get(apart..).unwrap_or_default();
-    for (a, b) in samples.iter().zip(later) {
-        let pairs = [[*a, *b], [turned(*a), turned(*b)]];
+    for at in apart..samples.len() {
+        let pairs = [samples, &turned].map(|all| [all[at - apart], all[at]]);
         if pairs.iter().flatten().all(|x| x.is_finite()) {
             for (k, [a, b]) in pairs.into_iter().enumerate() {
                 sums[k] += a.abs() + b.abs();
@@ -222,8 +228,7 @@ fn steps(
         }
     }
     let [now, turned] = [0, 1].map(|k| differences[k] / sums[k]);
-    let sign = Sign::Steps;
-    (now > most && turned < 0.5 * now).then_some(ByteOrder { sign, now, turned })
+    evidence(Sign::Steps, now, most, || turned, 0.5 * now)
 }
 
 /// Evidence from the distributions of the highest and of the lowest bytes.

@@ -146,7 +146,7 @@ impl CubeSamples {
 
     /// Fills `to` with the numbers from the `from`-th on, as far as there are any.
     #[inline]
-    pub(super) fn widen(&self, from: usize, to: &mut [f64]) {
+    pub(crate) fn widen(&self, from: usize, to: &mut [f64]) {
         #[inline(always)]
         fn each<T: Copy>(samples: &[T], from: usize, to: &mut [f64], number: impl Fn(T) -> f64) {
             let samples = samples.get(from..).unwrap_or_default();

@@ -120,14 +120,8 @@ fn shape(from: &mut Lines, axis: usize) -> Option<LineShape> {
             }
         }
         values.iter_mut().for_each(|value| *value = value.abs());
-        let rises = |both| -> Vec<f64> { joined.iter().map(|n| rise(&values, *n, both)).collect() };
-        let (alone, and_fall) = (rises(false), rises(true));
-        lines.push((
-            values.iter().sum::<f64>(),
-            lit_part(&values),
-            alone,
-            and_fall,
-        ));
+        let rises = joined.iter().map(|n| rise(&values, *n)).collect();
+        lines.push((values.iter().sum::<f64>(), lit_part(&values), rises));
     }
     let mean = lines.iter().map(|line| line.0).sum::<f64>() / lines.len() as f64;
     // Lines with little light are mostly noise.
@@ -140,19 +134,18 @@ fn shape(from: &mut Lines, axis: usize) -> Option<LineShape> {
     };
     (!lines.is_empty()).then(|| LineShape {
         lit: mean(&|line| line.1),
-        rise: greatest(&|line, n| line.2[n]),
-        rise_and_fall: greatest(&|line, n| line.3[n]),
+        rise: greatest(&|line, n| line.2[n][0]),
+        rise_and_fall: greatest(&|line, n| line.2[n][1]),
     })
 }
 
-/// For one line: its light, the fraction that holds 90 % of it, and its rises by number of joined neighbours, for all lines and for those
-/// with a fall.
-type LineNumbers = (f64, f64, Vec<f64>, Vec<f64>);
+/// For one line: its light, the fraction that holds 90 % of it, and its rises by number of joined neighbours.
+type LineNumbers = (f64, f64, Vec<[f64; 2]>);
 
 /// The fraction of a line that holds 90 % of its light.
 fn lit_part(line: &[f64]) -> f64 {
     let mut values = line.to_vec();
-    values.sort_by(|a, b| b.total_cmp(a));
+    values.sort_unstable_by(|a, b| b.total_cmp(a));
     // Brightest first, until 90 % of the light is reached.
     let mut left = 0.9 * values.iter().sum::<f64>();
     let lit = values.iter().take_while(|&&value| {
@@ -162,19 +155,25 @@ fn lit_part(line: &[f64]) -> f64 {
     (lit.count() + 1) as f64 / line.len() as f64
 }
 
-/// Σ d³ / Σ |d|³ of the steps between sums of `joined` neighbours; with `both`, 0 for a line that only rises or only falls.
-fn rise(line: &[f64], joined: usize, both: bool) -> f64 {
+/// Σ d³ / Σ |d|³ of the steps between sums of `joined` neighbours; and the same, but 0 for a line that only rises or only falls.
+fn rise(line: &[f64], joined: usize) -> [f64; 2] {
     let sums: Vec<f64> = (line.chunks_exact(joined))
         .map(|part| part.iter().sum())
         .collect();
-    let steps = || sums.windows(2).map(|pair| pair[1] - pair[0]);
+    let steps: Vec<f64> = sums.windows(2).map(|pair| pair[1] - pair[0]).collect();
     // Relative to the largest step, so that cubes are finite.
-    let greatest = steps().fold(0.0, |most: f64, step| most.max(step.abs()));
-    let way = |sign: f64| steps().map(|step| (sign * step).max(0.0)).sum::<f64>();
-    let [up, down] = [1.0, -1.0].map(way);
-    if greatest == 0.0 || (both && up.min(down) <= BOTH * up.max(down)) {
-        return 0.0;
+    let greatest = steps
+        .iter()
+        .fold(0.0, |most: f64, step| most.max(step.abs()));
+    if greatest == 0.0 {
+        return [0.0; 2];
     }
-    let cubes = || steps().map(|step| (step / greatest).powi(3));
-    cubes().sum::<f64>() / cubes().map(f64::abs).sum::<f64>()
+    let way = |sign: f64| steps.iter().map(|step| (sign * step).max(0.0)).sum::<f64>();
+    let [up, down] = [1.0, -1.0].map(way);
+    let cubes = || steps.iter().map(|step| (step / greatest).powi(3));
+    let rise = cubes().sum::<f64>() / cubes().map(f64::abs).sum::<f64>();
+    match up.min(down) <= BOTH * up.max(down) {
+        true => [rise, 0.0],
+        false => [rise; 2],
+    }
 }

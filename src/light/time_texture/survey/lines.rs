@@ -31,21 +31,18 @@ impl<'a> Lines<'a> {
 
     /// The sums over channels of consecutive bins of a pixel from `bin` on, as many as `to` has room for.
     pub fn read(&mut self, pixel: usize, bin: usize, to: &mut [f64]) {
+        let [_, _, bins, channels] = self.store.shape();
+        self.samples.clear();
+        self.samples.resize(to.len() * channels, 0.0);
         match self.store {
             CubeStore::Memory(cube) => {
-                for (bin, to) in (bin..).zip(to) {
-                    *to = cube.total(pixel, bin);
-                }
+                let first = (pixel * bins + bin) * channels;
+                cube.samples.widen(first, &mut self.samples);
             }
-            CubeStore::Disk(bricks) => {
-                let channels = self.store.shape()[3];
-                self.samples.clear();
-                self.samples.resize(to.len() * channels, 0.0);
-                bricks.peek(&mut self.near, pixel, bin, &mut self.samples);
-                for (to, samples) in to.iter_mut().zip(self.samples.chunks(channels)) {
-                    *to = samples.iter().sum();
-                }
-            }
+            CubeStore::Disk(bricks) => bricks.peek(&mut self.near, pixel, bin, &mut self.samples),
+        }
+        for (to, samples) in to.iter_mut().zip(self.samples.chunks(channels)) {
+            *to = samples.iter().sum();
         }
     }
 
@@ -54,15 +51,10 @@ impl<'a> Lines<'a> {
         let [_, _, bins, channels] = self.store.shape();
         let each = bins * channels;
         to.clear();
+        to.resize(each, 0.0);
         match self.store {
-            CubeStore::Memory(cube) => {
-                let samples = pixel * each..(pixel + 1) * each;
-                to.extend(samples.map(|at| cube.samples.get(at).unwrap_or(0.0)));
-            }
-            CubeStore::Disk(bricks) => {
-                to.resize(each, 0.0);
-                bricks.peek(&mut self.near, pixel, 0, to);
-            }
+            CubeStore::Memory(cube) => cube.samples.widen(pixel * each, to),
+            CubeStore::Disk(bricks) => bricks.peek(&mut self.near, pixel, 0, to),
         }
     }
 

@@ -40,25 +40,34 @@ fn tiny() -> Overrides {
 
 /// All panels of the scene file at `path`, by name.
 fn panels(path: &Path, overrides: &Overrides) -> Vec<(String, Scene)> {
-    let scene = scene::load(path, overrides).unwrap_or_else(|e| panic!("{e}"));
-    let panel = |panel| {
-        let changed = scene::SceneFile::read(path)
-            .unwrap()
-            .panel(&scene, panel, overrides);
+    panels_if(path, overrides, |_| true)
+}
+
+/// Those of them whose names are asked for.
+fn panels_if(
+    path: &Path,
+    overrides: &Overrides,
+    is_asked: impl Fn(&str) -> bool,
+) -> Vec<(String, Scene)> {
+    let file = scene::SceneFile::read(path).unwrap_or_else(|e| panic!("{e}"));
+    let scene = file.scene(overrides).unwrap_or_else(|e| panic!("{e}"));
+    let asked = scene.panels.iter().filter(|panel| is_asked(&panel.name));
+    let panel = |panel: &scene::model::Panel| {
+        let changed = file.panel(&scene, panel, overrides);
         (
             panel.name.clone(),
             changed.unwrap_or_else(|e| panic!("{e}")),
         )
     };
-    scene.panels.iter().map(panel).collect()
+    asked.map(panel).collect()
 }
 
 /// The panel of this name of a figure, as the file has it.
 fn panel(figure: u32, name: &str) -> Scene {
     let path = folder().join(format!("figure-{figure:02}.toml"));
-    let panels = panels(&path, &Overrides::default());
-    let found = panels.into_iter().find(|(n, _)| n == name);
+    let mut found = panels_if(&path, &Overrides::default(), |n| n == name);
     found
+        .pop()
         .unwrap_or_else(|| panic!("figure {figure} has no panel {name}"))
         .1
 }

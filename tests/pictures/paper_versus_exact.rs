@@ -79,24 +79,29 @@ fn picture(figure: u32, panel: &str, model: &str) -> Picture {
 }
 
 fn compared(figure: u32, panel: &str) -> Comparison {
-    let exact = picture(figure, panel, "exact");
+    compared_with(&picture(figure, panel, "exact"), figure, panel)
+}
+
+/// The same given the exact picture of the panel.
+fn compared_with(exact: &Picture, figure: u32, panel: &str) -> Comparison {
     // Of exact rotation the paper has none: it has its own in place of it.
     let paper = match panel {
         "exact-0.4" => picture(figure, "paper-0.4", "paper2015"),
         _ => picture(figure, panel, "paper2015"),
     };
-    compare(&exact, &paper, &CompareOptions::default()).unwrap()
+    compare(exact, &paper, &CompareOptions::default()).unwrap()
 }
 
 /// A row of the page's table.
 fn row(figure: u32, panel: &str, camera: &str) -> String {
-    let found = compared(figure, panel);
+    let exact = picture(figure, panel, "exact");
+    let found = compared_with(&exact, figure, panel);
     let radiance = found.radiance.unwrap();
     let surface = found.surface.unwrap();
     let wrong = surface.wrong_objects.unwrap();
     let time = surface.emission_time.unwrap();
     let ratio = surface.wavelength_ratio.unwrap().absolute.summary.unwrap();
-    let brightness = 1.0 + radiance.bias / mean(figure, panel);
+    let brightness = 1.0 + radiance.bias / mean(&exact);
     format!(
         "| {figure} | `{panel}` | {camera} | {} % | {} m | {} % | {} | {} | {} |",
         digits(100.0 * wrong.pixels as f64 / wrong.of as f64),
@@ -108,9 +113,8 @@ fn row(figure: u32, panel: &str, camera: &str) -> String {
     )
 }
 
-/// The mean of the exact picture's light.
-fn mean(figure: u32, panel: &str) -> f64 {
-    let exact = picture(figure, panel, "exact");
+/// The mean of a picture's light.
+fn mean(exact: &Picture) -> f64 {
     let light = exact.layers.radiance().unwrap();
     light.iter().flatten().sum::<f64>() / (3 * light.len()) as f64
 }

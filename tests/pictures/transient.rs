@@ -8,6 +8,7 @@
 //! each must fail by a wide margin, or the test would prove nothing.
 
 use std::path::Path;
+use std::sync::OnceLock;
 
 use crate::common::frames::{Frame, frames, reference};
 use nullray::io::cube::{Changes, Cube, Wanted, convert};
@@ -120,9 +121,18 @@ fn lightmap_frames_match_the_transient_renderer() {
     }
 }
 
+/// What each frame sees of the captures of the world's clock and of the camera's.
+fn reprojected() -> &'static [[Vec<f64>; 2]] {
+    static PICTURES: OnceLock<Vec<[Vec<f64>; 2]>> = OnceLock::new();
+    PICTURES.get_or_init(|| {
+        let of = |frame: &Frame| [1, 2].map(|source| picture(&text(frame, source, "cubic_means")));
+        frames().iter().map(of).collect()
+    })
+}
+
 #[test]
 fn captures_reprojected_match_the_transient_renderer_where_they_saw_the_scene() {
-    for frame in frames() {
+    for (frame, images) in frames().iter().zip(reprojected()) {
         let truth = reference(&frame.name);
         let interior = crate::common::frames::mask(&format!("interior_{}", frame.name));
         for (source, limit) in [
@@ -130,8 +140,7 @@ fn captures_reprojected_match_the_transient_renderer_where_they_saw_the_scene() 
             (2, frame.limit.camera_interior),
         ] {
             let limit = 1.25 * limit + 0.003;
-            let image = picture(&text(&frame, source, "cubic_means"));
-            let got = score(&image, &truth, |i| interior[i] == 1.0);
+            let got = score(&images[source - 1], &truth, |i| interior[i] == 1.0);
             let name = SOURCES[source].0;
             assert!(
                 got <= limit,
@@ -146,14 +155,14 @@ fn captures_reprojected_match_the_transient_renderer_where_they_saw_the_scene() 
 #[test]
 fn captures_taken_as_means_come_nearer_to_the_transient_renderer() {
     let mut gains = Vec::new();
-    for frame in frames() {
+    for (frame, images) in frames().iter().zip(reprojected()) {
         let truth = reference(&frame.name);
         let interior = crate::common::frames::mask(&format!("interior_{}", frame.name));
         for source in [1, 2] {
-            let plain = text(&frame, source, "cubic_means");
-            let sharp = plain.replace("filter =", "reconstruction = \"sharp\"\nfilter =");
-            let [plain, sharp] =
-                [plain, sharp].map(|text| score(&picture(&text), &truth, |i| interior[i] == 1.0));
+            let sharp = text(frame, source, "cubic_means")
+                .replace("filter =", "reconstruction = \"sharp\"\nfilter =");
+            let [plain, sharp] = [&images[source - 1], &picture(&sharp)]
+                .map(|image| score(image, &truth, |i| interior[i] == 1.0));
             println!(
                 "{} {}: {plain:.4} {sharp:.4}",
                 frame.name, SOURCES[source].0

@@ -16,8 +16,13 @@ use nullray::scene::model::Scene;
 use nullray::scene::{Overrides, parse};
 use tempfile::TempDir;
 
-/// 80 × 96 pixels and 700 bins: 20.5 MiB in single precision.
+/// 80 × 96 pixels and 700 bins of one channel: 20.5 MiB in single precision.
 const SHAPE: [usize; 4] = [80, 96, 700, 1];
+
+/// Of more than three channels there are fewer bins, which last as long in all.
+fn bins(channels: usize) -> usize {
+    SHAPE[2] / channels.div_ceil(3)
+}
 
 /// A number that tells nothing of its neighbours, exact in half precision.
 fn sample(index: usize) -> u16 {
@@ -37,7 +42,7 @@ struct Stored {
 
 /// Writes an array of `sample`s of (row, column, bin, channel).
 fn write(path: &Path, stored: &Stored) {
-    let shape = [SHAPE[0], SHAPE[1], SHAPE[2], stored.channels];
+    let shape = [SHAPE[0], SHAPE[1], bins(stored.channels), stored.channels];
     let slots: Vec<usize> = stored.axes.chars().filter_map(|c| "HWTC".find(c)).collect();
     let sizes: Vec<usize> = slots.iter().map(|slot| shape[*slot]).collect();
     let text: Vec<String> = sizes.iter().map(|n| format!("{n},")).collect();
@@ -95,6 +100,12 @@ hfov = \"60 deg\"";
 
 /// A camera that passes a plane and a ball, both showing the cube.
 fn scene(folder: &TempDir, axes: &str, filter: &str, mapping: &str) -> Scene {
+    scene_of(1, folder, axes, filter, mapping)
+}
+
+/// The same with a cube of that many channels.
+fn scene_of(channels: usize, folder: &TempDir, axes: &str, filter: &str, mapping: &str) -> Scene {
+    let width = 14.0 / bins(channels) as f64;
     let text = format!(
         "[camera]
 eye = [0.3, 0.2, 3]
@@ -117,7 +128,7 @@ shape = {{ sphere = {{ radius = 0.5 }} }}
 file = \"cube.npy\"
 axes = \"{axes}\"
 start = \"-2 m\"
-bin_width = \"0.02 m\"
+bin_width = \"{width} m\"
 filter = \"{filter}\"
 {mapping}
 "
@@ -164,7 +175,7 @@ fn same_bits(stored: &Stored, filters: &[&str], mappings: &[&str]) {
     write(&folder.path().join("cube.npy"), stored);
     for filter in filters {
         for mapping in mappings {
-            let scene = scene(&folder, stored.axes, filter, mapping);
+            let scene = scene_of(stored.channels, &folder, stored.axes, filter, mapping);
             let whole = bits(&film(&scene, &plan(&scene, None), 2).unwrap());
             assert!(whole.iter().any(|bits| *bits != 0));
             for threads in [1, 3] {

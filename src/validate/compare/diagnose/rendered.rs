@@ -1,21 +1,16 @@
 //! Mistakes identified by rendering the scene with them: lookup times and, if position channels are missing, motions and retardation. They
-//! need the scene itself, whose light must be the reference's.
-//!
-//! A mistake of unknown size x, such as a delay, is tried at a few sizes. From the best one, secant steps follow: with the light L of two
-//! sizes a and b, and the candidate's light c,
-//!
-//! ```text
-//! x = b + (b − a) (c − L(b))·(L(b) − L(a)) / |L(b) − L(a)|².
-//! ```
+//! need the scene itself, whose light must be the reference's. Mistakes of unknown size are fitted (`fitted`).
 
 use std::collections::BTreeMap;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use super::super::known::{Change, is_all_in_its_text};
 use super::camera::elsewhere_in_words;
-use super::light::{Fit, Lit, NOTABLE, evidence, fit, lit, lit_and_dark, middle};
+use super::fitted::{of_some_place, of_some_size};
+use super::light::{Fit, Lit, NOTABLE, evidence, fit, lit, lit_and_dark};
 use super::motion::in_words;
+use super::scene_light::{Light, MEMORY, light_and_size_of, light_of};
 use super::time::words_for_bins;
 use super::{Case, Diagnosis, Kind, median};
 use crate::camera::Shot;
@@ -35,11 +30,6 @@ const MOST_EXCHANGED: usize = 4;
 /// The distance to which omitted objects are moved, in sizes of the scene: far out of view, but close enough that f32 boxes around
 /// everything at rest together, accurate to 6e-8 of their distance, still separate the other objects.
 const FAR: f64 = 1e3;
-/// The most samples per pixel, and the most rays of a picture: edges alone need more.
-const MOST_SAMPLES: u32 = 16;
-const MOST_RAYS: usize = 4_000_000;
-/// The most memory for a scene without files, which may come from any picture's metadata.
-const MEMORY: u64 = 1 << 30;
 
 /// A scene with a mistake, and its diagnosis.
 struct Mistake {
@@ -166,51 +156,6 @@ fn mistake(case: &Case, scene: &Scene, lit: &[Lit], size: f64) -> Option<(Diagno
     Some((diagnosis, fit.left))
 }
 
-/// The light of a scene, for each pixel.
-struct Light(Vec<[f64; 3]>);
-
-impl Light {
-    fn fit(&self, lit: &[Lit]) -> Fit {
-        fit(lit, |i, _| self.0[i])
-    }
-}
-
-/// The light of a scene in the candidate's pixels.
-fn light_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<Light> {
-    light_and_size_of(case, scene, lit).map(|(light, _)| light)
-}
-
-/// The same, with the largest distance in metres of surfaces from the origins of their rest frames.
-fn light_and_size_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<(Light, f64)> {
-    let mut scene = scene.clone();
-    let [width, height] = case.points[0].size();
-    let most = (MOST_RAYS / (width * height).max(1)).clamp(1, MOST_SAMPLES as usize);
-    // The reference may have been rendered with another number of samples than its file requests.
-    let of_reference = case.pair[0].metadata("samples_per_pixel");
-    let of_reference = of_reference.and_then(|samples| samples.parse().ok());
-    let samples: u32 = of_reference.unwrap_or(scene.samples_per_pixel);
-    scene.samples_per_pixel = samples.clamp(1, most as u32);
-    let mut request = Request {
-        pixel_centers: case.pair[0].metadata("pixel_centers") == Some("true"),
-        ..Request::default()
-    };
-    if is_all_in_its_text(&scene) {
-        request.memory_limit = MEMORY;
-    }
-    let plan = Plan::new(&scene, &request).ok()?;
-    let prepared = Prepared::new(&scene, &plan, &Silent).ok()?;
-    let reach = |(lo, hi): (DVec3, DVec3)| lo.abs().max(hi.abs()).max_element();
-    let bounds = prepared
-        .frames
-        .iter()
-        .filter_map(|frame| frame.bvh.bounds());
-    let size = bounds.map(reach).fold(0.0, f64::max);
-    let film = render(&prepared, &Silent).ok()?;
-    let light = film.radiance().to_vec();
-    let last = lit.iter().map(|(i, _)| *i).max()?;
-    (light.len() == width * height && last < light.len()).then_some((Light(light), size))
-}
-
 /// The time and position of the events of one object alone at pixel centres, with a change or without.
 pub(super) fn events_of(
     case: &Case,
@@ -272,137 +217,6 @@ fn size_where_light_is_that_of(case: &Case, scene: &Scene, lit: &[Lit]) -> Optio
     median(off.collect())
         .filter(|off| *off <= SAME_LIGHT)
         .map(|_| size)
-}
-
-/// Steps from the best of the sizes that are tried.
-const STEPS: usize = 6;
-/// The largest fraction of the squared error that a mistake of fitted size may leave.
-const LEFT_BY_SIZE: f64 = 0.1;
-/// The resolution of sizes, relative to the smallest that is tried.
-const FINE: f64 = 1e-3;
-
-/// The fraction of the previous residual that the first step must reach for others to be worthwhile.
-const PROMISING: f64 = 0.9;
-
-/// Adds a size with its light, and keeps the two whose light is closest to the candidate's.
-fn keep_nearest(found: &mut Vec<(f64, Light, Fit)>, next: (f64, Light, Fit)) {
-    found.push(next);
-    found.sort_by(|a, b| a.2.left.total_cmp(&b.2.left));
-    found.truncate(2);
-}
-
-/// The size of a mistake that explains the candidate, if one does: the search starts with 0 and the sizes `tried`.
-fn of_some_size(
-    case: &Case,
-    lit: &[Lit],
-    tried: &[f64],
-    scene: impl Fn(f64) -> Option<Scene>,
-) -> Option<(f64, Fit)> {
-    let smallest = tried.iter().map(|x| x.abs()).reduce(f64::min)?;
-    let middle = middle(lit);
-    let compressed = |light: [f64; 3]| DVec3::from(light.map(|v| v / (v.abs() + middle)));
-    let light = |x: f64| -> Option<(f64, Light, Fit)> {
-        let light = light_of(case, &scene(x)?, lit)?;
-        let fit = light.fit(lit);
-        Some((x, light, fit))
-    };
-    // The best two are enough.
-    let mut found = vec![light(0.0)?];
-    for x in tried {
-        keep_nearest(&mut found, light(*x)?);
-    }
-    for step in 0..STEPS {
-        let [(b, at_b, _), (a, at_a, _)] = &found[..] else {
-            return None;
-        };
-        let (mut above, mut below) = (0.0, 0.0);
-        for (i, [_, c]) in lit {
-            let [c, at_a, at_b] = [*c, at_a.0[*i], at_b.0[*i]].map(compressed);
-            above += (c - at_b).dot(at_b - at_a);
-            below += (at_b - at_a).length_squared();
-        }
-        // The point closest to the candidate on the line through the two, in compressed light.
-        let way = (b - a) * above / below;
-        if !way.is_finite() || way.abs() < FINE * smallest {
-            break;
-        }
-        // No farther than the distance between the two.
-        let x = b + way.clamp(-(b - a).abs(), (b - a).abs());
-        let next = light(x)?;
-        keep_nearest(&mut found, next);
-        if step == 0 && found[0].2.left > PROMISING {
-            return None;
-        }
-    }
-    let (x, _, fit) = found.into_iter().next()?;
-    // Far beyond what was tried, light hardly changes any more, and chance decides.
-    let farthest = tried.iter().map(|x| x.abs()).fold(0.0, f64::max);
-    let is_size = x != 0.0 && x.abs() <= BEYOND * farthest;
-    (is_size && fit.explains() && fit.left <= LEFT_BY_SIZE).then_some((x, fit))
-}
-
-/// The largest size that is reported, relative to the largest that is tried.
-const BEYOND: f64 = 2.0;
-
-/// The displacement for the first differences, the longest step, and the resolution, relative to the size of the scene.
-const NEARBY: f64 = 0.01;
-const LONGEST_STEP: f64 = 0.1;
-const FINE_PLACE: f64 = 1e-4;
-/// The smallest displacement that is reported, relative to the size of the scene.
-const LEAST_PLACE: f64 = 1e-3;
-/// The largest fraction of the squared error that another place may leave: other films leave more, as do edges of single samples.
-const LEFT_BY_PLACE: f64 = 0.02;
-
-/// The displacement of something in the scene that explains the candidate, if one does: by Gauss–Newton steps from its place, with
-/// differences along the axes.
-fn of_some_place(
-    case: &Case,
-    lit: &[Lit],
-    size: f64,
-    scene: &dyn Fn(DVec3) -> Option<Scene>,
-) -> Option<(DVec3, Fit)> {
-    let middle = middle(lit);
-    let compressed = |light: [f64; 3]| DVec3::from(light.map(|v| v / (v.abs() + middle)));
-    let light = |x: DVec3| light_of(case, &scene(x)?, lit);
-    let at_place = light(DVec3::ZERO)?;
-    let near = NEARBY * size;
-    let beside: Vec<Light> = (DVec3::AXES.into_iter())
-        .map(|axis| light(near * axis))
-        .collect::<Option<_>>()?;
-    // The columns of ∂L/∂x at each pixel.
-    let slopes = |i: usize| {
-        let here = compressed(at_place.0[i]);
-        [0, 1, 2].map(|k| (compressed(beside[k].0[i]) - here) / near)
-    };
-    let (mut x, mut now) = (DVec3::ZERO, at_place.0.clone());
-    let mut fit = Light(now.clone()).fit(lit);
-    for step_number in 0..STEPS {
-        let (mut normal, mut right) = (DMat3::ZERO, DVec3::ZERO);
-        for (i, [_, c]) in lit {
-            let slopes = slopes(*i);
-            let off = compressed(*c) - compressed(now[*i]);
-            right += DVec3::from(slopes.map(|slope| slope.dot(off)));
-            let column = |k: usize| DVec3::from(slopes.map(|slope| slope.dot(slopes[k])));
-            normal += DMat3::from_cols(column(0), column(1), column(2));
-        }
-        let step = normal.inverse() * right;
-        step.is_finite().then_some(())?;
-        let step = step.clamp_length_max(LONGEST_STEP * size);
-        let next = light(x + step)?;
-        let next_fit = next.fit(lit);
-        if next_fit.left >= fit.left {
-            break;
-        }
-        (x, now, fit) = (x + step, next.0, next_fit);
-        if step_number == 0 && fit.left > PROMISING {
-            return None;
-        }
-        if step.length() < FINE_PLACE * size {
-            break;
-        }
-    }
-    let is_place = x.length() >= LEAST_PLACE * size && fit.left <= LEFT_BY_PLACE;
-    (is_place && fit.explains()).then_some((x, fit))
 }
 
 /// The most pulses and lamps that are tested for other places.

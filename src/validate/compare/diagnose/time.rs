@@ -29,7 +29,15 @@ pub(super) fn shifted(case: &Case) -> Option<Diagnosis> {
         .filter(|d| (*d - shift).abs() <= SHARED * shift.abs())
         .count() as f64
         / count;
-    let explains = shift.abs() > TIME_ROUNDING * scale && share >= MOST;
+    // Nearly equal times in half precision are rounded to the same side, by up to half a step.
+    let times = case.pixels().into_iter().map(|i| c.at(i));
+    let is_half = times.filter(|t| t.is_finite()).all(is_of_half_precision);
+    let rounding = if is_half {
+        HALF_PRECISION / 4.0
+    } else {
+        TIME_ROUNDING
+    };
+    let explains = shift.abs() > rounding * scale && share >= MOST;
     explains.then(|| describe_shift(case, shift, share))
 }
 

@@ -60,17 +60,35 @@ impl Camera {
     /// # Errors
     /// The motion is impossible, or the exposure starts before it begins or ends after it.
     pub fn new(scene: &Scene) -> Result<Self> {
-        let shot = Shot::new(&scene.camera)?;
-        let view = AnyView::new(scene, &shot)?;
+        let aberration = scene.effects.aberration;
+        Camera::of(&scene.camera, scene.equations, aberration, &scene.name)
+    }
+
+    /// The camera of `model`. `name` is that of its scene, for errors.
+    ///
+    /// # Errors
+    /// As [`Camera::new`].
+    pub(crate) fn of(
+        model: &CameraModel,
+        equations: Equations,
+        aberration: bool,
+        name: &str,
+    ) -> Result<Self> {
+        let shot = Shot::new(model)?;
+        let view = AnyView::new(model, equations, aberration, &shot, name)?;
         Ok(Camera { shot, view })
     }
 }
 
 impl AnyView {
-    /// The view for the camera of `scene` at `shot`.
-    fn new(scene: &Scene, shot: &Shot) -> Result<Self> {
-        let model = &scene.camera;
-        let aberration = scene.effects.aberration;
+    /// The view for the camera of `model` at `shot`.
+    fn new(
+        model: &CameraModel,
+        equations: Equations,
+        aberration: bool,
+        shot: &Shot,
+        name: &str,
+    ) -> Result<Self> {
         let rests = shot.frame.velocity().is_rest();
         let moves = !rests || model.motion != Motion::Inertial;
         let instant_point = model.sensor.is_none() && model.shutter.is_none();
@@ -80,11 +98,10 @@ impl AnyView {
             return Ok(AnyView::Stereo(view));
         }
         if let (Some(rotation), false) = (model.rotation, instant_point) {
-            let equations = scene.equations;
             let view = Turning::new(model, rotation, shot, equations, aberration);
             return Ok(AnyView::Turning(view));
         }
-        if scene.equations == Equations::Paper2015 && moves {
+        if equations == Equations::Paper2015 && moves {
             return Ok(AnyView::Paper(Paper::new(model, shot, aberration)));
         }
         // Film points that see nothing need weights, which rays from one event do not have.
@@ -99,7 +116,7 @@ impl AnyView {
             (false, ..) if model.motion == Motion::Inertial && !is_pair(model, rests) => {
                 AnyView::Inertial(Inertial::new(model, shot, aberration))
             }
-            (false, ..) => AnyView::Accelerated(accelerated(scene, shot)?),
+            (false, ..) => AnyView::Accelerated(accelerated(model, aberration, shot, name)?),
         })
     }
 
@@ -152,15 +169,19 @@ fn is_pair(model: &CameraModel, rests: bool) -> bool {
 }
 
 /// The view of an accelerated camera, if all of its elements see something.
-fn accelerated(scene: &Scene, shot: &Shot) -> Result<Box<Accelerated>> {
-    let model = &scene.camera;
+fn accelerated(
+    model: &CameraModel,
+    aberration: bool,
+    shot: &Shot,
+    name: &str,
+) -> Result<Box<Accelerated>> {
     let line = model.world_line().map_err(impossible)?;
-    let view = Accelerated::new(model, line, shot, scene.effects.aberration);
+    let view = Accelerated::new(model, line, shot, aberration);
     if view.sees_everywhere() {
         return Ok(Box::new(view));
     }
     Err(Error::invalid(
-        &scene.name,
+        name,
         "camera.time",
         "the light that reaches the sensor during the exposure passed the pinhole before the camera's world line begins, or never passed it",
         "expose later and within the motion, or shorten the focal length",

@@ -23,5 +23,4 @@ pub mod tonemap;
 pub mod trace;
 
 pub use estimate_reads::estimate_reads;
-pub(crate) use tiles::render_tiles;
-pub use tiles::{render, render_with_stats};
+pub use tiles::{render, render_tiles, render_with_stats};

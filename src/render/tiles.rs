@@ -1,5 +1,6 @@
 //! The whole image: tiles are spread over threads, with the same bits for any number of them.
 
+use std::num::NonZeroU32;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
@@ -48,11 +49,7 @@ pub fn render_with_stats(scene: &Prepared, progress: &dyn Progress) -> Result<(F
 ///
 /// # Errors
 /// As for [`render`].
-pub(crate) fn render_tiles(
-    scene: &Prepared,
-    tiles: Range<u64>,
-    progress: &dyn Progress,
-) -> Result<Film> {
+pub fn render_tiles(scene: &Prepared, tiles: Range<u64>, progress: &dyn Progress) -> Result<Film> {
     tiles_with(scene, tiles, progress, None)
 }
 
@@ -131,7 +128,8 @@ impl<'a> Pipeline<'a> {
         progress: &dyn Progress,
         meter: &mut Meter,
     ) -> Result<()> {
-        let at_once = self.scene.light.radiance().samples_at_once();
+        let best = self.scene.light.radiance().samples_at_once();
+        let at_once = self.scene.samples_at_once.map_or(best, NonZeroU32::get);
         let mut left = samples;
         while !left.is_empty() {
             progress.check()?;
@@ -219,117 +217,5 @@ impl<'a> Pipeline<'a> {
         }
         meter.count(Counter::Rays, ratios.len() as u64);
         meter.lap(Stage::Film);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::path::Path;
-
-    use super::*;
-    use crate::render::aov::Aov;
-    use crate::render::plan::{Plan, Request};
-    use crate::render::progress::Silent;
-    use crate::scene::{Overrides, parse};
-
-    /// A corner with a box of this finish, lit by a panel, with 7 samples; the last tiles are smaller.
-    fn corner(finish: &str) -> Prepared {
-        let text = format!(
-            "[render]\nbounces = 2\n[display]\nsamples_per_pixel = 7\nback_faces = \"two_sided\"\n\
-             [camera]\neye = [1.4, 1.2, 2]\nlook_at = [0, 0.3, 0]\nhfov = \"50 deg\"\nsize = [37, 21]\n\
-             [[object]]\nname = \"floor\"\nshape = {{ box = {{ size = [3, 0.1, 3] }} }}\ncolour = [0.7, 0.7, 0.6]\n\
-             [[object]]\nname = \"wall\"\nshape = {{ box = {{ size = [3, 3, 0.1] }} }}\ncolour = [0.8, 0.2, 0.1]\n\
-             transform = {{ translate = [0, 1, -1] }}\n\
-             [[object]]\nname = \"box\"\nshape = {{ box = {{ size = [0.5, 0.8, 0.5] }} }}\n{finish}\n\
-             transform = {{ translate = [0, 0.4, 0], rotate = {{ axis = [0, 1, 0], angle = \"30 deg\" }} }}\n\
-             [[object]]\nname = \"panel\"\nshape = {{ plane = {{ size = [0.6, 0.6] }} }}\n\
-             transform = {{ translate = [0, 2, 0], rotate = {{ axis = [1, 0, 0], angle = \"180 deg\" }} }}\n\
-             [[light]]\ntype = \"area\"\nobject = \"panel\"\nradiance = [6, 5, 4]\n"
-        );
-        let scene = parse(&text, "corner", Path::new("."), &Overrides::default()).unwrap();
-        let request = Request {
-            aovs: vec![Aov::Distance, Aov::Object],
-            ..Request::default()
-        };
-        Prepared::new(&scene, &Plan::new(&scene, &request).unwrap(), &Silent).unwrap()
-    }
-
-    /// The film of `scene`, rendered `at_once` samples at a time.
-    fn film(scene: &Prepared, at_once: u32) -> Film {
-        let layout = &scene.layout;
-        let pipeline = Pipeline::new(scene, scene.sampler);
-        let mut buffers = Buffers::default();
-        let Ok(film) = Film::of_tiles(layout, |rows| {
-            for index in 0..Tile::count(layout.size) {
-                let mut tile = TileFilm::new(Tile::of_image(layout.size, index), layout);
-                let mut first = 0;
-                while first < layout.samples {
-                    let samples = tile.together(first..layout.samples, at_once);
-                    first = samples.end;
-                    pipeline.batch(samples.clone(), &mut buffers, &mut tile, &mut Meter::off());
-                    tile.end_samples(samples);
-                }
-                rows.place(&tile);
-            }
-            Ok::<(), std::convert::Infallible>(())
-        });
-        film
-    }
-
-    #[test]
-    fn samples_that_are_shaded_together_are_those_that_are_shaded_one_by_one() {
-        // The random numbers are the same, but a pixel's sum has another order if its samples hit several surfaces.
-        for finish in ["colour = [0.2, 0.6, 0.3]", "metallic = 1\nroughness = 0.3"] {
-            let scene = corner(finish);
-            let alone = film(&scene, 1);
-            for at_once in [2, 4, 7] {
-                let together = film(&scene, at_once);
-                let all = together.radiance().iter().zip(alone.radiance());
-                for (pixel, (a, b)) in all.enumerate() {
-                    for (a, b) in a.iter().zip(b) {
-                        assert!(
-                            (a - b).abs() <= 1e-13 * b,
-                            "{finish}, {at_once}, {pixel}: {a} {b}"
-                        );
-                    }
-                }
-                for channel in [Aov::Distance, Aov::Object] {
-                    // Distances are NaN if nothing is hit.
-                    let bits = |film: &Film| -> Vec<u64> {
-                        film.aov(channel)
-                            .unwrap()
-                            .iter()
-                            .map(|x| x.to_bits())
-                            .collect()
-                    };
-                    assert_eq!(bits(&together), bits(&alone), "{at_once}");
-                }
-                assert_eq!(together.met(), alone.met());
-            }
-        }
-    }
-
-    #[test]
-    fn tiles_are_the_same_whichever_were_rendered_before_them() {
-        let scene = corner("metallic = 1\nroughness = 0.3");
-        let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-        let whole = one_thread.unwrap().install(|| render(&scene, &Silent));
-        let whole = whole.unwrap();
-        let width = scene.layout.size[0] as usize;
-        for index in 0..Tile::count(scene.layout.size) {
-            let alone = render_tiles(&scene, index..index + 1, &Silent).unwrap();
-            for (column, row) in Tile::of_image(scene.layout.size, index).coordinates() {
-                let pixel = row as usize * width + column as usize;
-                let bits = |film: &Film| {
-                    let aovs =
-                        [Aov::Distance, Aov::Object].map(|aov| film.aov(aov).unwrap()[pixel]);
-                    (
-                        film.radiance()[pixel].map(f64::to_bits),
-                        aovs.map(f64::to_bits),
-                    )
-                };
-                assert_eq!(bits(&alone), bits(&whole), "{column} {row}");
-            }
-        }
     }
 }

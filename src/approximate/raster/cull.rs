@@ -17,8 +17,7 @@ use crate::accel::vectors::VectorLoop;
 use crate::approximate::projection::ApparentProjection;
 use crate::camera::Projection as _;
 use crate::render::film::TILE;
-use crate::render::prepare::Prepared;
-use crate::render::sampler::pixel_key;
+use crate::render::sampler::{Sampler, pixel_key};
 use crate::spacetime::Displacement;
 
 /// How far outside a triangle samples may still count as inside, pixels: twice the bound on edge functions in f32 (`tile`).
@@ -128,12 +127,8 @@ pub(super) struct SoleSamples {
 }
 
 impl SoleSamples {
-    /// The samples of a picture of `scene`; `None` if pixels have several.
-    pub fn of(scene: &Prepared) -> Option<Self> {
-        let (sampler, size) = (&scene.sampler, scene.layout.size);
-        if scene.layout.samples != 1 {
-            return None;
-        }
+    /// The samples that `sampler`, which has one for each pixel, puts into a film of `size` pixels.
+    pub fn new(sampler: &Sampler, size: [u32; 2]) -> Self {
         let width = size[0] as usize;
         let mut points = vec![[0.0; 2]; width * size[1] as usize];
         let (within, salt) = sampler.replicate(0);
@@ -148,7 +143,7 @@ impl SoleSamples {
                 *point = [(f64::from(column) + x) as f32, (f64::from(row) + y) as f32];
             }
         }
-        Some(SoleSamples { size, points })
+        SoleSamples { size, points }
     }
 
     /// Whether a triangle that can reach this part of the film contains none of them. Not known, and false, if it is larger than a pixel.

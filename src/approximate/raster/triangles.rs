@@ -90,8 +90,8 @@ impl<'a> Triangles<'a> {
         // They take an eighth as long as a triangle that is sorted by tiles: too long if there are few triangles.
         let triangles: u64 = frames.iter().map(|rest| rest.bvh.len() as u64).sum();
         let pixels = size.map(u64::from).iter().product::<u64>();
-        let samples = (4 * triangles >= pixels).then(|| SoleSamples::of(scene));
-        let samples = samples.flatten();
+        let samples = (scene.layout.samples == 1 && 4 * triangles >= pixels)
+            .then(|| SoleSamples::new(&scene.sampler, size));
         let dividers = (0..frames.len()).map(|frame| Divider {
             projection: &projections[frame],
             frustum: &frusta[frame],
@@ -123,12 +123,11 @@ impl<'a> Triangles<'a> {
             // If everything is at the camera's position, any unit will do.
             unit: if farthest.is_normal() { farthest } else { 1.0 },
             has_holes: frames.iter().any(|rest| rest.bvh.has_holes()),
-            needed: match scene.layout.channels.is_empty()
-                && raster.attributes == Attributes::Fragment
-            {
-                true => scene.light.radiance().dependence(),
-                false => Dependence::Weights,
-            },
+            needed: needed(
+                scene.light.radiance().dependence(),
+                !scene.layout.channels.is_empty(),
+                raster.attributes,
+            ),
         })
     }
 }
@@ -183,6 +182,14 @@ fn divided(
     }
 }
 
+/// What has to be known of each hit: what radiance depends on, or everything if there are channels or attributes of vertices.
+fn needed(radiance: Dependence, has_channels: bool, attributes: Attributes) -> Dependence {
+    match !has_channels && attributes == Attributes::Fragment {
+        true => radiance,
+        false => Dependence::Weights,
+    }
+}
+
 /// The test of vertices for the edges that end there.
 fn straight(tessellation: Tessellation) -> Straight {
     match tessellation {
@@ -201,33 +208,39 @@ pub(super) fn is_front([a, b, c]: [DVec3; 3], projection: &ApparentProjection) -
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::super::cull::Reach;
     use super::*;
-    use crate::accel::numbers;
-    use crate::approximate::raster::Method;
-    use crate::render::aov::Aov;
-    use crate::render::plan::{Plan, Request};
+    use crate::accel::pages::Pages;
+    use crate::accel::{Bvh, numbers};
+    use crate::camera::Camera;
+    use crate::mesh::{Shape, shapes};
     use crate::render::progress::Silent;
-    use crate::scene::{self, Overrides};
+    use crate::render::sampler::Sampler;
+    use crate::scene::model::{CameraModel, Equations};
+    use crate::spacetime::{Event, InertialFrame, Velocity};
+
+    /// A box of one metre at the origin, moving at `beta` along y.
+    fn moving_box(beta: f64) -> RestFrame {
+        let mesh = shapes::mesh(Shape::Box { size: [1.0; 3] }, [1.0; 3]);
+        let corners = (0..mesh.triangles.len() as u32).map(|index| mesh.corners(index));
+        let velocity = Velocity::from_beta(DVec3::Y * beta).unwrap();
+        RestFrame {
+            frame: InertialFrame::new(velocity, Event::new(0.0, DVec3::ZERO)),
+            bvh: Bvh::build(corners.collect(), |_| Facing::FrontOnly),
+            normals: Pages::default(),
+            patches: vec![],
+            meshes: [mesh].into(),
+            vertices: Default::default(),
+        }
+    }
 
     /// Four boxes at four speeds, each of which would be cut at less than eight times the allowed number of points.
     #[test]
     fn what_is_too_much_in_all_frames_together_is_begun_in_none() {
-        let boxes = [-0.3, -0.1, 0.1, 0.3].map(|beta| {
-            format!(
-                "[[object]]\nshape = {{ box = {{ size = [1, 1, 1] }} }}\nvelocity = {{ beta = [0, {beta}, 0] }}\n"
-            )
-        });
-        let text = "[camera]\neye = [0, 0, 4]\nlook_at = [0, 0, 0]\nsize = [16, 16]\n".to_string()
-            + &boxes.concat();
-        let scene = scene::parse(&text, "boxes", Path::new("."), &Overrides::default()).unwrap();
-        let plan = Plan::new(&scene, &Request::default()).unwrap();
-        let scene = Prepared::new(&scene, &plan, &Silent).unwrap();
-        let observer = Observer::new(&scene).unwrap();
-        let frames = &scene.frames;
-        assert_eq!(frames.len(), 4);
+        let frames = [-0.3, -0.1, 0.1, 0.3].map(moving_box);
+        let camera = CameraModel::looking(DVec3::NEG_Z, DVec3::Z * 4.0, [16, 16]);
+        let camera = Camera::of(&camera, Equations::default(), true, "boxes").unwrap();
+        let observer = Observer::of(&camera, 1.0).unwrap();
         let projections = frames
             .iter()
             .map(|f| observer.projection(&f.frame).unwrap());
@@ -263,15 +276,11 @@ mod tests {
 
     #[test]
     fn triangles_smaller_than_a_pixel_are_left_out_if_they_contain_no_sample() {
-        let text = "[display]\nsamples_per_pixel = 1\n[camera]\neye = [0, 0, 4]\nlook_at = [0, 0, 0]\nsize = [37, 23]\n\
-                    [[object]]\nshape = { box = { size = [1, 1, 1] } }\n";
-        let scene = scene::parse(text, "box", Path::new("."), &Overrides::default()).unwrap();
-        let plan = Plan::new(&scene, &Request::default()).unwrap();
-        let scene = Prepared::new(&scene, &plan, &Silent).unwrap();
-        let samples = SoleSamples::of(&scene).unwrap();
+        let sampler = Sampler::stratified(1);
+        let samples = SoleSamples::new(&sampler, [37, 23]);
         let pixels = (0..23).flat_map(|row| (0..37).map(move |column| (column, row)));
         let points = pixels.map(|(column, row)| {
-            let [x, y] = scene.sampler.offset(column, row, 0);
+            let [x, y] = sampler.offset(column, row, 0);
             [f64::from(column) + x, f64::from(row) + y]
         });
         let points: Vec<_> = points.collect();
@@ -293,31 +302,11 @@ mod tests {
 
     #[test]
     fn hits_tell_what_radiance_or_a_channel_depends_on() {
-        let body = "[[object]]\nshape = { box = { size = [1, 1, 1] } }\n";
-        let pulse = "[[source]]\npulse = { position = [1, 3, 2], time = \"0 m\", sigma = \"9 m\", intensity = 20.0 }\n";
-        let needed = |more: &str, aovs: &[Aov], method: &str| {
-            let text = format!(
-                "[camera]\neye = [0, 0, 4]\nlook_at = [0, 0, 0]\nsize = [16, 16]\n{body}{more}"
-            );
-            let scene = scene::parse(&text, "box", Path::new("."), &Overrides::default()).unwrap();
-            let request = Request {
-                aovs: aovs.to_vec(),
-                ..Request::default()
-            };
-            let plan = Plan::new(&scene, &request).unwrap();
-            let scene = Prepared::new(&scene, &plan, &Silent).unwrap();
-            let observer = Observer::new(&scene).unwrap();
-            let Ok(Method::Raster(raster)) = method.parse() else {
-                panic!("{method}");
-            };
-            let triangles = Triangles::new(&scene, &observer, &raster, &Silent).unwrap();
-            triangles.needed
-        };
-        let plain = "raster:none";
-        assert_eq!(needed("", &[], plain), Dependence::Patch);
-        assert_eq!(needed(pulse, &[], plain), Dependence::Event);
-        assert_eq!(needed("", &[Aov::Distance], plain), Dependence::Weights);
-        let by_vertex = "raster:none,attributes=vertex";
-        assert_eq!(needed("", &[], by_vertex), Dependence::Weights);
+        let [by_fragment, by_vertex] = [Attributes::Fragment, Attributes::Vertex];
+        for dependence in [Dependence::Patch, Dependence::Event] {
+            assert_eq!(needed(dependence, false, by_fragment), dependence);
+            assert_eq!(needed(dependence, true, by_fragment), Dependence::Weights);
+            assert_eq!(needed(dependence, false, by_vertex), Dependence::Weights);
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! The light cube of a camera's view.
 
+use std::num::NonZeroU32;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
@@ -56,12 +57,13 @@ fn cube<T: Stored>(
     let mut values = vec![T::default(); width * height * bins.count * 3];
     let placed = Mutex::new(&mut values);
     let pixels = Pixels::new(prepared, &paths, bins);
+    let at_once = prepared.samples_at_once.map_or(AT_ONCE, NonZeroU32::get);
     let tiles = (0..Tile::count(prepared.layout.size) as usize).into_par_iter();
     let summaries: Vec<Summary> = tiles
         .map_init(CameraRays::default, |rays, index| {
             let tile = Tile::of_image(prepared.layout.size, index as u64);
             let size = [tile.pixels(), bins.count];
-            let make = || pixels.of_tile(tile, AT_ONCE, rays, progress);
+            let make = || pixels.of_tile(tile, at_once, rays, progress);
             let part = kept(journal, index, size, make)?;
             progress.rays_done(tile.pixels() as u64 * u64::from(prepared.layout.samples));
             // A poisoned lock means a panic elsewhere, which rayon propagates.
@@ -242,57 +244,4 @@ fn check_plain(scene: &Scene) -> Result<()> {
         );
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use std::path::Path;
-
-    use super::*;
-    use crate::render::plan::{Plan, Request};
-    use crate::render::progress::Silent;
-    use crate::scene::{Overrides, parse};
-
-    /// The random numbers are the same, but the sums of a bin are in another order.
-    #[test]
-    fn samples_that_are_followed_together_are_those_that_are_followed_one_by_one() {
-        let text = "[render]\nbounces = 2\n[display]\nsamples_per_pixel = 14\nback_faces = \"two_sided\"\n\
-             [camera]\neye = [1.4, 1.2, 2]\nlook_at = [0, 0.3, 0]\nhfov = \"50 deg\"\nsize = [37, 21]\n\
-             [[object]]\nname = \"floor\"\nshape = { box = { size = [3, 0.1, 3] } }\ncolour = [0.7, 0.7, 0.6]\n\
-             [[object]]\nname = \"wall\"\nshape = { box = { size = [3, 3, 0.1] } }\ncolour = [0.8, 0.2, 0.1]\n\
-             transform = { translate = [0, 1, -1] }\n\
-             [[light]]\nposition = [0.5, 1.5, 0.5]\nemission = { gaussian = { sigma = \"0.05 m\" } }\n";
-        let scene = parse(text, "corner", Path::new("."), &Overrides::default()).unwrap();
-        let plan = Plan::new(&scene, &Request::default()).unwrap();
-        let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
-        let paths = paths(&scene, &prepared).unwrap();
-        let bins = Bins {
-            start: 1.0,
-            width: 0.1,
-            count: 60,
-        };
-        let pixels = Pixels::new(&prepared, &paths, &bins);
-        let mut rays = CameraRays::default();
-        let mut lit = 0;
-        for index in 0..Tile::count(prepared.layout.size) {
-            let tile = Tile::of_image(prepared.layout.size, index);
-            let mut part = |at_once| pixels.of_tile(tile, at_once, &mut rays, &Silent).unwrap();
-            let alone = part(1);
-            for at_once in [2, 4, 7] {
-                let together = part(at_once);
-                for (a, b) in together.values.iter().zip(&alone.values) {
-                    assert!(
-                        (a - b).abs() <= 2.0 * f32::EPSILON * b,
-                        "{at_once}: {a} {b}"
-                    );
-                }
-                let errors = &together.summary.error_squares;
-                for (a, b) in errors.iter().zip(&alone.summary.error_squares) {
-                    assert!((a - b).abs() <= 1e-10 * b, "{at_once}: {a} {b}");
-                }
-            }
-            lit += alone.values.iter().filter(|x| **x > 0.0).count();
-        }
-        assert!(lit > 10_000, "{lit}");
-    }
 }

@@ -43,7 +43,8 @@ pub enum SurfaceLight {
 }
 
 impl SurfaceLight {
-    pub(crate) fn radiance(&self) -> &dyn Radiance {
+    /// The radiance of the scene, or the caller's own.
+    pub fn radiance(&self) -> &dyn Radiance {
         match self {
             SurfaceLight::Constant(radiance) => radiance,
             SurfaceLight::TimeResolved(radiance) => radiance,

@@ -16,6 +16,7 @@ pub use geometry::object_mesh;
 pub(crate) use response::scaling;
 
 use std::cell::LazyCell;
+use std::num::NonZeroU32;
 
 use crate::accel::Traversal;
 use crate::camera::Camera;
@@ -51,6 +52,9 @@ pub struct Prepared {
     pub layout: Layout,
     /// How rays are traced.
     pub method: Traversal,
+    /// How many samples of each pixel are traced together; `None` for the number that is fastest. Pixels differ by the rounding of their
+    /// sums.
+    pub samples_at_once: Option<NonZeroU32>,
     /// Unusual features of the files or the scene that are not errors: a sentence each.
     pub warnings: Vec<String>,
     /// Which light no path can find, and why, if any.
@@ -124,6 +128,7 @@ impl Prepared {
                 precision: plan.film.precision,
                 ..Traversal::default()
             },
+            samples_at_once: None,
             warnings,
             unfound_light: unfound,
             built_in,

@@ -509,58 +509,77 @@ fn film_points(pixels: &[u64], in_x: &[f64], in_y: &[f64], x: &mut [f64], y: &mu
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
+    use std::f64::consts::PI;
 
     use super::*;
     use crate::camera::Camera;
-    use crate::scene::{Overrides, parse};
+    use crate::scene::model::{
+        Assembly, CameraModel, Equations, Motion, ProjectionKind, Rotation, Sensor, Shutter,
+    };
+    use crate::spacetime::Velocity;
 
-    /// The view of a camera at this speed, with additional lines for the camera and the scene.
-    fn view(beta: f64, camera: &str, more: &str) -> AnyView {
-        let text = format!(
-            "[camera]\neye = [1, 2, 3]\nlook_at = [0, 0.5, -1]\nhfov = \"80 deg\"\nsize = [90, 70]\n\
-             velocity = {{ beta = [0, {beta}, 0] }}\n{camera}\n{more}\n\
-             [[object]]\nname = \"ball\"\nshape = {{ sphere = {{ radius = 1, subdivisions = 1 }} }}\n"
-        );
-        let scene = parse(&text, "camera", Path::new("."), &Overrides::default()).unwrap();
-        Camera::new(&scene).unwrap().view
+    /// The view of a camera at this speed, with what `set` sets.
+    fn view(beta: f64, aberration: bool, set: impl Fn(&mut CameraModel)) -> AnyView {
+        let eye = DVec3::new(1.0, 2.0, 3.0);
+        let mut camera = CameraModel::looking(DVec3::new(-1.0, -1.5, -4.0), eye, [90, 70]);
+        camera.velocity = Velocity::from_beta(DVec3::Y * beta).unwrap();
+        set(&mut camera);
+        let camera = Camera::of(&camera, Equations::default(), aberration, "camera");
+        camera.unwrap().view
     }
 
     #[test]
     fn rays_of_a_tile_are_those_of_their_film_points_bit_for_bit() {
-        let sensor = "sensor = { focal_length = \"0.1 m\" }";
-        let lens = |more: &str| format!("sensor = {{ focal_length = \"0.1 m\"{more} }}");
-        let shutter = "shutter = { duration = \"0.3 m\" }";
-        let turn = "rotation = { axis = [0, 1, 0], rate = \"0.2 rad/m\" }";
-        let push = "motion = { acceleration = { proper = \"0.1 /m\", direction = [0, 0, 1] } }";
-        let dark = "[effects]\naberration = false";
+        let point = |_: &mut CameraModel| {};
+        let fisheye = |camera: &mut CameraModel| {
+            camera.projection = ProjectionKind::FisheyeEquidistant;
+            camera.horizontal_fov = PI;
+        };
+        let lens = |assembly| {
+            move |camera: &mut CameraModel| {
+                camera.sensor = Some(Sensor {
+                    focal_length: 0.1,
+                    assembly,
+                })
+            }
+        };
+        let [sensor, stretched, pair] =
+            [Assembly::Rigid, Assembly::WorldLength, Assembly::Bell].map(lens);
+        let shutter = |camera: &mut CameraModel| {
+            camera.shutter = Some(Shutter {
+                duration: 0.3,
+                records: Default::default(),
+                integration: Default::default(),
+            })
+        };
+        let turn = |camera: &mut CameraModel| {
+            camera.rotation = Some(Rotation {
+                axis: DVec3::Y,
+                rate: 0.2,
+                through: Default::default(),
+                elements: Default::default(),
+            })
+        };
+        let push = |camera: &mut CameraModel| camera.motion = Motion::Accelerated(DVec3::Z * 0.1);
         let views = [
-            view(0.0, "", ""),
-            view(0.9, "", ""),
-            view(-0.999_999, "", ""),
-            view(0.5, "projection = \"fisheye_equidistant\"", ""),
-            view(0.9, sensor, ""),
-            view(0.0, sensor, ""),
-            view(0.9, &lens(", assembly = \"world_length\""), ""),
-            view(0.9, shutter, ""),
-            view(0.9, shutter, dark),
-            view(0.9, &format!("{push}\n{sensor}"), ""),
-            view(0.9, &format!("{push}\n{sensor}"), dark),
-            view(
-                0.9,
-                &format!("{push}\n{}", lens(", assembly = \"bell\"")),
-                "",
-            ),
-            view(
-                0.9,
-                &format!("{push}\n{}", lens(", assembly = \"bell\"")),
-                dark,
-            ),
-            view(0.9, &format!("{push}\n{shutter}"), ""),
-            view(0.9, &format!("{push}\n{shutter}"), dark),
-            view(0.9, &format!("{turn}\n{sensor}"), ""),
-            view(0.0, &format!("{turn}\n{sensor}"), dark),
-            view(0.5, &format!("{turn}\n{shutter}"), ""),
+            view(0.0, true, point),
+            view(0.9, true, point),
+            view(-0.999_999, true, point),
+            view(0.5, true, fisheye),
+            view(0.9, true, sensor),
+            view(0.0, true, sensor),
+            view(0.9, true, stretched),
+            view(0.9, true, shutter),
+            view(0.9, false, shutter),
+            view(0.9, true, |c| (push(c), sensor(c)).0),
+            view(0.9, false, |c| (push(c), sensor(c)).0),
+            view(0.9, true, |c| (push(c), pair(c)).0),
+            view(0.9, false, |c| (push(c), pair(c)).0),
+            view(0.9, true, |c| (push(c), shutter(c)).0),
+            view(0.9, false, |c| (push(c), shutter(c)).0),
+            view(0.9, true, |c| (turn(c), sensor(c)).0),
+            view(0.0, false, |c| (turn(c), sensor(c)).0),
+            view(0.5, true, |c| (turn(c), shutter(c)).0),
         ];
         let count = |is: fn(&AnyView) -> bool| views.iter().filter(|view| is(view)).count();
         assert_eq!(count(|view| matches!(view, AnyView::Inertial(_))), 5);

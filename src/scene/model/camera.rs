@@ -198,6 +198,30 @@ impl CameraModel {
     }
 }
 
+#[cfg(test)]
+impl CameraModel {
+    /// A point camera at rest at `eye`, with a field of view of 60° about `forward`.
+    pub(crate) fn looking(forward: DVec3, eye: DVec3, size: [u32; 2]) -> Self {
+        let forward = forward.normalize();
+        let right = forward.cross(DVec3::Y).normalize();
+        CameraModel {
+            origin: Event::new(0.0, eye),
+            axes: [right, right.cross(forward), forward],
+            projection: ProjectionKind::default(),
+            horizontal_fov: std::f64::consts::FRAC_PI_3,
+            size,
+            velocity: Velocity::REST,
+            motion: Motion::Inertial,
+            sensor: None,
+            rotation: None,
+            stereo: None,
+            time: 0.0,
+            shutter: None,
+            frame_interval: None,
+        }
+    }
+}
+
 /// A shutter that is open for some time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shutter {

@@ -4,6 +4,7 @@
 mod cases;
 
 mod accepted;
+mod cameras;
 mod hostile;
 mod motion;
 mod overridden;

@@ -26,3 +26,4 @@ mod skipping;
 mod smooth;
 mod spectra;
 pub mod stage;
+mod together;

@@ -3,6 +3,7 @@
 
 mod apparent;
 mod convergence;
+mod even;
 mod forecast;
 mod refusals;
 mod same;

@@ -1,0 +1,174 @@
+//! Cameras: where they are, what they see, and poses from other programs.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use nullray::scene::model::{CameraModel, Mapping, Scene, SourceKind};
+use nullray::scene::{Overrides, parse};
+use nullray::spacetime::Event;
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+fn scene(text: &str) -> Scene {
+    parse(text, "test", ROOT.as_ref(), &Overrides::default()).unwrap()
+}
+
+const MOVING: &str = "\
+speed_of_light = \"2 m/s\"
+[camera]
+eye = [1, 0, 0]
+look_at = [1, 0, -1]
+velocity = { beta = [0.6, 0, 0] }
+clock_zero = \"3 m\"
+time = \"4 m\"
+[[object]]
+shape = { sphere = { radius = 1 } }
+";
+
+#[test]
+fn the_shot_is_on_the_cameras_world_line() {
+    let scene = scene(MOVING);
+    // γ = 5/4: after 4 m of proper time 5 m of world time and 0.6 · 5 m of path have passed.
+    let shot = scene.camera.shot();
+    assert!((shot.ct - 8.0).abs() < 1e-14);
+    assert!((shot.x - DVec3::X * 4.0).length() < 1e-14);
+}
+
+#[test]
+fn matrices_take_world_points_to_the_camera_and_to_its_picture() {
+    let text = "[camera]\neye = [1, 2, 3]\nlook_at = [1, 2, -1]\nhfov = \"90 deg\"\nsize = [200, 100]\n\
+                [[object]]\nshape = { sphere = { radius = 1 } }\n";
+    let scene = scene(text);
+    let [camera, ndc] = scene.camera.matrices().map(Option::unwrap);
+    let times = |m: [f32; 16], p: [f32; 3]| -> [f32; 4] {
+        let p = [p[0], p[1], p[2], 1.0];
+        std::array::from_fn(|column| (0..4).map(|row| p[row] * m[4 * row + column]).sum())
+    };
+    // 4 m ahead, 2 m to the right and 1 m up: half of the way from the middle to the right, 2/(4 tan 45°), and to the top,
+    // 1/(4 · tan of half the height, 1/2).
+    let p = [3.0, 3.0, -1.0];
+    assert_eq!(times(camera, p), [2.0, 1.0, 4.0, 1.0]);
+    let [x, y, z, w] = times(ndc, p);
+    assert!(
+        (x / w - 0.75).abs() < 1e-6 && (y / w - 0.25).abs() < 1e-6,
+        "{x} {y} {w}"
+    );
+    assert!((w - 4.0).abs() < 1e-6 && (z - 3.99).abs() < 1e-6);
+}
+
+/// A camera at (1, 2, 5) that looks along −x with +z up has right = f × up = (−1, 0, 0) × (0, 0, 1) = (0, 1, 0). Its
+/// matrices, by the definition of each convention, and COLMAP's, the inverse of OpenCV's.
+#[test]
+fn the_conventions_of_other_programs_give_the_same_pose() {
+    let posed = |pose: &str| {
+        let text = format!(
+            "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nhfov = \"40 deg\"\n[[object]]\nname = \"a\"\nshape = {{ sphere = {{ radius = 1 }} }}\n\
+             [[source]]\nobjects = [\"a\"]\n[source.cube]\nfile = \"tests/data/mitransient/near_clip.npz\"\nbin_width = \"1 m\"\n\
+             capture = {{ pose = {{ {pose} }}, hfov = \"40 deg\" }}\n"
+        );
+        parse(&text, "a.toml", ROOT.as_ref(), &Overrides::default())
+    };
+    let expected = [DVec3::Y, DVec3::Z, DVec3::NEG_X];
+    for pose in [
+        // Columns: right, up, backward.
+        "matrix = [[0, 0, 1, 1], [1, 0, 0, 2], [0, 1, 0, 5], [0, 0, 0, 1]], convention = \"opengl\"",
+        // Right, down, forward.
+        "matrix = [[0, 0, -1, 1], [1, 0, 0, 2], [0, -1, 0, 5], [0, 0, 0, 1]], convention = \"opencv\"",
+        // Left, up, forward.
+        "matrix = [[0, 0, -1, 1], [-1, 0, 0, 2], [0, 1, 0, 5], [0, 0, 0, 1]], convention = \"mitsuba\"",
+        // Rᵀ of OpenCV's, and −Rᵀ (1, 2, 5) = (−2, 5, 1).
+        "matrix = [[0, 1, 0, -2], [0, 0, -1, 5], [-1, 0, 0, 1], [0, 0, 0, 1]], convention = \"colmap\"",
+        // That rotation is by 120° about (1, 1, −1)/√3: (0.5, 0.5, 0.5, −0.5).
+        "quaternion = [0.5, 0.5, 0.5, -0.5], translation = [-2, 5, 1], convention = \"colmap\"",
+    ] {
+        let scene = posed(pose).unwrap_or_else(|e| panic!("{pose}: {}", e.report(false)));
+        let SourceKind::Cube(cube) = &scene.sources[0].kind else {
+            panic!("no cube");
+        };
+        let Mapping::Capture(camera) = &cube.mapping else {
+            panic!("no capture");
+        };
+        assert!(
+            camera.eye.distance(DVec3::new(1.0, 2.0, 5.0)) < 1e-12,
+            "{pose}"
+        );
+        for (axis, expected) in camera.axes.iter().zip(expected) {
+            assert!(axis.distance(expected) < 1e-12, "{pose}: {:?}", camera.axes);
+        }
+    }
+    for (pose, wrong) in [
+        (
+            "matrix = [[2, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], convention = \"opengl\"",
+            "not a pose",
+        ),
+        (
+            "matrix = [[-1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], convention = \"opengl\"",
+            "not a pose",
+        ),
+        (
+            "matrix = [[nan, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], convention = \"opengl\"",
+            "not a pose",
+        ),
+        (
+            "quaternion = [1, 1, 0, 0], translation = [0, 0, 0], convention = \"colmap\"",
+            "not a rotation",
+        ),
+        (
+            "quaternion = [1, 0, 0, 0], convention = \"colmap\"",
+            "`translation`",
+        ),
+    ] {
+        let error = posed(pose).unwrap_err().report(false);
+        assert!(error.contains(wrong), "{error}");
+    }
+}
+
+/// A scene's camera at the node of a glTF file that is at (1, 2, 3), looks along −z, and sees 90 degrees vertically in any aspect ratio.
+fn from_gltf(keys: &str) -> CameraModel {
+    let folder = tempfile::tempdir().unwrap();
+    let text = r#"{
+        "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "name": "cam", "camera": 0, "translation": [1, 2, 3] }],
+        "cameras": [{ "type": "perspective", "perspective": { "yfov": 1.5707963, "znear": 0.1 } }]
+    }"#;
+    std::fs::write(folder.path().join("a.gltf"), text).unwrap();
+    let text = format!(
+        "[camera]\ngltf = 'a.gltf'\nnode = 'cam'\n{keys}\n[[object]]\nshape = {{ sphere = {{ radius = 1 }} }}\n"
+    );
+    let scene = parse(&text, "test", folder.path(), &Overrides::default());
+    scene
+        .unwrap_or_else(|e| panic!("{}", e.report(false)))
+        .camera
+}
+
+#[test]
+fn a_gltf_camera_gives_pose_and_field_of_view() {
+    let camera = from_gltf("size = [200, 100]");
+    assert_eq!(camera.origin.x, DVec3::new(1.0, 2.0, 3.0));
+    assert_eq!(camera.axes, [DVec3::X, DVec3::Y, DVec3::NEG_Z]);
+    // tan 45° = 1 vertically, 2 horizontally; glTF has numbers of seven digits.
+    assert!((libm::tan(camera.horizontal_fov / 2.0) - 2.0).abs() < 1e-6);
+}
+
+#[test]
+fn a_fisheye_at_a_gltf_camera_has_its_own_field_of_view() {
+    let camera = from_gltf("projection = 'fisheye_equisolid'");
+    assert_eq!(camera.horizontal_fov, PI);
+    assert_eq!(camera.axes[2], DVec3::NEG_Z);
+}
+
+#[test]
+fn a_field_of_view_in_the_scene_goes_before_that_of_the_gltf_camera() {
+    let camera = from_gltf("hfov = \"1 rad\"");
+    assert_eq!(camera.horizontal_fov, 1.0);
+}
+
+#[test]
+fn keyframes_take_the_place_of_where_a_gltf_camera_is() {
+    let camera = from_gltf(
+        "motion.keyframes = [{ time = '1 m', position = [0, 0, 7] }, \
+         { time = '3 m', position = [1, 0, 7] }]",
+    );
+    assert_eq!(camera.origin, Event::new(1.0, DVec3::Z * 7.0));
+    assert_eq!(camera.axes[2], DVec3::NEG_Z);
+}

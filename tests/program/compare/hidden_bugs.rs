@@ -398,3 +398,35 @@ fn pictures_without_objects_say_that_none_is_shown() {
         "{breaches:?}"
     );
 }
+
+/// Where nearly all edges have one direction, nothing fixes a shift along it.
+#[test]
+fn other_samples_of_a_single_edge_are_no_shift_along_it() {
+    let text = r#"
+        camera = { eye = [0.4, 1.3, 4], look_at = [0, 0.5, 0], hfov = "3 deg", size = [120, 90] }
+        [[object]]
+        shape = { box = { size = [1, 1, 1] } }
+        colour = [0.8, 0.35, 0.1]
+        velocity = { beta = [0.7, 0, 0] }
+        origin = { position = [-3.8, 0.5, 0], time = "-8.6 m" }
+        [[object]]
+        shape = { sphere = { radius = 0.5, subdivisions = 5 } }
+        colour = [0.2, 0.4, 0.8]
+        velocity = { beta = [-0.5, 0, 0.2] }
+        origin = { position = [3, 0.5, -0.6], time = "-8.6 m" }
+        [[source]]
+        pulse = { position = [0.5, 2.4, 1.4], time = "-7 m", sigma = "30 m", intensity = 12 }
+    "#;
+    let mut scene = parsed(text);
+    let right = shot(&scene);
+    for samples in [4, 16, 64] {
+        scene.samples_per_pixel = samples;
+        let candidate = light(&taken(&scene, false));
+        for reference in [right.clone(), unknown(&right)] {
+            assert_eq!(diagnosed(&reference, &candidate), [], "{samples}");
+        }
+    }
+    // Across the edge it is seen.
+    let moved = light(&rearranged(&right, |x, y| [x - 1, y - 1]));
+    assert_ne!(diagnosed(&right, &moved), []);
+}

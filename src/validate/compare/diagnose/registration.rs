@@ -478,7 +478,14 @@ impl Model {
         let [finest, ..] = &levels.pairs[..] else {
             return None;
         };
-        let (left, tiles) = explained(finest, |p| Some(film.of(p)))?;
+        let (mut left, mut tiles) = explained(finest, |p| Some(film.of(p)))?;
+        // Without its weakly determined part a shift is simpler.
+        if let Some(strong) = self.strong_part(finest, &film) {
+            let explained = explained(finest, |p| Some(strong.of(p)))?;
+            if explained.0 <= SIMPLER * left {
+                (film, (left, tiles)) = (strong, explained);
+            }
+        }
         film.a *= levels.scale;
         let half = 0.5 * levels.scale * finest[0].size();
         // Over the film, p² has the mean half²/3.
@@ -517,14 +524,29 @@ impl Model {
         (count >= OVERLAP * inside.len() as f64).then(|| (film, sum / count))
     }
 
-    /// The least squares step of (a, k).
-    fn step(
+    /// The shift of `film` across most edges, if there are few other edges; `None` for other models, and where both directions are
+    /// determined.
+    fn strong_part(&self, [r, c]: &[Light; 2], film: &Film) -> Option<Film> {
+        let is_shift = self.directions.iter().all(|[_, k]| *k == DVec2::ZERO);
+        is_shift.then_some(())?;
+        let (shown, inside) = r.through(|p| Some(film.of(p)), BLUR);
+        let (normal, _) = self.normal(&shown, &c.blurred(BLUR), &inside, film);
+        let [larger, smaller] = eigenvalues(normal);
+        let along = strong_direction(normal);
+        (smaller < WEAK * larger).then(|| Film {
+            a: along * along.dot(film.a),
+            ..*film
+        })
+    }
+
+    /// The normal matrix and the right-hand side of the least squares step.
+    fn normal(
         &self,
         shown: &Light,
         wanted: &Light,
         inside: &[bool],
         film: &Film,
-    ) -> Option<[DVec2; 2]> {
+    ) -> (DMat2, DVec2) {
         let (mut normal, mut right) = (DMat2::ZERO, DVec2::ZERO);
         for y in 1..shown.height - 1 {
             for x in 1..shown.width - 1 {
@@ -549,6 +571,18 @@ impl Model {
                 }
             }
         }
+        (normal, right)
+    }
+
+    /// The least squares step of (a, k).
+    fn step(
+        &self,
+        shown: &Light,
+        wanted: &Light,
+        inside: &[bool],
+        film: &Film,
+    ) -> Option<[DVec2; 2]> {
+        let (mut normal, right) = self.normal(shown, wanted, inside, film);
         // With one free parameter the other's row is empty.
         if self.directions.len() == 1 {
             normal.y_axis.y = 1.0;
@@ -568,18 +602,30 @@ impl Model {
 
 /// The least fraction of the larger eigenvalue of the normal matrix that the smaller one must have for its parameter to be fitted.
 const SEEN: f64 = 0.01;
+/// The same below which a shift along the weaker direction must explain part of the error by itself.
+const WEAK: f64 = 0.25;
 
 /// The least squares step, of the better determined parameter alone where the other is hardly determined.
 fn step_where_seen(normal: DMat2, right: DVec2) -> DVec2 {
-    let [a, b, d] = [normal.x_axis.x, normal.x_axis.y, normal.y_axis.y];
-    let (middle, half) = (0.5 * (a + d), 0.5 * libm::hypot(a - d, 2.0 * b));
-    if middle - half >= SEEN * (middle + half) {
+    let [larger, smaller] = eigenvalues(normal);
+    if smaller >= SEEN * larger {
         return normal.inverse() * right;
     }
-    // The eigenvector of the larger eigenvalue.
-    let angle = 0.5 * libm::atan2(2.0 * b, a - d);
-    let along = DVec2::new(libm::cos(angle), libm::sin(angle));
-    along * (along.dot(right) / (middle + half))
+    let along = strong_direction(normal);
+    along * (along.dot(right) / larger)
+}
+
+/// The eigenvalues of a symmetric matrix, the larger first.
+fn eigenvalues(m: DMat2) -> [f64; 2] {
+    let [a, b, d] = [m.x_axis.x, m.x_axis.y, m.y_axis.y];
+    let (middle, half) = (0.5 * (a + d), 0.5 * libm::hypot(a - d, 2.0 * b));
+    [middle + half, middle - half]
+}
+
+/// The unit eigenvector of the larger eigenvalue of a symmetric matrix.
+fn strong_direction(m: DMat2) -> DVec2 {
+    let angle = 0.5 * libm::atan2(2.0 * m.x_axis.y, m.x_axis.x - m.y_axis.y);
+    DVec2::new(libm::cos(angle), libm::sin(angle))
 }
 
 /// The fraction of the squared error that a hypothesis leaves where both films see, and the fraction of the tiles in which it explains

@@ -94,6 +94,12 @@ pub fn scaled(triangles: &[Triangle], scale: f64, shift: DVec3) -> Vec<Triangle>
         .collect()
 }
 
+/// The kernels that this processor has and that trace packets: all others do what one of these or the scalar one does.
+pub fn packet_kernels() -> impl Iterator<Item = Kernel> {
+    let all = Kernel::ALL.into_iter();
+    all.filter(|kernel| kernel.is_supported() && *kernel != Kernel::Scalar)
+}
+
 pub fn certified(kernel: Kernel) -> Traversal {
     Traversal {
         kernel,

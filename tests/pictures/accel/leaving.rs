@@ -83,7 +83,7 @@ fn closest(bvh: &Bvh, rays: &Leaving, tally: &mut Counts) -> Vec<Option<Hit>> {
         hits
     };
     let expected = trace(Kernel::Scalar);
-    for kernel in Kernel::ALL {
+    for kernel in packet_kernels() {
         let hits = trace(kernel);
         for (k, (hit, expected)) in hits.iter().zip(&expected).enumerate() {
             let (o, d) = (rays.origins[k], rays.directions[k]);
@@ -126,7 +126,7 @@ fn connect(bvh: &Bvh, ids: &[u32], rays: &Leaving) -> usize {
         assert!(any || !expected);
         assert!(segment.end.is_some() || any == *expected);
     }
-    for kernel in Kernel::ALL {
+    for kernel in packet_kernels() {
         let blocked = ask(kernel);
         for (k, segment) in segments.iter().enumerate() {
             assert_eq!(blocked[k], expected[k], "{kernel:?}: {k}, {segment:?}");

@@ -23,7 +23,7 @@ fn compare(bvh: &Bvh, origins: &[DVec3], directions: &[DVec3]) -> usize {
         (hits, replaced)
     };
     let expected = trace(Kernel::Scalar);
-    for kernel in Kernel::ALL {
+    for kernel in packet_kernels() {
         let (hits, replaced) = trace(kernel);
         for i in 0..directions.len() {
             let (o, d) = (origins[i], directions[i]);

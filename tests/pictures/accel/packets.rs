@@ -23,7 +23,7 @@ fn compare(bvh: &Bvh, origin: DVec3, directions: &[DVec3], before: &[Option<Hit>
         (hits, replaced)
     };
     let expected = trace(Kernel::Scalar);
-    for kernel in Kernel::ALL {
+    for kernel in packet_kernels() {
         let (hits, replaced) = trace(kernel);
         for (i, d) in directions.iter().enumerate() {
             assert_eq!(

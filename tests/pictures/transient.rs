@@ -10,12 +10,13 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
-use crate::common::frames::{Frame, frames, reference};
+use crate::common::frames::{Frame, Limit, frames, reference};
 use nullray::io::cube::{Changes, Cube, Wanted, convert};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
 use nullray::render::render;
+use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};
 
 const SOURCES: [(&str, &str); 3] = [
@@ -78,14 +79,35 @@ filter = \"{filter}\"
     )
 }
 
+fn parsed(text: &str) -> Scene {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    scene::parse(text, "test scene", root, &Overrides::default()).unwrap()
+}
+
 /// Mean radiance per pixel of the scene `text`.
 fn picture(text: &str) -> Vec<f64> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let scene = scene::parse(text, "test scene", root, &Overrides::default()).unwrap();
-    let plan = Plan::new(&scene, &Request::default()).unwrap();
-    let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
-    let film = render(&prepared, &Silent).unwrap();
-    film.radiance().iter().map(|rgb| rgb[0]).collect()
+    pictures([text.into()]).remove(0)
+}
+
+/// The same of scenes that differ in their cameras, which share one preparation.
+fn pictures(texts: impl IntoIterator<Item = String>) -> Vec<Vec<f64>> {
+    let mut shared: Option<Prepared> = None;
+    let mut of = |text: String| {
+        let scene = parsed(&text);
+        let prepared = match &mut shared {
+            Some(prepared) => {
+                prepared.retake(&scene).unwrap();
+                prepared
+            }
+            none => {
+                let plan = Plan::new(&scene, &Request::default()).unwrap();
+                none.insert(Prepared::new(&scene, &plan, &Silent).unwrap())
+            }
+        };
+        let film = render(prepared, &Silent).unwrap();
+        film.radiance().iter().map(|rgb| rgb[0]).collect()
+    };
+    texts.into_iter().map(&mut of).collect()
 }
 
 /// relRMSE over the pixels that `mask` chooses.
@@ -104,14 +126,16 @@ fn everywhere(_: usize) -> bool {
 
 #[test]
 fn lightmap_frames_match_the_transient_renderer() {
-    for frame in frames() {
-        let truth = reference(&frame.name);
-        for (filter, limit) in [
-            ("linear", 1.25 * frame.limit.linear),
-            ("cubic", 1.25 * frame.limit.cubic),
-            ("cubic_means", frame.limit.means + 0.01),
-        ] {
-            let got = score(&picture(&text(&frame, 0, filter)), &truth, everywhere);
+    let limits: [(&str, fn(&Limit) -> f64); 3] = [
+        ("linear", |limit| 1.25 * limit.linear),
+        ("cubic", |limit| 1.25 * limit.cubic),
+        ("cubic_means", |limit| limit.means + 0.01),
+    ];
+    for (filter, limit) in limits {
+        let images = pictures(frames().iter().map(|frame| text(frame, 0, filter)));
+        for (frame, image) in frames().iter().zip(images) {
+            let limit = limit(&frame.limit);
+            let got = score(&image, &reference(&frame.name), everywhere);
             assert!(
                 got <= limit,
                 "{} {filter}: relRMSE {got:.4} above {limit:.4}",
@@ -122,17 +146,21 @@ fn lightmap_frames_match_the_transient_renderer() {
 }
 
 /// What each frame sees of the captures of the world's clock and of the camera's.
-fn reprojected() -> &'static [[Vec<f64>; 2]] {
-    static PICTURES: OnceLock<Vec<[Vec<f64>; 2]>> = OnceLock::new();
+fn reprojected() -> &'static [Vec<Vec<f64>>; 2] {
+    static PICTURES: OnceLock<[Vec<Vec<f64>>; 2]> = OnceLock::new();
     PICTURES.get_or_init(|| {
-        let of = |frame: &Frame| [1, 2].map(|source| picture(&text(frame, source, "cubic_means")));
-        frames().iter().map(of).collect()
+        [1, 2].map(|source| pictures(frames().iter().map(|f| text(f, source, "cubic_means"))))
     })
+}
+
+/// The same scene with the sharp reconstruction.
+fn sharp(text: String) -> String {
+    text.replace("filter =", "reconstruction = \"sharp\"\nfilter =")
 }
 
 #[test]
 fn captures_reprojected_match_the_transient_renderer_where_they_saw_the_scene() {
-    for (frame, images) in frames().iter().zip(reprojected()) {
+    for (k, frame) in frames().iter().enumerate() {
         let truth = reference(&frame.name);
         let interior = crate::common::frames::mask(&format!("interior_{}", frame.name));
         for (source, limit) in [
@@ -140,7 +168,8 @@ fn captures_reprojected_match_the_transient_renderer_where_they_saw_the_scene() 
             (2, frame.limit.camera_interior),
         ] {
             let limit = 1.25 * limit + 0.003;
-            let got = score(&images[source - 1], &truth, |i| interior[i] == 1.0);
+            let image = &reprojected()[source - 1][k];
+            let got = score(image, &truth, |i| interior[i] == 1.0);
             let name = SOURCES[source].0;
             assert!(
                 got <= limit,
@@ -155,23 +184,24 @@ fn captures_reprojected_match_the_transient_renderer_where_they_saw_the_scene() 
 #[test]
 fn captures_taken_as_means_come_nearer_to_the_transient_renderer() {
     let mut gains = Vec::new();
-    for (frame, images) in frames().iter().zip(reprojected()) {
-        let truth = reference(&frame.name);
-        let interior = crate::common::frames::mask(&format!("interior_{}", frame.name));
-        for source in [1, 2] {
-            let sharp = text(frame, source, "cubic_means")
-                .replace("filter =", "reconstruction = \"sharp\"\nfilter =");
-            let [plain, sharp] = [&images[source - 1], &picture(&sharp)]
-                .map(|image| score(image, &truth, |i| interior[i] == 1.0));
-            println!(
-                "{} {}: {plain:.4} {sharp:.4}",
-                frame.name, SOURCES[source].0
-            );
+    for source in [1, 2] {
+        let name = SOURCES[source].0;
+        let texts = frames();
+        let texts = texts.iter().map(|f| sharp(text(f, source, "cubic_means")));
+        for ((frame, plain), sharp) in frames()
+            .iter()
+            .zip(&reprojected()[source - 1])
+            .zip(pictures(texts))
+        {
+            let truth = reference(&frame.name);
+            let interior = crate::common::frames::mask(&format!("interior_{}", frame.name));
+            let [plain, sharp] =
+                [plain, &sharp].map(|image| score(image, &truth, |i| interior[i] == 1.0));
+            println!("{} {name}: {plain:.4} {sharp:.4}", frame.name);
             assert!(
                 sharp <= plain,
-                "{} {}: relRMSE {sharp:.4} above {plain:.4}",
-                frame.name,
-                SOURCES[source].0
+                "{} {name}: relRMSE {sharp:.4} above {plain:.4}",
+                frame.name
             );
             gains.push(plain / sharp);
         }
@@ -307,15 +337,18 @@ fn frames_from_formats_that_round_samples_match_the_transient_renderer() {
         let folder = tempfile::tempdir().unwrap();
         let scale = write(&whole, folder.path());
         let path = folder.path().join(files);
-        for frame in frames() {
+        let plain = |frame: &Frame| {
+            text(frame, 2, "cubic_means")
+                .replace(file, path.to_str().unwrap())
+                .replace("filter =", &format!("{key}\nscale = {scale:?}\nfilter ="))
+        };
+        let plains = pictures(frames().iter().map(plain));
+        let sharps = pictures(frames().iter().map(|frame| sharp(plain(frame))));
+        for ((frame, plain), sharp) in frames().iter().zip(plains).zip(sharps) {
             let truth = reference(&frame.name);
             let interior = crate::common::frames::mask(&format!("interior_{}", frame.name));
-            let text = text(&frame, 2, "cubic_means")
-                .replace(file, path.to_str().unwrap())
-                .replace("filter =", &format!("{key}\nscale = {scale:?}\nfilter ="));
-            let sharp = text.replace("filter =", "reconstruction = \"sharp\"\nfilter =");
             let [plain, sharp] =
-                [text, sharp].map(|text| score(&picture(&text), &truth, |i| interior[i] == 1.0));
+                [plain, sharp].map(|image| score(&image, &truth, |i| interior[i] == 1.0));
             let limit = 1.25 * frame.limit.camera_interior + 0.003;
             assert!(
                 plain <= limit && sharp <= plain,
@@ -335,8 +368,7 @@ fn captures_are_the_same_in_every_format() {
     for source in [1, 2] {
         let (name, cube) = SOURCES[source];
         let file = cube.split('"').nth(1).unwrap();
-        let plain = text(frame, source, "cubic_means")
-            .replace("filter =", "reconstruction = \"sharp\"\nfilter =");
+        let plain = sharp(text(frame, source, "cubic_means"));
         let expected = picture(&plain);
         let interior = crate::common::frames::mask(&format!("interior_{}", frame.name));
         let limit = match source {
@@ -400,8 +432,7 @@ fn a_second_camera_at_rest_sees_the_cube_that_the_transient_renderer_made_for_it
     let brightest = (0..bins).max_by(|a, b| energy(a).total_cmp(&energy(b)));
     let brightest = brightest.unwrap();
     let slices = [-20, -10, 0, 10, 20].map(|off| brightest.checked_add_signed(off).unwrap());
-    let (mut got, mut truth) = (Vec::new(), Vec::new());
-    for k in slices {
+    let at = |k: usize| {
         let camera = Frame {
             eye: [0.3, 3.4, 6.0],
             forward: [-0.7, -2.5, -6.6],
@@ -410,8 +441,11 @@ fn a_second_camera_at_rest_sees_the_cube_that_the_transient_renderer_made_for_it
             time: 7.85 + 0.05 * (k as f64 + 0.5),
             ..frames()[0].clone()
         };
-        let text = text(&camera, 0, "cubic_means").replace("[96, 96]", "[64, 64]");
-        got.extend(picture(&text));
+        text(&camera, 0, "cubic_means").replace("[96, 96]", "[64, 64]")
+    };
+    let (mut got, mut truth) = (Vec::new(), Vec::new());
+    for (k, image) in slices.into_iter().zip(pictures(slices.map(at))) {
+        got.extend(image);
         truth.extend(slice(k));
         // Alone, a slice a metre from the brightest has a tenth of its energy and more of the noise.
         let last = got.len() - 64 * 64..;
@@ -424,29 +458,42 @@ fn a_second_camera_at_rest_sees_the_cube_that_the_transient_renderer_made_for_it
 
 #[test]
 fn without_retardation_every_frame_is_wrong() {
-    for frame in frames() {
-        let wrong = text(&frame, 0, "cubic").replace(
+    let wrong = |frame: &Frame| {
+        text(frame, 0, "cubic").replace(
             "searchlight = false",
             "searchlight = false\nretardation = false",
-        );
-        let got = score(&picture(&wrong), &reference(&frame.name), everywhere);
+        )
+    };
+    let images = pictures(frames().iter().map(wrong));
+    for (frame, image) in frames().iter().zip(images) {
+        let got = score(&image, &reference(&frame.name), everywhere);
         assert!(got > 0.6, "{}: {got:.4}", frame.name);
     }
 }
 
 #[test]
 fn with_reversed_or_no_aberration_every_moving_frame_is_wrong() {
-    for frame in frames().iter().filter(|f| f.beta != [0.0; 3]) {
+    let mut moving = frames();
+    moving.retain(|frame| frame.beta != [0.0; 3]);
+    let reversed = |frame: &Frame| {
         let reversed = Frame {
             beta: frame.beta.map(|b| -b),
             ..frame.clone()
         };
-        let none = text(frame, 0, "cubic").replace(
+        text(&reversed, 0, "cubic")
+    };
+    let none = |frame: &Frame| {
+        text(frame, 0, "cubic").replace(
             "searchlight = false",
             "searchlight = false\naberration = false",
-        );
-        for wrong in [text(&reversed, 0, "cubic"), none] {
-            let got = score(&picture(&wrong), &reference(&frame.name), everywhere);
+        )
+    };
+    for images in [
+        pictures(moving.iter().map(reversed)),
+        pictures(moving.iter().map(none)),
+    ] {
+        for (frame, image) in moving.iter().zip(images) {
+            let got = score(&image, &reference(&frame.name), everywhere);
             assert!(got > 0.6, "{}: {got:.4}", frame.name);
         }
     }
@@ -468,9 +515,8 @@ fn taking_depth_for_distance_would_be_noticed() {
 /// set ahead by the difference.
 fn depth_for_distance(frame: &Frame) -> Vec<f64> {
     use nullray::render::aov::Aov;
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let base = text(frame, 0, "cubic").replace("samples_per_pixel = 16", "samples_per_pixel = 1");
-    let scene = scene::parse(&base, "test scene", root, &Overrides::default()).unwrap();
+    let scene = parsed(&base);
     let request = Request {
         aovs: vec![
             Aov::Distance,
@@ -481,11 +527,9 @@ fn depth_for_distance(frame: &Frame) -> Vec<f64> {
         pixel_centers: true,
         ..Request::default()
     };
-    let film = |scene: &scene::model::Scene| {
-        let plan = Plan::new(scene, &request).unwrap();
-        render(&Prepared::new(scene, &plan, &Silent).unwrap(), &Silent).unwrap()
-    };
-    let seen = film(&scene);
+    let plan = Plan::new(&scene, &request).unwrap();
+    let mut prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+    let seen = render(&prepared, &Silent).unwrap();
     let aov = |a| seen.aov(a).unwrap();
     let forward = scene.camera.axes[2];
     let late: Vec<f64> = (0..aov(Aov::Distance).len())
@@ -510,7 +554,8 @@ fn depth_for_distance(frame: &Frame) -> Vec<f64> {
         .map(|k| {
             let mut later = scene.clone();
             later.camera.time += k as f64 * step;
-            film(&later)
+            prepared.retake(&later).unwrap();
+            render(&prepared, &Silent).unwrap()
         })
         .collect();
     late.iter()

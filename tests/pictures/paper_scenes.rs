@@ -11,7 +11,7 @@ use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
 use nullray::render::render;
-use nullray::scene::model::Scene;
+use nullray::scene::model::{CameraModel, Scene};
 use nullray::scene::{self, Overrides};
 use nullray::spacetime::worldline::{State, WorldLine};
 use nullray::spacetime::{
@@ -72,14 +72,37 @@ fn panel(figure: u32, name: &str) -> Scene {
         .1
 }
 
+/// All of `scene` but its text, with `camera` in place of its own of that size, in words.
+fn but_the_camera(scene: &Scene, camera: &CameraModel) -> String {
+    let (mut scene, size) = (scene.clone(), scene.camera.size);
+    scene.text.clear();
+    scene.camera = camera.clone();
+    scene.camera.size = size;
+    format!("{scene:?}")
+}
+
 #[test]
 fn every_panel_renders_to_a_lit_picture() {
     for path in figures() {
         let panels = panels(&path, &tiny());
         assert!(panels.len() >= 3, "{}", path.display());
+        let first = panels[0].1.camera.clone();
+        // Panels that differ in their cameras alone share what is loaded and built. The test of sheets below prepares each.
+        let mut shared: Option<(String, Prepared)> = None;
         for (name, scene) in panels {
-            let plan = Plan::new(&scene, &Request::default()).unwrap();
-            let film = render(&Prepared::new(&scene, &plan, &Silent).unwrap(), &Silent).unwrap();
+            let others = but_the_camera(&scene, &first);
+            let prepared = match shared.take() {
+                Some((alike, mut prepared)) if alike == others => {
+                    prepared.retake(&scene).unwrap();
+                    prepared
+                }
+                _ => {
+                    let plan = Plan::new(&scene, &Request::default()).unwrap();
+                    Prepared::new(&scene, &plan, &Silent).unwrap()
+                }
+            };
+            let film = render(&prepared, &Silent).unwrap();
+            shared = Some((others, prepared));
             let values = film.radiance().iter().flatten();
             let brightest = values.fold(0.0, |brightest, value| {
                 assert!(value.is_finite(), "{} {name}", path.display());

@@ -13,7 +13,7 @@ use nullray::scene::model::Scene;
 use crate::pipeline::stage;
 
 /// A floor and a wall with a ball, on a film and in a light that `film` and `light` say; `light` begins with what else the ball does.
-fn room_in(bounces: u32, film: &str, light: &str, samples: u32, seed: u32) -> Scene {
+fn room_in(bounces: u32, film: &str, light: &str, samples: u32) -> Scene {
     let mut scene = stage::scene(&format!(
         "
 render = {{ bounces = {bounces} }}
@@ -34,12 +34,12 @@ shape = {{ sphere = {{ radius = 0.4 }} }}
 transform = {{ translate = [0.3, 0.4, -0.2] }}
 {light}"
     ));
-    (scene.samples_per_pixel, scene.seed) = (samples, seed);
+    scene.samples_per_pixel = samples;
     scene
 }
 
 /// The room with the ball flying by, in the light of a panel: noise of soft shadows and of a bounce.
-fn room(samples: u32, seed: u32) -> Scene {
+fn room(samples: u32) -> Scene {
     let light = "velocity = { beta = [0.4, 0, 0] }
 [[object]]
 name = \"panel\"
@@ -49,7 +49,7 @@ transform = { translate = [-0.6, 2.2, -0.4], rotate = { axis = [1, 0, 0], angle 
 type = \"area\"
 object = \"panel\"
 radiance = 2";
-    room_in(1, "size = [20, 16]", light, samples, seed)
+    room_in(1, "size = [20, 16]", light, samples)
 }
 
 fn prepared(scene: &Scene, aovs: &[Aov]) -> Prepared {
@@ -60,19 +60,45 @@ fn prepared(scene: &Scene, aovs: &[Aov]) -> Prepared {
     Prepared::new(scene, &Plan::new(scene, &request).unwrap(), &Silent).unwrap()
 }
 
-fn passes(scene: &Scene, error: Option<f64>, count: u32) -> Passes {
-    let prepared = prepared(scene, &[Aov::StandardError, Aov::Samples]);
-    let mut passes = Passes::new(&prepared, error);
+/// Films of `scene` with the seeds from 1 on.
+fn films(scene: &Scene, seeds: u32) -> Vec<Film> {
+    let mut prepared = prepared(scene, &[Aov::StandardError]);
+    let of_seed = |seed| {
+        prepared.sampler = prepared.sampler.with_seed(seed);
+        nullray::render::render(&prepared, &Silent).unwrap()
+    };
+    (1..=seeds).map(of_seed).collect()
+}
+
+fn passes(prepared: &Prepared, error: Option<f64>, count: u32) -> Film {
+    let mut passes = Passes::new(prepared, error);
     while passes.done() < count && !passes.is_settled() {
-        passes.advance(&prepared, &Silent).unwrap();
+        passes.advance(prepared, &Silent).unwrap();
     }
-    passes
+    passes.film()
+}
+
+const OF_PASSES: [Aov; 2] = [Aov::StandardError, Aov::Samples];
+
+/// The same by passes until this relative error is reached.
+fn films_to(error: f64, count: u32, scene: &Scene, seeds: u32) -> Vec<Film> {
+    let mut prepared = prepared(scene, &OF_PASSES);
+    let of_seed = |seed| {
+        prepared.sampler = prepared.sampler.with_seed(seed);
+        passes(&prepared, Some(error), count)
+    };
+    (1..=seeds).map(of_seed).collect()
+}
+
+/// A film of 16 passes with seed 0.
+fn truth(scene: &Scene) -> Film {
+    passes(&prepared(scene, &OF_PASSES), None, 16)
 }
 
 /// The room with the noise of 8192 samples.
 fn true_room() -> &'static Film {
     static FILM: OnceLock<Film> = OnceLock::new();
-    FILM.get_or_init(|| passes(&room(512, 0), None, 16).film())
+    FILM.get_or_init(|| truth(&room(512)))
 }
 
 fn grey(film: &Film, i: usize) -> f64 {
@@ -128,13 +154,7 @@ fn calibrate(films: &[Film], truth: &Film, share: f64) -> Calibration {
 
 #[test]
 fn over_200_seeds_the_error_is_within_the_standard_error_as_often_as_said() {
-    let films: Vec<_> = (1..=200)
-        .map(|seed| {
-            let scene = room(32, seed);
-            let prepared = prepared(&scene, &[Aov::StandardError]);
-            nullray::render::render(&prepared, &Silent).unwrap()
-        })
-        .collect();
+    let films = films(&room(32), 200);
     let truth = true_room();
     // Eight parts of four samples, and those of neighbours: Student's t with the 16 degrees of freedom that the film tells is below 1 in 66.8 % and below 2
     // in 93.7 % of all cases; where neighbours have more noise of their own it is so more often. 64,000 cases of 320 pixels put 0.19 % and
@@ -155,24 +175,19 @@ fn over_200_seeds_the_error_is_within_the_standard_error_as_often_as_said() {
 }
 
 /// The room in the light of a flash, three bounces of which are in view: few paths are of that length.
-fn flash(samples: u32, seed: u32) -> Scene {
+fn flash(samples: u32) -> Scene {
     let light = "[[light]]
 position = [1.2, 2.8, 1.0]
 intensity = 30
 emission = { gaussian = { sigma = \"12 cm\" } }";
     let film = "size = [32, 24]\ntime = \"6.6 m\"";
-    room_in(3, film, light, samples, seed)
+    room_in(3, film, light, samples)
 }
 
 #[test]
 fn errors_of_light_that_few_samples_find_are_within_the_standard_error_as_often_as_said() {
-    let films: Vec<_> = (1..=200)
-        .map(|seed| {
-            let prepared = prepared(&flash(16, seed), &[Aov::StandardError]);
-            nullray::render::render(&prepared, &Silent).unwrap()
-        })
-        .collect();
-    let truth = passes(&flash(256, 0), None, 16).film();
+    let films = films(&flash(16), 200);
+    let truth = truth(&flash(256));
     let told = calibrate(&films, &truth, 1.0 / 256.0);
     println!("{} {:?} {}", told.variance, told.within, told.bias);
     // By its own parts alone the error of a pixel is within once what is said in 39 %, within twice in 51 %: most parts have missed the light. 200 pictures
@@ -186,9 +201,7 @@ fn errors_of_light_that_few_samples_find_are_within_the_standard_error_as_often_
 #[test]
 fn tiles_that_stop_by_their_error_are_unbiased_and_report_their_error() {
     // Passes of four samples: single parts of two are far from normal where few pixels of a tile see the edge of the panel.
-    let films: Vec<_> = (1..=100)
-        .map(|seed| passes(&room(4, seed), Some(0.05), 200).film())
-        .collect();
+    let films = films_to(0.05, 200, &room(4), 100);
     let truth = true_room();
     let told = calibrate(&films, truth, 1.0 / 80.0);
     println!("{} {:?} {}", told.variance, told.within, told.bias);
@@ -209,7 +222,7 @@ fn tiles_that_stop_by_their_error_are_unbiased_and_report_their_error() {
 }
 
 /// A floor below a bright panel that moves one way, and a glossy ball that moves the other way: few samples find the panel in it.
-fn glints(samples: u32, seed: u32) -> Scene {
+fn glints(samples: u32) -> Scene {
     let light = "metallic = 1
 roughness = 0.3
 velocity = { beta = [0.5, 0, 0] }
@@ -224,14 +237,12 @@ object = \"panel\"
 radiance = [3, 2, 1]
 [sky]
 gradient = {}";
-    room_in(2, "size = [32, 32]", light, samples, seed)
+    room_in(2, "size = [32, 32]", light, samples)
 }
 
 #[test]
 fn tiles_in_which_few_samples_find_a_light_reach_the_error_that_was_asked_for() {
-    let films: Vec<_> = (1..=32)
-        .map(|seed| passes(&glints(4, seed), Some(0.1), 2000).film())
-        .collect();
+    let films = films_to(0.1, 2000, &glints(4), 32);
     let count = films.len() as f64;
     let of_pixel = |i: usize| {
         let mean = films.iter().map(|film| grey(film, i)).sum::<f64>() / count;
@@ -257,7 +268,7 @@ fn tiles_in_which_few_samples_find_a_light_reach_the_error_that_was_asked_for() 
 fn passes_that_are_taken_up_again_have_the_bits_of_those_that_were_not_stopped() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("sums");
-    let scene = room(4, 0);
+    let scene = room(4);
     let prepared = prepared(
         &scene,
         &[Aov::StandardError, Aov::Samples, Aov::EventCt, Aov::Object],
@@ -306,8 +317,8 @@ fn passes_that_are_taken_up_again_have_the_bits_of_those_that_were_not_stopped()
 
 #[test]
 fn two_passes_are_two_pictures_of_different_random_numbers() {
-    let scene = room(4, 3);
-    let prepared = prepared(&scene, &[]);
+    let mut prepared = prepared(&room(4), &[]);
+    prepared.sampler = prepared.sampler.with_seed(3);
     let first = nullray::render::render(&prepared, &Silent).unwrap();
     let mut passes = Passes::new(&prepared, None);
     passes.advance(&prepared, &Silent).unwrap();

@@ -84,10 +84,10 @@ fn prepared(scene: &Scene) -> Prepared {
 }
 
 fn films(scene: &Scene, seeds: u32) -> Vec<Film> {
+    let mut prepared = prepared(scene);
     let one = |seed| {
-        let mut scene = scene.clone();
-        scene.seed = seed;
-        nullray::render::render(&prepared(&scene), &Silent).unwrap()
+        prepared.sampler = prepared.sampler.with_seed(seed);
+        nullray::render::render(&prepared, &Silent).unwrap()
     };
     (0..seeds).map(one).collect()
 }

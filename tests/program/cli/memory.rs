@@ -162,18 +162,32 @@ fn with_the_least_limit_that_is_accepted_a_command_takes_no_more() {
         "export a.toml --size 500x500 -o bundle --overwrite",
         study,
     ] {
-        let mut limit = 16;
-        let (output, peak) = loop {
+        let run_with = |limit: u64| {
             let limit_text = format!("{limit}MiB");
             let mut arguments: Vec<&str> = command.split(' ').collect();
             arguments.extend(["-q", "--max-memory", &limit_text]);
-            let (output, peak) = run(folder.path(), &arguments);
+            run(folder.path(), &arguments)
+        };
+        // A refusal says what is needed: by that it goes on, in steps of 4 MiB.
+        let mut limit = 16;
+        let (output, peak) = loop {
+            let (output, peak) = run_with(limit);
             if output.status.success() || limit > 2000 {
                 break (output, peak);
             }
-            limit += 4;
+            let said = String::from_utf8_lossy(&output.stderr);
+            let needed = said.split_once("needs about ");
+            let needed = needed.and_then(|(_, after)| after.split_once(" MiB"));
+            let (needed, _) = needed.unwrap_or_else(|| panic!("{command}: {said}"));
+            let needed = needed.parse::<f64>().unwrap().ceil() as u64;
+            limit = needed.next_multiple_of(4).max(limit + 4);
         };
         assert!(output.status.success(), "{command}");
+        let (less, _) = run_with(limit - 4);
+        assert!(
+            !less.status.success(),
+            "{command}: less than {limit} MiB is enough"
+        );
         println!("{command}: {} of {limit} MiB", peak / MIB);
         assert!(
             peak <= limit * MIB,

@@ -126,7 +126,8 @@ fn everywhere(_: usize) -> bool {
 
 #[test]
 fn lightmap_frames_match_the_transient_renderer() {
-    let limits: [(&str, fn(&Limit) -> f64); 3] = [
+    type Allowed = fn(&Limit) -> f64;
+    let limits: [(&str, Allowed); 3] = [
         ("linear", |limit| 1.25 * limit.linear),
         ("cubic", |limit| 1.25 * limit.cubic),
         ("cubic_means", |limit| limit.means + 0.01),

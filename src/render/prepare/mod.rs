@@ -169,8 +169,8 @@ impl Prepared {
         self.light = SurfaceLight::Custom(radiance);
     }
 
-    /// Sets the camera of the next picture to that of `scene`, which may differ from the prepared scene only in the camera's motion and
-    /// time: everything else stays as it is loaded and built.
+    /// Sets the camera of the next picture to that of `scene`, which may differ from the prepared scene only in the camera's place,
+    /// direction, field of view, motion and time: everything else stays as it is loaded and built.
     ///
     /// # Errors
     /// As [`Camera::new`].

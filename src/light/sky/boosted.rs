@@ -32,6 +32,7 @@ use super::even::EvenSky;
 use super::faces::{axes, on_cube};
 use super::grid::{BLOCKS, LightGrid};
 use super::{Background, Sky, sum};
+use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::colour::Wavelengths;
 use crate::light::Received;
 use crate::light::reflection::by_cosine;
@@ -41,6 +42,8 @@ use crate::spacetime::{Boost, Direction, Rest, World};
 const BRIGHT: f64 = 0.02;
 /// Steps along an edge of a face of the cube of normals.
 const STEPS: usize = 32;
+/// Normals whose irradiance is summed together: their sums and components fill the registers of AVX2.
+const TOGETHER: usize = 8;
 
 /// The sky as seen by surfaces at rest in one frame.
 #[derive(Debug)]
@@ -193,8 +196,17 @@ impl BoostedSky {
             true => Vec::new(),
             false => {
                 let normals: Vec<DVec3> = normals().collect();
-                let each = normals.par_iter().map(|n| irradiance(&others, *n));
-                each.collect()
+                let mut table = vec![[0.0; 3]; normals.len()];
+                let lit = table.par_chunks_mut(TOGETHER);
+                lit.zip(normals.par_chunks(TOGETHER))
+                    .for_each(|(sums, normals)| {
+                        dispatch(Illumination {
+                            beams: &others,
+                            normals,
+                            sums,
+                        });
+                    });
+                table
             }
         };
         BoostedSky {
@@ -485,12 +497,39 @@ fn stars(
     blocks
 }
 
-fn irradiance(beams: &[Beam], n: DVec3) -> [f64; 3] {
-    let mut sum = [0.0; 3];
-    for beam in beams {
-        beam.add_to(&mut sum, n);
+/// The sums of [`Beam::add_to`] for up to [`TOGETHER`] normals, with the same bits.
+struct Illumination<'a> {
+    beams: &'a [Beam],
+    normals: &'a [DVec3],
+    sums: &'a mut [[f64; 3]],
+}
+
+impl VectorLoop for Illumination<'_> {
+    #[inline(always)]
+    fn run(self) {
+        // By component. Lanes beyond the last normal have a cosine of 0.
+        let mut normals = [[0.0; TOGETHER]; 3];
+        for (k, n) in self.normals.iter().enumerate() {
+            [normals[0][k], normals[1][k], normals[2][k]] = n.to_array();
+        }
+        let mut sums = [[0.0; TOGETHER]; 3];
+        for beam in self.beams {
+            let [x, y, z] = beam.in_rest.to_array();
+            let mut cosines = [0.0; TOGETHER];
+            for k in 0..TOGETHER {
+                let cosine = normals[0][k] * x + normals[1][k] * y + normals[2][k] * z;
+                cosines[k] = if cosine > 0.0 { cosine } else { 0.0 };
+            }
+            for channel in 0..3 {
+                for k in 0..TOGETHER {
+                    sums[channel][k] += beam.flux[channel] * cosines[k];
+                }
+            }
+        }
+        for (k, sum) in self.sums.iter_mut().enumerate() {
+            *sum = sums.map(|of_channel| of_channel[k]);
+        }
     }
-    sum
 }
 
 /// The nodes of [`BoostedSky::irradiance`].
@@ -641,6 +680,33 @@ mod tests {
         }
         for (lit, expected) in lit.into_iter().zip(expected) {
             assert!((lit - expected).abs() < 2e-4 * expected, "{lit} {expected}");
+        }
+    }
+
+    #[test]
+    fn normals_summed_together_have_the_sums_of_each() {
+        let mut next = crate::accel::numbers(5);
+        let mut vector = || DVec3::new(next(), next(), next());
+        let beams: Vec<Beam> = (0..50)
+            .map(|_| Beam {
+                in_rest: vector(),
+                flux: vector().to_array(),
+            })
+            .collect();
+        for count in [1, TOGETHER - 1, TOGETHER] {
+            let normals: Vec<DVec3> = (0..count).map(|_| vector().normalize()).collect();
+            let mut sums = vec![[1.0; 3]; count];
+            dispatch(Illumination {
+                beams: &beams,
+                normals: &normals,
+                sums: &mut sums,
+            });
+            let alone = normals.iter().map(|n| {
+                let mut sum = [0.0; 3];
+                beams.iter().for_each(|beam| beam.add_to(&mut sum, *n));
+                sum
+            });
+            assert_eq!(sums, alone.collect::<Vec<_>>());
         }
     }
 

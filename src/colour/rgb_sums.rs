@@ -1,16 +1,14 @@
 //! The colours in which an observer sees linear red, green and blue at a ratio W: c_jk(W) = W⁻⁵ ∫ white(λ/W) b_k(λ/W) m_j(λ) dλ, as
-//! computed by [`integrate`], but several times as fast. Tables of M(W) need thousands of such sums.
+//! computed by [`integrate`](super::spectrum::integrate), but several times as fast. Tables of M(W) need thousands of such sums.
 //!
 //! Within the range of the basis, white, b_k and the observer's functions are linear between their own knots, so that products of three
 //! are cubic in λ between all knots: two-point Gauss quadrature is exact there. Both tables are traversed in parallel, without look-ups.
 //! Beyond the range of the basis, all three radiances are multiples of one function.
-//!
-//! [`integrate`]: super::spectrum::integrate
 
 use super::observer::{self, FIRST, LAST};
 use super::planck::planck;
 use super::rgb_basis::{self, Continuation, STEP, WHITE_TEMPERATURE};
-use super::spectrum::integrate;
+use super::spectrum::{add_panel, panels};
 
 /// Two points of Gauss on [0, 1], ½ (1 ∓ 1/√3); each has the weight ½.
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
@@ -90,27 +88,35 @@ fn beyond(w: f64, continuation: Continuation) -> Option<[[f64; 3]; 3]> {
         Continuation::Blackbody => (rgb_basis::thermal(), true),
     };
     // XYZ of the function that all three have there, below and above.
-    let sums: [f64; 6] = integrate(&[first, last], |l| {
-        let mut seen = [0.0; 6];
+    let radiance = |l: f64| match is_thermal {
+        true => planck(l / w, WHITE_TEMPERATURE),
+        false => 1.0,
+    };
+    let mut sums = [[0.0; 3]; 2];
+    for (nodes, [from, to]) in panels() {
         let side = match () {
-            () if l < first => 0,
-            () if l > last => 3,
-            () => return seen,
+            () if to <= first => 0,
+            () if from >= last => 1,
+            () if from >= first && to <= last => continue,
+            () => {
+                // An end of the basis is within: the sum up to it, and from it on.
+                let ends = [first, last].map(|end| end.clamp(from, to));
+                let [below, above] = &mut sums;
+                let seen = |l| observer::colour_matching(l).map(|m| radiance(l) * m);
+                add_panel(below, from, ends[0], seen);
+                add_panel(above, ends[1], to, seen);
+                continue;
+            }
         };
-        let radiance = match is_thermal {
-            true => planck(l / w, WHITE_TEMPERATURE),
-            false => 1.0,
-        };
-        for (seen, m) in seen[side..].iter_mut().zip(observer::colour_matching(l)) {
-            *seen = radiance * m;
+        for node in nodes {
+            node.add(&mut sums[side], radiance(node.wavelength), node.xyz);
         }
-        seen
-    });
+    }
     let [below, above] = factors;
     let mut all = [[0.0; 3]; 3];
     for (k, xyz) in all.iter_mut().enumerate() {
         for (j, sum) in xyz.iter_mut().enumerate() {
-            *sum = below[k] * sums[j] + above[k] * sums[3 + j];
+            *sum = below[k] * sums[0][j] + above[k] * sums[1][j];
         }
     }
     Some(all)

@@ -216,10 +216,7 @@ impl Spectrum {
         let mut sums = [0.0; N];
         for node in NODES.iter() {
             let radiance = self.factor * planck(node.wavelength, temperature);
-            for (sum, f) in sums.iter_mut().zip(f(node)) {
-                // Products in the order of `add_panel`, so that both round alike.
-                *sum += node.weight * (f * radiance);
-            }
+            node.add(&mut sums, radiance, f(node));
         }
         sums
     }
@@ -303,11 +300,28 @@ fn reflected(wavelength: f64) -> [f64; 9] {
 }
 
 /// A wavelength at which integrals evaluate spectra without knots, with the observer's functions there.
-struct Node {
-    wavelength: f64,
+pub(super) struct Node {
+    pub(super) wavelength: f64,
     weight: f64,
-    xyz: [f64; 3],
+    pub(super) xyz: [f64; 3],
     reflected: [f64; 9],
+}
+
+impl Node {
+    /// Adds its part of ∫ L f dλ for the radiance L and f at its wavelength, with products in the order of [`add_panel`]: both round alike.
+    #[inline]
+    pub(super) fn add<const N: usize>(&self, sums: &mut [f64; N], radiance: f64, f: [f64; N]) {
+        for (sum, f) in sums.iter_mut().zip(f) {
+            *sum += self.weight * (f * radiance);
+        }
+    }
+}
+
+/// The panels of integrals: the nodes of each, and the wavelengths between which it is.
+pub(super) fn panels() -> impl Iterator<Item = (&'static [Node; GAUSS.len()], [f64; 2])> {
+    let ends = |k: usize| [k, k + 1].map(|k| f64::from(FIRST as u32 + k as u32) * 1e-9);
+    let panels = NODES.as_chunks().0.iter().enumerate();
+    panels.map(move |(k, nodes)| (nodes, ends(k)))
 }
 
 /// All of them, in the order of [`integrate`].
@@ -356,7 +370,12 @@ pub(super) fn integrate<const N: usize>(knots: &[f64], f: impl Fn(f64) -> [f64; 
 
 /// Adds ∫ f between two knots.
 #[inline]
-fn add_panel<const N: usize>(sum: &mut [f64; N], from: f64, to: f64, f: impl Fn(f64) -> [f64; N]) {
+pub(super) fn add_panel<const N: usize>(
+    sum: &mut [f64; N],
+    from: f64,
+    to: f64,
+    f: impl Fn(f64) -> [f64; N],
+) {
     let width = to - from;
     for (at, weight) in GAUSS {
         let value = f(from + width * at);

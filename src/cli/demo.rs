@@ -12,6 +12,7 @@ use nullray::{Error, Result};
 use super::builtin::{self, TEXT};
 use super::output::Outputs;
 use super::{film, interrupt, print};
+use nullray::render::prepare::LoadedCubes;
 
 const DIRECTORY: &str = "nullray-out";
 
@@ -53,7 +54,13 @@ fn one(overrides: &Overrides, outputs: Outputs) -> Result<()> {
         aovs: outputs.needs(&scene),
         ..Default::default()
     };
-    film::one(&scene, &request, &outputs, false, None)
+    film::one(
+        &scene,
+        &request,
+        &outputs,
+        (false, None),
+        &mut LoadedCubes::default(),
+    )
 }
 
 /// Writes the built-in scene and its files into `directory`; existing files are kept.

@@ -10,7 +10,7 @@ use nullray::render;
 use nullray::render::aov::Aov;
 use nullray::render::film::Film;
 use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::Prepared;
+use nullray::render::prepare::{LoadedCubes, Prepared};
 use nullray::render::progress::Silent;
 use nullray::render::tonemap;
 use nullray::scene::model::{Exposure, Scene};
@@ -27,61 +27,77 @@ const MOST_BEYOND: f64 = 100.0;
 /// The white radiance of all panels; `None` if the scenes set it themselves.
 ///
 /// The percentile is that of the first scene.
-pub fn of_panels(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
+pub fn of_panels(
+    scenes: &[Scene],
+    request: &Request,
+    cubes: &mut LoadedCubes,
+) -> Result<Option<f64>> {
     let Some(exposure) = percentile(scenes) else {
         return Ok(None);
     };
-    let previews = previews(scenes, request)?;
-    tonemap::white(&previews.concat(), exposure).map(Some)
+    let mut previews = Vec::new();
+    for scene in scenes {
+        let preview = Preview::new(scene, request, Vec::new())?;
+        previews.extend_from_slice(preview.alone(cubes)?.radiance());
+    }
+    tonemap::white(&previews, exposure).map(Some)
 }
 
-/// The white radiance of all pictures of a film, from a selection of them in order, `scenes`; `None` if the scenes set it themselves.
-///
-/// The percentile is that of the first scene.
-pub fn of_film(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
-    let Some(exposure) = percentile(scenes) else {
-        return Ok(None);
+/// The white radiance of all pictures of a film, from a selection of them in order, `scenes`, with the `percentile` of the first. They are
+/// taken of `prepared`, from which they differ only in what [`Prepared::retake`] allows.
+pub fn of_film(
+    scenes: &[Scene],
+    percentile: Exposure,
+    request: &Request,
+    prepared: &mut Prepared,
+) -> Result<f64> {
+    let pixels = |scene| {
+        let preview = Preview::new(scene, request, Vec::new())?;
+        Ok(preview.of(prepared)?.radiance().to_vec())
     };
-    let mut previews = previews(scenes, request)?;
-    let all = tonemap::white(&previews.concat(), exposure)?;
+    let previews: Result<Vec<_>> = scenes.iter().map(pixels).collect();
+    let mut previews = previews?;
+    let all = tonemap::white(&previews.concat(), percentile)?;
     let aside = previews.len() / 3;
     let middle = previews.drain(aside..previews.len() - aside);
     let middle: Vec<[f64; 3]> = middle.flatten().collect();
     let is_lit = |pixel: &[f64; 3]| pixel.iter().any(|c| *c > 0.0 && c.is_finite());
-    Ok(Some(match middle.iter().any(is_lit) {
-        true => tonemap::white(&middle, exposure)?.max(all / MOST_BEYOND),
+    Ok(match middle.iter().any(is_lit) {
+        true => tonemap::white(&middle, percentile)?.max(all / MOST_BEYOND),
         false => all,
-    }))
+    })
 }
 
-/// The percentile of the first scene, if it has one.
-fn percentile(scenes: &[Scene]) -> Option<Exposure> {
+/// The percentile of the first scene, if it has one; `None` if the scenes set the white radiance themselves.
+pub fn percentile(scenes: &[Scene]) -> Option<Exposure> {
     let first = scenes.first().map(|scene| scene.exposure);
     first.filter(|exposure| matches!(exposure, Exposure::Percentile(_)))
-}
-
-/// The pixels of small pictures of all `scenes`.
-fn previews(scenes: &[Scene], request: &Request) -> Result<Vec<Vec<[f64; 3]>>> {
-    let pixels = |scene| {
-        interrupt::check()?;
-        Ok(preview(scene, request, Vec::new())?.radiance().to_vec())
-    };
-    scenes.iter().map(pixels).collect()
 }
 
 /// The white radiance that exposes for the surfaces of `scenes`, whatever the sky is like: the 99th percentile of their brightest channel
 /// in small pictures, to three digits; `None` if no surface is visible.
 ///
-/// Visibility is always certified, whatever `request` says, so that fast pictures have the same exposure.
-pub fn of_surfaces(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
+/// The scenes differ only in what [`Prepared::retake`] allows from each other and from the one that is `prepared`, if it is. Visibility is
+/// always certified, whatever `request` says, so that fast pictures have the same exposure.
+pub fn of_surfaces(
+    scenes: &[Scene],
+    request: &Request,
+    mut prepared: Option<&mut Prepared>,
+) -> Result<Option<f64>> {
     let request = Request {
         memory_limit: request.memory_limit,
         ..Request::default()
     };
+    let mut own: Option<Prepared> = None;
     let mut seen: Vec<[f64; 3]> = Vec::new();
     for scene in scenes {
-        interrupt::check()?;
-        let film = preview(scene, &request, vec![Aov::Alpha])?;
+        let preview = Preview::new(scene, &request, vec![Aov::Alpha])?;
+        let prepared = match (&mut prepared, &mut own) {
+            (Some(prepared), _) => &mut **prepared,
+            (None, Some(own)) => own,
+            (None, none) => none.insert(preview.prepared(&mut LoadedCubes::default())?),
+        };
+        let film = preview.of(prepared)?;
         let alpha = film.aov(Aov::Alpha).unwrap_or_default();
         let pixels = film.radiance().iter().zip(alpha);
         seen.extend(pixels.filter(|(_, a)| **a > 0.0).map(|(p, _)| *p));
@@ -101,7 +117,8 @@ pub fn of_surfaces(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
 /// surface is in view.
 pub fn median_distance(scene: &Scene, request: &Request) -> Result<Option<f64>> {
     let places = [Aov::EventX, Aov::EventY, Aov::EventZ];
-    let film = preview(scene, request, places.to_vec())?;
+    let preview = Preview::new(scene, request, places.to_vec())?;
+    let film = preview.alone(&mut LoadedCubes::default())?;
     let [x, y, z] = places.map(|aov| film.aov(aov).unwrap_or_default());
     let eye = scene.camera.origin.x;
     let mut distances: Vec<f64> = (x.iter().zip(y).zip(z))
@@ -113,16 +130,41 @@ pub fn median_distance(scene: &Scene, request: &Request) -> Result<Option<f64>> 
 }
 
 /// A small picture with one ray through the centre of each pixel.
-fn preview(scene: &Scene, request: &Request, aovs: Vec<Aov>) -> Result<Film> {
-    let mut small = scene.clone();
-    let [width, height] = scene.camera.size;
-    let step = width.max(height).div_ceil(PREVIEW);
-    small.camera.size = [width.div_ceil(step), height.div_ceil(step)];
-    let request = Request {
-        aovs,
-        pixel_centers: true,
-        ..request.clone()
-    };
-    let plan = Plan::new(&small, &request)?;
-    render::render(&Prepared::new(&small, &plan, &Silent)?, &Silent)
+struct Preview {
+    scene: Scene,
+    plan: Plan,
+}
+
+impl Preview {
+    fn new(scene: &Scene, request: &Request, aovs: Vec<Aov>) -> Result<Preview> {
+        let mut scene = scene.clone();
+        let [width, height] = scene.camera.size;
+        let step = width.max(height).div_ceil(PREVIEW);
+        scene.camera.size = [width.div_ceil(step), height.div_ceil(step)];
+        let request = Request {
+            aovs,
+            pixel_centers: true,
+            ..request.clone()
+        };
+        let plan = Plan::new(&scene, &request)?;
+        Ok(Preview { scene, plan })
+    }
+
+    /// Its scene, prepared for it alone.
+    fn prepared(&self, cubes: &mut LoadedCubes) -> Result<Prepared> {
+        interrupt::check()?;
+        Prepared::sharing(&self.scene, &self.plan, cubes, &Silent)
+    }
+
+    /// The picture, from a scene that was prepared for this camera or another.
+    fn of(&self, prepared: &mut Prepared) -> Result<Film> {
+        interrupt::check()?;
+        prepared.retake_on_film(&self.scene, &self.plan)?;
+        render::render(prepared, &Silent)
+    }
+
+    /// The picture, from a scene that is loaded for it.
+    fn alone(&self, cubes: &mut LoadedCubes) -> Result<Film> {
+        self.of(&mut self.prepared(cubes)?)
+    }
 }

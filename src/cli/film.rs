@@ -6,7 +6,7 @@ use nullray::approximate::raster::{self, Method};
 use nullray::figures::overlay::centred;
 use nullray::render::film::Film;
 use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::Prepared;
+use nullray::render::prepare::{LoadedCubes, Prepared};
 use nullray::render::survey;
 use nullray::scene::model::Scene;
 use nullray::{Error, Result, render};
@@ -25,16 +25,29 @@ pub fn check_one(scene: &Scene, request: &Request, outputs: &Outputs) -> Result<
     Ok(plan)
 }
 
-/// Renders one scene to its outputs; prints what was written unless `quiet`, and records the cost in `account`.
+/// Renders one scene to its outputs; prints what was written unless `quiet`, and records the cost in `account`. Cubes that are among
+/// `cubes` are not loaded again.
 pub fn one(
     scene: &Scene,
     request: &Request,
     outputs: &Outputs,
-    quiet: bool,
-    account: Option<&mut Account>,
+    (quiet, account): (bool, Option<&mut Account>),
+    cubes: &mut LoadedCubes,
 ) -> Result<()> {
     let plan = check_one(scene, request, outputs)?;
-    let mut rendered = film(scene, &plan, &outputs.method, quiet, account)?;
+    let ready = Ready::new(scene, &plan, quiet, cubes)?;
+    finish(scene, &plan, ready, outputs, (quiet, account))
+}
+
+/// Like [`one`], for a scene that is loaded.
+pub fn finish(
+    scene: &Scene,
+    plan: &Plan,
+    ready: Ready,
+    outputs: &Outputs,
+    (quiet, account): (bool, Option<&mut Account>),
+) -> Result<()> {
+    let mut rendered = film(plan, ready, &outputs.method, (quiet, account))?;
     let times = times(outputs, scene, &mut rendered.prepared, quiet)?;
     outputs.write(scene, &rendered.film, times.as_ref(), quiet)?;
     warn(quiet, &outputs.beyond_precision(&rendered.film));
@@ -61,6 +74,28 @@ pub fn times(
     drop(bar);
     interrupt::check()?;
     Ok(Some(film))
+}
+
+/// A scene that is loaded for a picture.
+pub struct Ready {
+    pub prepared: Prepared,
+    /// How long that took.
+    seconds: f64,
+}
+
+impl Ready {
+    /// Loads what `plan` lists, but for what is among `cubes`.
+    pub fn new(scene: &Scene, plan: &Plan, quiet: bool, cubes: &mut LoadedCubes) -> Result<Ready> {
+        let bar = Bar::new(plan.rays.camera, quiet);
+        let start = Instant::now();
+        let mut prepared = Prepared::sharing(scene, plan, cubes, &bar)?;
+        let misfits = survey::misfits(scene, &mut prepared);
+        prepared.warnings.extend(misfits);
+        Ok(Ready {
+            prepared,
+            seconds: start.elapsed().as_secs_f64(),
+        })
+    }
 }
 
 /// A finished film, and remarks on it.
@@ -117,21 +152,20 @@ impl Rendered {
     }
 }
 
-/// Loads, builds and renders, with a progress bar unless `quiet`.
+/// Renders what is loaded, with a progress bar unless `quiet`.
 pub fn film(
-    scene: &Scene,
     plan: &Plan,
+    ready: Ready,
     method: &Method,
-    quiet: bool,
-    mut account: Option<&mut Account>,
+    (quiet, mut account): (bool, Option<&mut Account>),
 ) -> Result<Rendered> {
+    let Ready {
+        mut prepared,
+        seconds: prepared_in,
+    } = ready;
+    warn(quiet, &std::mem::take(&mut prepared.warnings));
     let bar = Bar::new(plan.rays.camera, quiet);
     let start = Instant::now();
-    let mut prepared = Prepared::new(scene, plan, &bar)?;
-    let misfits = survey::misfits(scene, &mut prepared);
-    prepared.warnings.extend(misfits);
-    let prepared_in = start.elapsed().as_secs_f64();
-    warn(quiet, &std::mem::take(&mut prepared.warnings));
     bar.start();
     if let Some(account) = account.as_deref_mut() {
         account.prepared(Preparation {
@@ -145,7 +179,7 @@ pub fn film(
     Ok(Rendered {
         film,
         prepared_in,
-        rendered_in: start.elapsed().as_secs_f64() - prepared_in,
+        rendered_in: start.elapsed().as_secs_f64(),
         warnings: std::mem::take(&mut prepared.warnings),
         prepared,
     })

@@ -219,7 +219,7 @@ fn white(direct: &SceneFile, arguments: &RenderArguments) -> Result<Option<f64>>
         overrides.time = Some(format!("{time} m"));
         scenes.push(direct.scene(&overrides)?);
     }
-    exposure::of_surfaces(&scenes, &changes.request(None))
+    exposure::of_surfaces(&scenes, &changes.request(None), None)
 }
 
 /// The text of a film's scene, with the commands that make its light and the film.

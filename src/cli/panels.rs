@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nullray::Result;
 use nullray::render::plan::Request;
+use nullray::render::prepare::LoadedCubes;
 use nullray::scene::model::{Exposure, Panel, Scene};
 use nullray::scene::{Overrides, SceneFile};
 
@@ -74,8 +75,12 @@ pub fn load_all(file: &SceneFile, whole: &Scene, overrides: &Overrides) -> Resul
 }
 
 /// Gives all panels one exposure, unless they set the white radiance themselves.
-pub fn same_exposure(scenes: &mut [Scene], request: &Request) -> Result<()> {
-    if let Some(white) = exposure::of_panels(scenes, request)? {
+pub fn same_exposure(
+    scenes: &mut [Scene],
+    request: &Request,
+    cubes: &mut LoadedCubes,
+) -> Result<()> {
+    if let Some(white) = exposure::of_panels(scenes, request, cubes)? {
         let exposure = Exposure::White(white);
         scenes
             .iter_mut()

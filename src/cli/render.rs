@@ -6,7 +6,7 @@ use nullray::approximate::raster::Method;
 use nullray::figures::text::RichText;
 use nullray::render::metadata;
 use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::check_files;
+use nullray::render::prepare::{LoadedCubes, check_files};
 use nullray::scene::model::Scene;
 use nullray::scene::{ModelScene, ModelView, Overrides, SceneFile};
 use nullray::{Error, Result};
@@ -14,7 +14,7 @@ use nullray::{Error, Result};
 use super::args::{FrameArguments, RenderArguments};
 use super::check::{check_all, check_statistics};
 use super::failure::refused;
-use super::film::{check_one, in_pool, one};
+use super::film::{Ready, check_one, finish, in_pool, one};
 use super::flash::{self, FlashFilm};
 use super::frames::{self, Frames, Job};
 use super::names::{named_after, numbered, suffixed};
@@ -37,8 +37,8 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
     arguments.work.quiet.on |= films.iter().any(|path| reel::is_pipe(path));
     let arguments = &arguments;
     let overrides = arguments.changes.overrides();
-    let (file, flash) = file(arguments, &overrides, &films)?;
-    if let Some(flash) = &flash {
+    let (file, model) = file(arguments, &overrides, &films)?;
+    if let Some(Model::Flashed(flash)) = &model {
         if arguments.print_scene {
             return print(&file.changed_text(&overrides)?);
         }
@@ -56,28 +56,26 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
             "leave out --pixel-centers, or remove the shutter",
         ));
     }
-    if arguments.print_scene {
+    let checked = match arguments.print_scene {
+        true => None,
+        false => Some(check_sequence(arguments, &films, &scene)?),
+    };
+    let alone = match &checked {
+        Some((outputs, None, _)) => Some(outputs),
+        _ => None,
+    };
+    let (file, scene, ready) = match model {
+        Some(Model::Alone(path, made)) => in_pool(arguments.work.threads.count, || {
+            exposed((file, scene), path, &made, arguments, alone)
+        })?,
+        _ => (file, scene, None),
+    };
+    let Some((outputs, frames, film)) = checked else {
         return print(&scene.text);
-    }
-    let (outputs, frames, film) = check_sequence(arguments, &films, &scene)?;
+    };
     // Three ways from here: a sequence, all panels, or one picture, which passes may improve.
-    let of_panels = !scene.panels.is_empty() || !arguments.panel.is_empty();
-    if arguments.exposure.says_same() && frames.is_none() && !of_panels {
-        let what = "there is one picture, whose exposure is its own";
-        return Err(refused("--same-exposure", what, "leave it out"));
-    }
-    if let Some(path) = &arguments.stats_json {
-        let plan = Plan::new(&scene, &request(arguments, &outputs, &scene))?;
-        check_statistics(path, &inputs::of(&scene, &plan))?;
-    }
+    let of_panels = shows_panels(arguments, &scene);
     let wanted = arguments.stats || arguments.stats_json.is_some();
-    if wanted && arguments.method.method != Method::Trace {
-        return Err(refused(
-            "--stats",
-            "counts what the ray tracer does",
-            "leave out --method, or --stats",
-        ));
-    }
     let mut account = wanted.then(Account::default);
     let improves = arguments.passes.given();
     in_pool(arguments.work.threads.count, || match frames {
@@ -109,19 +107,23 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
         }
         None => {
             let request = request(arguments, &outputs, &scene);
-            one(
-                &scene,
-                &request,
-                &outputs,
-                arguments.work.quiet.on,
-                account.as_mut(),
-            )
+            let reports = (arguments.work.quiet.on, account.as_mut());
+            match ready {
+                Some((plan, ready)) => finish(&scene, &plan, ready, &outputs, reports),
+                None => one(
+                    &scene,
+                    &request,
+                    &outputs,
+                    reports,
+                    &mut LoadedCubes::default(),
+                ),
+            }
         }
     })?;
     account.map_or(Ok(()), |account| settle(arguments, &account))
 }
 
-/// The outputs, the frames of a sequence, and its films.
+/// The outputs, the frames of a sequence, and its films; refuses options that do not fit them.
 fn check_sequence<'a>(
     arguments: &RenderArguments,
     films: &'a [PathBuf],
@@ -147,7 +149,28 @@ fn check_sequence<'a>(
     if let Some(option) = arguments.passes.given() {
         check_passes(option, arguments, frames.is_some())?;
     }
+    if arguments.exposure.says_same() && frames.is_none() && !shows_panels(arguments, scene) {
+        let what = "there is one picture, whose exposure is its own";
+        return Err(refused("--same-exposure", what, "leave it out"));
+    }
+    if let Some(path) = &arguments.stats_json {
+        let plan = Plan::new(scene, &request(arguments, &outputs, scene))?;
+        check_statistics(path, &inputs::of(scene, &plan))?;
+    }
+    let counts = arguments.stats || arguments.stats_json.is_some();
+    if counts && arguments.method.method != Method::Trace {
+        return Err(refused(
+            "--stats",
+            "counts what the ray tracer does",
+            "leave out --method, or --stats",
+        ));
+    }
     Ok((outputs, frames, film))
+}
+
+/// Whether all panels of the scene are rendered, or some.
+fn shows_panels(arguments: &RenderArguments, scene: &Scene) -> bool {
+    !scene.panels.is_empty() || !arguments.panel.is_empty()
 }
 
 /// The films of a sequence.
@@ -265,12 +288,19 @@ fn check_words(caption: Option<&str>) -> Result<()> {
     RichText::plain(words)?.width(1.0).map(|_| ())
 }
 
-/// The named scene file, or the scene for a model, possibly with a flash.
+/// A model without a scene of its own.
+enum Model<'a> {
+    /// In the light of its own lamps or of a sun, and of a sky.
+    Alone(&'a Path, Box<ModelScene>),
+    Flashed(FlashFilm<'a>),
+}
+
+/// The named scene file, or the scene for a model.
 fn file<'a>(
     arguments: &'a RenderArguments,
     overrides: &Overrides,
     films: &[PathBuf],
-) -> Result<(SceneFile, Option<FlashFilm<'a>>)> {
+) -> Result<(SceneFile, Option<Model<'a>>)> {
     let path = arguments.scene.path();
     let memory = arguments.changes.memory.bytes();
     let outputs: Vec<PathBuf> = films.iter().chain(&arguments.output).cloned().collect();
@@ -281,22 +311,27 @@ fn file<'a>(
     };
     if let Some(flash) = &view.flash {
         let (file, film) = FlashFilm::of(path, &made, flash, arguments)?;
-        return Ok((file, Some(film)));
+        return Ok((file, Some(Model::Flashed(film))));
     }
     let file = builtin::of_model(path, &made.text());
-    Ok((exposed(file, path, &made, arguments)?, None))
+    Ok((file, Some(Model::Alone(path, Box::new(made)))))
 }
 
 /// The number of pictures of a fly-by that are previewed for its exposure.
 const MEASURED: u64 = 6;
 
+/// A scene, and what is loaded for its picture, if it is.
+type Exposed = (SceneFile, Scene, Option<(Plan, Ready)>);
+
 /// The same scene, exposed for the model rather than for the sky, which may be far brighter ahead; for a fly-by, from some of its pictures.
+/// If one picture is made, of `outputs`, what is loaded for its previews is that of the picture itself.
 fn exposed(
-    file: SceneFile,
+    (file, scene): (SceneFile, Scene),
     path: &Path,
     made: &ModelScene,
     arguments: &RenderArguments,
-) -> Result<SceneFile> {
+    outputs: Option<&Outputs>,
+) -> Result<Exposed> {
     let changes = &arguments.changes;
     let mut overrides = changes.overrides();
     let is_exposed = |(key, _): &(String, String)| key.starts_with("display");
@@ -304,9 +339,18 @@ fn exposed(
         || overrides.exposure.is_some()
         || overrides.set.iter().any(is_exposed)
     {
-        return Ok(file);
+        return Ok((file, scene, None));
     }
-    let mut scenes = vec![file.scene(&overrides)?];
+    // Passes plan for more rays, and rasterizers for more memory.
+    let is_plain = arguments.method.method == Method::Trace && arguments.passes.given().is_none();
+    let mut ready = None;
+    if let (true, Some(outputs)) = (is_plain, outputs) {
+        let plan = check_one(&scene, &request(arguments, outputs, &scene), outputs)?;
+        let quiet = arguments.work.quiet.on;
+        let loaded = Ready::new(&scene, &plan, quiet, &mut LoadedCubes::default())?;
+        ready = Some((plan, loaded));
+    }
+    let mut scenes = vec![scene];
     if let (true, Some(interval)) = (arguments.model.flyby, scenes[0].camera.frame_interval) {
         let last = interval * (ModelView::FLYBY_FRAMES - 1) as f64;
         for k in 1..MEASURED {
@@ -315,8 +359,14 @@ fn exposed(
             scenes.push(file.scene(&overrides)?);
         }
     }
-    let white = exposure::of_surfaces(&scenes, &changes.request(None))?;
-    Ok(white.map_or(file, |white| builtin::of_model(path, &made.exposed(white))))
+    let prepared = ready.as_mut().map(|(_, ready)| &mut ready.prepared);
+    let white = exposure::of_surfaces(&scenes, &changes.request(None), prepared)?;
+    let file = white.map_or(file, |white| builtin::of_model(path, &made.exposed(white)));
+    let scene = file.scene(&changes.overrides())?;
+    if let Some((plan, ready)) = &mut ready {
+        ready.prepared.retake_on_film(&scene, plan)?;
+    }
+    Ok((file, scene, ready))
 }
 
 /// Refuses passes for anything but a picture of the ray tracer.
@@ -384,7 +434,10 @@ fn all_panels(
 ) -> Result<()> {
     let chosen = panels::chosen(whole, &arguments.panel)?;
     let (changes, threads) = (&arguments.changes, arguments.work.threads.count);
-    let scenes = arguments.exposure.panels(file, whole, changes, threads)?;
+    // Panels mostly show the same cubes.
+    let mut cubes = LoadedCubes::default();
+    let exposure = &arguments.exposure;
+    let scenes = exposure.panels(file, whole, changes, threads, &mut cubes)?;
     // A single panel with a named output needs no suffix to distinguish it.
     let exact = arguments.panel.len() == 1 && !arguments.output.is_empty();
     let mut jobs = Vec::new();
@@ -421,7 +474,10 @@ fn all_panels(
         let quiet = arguments.work.quiet.on;
         match arguments.passes.given() {
             Some(_) => passes::one(scene, request.clone(), outputs, arguments.passes, quiet)?,
-            None => one(scene, request, outputs, quiet, account.as_deref_mut())?,
+            None => {
+                let reports = (quiet, account.as_deref_mut());
+                one(scene, request, outputs, reports, &mut cubes)?;
+            }
         }
     }
     Ok(())

@@ -7,13 +7,14 @@ use nullray::approximate::raster::Method;
 use nullray::figures::contact_sheet::{self, Layout, SheetOptions, Size};
 use nullray::io::image;
 use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::check_files;
+use nullray::render::prepare::{LoadedCubes, check_files};
 use nullray::scene::SceneFile;
 use nullray::scene::model::{Panel, Scene, Show};
 use nullray::{Error, Result};
 
 use super::args::SheetArguments;
 use super::check::{check_all, check_page};
+use super::film::Ready;
 use super::names::{named_after, stem, suffixed};
 use super::output::{Outputs, Picture, picture};
 use super::progress::Bar;
@@ -23,10 +24,12 @@ pub fn run(arguments: &SheetArguments) -> Result<()> {
     if let Some(output) = &arguments.output {
         check_page(output, arguments.scenes.len())?;
     }
+    // Panels mostly show the same cubes.
+    let mut cubes = LoadedCubes::default();
     let figures: Result<Vec<_>> = arguments
         .scenes
         .iter()
-        .map(|path| Figure::new(path, arguments))
+        .map(|path| Figure::new(path, arguments, &mut cubes))
         .collect();
     let figures = figures?;
     figures.iter().try_for_each(Figure::check_page)?;
@@ -35,7 +38,7 @@ pub fn run(arguments: &SheetArguments) -> Result<()> {
     film::in_pool(arguments.work.threads.count, || {
         figures
             .iter()
-            .try_for_each(|figure| figure.make(arguments.work.quiet.on))
+            .try_for_each(|figure| figure.make(arguments.work.quiet.on, &mut cubes))
     })
 }
 
@@ -59,7 +62,7 @@ struct Part {
 }
 
 impl Figure {
-    fn new(path: &Path, arguments: &SheetArguments) -> Result<Figure> {
+    fn new(path: &Path, arguments: &SheetArguments, cubes: &mut LoadedCubes) -> Result<Figure> {
         let (changes, overrides) = (&arguments.changes, arguments.changes.overrides());
         let file = builtin::open(Some(path), &overrides, changes.memory.bytes())?;
         let whole = file.scene(&overrides)?;
@@ -67,7 +70,7 @@ impl Figure {
         let default = || directory.join(named_after(Some(path), "-sheet.png"));
         let output = arguments.output.clone().unwrap_or_else(default);
         let beside = output.with_file_name(named_after(Some(path), ".png"));
-        let parts = parts(path, &file, &whole, &beside, arguments)?;
+        let parts = parts(path, (&file, &whole), &beside, arguments, cubes)?;
         Ok(Figure {
             whole,
             output,
@@ -111,11 +114,11 @@ impl Figure {
     }
 
     /// Renders all panels, and writes the page that they form.
-    fn make(&self, quiet: bool) -> Result<()> {
+    fn make(&self, quiet: bool, cubes: &mut LoadedCubes) -> Result<()> {
         let mut panels = Vec::new();
         for part in &self.parts {
             say(quiet, &format!("panel {}\n", part.label))?;
-            panels.push(part.render(quiet)?);
+            panels.push(part.render(quiet, cubes)?);
         }
         let page = contact_sheet::compose(&panels, &self.options())?;
         interrupt::check()?;
@@ -149,10 +152,10 @@ impl Figure {
 /// A part for each panel, or one for a scene without panels; pictures are named after `beside`.
 fn parts(
     path: &Path,
-    file: &SceneFile,
-    whole: &Scene,
+    (file, whole): (&SceneFile, &Scene),
     beside: &Path,
     arguments: &SheetArguments,
+    cubes: &mut LoadedCubes,
 ) -> Result<Vec<Part>> {
     if whole.panels.is_empty() {
         let alone = Panel {
@@ -166,7 +169,8 @@ fn parts(
         return Ok(vec![part(whole.clone(), &alone, arguments, beside.into())]);
     }
     let (changes, threads) = (&arguments.changes, arguments.work.threads.count);
-    let scenes = arguments.exposure.panels(file, whole, changes, threads)?;
+    let exposure = &arguments.exposure;
+    let scenes = exposure.panels(file, whole, changes, threads, cubes)?;
     let part = |(panel, scene): (&Panel, Scene)| {
         let file = suffixed(beside, &panel.name);
         part(scene, panel, arguments, file)
@@ -198,9 +202,10 @@ fn part(scene: Scene, panel: &Panel, arguments: &SheetArguments, file: PathBuf) 
 }
 
 impl Part {
-    fn render(&self, quiet: bool) -> Result<contact_sheet::Panel> {
+    fn render(&self, quiet: bool, cubes: &mut LoadedCubes) -> Result<contact_sheet::Panel> {
         let plan = Plan::new(&self.scene, &self.request)?;
-        let mut rendered = film::film(&self.scene, &plan, &Method::Trace, quiet, None)?;
+        let ready = Ready::new(&self.scene, &plan, quiet, cubes)?;
+        let mut rendered = film::film(&plan, ready, &Method::Trace, (quiet, None))?;
         let prepared = &mut rendered.prepared;
         // The file is never written: `times` only checks that it is a picture.
         let shown = Outputs {

@@ -9,6 +9,7 @@ use nullray::approximate::raster::Method;
 use nullray::figures::overlay::Parts;
 use nullray::render::aov::Aov;
 use nullray::render::plan::Request;
+use nullray::render::prepare::LoadedCubes;
 use nullray::scene::model::{MOST_SAMPLES, Scene};
 use nullray::scene::{Overrides, SceneFile};
 
@@ -273,10 +274,11 @@ impl ExposureArgument {
         whole: &Scene,
         changes: &Changes,
         threads: Option<u16>,
+        cubes: &mut LoadedCubes,
     ) -> Result<Vec<Scene>> {
         let mut scenes = panels::load_all(file, whole, &changes.overrides())?;
         if self.is_same(false) {
-            panels::same_exposure(&mut scenes, &changes.request(threads))?;
+            panels::same_exposure(&mut scenes, &changes.request(threads), cubes)?;
         }
         Ok(scenes)
     }

@@ -253,7 +253,12 @@ impl Sequence<'_> {
         };
         let scenes = (0..measured).map(|k| self.scene_at(number(k)));
         let scenes = scenes.collect::<Result<Vec<_>>>()?;
-        self.white = exposure::of_film(&scenes, self.job.request)?;
+        if let Some(percentile) = exposure::percentile(&scenes) {
+            let prepared = self.prepare(&scenes[0])?;
+            let prepared = self.prepared.insert(prepared);
+            let request = self.job.request;
+            self.white = Some(exposure::of_film(&scenes, percentile, request, prepared)?);
+        }
         match self.white {
             Some(white) => self.say(&format!(
                 "one exposure for all frames: white is radiance {}\n",
@@ -261,6 +266,25 @@ impl Sequence<'_> {
             )),
             None => Ok(()),
         }
+    }
+
+    /// Loads `scene` and builds its trees, for this and all other frames.
+    fn prepare(&mut self, scene: &Scene) -> Result<Prepared> {
+        let start = Instant::now();
+        let prepared = Prepared::new(scene, &self.plan, &Bar::new(0, true))?;
+        // The fingerprints must belong to the data that were loaded.
+        if let Some(path) = self.inputs.stamp.changed() {
+            return Err(changed(path));
+        }
+        let preparation = Preparation {
+            seconds: start.elapsed().as_secs_f64(),
+            built_in: prepared.built_in,
+        };
+        self.done.prepared_in += preparation.seconds;
+        if let Some(account) = self.account.as_deref_mut() {
+            account.prepared(preparation);
+        }
+        Ok(prepared)
     }
 
     fn film(&mut self, scene: &Scene, number: u64) -> Result<Film> {
@@ -273,31 +297,15 @@ impl Sequence<'_> {
         let bar = Bar::new(rays.saturating_mul(own), self.job.quiet)
             .after(rays.saturating_mul(rendered), self.began)
             .named(what);
-        let start = Instant::now();
-        let prepared = match &mut self.prepared {
+        let prepared = match self.prepared.take() {
             Some(prepared) => prepared,
-            none => {
-                let prepared = Prepared::new(scene, &self.plan, &bar)?;
-                // The fingerprints must belong to the data that were loaded.
-                if let Some(path) = self.inputs.stamp.changed() {
-                    return Err(changed(path));
-                }
-                let prepared = none.insert(prepared);
-                let preparation = Preparation {
-                    seconds: start.elapsed().as_secs_f64(),
-                    built_in: prepared.built_in,
-                };
-                self.done.prepared_in += preparation.seconds;
-                if let Some(account) = self.account.as_deref_mut() {
-                    account.prepared(preparation);
-                }
-                prepared
-            }
+            None => self.prepare(scene)?,
         };
+        let prepared = self.prepared.insert(prepared);
         let start = Instant::now();
-        prepared.retake(scene)?;
         let (method, unwritten) = (&self.job.outputs.method, self.unwritten.take());
-        let account = self.account.as_deref_mut();
+        let (plan, account) = (&self.plan, self.account.as_deref_mut());
+        prepared.retake_on_film(scene, plan)?;
         let (film, written) = rayon::join(
             || film::picture(prepared, method, &bar, account),
             || Unwritten::write(unwritten),

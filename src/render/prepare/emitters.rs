@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::area::{area_light, area_lights, area_radiance};
 use super::response::{eye, received, response, response_to, sampled, sampled_spectra, without};
-use super::stores::Stores;
+use super::stores::{LoadedCubes, Stores};
 use crate::accel::Facing;
 use crate::colour::{ColourTable, Spectrum};
 use crate::error::Result;
@@ -235,12 +235,13 @@ impl<'a> Builder<'a> {
         AreaLights::new(elements, received(self.scene.quantity, self.scene)).map(Box::new)
     }
 
-    /// Loads the cubes that the plan lists and traces their capture cameras.
+    /// Loads the cubes that the plan lists, but for those that are `loaded`, and traces their capture cameras.
     pub(super) fn finish(
         self,
         plan: &Plan,
         frames: &[RestFrame],
         (shot, sky): (Event<World>, Option<&Arc<Sky>>),
+        loaded: &mut LoadedCubes,
         warnings: &mut Vec<String>,
         progress: &dyn Progress,
     ) -> Result<SurfaceLight> {
@@ -255,7 +256,7 @@ impl<'a> Builder<'a> {
         if !plan.time_resolved {
             return Ok(SurfaceLight::Constant(base));
         }
-        let mut stores = Stores::new(plan);
+        let mut stores = Stores::new(plan, loaded);
         let mut sources = Vec::new();
         for (index, source) in scene.sources.iter().enumerate() {
             progress.check()?;

@@ -14,6 +14,7 @@ pub use emitters::SurfaceLight;
 pub use files::check_files;
 pub use geometry::object_mesh;
 pub(crate) use response::scaling;
+pub use stores::LoadedCubes;
 
 use std::cell::LazyCell;
 use std::num::NonZeroU32;
@@ -71,6 +72,19 @@ impl Prepared {
     /// # Errors
     /// A plan for a scene with other objects, broken files, and [`Error::Cancelled`] when `progress` says so.
     pub fn new(scene: &Scene, plan: &Plan, progress: &dyn Progress) -> Result<Prepared> {
+        Prepared::sharing(scene, plan, &mut LoadedCubes::default(), progress)
+    }
+
+    /// Like [`Prepared::new`], but cubes that are among `cubes` are not loaded again. After it, `cubes` holds those of `scene`.
+    ///
+    /// # Errors
+    /// As [`Prepared::new`].
+    pub fn sharing(
+        scene: &Scene,
+        plan: &Plan,
+        cubes: &mut LoadedCubes,
+        progress: &dyn Progress,
+    ) -> Result<Prepared> {
         if plan.objects.len() != scene.objects.len() {
             let what = format!(
                 "the plan is for {} objects, but the scene has {}",
@@ -84,6 +98,7 @@ impl Prepared {
                 "a plan of this scene",
             ));
         }
+        cubes.keep_those_of(scene);
         let camera = Camera::new(scene)?;
         let mut light = emitters::Builder::new(scene, plan);
         let mut warnings = Vec::new();
@@ -93,7 +108,7 @@ impl Prepared {
         progress.check()?;
         let sky = sky::load(scene, plan)?;
         let around = (camera.shot.event, sky.as_ref());
-        let light = light.finish(plan, &frames, around, &mut warnings, progress)?;
+        let light = light.finish(plan, &frames, around, cubes, &mut warnings, progress)?;
         let mirrors = LazyCell::new(|| smooth::mirrors_by_texture(&light, &frames));
         let unfound = unfound_light(scene, &plan.objects, |object| mirrors.contains(&object));
         drop(mirrors);
@@ -110,11 +125,6 @@ impl Prepared {
         } else {
             0.0
         };
-        let sampler = if plan.film.pixel_centers {
-            Sampler::centred()
-        } else {
-            Sampler::stratified(plan.film.samples_per_part()).with_seed(scene.seed)
-        };
         Ok(Prepared {
             background: sky::background(scene, &camera.shot, sky),
             camera,
@@ -122,12 +132,9 @@ impl Prepared {
             light,
             ray_index,
             integrated_exposure: scene.camera.integrated_exposure(),
-            sampler,
+            sampler: sampler(scene, &plan.film),
             layout: plan.film.clone(),
-            method: Traversal {
-                precision: plan.film.precision,
-                ..Traversal::default()
-            },
+            method: method(&plan.film),
             samples_at_once: None,
             warnings,
             unfound_light: unfound,
@@ -169,6 +176,22 @@ impl Prepared {
         self.light = SurfaceLight::Custom(radiance);
     }
 
+    /// Like [`Prepared::retake`], on the film of `plan`, which is that of `scene`: pictures may differ in size, samples and precision, too,
+    /// and show less than the prepared plan needs.
+    ///
+    /// # Errors
+    /// As [`Camera::new`].
+    pub fn retake_on_film(&mut self, scene: &Scene, plan: &Plan) -> Result<()> {
+        let has_gaps = self.layout.has_gaps || plan.film.has_gaps;
+        self.layout = Layout {
+            has_gaps,
+            ..plan.film.clone()
+        };
+        self.sampler = sampler(scene, &plan.film);
+        self.method = method(&plan.film);
+        self.retake(scene)
+    }
+
     /// Sets the camera of the next picture to that of `scene`, which may differ from the prepared scene only in the camera's place,
     /// direction, field of view, motion and time: everything else stays as it is loaded and built.
     ///
@@ -181,5 +204,21 @@ impl Prepared {
             beaming.motion = sky::motion(scene, &self.camera.shot);
         }
         Ok(())
+    }
+}
+
+/// The positions of samples in the pixels of `film`.
+fn sampler(scene: &Scene, film: &Layout) -> Sampler {
+    match film.pixel_centers {
+        true => Sampler::centred(),
+        false => Sampler::stratified(film.samples_per_part()).with_seed(scene.seed),
+    }
+}
+
+/// How the rays of `film` are traced.
+fn method(film: &Layout) -> Traversal {
+    Traversal {
+        precision: film.precision,
+        ..Traversal::default()
     }
 }

@@ -1,6 +1,6 @@
 //! Cubes with their capture cameras, each file loaded once, in the rest frames that they light.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -14,16 +14,67 @@ use crate::render::plan::Plan;
 use crate::render::trace::{CapturedCube, EmissionClock, Emitter, RestFrame};
 use crate::scene::model::{
     Binding, CaptureCamera, Clock, CubeData, CubeFile, CubeSource, Fill, Mapping, Reconstruction,
-    Scene,
+    Scene, SourceKind,
 };
 
-/// A file, the declaration of its channels, and the companions used from it.
-type FileParts = (CubeFile, Option<Channels>, Vec<CubeChannel>);
+/// A file, the declaration of its channels, the companions used from it, and whether the scene holds its first and last bins.
+type FileParts = (CubeFile, Option<Channels>, Vec<CubeChannel>, bool);
+
+/// Cubes from files, for scenes that are [prepared](super::Prepared::sharing) one after the other: what each has in common with the one
+/// before is neither loaded nor checked again.
+#[derive(Debug, Default)]
+pub struct LoadedCubes {
+    files: HashMap<FileParts, Loaded>,
+}
+
+/// A cube, and what looks wrong about its samples, or was assumed of them.
+#[derive(Debug, Clone)]
+struct Loaded {
+    colours: CubeStore,
+    /// In the order of the channels that were requested.
+    companions: Vec<CubeStore>,
+    remarks: Vec<String>,
+}
+
+impl LoadedCubes {
+    /// Drops what `scene` does not use, before more is loaded: a plan foresees the memory that its own scene takes.
+    pub(super) fn keep_those_of(&mut self, scene: &Scene) {
+        let keys = scene
+            .sources
+            .iter()
+            .filter_map(|source| match &source.kind {
+                SourceKind::Cube(cube) => key(scene, cube),
+                SourceKind::Pulse(_) => None,
+            });
+        let keys: HashSet<FileParts> = keys.collect();
+        // Of cubes that are read on demand, each scene holds as much as it has room for.
+        self.files.retain(|key, loaded| {
+            matches!(loaded.colours, CubeStore::Memory(_)) && keys.contains(key)
+        });
+    }
+}
+
+/// What is read of a cube's file; `None` without a file.
+fn key(scene: &Scene, cube: &CubeSource) -> Option<FileParts> {
+    match &cube.data {
+        CubeData::File(file) => Some((
+            file.clone(),
+            cube.channels.clone(),
+            scene.companions_of(cube),
+            is_held(scene),
+        )),
+        CubeData::Memory(_) => None,
+    }
+}
+
+/// Whether the first and the last bin of cubes go on for ever.
+fn is_held(scene: &Scene) -> bool {
+    [scene.outside.before, scene.outside.after] == [Fill::Hold; 2]
+}
 
 /// Cubes and capture cameras, each file loaded once.
-#[derive(Default)]
-pub(super) struct Stores {
-    files: HashMap<FileParts, (CubeStore, Vec<CubeStore>)>,
+pub(super) struct Stores<'a> {
+    loaded: &'a mut LoadedCubes,
     /// Whether the parts of cubes that are read on demand are only counted.
     counts_only: bool,
     /// The memory limit, bytes.
@@ -36,13 +87,17 @@ pub(super) struct Stores {
     pub warnings: Vec<String>,
 }
 
-impl Stores {
+impl<'a> Stores<'a> {
     /// None yet, of the cubes of `plan`.
-    pub fn new(plan: &Plan) -> Stores {
+    pub fn new(plan: &Plan, loaded: &'a mut LoadedCubes) -> Stores<'a> {
         Stores {
+            loaded,
             counts_only: plan.counts_only,
             memory: plan.memory_limit,
-            ..Stores::default()
+            cubes: Vec::new(),
+            sources: Vec::new(),
+            captures: Vec::new(),
+            warnings: Vec::new(),
         }
     }
 
@@ -55,7 +110,8 @@ impl Stores {
         frames: &[RestFrame],
     ) -> Result<Emitter> {
         let companions = scene.companions_of(cube);
-        let (colours, others) = self.load(cube, &companions, held)?;
+        let loaded = self.loaded(scene, cube, held)?;
+        self.warn(scene, source, loaded.remarks);
         let texture = |store: CubeStore| {
             let texture = TimeTexture::new(store, TimeAxis::from(cube), scene.outside)
                 .map_err(|e| refused(scene, source, e))?
@@ -70,33 +126,10 @@ impl Stores {
                 false => texture,
             })
         };
-        let others = others.into_iter().map(texture);
+        let others = loaded.companions.into_iter().map(texture);
         let others: Vec<TimeTexture> = others.collect::<Result<_>>()?;
-        let texture = texture(colours)?;
+        let texture = texture(loaded.colours)?;
         let size = texture.size();
-        // What looks wrong about the samples, or was assumed of them.
-        let (mut assumed, mut negative) = (Order::Stated, None);
-        if let CubeData::File(file) = &cube.data {
-            negative = file.negative;
-            let wanted = file.wanted(cube.channels.as_ref());
-            let info = cubes::inspect(&file.path, wanted.within(self.memory))?;
-            let format = cubes::format_called(&file.path);
-            assumed = match (info.assumed, format.is_some_and(|format| format.pictures)) {
-                (false, _) => Order::Stated,
-                (true, true) => Order::Pictures,
-                (true, false) => Order::Array,
-            };
-            self.warn(scene, source, info.remarks);
-        }
-        let is_held = [scene.outside.before, scene.outside.after] == [Fill::Hold; 2];
-        let remarks = survey::of_samples_with(texture.cube(), assumed, negative, is_held);
-        self.warn(scene, source, remarks);
-        for (channel, companion) in companions.iter().zip(&others) {
-            let cube = companion.cube();
-            let remarks = survey::of_samples_with(cube, Order::Stated, negative, is_held);
-            let named = |remark| format!("channel {}: {remark}", channel.name());
-            self.warn(scene, source, remarks.into_iter().map(named).collect());
-        }
         // Cameras and clocks of the file are those of the world or of the objects; lookups are in the rest frame.
         let place = Place::of(scene, source, frames);
         let clock = place.clock(cube.clock);
@@ -153,9 +186,52 @@ impl Stores {
         self.warnings.extend(remarks.into_iter().map(named));
     }
 
+    /// The cube, with its companions; from a file, as it was loaded for another source or scene.
+    fn loaded(&mut self, scene: &Scene, cube: &CubeSource, held: Option<u64>) -> Result<Loaded> {
+        let key = key(scene, cube);
+        if let Some(loaded) = key.as_ref().and_then(|key| self.loaded.files.get(key)) {
+            return Ok(loaded.clone());
+        }
+        let channels = scene.companions_of(cube);
+        let (colours, companions) = self.load(cube, &channels, held)?;
+        // What looks wrong about the samples, or was assumed of them.
+        let (mut assumed, mut negative) = (Order::Stated, None);
+        let mut remarks = Vec::new();
+        if let CubeData::File(file) = &cube.data {
+            negative = file.negative;
+            let wanted = file.wanted(cube.channels.as_ref());
+            let info = cubes::inspect(&file.path, wanted.within(self.memory))?;
+            let format = cubes::format_called(&file.path);
+            assumed = match (info.assumed, format.is_some_and(|format| format.pictures)) {
+                (false, _) => Order::Stated,
+                (true, true) => Order::Pictures,
+                (true, false) => Order::Array,
+            };
+            remarks = info.remarks;
+        }
+        let is_held = is_held(scene);
+        remarks.extend(survey::of_samples_with(
+            &colours, assumed, negative, is_held,
+        ));
+        for (channel, companion) in channels.iter().zip(&companions) {
+            let own = survey::of_samples_with(companion, Order::Stated, negative, is_held);
+            let named = |remark| format!("channel {}: {remark}", channel.name());
+            remarks.extend(own.into_iter().map(named));
+        }
+        let loaded = Loaded {
+            colours,
+            companions,
+            remarks,
+        };
+        if let Some(key) = key {
+            self.loaded.files.insert(key, loaded.clone());
+        }
+        Ok(loaded)
+    }
+
     /// The cube, whole; or on disk, with room for `held` bytes of it: its colours, and one cube for each of these companions.
     fn load(
-        &mut self,
+        &self,
         cube: &CubeSource,
         companions: &[CubeChannel],
         held: Option<u64>,
@@ -169,12 +245,8 @@ impl Stores {
                 });
             }
         };
-        let key = (file.clone(), cube.channels.clone(), companions.to_vec());
-        if let Some(loaded) = self.files.get(&key) {
-            return Ok(loaded.clone());
-        }
         let wanted = file.wanted(cube.channels.as_ref()).within(self.memory);
-        let loaded = match (held, &cube.channels) {
+        Ok(match (held, &cube.channels) {
             (Some(room), None) => (self.bricks(file, wanted, room)?.into(), Vec::new()),
             (Some(room), Some(channels)) => {
                 // Each has its share of the room.
@@ -193,9 +265,7 @@ impl Stores {
                 let whole = Arc::new(cubes::load(&file.path, wanted)?);
                 split(&whole, channels, companions)
             }
-        };
-        self.files.insert(key, loaded.clone());
-        Ok(loaded)
+        })
     }
 
     fn bricks(&self, file: &CubeFile, wanted: Wanted, room: u64) -> Result<Bricks> {

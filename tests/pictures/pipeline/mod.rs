@@ -21,6 +21,7 @@ mod pulse;
 mod refusals;
 mod sampled;
 mod shared_paths;
+mod sharing;
 mod skies;
 mod skipping;
 mod smooth;

@@ -1,0 +1,91 @@
+//! Scenes that share what is loaded.
+
+use std::fs;
+
+use nullray::Error;
+use nullray::render::film::Film;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::{LoadedCubes, Prepared};
+use nullray::render::progress::Silent;
+use nullray::render::render;
+use nullray::scene::model::Scene;
+
+use super::files::npy;
+use super::stage::{self, scene_in};
+
+/// A wall that a cube in `folder` lights, or none, seen with `camera` keys.
+fn wall(folder: &std::path::Path, camera: &str, with_cube: bool) -> Scene {
+    let source = "[[source]]\ncube = { file = \"light.npy\", start = \"0 m\", bin_width = \"1 m\", clock = \"world\", uv = 0 }\n";
+    let text = format!(
+        "[camera]\neye = [0.2, 0.1, 3]\nlook_at = [0, 0, 0]\n{camera}\n[display]\nsamples_per_pixel = 3\nback_faces = \"two_sided\"\n\
+         [[object]]\nname = \"wall\"\nshape = {{ box = {{ size = [2, 2, 0.1] }} }}\n{}",
+        if with_cube { source } else { "" }
+    );
+    scene_in(folder, &text)
+}
+
+fn plan(scene: &Scene) -> Plan {
+    Plan::new(scene, &Request::default()).unwrap()
+}
+
+/// Light that still grows when it ends, which is worth a remark.
+fn light(folder: &std::path::Path) -> std::path::PathBuf {
+    let file = folder.join("light.npy");
+    npy(&file, &[4, 4, 16], (0..256).map(|k| f64::from(k % 16)));
+    file
+}
+
+fn bits(film: &Film) -> Vec<[u64; 3]> {
+    let radiance = film.radiance().iter();
+    radiance.map(|pixel| pixel.map(f64::to_bits)).collect()
+}
+
+#[test]
+fn a_cube_is_loaded_once_for_scenes_that_show_it_one_after_the_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = light(folder.path());
+    let [first, second] = [
+        "size = [24, 18]\ntime = \"4 m\"",
+        "size = [24, 18]\ntime = \"6 m\"\nhfov = \"30 deg\"",
+    ]
+    .map(|camera| wall(folder.path(), camera, true));
+    let without = wall(folder.path(), "", false);
+    // A plan reads the head of the file.
+    let plans = [&first, &second, &without].map(plan);
+    let alone = Prepared::new(&second, &plans[1], &Silent).unwrap();
+    assert!(!alone.warnings.is_empty());
+    let mut cubes = LoadedCubes::default();
+    let mut share = |scene: &Scene, plan| Prepared::sharing(scene, plan, &mut cubes, &Silent);
+    share(&first, &plans[0]).unwrap();
+    // It is in memory now.
+    fs::remove_file(&file).unwrap();
+    let shared = share(&second, &plans[1]).unwrap();
+    assert_eq!(shared.warnings, alone.warnings);
+    let film = render(&shared, &Silent).unwrap();
+    assert_eq!(bits(&film), bits(&render(&alone, &Silent).unwrap()));
+    // A scene without it needs the memory for its own.
+    share(&without, &plans[2]).unwrap();
+    assert!(matches!(share(&second, &plans[1]), Err(Error::Io { .. })));
+}
+
+#[test]
+fn pictures_of_other_sizes_and_samples_need_no_other_preparation() {
+    let folder = tempfile::tempdir().unwrap();
+    light(folder.path());
+    let large = wall(folder.path(), "time = \"4 m\"\nsize = [60, 40]", true);
+    let small = wall(folder.path(), "time = \"5 m\"\nsize = [15, 10]", true);
+    let centres = Plan::new(&small, &stage::centred()).unwrap();
+    let mut prepared = Prepared::new(
+        &large,
+        &Plan::new(&large, &stage::centred()).unwrap(),
+        &Silent,
+    )
+    .unwrap();
+    for (scene, plan) in [(&small, &centres), (&large, &plan(&large))] {
+        prepared.retake_on_film(scene, plan).unwrap();
+        let own = render(&Prepared::new(scene, plan, &Silent).unwrap(), &Silent).unwrap();
+        let film = render(&prepared, &Silent).unwrap();
+        assert_eq!(film.size(), own.size());
+        assert_eq!(bits(&film), bits(&own));
+    }
+}

@@ -112,7 +112,7 @@ other renderers how to read it and how to compare. A directory that is not an ex
 
 pub const BAKE: &str = "\
 Examples:
-  nullray bake scene.toml --camera --bin-width \"5 cm\" --bins 200 --set render.bounces=4 --spp 256 -o light.npy
+  nullray bake scene.toml --camera --bin-width \"5 cm\" --bins 200 --bounces 4 --spp 256 -o light.npy
   nullray bake scene.toml --object floor --texels 512x512 --bin-width \"5 cm\" --bins 1000 --plan
   nullray bake scene.toml --object floor --texels 128x128 --bin-width \"5 cm\" -o floor.npy
 

@@ -72,12 +72,18 @@ fn carry_out(command: Option<Command>) -> Result<Done> {
     let done = match command {
         Some(Command::Compare(compare)) => return compare::run(&compare),
         None => demo::run(),
-        Some(Command::Render(render)) => render::run(*render),
+        Some(Command::Render(mut render)) => {
+            render.flash.add_to(&mut render.changes);
+            render::run(*render)
+        }
         Some(Command::Film(film)) => motion::run(*film),
         Some(Command::Page(page)) => page::run(&page),
         Some(Command::Sheet(sheet)) => sheet::run(&sheet),
         Some(Command::Bake(bake)) if bake.flash.flash => flash::bake(&bake),
-        Some(Command::Bake(bake)) => bake::run(&bake),
+        Some(Command::Bake(mut bake)) => {
+            bake.flash.add_to(&mut bake.scene.changes);
+            bake::run(&bake)
+        }
         Some(Command::Diagram(diagram)) => diagram::run(*diagram),
         Some(Command::Export(export)) => export::run(&export),
         Some(Command::Convert(convert)) => convert::run(&convert),

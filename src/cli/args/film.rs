@@ -93,6 +93,7 @@ pub struct MotionArguments {
         long,
         value_name = "TIME",
         requires = "from",
+        conflicts_with_all = ["flyby", "accelerate", "speeds"],
         allow_hyphen_values = true
     )]
     pub to: Option<Time>,

@@ -44,11 +44,12 @@ pub struct PageArguments {
         long,
         value_name = "TIME",
         requires = "from",
+        conflicts_with = "time",
         allow_hyphen_values = true
     )]
     pub to: Option<Time>,
     /// Number of camera times on the second slider.
-    #[arg(long, value_name = "N", default_value_t = 9, requires = "from", value_parser = clap::value_parser!(u32).range(2..=200))]
+    #[arg(long, value_name = "N", default_value_t = 9, requires = "from", conflicts_with = "time", value_parser = clap::value_parser!(u32).range(2..=200))]
     pub times: u32,
     /// Make a diagram for each pixel of a grid, columns x rows; a click on the picture shows it: 4x3.
     #[arg(long, value_name = "CxR", value_parser = values::grid, allow_hyphen_values = true)]

@@ -82,7 +82,7 @@ pub struct RenderArguments {
     pub flash: FlashArguments,
     /// Columns and rows of texels for the baked light of --flash, for the model and for the floor. Default: 192x192, or as
     /// many more as an atlas of the model needs.
-    #[arg(long, value_name = "WxH", requires = "flash", value_parser = values::size, allow_hyphen_values = true, help_heading = "Flashes of light on models (.glb, .gltf)")]
+    #[arg(long, value_name = "WxH", requires = "flash", conflicts_with_all = ["flyby", "time"], value_parser = values::size, allow_hyphen_values = true, help_heading = "Flashes of light on models (.glb, .gltf)")]
     pub texels: Option<[u32; 2]>,
     #[command(flatten)]
     pub frames: FrameArguments,
@@ -144,9 +144,9 @@ pub struct FlashArguments {
     /// and NAME-light-floor.npz, beside the film; a bake of the same light is reused.
     #[arg(long)]
     pub flash: bool,
-    /// Number of reflections after the first, for --flash. Default: 2.
-    #[arg(long, value_name = "N", requires = "flash", value_parser = clap::value_parser!(u32).range(0..=i64::from(MOST_BOUNCES)))]
-    pub bounces: Option<u32>,
+    /// Number of reflections after the first: the scene's `render.bounces`. Default: what the scene says, and 2 for --flash.
+    #[arg(long, value_name = "N", help_heading = None::<&'static str>, value_parser = clap::value_parser!(u32).range(0..=i64::from(MOST_BOUNCES)))]
+    bounces: Option<u32>,
 }
 
 impl FlashArguments {
@@ -156,6 +156,13 @@ impl FlashArguments {
             bounces: self.bounces.unwrap_or(2),
             file: file(),
         })
+    }
+
+    /// Adds --bounces to the changes of a scene; a flash has bounces of its own.
+    pub fn add_to(&self, changes: &mut Changes) {
+        let bounces = self.bounces.filter(|_| !self.flash);
+        let change = |bounces: u32| ("render.bounces".into(), bounces.to_string());
+        changes.edits.set.extend(bounces.map(change));
     }
 }
 
@@ -194,7 +201,7 @@ pub struct FrameArguments {
         long,
         value_name = "TIME",
         requires = "from",
-        conflicts_with = "frames",
+        conflicts_with_all = ["frames", "time"],
         allow_hyphen_values = true
     )]
     pub to: Option<Time>,

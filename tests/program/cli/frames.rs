@@ -270,6 +270,10 @@ fn what_contradicts_itself_is_refused() {
             &["--from", "0 m", "--to", "1 m", "--time", "1 m"],
             &["--time", "cannot be used with"],
         ),
+        (
+            &["--time", "1 m", "--to", "2 m"],
+            &["--to", "cannot be used with"],
+        ),
         (&["--fps", "5"], &["--frames"]),
         (&["--interval", "1 m"], &["--frames"]),
         (

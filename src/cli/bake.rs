@@ -19,6 +19,7 @@ use nullray::scene::model::{CubeBacks, Scene};
 use nullray::{Error, Result};
 
 use super::args::{BakeArguments, WorkArguments};
+use super::builtin::is_model;
 use super::check::Names;
 use super::failure::refused;
 use super::film::in_pool;
@@ -42,7 +43,14 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
     let scene = arguments.scene.load()?;
     // A wrong name is reported before any problem of objects, which may be different ones.
     let named = named(arguments, &scene)?;
-    bake::check(&scene)?;
+    bake::check(&scene).map_err(|error| match error {
+        // Its light is not written by the user, who could give it an end.
+        Error::Invalid(mut problem) if arguments.scene.path().is_some_and(is_model) => {
+            problem.help = FLASH.into();
+            Error::Invalid(problem)
+        }
+        error => error,
+    })?;
     let threads = arguments.work.threads.count;
     let bake = Bake {
         scene: &scene,
@@ -67,6 +75,9 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
     }
 }
 
+/// What to do about the steady light of a model.
+const FLASH: &str = "--flash lights the model by a flash; or a scene with the model and a [[light]] that has an emission";
+
 /// A bake of a scene.
 pub struct Bake<'a> {
     pub scene: &'a Scene,
@@ -74,7 +85,7 @@ pub struct Bake<'a> {
     pub path: Option<&'a Path>,
     pub bins: Bins,
     pub precision: CubePrecision,
-    /// Texture coordinates for all surfaces; `None`: set 0, or an atlas for objects without any.
+    /// Texture coordinates for all surfaces; `None`: set 0, or an atlas for objects to which it gives no places of their own.
     pub coordinates: Option<Coordinates>,
     pub request: Request,
     pub work: &'a WorkArguments,
@@ -120,17 +131,38 @@ impl Bake<'_> {
         Ok((request, plan))
     }
 
-    /// Refuses overlapping charts, and textures without enough room, before anything is baked.
+    /// Refuses overlapping charts, unless an atlas may replace them, and textures without enough room, before anything is baked.
     fn check(&self, prepared: &Prepared, jobs: &mut [Job]) -> Result<()> {
-        jobs.iter_mut().try_for_each(|job| match &job.surface {
-            Some(surface) => {
-                let needs =
-                    bake::check_surface(self.scene, prepared, surface, &self.bins, self.precision)?;
-                (job.has_backs, job.lists) = (needs.backs, needs.lists);
-                Ok(())
-            }
-            None => bake::check_camera(self.scene, prepared),
-        })
+        let check = |surface: &Surface| {
+            bake::check_surface(self.scene, prepared, surface, &self.bins, self.precision)
+        };
+        for job in jobs {
+            let holds_atlas = extension(&job.path) == "npz";
+            let Some(surface) = &mut job.surface else {
+                bake::check_camera(self.scene, prepared)?;
+                continue;
+            };
+            let needs = match check(surface) {
+                // The coordinates of most models are made for textures, and overlap.
+                Err(Error::Invalid(refusal))
+                    if self.coordinates.is_none()
+                        && surface.coordinates != Coordinates::Atlas
+                        && holds_atlas =>
+                {
+                    surface.coordinates = Coordinates::Atlas;
+                    let needs = check(surface)?;
+                    let text = format!(
+                        "{}: {}: an atlas takes their place (--atlas)\n",
+                        refusal.place, refusal.what
+                    );
+                    say(self.work.quiet.on, &text)?;
+                    Ok(needs)
+                }
+                checked => checked,
+            }?;
+            (job.has_backs, job.lists) = (needs.backs, needs.lists);
+        }
+        Ok(())
     }
 
     fn print_plan(&self, mut jobs: Vec<Job>) -> Result<()> {
@@ -218,13 +250,16 @@ impl Bake<'_> {
                 write(job, &metadata, bins.count, &baked)?;
                 journal.remove()?;
                 let (text, warnings) = report((scene, &plan), job, (&baked, bins), &table);
-                let text = match self.of_flash {
-                    true => text
-                        .lines()
-                        .take(1)
-                        .map(|line| format!("{line}\n"))
-                        .collect(),
-                    false => text,
+                // The command that makes a film of a flash neither asks for sources nor has other ways to bake.
+                let (text, warnings) = match self.of_flash {
+                    true => (
+                        text.lines()
+                            .take(1)
+                            .map(|line| format!("{line}\n"))
+                            .collect(),
+                        warnings.iter().map(|text| text.replace(WAYS, "")).collect(),
+                    ),
+                    false => (text, warnings),
                 };
                 say(quiet, &text)?;
                 warn(quiet, &warnings);
@@ -630,6 +665,9 @@ fn report(
     (text + "\n\n" + table, warnings)
 }
 
+/// The advice for gloss.
+const WAYS: &str = ": bake what the camera sees (--camera), or follow light with `render.bounces`";
+
 /// The part of an object's light that a texture does not hold: whatever is not reflected diffusely; `None` if there is no such part.
 fn gloss(plan: &Plan, job: &Job) -> Option<String> {
     let object = &plan.objects[job.surface?.object];
@@ -647,7 +685,7 @@ fn gloss(plan: &Plan, job: &Job) -> Option<String> {
         false => "",
     };
     Some(format!(
-        "object \"{}\": {part}{by_texture}: bake what the camera sees (--camera), or follow light with `render.bounces`",
+        "object \"{}\": {part}{by_texture}{WAYS}",
         object.name.escape_debug()
     ))
 }

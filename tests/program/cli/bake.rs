@@ -179,19 +179,33 @@ fn an_atlas_is_written_with_the_light_and_read_by_the_object() {
         "--spp=4",
     ];
     // The faces of a box share their coordinates.
-    let run = folder.run(&bake);
-    assert_eq!(run.code, 2);
-    assert!(run.message().contains("charts overlap"), "{}", run.stderr);
-    assert!(run.message().contains("--atlas"), "{}", run.stderr);
     for (options, words) in [
+        (["--uv=0", "-o=light.npz"], "charts overlap"),
+        (["--uv=0", "-o=light.npz"], "--atlas"),
+        (["--threads=2", "-o=light.npy"], "charts overlap"),
         (["--atlas", "-o=light.npy"], "end it in .npz"),
         (["--atlas", "--texels=6x6"], "--texels 9x9"),
+        (["--threads=2", "--texels=6x6"], "--texels 9x9"),
     ] {
         let run = folder.run(&[&bake[..], &options].concat());
         assert_eq!(run.code, 2);
         assert!(run.message().contains(words), "{}", run.stderr);
     }
+    // Without a word an atlas takes their place, which is said, and by a plan, too.
+    let words = "object \"floor\": its charts overlap";
+    let by_itself = [&bake[..], &["--texels=64x64", "-o=light.npz"]].concat();
+    let planned = folder.ok(&[&by_itself[..], &["--plan"]].concat());
+    let said = folder.ok(&by_itself);
+    for said in [&planned, &said] {
+        assert!(
+            said.contains(words) && said.contains("an atlas takes their place"),
+            "{said}"
+        );
+    }
+    let bits = folder.read("light.npz");
     let said = folder.ok(&[&bake[..], &["--atlas", "--texels=64x64", "-o=light.npz"]].concat());
+    assert!(!said.contains("overlap"), "{said}");
+    assert!(bits == folder.read("light.npz"));
     let (_, tables) = said.split_once("\n\n").unwrap();
     let (_, key) = tables.split_once("# Give object \"floor\"\n# ").unwrap();
     let (key, source) = key.split_once('\n').unwrap();
@@ -204,6 +218,50 @@ fn an_atlas_is_written_with_the_light_and_read_by_the_object() {
     assert_eq!(run.code, 2);
     let words = "its shape is [12, 3, 2], and object \"floor\" has 2 triangles";
     assert!(run.message().contains(words), "{}", run.stderr);
+}
+
+#[test]
+fn bounces_are_those_of_the_scene_unless_the_command_line_gives_others() {
+    let folder = Folder::empty();
+    let wall = "[[object]]\nname = \"wall\"\nshape = { plane = { size = [4, 4] } }\n\
+                transform = { translate = [0, 1, -1], rotate = { axis = [1, 0, 0], angle = \"90 deg\" } }\n";
+    folder.write("lit.toml", format!("{FLASH}{wall}{LIGHT}"));
+    let light = |options: &[&str]| {
+        let bake = [
+            "bake",
+            "lit.toml",
+            "--bin-width=50 cm",
+            "--bins=20",
+            "--spp=4",
+            "-o=a.npz",
+        ];
+        folder.ok(&[&bake[..], options].concat());
+        folder.read("a.npz")
+    };
+    let camera = |options: &[&str]| light(&[&["--camera"][..], options].concat());
+    let set = ["--set", "render.bounces=2"];
+    let direct = camera(&[]);
+    let bounced = camera(&["--bounces=2"]);
+    assert!(direct != bounced);
+    assert!(bounced == camera(&set));
+    assert!(
+        light(&["--object=floor", "--bounces=2"])
+            == light(&[&["--object=floor"][..], &set].concat())
+    );
+    let picture = |options: &[&str]| {
+        let render = [
+            "render",
+            "lit.toml",
+            "-o",
+            "a.npz",
+            "--set",
+            "light.point.emission={gaussian={sigma=\"9 m\"}}",
+        ];
+        folder.ok(&[&render[..], options].concat());
+        folder.read("a.npz")
+    };
+    let bounced = picture(&["--bounces=2"]);
+    assert!(bounced != picture(&[]) && bounced == picture(&set));
 }
 
 #[test]
@@ -595,7 +653,7 @@ fn what_cannot_be_baked_is_refused_and_leaves_no_file() {
         (ball(""), &["--atlas", "--texels=6x6"], "--texels"),
         (
             FLASH.replace("plane = { size = [4, 4] }", "box = { size = [4, 1, 4] }") + LIGHT,
-            &[],
+            &["--uv=0"],
             "charts overlap",
         ),
         (
@@ -656,7 +714,7 @@ fn what_cannot_be_baked_of_one_object_is_refused_before_the_others_are_baked() {
     let chest = "[[object]]\nname = \"chest\"\nshape = { box = { size = [1, 1, 1] } }\n";
     folder.write("lit.toml", format!("{FLASH}{chest}{LIGHT}"));
     let bake = ["bake", "lit.toml", "--bin-width=1 m", "-o=a.npz"];
-    for options in [&[][..], &["--plan"]] {
+    for options in [&["--uv=0"][..], &["--uv=0", "--plan"]] {
         let run = folder.run(&[&bake[..], options].concat());
         assert_eq!(run.code, 2, "{}", run.stderr);
         assert!(run.message().contains("\"chest\""), "{}", run.stderr);

@@ -333,14 +333,10 @@ fn exposed(
     outputs: Option<&Outputs>,
 ) -> Result<Exposed> {
     let changes = &arguments.changes;
-    let mut overrides = changes.overrides();
-    let is_exposed = |(key, _): &(String, String)| key.starts_with("display");
-    if overrides.white.is_some()
-        || overrides.exposure.is_some()
-        || overrides.set.iter().any(is_exposed)
-    {
+    if changes.says_exposure() {
         return Ok((file, scene, None));
     }
+    let mut overrides = changes.overrides();
     // Passes plan for more rays, and rasterizers for more memory.
     let is_plain = arguments.method.method == Method::Trace && arguments.passes.given().is_none();
     let mut ready = None;

@@ -469,6 +469,25 @@ fn pages_sheets_and_diagrams_are_made_of_a_model() {
 }
 
 #[test]
+fn display_settings_that_do_not_set_the_exposure_leave_it_as_it_is() {
+    let folder = folder(1.0);
+    let scene = |set: &[&str]| {
+        let print = ["render", "model.gltf", "--print-scene"];
+        folder.ok(&[&print[..], set].concat())
+    };
+    let white = |text: &str| {
+        let line = text.lines().find(|line| line.starts_with("white = "));
+        line.map(str::to_owned)
+    };
+    let exposed = white(&scene(&[]));
+    assert!(exposed.is_some());
+    assert_eq!(white(&scene(&["--set", "display.bits=16"])), exposed);
+    let said = white(&scene(&["--set", "display.white=0.25"]));
+    assert_eq!(said.as_deref(), Some("white = 0.25"));
+    assert_eq!(white(&scene(&["--set", "display.exposure=\"90 %\""])), None);
+}
+
+#[test]
 fn glass_of_a_model_is_seen_through_and_is_called_opaque_where_no_light_is_followed() {
     let folder = folder(1.0);
     let text = folder.ok(&["render", "model.gltf", "--print-scene"]);
@@ -638,7 +657,7 @@ fn what_materials_emit_for_ever_is_left_out_of_a_flash_and_that_is_said() {
         (run.message(), light)
     };
     let ((before, dark), (after, light)) = (film(&text), film(&emitting));
-    let said = "what the model's materials emit, for ever, is left out";
+    let said = "the steady light that the model's materials emit is left out";
     assert!(!before.contains(said) && after.contains(said), "{after}");
     assert!(dark == light);
 }
@@ -662,7 +681,11 @@ fn flashes_that_show_nothing_are_refused() {
         &["render", "model.gltf", "--flash", "--time", "1 m"],
         "--time",
     );
-    refused(&["render", "model.gltf", "--bounces", "1"], "--flash");
+    // What only a flash has is not passed over in other views.
+    for view in [&[][..], &["--flyby"], &["--time", "1 m"]] {
+        let texels = ["render", "model.gltf", "--texels", "8x8"];
+        refused(&[&texels[..], view].concat(), "--texels");
+    }
     refused(
         &["render", "model.gltf", "--flash", "--error=1%"],
         "this is a sequence",
@@ -670,6 +693,7 @@ fn flashes_that_show_nothing_are_refused() {
     refused(&["bake", "model.gltf", "--flash", "-o", "a.npy"], ".npz");
     refused(&["bake", "model.gltf", "--flash", "--bins", "9"], "--bins");
     refused(&["bake", "scene.toml"], "--bin-width");
+    refused(&["bake", "model.gltf", "--bin-width=1 m"], "--flash");
     let text = String::from_utf8(folder.read("model.gltf")).unwrap();
     folder.write(
         "model.gltf",

@@ -121,7 +121,7 @@ impl Info {
                 true => format!("({lines} lines, {chars} characters: --json has them)"),
                 false => value.clone(),
             };
-            self.line(&format!("    {:<26}{}", escaped(key), escaped(&text)));
+            self.line(&format!("    {:<25} {}", escaped(key), escaped(&text)));
         }
     }
 }

@@ -15,9 +15,10 @@ use super::Info;
 const LONGEST: u64 = 1 << 28;
 
 pub fn info(path: &Path) -> Result<Info> {
-    if let Ok(rows) = spectrum::load(path) {
-        return Ok(of_spectrum(path, &rows));
-    }
+    let of_lamp = match spectrum::load(path) {
+        Ok(rows) => return Ok(of_spectrum(path, &rows)),
+        Err(error) => error,
+    };
     let (file, _) = files::open(path).map_err(Error::io(path, "cannot read"))?;
     let mut bytes = Vec::new();
     let read = file.take(LONGEST).read_to_end(&mut bytes);
@@ -27,15 +28,31 @@ pub fn info(path: &Path) -> Result<Info> {
         scale: 1.0,
         radius: 0.0,
     };
-    match stars(&catalogue, &String::from_utf8_lossy(&bytes)) {
-        Ok(all) => Ok(of_stars(path, all.len())),
-        Err(_) => Err(Error::unsupported(
+    let text = String::from_utf8_lossy(&bytes);
+    match (stars(&catalogue, &text), columns(&text)) {
+        (Ok(all), _) => Ok(of_stars(path, all.len())),
+        (Err(_), 2) => Err(of_lamp),
+        (Err(of_stars), 5) => Err(of_stars),
+        (Err(_), _) => Err(Error::unsupported(
             path,
             "",
             "this is neither the table of a spectrum nor one of stars",
             "lines of a spectrum hold a wavelength in nm and a value, those of stars x,y,z,magnitude,temperature",
         )),
     }
+}
+
+/// The number of columns of the first line that begins with two numbers; 0 without any.
+fn columns(text: &str) -> usize {
+    let entries = |line: &str| {
+        let line = line.trim_start_matches('\u{feff}');
+        let entries = line.split([',', ';', ' ', '\t']);
+        let entries: Vec<&str> = entries.filter(|entry| !entry.is_empty()).collect();
+        let is_row =
+            matches!(entries[..], [a, b, ..] if [a, b].iter().all(|x| x.parse::<f64>().is_ok()));
+        is_row.then_some(entries.len())
+    };
+    text.lines().find_map(entries).unwrap_or(0)
 }
 
 fn of_spectrum(path: &Path, rows: &[[f64; 2]]) -> Info {
@@ -47,10 +64,11 @@ fn of_spectrum(path: &Path, rows: &[[f64; 2]]) -> Info {
         info.row("wavelengths", format!("{from} to {to} nm"));
         info.data("nanometres", nanometres.to_vec());
     }
-    info.row(
-        "usable",
-        format!("as spectrum = {{ table = {:?} }}", name(path)),
-    );
+    let usable = match rows.iter().all(|[_, value]| *value == 0.0) {
+        true => "no: all values are 0".into(),
+        false => format!("as spectrum = {{ table = {:?} }}", name(path)),
+    };
+    info.row("usable", usable);
     info
 }
 

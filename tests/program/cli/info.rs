@@ -580,6 +580,19 @@ fn tables_and_pictures_of_the_sky_are_named_by_what_they_are_of_use_for() {
     assert_eq!(run.code, 2);
     let said = "neither the table of a spectrum nor one of stars";
     assert!(run.message().contains(said), "{}", run.message());
+    // By the number of columns it is clear which of them a table with a fault is meant to be.
+    for (text, said) in [
+        ("nm,power\n400,1\n500,-1\n", "line 3: a value of -1"),
+        ("500,1\n400,1\n", "400 nm does not come after"),
+        ("0,0,0,1,5800\n", "line 1: its direction has no length"),
+    ] {
+        folder.write("fault.csv", text);
+        let run = folder.run(&["info", "fault.csv"]);
+        assert_eq!(run.code, 2);
+        assert!(run.message().contains(said), "{said}: {}", run.message());
+    }
+    folder.write("dark.csv", "400,0\n500,0\n");
+    assert!(info("dark.csv").contains("all values are 0"));
 }
 
 #[test]

@@ -194,7 +194,12 @@ impl Work<'_> {
         outputs.write(scene, &rendered.film, times.as_ref(), quiet)?;
         warn(quiet, &outputs.beyond_precision(&rendered.film));
         let (passes, error) = (self.passes.done(), 100.0 * self.passes.error());
-        let of_pixels = format!("{error:.3} % of the mean radiance (root mean square over pixels)");
+        let lacking = match rendered.prepared.lacks_light() {
+            true => "; this leaves out the light that cannot be sampled (see the warning)",
+            false => "",
+        };
+        let of_pixels =
+            format!("{error:.3} % of the mean radiance (root mean square over pixels){lacking}");
         // With a requested error, reports that of tiles, to which the request applies; it is smaller than that of pixels.
         let text = match self.wanted.error {
             Some(wanted) if self.passes.is_settled() => format!(

@@ -180,22 +180,29 @@ fn out_of_sight(scene: &Scene, [low, high]: [f64; 2], is_black: bool) -> String 
         [low, high] if low == high => low,
         [low, high] => format!("{low} to {high}"),
     };
+    let shown_as = middle * GREEN;
+    let (unit, name) = unit_of(shown_as);
     format!(
         "W = {ratios} shifts visible light to {}, out of sight; {shown} was emitted at {}, where colours are {made_up} \
-         (radiance.continuation): try display.false_colour = \"{} nm\", or radiance.quantity = \"luminance\", which keeps hues",
+         (radiance.continuation): try display.false_colour = \"{} {name}\", or radiance.quantity = \"luminance\", which keeps hues",
         span([low * violet, high * red]),
         span([violet * seen / high, red * seen / low]),
-        short(middle * GREEN * 1e9),
+        short(shown_as / unit),
     )
+}
+
+/// A unit, metres, in which a wavelength of this many metres has few digits, and its name.
+fn unit_of(wavelength: f64) -> (f64, &'static str) {
+    match wavelength {
+        wavelength if wavelength < 10e-6 => (1e-9, "nm"),
+        wavelength if wavelength < 10e-3 => (1e-6, "µm"),
+        _ => (1.0, "m"),
+    }
 }
 
 /// Two wavelengths, metres, in a readable unit.
 fn span(wavelengths: [f64; 2]) -> String {
-    let (unit, name) = match wavelengths[1] {
-        most if most < 10e-6 => (1e-9, "nm"),
-        most if most < 10e-3 => (1e-6, "µm"),
-        _ => (1.0, "m"),
-    };
+    let (unit, name) = unit_of(wavelengths[1]);
     let [from, to] = wavelengths.map(|wavelength| short(wavelength / unit));
     format!("{from} to {to} {name}")
 }
@@ -298,8 +305,8 @@ fn unlit(scene: &Scene) -> &'static str {
     } else if scene.objects.iter().all(reflects_nothing) {
         "nothing in view reflects any light: its colour is 0"
     } else {
-        "no light reaches what is in view, at any time: it comes from behind the surfaces, is shadowed, or is inside objects, whose \
-         outside it does not light (see display.back_faces, too)"
+        "no light reaches what is in view, at any time: it comes from behind the surfaces, is shadowed, misses them (the cone of a \
+         spot), or is inside objects, whose outside it does not light (see display.back_faces, too)"
     }
 }
 

@@ -67,6 +67,12 @@ pub struct Prepared {
 }
 
 impl Prepared {
+    /// Whether there is light that no path can find, as that of a lamp without extent in a perfect mirror; a warning says which. Pictures
+    /// and their standard errors lack it.
+    pub fn lacks_light(&self) -> bool {
+        self.unfound_light.is_some()
+    }
+
     /// Carries out `plan`, which must be that of `scene`, on the threads of rayon's current pool.
     ///
     /// # Errors

@@ -176,6 +176,12 @@ fn light_out_of_sight_that_exposure_makes_bright_is_told_with_its_wavelengths() 
             }
         }
     }
+    // Wavelengths far beyond the visible have units of their own: √(W₁ W₂) 555 nm = 1.1 m.
+    let fast = scene(0.0).replace("beta = 0", "gamma = 1e6");
+    folder.write("w.toml", &fast);
+    let said = folder.ok(&["plan", "w.toml"]);
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said.contains("display.false_colour = \"1.11 m\""), "{said}");
     // What is said to help does.
     folder.write("w.toml", scene(0.99));
     for remedy in [

@@ -121,3 +121,31 @@ fn passes_of_what_does_not_improve_are_refused() {
     let run = folder.run(&[&TO_NPZ[..], &["--passes", "2"]].concat());
     assert_eq!(run.code, 2, "{}", run.stderr);
 }
+
+#[test]
+fn an_error_that_is_reached_says_again_that_light_is_missing() {
+    let folder = folder();
+    // A mirror and a lamp without extent.
+    let mirror = "[[object]]\nname = \"pane\"\nshape = { box = { size = [0.1, 1, 1] } }\nmetallic = 1\nroughness = 0\n";
+    let lamp = "[[light]]\nname = \"bulb\"\nposition = [1, 1, 0]\n";
+    let bounces = "[render]\nbounces = 1\n";
+    let words = "this leaves out the light that cannot be sampled";
+    for (more, is_said) in [(lamp, true), ("", false)] {
+        folder.write("soft.toml", format!("{SOFT}{mirror}{more}{bounces}"));
+        let said = folder.ok(&[
+            "render",
+            "soft.toml",
+            "--error",
+            "50 %",
+            "--size",
+            "8x6",
+            "-o",
+            "a.png",
+        ]);
+        assert!(
+            said.contains("has reached the requested standard error"),
+            "{said}"
+        );
+        assert_eq!(said.contains(words), is_said, "{said}");
+    }
+}

@@ -1,11 +1,12 @@
 //! The contents of a picture.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use nullray::Result;
 use nullray::io::budget::Budget;
 use nullray::io::cube;
-use nullray::io::image::{self, Channel, Samples, panorama};
+use nullray::io::image::{self, Channel, Layers, Samples, panorama};
 use serde_json::{Value, json};
 
 use super::Info;
@@ -36,8 +37,30 @@ pub fn exr(path: &Path, memory: u64) -> Result<Info> {
     });
     let channels: Vec<Value> = channels.collect();
     info.data("channels", channels);
+    if is_sky(&layers) {
+        info.row("usable", "as the image of a [sky]");
+    }
     info.metadata(&layers.metadata);
     Ok(info)
+}
+
+/// Whether this may be a panorama of the whole sky; of pictures of scenes the metadata say it.
+fn is_sky(layers: &Layers) -> bool {
+    let said = |key: &str| {
+        let mut all = layers.metadata.iter();
+        all.find(|(said, _)| said == key)
+            .map(|(_, value)| value.as_str())
+    };
+    let angle = said("camera_horizontal_fov_rad").and_then(|angle| angle.parse::<f64>().ok());
+    let is_whole = match (said("camera_projection"), angle) {
+        (None, None) => true,
+        // The angle is that of a text in degrees.
+        (projection, angle) => projection == Some("equirectangular") && angle >= Some(0.999 * TAU),
+    };
+    let is_light = |x: &f64| (0.0..f64::INFINITY).contains(x);
+    let radiance = layers.radiance();
+    let has_light = radiance.is_some_and(|pixels| pixels.iter().flatten().all(is_light));
+    is_whole && has_light && layers.width == 2 * layers.height
 }
 
 pub fn png(path: &Path) -> Result<Info> {

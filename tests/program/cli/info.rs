@@ -4,6 +4,8 @@ use std::fs;
 use std::io::Write;
 use std::path::Path;
 
+use nullray::io::budget::Budget;
+use nullray::io::image::{Layers, exr};
 use serde_json::Value;
 
 use super::refused::{TRIANGLE, refused};
@@ -576,6 +578,30 @@ fn tables_and_pictures_of_the_sky_are_named_by_what_they_are_of_use_for() {
         assert!(stars.contains(part), "{part}: {stars}");
     }
     assert!(info("sky.hdr").contains("as the image of a [sky]"));
+    // Of pictures of scenes only whole panoramas are skies.
+    folder.write(
+        "stars.toml",
+        "[camera]\neye = [0, 0, 0]\nlook_at = [0, 0, -1]\nsize = [8, 4]\n[sky]\ngradient = {}\n",
+    );
+    for (hfov, projection, is_sky) in [
+        ("60 deg", "perspective", false),
+        ("180 deg", "equirectangular", false),
+        ("360 deg", "equirectangular", true),
+    ] {
+        let [hfov, projection] = [("hfov", hfov), ("projection", projection)]
+            .map(|(key, value)| format!("camera.{key}=\"{value}\""));
+        let set = ["--set", &hfov, "--set", &projection];
+        folder.ok(&[&["render", "stars.toml", "-o", "sky.exr"][..], &set].concat());
+        assert_eq!(
+            info("sky.exr").contains("as the image of a [sky]"),
+            is_sky,
+            "{projection}"
+        );
+    }
+    let exr = exr::read(&folder.path("sky.exr"), &Budget::new(1 << 20)).unwrap();
+    let bare = Layers::new(exr.width, exr.height, exr.channels, vec![]).unwrap();
+    exr::write(&folder.path("sky.exr"), &bare).unwrap();
+    assert!(info("sky.exr").contains("as the image of a [sky]"));
     let run = folder.run(&["info", "other.csv"]);
     assert_eq!(run.code, 2);
     let said = "neither the table of a spectrum nor one of stars";

@@ -432,9 +432,15 @@ fn rays(
     let sky = scene.sky.as_ref().filter(|sky| sky.lights && sky.shadows);
     let lights = lights + sky.map_or(0, |sky| 2 + u64::from(sky.sun.is_some()));
     let capture: u64 = cubes.iter().flatten().map(|c| c.capture_rays).sum();
-    let towards = (pulses + lights).max(bindings::most_captures(scene, objects));
+    let towards = match scene.objects.is_empty() {
+        true => 0,
+        false => (pulses + lights).max(bindings::most_captures(scene, objects)),
+    };
     // Each level of a path has its own shadow rays; after the last surface a ray looks for emission.
-    let (levels, reflects) = (u64::from(scene.bounces) + 1, pulses + lights > 0);
+    let (levels, reflects) = (
+        u64::from(scene.bounces) + 1,
+        pulses + lights > 0 && towards > 0,
+    );
     let bounces_at_most = match scene.bounces > 0 && reflects {
         true => camera.saturating_mul(levels),
         false => 0,

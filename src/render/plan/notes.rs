@@ -65,7 +65,7 @@ fn skipped(scene: &Scene, plan: &Plan) -> Vec<Skipped> {
     skip(
         plan.rays.shadow_at_most == 0,
         "shadow rays",
-        "no light with shadows, no projected source",
+        "no object in a light with shadows, no projected source",
     );
     skip(
         plan.film.channels.is_empty(),

@@ -161,7 +161,10 @@ impl Plan {
             text += "; fast: in f32, for previews";
         }
         row(f, "rays", &text)?;
-        row(f, "trees", self.effort())
+        match self.objects.is_empty() {
+            true => Ok(()),
+            false => row(f, "trees", self.effort()),
+        }
     }
 
     fn memory(&self, f: &mut Formatter<'_>) -> fmt::Result {

@@ -26,7 +26,7 @@ pub(super) fn resolve(
         return Ok(None);
     };
     if quantity != Quantity::Rgb {
-        let what = format!("{what} has a spectrum where the radiance of surfaces has one");
+        let what = format!("{what} has a spectrum where radiances have none");
         let help = "set quantity = \"rgb\" in [radiance], or leave `spectrum` out";
         return Err(cx.refuse(at, what, help));
     }

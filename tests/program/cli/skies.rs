@@ -17,7 +17,12 @@ fn a_sky_alone_is_a_scene() {
     };
     let sky = "[sky]\ngradient = {}\n[radiance]\nquantity = \"rgb\"\n";
     folder.write("sky.toml", scene(sky));
-    folder.ok(&["plan", "sky.toml"]);
+    // Nothing is lit or hit.
+    let plan = folder.ok(&["plan", "sky.toml"]);
+    assert!(
+        !plan.contains("for shadows") && !plan.contains("trees"),
+        "{plan}"
+    );
     folder.ok(&["render", "sky.toml", "-o", "alone.npz"]);
     // Something small behind the camera changes nothing.
     let behind =

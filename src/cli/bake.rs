@@ -16,6 +16,7 @@ use nullray::render::plan::{Lit, Plan, Request, lit_by};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::{Progress, Silent};
 use nullray::scene::model::{CubeBacks, Scene};
+use nullray::spacetime::units::Angle;
 use nullray::{Error, Result};
 
 use super::args::{BakeArguments, WorkArguments};
@@ -737,12 +738,12 @@ fn source(
             let vector = |v: glam::DVec3| format!("[{}, {}, {}]", v.x, v.y, v.z);
             format!(
                 "[[source]]\nname = \"light\"\ncube = {{ {axis}, clock = \"{}\", capture = {{ eye = {}, look_at = {}, up = {}, \
-                 hfov = \"{} deg\" }} }}\n",
+                 hfov = \"{}\" }} }}\n",
                 baked.clock.name(),
                 vector(eye),
                 vector(eye + forward),
                 vector(up),
-                scene.camera.horizontal_fov.to_degrees()
+                Angle::of_radians(scene.camera.horizontal_fov)
             )
         }
     }

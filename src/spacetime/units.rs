@@ -132,6 +132,16 @@ impl Angle {
         self.base()
     }
 
+    /// An angle of `radians`, in degrees with the fewest digits that give it, from 12 on: "50 deg", where conversion alone rounds to
+    /// 49.999999999999986.
+    pub fn of_radians(radians: f64) -> Angle {
+        let exact = radians.to_degrees();
+        let with_digits = |digits: usize| format!("{exact:.*e}", digits - 1).parse().ok();
+        let mut short = (12..17).filter_map(with_digits).map(Angle::customary);
+        let angle = short.find(|angle| angle.radians() == radians);
+        angle.unwrap_or(Angle::customary(exact))
+    }
+
     /// Sine and cosine; exact at multiples of 90 degrees.
     pub fn sin_cos(self) -> (f64, f64) {
         // The first unit is the degree.
@@ -542,6 +552,20 @@ mod tests {
         let (sin, _) = "30 deg".parse::<Angle>().unwrap().sin_cos();
         assert!((sin - 0.5).abs() < 1e-16);
         assert_eq!("180 deg".parse::<Angle>().unwrap().radians(), PI);
+    }
+
+    #[test]
+    fn angles_are_written_with_as_few_degrees_as_give_them() {
+        for degrees in [50.0f64, 60.0, 0.1, 44.7, -30.0, 1e-7] {
+            let angle = Angle::customary(degrees);
+            assert_eq!(Angle::of_radians(angle.radians()), angle);
+        }
+        // Most others need all digits.
+        for radians in [1.0, 0.3, 2.0, f64::NAN] {
+            let text = Angle::of_radians(radians).to_string();
+            let back = text.parse::<Angle>().map_or(f64::NAN, Angle::radians);
+            assert!((back - radians).abs() < 4e-16 * radians || radians.is_nan());
+        }
     }
 
     #[test]

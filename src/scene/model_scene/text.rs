@@ -11,6 +11,7 @@ use glam::DVec3;
 
 use crate::io::gltf::{GltfLight, GltfLightKind};
 use crate::spacetime::Quantity;
+use crate::spacetime::units::Angle;
 
 /// The first line of such a scene.
 pub(crate) const MADE_FOR_MODEL: &str = "# Made by nullray for a model without a scene.";
@@ -100,9 +101,9 @@ pub(super) fn write_light(text: &mut String, light: &GltfLight) -> std::fmt::Res
         }
         GltfLightKind::Point => writeln!(text, "type = \"point\"")?,
         GltfLightKind::Spot { inner, outer } => {
-            let [inner, outer] = [inner, outer].map(f64::to_degrees);
+            let [inner, outer] = [inner, outer].map(Angle::of_radians);
             writeln!(text, "type = \"spot\"\ndirection = {direction}")?;
-            writeln!(text, "inner = \"{inner:?} deg\"\nouter = \"{outer:?} deg\"")?;
+            writeln!(text, "inner = \"{inner}\"\nouter = \"{outer}\"")?;
         }
     }
     writeln!(text, "position = {}", vector(light.position))?;

@@ -352,7 +352,7 @@ fn the_lights_of_a_model_are_lights_of_its_scene_in_place_of_a_sun() {
     ]);
     folder.write("model.gltf", document.to_string());
     let said = folder.ok(&["render", "model.gltf", "--print-scene"]);
-    let light = "[[light]]\ntype = \"spot\"\ndirection = [0.0, 0.0, -1.0]\ninner = \"0.0 deg\"\n\
+    let light = "[[light]]\ntype = \"spot\"\ndirection = [0.0, 0.0, -1.0]\ninner = \"0 deg\"\n\
                  outer = \"28.64788975654116 deg\"\nposition = [3.0, 1.0, 4.0]\nintensity = [5.0, 5.0, 5.0]\n";
     assert!(said.contains(light) && !said.contains("sun"), "{said}");
     let mut arguments = vec!["render", "model.gltf", "-o", "a.exr"];

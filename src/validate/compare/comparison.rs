@@ -162,7 +162,9 @@ pub fn compare(
         Some(_) => None,
         None => known::scene_of_picture(reference),
     };
+    let mixed = diagnose::mixed::pixels(pair, &points);
     let case = diagnose::Case {
+        mixed: &mixed,
         pair,
         points,
         region,

@@ -264,3 +264,19 @@ fn films_are_not_turned_cameras_and_right_pictures_have_none() {
         assert_eq!(diagnosed(&right, &only(&many, channels)), []);
     }
 }
+
+#[test]
+fn a_camera_at_another_time_is_named_by_means_of_samples_too() {
+    let at = |time: &str| {
+        let mut scene = parsed(&SCENE.replace("hfov", &format!("time = \"{time}\", hfov")));
+        scene.samples_per_pixel = 4;
+        bare(&taken(&scene, false))
+    };
+    let mut reference = parsed(SCENE);
+    reference.samples_per_pixel = 4;
+    let reference = taken(&reference, false);
+    for (time, words) in [("0.06 m", "0.0600 m"), ("0.3 m", "0.3000 m")] {
+        let found = diagnosed(&reference, &at(time));
+        named(Kind::CameraTime, &["another time", words], &found);
+    }
+}

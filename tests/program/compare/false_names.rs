@@ -296,3 +296,37 @@ fn what_puts_the_only_object_out_of_view_is_said_beside_its_loss() {
         &found,
     );
 }
+
+/// Thin bars far before the camera: nearly all of their pixels show the floor as well, far behind them.
+const BARS: &str = r#"
+    camera = { eye = [0, 3.4, 400], look_at = [0, 3.3, 0], hfov = "4.2 deg", size = [120, 40] }
+    [[object]]
+    shape = { plane = { size = [60000, 60000] } }
+    colour = [0.16, 0.27, 0.08]
+    [[object]]
+    shape = { box = { size = [20, 0.4, 0.4] } }
+    colour = [0.8, 0.35, 0.1]
+    transform = { translate = [0, 1.6, 0] }
+    [[object]]
+    shape = { box = { size = [20, 0.4, 0.4] } }
+    colour = [0.8, 0.35, 0.1]
+    transform = { translate = [0, 5, 0] }
+    velocity = { beta = [0.3, 0, 0] }
+"#;
+
+#[test]
+fn means_of_points_that_are_far_apart_are_no_mistake() {
+    let places = |picture: &Picture| only(picture, &["object", "event", "object_event"]);
+    let thinner = BARS.replace("[20, 0.4, 0.4]", "[20, 0.25, 0.3]");
+    for text in [BARS, &thinner] {
+        let mut scene = parsed(text);
+        let centres = places(&shot(&scene));
+        let [few, many] = [4, 16].map(|samples| {
+            scene.samples_per_pixel = samples;
+            places(&taken(&scene, false))
+        });
+        for [reference, candidate] in [[&many, &centres], [&few, &centres], [&centres, &many]] {
+            assert_eq!(diagnosed(reference, candidate), []);
+        }
+    }
+}

@@ -1,7 +1,8 @@
 //! Cameras with another velocity, time, orientation or position, found from positions of points.
 //!
 //! In a known scene the film position p(x) of a point is known for a camera with a changed parameter x: its time; its rapidity, which also
-//! moves its position at the time of the shot; its orientation; or its position. The candidate shows the point at the centre q of a pixel. x is found by
+//! moves its position at the time of the shot; its orientation; or its position. The candidate shows the point at q, the centre of a pixel, or
+//! the place in it at which the reference's own point is seen, if both have the same samples. x is found by
 //! Gauss–Newton steps from the reference's value, and for velocities also from rest and from the opposite velocity: with J = ∂p/∂x,
 //!
 //! ```text
@@ -15,7 +16,7 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 
 use super::super::known::KnownScene;
 use super::looks::{FARTHEST_TURN, turned_in_words};
-use super::motion::{self, NOTABLE_DISPLACEMENT, displaced};
+use super::motion::{self, Aim, NOTABLE_DISPLACEMENT, displaced};
 use super::{Case, Diagnosis, Kind, NEAR, Tally, channels, film};
 use crate::scene::model::{CameraModel, Motion};
 use crate::spacetime::{Boost, CameraFrame, Displacement, Velocity, World};
@@ -106,8 +107,12 @@ pub(super) fn another(case: &Case) -> Option<Diagnosis> {
     ];
     // Places in another unit are seen from an eye as far away where the scene is as much larger.
     let is_scaled = !channels::units_of_places(case).is_empty();
-    let found = numbers.into_iter().filter_map(|number| {
-        let (x, changed) = fitted(case, known, number)?;
+    let aims = Aim::all(case);
+    let each = numbers
+        .into_iter()
+        .flat_map(|number| aims.iter().map(move |aim| (number, *aim)));
+    let found = each.filter_map(|(number, aim)| {
+        let (x, changed) = fitted(case, known, number, aim)?;
         let is_possible = match number {
             Number::Time | Number::Velocity => true,
             Number::Turn => x.length().to_degrees() <= FARTHEST_TURN,
@@ -170,12 +175,17 @@ pub(super) fn other_shot(case: &Case) -> Option<Diagnosis> {
 }
 
 /// The parameters that best explain where the candidate shows points, and the scene with them.
-fn fitted(case: &Case, known: &KnownScene, number: Number) -> Option<(DVec3, KnownScene)> {
+fn fitted(
+    case: &Case,
+    known: &KnownScene,
+    number: Number,
+    aim: Aim,
+) -> Option<(DVec3, KnownScene)> {
     let points = &case.points[1];
     let [width, _] = points.size();
     let shown = case.region.pixels(points.size());
     let shown: Vec<usize> = shown
-        .filter(|i| known.place(points, *i).is_some())
+        .filter(|i| !case.is_mixed(*i) && known.place(points, *i).is_some())
         .collect();
     let pixels: Vec<usize> = shown
         .iter()
@@ -185,10 +195,7 @@ fn fitted(case: &Case, known: &KnownScene, number: Number) -> Option<(DVec3, Kno
     let with = |x: DVec3| known.seen_by(number.apply(known.camera(), x)?);
     // Displacements of the points from the pixels that show them to where they are seen.
     let off = |scene: &KnownScene| -> Vec<Option<DVec2>> {
-        let off = |i: &usize| {
-            let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
-            Some(scene.place(points, *i)? - centre)
-        };
+        let off = |i: &usize| Some(scene.place(points, *i)? - aim.place(case, known, *i));
         pixels.iter().map(off).collect()
     };
     // The mean length, so that a few displaced points do not decide; points that are not seen count as the width of the picture.

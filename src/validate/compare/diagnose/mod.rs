@@ -69,6 +69,7 @@ mod fitted;
 mod frames;
 mod light;
 mod looks;
+pub(super) mod mixed;
 mod motion;
 mod normals;
 mod object;
@@ -285,6 +286,8 @@ pub(super) struct Case<'a> {
     pub bin_width: Option<f64>,
     pub known: Option<&'a KnownScene>,
     pub field: Option<&'a Field<'a>>,
+    /// For each pixel, whether its points may be means over several surfaces; empty if there are none.
+    pub mixed: &'a [bool],
     /// The scene with all its files.
     pub scene: Option<&'a Scene>,
 }
@@ -421,11 +424,23 @@ impl Case<'_> {
         self.field.is_some() || directions == [true, true]
     }
 
+    /// Whether the points at a pixel may be means over several surfaces.
+    fn is_mixed(&self, i: usize) -> bool {
+        self.mixed.get(i) == Some(&true)
+    }
+
     /// Pixels of the region where both pictures show the same object.
-    fn pixels(&self) -> Vec<usize> {
+    fn of_same_object(&self) -> Vec<usize> {
         let [r, c] = &self.points;
         let pixels = self.region.pixels(r.size());
         pixels.filter(|i| r.same_object(c, *i)).collect()
+    }
+
+    /// Those of them whose channels are not means over several surfaces.
+    fn pixels(&self) -> Vec<usize> {
+        let mut pixels = self.of_same_object();
+        pixels.retain(|i| !self.is_mixed(*i));
+        pixels
     }
 }
 

@@ -596,28 +596,74 @@ fn moving_and_gone(case: &Case, known: &KnownScene) -> (Vec<usize>, Vec<usize>) 
     (moving, gone)
 }
 
-/// Distances of the candidate's points from where they should be seen, in the scene and in the changed one.
+/// The places in pixels at which pictures show points.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Aim {
+    /// The centres of pixels.
+    Centres,
+    /// The places at which the reference's own points are seen: those of its samples, which the candidate may share.
+    OfReference,
+}
+
+/// The farthest that the mean of a pixel's samples can be from its centre, pixels: a mean over several surfaces is seen elsewhere.
+const IN_PIXEL: f64 = 0.75;
+
+impl Aim {
+    /// The aims that the candidate may have.
+    pub fn all(case: &Case) -> &'static [Aim] {
+        match case.pair[0].metadata("pixel_centers") {
+            Some("true") => &[Aim::Centres],
+            _ => &[Aim::Centres, Aim::OfReference],
+        }
+    }
+
+    /// The place in pixel `i`.
+    pub fn place(self, case: &Case, known: &KnownScene, i: usize) -> DVec2 {
+        let points = &case.points[0];
+        let centre = DVec2::new((i % points.width) as f64, (i / points.width) as f64) + 0.5;
+        let seen = match self {
+            Aim::Centres => None,
+            Aim::OfReference => known.place(points, i),
+        };
+        let seen = seen.filter(|seen| seen.distance(centre) <= IN_PIXEL);
+        seen.unwrap_or(centre)
+    }
+}
+
+/// Distances of the candidate's points from where they should be seen, in the scene and in the changed one; for the aim that leaves less.
 pub(super) fn displaced(
     case: &Case,
     known: &KnownScene,
     changed: &KnownScene,
     object: Option<usize>,
 ) -> Tally {
+    let aims = Aim::all(case).iter();
+    let tallies = aims.map(|aim| displaced_from(case, *aim, [known, changed], object));
+    let least = tallies.reduce(|a, b| if b.rest() < a.rest() { b } else { a });
+    least.unwrap_or_else(|| Tally::of(std::iter::empty()))
+}
+
+fn displaced_from(
+    case: &Case,
+    aim: Aim,
+    [known, changed]: [&KnownScene; 2],
+    object: Option<usize>,
+) -> Tally {
     let points = &case.points[1];
     let [width, _] = points.size();
     let pixels = case.region.pixels(points.size());
-    let off = pixels.filter_map(|i| {
+    let off = pixels.filter(|i| !case.is_mixed(*i)).filter_map(|i| {
         if let Some(object) = object
             && points.object_at(i).is_some_and(|id| id != object as f64)
         {
             return None;
         }
-        let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
+        let aimed = aim.place(case, known, i);
         let shown = changed.place(points, i)?;
         let (k, p) = known.point(points, i)?;
         let right = known.film_point(k, p);
         // A point that is not seen, or is far out of view, counts as the width of the picture away.
-        let off = |p: DVec2| (p - centre).length().min(width as f64);
+        let off = |p: DVec2| (p - aimed).length().min(width as f64);
         Some([right.map_or(width as f64, off), off(shown)])
     });
     Tally::of(off)

@@ -37,7 +37,7 @@ fn of_each(case: &Case, of: impl Fn(&Case) -> Vec<Diagnosis>) -> Vec<Diagnosis> 
     if case.points.iter().any(|points| points.object.is_none()) {
         return Vec::new();
     }
-    for i in case.pixels() {
+    for i in case.of_same_object() {
         let object = case.points[0].object_at(i).unwrap_or(-1.0) as i64;
         pixels.entry(object).or_default().push(i);
     }
@@ -154,7 +154,7 @@ fn of_object(case: &Case, usual: f64) -> Vec<Diagnosis> {
         found.extend(is_there.then(|| time::shifted(case)).flatten());
     }
     // Light at a few pixels comes from their edges, too.
-    let pixels = case.pixels().len() as f64;
+    let pixels = case.of_same_object().len() as f64;
     let is_bright = light::lit(case).is_some_and(|lit| {
         light::middle(&lit) >= DIM * usual && lit.len() as f64 >= FEWEST_LIT * pixels
     });

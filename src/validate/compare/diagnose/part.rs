@@ -44,6 +44,9 @@ pub(super) fn misplaced(case: &Case) -> Vec<Diagnosis> {
     let [width, _] = points.size();
     let mut objects: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for i in case.region.pixels(points.size()) {
+        if case.is_mixed(i) {
+            continue;
+        }
         let Some((object, p)) = known.point(points, i) else {
             continue;
         };

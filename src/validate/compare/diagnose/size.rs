@@ -41,7 +41,8 @@ impl Side {
 /// Objects of another size.
 pub(super) fn wrong(case: &Case) -> Vec<Diagnosis> {
     let mut pixels: BTreeMap<usize, [Vec<usize>; 2]> = BTreeMap::new();
-    for i in case.region.pixels(case.points[0].size()) {
+    let all = case.region.pixels(case.points[0].size());
+    for i in all.filter(|i| !case.is_mixed(*i)) {
         for (which, points) in case.points.iter().enumerate() {
             if let Some(object) = points.object_at(i).filter(|object| *object >= 0.0) {
                 pixels.entry(object as usize).or_default()[which].push(i);

@@ -8,7 +8,7 @@ use super::super::known::{self, KnownScene};
 use super::super::options::Region;
 use super::super::picture::Picture;
 use super::super::points::Points;
-use super::{Case, Diagnosis, Kind, constant, diagnose_channels, film};
+use super::{Case, Diagnosis, Kind, constant, diagnose_channels, film, mixed};
 use crate::error::Message;
 use crate::io::image::{Layers, Samples};
 use crate::scene::model::Scene;
@@ -89,7 +89,9 @@ fn of_eye(case: &Case, eye: usize) -> Vec<Diagnosis> {
     };
     let known = known.filter(|known| known.is_that_of(&points[0]));
     let field = Field::new(&points, known.as_ref());
+    let mixed = mixed::pixels(pair, &points);
     let case = Case {
+        mixed: &mixed,
         pair,
         points,
         region: &region,

@@ -1,5 +1,6 @@
 //! Emission times: shifts, rounding, and no retardation.
 
+use super::super::geometry::Field;
 use super::super::picture::Plane;
 use super::{Case, Diagnosis, FEWEST, Kind, MOST, Tally, median};
 
@@ -38,7 +39,38 @@ pub(super) fn shifted(case: &Case) -> Option<Diagnosis> {
         TIME_ROUNDING
     };
     let explains = shift.abs() > rounding * scale && share >= MOST;
-    explains.then(|| describe_shift(case, shift, share))
+    (explains && shift.abs() > by_samples(case, r)).then(|| describe_shift(case, shift, share))
+}
+
+/// Displacements below this number of pixels are rounding: the pictures have the same samples.
+const SAME_SAMPLES: f64 = 0.02;
+
+/// The shift of times that samples elsewhere in pixels may cause: the change of the reference's times from a pixel to the next, or nothing
+/// where the pictures show the same points.
+fn by_samples(case: &Case, times: Plane) -> f64 {
+    let pixels = case.pixels();
+    let off = |field: &Field| {
+        let off = pixels.iter().filter_map(|i| field.displacement(*i));
+        median(off.map(|d| d.length()).collect())
+    };
+    if case
+        .field
+        .and_then(off)
+        .is_none_or(|off| off <= SAME_SAMPLES)
+    {
+        return 0.0;
+    }
+    let width = case.points[0].width;
+    let step = |by: usize| {
+        let here = pixels
+            .iter()
+            .filter(|i| **i + by < case.points[0].height * width);
+        let steps =
+            here.filter(|i| case.points[0].object_at(**i) == case.points[0].object_at(**i + by));
+        let steps = steps.map(|i| (times.at(i + by) - times.at(*i)).abs());
+        median(steps.filter(|step| step.is_finite()).collect()).unwrap_or(0.0)
+    };
+    f64::max(step(1), step(width))
 }
 
 fn describe_shift(case: &Case, shift: f64, share: f64) -> Diagnosis {

@@ -256,7 +256,7 @@ fn wrong_triangles(case: &Case, pixels: &[usize]) -> Option<(Vec<f64>, usize)> {
 }
 
 /// A pixel with those beside and diagonally beside it.
-fn around([width, height]: [usize; 2], i: usize) -> impl Iterator<Item = usize> {
+pub(super) fn around([width, height]: [usize; 2], i: usize) -> impl Iterator<Item = usize> {
     let (x, y) = (i % width, i / width);
     let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
     rows.flat_map(move |y| {

@@ -330,3 +330,12 @@ fn means_of_points_that_are_far_apart_are_no_mistake() {
         }
     }
 }
+
+/// Single samples at edges look like a shift by a third of a pixel, in some places.
+#[test]
+fn other_samples_of_moving_bodies_are_no_shift() {
+    let mut scene = parsed(&THREE.replace("size = [160, 120]", "size = [120, 90]"));
+    let single = shot(&scene);
+    scene.samples_per_pixel = 9;
+    assert_eq!(diagnosed(&single, &bare(&taken(&scene, false))), []);
+}

@@ -227,6 +227,36 @@ fn panoramas_moved_around_their_edge_are_named() {
     }
 }
 
+/// A panorama of that scene, with `samples` per pixel.
+fn panorama(samples: u32) -> Picture {
+    let fov = "hfov = \"55 deg\", size = [96, 72]";
+    let text = PULSE.replace(fov, "projection = \"equirectangular\", size = [128, 64]");
+    let mut scene = parsed(&text);
+    scene.samples_per_pixel = samples;
+    taken(&scene, false)
+}
+
+/// All pixels at edges differ between the two, whichever way the film is turned.
+#[test]
+fn turned_and_clipped_light_is_named_where_samples_differ_too() {
+    let [reference, other] = [panorama(16), panorama(2)];
+    let moved = rearranged(&other, |x, y| [(x + 96) % 128, y]);
+    for candidate in [light(&moved), moved] {
+        let words = ["around its edge by 90 degrees to the right"];
+        let found = diagnosed(&reference, &candidate);
+        named(Kind::FilmShifted, &words, &found);
+    }
+    let brightest = LIGHT.iter().flat_map(|name| values(&reference, name));
+    let bound = 0.4 * brightest.fold(0.0, f64::max);
+    let mut clipped = other;
+    for name in LIGHT {
+        map(&mut clipped, name, |_, v| v.min(bound));
+    }
+    let words = format!("light is clipped at {bound:.4}");
+    let found = diagnosed(&reference, &light(&clipped));
+    named(Kind::Clipped, &[&words], &found);
+}
+
 #[test]
 fn light_clipped_elsewhere_than_at_1_is_named_with_the_bound() {
     let brightest = LIGHT.iter().flat_map(|name| values(&exact(), name));
@@ -288,6 +318,14 @@ fn mistakes_of_stereo_pairs_are_named_by_eye() {
     let exchanged = rearranged(&reference, |x, y| [(x + 96) % 192, y]);
     let found = diagnosed(&reference, &exchanged);
     named(Kind::EyesExchanged, &["left and the right eye"], &found);
+    // One eye's picture for both, as it is and by light alone.
+    for (shift, name) in [(0, "left"), (96, "right")] {
+        let once = rearranged(&reference, |x, y| [x % 96 + shift, y]);
+        for candidate in [light(&once), once] {
+            let words = ["both eyes have the same picture", name];
+            named(Kind::EyesAlike, &words, &diagnosed(&reference, &candidate));
+        }
+    }
     // What both eyes share is a mistake of the pair.
     let found = diagnosed(&reference, &pair(&[("60 deg", "66 deg")]));
     named(Kind::FieldOfView, &["the field of view"], &found);

@@ -27,7 +27,7 @@ use glam::{DVec2, DVec3};
 use super::super::geometry::Field;
 use super::super::picture::{Plane, RADIANCE};
 use super::super::points::{Points, place};
-use super::{Case, Diagnosis, Kind, MOST, NEAR, Tally, light, median};
+use super::{Case, Diagnosis, Kind, MOST, NEAR, Tally, light, median, registration};
 use crate::render::aov::Aov;
 use crate::scene::model::ProjectionKind;
 
@@ -137,28 +137,61 @@ pub(super) fn turned(case: &Case) -> Option<Diagnosis> {
     if before.part <= ALIKE {
         return None;
     }
-    let [width, height] = case.points[0].size();
-    let mirrors = [Turn::LeftRight, Turn::UpDown, Turn::Both];
-    let diagonal = (width == height).then_some(Turn::Diagonal);
     let steps = -FARTHEST..=FARTHEST;
     let moves = steps
         .clone()
         .flat_map(|dy| steps.clone().map(move |dx| [dx, dy]));
     let moves = moves.filter(|step| *step != [0, 0]).map(Turn::Moved);
+    let tried = mirrors_and_quarters(case)
+        .chain(moves)
+        .map(|turn| (turn, differing(case, turn)));
+    let (turn, after) = tried.min_by(|a, b| a.1.part.total_cmp(&b.1.part))?;
+    match after.part <= NEAR * before.part {
+        true => Some(turn.describe(before, after)),
+        // Two films that differ by a turn of a panorama are not those of another camera.
+        false if is_panorama(case) => turned_by_light(case).map(|(found, _)| found),
+        false => None,
+    }
+}
+
+/// The fraction of the squared error of blurred light that may be left after a turn.
+const LEFT_BY_TURN: f64 = 0.1;
+
+/// A candidate with other samples than the reference that is mirrored, or moved around the edge of a panorama: then all pixels at edges
+/// and of textures differ, and the squared error of blurred light tells.
+pub(super) fn turned_by_light(case: &Case) -> Option<(Diagnosis, f64)> {
+    let [width, height] = case.points[0].size();
+    let size = [width, height].map(|n| n as i64);
+    let blurred = registration::Blurred::of(case)?;
+    let error =
+        |turn: Turn| blurred.error(|i| turn.source([i as i64 % size[0], i as i64 / size[0]], size));
+    let before = error(Turn::Moved([0, 0]));
+    let turns = mirrors_and_quarters(case).map(|turn| (turn, error(turn) / before));
+    let (turn, left) = turns.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (before > 0.0 && left <= LEFT_BY_TURN).then(|| {
+        let same = |part| Unlike { part, factor: 1.0 };
+        let mut found = turn.describe(same(1.0), same(left));
+        found.evidence = vec![("what it leaves of the squared error of light", left)];
+        (found, left)
+    })
+}
+
+/// All turns but small shifts.
+fn mirrors_and_quarters(case: &Case) -> impl Iterator<Item = Turn> {
+    let [width, height] = case.points[0].size();
+    let mirrors = [Turn::LeftRight, Turn::UpDown, Turn::Both];
+    let diagonal = (width == height).then_some(Turn::Diagonal);
     let around = [1, 2, 3]
         .into_iter()
         .flat_map(|quarters| [false, true].map(|mirrored| Turn::Around { quarters, mirrored }));
-    let around = around.filter(|_| is_panorama(case));
+    let is_around = is_panorama(case);
     let eyes = super::stereo::is_pair(case).then_some(Turn::Eyes);
-    let turns = mirrors
+    let around = around.filter(move |_| is_around);
+    mirrors
         .into_iter()
         .chain(diagonal)
-        .chain(moves)
         .chain(around)
-        .chain(eyes);
-    let tried = turns.map(|turn| (turn, differing(case, turn)));
-    let (turn, after) = tried.min_by(|a, b| a.1.part.total_cmp(&b.1.part))?;
-    (after.part <= NEAR * before.part).then(|| turn.describe(before, after))
+        .chain(eyes)
 }
 
 /// Whether the reference is a panorama of the whole sphere, by its metadata, or else by its shape.

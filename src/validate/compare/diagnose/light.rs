@@ -284,7 +284,8 @@ fn clipped(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     let at_bound = |(_, [r, c]): &&Lit| (0..3).any(|k| c[k] == bound && r[k] > bound);
     let count = lit.iter().filter(at_bound).count();
     let fit = fit(lit, |_, r| r.map(|v| v.min(bound)));
-    let is_clip = count >= FEWEST && fit.tally.share() >= MOST && fit.left <= LEFT_BESIDE_A_FACTOR;
+    let is_exact = fit.tally.share() >= MOST && fit.left <= LEFT_BESIDE_A_FACTOR;
+    let is_clip = count >= FEWEST && (is_exact || is_level(lit, bound));
     is_clip.then(|| {
         let what = format!("light is clipped at {bound:.4}: the reference's is up to {right:.4}");
         let evidence = [("pixels at the bound", count as f64)];
@@ -296,6 +297,36 @@ fn clipped(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         };
         (diagnosis, fit.left)
     })
+}
+
+/// The fraction of the values above a bound that must be at it, and the least range of their tenths in the reference.
+const MOST_AT_BOUND: f64 = 0.8;
+const RANGE_AT_BOUND: f64 = 0.1;
+
+/// Whether the candidate's light is at `bound` where the reference's varies above it, and is the reference's below: with other samples this
+/// is so except at edges.
+fn is_level(lit: &[Lit], bound: f64) -> bool {
+    let values = || {
+        lit.iter()
+            .flat_map(|(_, [r, c])| (0..3).map(|k| [r[k], c[k]]))
+    };
+    let above = values().filter(|[r, _]| *r > (1.0 + NOTABLE) * bound);
+    let (all, at_bound) = above.fold((0usize, 0usize), |(all, at), [_, c]| {
+        (all + 1, at + usize::from(c == bound))
+    });
+    let mut in_reference: Vec<f64> = values()
+        .filter(|[_, c]| *c == bound)
+        .map(|[r, _]| r / bound)
+        .collect();
+    in_reference.sort_by(f64::total_cmp);
+    let tenth = |k: usize| in_reference.get(k * in_reference.len() / 10).copied();
+    let varies = tenth(9)
+        .zip(tenth(1))
+        .is_some_and(|(high, low)| high - low > RANGE_AT_BOUND);
+    let below = values().filter(|[r, _]| *r > 0.0 && *r < (1.0 - NOTABLE) * bound);
+    let off = median(below.map(|[r, c]| (c / r - 1.0).abs()).collect());
+    let is_same_below = off.is_none_or(|off| off <= NOTABLE);
+    all >= FEWEST && at_bound as f64 >= MOST_AT_BOUND * all as f64 && varies && is_same_below
 }
 
 /// The smallest notable relative error of light.

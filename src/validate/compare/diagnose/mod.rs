@@ -13,7 +13,7 @@
 //! | aberration reversed, missing, or without γ | look directions, or positions in a known scene, are those for −β, for 0, or for a boost that lacks γ (`looks`) |
 //! | camera at another velocity, or turned | look directions are those of another boost, or of a rotation before it (`looks`); points of a known scene are where such a camera sees them (`camera`) |
 //! | camera elsewhere | the same for a camera at another place |
-//! | stereo pairs | the eyes are exchanged, or each has a mistake of its own (`stereo`) |
+//! | stereo pairs | the eyes are exchanged, or have one picture, or each has a mistake of its own (`stereo`) |
 //! | clipped | light is the reference's up to a bound |
 //! | light elsewhere | the light is that of the scene with a pulse or a lamp at another place; needs the scene |
 //! | camera at another time | points of a known scene are where a camera whose clock is ahead sees them (`camera`) |
@@ -145,6 +145,8 @@ pub enum Kind {
     CameraElsewhere,
     /// The pictures of the two eyes are exchanged.
     EyesExchanged,
+    /// Both eyes have the same picture.
+    EyesAlike,
     /// According to their metadata, the pictures are different shots.
     ShotsDiffer,
     /// Light takes no time.
@@ -242,6 +244,7 @@ impl Kind {
                 | Kind::CameraTime
                 | Kind::CameraElsewhere
                 | Kind::EyesExchanged
+                | Kind::EyesAlike
                 | Kind::ShotsDiffer
                 | Kind::RetardationMissing
         )
@@ -374,6 +377,15 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
         rendered::Verdict::Mistake(found, left) => Some((found, left)),
         rendered::Verdict::Nothing | rendered::Verdict::NoMistake => None,
     };
+    let of_light = by_light.as_ref().map(|(_, left)| *left);
+    if found.is_empty()
+        && by_scene.is_none()
+        && of_light.is_none_or(|left| left > NEAR)
+        && let Some((turned, left)) = film::turned_by_light(case)
+        && of_light.is_none_or(|of_light| left < of_light)
+    {
+        return vec![turned];
+    }
     match (by_scene, by_light) {
         (Some((by_scene, of_scene)), Some((by_light, left))) => {
             let is_simple = by_light.kind != Kind::ExponentWrong && left <= of_scene;

@@ -6,8 +6,8 @@
 use super::super::geometry::Field;
 use super::super::known::{self, KnownScene};
 use super::super::options::Region;
-use super::super::picture::Picture;
-use super::super::points::Points;
+use super::super::picture::{Picture, Plane, RADIANCE};
+use super::super::points::{Points, place};
 use super::{Case, Diagnosis, Kind, constant, diagnose_channels, film, mixed};
 use crate::error::Message;
 use crate::io::image::{Layers, Samples};
@@ -30,6 +30,9 @@ pub(super) fn of_eyes(case: &Case) -> Option<Vec<Diagnosis>> {
     if let Some(found) = film::turned(case).filter(|found| found.kind == Kind::EyesExchanged) {
         return Some(vec![found]);
     }
+    if let Some(found) = alike(case) {
+        return Some(vec![found]);
+    }
     let found = [0, 1].map(|k| of_eye(case, k));
     // What both eyes have in common is a mistake of the pair.
     let has = |found: &[Diagnosis], one: &Diagnosis| {
@@ -47,6 +50,41 @@ pub(super) fn of_eyes(case: &Case) -> Option<Vec<Diagnosis>> {
         }));
     }
     Some(all)
+}
+
+/// The fraction of the difference between the reference's eyes below which the candidate's are alike.
+const ALIKE: f64 = 0.1;
+
+/// One picture for both eyes.
+fn alike(case: &Case) -> Option<Diagnosis> {
+    let [width, height] = case.points[0].size();
+    case.region.is_all().then_some(())?;
+    let planes = [0, 1].map(|which| Plane::group(&case.pair[which].layers, RADIANCE));
+    let [r, c] = [planes[0].as_ref()?, planes[1].as_ref()?];
+    // The mean difference of light between two halves.
+    let apart = |[a, in_a]: [usize; 2], [b, in_b]: [usize; 2]| {
+        let light = |which: usize, i: usize| place(if which == 0 { r } else { c }, i);
+        let rows = (0..height).flat_map(|y| (0..width / 2).map(move |x| y * width + x));
+        let off = rows
+            .map(|i| (light(a, i + in_a * width / 2) - light(b, i + in_b * width / 2)).length());
+        off.filter(|off| off.is_finite()).sum::<f64>()
+    };
+    let (right, is) = (apart([0, 0], [0, 1]), apart([1, 0], [1, 1]));
+    (is <= ALIKE * right && right > 0.0).then(|| {
+        let off = [0, 1].map(|eye| apart([1, 0], [0, eye]));
+        let whose = match off.iter().position(|off| *off <= ALIKE * right) {
+            Some(eye) => format!(": that of the {} eye", EYES[eye].0),
+            None => ", and neither's: are the pupils at one place?".into(),
+        };
+        Diagnosis {
+            kind: Kind::EyesAlike,
+            what: format!("both eyes have the same picture{whose}").into(),
+            evidence: vec![(
+                "difference of the eyes over that in the reference",
+                is / right,
+            )],
+        }
+    })
 }
 
 /// Mistakes of one eye's picture.

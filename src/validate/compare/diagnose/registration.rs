@@ -33,9 +33,9 @@ use crate::error::Setting;
 /// a half-pixel shift.
 const LEFT_BY_SHIFT: f64 = 0.5;
 const LEFT_BY_SCALE: f64 = 0.35;
-/// The fraction of the tiles, by the fourth root of their error, in which half must be explained: 0.69 and more for films, 0.61 and less
-/// for other samples, and 0.45 and less for moving parts, in the scenes of this repository.
-const MOST_TILES: f64 = 0.65;
+/// The fraction of the tiles, by the fourth root of their error, in which half must be explained: 0.69 and more for films, and 0.45 and
+/// less for moving parts, in the scenes of this repository.
+const MOST_TILES: f64 = 0.6;
 /// Tiles with a smaller fraction of the largest tile's error are noise.
 const QUIET: f64 = 1e-3;
 /// A hypothesis with fewer free parameters is preferred up to this factor on the smallest residual.
@@ -84,8 +84,10 @@ pub(super) fn found(case: &Case, scene_was_tested: bool) -> Option<(Diagnosis, f
     fits.retain(|fit| match &fit.cause {
         Cause::Film(film) => {
             let is_rounding = single
-                && film.k != DVec2::ONE
-                && levels.edges_move(|p| film.of(p)) <= ROUNDED_OUTLINE;
+                && match film.k == DVec2::ONE {
+                    true => fit.displacement < ROUNDED_SHIFT && fit.tiles < MOST_TILES_OF_SHIFT,
+                    false => levels.edges_move(|p| film.of(p)) <= ROUNDED_OUTLINE,
+                };
             !is_rounding && !levels.edges_stay(|p| film.of(p))
         }
         Cause::Boost(_) => true,
@@ -99,6 +101,10 @@ pub(super) fn found(case: &Case, scene_was_tested: bool) -> Option<(Diagnosis, f
 /// Single samples round the outline of surfaces by up to half a pixel on each side, which may look like another scale: for such pictures a
 /// scale must move the outer edges by more than that and the fit's error, pixels.
 const ROUNDED_OUTLINE: f64 = 0.7;
+
+/// The same for a shift, pixels, and the fraction of tiles that a smaller one must explain: other samples explain up to 0.61.
+const ROUNDED_SHIFT: f64 = 0.4;
+const MOST_TILES_OF_SHIFT: f64 = 0.65;
 
 /// Whether a picture has, or may have, single samples: unless it states its number of samples.
 fn has_single_samples(case: &Case) -> bool {

@@ -291,8 +291,8 @@ fn check_words(caption: Option<&str>) -> Result<()> {
 /// A model without a scene of its own.
 enum Model<'a> {
     /// In the light of its own lamps or of a sun, and of a sky.
-    Alone(&'a Path, Box<ModelScene>),
-    Flashed(FlashFilm<'a>),
+    Alone(&'a Path, ModelScene),
+    Flashed(Box<FlashFilm<'a>>),
 }
 
 /// The named scene file, or the scene for a model.
@@ -311,10 +311,10 @@ fn file<'a>(
     };
     if let Some(flash) = &view.flash {
         let (file, film) = FlashFilm::of(path, &made, flash, arguments)?;
-        return Ok((file, Some(Model::Flashed(film))));
+        return Ok((file, Some(Model::Flashed(Box::new(film)))));
     }
     let file = builtin::of_model(path, &made.text());
-    Ok((file, Some(Model::Alone(path, Box::new(made)))))
+    Ok((file, Some(Model::Alone(path, made))))
 }
 
 /// The number of pictures of a fly-by that are previewed for its exposure.

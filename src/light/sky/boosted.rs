@@ -520,9 +520,9 @@ impl VectorLoop for Illumination<'_> {
                 let cosine = normals[0][k] * x + normals[1][k] * y + normals[2][k] * z;
                 cosines[k] = if cosine > 0.0 { cosine } else { 0.0 };
             }
-            for channel in 0..3 {
-                for k in 0..TOGETHER {
-                    sums[channel][k] += beam.flux[channel] * cosines[k];
+            for (sums, flux) in sums.iter_mut().zip(beam.flux) {
+                for (sum, cosine) in sums.iter_mut().zip(&cosines) {
+                    *sum += flux * cosine;
                 }
             }
         }

@@ -81,6 +81,7 @@ mod scene_light;
 mod size;
 mod stereo;
 mod time;
+mod turns;
 mod unlike;
 
 use serde::Serialize;
@@ -336,7 +337,7 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
         |case| channels::order_of_events(case).into_iter().collect(),
         |case| looks::camera(case).into_iter().collect(),
         |case| camera::another(case).into_iter().collect(),
-        |case| film::turned(case).into_iter().collect(),
+        |case| turns::turned(case).into_iter().collect(),
         |case| channels::identities(case).into_iter().collect(),
         channels::coordinates,
         |case| time::rounded(case).into_iter().collect(),
@@ -381,7 +382,7 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
     if found.is_empty()
         && by_scene.is_none()
         && of_light.is_none_or(|left| left > NEAR)
-        && let Some((turned, left)) = film::turned_by_light(case)
+        && let Some((turned, left)) = turns::turned_by_light(case)
         && of_light.is_none_or(|of_light| left < of_light)
     {
         return vec![turned];

@@ -8,7 +8,7 @@ use super::super::known::{self, KnownScene};
 use super::super::options::Region;
 use super::super::picture::{Picture, Plane, RADIANCE};
 use super::super::points::{Points, place};
-use super::{Case, Diagnosis, Kind, constant, diagnose_channels, film, mixed};
+use super::{Case, Diagnosis, Kind, constant, diagnose_channels, mixed, turns};
 use crate::error::Message;
 use crate::io::image::{Layers, Samples};
 use crate::scene::model::Scene;
@@ -27,7 +27,7 @@ pub(super) fn is_pair(case: &Case) -> bool {
 /// Mistakes of a stereo pair; `None` for other pictures.
 pub(super) fn of_eyes(case: &Case) -> Option<Vec<Diagnosis>> {
     is_pair(case).then_some(())?;
-    if let Some(found) = film::turned(case).filter(|found| found.kind == Kind::EyesExchanged) {
+    if let Some(found) = turns::turned(case).filter(|found| found.kind == Kind::EyesExchanged) {
         return Some(vec![found]);
     }
     if let Some(found) = alike(case) {

@@ -430,7 +430,16 @@ fn with_independent(case: &Case, mut found: Vec<Diagnosis>) -> Vec<Diagnosis> {
     found
 }
 
+/// The metadata that only stereo pairs have.
+const PUPIL_DISTANCE: &str = "camera_interpupillary_distance";
+
 impl Case<'_> {
+    /// Whether the reference is a stereo pair with halves of equal size.
+    fn is_stereo_pair(&self) -> bool {
+        let width = self.pair[0].layers.width;
+        self.pair[0].metadata(PUPIL_DISTANCE).is_some() && width >= 2 && width.is_multiple_of(2)
+    }
+
     /// Whether channels show which points pixels show, or where they look: then light is not needed.
     fn has_places(&self) -> bool {
         let directions = self.points.each_ref().map(|p| p.direction.is_some());

@@ -8,25 +8,17 @@ use super::super::known::{self, KnownScene};
 use super::super::options::Region;
 use super::super::picture::{Picture, Plane, RADIANCE};
 use super::super::points::{Points, place};
-use super::{Case, Diagnosis, Kind, constant, diagnose_channels, mixed, turns};
+use super::{Case, Diagnosis, Kind, PUPIL_DISTANCE, constant, diagnose_channels, mixed, turns};
 use crate::error::Message;
 use crate::io::image::{Layers, Samples};
 use crate::scene::model::Scene;
 
-/// The metadata that only stereo pairs have.
-const DISTANCE: &str = "camera_interpupillary_distance";
 /// The names of the eyes, and on which side of the middle they are.
 const EYES: [(&str, f64); 2] = [("left", -1.0), ("right", 1.0)];
 
-/// Whether the reference is a stereo pair with halves of equal size.
-pub(super) fn is_pair(case: &Case) -> bool {
-    let width = case.pair[0].layers.width;
-    case.pair[0].metadata(DISTANCE).is_some() && width >= 2 && width.is_multiple_of(2)
-}
-
 /// Mistakes of a stereo pair; `None` for other pictures.
 pub(super) fn of_eyes(case: &Case) -> Option<Vec<Diagnosis>> {
-    is_pair(case).then_some(())?;
+    case.is_stereo_pair().then_some(())?;
     if let Some(found) = turns::turned(case).filter(|found| found.kind == Kind::EyesExchanged) {
         return Some(vec![found]);
     }
@@ -162,6 +154,8 @@ fn half(picture: &Picture, eye: usize) -> Picture {
             Samples::I32(v) => Samples::I32(part(v, width, eye)),
         };
     }
-    half.layers.metadata.retain(|(key, _)| key != DISTANCE);
+    half.layers
+        .metadata
+        .retain(|(key, _)| key != PUPIL_DISTANCE);
     half
 }

@@ -167,7 +167,7 @@ fn mirrors_and_quarters(case: &Case) -> impl Iterator<Item = Turn> {
         .into_iter()
         .flat_map(|quarters| [false, true].map(|mirrored| Turn::Around { quarters, mirrored }));
     let is_around = is_panorama(case);
-    let eyes = super::stereo::is_pair(case).then_some(Turn::Eyes);
+    let eyes = case.is_stereo_pair().then_some(Turn::Eyes);
     let around = around.filter(move |_| is_around);
     mirrors
         .into_iter()

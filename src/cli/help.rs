@@ -140,7 +140,7 @@ Examples:
 There is a vertex at the centre of each pixel, with the texture coordinates of that place in the picture. If a cube of the same \
 camera holds times of emission, use `uv = 0`; if it holds times of arrival, use `capture` with the same camera. The mesh is torn \
 where one surface ends \
-in front of another. The distance is that of the light that came first, straight from the surface. Dark pixels are left out (--least): \
+in front of another. The distance is that of the light that came first, straight from the surface. Dark pixels are left out (--dark-fraction): \
 where only indirect light arrives, the distance would be too long.";
 
 pub const STUDY: &str = "\

@@ -21,8 +21,8 @@ use super::{print, warn};
 
 /// The default fractions: of a pixel's highest value, above which its first maximum counts; and of the brightest pixel, below which a pixel
 /// is in shadow.
-const RISE: f64 = 0.2;
-const LEAST: f64 = 0.02;
+const PEAK_FRACTION: f64 = 0.2;
+const DARK_FRACTION: f64 = 0.02;
 
 /// Builds the mesh from a capture's distances and writes it; names are checked before anything is read.
 pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
@@ -47,10 +47,10 @@ pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
         DepthKind::FirstLight => by_first_light(arguments, &camera, &budget)?,
         DepthKind::Distance | DepthKind::Depth => by_map(arguments, &camera, &budget)?,
     };
-    let made = rays.mesh(&distances, arguments.tear);
+    let made = rays.mesh(&distances, arguments.max_step);
     if made.mesh.triangles.is_empty() {
         let what = "no three neighbouring pixels lie on one surface";
-        let help = "check the camera, the lamp and the times; a larger --tear joins pixels that are farther apart";
+        let help = "check the camera, the lamp and the times; a larger --max-step joins pixels that are farther apart";
         return Err(Error::invalid(&arguments.input, "", what, help));
     }
     gltf::save(&output, "surface", &made.mesh)?;
@@ -72,8 +72,8 @@ fn refuse_unread(arguments: &MeshFromDepthArguments) -> Result<()> {
         ("--bin-width", arguments.bin_width.is_some()),
         ("--axes", arguments.axes.is_some()),
         ("--medium-index", arguments.medium_index.is_some()),
-        ("--rise", arguments.rise.is_some()),
-        ("--least", arguments.least.is_some()),
+        ("--peak-fraction", arguments.peak_fraction.is_some()),
+        ("--dark-fraction", arguments.dark_fraction.is_some()),
     ];
     match given.into_iter().find(|(_, is_given)| *is_given) {
         Some((option, _)) => {
@@ -159,8 +159,8 @@ fn by_first_light(
     let cube = cube::load(&arguments.input, wanted)?;
     let rays = PixelRays::new(camera, [w, h]);
     let first = FirstLight {
-        rise: arguments.rise.unwrap_or(RISE),
-        least: arguments.least.unwrap_or(LEAST),
+        peak_fraction: arguments.peak_fraction.unwrap_or(PEAK_FRACTION),
+        dark_fraction: arguments.dark_fraction.unwrap_or(DARK_FRACTION),
     };
     let arrivals = first_light(&cube, start.unwrap_or(0.0), width, &first);
     let flash = Flash {

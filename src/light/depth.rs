@@ -10,15 +10,15 @@
 //!
 //! In a medium of index η all lengths are η times as long. For a lamp in the pinhole q = 0 and r = s/2.
 //!
-//! *First arrivals.* Among a pixel's bins, the first maximum that is at least a fraction `rise` of the highest. Light via a second
+//! *First arrivals.* Among a pixel's bins, the first maximum that is at least a fraction `peak_fraction` of the highest. Light via a second
 //! surface arrives later than the direct light of the same pixel, but may be brighter. A Gaussian is fitted through the three bins about
 //! the maximum: ln a is a parabola there, whose vertex is at k + ½ (ln a₋ − ln a₊)/(ln a₋ − 2 ln a₀ + ln a₊) from the bin's centre. Bins
 //! that are means of a Gaussian have the same vertex if they are symmetric about it, and otherwise an error below 10⁻³ of a bin for σ of
-//! a bin or more. Pixels whose maximum is below a fraction `least` of the picture's brightest are taken as dark: shadow, or nothing
+//! a bin or more. Pixels whose maximum is below a fraction `dark_fraction` of the picture's brightest are taken as dark: shadow, or nothing
 //! there.
 //!
 //! *Mesh.* Vertices are at pixel centres, with the texture coordinates of these centres, so that a cube of the same camera fits the mesh.
-//! Neighbours are joined unless the surface is torn between them: that is, if their distances from the pinhole differ by more than `tear`
+//! Neighbours are joined unless the surface is torn between them: that is, if their distances from the pinhole differ by more than `max_step`
 //! pixel widths, unless the line through the two pixels before them meets the second one's ray within that tolerance, and the line
 //! through the two behind them the first one's, if these have distances. On a plane they meet exactly, at any tilt. A triangle is made if
 //! both of its sides along rows and columns are joined.
@@ -43,16 +43,16 @@ pub struct Flash {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstLight {
     /// The fraction of a pixel's highest value that its first maximum must reach.
-    pub rise: f64,
+    pub peak_fraction: f64,
     /// The fraction of the brightest pixel's highest value below which a pixel is dark.
-    pub least: f64,
+    pub dark_fraction: f64,
 }
 
 impl Default for FirstLight {
     fn default() -> Self {
         FirstLight {
-            rise: 0.2,
-            least: 0.02,
+            peak_fraction: 0.2,
+            dark_fraction: 0.02,
         }
     }
 }
@@ -138,7 +138,7 @@ impl PixelRays {
     }
 
     /// The mesh through points at `distances` from the pinhole, metres, row by row; distances that are not above 0 are left out.
-    pub fn mesh(&self, distances: &[f64], tear: f64) -> DepthMesh {
+    pub fn mesh(&self, distances: &[f64], max_step: f64) -> DepthMesh {
         let points: Vec<Option<DVec3>> = (0..self.size[0] * self.size[1])
             .map(|pixel| {
                 let r = *distances.get(pixel)?;
@@ -149,7 +149,7 @@ impl PixelRays {
         Weaver {
             rays: self,
             points: &points,
-            tear,
+            max_step,
         }
         .weave()
     }
@@ -165,7 +165,7 @@ pub fn first_light(cube: &Cube, start: f64, width: f64, first: &FirstLight) -> V
     let brightest = all.iter().copied().fold(0.0, f64::max);
     let arrival = |pixel: usize| {
         let highest = all[pixel];
-        if highest <= first.least * brightest {
+        if highest <= first.dark_fraction * brightest {
             return f64::NAN;
         }
         // The first maximum that is high enough; a plateau counts from its beginning.
@@ -175,7 +175,7 @@ pub fn first_light(cube: &Cube, start: f64, width: f64, first: &FirstLight) -> V
                 if *bin == 0 { 0.0 } else { at(bin - 1) },
                 if bin + 1 == bins { 0.0 } else { at(bin + 1) },
             );
-            at(*bin) >= first.rise * highest && at(*bin) > before && at(*bin) >= after
+            at(*bin) >= first.peak_fraction * highest && at(*bin) > before && at(*bin) >= after
         };
         let Some(peak) = (0..bins).find(is_peak) else {
             return f64::NAN;
@@ -199,7 +199,7 @@ pub fn first_light(cube: &Cube, start: f64, width: f64, first: &FirstLight) -> V
 struct Weaver<'a> {
     rays: &'a PixelRays,
     points: &'a [Option<DVec3>],
-    tear: f64,
+    max_step: f64,
 }
 
 impl Weaver<'_> {
@@ -216,7 +216,7 @@ impl Weaver<'_> {
         let [r_a, r_b] = [a, b].map(|p| p.distance(self.rays.eye));
         // Tears are judged by the nearer pixel's width, which is the smaller.
         let nearer = if r_a < r_b { a } else { b };
-        let tolerance = self.tear * self.rays.footprint(nearer);
+        let tolerance = self.max_step * self.rays.footprint(nearer);
         if (r_a - r_b).abs() <= tolerance {
             return Some(true);
         }

@@ -63,13 +63,13 @@ pub struct MeshFromDepthArguments {
     pub medium_index: Option<f64>,
     /// Take a pixel's first maximum only above this fraction of its highest value. Default: 0.2.
     #[arg(long, value_name = "FRACTION", value_parser = values::positive)]
-    pub rise: Option<f64>,
+    pub peak_fraction: Option<f64>,
     /// Leave out pixels below this fraction of the brightest: they are in shadow, where only indirect light arrives. Default: 0.02.
     #[arg(long, value_name = "FRACTION", value_parser = values::positive)]
-    pub least: Option<f64>,
+    pub dark_fraction: Option<f64>,
     /// Do not join neighbours whose distances differ by more than this many pixel widths and by more than they would on a plane.
     #[arg(long, value_name = "PIXELS", default_value_t = 4.0, value_parser = values::positive)]
-    pub tear: f64,
+    pub max_step: f64,
     #[command(flatten)]
     pub memory: MemoryLimit,
     #[command(flatten)]

@@ -88,14 +88,14 @@ pub(crate) struct PixelAngles<'a> {
 
 /// Look directions of some rays in the world.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Looks<'a> {
+pub(crate) struct LookDirections<'a> {
     /// The directions of all rays.
     pub directions: &'a [DVec3],
     /// The indices of the rays in use.
     pub rays: &'a [u32],
 }
 
-impl Looks<'_> {
+impl LookDirections<'_> {
     /// The direction of ray `k` of those in use.
     #[inline(always)]
     fn get(&self, k: usize) -> DVec3 {
@@ -261,16 +261,16 @@ impl Sky {
         radiance
     }
 
-    /// Sets the radiance of [`Sky::radiance`] for each of `looks`, with pixels as wide as `angles` says, in vector loops. `directions` are
+    /// Sets the radiance of [`Sky::radiance`] for each of `look`, with pixels as wide as `angles` says, in vector loops. `directions` are
     /// the same by component if [`Sky::takes_columns`] is true.
     pub(crate) fn radiance_each(
         &self,
-        looks: Looks,
+        look: LookDirections,
         directions: &Columns,
         angles: PixelAngles,
         radiance: &mut Vec<[f64; 3]>,
     ) {
-        radiance.resize(looks.rays.len(), [0.0; 3]);
+        radiance.resize(look.rays.len(), [0.0; 3]);
         // The background comes first: it overwrites the output, and stars and sun are added to it.
         match &self.background {
             Background::Uniform(everywhere) => radiance.fill(*everywhere),
@@ -279,7 +279,7 @@ impl Sky {
                 directions,
                 radiance,
             }),
-            Background::Image(panorama) => panorama.radiance_each(looks, angles, radiance),
+            Background::Image(panorama) => panorama.radiance_each(look, angles, radiance),
             Background::Spectrum(_) => radiance.fill([0.0; 3]),
         }
         if let Some(stars) = self.stars.as_ref().filter(|_| !self.thermal_stars) {
@@ -290,7 +290,7 @@ impl Sky {
         }
         if let Some(sun) = &self.sun {
             for (k, radiance) in radiance.iter_mut().enumerate() {
-                if looks.get(k).dot(sun.direction) > sun.cosine {
+                if look.get(k).dot(sun.direction) > sun.cosine {
                     *radiance = sum(*radiance, sun.radiance);
                 }
             }

@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 
-use super::{Looks, PixelAngles};
+use super::{LookDirections, PixelAngles};
 use crate::accel::texels::{Taps, TapsBlock, mixed, mixed_each};
 use crate::accel::vectors::{BLOCK, VectorLoop, dispatch, prefetch};
 
@@ -166,16 +166,16 @@ impl Panorama {
         mixed(&self.texels, [fine, coarse], weight, self.scale)
     }
 
-    /// Sets `radiance` along `looks`, each with texels about as wide as `angles` says: [`Panorama::radiance`] in vector loops.
+    /// Sets `radiance` along `look`, each with texels about as wide as `angles` says: [`Panorama::radiance`] in vector loops.
     pub(super) fn radiance_each(
         &self,
-        looks: Looks,
+        look: LookDirections,
         angles: PixelAngles,
         radiance: &mut [[f64; 3]],
     ) {
         dispatch(LookUp {
             panorama: self,
-            looks,
+            look,
             angles,
             radiance,
         });
@@ -300,7 +300,7 @@ fn whole_and_rest(x: f32) -> (u32, f32) {
 /// Looks up radiances of directions.
 struct LookUp<'a> {
     panorama: &'a Panorama,
-    looks: Looks<'a>,
+    look: LookDirections<'a>,
     angles: PixelAngles<'a>,
     radiance: &'a mut [[f64; 3]],
 }
@@ -397,7 +397,7 @@ impl VectorLoop for LookUp<'_> {
     fn run(self) {
         let panorama = self.panorama;
         let PixelAngles { angle, ratios, .. } = self.angles;
-        let Looks { directions, rays } = self.looks;
+        let LookDirections { directions, rays } = self.look;
         let (mut x, mut y, mut z) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
         let mut widths = [0.0; BLOCK];
         let mut places = PlacesBlock::ZERO;
@@ -643,12 +643,12 @@ mod tests {
             (0..count).map(|k| k * 11 % count).collect(),
         ];
         for rays in orders {
-            let looks = Looks {
+            let look = LookDirections {
                 directions: &all,
                 rays: &rays,
             };
             let mut radiance = vec![[0.0; 3]; all.len()];
-            sky.radiance_each(looks, angles, &mut radiance);
+            sky.radiance_each(look, angles, &mut radiance);
             for ((ray, w), together) in rays.iter().zip(&ratios).zip(radiance) {
                 let d = all[*ray as usize];
                 assert_eq!(sky.radiance(d, 0.7 / w), together, "{d}, {w}");

@@ -7,8 +7,8 @@ use glam::DVec3;
 use super::area_draws::AreaDraws;
 use super::blend::Blend;
 use super::camera_rays::LeftTriangle;
-use super::falling::{Falling, Gathered};
 use super::hits::HitBuffer;
+use super::lamp_light::{Gathered, LampLight};
 use super::occlusion::{OcclusionQueries, shadow_starts};
 use super::points::Points;
 use super::sharing::{Groups, Receivers};
@@ -165,7 +165,7 @@ pub struct Emitted {
     /// Directions towards the observer, if needed.
     pub(super) views: Columns,
     /// Intermediate results for one lamp.
-    pub(super) falling: Falling,
+    pub(super) lamp_light: LampLight,
     /// Cosine-distributed directions about the points' normals.
     pub(super) by_cosine: Columns,
     /// Normals of the points from which paths continue.
@@ -410,7 +410,7 @@ impl Default for Emitted {
             blocked: Vec::new(),
             points: Points::default(),
             views: Columns::default(),
-            falling: Falling::default(),
+            lamp_light: LampLight::default(),
             by_cosine: Columns::default(),
             normals: Columns::default(),
             keys: Vec::new(),

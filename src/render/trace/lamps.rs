@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::emitted::Emitted;
-use super::falling::{Falling, Gathered};
+use super::lamp_light::{Gathered, LampLight};
 use super::occlusion::any_to_point;
 use super::run::Run;
 use super::stats::Meter;
@@ -27,7 +27,7 @@ pub(super) fn illuminate(
     let Emitted {
         points,
         views,
-        falling,
+        lamp_light,
         queries,
         leaving,
         starts,
@@ -43,13 +43,13 @@ pub(super) fn illuminate(
     let surfaces = run.traced.surfaces;
 
     // The light that arrives at each point, and its angle of incidence.
-    let Falling {
+    let LampLight {
         arrivals,
         incidence,
         colours,
         lit,
         values,
-    } = falling;
+    } = lamp_light;
     let boost = surfaces.boost(run.frame);
     let (on_rays, normals) = (points.on_rays(), &points.normals);
     // Shadow rays need directions to the lamp, unless they all end at one point of the frame.
@@ -412,7 +412,7 @@ struct Glossy<'a> {
 }
 
 /// Reflection parameters of a block.
-struct Looks<'a> {
+struct Reflectances<'a> {
     colours: VectorsRef<'a>,
     metallic: &'a Block,
     roughness: &'a Block,
@@ -445,14 +445,14 @@ impl Glossy<'_> {
     #[inline(always)]
     fn add_each<const ROUGHEST: bool>(
         &self,
-        looks: &Looks,
+        reflectances: &Reflectances,
         (irradiance, factors): (&Vectors, &Block),
         before: VectorsRef,
         sum: &mut Vectors,
     ) {
         for (k, factor) in factors.iter().enumerate() {
-            let look = [looks.metallic[k], looks.roughness[k]];
-            let of = Coefficients::new(looks.colours.get(k), look, looks.dielectric);
+            let look = [reflectances.metallic[k], reflectances.roughness[k]];
+            let of = Coefficients::new(reflectances.colours.get(k), look, reflectances.dielectric);
             let value = self.value::<ROUGHEST, false>(&of, k);
             let more = before.get(k) + value * irradiance.get(k);
             let is_lit = *factor != 0.0;
@@ -520,20 +520,20 @@ impl VectorLoop for Gloss<'_> {
                 }
                 None => {
                     let look = glosses.begin(begin);
-                    let looks = Looks {
+                    let reflectances = Reflectances {
                         colours: glosses.colours.block(look),
                         metallic: block_of(&glosses.metallic, look, last_metallic),
                         roughness: block_of(&glosses.roughness, look, last_roughness),
                         dielectric: glosses.dielectric,
                     };
                     let mut others = 0;
-                    for roughness in looks.roughness {
+                    for roughness in reflectances.roughness {
                         others |= roughness.to_bits() ^ 1.0f64.to_bits();
                     }
                     let light = (&irradiance, factors);
                     match others == 0 {
-                        true => points.add_each::<true>(&looks, light, before, &mut sum),
-                        false => points.add_each::<false>(&looks, light, before, &mut sum),
+                        true => points.add_each::<true>(&reflectances, light, before, &mut sum),
+                        false => points.add_each::<false>(&reflectances, light, before, &mut sum),
                     }
                 }
             }

@@ -11,7 +11,7 @@ use super::stats::{Counter, Meter, Stage};
 use crate::accel::Hit;
 use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, dispatch, shift_each};
 use crate::colour::{self, RgbShift, per_wavelength_power};
-use crate::light::sky::{Beaming, Looks, PixelAngles, Sky, Star};
+use crate::light::sky::{Beaming, LookDirections, PixelAngles, Sky, Star};
 use crate::light::time_texture::Coverage;
 use crate::render::film::TileFilm;
 use crate::spacetime::Quantity;
@@ -314,13 +314,13 @@ impl Shading {
             }
         };
         if sky.has_channels() {
-            let looks = Looks {
+            let look = LookDirections {
                 directions: traced.rays.directions,
                 rays: escaped,
             };
             if only_stars.is_none() {
                 let radiance = &mut self.emitted.radiance;
-                sky.radiance_each(looks, &self.directions, pixels, radiance);
+                sky.radiance_each(look, &self.directions, pixels, radiance);
             }
             weigh_all(self.emitted.response.scaled, &mut self.factors);
             add_colours(&mut self.emitted, ratios, &self.factors, escaped, sink);

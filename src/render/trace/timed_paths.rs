@@ -176,7 +176,7 @@ struct PathHit {
 }
 
 /// Light of a lamp at a surface, if it is not blocked.
-struct Falling<'a> {
+struct LightSample<'a> {
     found: Found<'a>,
     /// The segment to be tested for obstacles.
     way: Option<Segment>,
@@ -505,7 +505,7 @@ impl TimedPaths<'_> {
         };
         let near = NEAR * low.abs().max(high.abs()).max_element();
         let surfaces_light = self.bounces > 0 || self.light.areas.is_some();
-        let mut looks = 0;
+        let mut tested = 0;
         for slot in slots {
             let patch = self.rest.patch(bvh.triangle(slot).0);
             let [a, b, c] = bvh.corners(slot);
@@ -528,9 +528,9 @@ impl TimedPaths<'_> {
             if !surfaces_light || !lies_behind(farthest) {
                 continue;
             }
-            looks += 3 * bvh.len();
+            tested += 3 * bvh.len();
             let mut all = 0..bvh.len() as u32;
-            if looks > MOST || all.any(|slot| bvh.corners(slot).into_iter().any(lies_behind)) {
+            if tested > MOST || all.any(|slot| bvh.corners(slot).into_iter().any(lies_behind)) {
                 return true;
             }
         }
@@ -578,15 +578,15 @@ impl TimedPaths<'_> {
 
     /// Adds the reflection of lamps at `vertices` to `all`.
     fn light_up<'a>(&'a self, vertices: &[Vertex], all: &mut Vec<Found<'a>>) {
-        let mut falling = Vec::new();
+        let mut candidates = Vec::new();
         for vertex in vertices {
             let lamps = vertex.lamps.iter();
             for lamp in lamps.filter_map(|k| self.light.lamps[*k].as_ref()) {
-                falling.extend(self.falling(vertex, lamp));
+                candidates.extend(self.light_sample(vertex, lamp));
             }
         }
-        let segments: Vec<_> = falling.iter().filter_map(|falling| falling.way).collect();
-        self.add_open(falling, &segments, all);
+        let segments: Vec<_> = candidates.iter().filter_map(|sample| sample.way).collect();
+        self.add_open(candidates, &segments, all);
     }
 
     /// Adds the reflection at `vertices`, which have `depth` surfaces before them, of points sampled on shining surfaces.
@@ -599,7 +599,7 @@ impl TimedPaths<'_> {
         let Some(areas) = &self.light.areas else {
             return;
         };
-        let (mut falling, mut segments) = (Vec::new(), Vec::new());
+        let (mut candidates, mut segments) = (Vec::new(), Vec::new());
         for vertex in vertices {
             let (pixel, index) = samples[vertex.path];
             let numbers = self::samples(&[pixel], index, depth).on_path(AREA);
@@ -640,15 +640,15 @@ impl TimedPaths<'_> {
                 delay: vertex.delay + self.light.index * draw.distance + draw.clock_zero,
                 is_end: false,
             };
-            falling.push(Falling { found, way });
+            candidates.push(LightSample { found, way });
         }
-        self.add_open(falling, &segments, all);
+        self.add_open(candidates, &segments, all);
     }
 
     /// Adds the contributions that are not blocked.
     fn add_open<'a>(
         &self,
-        falling: Vec<Falling<'a>>,
+        candidates: Vec<LightSample<'a>>,
         segments: &[Segment],
         all: &mut Vec<Found<'a>>,
     ) {
@@ -656,10 +656,10 @@ impl TimedPaths<'_> {
         let bvh = &self.rest.bvh;
         bvh.any_by(self.method, segments, &mut blocked, None);
         let mut blocked = blocked.into_iter();
-        let open = falling
+        let open = candidates
             .into_iter()
-            .filter(|falling| falling.way.is_none() || blocked.next() == Some(false));
-        all.extend(open.map(|falling| falling.found));
+            .filter(|sample| sample.way.is_none() || blocked.next() == Some(false));
+        all.extend(open.map(|sample| sample.found));
     }
 
     /// The next surfaces along directions sampled at `vertices`, which have `depth` surfaces before them; their emission is added to `all`.
@@ -789,7 +789,7 @@ impl TimedPaths<'_> {
     }
 
     /// The reflection of a lamp of emission 1 at the surface, if it is not blocked.
-    fn falling<'a>(&self, vertex: &Vertex, lamp: &'a Lamp) -> Option<Falling<'a>> {
+    fn light_sample<'a>(&self, vertex: &Vertex, lamp: &'a Lamp) -> Option<LightSample<'a>> {
         // The lamp's proper time that corresponds to the frame's time 0 at the surface.
         let event = self
             .rest
@@ -823,7 +823,7 @@ impl TimedPaths<'_> {
             delay: vertex.delay - proper_time,
             is_end: false,
         };
-        Some(Falling { found, way })
+        Some(LightSample { found, way })
     }
 
     /// The reading of a clock on `patch` at the frame's time 0: the world's clock if the frame rests in it, else the object's own.

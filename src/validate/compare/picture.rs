@@ -321,13 +321,13 @@ impl Picture {
     pub fn set_no_hit(&mut self, no_hit: i64) {
         let channels = self.layers.channels.iter_mut();
         for channel in channels.filter(|channel| is_identity(channel)) {
-            channel.samples = where_nothing_is_met(&channel.samples, no_hit as f64);
+            channel.samples = with_no_hit(&channel.samples, no_hit as f64);
         }
     }
 }
 
 /// Identities with `no_hit` replaced by −1.
-fn where_nothing_is_met(samples: &Samples, no_hit: f64) -> Samples {
+fn with_no_hit(samples: &Samples, no_hit: f64) -> Samples {
     let id = |id: f64| if id == no_hit { -1.0 } else { id };
     Samples::F64(samples.to_f64().into_iter().map(id).collect())
 }
@@ -449,7 +449,7 @@ fn channels(
         };
         // In unsigned integers −1 is the largest number of the type.
         if let (true, Some(largest)) = (is_identity(&channel), header.dtype.largest_unsigned()) {
-            channel.samples = where_nothing_is_met(&channel.samples, largest);
+            channel.samples = with_no_hit(&channel.samples, largest);
         }
         channel
     };

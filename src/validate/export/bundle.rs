@@ -447,7 +447,7 @@ pub struct ChannelEntry {
     /// The formula, in the symbols of README.md.
     pub definition: &'static str,
     /// The value where nothing is hit; null if every ray has a value.
-    pub where_nothing_is_met: Option<&'static str>,
+    pub no_hit: Option<&'static str>,
     /// Whether the reference has it.
     pub in_reference: bool,
 }

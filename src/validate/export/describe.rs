@@ -212,14 +212,14 @@ pub(super) fn channels(rendered: &[Aov]) -> Vec<ChannelEntry> {
         name,
         meaning: "observed radiance, linear (R, G and B in EXR files; one array radiance in npz files)",
         definition: "W⁻ᵖ times the radiance that leaves the surface at E towards the camera",
-        where_nothing_is_met: Some("scene.background"),
+        no_hit: Some("scene.background"),
         in_reference: !rendered.is_empty(),
     });
     let auxiliary = Aov::ALL.iter().map(|aov| ChannelEntry {
         name: aov.name(),
         meaning: aov.meaning(),
         definition: aov.definition(),
-        where_nothing_is_met: missing(*aov),
+        no_hit: missing(*aov),
         in_reference: rendered.contains(aov),
     });
     radiance.into_iter().chain(auxiliary).collect()

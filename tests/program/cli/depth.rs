@@ -147,8 +147,14 @@ fn what_makes_no_mesh_is_refused_and_leaves_nothing() {
             &["--from", "depth", "--medium-index", "2"],
             "--medium-index",
         ),
-        (&["--from", "depth", "--rise", "0.5"], "--rise"),
-        (&["--from", "depth", "--least", "0.5"], "--least"),
+        (
+            &["--from", "depth", "--peak-fraction", "0.5"],
+            "--peak-fraction",
+        ),
+        (
+            &["--from", "depth", "--dark-fraction", "0.5"],
+            "--dark-fraction",
+        ),
     ] {
         let run = folder.run(&[&made[..], arguments].concat());
         assert_eq!(run.code, 2, "{arguments:?}");

@@ -5,7 +5,7 @@ use crate::light::lamp::{Arrivals, Incidence, Incident, Irradiance};
 
 /// The light of one lamp.
 #[derive(Debug, Default)]
-pub(super) struct Falling {
+pub(super) struct LampLight {
     pub arrivals: Arrivals,
     pub incidence: Incidence,
     /// The lamp's intensity as seen at W, if it depends on W.

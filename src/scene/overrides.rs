@@ -41,6 +41,9 @@ pub(crate) struct Edit {
     pub place: Place,
 }
 
+/// The keys of `display` of which each sets what is white.
+const WAYS: [&str; 3] = ["exposure", "white", "logarithmic"];
+
 /// The maximal number of keys in a path: more than any that exists.
 const LONGEST_PATH: usize = 16;
 
@@ -55,22 +58,22 @@ pub(super) fn apply(text: &str, overrides: &Overrides) -> Result<(String, Vec<Ed
     };
     let mut edits = Vec::new();
     refuse_rivals(&changes)?;
+    let mut ways = Vec::new();
     for change in changes {
         let by = change.by();
         let refuse = |what, help| refuse(change.setting, &change.text, what, help);
+        let way = change.key.strip_prefix("display.");
+        let way = WAYS.into_iter().find(|known| way == Some(known));
         let place = set(&mut document, &change.key, change.value, &refuse)?;
-        // The ways to set the white point replace each other.
-        let rivals: &[&str] = match change.setting {
-            Setting::Exposure => &["white", "logarithmic"],
-            Setting::White => &["exposure", "logarithmic"],
-            _ => &[],
-        };
-        if let Some(display) = document
-            .get_mut("display")
-            .and_then(Item::as_table_like_mut)
-        {
-            for rival in rivals {
-                display.remove(rival);
+        // The ways to set the white point replace each other. Two that are both set are refused as in a file.
+        if let Some(way) = way {
+            ways.retain(|_| change.setting == Setting::Set);
+            ways.push(way);
+            let display = document.get_mut("display");
+            if let Some(display) = display.and_then(Item::as_table_like_mut) {
+                for rival in WAYS.iter().filter(|known| !ways.contains(known)) {
+                    display.remove(rival);
+                }
             }
         }
         edits.push(Edit { by, place });

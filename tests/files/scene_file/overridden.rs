@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use nullray::scene::Overrides;
-use nullray::scene::model::{Fill, SourceKind};
+use nullray::scene::model::{Exposure, Fill, SourceKind};
 
 use crate::scene_file::{Folder, VALID, problem};
 
@@ -26,9 +26,9 @@ fn values_are_set_by_dotted_keys() {
         ("outside", "hold"),
         ("display.white", "2"),
     ]);
-    // Percentile and white exclude each other.
-    let text = VALID.replace("exposure = \"98 %\"\n", "");
-    let scene = Folder::with_files().parse_with(&text, &overrides).unwrap();
+    let scene = Folder::with_files().parse_with(VALID, &overrides).unwrap();
+    // It takes the place of the file's percentile.
+    assert_eq!(scene.exposure, Exposure::White(2.0));
     assert_eq!(scene.camera.velocity.beta().y, 0.0);
     assert!((scene.camera.velocity.beta().x - 0.25).abs() < 1e-16);
     assert!((scene.camera.horizontal_fov - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
@@ -94,7 +94,6 @@ fn what_an_override_breaks_names_the_override() {
         ("camera.hfovv", "20 deg", "unknown key"),
         ("camera.velocity.gamma", "2", "given twice"),
         ("camera.time", "3", "no unit"),
-        ("display.white", "2", "exclude each other"),
         ("nonsense", "2", "unknown key"),
     ] {
         let refusal = problem(folder.parse_with(VALID, &set(&[(key, value)])));
@@ -102,6 +101,19 @@ fn what_an_override_breaks_names_the_override() {
         let cited = format!("(Set by `set {key}={value}` on the list of overrides.)");
         assert!(refusal.help.contains(&cited), "{key}: {}", refusal.help);
     }
+    // Two ways to say what is white, both by overrides.
+    let both = set(&[("display.white", "2"), ("display.logarithmic", "[1, 2]")]);
+    let refusal = problem(folder.parse_with(VALID, &both));
+    assert!(
+        refusal.what.contains("exclude each other"),
+        "{}",
+        refusal.what
+    );
+    assert!(
+        refusal.help.contains("display.logarithmic"),
+        "{}",
+        refusal.help
+    );
     let overrides = Overrides {
         time: Some("3".into()),
         ..Overrides::default()

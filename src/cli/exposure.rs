@@ -77,6 +77,9 @@ pub fn percentile(scenes: &[Scene]) -> Option<Exposure> {
 /// The white radiance that exposes for the surfaces of `scenes`, whatever the sky is like: the 99th percentile of their brightest channel
 /// in small pictures, to three digits; `None` if no surface is visible.
 ///
+/// Surfaces that shine may be far brighter than those that they light. Pixels with more emitted than reflected light are brighter than white,
+/// if need be, so that the others are well exposed; unless these are fewer, or dark.
+///
 /// The scenes differ only in what [`Prepared::retake`] allows from each other and from the one that is `prepared`, if it is. Visibility is
 /// always certified, whatever `request` says, so that fast pictures have the same exposure.
 pub fn of_surfaces(
@@ -89,7 +92,7 @@ pub fn of_surfaces(
         ..Request::default()
     };
     let mut own: Option<Prepared> = None;
-    let mut seen: Vec<[f64; 3]> = Vec::new();
+    let [mut seen, mut lit]: [Vec<[f64; 3]>; 2] = Default::default();
     for scene in scenes {
         let preview = Preview::new(scene, &request, vec![Aov::Alpha])?;
         let prepared = match (&mut prepared, &mut own) {
@@ -97,20 +100,47 @@ pub fn of_surfaces(
             (None, Some(own)) => own,
             (None, none) => none.insert(preview.prepared(&mut LoadedCubes::default())?),
         };
-        let film = preview.of(prepared)?;
-        let alpha = film.aov(Aov::Alpha).unwrap_or_default();
-        let pixels = film.radiance().iter().zip(alpha);
-        seen.extend(pixels.filter(|(_, a)| **a > 0.0).map(|(p, _)| *p));
+        let pixels = on_surfaces(&preview.of(prepared)?);
+        if prepared.show_emission(false) {
+            let reflected = on_surfaces(&preview.of(prepared)?);
+            let both = pixels.iter().zip(&reflected);
+            lit.extend(
+                both.filter(|(all, part)| is_lit(all, part))
+                    .map(|(all, _)| *all),
+            );
+        }
+        prepared.show_emission(true);
+        seen.extend(pixels);
     }
-    if seen.iter().all(|pixel| *pixel == [0.0; 3]) {
+    if seen.iter().all(is_dark) {
         return Ok(None);
     }
-    let white = tonemap::white(&seen, Exposure::Percentile(99.0))?;
+    let mut white = tonemap::white(&seen, Exposure::Percentile(99.0))?;
+    if 2 * lit.len() >= seen.len() && !lit.iter().all(is_dark) {
+        white = white.min(tonemap::white(&lit, Exposure::Percentile(99.0))?);
+    }
     // Scene files do not allow such a white: the light is shifted out of the visible range.
     if white < DARKEST_WHITE {
         return Ok(None);
     }
     Ok(format!("{white:.2e}").parse().ok())
+}
+
+/// The pixels of `film` that show a surface.
+fn on_surfaces(film: &Film) -> Vec<[f64; 3]> {
+    let alpha = film.aov(Aov::Alpha).unwrap_or_default();
+    let pixels = film.radiance().iter().zip(alpha);
+    pixels.filter(|(_, a)| **a > 0.0).map(|(p, _)| *p).collect()
+}
+
+/// Whether at least half of the light of a pixel, `all`, is `reflected`.
+fn is_lit(all: &[f64; 3], reflected: &[f64; 3]) -> bool {
+    let sum = |pixel: &[f64; 3]| pixel.iter().sum::<f64>();
+    2.0 * sum(reflected) >= sum(all)
+}
+
+fn is_dark(pixel: &[f64; 3]) -> bool {
+    *pixel == [0.0; 3]
 }
 
 /// The median distance, metres, from the pinhole of `scene` to the surfaces in view, from world positions in a small picture; `None` if no

@@ -343,6 +343,7 @@ impl<'a> Builder<'a> {
             sky: sky.and_then(|sky| super::sky::light(scene, sky, frames)),
             spectra: sampled_spectra(scene),
             index: scene.medium_index,
+            shows_emission: true,
         };
         Ok(match scene.bounces {
             0 => SurfaceLight::TimeResolved(light),

@@ -182,6 +182,16 @@ impl Prepared {
         self.light = SurfaceLight::Custom(radiance);
     }
 
+    /// Sets whether the camera sees the light that surfaces emit by themselves beside what they reflect, as it does unless told otherwise.
+    /// That light falls on other surfaces in any case. Returns whether there are such surfaces.
+    pub fn show_emission(&mut self, shows: bool) -> bool {
+        let Some(light) = self.light.time_resolved_mut() else {
+            return false;
+        };
+        light.shows_emission = shows;
+        light.emits()
+    }
+
     /// Like [`Prepared::retake`], on the film of `plan`, which is that of `scene`: pictures may differ in size, samples and precision, too,
     /// and show less than the prepared plan needs.
     ///

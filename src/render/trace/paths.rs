@@ -758,7 +758,10 @@ impl PathTraced {
     /// Completes the points of `run`: what they reflect, and their own emission.
     fn add_own(&self, finish: &Finish, run: &Run, emitted: &mut Emitted) {
         for k in 0..run.count() {
-            let mut own = self.own((finish, run.patch), run, k, emitted);
+            let mut own = match self.light.shows_emission {
+                true => self.own((finish, run.patch), run, k, emitted),
+                false => [0.0; 3],
+            };
             if let Some(spectra) = &self.light.spectra {
                 // Emission seen directly is exact.
                 spectra.see_rgb(k, own, &mut emitted.spectral);

@@ -557,7 +557,7 @@ impl TimeResolved {
             sky.illuminate(run, self.index, emitted, meter);
         }
         emitted.times.clear();
-        if let Some(emission) = &finish.emission {
+        if let Some(emission) = self.shown_emission(finish) {
             emission.factors(run, &mut emitted.times);
         }
         let reflected = match finish.gloss {
@@ -580,7 +580,7 @@ impl TimeResolved {
             }
         };
         reflected.add_to(&mut emitted.radiance);
-        if let Some(emission) = &finish.emission {
+        if let Some(emission) = self.shown_emission(finish) {
             for k in 0..run.count() {
                 let Some(hit) = run.hit(k) else {
                     continue;

@@ -41,6 +41,8 @@ pub struct TimeResolved {
     pub spectra: Option<SampledSpectra>,
     /// Refractive index of the medium.
     pub index: f64,
+    /// Whether the camera sees the light that lit surfaces emit by themselves; it falls on others in any case.
+    pub shows_emission: bool,
 }
 
 impl TimeResolved {
@@ -60,6 +62,20 @@ impl TimeResolved {
             && self.emitters.iter().all(emits)
             && lamps.all(|lamp| lamp.is_constant_for(velocity))
             && !self.areas.as_ref().is_some_and(|areas| areas.changes())
+    }
+
+    /// Whether surfaces that reflect light emit some by themselves.
+    pub(crate) fn emits(&self) -> bool {
+        self.emitters.iter().any(|(emitter, _)| match emitter {
+            Emitter::Lit { finish, .. } => finish.emission.is_some(),
+            _ => false,
+        })
+    }
+
+    /// The emission of `finish` that the camera sees.
+    #[inline]
+    pub(super) fn shown_emission<'a>(&self, finish: &'a Finish) -> Option<&'a BaseColour> {
+        finish.emission.as_ref().filter(|_| self.shows_emission)
     }
 
     /// Whether all reflection is diffuse.

@@ -485,6 +485,38 @@ fn display_settings_that_do_not_set_the_exposure_leave_it_as_it_is() {
     let said = white(&scene(&["--set", "display.white=0.25"]));
     assert_eq!(said.as_deref(), Some("white = 0.25"));
     assert_eq!(white(&scene(&["--set", "display.exposure=\"90 %\""])), None);
+    // The scale of a fast camera is logarithmic, which no user wrote.
+    let fast = ["--beta", "0.9", "--set", "display.white=0.25"];
+    assert!(scene(&fast[..2]).contains("logarithmic = "));
+    assert_eq!(white(&scene(&fast)).as_deref(), Some("white = 0.25"));
+}
+
+#[test]
+fn a_model_is_exposed_for_what_its_lamps_light_unless_it_is_mostly_lamp() {
+    let folder = folder(1.0);
+    let text = String::from_utf8(folder.read("model.gltf")).unwrap();
+    // White with a second square beside the model, of this size and with this emission.
+    let white = |size: f64, strength: f64| {
+        let mut model: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let place = [4.6 - 3.0 * size, 1.0 - size, -2.0 + 2.0 * size];
+        model["nodes"] = json!([{ "mesh": 0 }, { "mesh": 1, "translation": place, "scale": [size, size, size] }]);
+        let (mut mesh, mut shining) = (model["meshes"][0].clone(), model["materials"][0].clone());
+        mesh["primitives"][0]["material"] = json!(1);
+        shining["emissiveFactor"] = json!([1, 1, 1]);
+        shining["extensions"] =
+            json!({ "KHR_materials_emissive_strength": { "emissiveStrength": strength } });
+        model["meshes"].as_array_mut().unwrap().push(mesh);
+        model["materials"].as_array_mut().unwrap().push(shining);
+        folder.write("two.gltf", model.to_string());
+        let scene = folder.ok(&["render", "two.gltf", "--print-scene"]);
+        let line = scene.lines().find_map(|line| line.strip_prefix("white = "));
+        line.unwrap().parse::<f64>().unwrap()
+    };
+    let unlit = white(0.5, 0.0);
+    assert!((0.1..3.0).contains(&unlit), "{unlit}");
+    // The lamp does not light the square beside it, which is in its plane.
+    assert!((white(0.5, 100.0) / unlit - 1.0).abs() < 0.05);
+    assert!((100.0..103.0).contains(&white(2.0, 100.0)));
 }
 
 #[test]

@@ -1,4 +1,7 @@
 //! Lines of text: lettered, broken at spaces, one below the other.
+//!
+//! No line ends within an entry like "β = 0.866" or "0.866 c": signs of operations and relations stay with both their sides, and units with
+//! their numbers.
 
 use crate::error::Result;
 use crate::figures::text::RichText;
@@ -59,16 +62,47 @@ fn width(text: &str, size: f64) -> Result<f64> {
 
 pub(super) fn widest_word(text: &str, size: f64) -> Result<f64> {
     let mut widest: f64 = 0.0;
-    for word in text.split_whitespace() {
-        widest = widest.max(width(word, size)?);
+    for word in words(text) {
+        widest = widest.max(width(&word, size)?);
     }
     Ok(widest)
+}
+
+/// The parts between which lines may be broken.
+fn words(text: &str) -> Vec<String> {
+    let is_break = |c: char| c.is_whitespace() && c != '\u{a0}';
+    let mut words: Vec<String> = Vec::new();
+    for next in text.split(is_break).filter(|word| !word.is_empty()) {
+        match words.last_mut().filter(|last| belong_together(last, next)) {
+            Some(last) => *last += &format!(" {next}"),
+            None => words.push(next.to_string()),
+        }
+    }
+    words
+}
+
+/// The longest unit, characters: "nm", "deg".
+const UNIT: usize = 3;
+
+/// Whether a line must not end between these words.
+fn belong_together(before: &str, after: &str) -> bool {
+    let is_sign = |word: &str| {
+        let mut characters = word.chars();
+        let first = characters.next();
+        first.is_some_and(|c| "=≈<>≤≥+−×·±/".contains(c)) && characters.next().is_none()
+    };
+    let last = before.rsplit(' ').next().unwrap_or_default();
+    let unit = after.trim_end_matches([',', ';', '.', ':', ')']);
+    let is_unit = unit.starts_with(|c: char| c.is_alphabetic() || "%°".contains(c))
+        && unit.chars().count() <= UNIT;
+    let is_number = last.ends_with(|c: char| c.is_ascii_digit());
+    is_sign(last) || is_sign(after) || (is_number && is_unit)
 }
 
 /// The text in lines of at most `room` pixels, broken at spaces.
 pub(super) fn broken(text: &str, size: f64, room: f64) -> Result<Vec<Measured>> {
     let mut lines: Vec<Measured> = Vec::new();
-    for word in text.split_whitespace() {
+    for word in words(text) {
         if let Some((line, line_width)) = lines.last_mut() {
             let longer = format!("{line} {word}");
             let longer_width = width(&longer, size)?;
@@ -77,7 +111,8 @@ pub(super) fn broken(text: &str, size: f64, room: f64) -> Result<Vec<Measured>> 
                 continue;
             }
         }
-        lines.push((word.to_string(), width(word, size)?));
+        let word_width = width(&word, size)?;
+        lines.push((word, word_width));
     }
     Ok(lines)
 }
@@ -102,5 +137,25 @@ mod tests {
         let words: Vec<_> = lines.iter().map(|(text, _)| text.as_str()).collect();
         assert_eq!(words.join(" "), "one two three four");
         assert!(broken("", 10.0, 45.0).unwrap().is_empty());
+    }
+
+    #[test]
+    fn numbers_keep_their_units_and_signs_their_sides() {
+        assert_eq!(
+            words("at 0.866 c, t′ = 12.000 m, β = 0.866, 3 cubes (1 µm) a\u{a0}b"),
+            [
+                "at",
+                "0.866 c,",
+                "t′ = 12.000 m,",
+                "β = 0.866,",
+                "3",
+                "cubes",
+                "(1 µm)",
+                "a\u{a0}b"
+            ]
+        );
+        // Even where there is less room.
+        let lines = broken("0.866 c", 10.0, 5.0).unwrap();
+        assert_eq!(lines.len(), 1, "{lines:?}");
     }
 }

@@ -135,13 +135,14 @@ impl CameraModel {
     /// Camera coordinates are right, up and forward (left-handed), metres. Normalised device coordinates are 0 to 1 from the
     /// left to the right and from the top to the bottom, after division by the fourth: the depth. They are those of a
     /// camera that rests where the pinhole is; aberration is in no matrix. The third is depth − 1 cm over depth: 0 at
-    /// 1 cm, 1 far away. A stereo pair has neither, and only a perspective picture has the second. Source:
-    /// ImfStandardAttributes.h of OpenEXR 3.
+    /// 1 cm, 1 far away. Only a single perspective picture has the second. The first of a stereo pair belongs to the point
+    /// between its eyes, which are half their distance to the left and to the right of it. Source: ImfStandardAttributes.h of
+    /// OpenEXR 3.
     pub fn matrices(&self) -> [Option<[f32; 16]>; 2] {
         let [camera, ndc] = self.matrices_of_perspective();
         let is_single = self.stereo.is_none();
         let is_flat = is_single && self.projection == ProjectionKind::Perspective;
-        [is_single.then_some(camera), is_flat.then_some(ndc)]
+        [Some(camera), is_flat.then_some(ndc)]
     }
 
     fn matrices_of_perspective(&self) -> [[f32; 16]; 2] {

@@ -54,6 +54,12 @@ fn matrices_take_world_points_to_the_camera_and_to_its_picture() {
         "{x} {y} {w}"
     );
     assert!((w - 4.0).abs() < 1e-6 && (z - 3.99).abs() < 1e-6);
+    // The eyes of a stereo pair are beside the same point; its two pictures are not one.
+    let pair = text.replace(
+        "[[object]]",
+        "stereo = { interpupillary_distance = \"64 mm\" }\n[[object]]",
+    );
+    assert_eq!(self::scene(&pair).camera.matrices(), [Some(camera), None]);
 }
 
 /// A camera at (1, 2, 5) that looks along −x with +z up has right = f × up = (−1, 0, 0) × (0, 0, 1) = (0, 1, 0). Its

@@ -37,6 +37,8 @@ pub struct Job {
     /// Whether light may reach its back, and the bytes of lists beside the cube, as far as they are known yet.
     has_backs: bool,
     lists: u64,
+    /// The number of its sets of texture coordinates, as far as it is known yet.
+    sets: usize,
 }
 
 pub fn run(arguments: &BakeArguments) -> Result<()> {
@@ -86,7 +88,7 @@ pub struct Bake<'a> {
     pub path: Option<&'a Path>,
     pub bins: Bins,
     pub precision: CubePrecision,
-    /// Texture coordinates for all surfaces; `None`: set 0, or an atlas for objects to which it gives no places of their own.
+    /// Texture coordinates for all surfaces; `None`: the first set, or an atlas for objects to which no set gives places of their own.
     pub coordinates: Option<Coordinates>,
     pub request: Request,
     pub work: &'a WorkArguments,
@@ -143,19 +145,36 @@ impl Bake<'_> {
                 bake::check_camera(self.scene, prepared)?;
                 continue;
             };
+            let is_chosen = self.coordinates.is_some() || surface.coordinates == Coordinates::Atlas;
             let needs = match check(surface) {
-                // The coordinates of most models are made for textures, and overlap.
-                Err(Error::Invalid(refusal))
-                    if self.coordinates.is_none()
-                        && surface.coordinates != Coordinates::Atlas
-                        && holds_atlas =>
-                {
-                    surface.coordinates = Coordinates::Atlas;
-                    let needs = check(surface)?;
-                    let text = format!(
-                        "{}: {}: an atlas takes their place (--atlas)\n",
-                        refusal.place, refusal.what
-                    );
+                // The coordinates of most models are made for textures, and overlap; some have a set for light, too.
+                Err(Error::Invalid(refusal)) if !is_chosen => {
+                    let other = (1..job.sets).find_map(|set| {
+                        let coordinates = Coordinates::Set(set);
+                        let surface = Surface {
+                            coordinates,
+                            ..*surface
+                        };
+                        Some((coordinates, check(&surface).ok()?))
+                    });
+                    let (coordinates, needs) = match other {
+                        Some(other) => other,
+                        None if holds_atlas => {
+                            let coordinates = Coordinates::Atlas;
+                            let surface = Surface {
+                                coordinates,
+                                ..*surface
+                            };
+                            (coordinates, check(&surface)?)
+                        }
+                        None => return Err(Error::Invalid(refusal)),
+                    };
+                    surface.coordinates = coordinates;
+                    let taken = match coordinates {
+                        Coordinates::Set(set) => format!("set {set} takes its place (--uv {set})"),
+                        Coordinates::Atlas => "an atlas takes their place (--atlas)".into(),
+                    };
+                    let text = format!("{}: {}: {taken}\n", refusal.place, refusal.what);
                     say(self.work.quiet.on, &text)?;
                     Ok(needs)
                 }
@@ -389,6 +408,7 @@ fn jobs(arguments: &BakeArguments, scene: &Scene, named: Vec<usize>) -> Result<V
             surface: None,
             has_backs: false,
             lists: 0,
+            sets: 0,
         }]);
     }
     surfaces(scene, &named, &path, arguments.texels.unwrap_or(TEXELS))
@@ -416,6 +436,7 @@ pub fn surfaces(scene: &Scene, named: &[usize], path: &Path, size: [u32; 2]) -> 
         }),
         has_backs: false,
         lists: 0,
+        sets: 0,
     };
     Ok(objects.into_iter().map(job).collect())
 }
@@ -426,7 +447,8 @@ fn choose_coordinates(said: Option<Coordinates>, plan: &Plan, jobs: &mut [Job]) 
         let Some(surface) = &mut job.surface else {
             continue;
         };
-        let own = match plan.objects[surface.object].uv_sets {
+        job.sets = plan.objects[surface.object].uv_sets;
+        let own = match job.sets {
             0 => Coordinates::Atlas,
             _ => Coordinates::Set(0),
         };

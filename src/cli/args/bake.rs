@@ -30,8 +30,8 @@ pub struct BakeArguments {
     /// Columns and rows of texels of a surface. Default: 64x64.
     #[arg(long, value_name = "WxH", value_parser = values::size, allow_hyphen_values = true)]
     pub texels: Option<[u32; 2]>,
-    /// The set of texture coordinates; no two parts of an object's surface may overlap in it. Default: 0, or an atlas for objects without
-    /// any, or whose parts overlap in it.
+    /// The set of texture coordinates; no two parts of an object's surface may overlap in it. Default: the first set
+    /// without overlaps, or an atlas for objects that have none.
     #[arg(long, value_name = "SET")]
     pub uv: Option<u8>,
     /// Make texture coordinates that do not overlap: an atlas of flat charts. They are written with the light, as the array

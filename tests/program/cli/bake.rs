@@ -2,6 +2,7 @@
 
 use nullray::io::budget::Budget;
 use nullray::io::image::exr;
+use serde_json::json;
 
 use super::Folder;
 
@@ -218,6 +219,79 @@ fn an_atlas_is_written_with_the_light_and_read_by_the_object() {
     assert_eq!(run.code, 2);
     let words = "its shape is [12, 3, 2], and object \"floor\" has 2 triangles";
     assert!(run.message().contains(words), "{}", run.stderr);
+}
+
+#[test]
+fn a_second_set_of_texture_coordinates_is_taken_where_the_first_overlaps() {
+    let folder = Folder::empty();
+    // Two triangles of a floor. In set 0 they are the same.
+    let corners = [
+        [-2f32, 0.0, 2.0],
+        [2.0, 0.0, 2.0],
+        [2.0, 0.0, -2.0],
+        [-2.0, 0.0, 2.0],
+        [2.0, 0.0, -2.0],
+        [-2.0, 0.0, -2.0],
+    ];
+    let first = [[0f32, 1.0], [1.0, 1.0], [1.0, 0.0]].repeat(2);
+    let second = corners.map(|[x, _, z]| [(x + 2.0) / 4.0, (z + 2.0) / 4.0]);
+    let numbers = corners
+        .iter()
+        .flatten()
+        .chain(first.iter().flatten())
+        .chain(second.iter().flatten());
+    folder.write(
+        "floor.bin",
+        numbers.flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>(),
+    );
+    let accessor = |view: usize, kind: &str| json!({ "bufferView": view, "componentType": 5126, "count": 6, "type": kind, "min": corners[5], "max": corners[1] });
+    let pair = |view: usize| json!({ "bufferView": view, "componentType": 5126, "count": 6, "type": "VEC2" });
+    let view = |offset: usize, length: usize| json!({ "buffer": 0, "byteOffset": offset, "byteLength": length });
+    let model = json!({
+        "asset": { "version": "2.0" },
+        "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1, "TEXCOORD_1": 2 }, "material": 0 }] }],
+        "materials": [{ "pbrMetallicRoughness": { "metallicFactor": 0.0 } }],
+        "accessors": [accessor(0, "VEC3"), pair(1), pair(2)],
+        "bufferViews": [view(0, 72), view(72, 48), view(120, 48)],
+        "buffers": [{ "byteLength": 168, "uri": "floor.bin" }],
+    });
+    folder.write("floor.gltf", model.to_string());
+    let lit = FLASH.replace(
+        "shape = { plane = { size = [4, 4] } }",
+        "gltf = \"floor.gltf\"",
+    ) + LIGHT;
+    folder.write("lit.toml", lit);
+    let bake = |options: &[&str]| {
+        let bake = [
+            "bake",
+            "lit.toml",
+            "--bin-width=50 cm",
+            "--bins=20",
+            "--spp=1",
+            "--texels=16x16",
+        ];
+        folder.run(&[&bake[..], options].concat())
+    };
+    // Such coordinates need no .npz.
+    let run = bake(&["-o=light.npy"]);
+    assert_eq!(run.code, 0, "{}", run.message());
+    let said = run.stdout + &run.stderr;
+    assert!(
+        said.contains("charts overlap")
+            && said.contains("set 1 takes its place (--uv 1)")
+            && said.contains("uv = 1,"),
+        "{said}"
+    );
+    let bits = folder.read("light.npy");
+    assert_eq!(bake(&["-o=same.npy", "--uv=1"]).code, 0);
+    assert!(bits == folder.read("same.npy"));
+    let run = bake(&["-o=other.npy", "--uv=0"]);
+    assert!(
+        run.code == 2 && run.message().contains("charts overlap"),
+        "{}",
+        run.message()
+    );
 }
 
 #[test]

@@ -140,8 +140,8 @@ impl Rendered {
             ),
             false => (String::new(), remarks::shifted(scene, &self.prepared)),
         };
-        let shut_in = is_black && remarks::is_shut_in(scene, &self.prepared);
-        let blackness = remarks::blackness(scene, &self.film, !shift.is_empty(), shut_in);
+        let prepared = Some(&self.prepared);
+        let blackness = remarks::blackness(scene, &self.film, !shift.is_empty(), prepared);
         say(quiet, &blackness)?;
         say(quiet, &remarks::only_sky(scene, &self.film))?;
         say(quiet, &remarks::enclosed(scene, &self.prepared))?;

@@ -6,6 +6,7 @@ use nullray::light::time_texture::Coverage;
 use nullray::render::film::Film;
 use nullray::render::plan;
 use nullray::render::prepare::Prepared;
+use nullray::render::trace::Background;
 use nullray::render::{enclosed, survey};
 use nullray::scene::model::{
     BackFaces, Brightness, EmissionProfile, Geometry, Light, LightKind, Motion, Object, Scene, Sky,
@@ -30,12 +31,23 @@ pub fn is_black(film: &Film) -> bool {
 }
 
 /// Why a picture is black, if it is; empty otherwise. `is_shifted`: [`shift`] gives the reason.
-/// `shut_in`: all light is, inside objects.
-pub fn blackness(scene: &Scene, film: &Film, is_shifted: bool, shut_in: bool) -> String {
+pub fn blackness(
+    scene: &Scene,
+    film: &Film,
+    is_shifted: bool,
+    prepared: Option<&Prepared>,
+) -> String {
     if !is_black(film) {
         return String::new();
     }
-    let why = if film.met() == 0.0 && scene.sky.is_some() {
+    let is_sky_black = prepared.is_some_and(|p| match &p.background {
+        Background::Sky { sky, .. } => sky.has_black_picture(),
+        Background::Observed(_) => false,
+    });
+    let why = if film.met() == 0.0 && is_sky_black {
+        "only the sky is in view, and its image is black: all its numbers are 0, or its `scale` is"
+            .into()
+    } else if film.met() == 0.0 && scene.sky.is_some() {
         "only the sky is in view, and none of it is visible: it is dark there, or its light is shifted out of sight \
          (see display.false_colour, too)"
             .into()
@@ -47,11 +59,11 @@ pub fn blackness(scene: &Scene, film: &Film, is_shifted: bool, shut_in: bool) ->
             .into()
     } else if is_shifted {
         "what is in view shines, but none of its light is visible".into()
-    } else if shut_in {
+    } else if prepared.is_some_and(|p| is_shut_in(scene, p)) {
         "all light is inside objects, whose outside it does not light".into()
     } else {
         let missing = film.mean_coverage().and_then(missing);
-        missing.unwrap_or_else(|| unlit(scene)).into()
+        missing.unwrap_or_else(|| unlit(scene, is_sky_black)).into()
     };
     format!("the picture is black: {why}\n")
 }
@@ -250,7 +262,7 @@ fn unseen_spectra(scene: &Scene, [low, high]: [f64; 2]) -> String {
 }
 
 /// Whether all light is of lamps inside objects with which they move.
-pub fn is_shut_in(scene: &Scene, prepared: &Prepared) -> bool {
+fn is_shut_in(scene: &Scene, prepared: &Prepared) -> bool {
     let sky = scene.sky.as_ref();
     let is_lit_by_lamps = scene.sources.is_empty() && sky.is_none_or(is_dark);
     let inside = enclosed::enclosed_lamps(scene, prepared);
@@ -292,15 +304,20 @@ fn short(value: f64) -> String {
 }
 
 /// Why surfaces in view are dark although no data are missing, with advice.
-fn unlit(scene: &Scene) -> &'static str {
-    if varies(scene) {
+fn unlit(scene: &Scene, is_sky_black: bool) -> &'static str {
+    let lights_send_nothing = scene.lights.iter().all(sends_nothing);
+    let of_image = |sky: &Sky| sky.lights && sky.sun.is_none() && sky.stars.is_none();
+    let is_alone = scene.sources.is_empty() && lights_send_nothing;
+    if is_sky_black && is_alone && scene.sky.as_ref().is_some_and(of_image) {
+        "nothing in view is lit: the image of the sky is black (all its numbers are 0, or its `scale` is)"
+    } else if varies(scene) {
         "nothing in view is lit at the moment at which its light left: try another --time (see display.back_faces, \
          too, and whether lamps are inside objects, whose outside they do not light)"
     } else if !scene.is_lit() {
         "what is in view is black: its base colours, which are shown in a scene without light, are 0"
     } else if scene.lights.is_empty() && scene.sky.as_ref().is_some_and(is_unseen) {
         "the light of the sky is invisible on what is in view (see display.false_colour and render.spectra)"
-    } else if scene.lights.iter().all(sends_nothing) && scene.sky.as_ref().is_none_or(is_dark) {
+    } else if lights_send_nothing && scene.sky.as_ref().is_none_or(is_dark) {
         "nothing in view is lit: the intensity, radiance or power of all lights is 0"
     } else if scene.objects.iter().all(reflects_nothing) {
         "nothing in view reflects any light: its colour is 0"

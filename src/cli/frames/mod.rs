@@ -332,9 +332,7 @@ impl Sequence<'_> {
                 self.done.shift = format!("frame {number}: {shift}");
             }
         }
-        let shut_in = remarks::is_black(film)
-            && (self.prepared.as_ref()).is_some_and(|p| remarks::is_shut_in(scene, p));
-        let remark = remarks::blackness(scene, film, false, shut_in);
+        let remark = remarks::blackness(scene, film, false, self.prepared.as_ref());
         if !remark.is_empty() {
             self.done.black += 1;
             if self.done.remark.is_empty() {

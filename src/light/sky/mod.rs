@@ -151,6 +151,11 @@ impl Sky {
         !is_dark || stars || self.sun.is_some()
     }
 
+    /// Whether its background is a picture without any light.
+    pub fn has_black_picture(&self) -> bool {
+        matches!(&self.background, Background::Image(picture) if picture.is_black())
+    }
+
     fn is_black(&self) -> bool {
         matches!(self.background, Background::Uniform(radiance) if radiance == [0.0; 3])
     }

@@ -87,6 +87,11 @@ impl Panorama {
         (numbers(width) * size_of::<f32>()) as u64
     }
 
+    /// Whether its radiance is 0 in all directions.
+    pub(super) fn is_black(&self) -> bool {
+        self.scale == [0.0; 3] || self.texels.iter().all(|number| *number == 0.0)
+    }
+
     /// Columns of the largest size.
     pub(super) fn width(&self) -> usize {
         self.sizes.widths[0] as usize

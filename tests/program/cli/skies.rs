@@ -74,6 +74,53 @@ fn a_sky_that_is_not_twice_as_wide_as_high_is_refused() {
 }
 
 #[test]
+fn a_sky_whose_image_is_black_is_the_reason_why_a_picture_is() {
+    let folder = Folder::empty();
+    let write = |value: f32| {
+        let channel = |name: &str| Channel {
+            name: name.into(),
+            samples: Samples::F32(vec![value; 32]),
+        };
+        let channels = ["R", "G", "B"].map(channel).into();
+        let layers = Layers::new(8, 4, channels, vec![]).unwrap();
+        exr::write(&folder.path("sky.exr"), &layers).unwrap();
+    };
+    let sky = "[sky]\nimage = { file = \"sky.exr\" }\n";
+    folder.write("floor.toml", floor(-0.5, "", sky));
+    let render = |options: &[&str]| {
+        let said = folder.run(
+            &[
+                &["render", "floor.toml", "-o", "a.png", "--size", "8x6"],
+                options,
+            ]
+            .concat(),
+        );
+        assert_eq!(said.code, 0, "{}", said.message());
+        said.stdout + &said.stderr
+    };
+    write(0.0);
+    for (options, why) in [
+        (
+            &[][..],
+            "nothing in view is lit: the image of the sky is black",
+        ),
+        (
+            &["--set", "object.0.velocity.beta=[0.1,0,0]"],
+            "the image of the sky is black",
+        ),
+        (
+            &["--set", "camera.look_at=[0,90,0.1]"],
+            "only the sky is in view, and its image is black",
+        ),
+    ] {
+        let said = render(options);
+        assert!(said.contains(why), "{said}");
+    }
+    write(0.5);
+    assert!(!render(&[]).contains("black"));
+}
+
+#[test]
 fn companions_of_a_picture_of_the_sky_are_said_to_be_unread_and_its_memory_is_planned() {
     let folder = Folder::empty();
     let write = |names: &[&str]| {

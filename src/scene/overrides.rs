@@ -42,7 +42,7 @@ pub(crate) struct Edit {
 }
 
 /// The keys of `display` of which each sets what is white.
-const WAYS: [&str; 3] = ["exposure", "white", "logarithmic"];
+const WHITE_KEYS: [&str; 3] = ["exposure", "white", "logarithmic"];
 
 /// The maximal number of keys in a path: more than any that exists.
 const LONGEST_PATH: usize = 16;
@@ -58,21 +58,23 @@ pub(super) fn apply(text: &str, overrides: &Overrides) -> Result<(String, Vec<Ed
     };
     let mut edits = Vec::new();
     refuse_rivals(&changes)?;
-    let mut ways = Vec::new();
+    let mut kept = Vec::new();
     for change in changes {
         let by = change.by();
         let refuse = |what, help| refuse(change.setting, &change.text, what, help);
-        let way = change.key.strip_prefix("display.");
-        let way = WAYS.into_iter().find(|known| way == Some(known));
+        let key = change.key.strip_prefix("display.");
+        let white_key = WHITE_KEYS.into_iter().find(|known| key == Some(known));
         let place = set(&mut document, &change.key, change.value, &refuse)?;
-        // The ways to set the white point replace each other. Two that are both set are refused as in a file.
-        if let Some(way) = way {
-            ways.retain(|_| change.setting == Setting::Set);
-            ways.push(way);
+        // They replace each other. Two that are both set by --set are refused as in a file.
+        if let Some(key) = white_key {
+            if change.setting != Setting::Set {
+                kept.clear();
+            }
+            kept.push(key);
             let display = document.get_mut("display");
             if let Some(display) = display.and_then(Item::as_table_like_mut) {
-                for rival in WAYS.iter().filter(|known| !ways.contains(known)) {
-                    display.remove(rival);
+                for other in WHITE_KEYS.iter().filter(|known| !kept.contains(known)) {
+                    display.remove(other);
                 }
             }
         }

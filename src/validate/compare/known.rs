@@ -59,6 +59,8 @@ enum Aberration {
 pub(super) enum Change {
     /// Light takes no time.
     Instant,
+    /// Light arrives from events as much later as it left earlier.
+    Advanced,
     /// The camera moves in the opposite direction.
     CameraReversed,
     /// The camera's motion does not change directions.
@@ -73,6 +75,13 @@ pub(super) enum Change {
     Reversed(usize),
     /// Two objects have each other's velocity.
     Swapped(usize, usize),
+}
+
+/// Where an origin is at the time `ct`. The null vectors (|r|, r) of the future light cone have in a frame that moves at β the directions that
+/// (−|r|, r) have in one that moves at −β: where light would arrive from later, an object that moves at −β through its place at the time of
+/// the shot is seen.
+pub(super) fn at_time(velocity: Velocity, origin: Event<World>, ct: f64) -> Event<World> {
+    Event::new(ct, origin.x + velocity.beta() * (ct - origin.ct))
 }
 
 /// The result of `read` for the scene in a picture's metadata.
@@ -220,6 +229,14 @@ impl KnownScene {
         };
         match change {
             Change::Instant => changed.index = 0.0,
+            Change::Advanced => {
+                let advanced = |frame: &InertialFrame<Rest>| {
+                    let (velocity, origin) = (frame.velocity(), frame.origin());
+                    let origin = at_time(velocity, origin, self.event.ct);
+                    InertialFrame::new(-velocity, origin)
+                };
+                changed.objects = self.objects.iter().map(advanced).collect();
+            }
             Change::CameraAtRest => changed.aberration = Aberration::Missing,
             // For a camera at rest both are the same.
             Change::CameraWithoutGamma if self.camera.velocity().is_rest() => return None,
@@ -230,9 +247,7 @@ impl KnownScene {
             Change::AtRest(k) => set(k, Velocity::REST),
             Change::Standing(k) => {
                 let frame = self.objects.get(k)?;
-                let (origin, beta) = (frame.origin(), frame.velocity().beta());
-                let there = origin.x + beta * (self.event.ct - origin.ct);
-                let origin = Event::new(self.event.ct, there);
+                let origin = at_time(frame.velocity(), frame.origin(), self.event.ct);
                 changed.objects[k] = InertialFrame::new(Velocity::REST, origin);
             }
             Change::Reversed(k) => set(k, -velocity(k)?),

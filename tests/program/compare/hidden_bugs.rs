@@ -468,3 +468,90 @@ fn other_samples_of_a_single_edge_are_no_shift_along_it() {
     let moved = light(&rearranged(&right, |x, y| [x - 1, y - 1]));
     assert_ne!(diagnosed(&right, &moved), []);
 }
+
+/// Where light would arrive from as much later as it left earlier: the bodies move at −β through their places at the time of the shot.
+const ADVANCED: [(&str, &str); 4] = [
+    ("beta = [0.3, 0, 0]", "beta = [-0.3, 0, 0]"),
+    (
+        "position = [-1, 0.6, 0], time = \"-4 m\"",
+        "position = [0.2, 0.6, 0], time = \"0 m\"",
+    ),
+    ("beta = [-0.4, 0, 0]", "beta = [0.4, 0, 0]"),
+    (
+        "position = [1, 0.6, 0], time = \"-4 m\"",
+        "position = [-0.6, 0.6, 0], time = \"0 m\"",
+    ),
+];
+
+#[test]
+fn retardation_of_the_opposite_sign_is_named() {
+    let advanced = with(&ADVANCED);
+    for groups in [&["object", "object_event"][..], &["radiance"]] {
+        let found = diagnosed(&exact(), &only(&advanced, groups));
+        named(Kind::RetardationReversed, &["t + r for t − r"], &found);
+    }
+}
+
+#[test]
+fn velocities_that_are_all_reversed_are_named_by_light_alone() {
+    let reversed = light(&with(&[ADVANCED[0], ADVANCED[2]]));
+    let words = ["of all objects are reversed"];
+    named(Kind::VelocityWrong, &words, &diagnosed(&exact(), &reversed));
+}
+
+/// The exact picture without the surfaces at the pixels that are lost.
+fn clipped(is_lost: impl Fn(usize) -> bool) -> Picture {
+    let mut clipped = exact();
+    let names: Vec<String> = clipped
+        .layers
+        .channels
+        .iter()
+        .map(|c| c.name.clone())
+        .collect();
+    for name in names.iter().filter(|name| !name.starts_with("direction")) {
+        let nothing = match name.as_str() {
+            "object" | "primitive" => -1.0,
+            name if name.starts_with("radiance") => 0.0,
+            _ => f64::NAN,
+        };
+        map(
+            &mut clipped,
+            name,
+            |i, v| if is_lost(i) { nothing } else { v },
+        );
+    }
+    clipped
+}
+
+#[test]
+fn planes_that_clip_surfaces_are_named_with_their_distance() {
+    let distance = values(&exact(), "distance");
+    let near = clipped(|i| distance[i] < 2.5);
+    let far = clipped(|i| distance[i] > 4.0);
+    let groups: [&[&str]; 3] = [
+        &["object", "event"],
+        &["object", "object_event"],
+        &["radiance"],
+    ];
+    for groups in groups {
+        let found = diagnosed(&exact(), &only(&near, groups));
+        named(Kind::SurfacesClipped, &["surfaces nearer than 2."], &found);
+        let found = diagnosed(&exact(), &only(&far, groups));
+        named(Kind::SurfacesClipped, &["surfaces farther than "], &found);
+    }
+    // A part of the floor that no plane cuts off.
+    let floor = values(&exact(), "object");
+    let culled = clipped(|i| floor[i] == 0.0 && i % 96 < 30);
+    let found = diagnosed(&exact(), &only(&culled, &["object", "event"]));
+    named(Kind::SurfacesMissing, &["surfaces are missing"], &found);
+}
+
+#[test]
+fn another_distance_of_the_eyes_is_named_by_light_alone() {
+    let wide = light(&pair(&[("0.4 m", "0.6 m")]));
+    for found in diagnosed(&pair(&[]), &wide) {
+        assert_eq!(found.kind, Kind::CameraElsewhere);
+    }
+    let found = diagnosed(&pair(&[]), &wide);
+    assert!(found[0].what.contains("the eyes are 0.6"), "{found:?}");
+}

@@ -27,7 +27,7 @@ const MEANINGS: [&str; 4] = [
 ];
 
 /// The values of [`MEANINGS`] at pixel `i` with the distance `s`.
-fn meanings(case: &Case, i: usize, s: f64) -> Option<[f64; 4]> {
+pub(super) fn meanings(case: &Case, i: usize, s: f64) -> Option<[f64; 4]> {
     let known = case.known?;
     let d = known.look_along(centre(case, i))?.unit();
     let own = known.own_way(s, d);

@@ -19,6 +19,7 @@
 //! | camera at another time | points of a known scene are where a camera whose clock is ahead sees them (`camera`) |
 //! | shots that differ | the metadata of both pictures state different velocities or times of the camera: then consequences are not reported |
 //! | retardation missing | all emission times are equal; or points of a known scene, or of one object, are where they are at the time of the shot |
+//! | retardation of the opposite sign | points are where they are as long after the shot; or so is the light |
 //! | velocities swapped, reversed, missing, wrong | by wavelength ratios, or by positions in a known scene (`motion`) |
 //! | film moved or scaled | points belong at a + k p for the pixel p: half a pixel, another field of view or focal length, another aspect ratio |
 //! | axes exchanged | x, y, z of events, normals, directions are permuted, or negated |
@@ -51,6 +52,7 @@
 //! | one object's channels, or light | if nothing explains the picture, the explanation of one object's pixels (`object`) |
 //! | object elsewhere | by their events, points of an object are not on its surface, although nothing hides it; or they are in the frame of another velocity (`events`) |
 //! | object missing | the reference shows it, the candidate does not |
+//! | surfaces clipped | what the candidate lacks is nearer, or farther, than all that it shows (`holes`) |
 //! | object misplaced | most of its points are not where they should be seen, and those of other objects are; nothing else explains it |
 //! | triangle, or object displaced | δ is on one triangle, or one object, only: nine tenths of Σ\|δ\|², on at most half of the pixels of surfaces |
 //! | channel wrong | its values are outside of the reference's around a pixel that shows the right point; nothing else explains it (`unlike`) |
@@ -67,6 +69,7 @@ mod events;
 mod film;
 mod fitted;
 mod frames;
+mod holes;
 mod light;
 mod looks;
 pub(super) mod mixed;
@@ -152,6 +155,8 @@ pub enum Kind {
     ShotsDiffer,
     /// Light takes no time.
     RetardationMissing,
+    /// Objects are shown where light would arrive from later.
+    RetardationReversed,
     /// Two objects have each other's velocity.
     VelocitiesSwapped,
     /// An object has another velocity.
@@ -214,6 +219,10 @@ pub enum Kind {
     LightElsewhere,
     /// Depths are used instead of distances, or delay light.
     DepthForDistance,
+    /// Surfaces nearer, or farther, than a plane or sphere are not shown.
+    SurfacesClipped,
+    /// Nothing is shown at places where the reference shows surfaces.
+    SurfacesMissing,
     /// An object is larger or smaller than it should be.
     SizeWrong,
     /// One triangle is displaced.
@@ -248,6 +257,8 @@ impl Kind {
                 | Kind::EyesAlike
                 | Kind::ShotsDiffer
                 | Kind::RetardationMissing
+                | Kind::RetardationReversed
+                | Kind::SurfacesClipped
         )
     }
 
@@ -320,7 +331,12 @@ fn diagnose_channels(case: &Case) -> Vec<Diagnosis> {
             exchanged.extend(events::gone_by_exchange(case));
             gone.retain(|(object, _)| !exchanged.contains(object));
         }
+        // What is missing casts no shadow.
+        found.retain(|found| gone.is_empty() || found.kind != Kind::ShadowsMissing);
         found.extend(gone.into_iter().map(|(_, found)| found));
+    }
+    if found.is_empty() {
+        found.extend(holes::found(case));
     }
     if found.is_empty() {
         found.extend(object::single(case));

@@ -479,6 +479,7 @@ pub(super) fn changes(case: &Case) -> Vec<Diagnosis> {
 pub(super) fn of_all(case: &Case) -> Option<Diagnosis> {
     let changes = [
         Change::Instant,
+        Change::Advanced,
         Change::CameraReversed,
         Change::CameraAtRest,
         Change::CameraWithoutGamma,
@@ -550,6 +551,7 @@ pub(super) fn is_out_of_view(case: &Case, changed: &KnownScene, object: usize) -
 pub(super) fn out_of_view(case: &Case, object: usize) -> Vec<&'static str> {
     let changes = [
         (Change::Instant, "light that takes no time"),
+        (Change::Advanced, "retardation of the opposite sign"),
         (Change::AtRest(object), "a velocity that is missing"),
         (
             Change::Reversed(object),
@@ -606,7 +608,7 @@ pub(super) enum Aim {
 }
 
 /// The farthest that the mean of a pixel's samples can be from its centre, pixels: a mean over several surfaces is seen elsewhere.
-const IN_PIXEL: f64 = 0.75;
+pub(super) const IN_PIXEL: f64 = 0.75;
 
 impl Aim {
     /// The aims that the candidate may have.
@@ -685,6 +687,7 @@ pub(super) fn describe_aberration_by_light(
         Change::CameraAtRest
         | Change::CameraWithoutGamma
         | Change::Instant
+        | Change::Advanced
         | Change::AtRest(_)
         | Change::Standing(_)
         | Change::Reversed(_)
@@ -711,6 +714,9 @@ pub(super) fn describe_aberration_by_light(
     }
 }
 
+/// What is said of light that arrives from the future.
+pub(super) const ADVANCED: &str = "retardation has the opposite sign (t + r for t − r)";
+
 /// The diagnosis for a change that explains the candidate.
 fn describe_change(known: &KnownScene, change: Change, tally: &Tally) -> Diagnosis {
     let beta = |k: usize| known.velocities().nth(k).map_or(0.0, |v| v.beta().length());
@@ -718,6 +724,11 @@ fn describe_change(known: &KnownScene, change: Change, tally: &Tally) -> Diagnos
         Change::Instant => (
             Kind::RetardationMissing,
             "retardation is missing: points are shown where they are at the time of the shot, and not where their light left them".into(),
+            known.velocities().map(|v| v.beta().length()).fold(0.0, f64::max),
+        ),
+        Change::Advanced => (
+            Kind::RetardationReversed,
+            format!("{ADVANCED}: points are shown where they will be as long after the shot"),
             known.velocities().map(|v| v.beta().length()).fold(0.0, f64::max),
         ),
         Change::CameraReversed => (

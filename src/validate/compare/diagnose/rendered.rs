@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::super::known::{Change, is_all_in_its_text};
+use super::super::known::{Change, at_time, is_all_in_its_text};
 use super::camera::elsewhere_in_words;
 use super::fitted::{of_some_place, of_some_size};
 use super::light::{Fit, Lit, NOTABLE, evidence, fit, lit, lit_and_dark};
-use super::motion::in_words;
+use super::motion::{ADVANCED, in_words};
 use super::scene_light::{Light, MEMORY, light_and_size_of, light_of};
 use super::time::words_for_bins;
 use super::{Case, Diagnosis, Kind, median};
@@ -20,8 +20,8 @@ use crate::render::prepare::Prepared;
 use crate::render::progress::Silent;
 use crate::render::render;
 use crate::scene::model::{EmissionProfile, LightKind, Motion, Scene, SourceKind, TimeFilter};
+use crate::spacetime::Velocity;
 use crate::spacetime::worldline::WorldLine;
-use crate::spacetime::{Event, Velocity};
 
 /// The most moving objects that are tested.
 const MOST_OBJECTS: usize = 8;
@@ -407,6 +407,11 @@ fn motions(scene: &Scene) -> Vec<Mistake> {
             "retardation is missing: the picture is that of the time of the shot".into(),
             fastest,
         );
+        if moves(&fastest) {
+            let what = format!("{ADVANCED}: the picture is that of places as long after the shot");
+            let kind = Kind::RetardationReversed;
+            add(Change::Advanced, kind, what, fastest);
+        }
     }
     let camera = scene.camera.velocity;
     if moves(&camera) {
@@ -445,12 +450,12 @@ fn motions(scene: &Scene) -> Vec<Mistake> {
             }
         }
     }
-    mistakes.extend(all_at_rest(scene));
+    mistakes.extend(of_all_objects(scene));
     mistakes
 }
 
-/// The scene with all objects at rest, at their origins, or where these are at the time of the shot; none if fewer than two move.
-fn all_at_rest(scene: &Scene) -> Vec<Mistake> {
+/// The scene with all objects reversed, or at rest, at their origins, or where these are at the time of the shot; none if fewer than two move.
+fn of_all_objects(scene: &Scene) -> Vec<Mistake> {
     let fastest = scene
         .objects
         .iter()
@@ -473,8 +478,7 @@ fn all_at_rest(scene: &Scene) -> Vec<Mistake> {
         for object in &mut at_rest.objects {
             let origin = &mut object.origin;
             if at_shot {
-                let beta = object.velocity.beta();
-                *origin = Event::new(shot.event.ct, origin.x + beta * (shot.event.ct - origin.ct));
+                *origin = at_time(object.velocity, *origin, shot.event.ct);
             }
             object.velocity = Velocity::REST;
         }
@@ -492,7 +496,17 @@ fn all_at_rest(scene: &Scene) -> Vec<Mistake> {
             scene: at_rest,
         }
     };
-    vec![at_rest(false), at_rest(true)]
+    let mut reversed = scene.clone();
+    for object in &mut reversed.objects {
+        object.velocity = -object.velocity;
+    }
+    let reversed = Mistake {
+        kind: Kind::VelocityWrong,
+        what: "the velocities of all objects are reversed: the picture is that of −β for β (judged by light only)".into(),
+        size: ("beta", fastest),
+        scene: reversed,
+    };
+    vec![at_rest(false), at_rest(true), reversed]
 }
 
 /// The scene with the camera at rest.
@@ -617,6 +631,13 @@ fn changed(scene: &Scene, change: Change) -> Option<Scene> {
         // Light that takes no time cannot be traced between surfaces.
         Change::Instant if scene.bounces > 0 => return None,
         Change::Instant => changed.effects.retardation = false,
+        Change::Advanced => {
+            let ct = Shot::new(&scene.camera).ok()?.event.ct;
+            for object in &mut changed.objects {
+                object.origin = at_time(object.velocity, object.origin, ct);
+                object.velocity = -object.velocity;
+            }
+        }
         Change::CameraAtRest => changed.effects.aberration = false,
         // For other motions, the velocity is instantaneous.
         Change::CameraReversed if scene.camera.motion != Motion::Inertial => return None,

@@ -8,7 +8,10 @@ use super::super::known::{self, KnownScene};
 use super::super::options::Region;
 use super::super::picture::{Picture, Plane, RADIANCE};
 use super::super::points::{Points, place};
-use super::{Case, Diagnosis, Kind, PUPIL_DISTANCE, constant, diagnose_channels, mixed, turns};
+use super::fitted::of_some_size;
+use super::{
+    Case, Diagnosis, Kind, PUPIL_DISTANCE, constant, diagnose_channels, light, mixed, turns,
+};
 use crate::error::Message;
 use crate::io::image::{Layers, Samples};
 use crate::scene::model::Scene;
@@ -102,7 +105,8 @@ fn of_eye(case: &Case, eye: usize) -> Vec<Diagnosis> {
     }
     let points = Points::pair(pair.map(|picture| &picture.layers));
     let side = EYES[eye].1;
-    let scene = case.scene.and_then(|scene| {
+    let whole = case.scene;
+    let scene = whole.and_then(|scene| {
         let camera = known::eye(
             &scene.camera,
             side,
@@ -130,7 +134,44 @@ fn of_eye(case: &Case, eye: usize) -> Vec<Diagnosis> {
         field: field.as_ref(),
         scene: scene.as_ref(),
     };
-    constant::set_apart(&case).unwrap_or_else(|| diagnose_channels(&case))
+    let found = constant::set_apart(&case).unwrap_or_else(|| diagnose_channels(&case));
+    // An eye that is a little aside also looks like a shifted film.
+    let may_be_apart =
+        !case.has_places() && found.iter().all(|found| found.kind == Kind::FilmShifted);
+    let whole = whole.filter(|_| may_be_apart);
+    match whole.and_then(|whole| apart(&case, whole, side)) {
+        Some(apart) => vec![apart],
+        None => found,
+    }
+}
+
+/// Changes of the distance between the eyes to try, relative to it.
+const WIDER: [f64; 5] = [-0.5, -0.25, 0.25, 0.5, 1.0];
+
+/// Another distance between the eyes of the pair's scene, by the light of one eye.
+fn apart(case: &Case, pair: &Scene, side: f64) -> Option<Diagnosis> {
+    let right = pair.camera.stereo?.interpupillary_distance;
+    let size = case.points[0].size().map(|n| n as u32);
+    let with = |x: f64| {
+        let mut camera = pair.camera.clone();
+        camera.stereo.as_mut()?.interpupillary_distance += x * right;
+        let camera = known::eye(&camera, side, size)?;
+        Some(Scene {
+            camera,
+            ..pair.clone()
+        })
+    };
+    let (x, fit) = of_some_size(case, &light::lit(case)?, &WIDER, with)?;
+    let is = (1.0 + x) * right;
+    let evidence = [("distance (m)", is)].into_iter();
+    Some(Diagnosis {
+        kind: Kind::CameraElsewhere,
+        what: format!(
+            "the eyes are {is:.3} m apart, and should be {right:.3} m (judged by light only)"
+        )
+        .into(),
+        evidence: evidence.chain(light::evidence(&fit.tally)).collect(),
+    })
 }
 
 /// One eye's half of a picture.

@@ -339,3 +339,69 @@ fn other_samples_of_moving_bodies_are_no_shift() {
     scene.samples_per_pixel = 9;
     assert_eq!(diagnosed(&single, &bare(&taken(&scene, false))), []);
 }
+
+#[test]
+fn other_samples_of_thin_bars_before_a_floor_are_no_late_times() {
+    let text = r#"
+        camera = { eye = [0, 3.4, 400], look_at = [0, 3.3, 0], hfov = "4.2 deg", size = [120, 40], time = "391.5 m", velocity = { beta = [0.8,0,0] } }
+        [[object]]
+        shape = { plane = { size = [60000, 60000] } }
+        [[object]]
+        shape = { box = { size = [20, 0.3, 0.3] } }
+        transform = { translate = [0, 1.6, 0] }
+        [[object]]
+        shape = { box = { size = [20, 0.3, 0.3] } }
+        transform = { translate = [0, 5, 0] }
+        velocity = { beta = [0.3,0,0]}
+    "#;
+    let mut scene = parsed(text);
+    let mut with = |samples: u32| {
+        scene.samples_per_pixel = samples;
+        taken(&scene, false)
+    };
+    let (few, many) = (with(1), with(4));
+    assert_eq!(diagnosed(&few, &many), []);
+}
+
+#[test]
+fn the_other_side_of_a_reversed_ball_is_not_one_at_rest() {
+    let text = r#"
+        camera = { eye = [0, 2.2, 7.5], look_at = [0, 0.9, 0], hfov = "62 deg", size = [120, 90] }
+        [[object]]
+        shape = { plane = { size = [40, 40] } }
+        [[object]]
+        shape = { sphere = { radius = 0.7, subdivisions = 6 } }
+        velocity = { beta = [0.5, 0, 0] }
+        origin = { position = [-0.6, 0.7, -1.6], time = "-9.5 m" }
+    "#;
+    let reversed = shot(&parsed(&text.replace("[0.5, 0, 0]", "[-0.5, 0, 0]")));
+    let found = diagnosed(&shot(&parsed(text)), &only(&reversed, &["object", "event"]));
+    named(Kind::VelocityWrong, &["object 1 is reversed"], &found);
+}
+
+#[test]
+fn an_eye_elsewhere_is_not_an_object_elsewhere_where_samples_differ() {
+    let text = SCENE.replace("eye = [0, 0.6, 4]", "eye = [0.06, 0.6, 4]");
+    let mut scene = parsed(&text.replace("look_at = [1.5, 0.3, 0]", "forward = [1.5, -0.3, -4]"));
+    scene.samples_per_pixel = 9;
+    let candidate = only(&taken(&scene, false), &["object", "object_event"]);
+    let found = diagnosed(&exact(), &candidate);
+    named(Kind::CameraElsewhere, &["its eye is at (0.0"], &found);
+}
+
+#[test]
+fn the_shadow_of_a_missing_object_is_not_said_to_be_missing() {
+    let text = r#"
+        camera = { eye = [0, 1.3, 4], look_at = [0, 0.5, 0], hfov = "60 deg", size = [80, 60] }
+        [[object]]
+        shape = { plane = { size = [8, 8] } }
+        [[object]]
+        shape = { box = { size = [0.6, 0.6, 0.6] } }
+        origin = { position = [0, 0.3, 0] }
+        [[source]]
+        pulse = { position = [1.5, 2.4, 1.4], time = "-7 m", sigma = "3 m", intensity = 12 }
+    "#;
+    let without = shot(&parsed(&text.replace("[0, 0.3, 0]", "[900, 900, 900]")));
+    let found = diagnosed(&shot(&parsed(text)), &without);
+    named(Kind::ObjectMissing, &["object 1 is missing"], &found);
+}

@@ -16,8 +16,8 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 
 use super::super::known::KnownScene;
 use super::looks::{FARTHEST_TURN, turned_in_words};
-use super::motion::{self, Aim, NOTABLE_DISPLACEMENT, displaced};
-use super::{Case, Diagnosis, Kind, NEAR, Tally, channels, film};
+use super::motion::{self, Aim, IN_PIXEL, NOTABLE_DISPLACEMENT, displaced};
+use super::{Case, Diagnosis, Kind, MOST, NEAR, Tally, channels, film};
 use crate::scene::model::{CameraModel, Motion};
 use crate::spacetime::{Boost, CameraFrame, Displacement, Velocity, World};
 
@@ -98,6 +98,33 @@ pub(super) fn another(case: &Case) -> Option<Diagnosis> {
         return None;
     }
     motion::of_all(case).is_none().then_some(())?;
+    let (number, x, tally) = nearest(case, known, |tally: &Tally| {
+        tally.explains(NOTABLE_DISPLACEMENT) && tally.rest() <= LEFT_BY_CAMERA
+    })?;
+    let by_film = film::scaled_and_rest(case);
+    (by_film.is_none_or(|(_, rest)| tally.rest() < rest))
+        .then(|| describe(known, number, x, &tally))
+}
+
+/// A camera that explains, but for samples elsewhere in pixels, where points are seen: it sees nearly all of them in the pixels that show
+/// them.
+pub(super) fn of_samples(case: &Case) -> Option<Diagnosis> {
+    let known = case.known?;
+    (known.camera().motion == Motion::Inertial).then_some(())?;
+    let in_pixels = |tally: &Tally| {
+        let inside = tally.distances.iter().filter(|d| d[1] <= IN_PIXEL).count();
+        inside as f64 >= MOST * tally.distances.len() as f64
+    };
+    let (number, x, tally) = nearest(case, known, in_pixels)?;
+    Some(describe(known, number, x, &tally))
+}
+
+/// The change of the camera that leaves the smallest displacements, of those that explain them.
+fn nearest(
+    case: &Case,
+    known: &KnownScene,
+    explains: impl Fn(&Tally) -> bool,
+) -> Option<(Number, DVec3, Tally)> {
     let numbers = [
         Number::Time,
         Number::Velocity,
@@ -120,17 +147,13 @@ pub(super) fn another(case: &Case) -> Option<Diagnosis> {
         };
         is_possible.then_some(())?;
         let tally = displaced(case, known, &changed, None);
-        let explains = tally.explains(NOTABLE_DISPLACEMENT) && tally.rest() <= LEFT_BY_CAMERA;
-        explains.then_some((number, x, tally))
+        explains(&tally).then_some((number, x, tally))
     });
     // A camera at another time is elsewhere, too: of those that leave as little, the first is meant.
     let found: Vec<(Number, DVec3, Tally)> = found.collect();
     let least = found.iter().map(|found| found.2.rest()).reduce(f64::min)?;
     let is_as_near = |found: &(Number, DVec3, Tally)| found.2.rest() <= least + AS_NEAR;
-    let (number, x, tally) = found.into_iter().find(is_as_near)?;
-    let by_film = film::scaled_and_rest(case);
-    (by_film.is_none_or(|(_, rest)| tally.rest() < rest))
-        .then(|| describe(known, number, x, &tally))
+    found.into_iter().find(is_as_near)
 }
 
 /// Residuals that differ by less, pixels, are equal: points in single precision are seen to 1e-4 pixels.

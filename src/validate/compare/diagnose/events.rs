@@ -318,10 +318,14 @@ fn by_boxes<P: Fn(usize) -> Option<DVec3>>(
         low.abs().max(high.abs()).max_element()
     };
     let is = apart(velocity);
-    let (which, nearest) = least(others.iter().map(|velocity| Some(apart(*velocity))))?;
+    let apart_by: Vec<f64> = others.iter().map(|velocity| apart(*velocity)).collect();
+    let (which, nearest) = least(apart_by.iter().copied().map(Some))?;
+    // Other sides of a body are visible at each velocity: one of them must be far nearer than the others, too.
+    let is_nearest = |(k, other): (usize, &f64)| k == which || nearest <= NEARER * other;
+    let is_only = apart_by.iter().enumerate().all(is_nearest);
     let same = SAME_BOX * (right[1] - right[0]).length();
     let is_wrong = part > OFF_BY_VELOCITY || is > same;
-    let explains = is_wrong && nearest <= same.min(NEARER * is);
+    let explains = is_wrong && is_only && nearest <= same.min(NEARER * is);
     let evidence = vec![
         (PART_OFF, part),
         ("the box around its points is off by (m)", is),

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::super::geometry::Field;
 use super::super::surface::FEWEST_OF_OBJECT;
-use super::{Case, Diagnosis, FEWEST, Kind, MOST, median, motion};
+use super::{Case, Diagnosis, FEWEST, Kind, MOST, camera, median, motion};
 
 /// The smallest notable displacement, pixels.
 const NOTABLE_DISPLACEMENT: f64 = 0.1;
@@ -36,7 +36,7 @@ pub(super) fn displaced(case: &Case) -> Option<Diagnosis> {
 const SAMPLED: f64 = 1.0;
 
 /// Objects whose points, in a known scene, are not seen where the candidate shows them, whether or not the reference shows the object
-/// there. Empty if this is the case for all objects: then no object is to blame.
+/// there; or the camera that explains this. Empty if this is the case for all objects: then no object is to blame.
 pub(super) fn misplaced(case: &Case) -> Vec<Diagnosis> {
     let (Some(known), [_, points]) = (case.known, &case.points) else {
         return Vec::new();
@@ -62,6 +62,12 @@ pub(super) fn misplaced(case: &Case) -> Vec<Diagnosis> {
         .into_iter()
         .filter_map(|(object, off)| Some((object, off.len(), median(off)?)));
     let found: Vec<_> = medians.filter(|(.., off)| *off > SAMPLED).collect();
+    if let Some(found) = (!found.is_empty())
+        .then(|| camera::of_samples(case))
+        .flatten()
+    {
+        return vec![found];
+    }
     if found.len() == count {
         return Vec::new();
     }

@@ -38,7 +38,7 @@ pub(super) fn shifted(case: &Case) -> Option<Diagnosis> {
     } else {
         TIME_ROUNDING
     };
-    let explains = shift.abs() > rounding * scale && share >= MOST;
+    let explains = shifts.len() >= FEWEST && shift.abs() > rounding * scale && share >= MOST;
     (explains && shift.abs() > by_samples(case, r)).then(|| describe_shift(case, shift, share))
 }
 

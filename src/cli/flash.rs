@@ -87,7 +87,7 @@ impl Work<'_> {
         let scene = builtin::of_model(self.path, &light.scene).scene(&overrides)?;
         bake::check(&scene)?;
         if light.leaves_out_emission {
-            let what = "the steady light that the model's materials emit is left out of its flash";
+            let what = "the steady light that the model's materials emit is left out of its flash: pictures without --flash show it";
             warn(self.work.quiet.on, &[what.into()]);
         }
         let bins = Bins {

@@ -549,9 +549,9 @@ fn planes_that_clip_surfaces_are_named_with_their_distance() {
 #[test]
 fn another_distance_of_the_eyes_is_named_by_light_alone() {
     let wide = light(&pair(&[("0.4 m", "0.6 m")]));
-    for found in diagnosed(&pair(&[]), &wide) {
-        assert_eq!(found.kind, Kind::CameraElsewhere);
-    }
     let found = diagnosed(&pair(&[]), &wide);
-    assert!(found[0].what.contains("the eyes are 0.6"), "{found:?}");
+    assert!(!found.is_empty());
+    for eye in &found {
+        assert!(eye.what.contains("the eyes are 0.6"), "{found:?}");
+    }
 }

@@ -144,11 +144,15 @@ def chart(table, sweeps):
         x = lambda v: left + wide * (along(v) - min(xs)) / ((max(xs) - min(xs)) or 1)
         y = lambda v: top + tall * (high - math.log10(v)) / ((high - low) or 1)
         parts.append(f'<rect x="{left}" y="{top}" width="{wide}" height="{tall}" fill="none" stroke="black"/>')
-        parts.append(f'<text x="{left + wide / 2}" y="{top - 8}" text-anchor="middle">ms of one picture over {sweep}</text>')
+        parts.append(f'<text x="{left + wide / 2}" y="{top - 8}" text-anchor="middle">ms of one picture over {"β" if sweep == "beta" else sweep}</text>')
         for decade in range(low, high + 1):
             parts.append(f'<line x1="{left}" x2="{left + wide}" y1="{y(10.0 ** decade)}" y2="{y(10.0 ** decade)}" stroke="#ddd"/>')
             parts.append(f'<text x="{left - 4}" y="{y(10.0 ** decade) + 3}" text-anchor="end">{10.0 ** decade:g}</text>')
+        written = -math.inf
         for value in sorted({p[0] for p in points}):
+            if x(value) - written < 12:
+                continue
+            written = x(value)
             label = f"{value:g}" if value < 10000 else f"{value:.0e}".replace("e+0", "e")
             parts.append(f'<text x="{x(value)}" y="{top + tall + 13}" text-anchor="middle" font-size="7">{label}</text>')
         for k, (name, line) in enumerate(lines.items()):
@@ -169,6 +173,7 @@ def main():
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--out", default=".")
     options = parser.parse_args()
+    os.makedirs(options.out, exist_ok=True)
     sweeps = options.sweeps.split(",")
     table = []
     with tempfile.TemporaryDirectory() as folder:

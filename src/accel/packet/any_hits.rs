@@ -46,6 +46,8 @@ pub(super) struct AnyHits<'a, S> {
     pub block: &'a mut Block,
     /// Space for all entries that can be pending.
     pub stack: &'a mut [StackEntry],
+    /// The most leaves and triangles to test.
+    pub most: usize,
     pub tally: &'a mut Counts,
 }
 
@@ -118,8 +120,11 @@ impl<S> AnyHits<'_, S> {
             block,
             tally: self.tally,
         };
-        traverse(k, &bvh.tree.wide, &beam, &bounds, self.stack, &mut query);
-        Outcome::Traced
+        let (tree, stack, most) = (&bvh.tree.wide, self.stack, self.most);
+        match traverse(k, tree, &beam, &bounds, stack, most, &mut query) {
+            true => Outcome::Traced,
+            false => Outcome::Fine,
+        }
     }
 }
 

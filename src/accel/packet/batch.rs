@@ -30,6 +30,13 @@ const FEW: usize = 8;
 /// 64 traversals (measured on boxes in a room).
 const SMALL: usize = 48;
 
+/// The most leaves, and triangles in them that rays may hit, that a block tests: where there are more, triangles are finer than the gaps
+/// between its rays, which are traced one by one instead. That took as long as 50 to 500 of them (measured on meshes of 57,000 to 124,000
+/// triangles in pictures 32 to 1024 pixels wide), and blocks of pixel-sized triangles, which are worth it, reach 600 hardly ever. A block
+/// after such a one is mostly as fine, and is given up earlier.
+const MOST_WORK: usize = 600;
+const MOST_WORK_AFTER_FINE: usize = 100;
+
 /// Buffers reused from block to block.
 struct Workspace {
     block: Block,
@@ -309,7 +316,7 @@ impl View<'_> {
         let mut room = None;
         // If one block was incoherent, the next is checked beforehand; otherwise the check would only delay it until its directions are
         // loaded.
-        let mut was_incoherent = false;
+        let (mut was_incoherent, mut was_fine) = (false, false);
         // A single block needs no sorting.
         let tile = match self.is_small() && count > RAYS {
             true => Tile::by_signs(count, |at| segments.segment(at).ray.direction),
@@ -330,11 +337,13 @@ impl View<'_> {
                         blocked,
                         block: &mut block,
                         stack,
+                        most: self.most_work(was_fine),
                         tally,
                     });
                 }
                 was_incoherent = outcome == Outcome::Incoherent;
-                if was_incoherent {
+                was_fine = outcome == Outcome::Fine;
+                if was_incoherent || was_fine {
                     let order = &block.order[..block.count];
                     self.any_of_singles(method, segments, order, blocked, &mut room, tally);
                 }
@@ -396,7 +405,7 @@ impl View<'_> {
             singles: None,
         };
         // As in `any_of_whole`; with own origins, the first block is checked, too.
-        let mut was_incoherent = R::OWN_ORIGINS;
+        let (mut was_incoherent, mut was_fine) = (R::OWN_ORIGINS, false);
         // Rays that leave surfaces are incoherent: if sorted by the signs of their directions, those of a block still miss boxes together.
         let tile = match rays.leaves() && self.is_small() {
             true => Tile::by_signs(directions.len(), |ray| directions[ray]),
@@ -415,14 +424,18 @@ impl View<'_> {
                         Outcome::Incoherent
                     }
                     // Rays that start near one point are treated as sharing it, if f64 certifies their hits: (K5) of `block`.
-                    _ => match rays.as_shared(&self.tree.space, &block.order) {
-                        Some(rays) if method.precision == Precision::Certified => {
-                            self.closest_of_block(method, rays, hits, &mut space, stack, tally)
+                    _ => {
+                        let room = (stack.as_mut(), self.most_work(was_fine));
+                        match rays.as_shared(&self.tree.space, &block.order) {
+                            Some(rays) if method.precision == Precision::Certified => {
+                                self.closest_of_block(method, rays, hits, &mut space, room, tally)
+                            }
+                            _ => self.closest_of_block(method, rays, hits, &mut space, room, tally),
                         }
-                        _ => self.closest_of_block(method, rays, hits, &mut space, stack, tally),
-                    },
+                    }
                 };
                 was_incoherent = outcome == Outcome::Incoherent;
+                was_fine = outcome == Outcome::Fine;
                 match outcome {
                     Outcome::Missed => {}
                     Outcome::Traced => {
@@ -430,7 +443,7 @@ impl View<'_> {
                         let replaced = replaced.as_deref_mut();
                         space.replace(self.bvh, precision, rays, hits, tally, replaced)
                     }
-                    Outcome::Incoherent => {
+                    Outcome::Incoherent | Outcome::Fine => {
                         // Interleaved, unless there are too few.
                         let order = &space.block.order[..space.block.count];
                         if order.len() < FEW {
@@ -468,6 +481,15 @@ impl View<'_> {
         self.tree.wide.leaves.len() <= SMALL
     }
 
+    /// The most leaves and triangles that a block tests, after one that was too fine or not.
+    fn most_work(self, was_fine: bool) -> usize {
+        match was_fine {
+            _ if self.is_small() => usize::MAX,
+            true => MOST_WORK_AFTER_FINE,
+            false => MOST_WORK,
+        }
+    }
+
     /// Traces the block through the tree.
     fn closest_of_block(
         self,
@@ -475,7 +497,7 @@ impl View<'_> {
         rays: impl RaySet,
         hits: &[Option<Hit>],
         Workspace { block, refined, .. }: &mut Workspace,
-        stack: &mut [StackEntry],
+        (stack, most): (&mut [StackEntry], usize),
         tally: &mut Counts,
     ) -> Outcome {
         let bvh = self;
@@ -487,6 +509,7 @@ impl View<'_> {
                 block,
                 refined,
                 stack,
+                most,
                 tally,
             }),
             Precision::Fast => method.kernel.run(ClosestHits::<_, false> {
@@ -496,6 +519,7 @@ impl View<'_> {
                 block,
                 refined,
                 stack,
+                most,
                 tally,
             }),
         }

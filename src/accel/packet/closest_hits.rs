@@ -29,6 +29,8 @@ pub(super) struct ClosestHits<'a, R, const CERTIFIED: bool> {
     pub refined: &'a mut RefinedHits,
     /// Space for all entries that can be pending.
     pub stack: &'a mut [StackEntry],
+    /// The most leaves and triangles to test.
+    pub most: usize,
     pub tally: &'a mut Counts,
 }
 
@@ -55,7 +57,9 @@ impl<R: RaySet, const CERTIFIED: bool> Task for ClosestHits<'_, R, CERTIFIED> {
             quarters: None,
             tally: self.tally,
         };
-        traverse(k, tree, &beam, &bounds, self.stack, &mut query);
+        if !traverse(k, tree, &beam, &bounds, self.stack, self.most, &mut query) {
+            return Outcome::Fine;
+        }
         if CERTIFIED {
             self.refined.fill(k, bvh.bvh, rays, query.block);
         }

@@ -18,6 +18,8 @@ pub(super) type StackEntry = (f32, NodeRef);
 pub(super) enum Outcome {
     /// Its rays are incoherent, and nothing was done.
     Incoherent,
+    /// It meets more triangles than it may test, because they are finer than the gaps between its rays.
+    Fine,
     /// It misses the tree.
     Missed,
     /// It was traced.
@@ -41,7 +43,7 @@ pub(super) trait BlockQuery<K: Simd> {
 }
 
 /// Runs `query` on `tree`, which must not be empty, for a block with these `bounds`. `stack` must have room for all entries that can be
-/// pending.
+/// pending. Returns whether it was finished with at most `most` leaves and triangles.
 #[inline(always)]
 pub(super) fn traverse<K: Simd, Q: BlockQuery<K>>(
     k: K,
@@ -49,15 +51,16 @@ pub(super) fn traverse<K: Simd, Q: BlockQuery<K>>(
     beam: &Beam<K::Children>,
     bounds: &BlockBounds,
     stack: &mut [StackEntry],
+    most: usize,
     query: &mut Q,
-) {
+) -> bool {
     let setup = TriangleSetup::new(k.children(), bounds);
     let mut triangles = LeafTriangles::NONE;
     let mut limit = query.limit(k);
-    let (mut nodes, mut tested) = (0, 0);
+    let (mut nodes, mut tested, mut work) = (0, 0, 0);
     let mut waiting = 1;
     stack[0] = (0.0, NodeRef::ROOT);
-    while waiting > 0 {
+    while waiting > 0 && work <= most {
         waiting -= 1;
         let (entry, at) = stack[waiting];
         // A nearer hit has been found since.
@@ -70,6 +73,7 @@ pub(super) fn traverse<K: Simd, Q: BlockQuery<K>>(
             if intersect_leaf(k, leaf, &setup, limit, &mut triangles, query) {
                 limit = query.limit(k);
             }
+            work += 1 + triangles.candidates.count_ones() as usize;
             continue;
         }
         nodes += 1;
@@ -98,6 +102,7 @@ pub(super) fn traverse<K: Simd, Q: BlockQuery<K>>(
     }
     query.tally().add(Work::Nodes, nodes);
     query.tally().add(Work::Triangles, tested);
+    work <= most
 }
 
 /// Tests the triangles of `leaf`; returns whether the limit may have changed.

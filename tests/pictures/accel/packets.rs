@@ -1,7 +1,7 @@
 //! Packets against single rays: the same hits, bit for bit, with every kernel.
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Hit, Kernel, Origins};
+use nullray::accel::{Bvh, Counts, Facing, Hit, Kernel, Origins, Ray, Segment};
 
 use crate::accel::common::*;
 
@@ -70,6 +70,63 @@ fn many_small_triangles_are_met_as_by_single_rays() {
         hits += compare_new(&bvh, origin, &tile(&mut random, axis, 16, 0.002, 0.5));
     }
     assert!(hits > 20_000, "{hits}");
+}
+
+#[test]
+fn meshes_finer_than_the_gaps_between_rays_take_each_ray_few_triangles() {
+    let mut random = Random(32);
+    // A wavy sheet of 320 × 320 squares, of which a block of 8 × 8 rays sees 160 × 160.
+    let n = 320;
+    let corner = |i: usize, j: usize| {
+        let [x, y] = [i, j].map(|k| k as f64 / n as f64 - 0.5);
+        DVec3::new(x, y, 0.02 * (40.0 * x).sin() * (30.0 * y).cos())
+    };
+    let squares = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+    let triangles = squares.flat_map(|(i, j)| {
+        let [a, b] = [corner(i, j), corner(i + 1, j + 1)];
+        [[a, corner(i + 1, j), b], [a, b, corner(i, j + 1)]]
+    });
+    let bvh = build(&triangles.collect::<Vec<_>>());
+    let origin = DVec3::new(0.01, 0.02, 2.0);
+    let directions = tile(&mut random, -DVec3::Z, 16, 0.03, 0.5);
+    assert!(compare_new(&bvh, origin, &directions) > 200);
+    // The same from behind the sheet to the origin.
+    let segments: Vec<_> = directions
+        .iter()
+        .map(|d| Segment {
+            ray: Ray {
+                origin: origin + 1.5 * *d,
+                direction: -1.5 * *d,
+                s_min: 0.0,
+            },
+            s_max: 1.0,
+            skip: None,
+            end: None,
+        })
+        .collect();
+    let blocked = |kernel| {
+        let mut blocked = vec![false; segments.len()];
+        bvh.any_by(certified(kernel), &segments, &mut blocked, None);
+        blocked
+    };
+    for kernel in packet_kernels() {
+        let mut counts = Counts::default();
+        let mut hits = vec![None; directions.len()];
+        let from = Origins::Shared(origin);
+        let method = certified(kernel);
+        bvh.closest_by(
+            method,
+            from,
+            &directions,
+            &mut hits,
+            Some(&mut counts),
+            None,
+        );
+        // As a block some 800 for each ray.
+        let each = counts.triangles / directions.len() as u64;
+        assert!(each < 20, "{kernel:?}: {each}");
+        assert_eq!(blocked(kernel), blocked(Kernel::Scalar), "{kernel:?}");
+    }
 }
 
 #[test]

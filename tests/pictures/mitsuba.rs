@@ -1,12 +1,15 @@
-//! Direct light against Mitsuba 3 (tests/data/mitsuba): panel, uniform and pictured sky, point lamp, parallel light, diffuse surfaces, GGX.
+//! Light against Mitsuba 3 (tests/data/mitsuba): panel, uniform and pictured sky, point lamp, parallel light, diffuse surfaces, GGX; and light
+//! that bounces between diffuse walls, a mirror and glass, in pictures and in bakes.
 
 use std::path::Path;
 
 use nullray::io::image::{Channel, Layers, Samples, exr};
+use nullray::render::bake::{self, Bins, CubePrecision};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
 use nullray::render::render;
+use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};
 
 /// The camera, floor and box of all scenes of generate.py, and the ball that takes its roughness from what follows.
@@ -84,17 +87,146 @@ fn lamps_and_a_pictured_sky_at_rest_are_those_of_mitsuba() {
     }
 }
 
+/// The room of generate.py that is open in front, with up to four bounces; what follows says how the panel shines in time.
+const BOUNCES: &str = "
+[render]
+bounces = 4
+[display]
+samples_per_pixel = 256
+back_faces = \"black\"
+[camera]
+eye = [0, 1, 4.4]
+look_at = [0, 0.95, 0]
+hfov = \"36 deg\"
+[[object]]
+shape = { plane = { size = [2, 2] } }
+colour = [0.7, 0.7, 0.7]
+[[object]]
+shape = { plane = { size = [2, 2] } }
+transform = { translate = [0, 2, 0], rotate = { axis = [1, 0, 0], angle = \"180 deg\" } }
+colour = [0.7, 0.7, 0.7]
+[[object]]
+shape = { plane = { size = [2, 2] } }
+transform = { translate = [0, 1, -1], rotate = { axis = [1, 0, 0], angle = \"90 deg\" } }
+colour = [0.5, 0.6, 0.8]
+[[object]]
+shape = { plane = { size = [2, 2] } }
+transform = { translate = [-1, 1, 0], rotate = { axis = [0, 0, 1], angle = \"-90 deg\" } }
+colour = [0.75, 0.2, 0.15]
+[[object]]
+shape = { plane = { size = [2, 2] } }
+transform = { translate = [1, 1, 0], rotate = { axis = [0, 0, 1], angle = \"90 deg\" } }
+colour = [0.2, 0.6, 0.2]
+[[object]]
+name = \"panel\"
+shape = { plane = { size = [0.8, 0.6] } }
+transform = { translate = [0.1, 1.9, 0], rotate = { axis = [1, 0, 0], angle = \"180 deg\" } }
+colour = [0, 0, 0]
+[[object]]
+shape = { box = { size = [0.5, 0.6, 0.5] } }
+transform = { translate = [0.45, 0.3, 0.3] }
+colour = [0.7, 0.6, 0.3]
+[[object]]
+shape = { sphere = { radius = 0.45, subdivisions = 6 } }
+transform = { translate = [-0.45, 0.45, -0.4] }
+colour = [1, 1, 1]
+metallic = 1
+roughness = 0
+[[object]]
+shape = { sphere = { radius = 0.3, subdivisions = 6 } }
+transform = { translate = [-0.3, 0.3, 0.5] }
+colour = [1, 1, 1]
+roughness = 0
+transmission = 1
+ior = 1.5
+[[light]]
+type = \"area\"
+object = \"panel\"
+radiance = [12, 10, 8]
+";
+
+#[test]
+fn light_that_bounces_is_that_of_mitsuba() {
+    let scene = sized(BOUNCES, Path::new("."), [28, 21]);
+    let plan = Plan::new(&scene, &Request::default()).unwrap();
+    let film = render(&Prepared::new(&scene, &plan, &Silent).unwrap(), &Silent).unwrap();
+    check_bounces(film.radiance());
+}
+
+#[test]
+fn light_that_is_baked_adds_up_over_all_times_to_that_of_mitsuba() {
+    let flash = "emission = { gaussian = { time = \"0 m\", sigma = \"0.1 m\" } }";
+    let scene = sized(&format!("{BOUNCES}{flash}"), Path::new("."), [28, 21]);
+    let plan = Plan::new(&scene, &Request::default()).unwrap();
+    let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+    // The camera is 3.4 m from the opening; six ways through the room, partly in glass, are shorter than 30 m.
+    let bins = Bins {
+        start: 2.0,
+        width: 1.0,
+        count: 30,
+    };
+    let precision = CubePrecision::Single;
+    let baked = bake::camera_cube(&scene, &prepared, &bins, precision, None, &Silent).unwrap();
+    let value = |at: usize| baked.cube.samples.get(at).unwrap();
+    // ∫ exp(−t²/2σ²) dt = √(2π) σ.
+    let energy = std::f64::consts::TAU.sqrt() * 0.1;
+    let pixel = |pixel: usize| {
+        let sum = |c| {
+            (0..bins.count)
+                .map(|bin| value((pixel * bins.count + bin) * 3 + c))
+                .sum()
+        };
+        [0, 1, 2]
+            .map(|c| -> f64 { sum(c) })
+            .map(|sum: f64| sum / energy)
+    };
+    check_bounces(&(0..28 * 21).map(pixel).collect::<Vec<_>>());
+}
+
+/// Compares a picture of the room of 256 samples with Mitsuba's. Of other seeds, means over the picture differ by 0.15 % rms and those over
+/// 4 × 3 pixels by up to 6 %, in a caustic, and elsewhere by 2 %: less than 1 in 10⁴ fail. With a bounce more or less whole pictures
+/// are 1.0 to 1.8 % off; without the glass, or the mirror, parts of them are by more than half.
+fn check_bounces(got: &[[f64; 3]]) {
+    let [width, height] = [28, 21];
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/mitsuba/bounces.npy");
+    let expected = reference(&file, [width, height]);
+    let mean = |of: &[[f64; 3]], c: usize, [x, y]: [usize; 2], [w, h]: [usize; 2]| {
+        let pixels = (y..y + h).flat_map(|j| (x..x + w).map(move |i| j * width + i));
+        pixels.map(|pixel| of[pixel][c]).sum::<f64>() / (w * h) as f64
+    };
+    for c in 0..3 {
+        let [a, b] = [got, &expected].map(|of| mean(of, c, [0, 0], [width, height]));
+        assert!((a / b - 1.0).abs() < 0.006, "channel {c}: {a} {b}");
+        for corner in (0..height)
+            .step_by(3)
+            .flat_map(|y| (0..width).step_by(4).map(move |x| [x, y]))
+        {
+            let [a, b] = [got, &expected].map(|of| mean(of, c, corner, [4, 3]));
+            let most = if corner[1] >= 15 { 0.25 } else { 0.1 };
+            assert!(
+                (a / b - 1.0).abs() < most,
+                "channel {c} at {corner:?}: {a} {b}"
+            );
+        }
+    }
+}
+
+/// A scene of this size.
+fn sized(text: &str, folder: &Path, size: [usize; 2]) -> Scene {
+    let overrides = Overrides {
+        size: Some(size.map(|n| n as u32)),
+        ..Overrides::default()
+    };
+    scene::parse(text, "mitsuba", folder, &overrides).unwrap()
+}
+
 /// Renders the room with `rest`: the mean of each channel has to be that of Mitsuba but for a part `mean`, and pixels have to be those of
 /// Mitsuba but for one in `most_off`. Those may be off by noise, at edges and in highlights, and because masking and shadowing of
 /// GGX are correlated here and not there.
 fn check(name: &str, rest: &str, folder: &Path, size: [usize; 2], mean: f64, most_off: usize) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/mitsuba");
     let expected = reference(&file.join(name).with_extension("npy"), size);
-    let overrides = Overrides {
-        size: Some(size.map(|n| n as u32)),
-        ..Overrides::default()
-    };
-    let scene = scene::parse(&format!("{ROOM}{rest}"), name, folder, &overrides).unwrap();
+    let scene = sized(&format!("{ROOM}{rest}"), folder, size);
     let plan = Plan::new(&scene, &Request::default()).unwrap();
     let film = render(&Prepared::new(&scene, &plan, &Silent).unwrap(), &Silent).unwrap();
     let got = film.radiance();

@@ -1,5 +1,5 @@
-"""Direct light on a floor, a box and metal balls, by Mitsuba 3 (pip install mitsuba numpy): of a panel and an even sky together, and
-of a point lamp, parallel light and a picture of a sky, one at a time."""
+"""Light by Mitsuba 3 (pip install mitsuba numpy): direct light on a floor, a box and metal balls, of a panel and an even sky together, and
+of a point lamp, parallel light and a picture of a sky, one at a time; and light that bounces in a room with a mirror and glass."""
 import math
 import mitsuba as mi
 import numpy as np
@@ -75,3 +75,43 @@ lamps = {
 for name, lamp in lamps.items():
     balls = {"smooth": ball([-0.9, 0.8, 0.2], 0.8, 0.09), "rough": ball([0.3, 0.4, 1.3], 0.4, 0.36)}
     render(name, 28, 21, {"light": lamp, **balls})
+
+
+def room(name, width, height):
+    """A room that is open in front, with a mirror, a ball of glass and a box, in light that bounces up to four times."""
+    wall = lambda place, turn, colour: {
+        "type": "rectangle", "to_world": T().translate(place).rotate(*turn).scale([1, 1, 1]), "bsdf": diffuse(colour),
+    }
+    scene = mi.load_dict({
+        "type": "scene",
+        # From lamp to camera: six ways between surfaces, by four of them, and the first hit.
+        "integrator": {"type": "path", "max_depth": 6, "rr_depth": 100},
+        "sensor": {
+            "type": "perspective", "fov": 36, "fov_axis": "x",
+            "to_world": T().look_at(origin=[0, 1, 4.4], target=[0, 0.95, 0], up=[0, 1, 0]),
+            "sampler": {"type": "independent", "sample_count": 16384},
+            "film": {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}, "pixel_format": "rgb"},
+        },
+        "floor": wall([0, 0, 0], ([1, 0, 0], -90), [0.7, 0.7, 0.7]),
+        "ceiling": wall([0, 2, 0], ([1, 0, 0], 90), [0.7, 0.7, 0.7]),
+        "back": wall([0, 1, -1], ([0, 1, 0], 0), [0.5, 0.6, 0.8]),
+        "left": wall([-1, 1, 0], ([0, 1, 0], 90), [0.75, 0.2, 0.15]),
+        "right": wall([1, 1, 0], ([0, 1, 0], -90), [0.2, 0.6, 0.2]),
+        "panel": {
+            "type": "rectangle",
+            "to_world": T().translate([0.1, 1.9, 0]).rotate([1, 0, 0], 90).scale([0.4, 0.3, 1]),
+            "bsdf": diffuse(0.0),
+            "light": {"type": "area", "radiance": rgb([12, 10, 8])},
+        },
+        "box": {
+            "type": "cube", "to_world": T().translate([0.45, 0.3, 0.3]).scale([0.25, 0.3, 0.25]), "bsdf": diffuse([0.7, 0.6, 0.3]),
+        },
+        "mirror": {"type": "sphere", "center": [-0.45, 0.45, -0.4], "radius": 0.45, "bsdf": {"type": "conductor", "material": "none"}},
+        "glass": {"type": "sphere", "center": [-0.3, 0.3, 0.5], "radius": 0.3, "bsdf": {"type": "dielectric", "int_ior": 1.5, "ext_ior": 1.0}},
+    })
+    image = np.array(mi.render(scene, seed=1), dtype=np.float32)
+    np.save(f"{name}.npy", image)
+    print(name, image.mean(axis=(0, 1)), image.max())
+
+
+room("bounces", 28, 21)

@@ -8,7 +8,7 @@ use std::process::Command;
 use glam::DVec3;
 use nullray::camera::Camera;
 use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::Prepared;
+use nullray::render::prepare::{LoadedCubes, Prepared};
 use nullray::render::progress::Silent;
 use nullray::render::render;
 use nullray::scene::model::{CameraModel, Scene};
@@ -72,37 +72,61 @@ fn panel(figure: u32, name: &str) -> Scene {
         .1
 }
 
-/// All of `scene` but its text, with `camera` in place of its own of that size, in words.
+/// All of `scene` but its names and texts, with `camera` in place of its own of that size, in words.
 fn but_the_camera(scene: &Scene, camera: &CameraModel) -> String {
     let (mut scene, size) = (scene.clone(), scene.camera.size);
     scene.text.clear();
+    scene.name.clear();
+    scene.caption = None;
+    scene.panels.clear();
+    scene.read.clear();
     scene.camera = camera.clone();
     scene.camera.size = size;
     format!("{scene:?}")
 }
 
+/// What was prepared of the last scene: one that differs from it in its camera alone shares what is loaded and built.
+#[derive(Default)]
+pub struct Kept {
+    /// A camera that stands for all.
+    camera: Option<CameraModel>,
+    last: Option<(String, Prepared)>,
+}
+
+impl Kept {
+    /// The scene, prepared for pictures of one `request`; its cubes are among `cubes` if they were before.
+    pub fn prepared(
+        &mut self,
+        scene: &Scene,
+        request: &Request,
+        cubes: &mut LoadedCubes,
+    ) -> &Prepared {
+        let camera = self.camera.get_or_insert_with(|| scene.camera.clone());
+        let others = but_the_camera(scene, camera);
+        let prepared = match self.last.take() {
+            Some((alike, mut prepared)) if alike == others => {
+                prepared.retake(scene).unwrap();
+                prepared
+            }
+            _ => {
+                let plan = Plan::new(scene, request).unwrap();
+                Prepared::sharing(scene, &plan, cubes, &Silent).unwrap()
+            }
+        };
+        &self.last.insert((others, prepared)).1
+    }
+}
+
 #[test]
 fn every_panel_renders_to_a_lit_picture() {
+    // The test of sheets below prepares each panel by itself.
+    let (mut kept, mut cubes) = (Kept::default(), LoadedCubes::default());
     for path in figures() {
         let panels = panels(&path, &tiny());
         assert!(panels.len() >= 3, "{}", path.display());
-        let first = panels[0].1.camera.clone();
-        // Panels that differ in their cameras alone share what is loaded and built. The test of sheets below prepares each.
-        let mut shared: Option<(String, Prepared)> = None;
         for (name, scene) in panels {
-            let others = but_the_camera(&scene, &first);
-            let prepared = match shared.take() {
-                Some((alike, mut prepared)) if alike == others => {
-                    prepared.retake(&scene).unwrap();
-                    prepared
-                }
-                _ => {
-                    let plan = Plan::new(&scene, &Request::default()).unwrap();
-                    Prepared::new(&scene, &plan, &Silent).unwrap()
-                }
-            };
-            let film = render(&prepared, &Silent).unwrap();
-            shared = Some((others, prepared));
+            let prepared = kept.prepared(&scene, &Request::default(), &mut cubes);
+            let film = render(prepared, &Silent).unwrap();
             let values = film.radiance().iter().flatten();
             let brightest = values.fold(0.0, |brightest, value| {
                 assert!(value.is_finite(), "{} {name}", path.display());

@@ -8,11 +8,14 @@ use std::path::{Path, PathBuf};
 use nullray::io::image::Layers;
 use nullray::render::aov::Aov;
 use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::Prepared;
+use nullray::render::prepare::{LoadedCubes, Prepared};
 use nullray::render::progress::Silent;
 use nullray::render::render;
-use nullray::scene::{self, Overrides};
+use nullray::scene::model::Scene;
+use nullray::scene::{self, Overrides, SceneFile};
 use nullray::validate::compare::{CompareOptions, Comparison, Picture, compare};
+
+use crate::paper_scenes::Kept;
 
 /// Figure and panel; its camera, in words.
 const PANELS: [(u32, &str, &str); 19] = [
@@ -51,51 +54,70 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/paper")
 }
 
-/// A picture of a panel of a figure, 80 × 60 pixels, one ray through the middle of each.
-fn picture(figure: u32, panel: &str, model: &str) -> Picture {
-    let path = folder().join(format!("figure-{figure:02}.toml"));
-    let overrides = Overrides {
-        size: Some([80, 60]),
-        set: vec![("model".into(), format!("\"{model}\""))],
-        ..Overrides::default()
-    };
-    // As a whole a figure may be what the paper does not have.
-    let whole = scene::load(&path, &Overrides::default()).unwrap();
-    let panel = whole.panels.iter().find(|p| p.name == panel).unwrap();
-    let scene = scene::SceneFile::read(&path)
-        .unwrap()
-        .panel(&whole, panel, &overrides)
-        .unwrap();
-    let request = Request {
-        aovs: CHANNELS.to_vec(),
-        pixel_centers: true,
-        ..Request::default()
-    };
-    let plan = Plan::new(&scene, &request).unwrap();
-    let film = render(&Prepared::new(&scene, &plan, &Silent).unwrap(), &Silent).unwrap();
-    let [width, height] = film.size();
-    let layers = Layers::new(width, height, film.channels(&CHANNELS), vec![]).unwrap();
-    Picture::linear(model, layers)
+/// Makes pictures of panels one after the other. They share files and cubes, and those that differ in their cameras alone what is prepared.
+#[derive(Default)]
+struct Photographer {
+    /// The last figure: its number, its file, and its scene as a whole, which may be what the paper does not have.
+    figure: Option<(u32, SceneFile, Scene)>,
+    cubes: LoadedCubes,
+    exact: Kept,
+    paper: Kept,
+}
+
+impl Photographer {
+    /// A picture of a panel of a figure, 80 × 60 pixels, one ray through the middle of each.
+    fn picture(&mut self, number: u32, panel: &str, model: &str) -> Picture {
+        let figure = self.figure.take().filter(|(last, ..)| *last == number);
+        let (_, file, whole) = self.figure.insert(figure.unwrap_or_else(|| {
+            let path = folder().join(format!("figure-{number:02}.toml"));
+            let file = SceneFile::read(&path).unwrap();
+            let whole = file.scene(&Overrides::default()).unwrap();
+            (number, file, whole)
+        }));
+        let panel = whole.panels.iter().find(|p| p.name == panel).unwrap();
+        let overrides = Overrides {
+            size: Some([80, 60]),
+            set: vec![("model".into(), format!("\"{model}\""))],
+            ..Overrides::default()
+        };
+        let scene = file.panel(whole, panel, &overrides).unwrap();
+        let request = Request {
+            aovs: CHANNELS.to_vec(),
+            pixel_centers: true,
+            ..Request::default()
+        };
+        let kept = match model {
+            "exact" => &mut self.exact,
+            _ => &mut self.paper,
+        };
+        let prepared = kept.prepared(&scene, &request, &mut self.cubes);
+        let film = render(prepared, &Silent).unwrap();
+        let [width, height] = film.size();
+        let layers = Layers::new(width, height, film.channels(&CHANNELS), vec![]).unwrap();
+        Picture::linear(model, layers)
+    }
+
+    /// The exact picture of a panel, and what the paper's differs by.
+    fn compared(&mut self, figure: u32, panel: &str) -> (Picture, Comparison) {
+        let exact = self.picture(figure, panel, "exact");
+        // Of exact rotation the paper has none: it has its own in place of it.
+        let paper = match panel {
+            "exact-0.4" => "paper-0.4",
+            _ => panel,
+        };
+        let paper = self.picture(figure, paper, "paper2015");
+        let found = compare(&exact, &paper, &CompareOptions::default()).unwrap();
+        (exact, found)
+    }
 }
 
 fn compared(figure: u32, panel: &str) -> Comparison {
-    compared_with(&picture(figure, panel, "exact"), figure, panel)
-}
-
-/// The same given the exact picture of the panel.
-fn compared_with(exact: &Picture, figure: u32, panel: &str) -> Comparison {
-    // Of exact rotation the paper has none: it has its own in place of it.
-    let paper = match panel {
-        "exact-0.4" => picture(figure, "paper-0.4", "paper2015"),
-        _ => picture(figure, panel, "paper2015"),
-    };
-    compare(exact, &paper, &CompareOptions::default()).unwrap()
+    Photographer::default().compared(figure, panel).1
 }
 
 /// A row of the page's table.
-fn row(figure: u32, panel: &str, camera: &str) -> String {
-    let exact = picture(figure, panel, "exact");
-    let found = compared_with(&exact, figure, panel);
+fn row(by: &mut Photographer, figure: u32, panel: &str, camera: &str) -> String {
+    let (exact, found) = by.compared(figure, panel);
     let radiance = found.radiance.unwrap();
     let surface = found.surface.unwrap();
     let wrong = surface.wrong_objects.unwrap();
@@ -133,7 +155,8 @@ fn digits(value: f64) -> String {
 
 #[test]
 fn the_page_has_the_numbers_that_the_comparison_gives() {
-    let rows = PANELS.map(|(figure, panel, camera)| row(figure, panel, camera));
+    let mut by = Photographer::default();
+    let rows = PANELS.map(|(figure, panel, camera)| row(&mut by, figure, panel, camera));
     let page = std::fs::read_to_string(folder().join("paper-versus-exact.md")).unwrap();
     let is_row = |line: &&str| line.starts_with("| ") && line.contains("| `");
     let stated: Vec<_> = page.lines().filter(is_row).collect();
@@ -185,7 +208,7 @@ fn a_line_is_brighter_by_the_paper_by_one_power_of_the_shift() {
 
 #[test]
 fn angles_of_view_that_the_difference_evaluator_has_no_filters_for_are_refused() {
-    let picture = picture(2, "camera-6.5", "exact");
+    let picture = Photographer::default().picture(2, "camera-6.5", "exact");
     for pixels_per_degree in [0.0, -5.0, f64::NAN, 1e9] {
         let options = CompareOptions {
             pixels_per_degree: Some(pixels_per_degree),

@@ -9,7 +9,7 @@ use nullray::io::cube::BytesRead;
 use nullray::render::estimate_reads;
 use nullray::render::film::Film;
 use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::Prepared;
+use nullray::render::prepare::{LoadedCubes, Prepared};
 use nullray::render::progress::Silent;
 use nullray::render::{render, render_with_stats};
 use nullray::scene::model::Scene;
@@ -154,7 +154,17 @@ fn plan(scene: &Scene, room: Option<u64>) -> Plan {
 }
 
 fn film(scene: &Scene, plan: &Plan, threads: usize) -> Result<Film> {
-    let prepared = Prepared::new(scene, plan, &Silent)?;
+    film_sharing(scene, plan, threads, &mut LoadedCubes::default())
+}
+
+/// The same, with the cube of the last scene if that was in memory.
+fn film_sharing(
+    scene: &Scene,
+    plan: &Plan,
+    threads: usize,
+    cubes: &mut LoadedCubes,
+) -> Result<Film> {
+    let prepared = Prepared::sharing(scene, plan, cubes, &Silent)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     let pool = pool.build().unwrap();
     pool.install(|| render(&prepared, &Silent))
@@ -173,10 +183,12 @@ const SMALL: u64 = 9 << 20;
 fn same_bits(stored: &Stored, filters: &[&str], mappings: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
     write(&folder.path().join("cube.npy"), stored);
+    let mut cubes = LoadedCubes::default();
     for filter in filters {
         for mapping in mappings {
             let scene = scene_of(stored.channels, &folder, stored.axes, filter, mapping);
-            let whole = bits(&film(&scene, &plan(&scene, None), 2).unwrap());
+            let whole = film_sharing(&scene, &plan(&scene, None), 2, &mut cubes);
+            let whole = bits(&whole.unwrap());
             assert!(whole.iter().any(|bits| *bits != 0));
             for threads in [1, 3] {
                 let parts = bits(&film(&scene, &plan(&scene, Some(SMALL)), threads).unwrap());

@@ -6,7 +6,8 @@ use std::process::Command;
 use super::{BAKE, Folder, SCENE, SEQUENCE, check_failure, cube, instants, lit_scene, said};
 
 /// A library that makes the n-th call fail that changes a file: of `write` and its kin, `fsync`, `ftruncate`, `rename`, `mkdir`, or of
-/// `open` where it makes a file. Those after it fail, too, as on a full disk, unless `FAIL_ONCE` is set.
+/// `open` where it makes a file. Those after it fail, too, as on a full disk, unless `FAIL_ONCE` is set. An `fsync` that does not fail does
+/// nothing: what has been written is in the files without it, and only the power can fail before it is on the disk.
 const LIBRARY: &str = r#"
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -36,7 +37,10 @@ ON_FILE(ssize_t, write, (int fd, const void *data, size_t size), (fd, data, size
 ON_FILE(ssize_t, writev, (int fd, const struct iovec *data, int count), (fd, data, count), ENOSPC)
 ON_FILE(ssize_t, pwrite, (int fd, const void *data, size_t size, off_t at), (fd, data, size, at), ENOSPC)
 ON_FILE(ssize_t, pwrite64, (int fd, const void *data, size_t size, off64_t at), (fd, data, size, at), ENOSPC)
-ON_FILE(int, fsync, (int fd), (fd), EIO)
+int fsync(int fd) {
+    if (is_file(fd) && fails()) { errno = EIO; return -1; }
+    return 0;
+}
 ON_FILE(int, ftruncate, (int fd, off_t size), (fd, size), ENOSPC)
 ON_FILE(int, ftruncate64, (int fd, off64_t size), (fd, size), ENOSPC)
 int rename(const char *from, const char *to) {
@@ -102,14 +106,21 @@ fn with_failing_writes(inputs: &[(&str, Vec<u8>)], arguments: &[&str], old: Opti
         }
         folder
     };
+    let with_library = |folder: &Folder| {
+        let mut command = folder.program(arguments);
+        command.env("LD_PRELOAD", &library);
+        command
+    };
+    let succeed = |folder: &Folder| {
+        let output = with_library(folder).output().unwrap();
+        assert!(output.status.success(), "{arguments:?}: {}", said(&output));
+    };
     let reference = begun();
-    reference.succeed(arguments);
+    succeed(&reference);
     let expected = reference.files(&[]);
     let failing = |folder: &Folder, n: u64, failure| {
-        let mut command = folder.program(arguments);
-        command
-            .env("LD_PRELOAD", &library)
-            .env("FAIL_AT", n.to_string());
+        let mut command = with_library(folder);
+        command.env("FAIL_AT", n.to_string());
         if failure == Failure::Once {
             command.env("FAIL_ONCE", "1");
         }
@@ -155,7 +166,7 @@ fn with_failing_writes(inputs: &[(&str, Vec<u8>)], arguments: &[&str], old: Opti
                     said(&output)
                 );
             }
-            folder.succeed(arguments);
+            succeed(&folder);
             let after = folder.files(&[]);
             assert!(
                 after == expected,

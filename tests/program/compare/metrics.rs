@@ -24,16 +24,26 @@ fn expected(picture: &str, width: u32) -> HashMap<String, f64> {
         .collect()
 }
 
-/// Every kind of picture, at a size within one tile and at one of several.
+/// The comparison on so many threads, with maps.
+fn compared_on(threads: usize, [reference, candidate]: &[Picture; 2]) -> Comparison {
+    let options = CompareOptions {
+        maps: true,
+        ..CompareOptions::default()
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    let pool = pool.build().unwrap();
+    pool.install(|| compare(reference, candidate, &options).unwrap())
+}
+
+/// Every kind of picture, at a size within one tile and at one of several, on three threads.
 static CASES: LazyLock<Vec<(HashMap<String, f64>, Comparison)>> = LazyLock::new(|| {
     let mut cases = Vec::new();
     for (width, height) in [(61, 47), (600, 300)] {
-        for (name, [r, c]) in [
+        for (name, pair) in [
             ("light", light(width, height)),
             ("codes", codes(width, height)),
         ] {
-            let compared = compare(&r, &c, &CompareOptions::default()).unwrap();
-            cases.push((expected(name, width), compared));
+            cases.push((expected(name, width), compared_on(3, &pair)));
         }
     }
     cases
@@ -228,19 +238,9 @@ fn a_mask_is_a_crop_where_it_has_its_shape() {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
-    let [r, c] = light(600, 300);
-    let options = CompareOptions {
-        maps: true,
-        ..CompareOptions::default()
-    };
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        pool.install(|| compare(&r, &c, &options).unwrap())
-    };
-    assert_eq!(with(1), with(3));
+    // The light of several tiles.
+    let on_three = &CASES[2].1;
+    assert!(on_three == &compared_on(1, &light(600, 300)));
 }
 
 #[test]
